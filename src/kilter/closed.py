@@ -1,0 +1,156 @@
+"""Is a mesh a closed surface: welding of vertices, faces of no area, open edges.
+
+Vertices in one place (exactly, -0.0 = +0.0) are made one. Where edges are open after that,
+vertices closer than 1e-7 of the size (or the accuracy of the coordinates) are made one. An
+edge whose neighbours are split by a vertex on it (a T-junction) is closed all the same.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["open_edges", "welded"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+WELD = 1e-7
+"""Vertices closer than this part of the size are one, where edges are open otherwise."""
+
+
+def welded(
+    vertices: Array, triangles: Index, *, accuracy: float = 0.0
+) -> tuple[Array, Index, list[str]]:
+    """The mesh with each vertex once, without faces of no area or listed twice; and notes.
+
+    Examples
+    --------
+    >>> soup = np.array([[0., 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, -0.0], [0, 1, 0], [1, 0, 0]])
+    >>> vertices, triangles, notes = welded(soup, np.array([[0, 1, 2], [3, 4, 5]]))
+    >>> len(vertices), triangles.tolist()
+    (3, [[0, 2, 1], [0, 1, 2]])
+    """
+    distinct, inverse = np.unique(vertices + 0.0, axis=0, return_inverse=True)
+    inverse = inverse.reshape(-1)
+    merged = inverse[triangles]
+    if len(_unmatched(merged)):
+        size = float(np.ptp(distinct, axis=0).max(initial=0.0))
+        close = _merged_close(distinct, max(WELD * size, 4 * accuracy))
+        if len(_unmatched(close[merged])) < len(_unmatched(merged)):
+            merged = close[merged]
+    notes = []
+    flat = _no_area(distinct, merged)
+    if flat.any():
+        notes.append(f"{int(flat.sum())} faces of zero area dropped")
+        merged = merged[~flat]
+    merged, repeats = _without_repeats(merged)
+    if repeats:
+        notes.append(f"{repeats} faces listed twice dropped")
+    used, compact = np.unique(merged, return_inverse=True)
+    return distinct[used], compact.reshape(-1, 3), notes
+
+
+def open_edges(vertices: Array, triangles: Index) -> Index:
+    """Directed edges, shape (k, 2), that no face on the other side meets."""
+    edges = _unmatched(triangles)
+    for _ in range(8):
+        if not len(edges):
+            break
+        split = _split_at_vertices(vertices, edges)
+        remaining = _unmatched_edges(split)
+        if len(remaining) == len(edges) and len(split) == len(edges):
+            break
+        edges = remaining
+    return edges
+
+
+def _edges(triangles: Index) -> Index:
+    edges: Index = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    return edges
+
+
+def _unmatched(triangles: Index) -> Index:
+    return _unmatched_edges(_edges(triangles))
+
+
+def _unmatched_edges(edges: Index) -> Index:
+    """Directed edges (p, q) left over after each is paired with one (q, p)."""
+    edges = edges[edges[:, 0] != edges[:, 1]]
+    if not len(edges):
+        return edges
+    low, high = edges.min(axis=1), edges.max(axis=1)
+    sign = np.where(edges[:, 0] == low, 1, -1)
+    key = low * (int(edges.max()) + 1) + high
+    order = np.argsort(key, kind="stable")
+    first = np.flatnonzero(np.concatenate([[True], np.diff(key[order]) != 0]))
+    balance = np.add.reduceat(sign[order], first)
+    wrong = np.repeat(balance != 0, np.diff(np.append(first, len(key))))
+    rows = order[wrong]
+    # of a group that does not balance, keep as many as are left over, in their direction
+    group = np.repeat(np.arange(len(first)), np.diff(np.append(first, len(key))))[wrong]
+    surplus = rows[sign[rows] == np.sign(balance[group])]
+    group = group[sign[rows] == np.sign(balance[group])]
+    rank = np.arange(len(group)) - np.searchsorted(group, group)
+    return edges[surplus[rank < np.abs(balance[group])]]
+
+
+def _merged_close(vertices: Array, distance: float) -> Index:
+    """For each vertex the index of the one it becomes when those closer are made one."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    pairs = cKDTree(vertices).query_pairs(distance, output_type="ndarray")
+    count = len(vertices)
+    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    _, label = connected_components(graph, directed=False)
+    first = np.full(label.max() + 1, count)
+    np.minimum.at(first, label, np.arange(count))
+    merged: Index = first[label].astype(np.int64)
+    return merged
+
+
+def _no_area(vertices: Array, triangles: Index) -> NDArray[np.bool_]:
+    a, b, c = triangles.T
+    same = (a == b) | (b == c) | (c == a)
+    p, q, r = (vertices[k] for k in (a, b, c))
+    twice = np.linalg.norm(np.cross(q - p, r - p), axis=1)
+    longest = np.maximum.reduce([((u - v) ** 2).sum(axis=1) for u, v in ((p, q), (q, r), (r, p))])
+    flat: NDArray[np.bool_] = same | (twice <= 1e-14 * longest)
+    # a sliver that is all that closes an edge stays: dropping it would open the surface
+    if flat.any() and not same[flat].all():
+        thin = flat & ~same
+        if len(_unmatched(triangles[~flat])) > len(_unmatched(triangles[~same])):
+            flat = flat & ~thin
+    return flat
+
+
+def _without_repeats(triangles: Index) -> tuple[Index, int]:
+    """Faces listed twice with the same turn, once; an exact duplicate doubles the volume."""
+    turn = np.argmin(triangles, axis=1)
+    rows = np.arange(len(triangles))[:, None]
+    canonical = triangles[rows, (turn[:, None] + np.arange(3)) % 3]
+    _, first = np.unique(canonical, axis=0, return_index=True)
+    kept = triangles[np.sort(first)]
+    return kept, len(triangles) - len(kept)
+
+
+def _split_at_vertices(vertices: Array, edges: Index) -> Index:
+    """Open edges cut at the open vertices that lie on them."""
+    if len(edges) > 4000:
+        return edges
+    points = np.unique(edges)
+    start, end = vertices[edges[:, 0]], vertices[edges[:, 1]]
+    along = end - start
+    length = np.linalg.norm(along, axis=1)
+    size = float(np.ptp(vertices, axis=0).max())
+    pieces: list[list[int]] = []
+    for k, (p, q) in enumerate(edges.tolist()):
+        relative = vertices[points] - start[k]
+        t = relative @ along[k] / length[k] ** 2
+        off = np.linalg.norm(relative - t[:, None] * along[k], axis=1)
+        inside = (t > 1e-9) & (t < 1 - 1e-9) & (off <= WELD * size)
+        chain = [p, *points[inside][np.argsort(t[inside])].tolist(), q]
+        pieces.extend([u, v] for u, v in zip(chain[:-1], chain[1:], strict=True) if u != v)
+    return np.array(pieces, dtype=np.int64).reshape(-1, 2)

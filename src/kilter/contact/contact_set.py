@@ -1,0 +1,169 @@
+"""ContactSet: what touches, as arrays, one row a patch and one row a contact point.
+
+A contact point p is (a, b, x, n, mu): parts a and b, position x, unit normal n from a to b.
+The points of a patch are the corners of the convex hull of the area of contact in its
+plane: every pressure inside the patch is a sum of forces at those corners (the paper,
+section 2.1 and Figure 3), so nothing is lost for the equilibrium of rigid parts.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["ContactSet", "Overlap", "PossibleContacts", "Rejected", "Tolerance", "Unsupported"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class Tolerance:
+    """When two faces count as touching.
+
+    Parameters
+    ----------
+    gap : float or None
+        Largest gap [length unit]; None: `relative_gap` times the size of the smaller part.
+    relative_gap : float
+        [-]
+    angle : float
+        Largest angle between the faces [rad].
+
+    Examples
+    --------
+    >>> Tolerance.loose().angle
+    0.02
+    """
+
+    gap: float | None = None
+    relative_gap: float = 1e-5
+    angle: float = 1e-3
+
+    @classmethod
+    def loose(cls) -> Tolerance:
+        """For scanned, rounded or hand-made data: gaps to 1e-3, tilts to 2e-2 rad."""
+        return cls(relative_gap=1e-3, angle=2e-2)
+
+
+@dataclass(frozen=True, slots=True)
+class Rejected:
+    """A pair of faces that came near but does not count as touching, and why."""
+
+    parts: tuple[int, int]
+    gap: float
+    angle: float
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class Overlap:
+    """Two parts that share volume: `volume` (None where it was not computed), `depth`."""
+
+    parts: tuple[int, int]
+    volume: float | None
+    depth: float
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class Unsupported:
+    """A pair that touches in a way that is not modelled yet.
+
+    `kind` is "edge", "vertex" or "curved".
+    """
+
+    parts: tuple[int, int]
+    kind: str
+    point: tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PossibleContacts:
+    """Every force that contacts which are not modelled could bring; one row a force.
+
+    Used to bound a verdict from the other side: what is unstable although all of these
+    may push is unstable. Rows with `two_sided` may also pull.
+    """
+
+    part_a: Index
+    part_b: Index
+    points: Array
+    normals: Array
+    two_sided: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        return len(self.part_a)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ContactSet:
+    """Contact patches between parts, struct of arrays; world frame, length unit of the file.
+
+    Attributes
+    ----------
+    patch_parts : ndarray of int, shape (P, 2)
+        Parts a and b of each patch, by position in the assembly.
+    patch_normal : ndarray, shape (P, 3)
+        Unit normal from a to b.
+    patch_area : ndarray, shape (P,)
+        Area of contact [length unit^2] (not of its hull); 0 for given contacts.
+    patch_gap : ndarray, shape (P, 2)
+        Least and greatest gap over the patch [length unit]; negative = penetration.
+    patch_mu : ndarray, shape (P,)
+        Friction coefficient [-].
+    patch_kind : ndarray of str, shape (P,)
+        "plane", or "given" for contacts listed in the file.
+    patch_accuracy : ndarray, shape (P,)
+        Accuracy of the coordinates over the size of the patch [-].
+    patch_start : ndarray of int, shape (P + 1,)
+        The points of patch p are rows ``patch_start[p]`` to ``patch_start[p + 1]``.
+    points : ndarray, shape (K, 3)
+        Contact points [length unit].
+    unsupported : tuple of Unsupported
+    possible : PossibleContacts
+    rejected : tuple of Rejected
+    overlaps : tuple of Overlap
+    gap_edges, gap_counts : ndarray, shape (n + 1,) and (n,)
+        Histogram of the gaps of opposing faces over the size of the smaller part.
+    tolerance : Tolerance
+    gap : float
+        The largest gap tolerance that was applied to a pair [length unit].
+    warnings : tuple of str
+    """
+
+    patch_parts: Index
+    patch_normal: Array
+    patch_area: Array
+    patch_gap: Array
+    patch_mu: Array
+    patch_kind: NDArray[np.str_]
+    patch_accuracy: Array
+    patch_start: Index
+    points: Array
+    unsupported: tuple[Unsupported, ...]
+    possible: PossibleContacts
+    rejected: tuple[Rejected, ...]
+    overlaps: tuple[Overlap, ...]
+    gap_edges: Array
+    gap_counts: Index
+    tolerance: Tolerance
+    gap: float
+    warnings: tuple[str, ...]
+
+    def __len__(self) -> int:
+        return len(self.patch_area)
+
+    @property
+    def point_patch(self) -> Index:
+        """The patch of each point, shape (K,)."""
+        return np.repeat(np.arange(len(self)), np.diff(self.patch_start))
+
+    @property
+    def pairs(self) -> int:
+        """How many pairs of parts touch."""
+        if not len(self):
+            return 0
+        return len(np.unique(np.sort(self.patch_parts, axis=1), axis=0))

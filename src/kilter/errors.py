@@ -1,0 +1,76 @@
+"""Errors: one root, and each error carries its evidence as attributes.
+
+"No" is an answer, not an error: an unstable assembly is a result. Errors are for wrong
+input (`InputError`, exit code 2 of the command) and for a fault of kilter itself.
+"""
+
+from __future__ import annotations
+
+__all__ = ["InputError", "KilterError", "KilterWarning", "SolverError"]
+
+
+class KilterError(Exception):
+    """Root of every error that kilter raises on purpose."""
+
+
+class InputError(KilterError):
+    """Wrong input: says what is wrong, where, and what to do.
+
+    Parameters
+    ----------
+    what : str
+        What is wrong, without a full stop.
+    file : str, optional
+        The file it is in.
+    part : str, optional
+        The part it is about.
+    hint : str, optional
+        What to do about it.
+
+    Examples
+    --------
+    >>> print(InputError("mass is -1", part="C2", hint="give a mass above zero"))
+    part 'C2': mass is -1; give a mass above zero
+    """
+
+    def __init__(
+        self,
+        what: str,
+        *,
+        file: str | None = None,
+        part: str | None = None,
+        hint: str | None = None,
+    ) -> None:
+        super().__init__(what)
+        self.what = what
+        self.file = file
+        self.part = part
+        self.hint = hint
+
+    def __str__(self) -> str:
+        place = [self.file] if self.file else []
+        place += [f"part {_short(self.part)}"] if self.part is not None else []
+        message = ": ".join([*place, self.what])
+        return f"{message}; {self.hint}" if self.hint else message
+
+    def located(self, *, file: str | None = None, part: str | None = None) -> InputError:
+        """The same error with the place filled in where it was unknown."""
+        return type(self)(
+            self.what, file=self.file or file, part=self.part or part, hint=self.hint
+        )
+
+
+class SolverError(KilterError):
+    """A solver broke down (not: said "infeasible"); `status` is what it returned."""
+
+    def __init__(self, what: str, *, status: str = "") -> None:
+        super().__init__(what)
+        self.status = status
+
+
+class KilterWarning(UserWarning):
+    """Something that does not stop the work but that its user should know."""
+
+
+def _short(name: str, limit: int = 60) -> str:
+    return repr(name if len(name) <= limit else name[: limit - 3] + "...")

@@ -1,0 +1,34 @@
+"""Units of length: metres in one unit of a file.
+
+Lengths, areas and volumes are kept in the unit of the file. Everything else is SI, so a
+gravity of 9.81 m/s^2 is ``9.81 / metres_per_unit`` file units per second squared.
+"""
+
+from __future__ import annotations
+
+from kilter.errors import InputError
+
+__all__ = ["METRES", "metres_per_unit"]
+
+METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
+
+
+def metres_per_unit(units: str) -> float:
+    """Metres in one unit of length [m].
+
+    Raises
+    ------
+    InputError
+        If the unit is not one of m, cm, mm, in.
+
+    Examples
+    --------
+    >>> metres_per_unit("mm")
+    0.001
+    """
+    try:
+        return METRES[units]
+    except (KeyError, TypeError):
+        raise InputError(
+            f"unknown units {units!r}", hint=f"use one of {', '.join(METRES)}"
+        ) from None
