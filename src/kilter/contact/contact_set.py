@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["ContactSet", "Overlap", "PossibleContacts", "Rejected", "Tolerance", "Unsupported"]
+__all__ = ["ContactSet", "Overlap", "PossibleContacts", "Rejected", "Tolerance", "Unsupported", "joined"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -96,6 +96,16 @@ class PossibleContacts:
 
     def __len__(self) -> int:
         return len(self.part_a)
+
+
+def joined(first: PossibleContacts, second: PossibleContacts) -> PossibleContacts:
+    """Both, one after the other."""
+    return PossibleContacts(
+        *(
+            np.concatenate([getattr(first, name), getattr(second, name)])
+            for name in PossibleContacts.__slots__
+        )
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,0 +1,322 @@
+"""From an assembly to its contacts: broad phase, overlay of faces, patches, near pairs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.assembly import Assembly
+from kilter.contact.broad import Boxes, facet_pairs, make_boxes, part_pairs
+from kilter.contact.contact_set import ContactSet, Overlap, Rejected, Tolerance, joined
+from kilter.contact.facets import Facets, find_facets
+from kilter.contact.near import NearContacts, Touching, near_contacts
+from kilter.contact.overlap import find_overlaps
+from kilter.contact.patches import Patches, merge
+from kilter.contact.planes import FacetFrame, Pieces, facet_frames, overlaps_of
+from kilter.contact.round import rim_contacts
+from kilter.errors import InputError
+from kilter.geometry import Geometry
+
+__all__ = ["find_contacts"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+NEAR = 100.0
+"""Gaps up to this many tolerances are looked at, for the histogram and the rejected pairs."""
+NEAR_ANGLE = 0.05
+"""Angles up to this are looked at [rad]."""
+THICKNESS = 0.1
+"""The gap tolerance is at most this part of the thickness of the thinner part."""
+GAP_EDGES: Array = np.concatenate([[-np.inf], -(10.0 ** np.arange(-2, -13, -1)), [0.0], 10.0 ** np.arange(-12, -1), [np.inf]])  # fmt: skip
+LISTED = 1000
+"""Rejected pairs kept, nearest first."""
+
+
+def find_contacts(
+    assembly: Assembly,
+    *,
+    tolerance: Tolerance | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> ContactSet:
+    """What touches in an assembly.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    tolerance : Tolerance, optional
+        When faces count as touching.
+    progress : callable, optional
+        Called with a word at each stage.
+
+    Returns
+    -------
+    ContactSet
+        Patches of detected planar contact, given contacts, and what came near.
+
+    Raises
+    ------
+    InputError
+        If the tolerance is not above zero.
+
+    Examples
+    --------
+    >>> from kilter.shapes import Box
+    >>> from kilter.assembly import Part
+    >>> from kilter.rigid import Pose
+    >>> table = Part("table", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
+    >>> contacts = find_contacts(Assembly([table, Part("cube", Box([1, 1, 1]), Pose([0, 0, 0.5]))]))
+    >>> len(contacts), contacts.patch_area, contacts.patch_normal.tolist()
+    (1, array([1.]), [[0.0, 0.0, 1.0]])
+    """
+    tolerance = tolerance or Tolerance()
+    _check(tolerance)
+    tell = progress or (lambda stage: None)
+    geometry = assembly.geometry
+    tell("facets")
+    facets = find_facets(geometry)
+    tell("near pairs")
+    boxes = make_boxes(geometry, facets)
+    pairs = _pairs_to_detect(assembly, boxes, tolerance)
+    limits = _limits(geometry, facets, pairs, tolerance)
+    tell("faces")
+    found = _planar(geometry, facets, boxes, pairs, limits, tolerance)
+    tell("edges and corners")
+    near = near_contacts(geometry, facets, boxes, found.touching)
+    overlaps, warnings = find_overlaps(assembly, geometry, facets, boxes, found.touching)
+    return _contact_set(assembly, found, limits, near, overlaps, warnings, tolerance)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Limits:
+    """Arrays, one row a pair: gap tolerance, margin looked at, rounding [length unit]."""
+
+    gap: Array
+    margin: Array
+    blur: Array
+    coarse: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Found:
+    """What the overlay of faces gave."""
+
+    touching: Touching
+    frames: FacetFrame
+    facets: Facets
+    rejected: list[Rejected]
+    counts: Index
+    warnings: list[str]
+
+
+def _check(tolerance: Tolerance) -> None:
+    for name, value in (("gap", tolerance.gap), ("angle", tolerance.angle)):
+        if value is not None and not (np.isfinite(value) and value > 0):
+            raise InputError(f"the {name} tolerance is {value}", hint="give a number above zero")
+
+
+def _pairs_to_detect(assembly: Assembly, boxes: Boxes, tolerance: Tolerance) -> Index:
+    """Pairs of parts that come near, without those whose contacts are given."""
+    geometry = assembly.geometry
+    if not assembly.detect:
+        return np.empty((0, 2), dtype=np.int64)
+    rough = np.maximum(tolerance.relative_gap * geometry.size, 4 * geometry.accuracy)
+    if tolerance.gap is not None:
+        rough = np.full(len(rough), tolerance.gap)
+    pairs = part_pairs(boxes, geometry.grounded, NEAR * rough / 2)
+    given = {frozenset(assembly.index_of(n) for n in contact.parts) for contact in assembly.contacts}
+    if given:
+        keep = [frozenset(pair) not in given for pair in pairs.tolist()]
+        pairs = pairs[np.array(keep, dtype=bool)]
+    return pairs
+
+
+def _limits(geometry: Geometry, facets: Facets, pairs: Index, tolerance: Tolerance) -> _Limits:
+    a, b = pairs.T
+    surface = np.bincount(facets.part, weights=facets.area, minlength=len(geometry.mass))
+    thickness = 2 * geometry.volume / surface
+    blur = 2 * (geometry.accuracy[a] + geometry.accuracy[b])
+    if tolerance.gap is not None:
+        gap = np.full(len(pairs), tolerance.gap)
+        wanted = gap
+    else:
+        wanted = tolerance.relative_gap * np.minimum(geometry.size[a], geometry.size[b])
+        gap = np.minimum(wanted, THICKNESS * np.minimum(thickness[a], thickness[b]))
+        gap = np.maximum(gap, blur)
+    return _Limits(
+        gap=gap,
+        margin=np.maximum(NEAR * wanted, gap),
+        blur=blur,
+        coarse=blur > THICKNESS * np.minimum(thickness[a], thickness[b]),
+    )
+
+
+def _planar(
+    geometry: Geometry,
+    facets: Facets,
+    boxes: Boxes,
+    pairs: Index,
+    limits: _Limits,
+    tolerance: Tolerance,
+) -> _Found:
+    """Patches of the faces that touch, and what came near."""
+    widest = max(NEAR_ANGLE, 2 * tolerance.angle)
+    pair, i, j = facet_pairs(facets, boxes, pairs, limits.margin, float(np.cos(widest)))
+    flat = ~(facets.curved[i] | facets.curved[j])
+    pair, i, j = pair[flat], i[flat], j[flat]
+    frames = facet_frames(facets, pair, i, j, limits.margin[pair])
+    blocks = overlaps_of(geometry, facets, frames)
+    angle = tolerance.angle + _angle_blur(geometry, facets, frames)
+    accepted, refused, counts = [], [], np.zeros(len(GAP_EDGES) - 1, dtype=np.int64)
+    for block in blocks:
+        limit = limits.gap[frames.pair[block.frame]]
+        opposed = frames.angle[block.frame] <= angle[block.frame]
+        touch = opposed & (block.gap[:, 0] <= limit) & (block.gap[:, 1] >= -limit)
+        accepted.append(block.take(np.flatnonzero(touch)))
+        refused.append(block.take(np.flatnonzero(~touch)))
+        size = np.minimum(geometry.size[facets.part[frames.i]], geometry.size[facets.part[frames.j]])
+        # gap nearest to zero over the piece; a cut of no width has none
+        nearest = np.where(block.gap[:, 0] > 0, block.gap[:, 0], np.minimum(block.gap[:, 1], 0))
+        wide = block.area > limit * np.sqrt(block.area)
+        relative = (nearest / size[block.frame])[wide & opposed]
+        counts += np.histogram(relative, bins=GAP_EDGES)[0]
+    patches, thin = merge(frames, accepted, limits.gap, limits.blur)
+    rejected = _rejected(facets, frames, refused, limits, angle, "")
+    rejected += _rejected(facets, frames, thin, limits, angle, "thinner than twice the gap tolerance")
+    rejected.sort(key=lambda r: (abs(r.gap), r.angle))
+    return _Found(
+        touching=Touching(pairs, limits.gap, patches),
+        frames=frames,
+        facets=facets,
+        rejected=rejected[:LISTED],
+        counts=counts,
+        warnings=_tolerance_warnings(patches, rejected, limits),
+    )
+
+
+def _angle_blur(geometry: Geometry, facets: Facets, frames: FacetFrame) -> Array:
+    """Error of the angle between two facets that rounding of the coordinates explains [rad]."""
+    blur = np.zeros(len(frames.i))
+    for facet in (frames.i, frames.j):
+        part = facets.part[facet]
+        width = facets.area[facet] / facets.reach[facet]
+        blur += np.where(geometry.single[part], 4 * geometry.accuracy[part] / width, 0.0)
+    return np.minimum(blur, 0.05)
+
+
+def _rejected(
+    facets: Facets,
+    frames: FacetFrame,
+    blocks: list[Pieces],
+    limits: _Limits,
+    angle: Array,
+    why: str,
+) -> list[Rejected]:
+    """The nearest rejected piece of each pair of parts and reason."""
+    nearest: dict[tuple[int, str], Rejected] = {}
+    for block in blocks:
+        row = block.frame
+        pair = frames.pair[row]
+        gap = np.where(block.gap[:, 0] > 0, block.gap[:, 0], np.minimum(block.gap[:, 1], 0))
+        wide = (block.area > (2 * limits.gap[pair]) ** 2) & (np.abs(gap) <= limits.margin[pair])
+        for k in np.flatnonzero(wide | bool(why)):
+            tilted = frames.angle[row[k]] > angle[row[k]]
+            reason = why or (
+                "tilted by more than the angle tolerance"
+                if tilted
+                else "gap above the tolerance"
+                if gap[k] > 0
+                else "penetrates by more than the gap tolerance"
+            )
+            a, b = facets.part[frames.i[row[k]]], facets.part[frames.j[row[k]]]
+            entry = Rejected((int(a), int(b)), float(gap[k]), float(frames.angle[row[k]]), reason)
+            key = (int(pair[k]), reason)
+            if key not in nearest or abs(entry.gap) < abs(nearest[key].gap):
+                nearest[key] = entry
+    return list(nearest.values())
+
+
+def _tolerance_warnings(patches: Patches, rejected: list[Rejected], limits: _Limits) -> list[str]:
+    """A word where the gap tolerance cuts through gaps that belong together."""
+    warnings = []
+    gap = np.abs(patches.gap).min(axis=1) if len(patches.pair) else np.empty(0)
+    gap[(patches.gap[:, 0] < 0) & (patches.gap[:, 1] > 0)] = 0.0
+    below = int((gap > limits.gap[patches.pair] / 3).sum())
+    edge = 3 * float(limits.gap.max(initial=0.0))
+    above = sum(abs(r.gap) < edge for r in rejected if r.why.startswith(("gap", "penetrates")))
+    if below and above:
+        warnings.append(
+            f"the gap tolerance falls inside a cluster of gaps: {below} patches just below it, "
+            f"{above} near pairs just above; see the histogram and set --gap"
+        )
+    if limits.coarse.any():
+        warnings.append(
+            "coordinates are too coarse for the thinnest parts: "
+            f"{int(limits.coarse.sum())} pairs have rounding above a tenth of a part's thickness"
+        )
+    return warnings
+
+
+def _contact_set(
+    assembly: Assembly,
+    found: _Found,
+    limits: _Limits,
+    near: NearContacts,
+    overlaps: tuple[Overlap, ...],
+    warnings: list[str],
+    tolerance: Tolerance,
+) -> ContactSet:
+    """Detected and given contacts as one, with their friction."""
+    geometry, patches = assembly.geometry, found.touching.patches
+    facets, frames = found.facets, found.frames
+    facet = np.column_stack([frames.i, frames.j])[patches.frame]
+    parts = facets.part[facet]
+    width = (facets.area[facet] / facets.reach[facet]).min(axis=1)
+    accuracy = geometry.accuracy[parts].sum(axis=1) / width if len(parts) else np.empty(0)
+    given = assembly.contacts
+    given_parts = np.array([[assembly.index_of(n) for n in c.parts] for c in given], dtype=np.int64)
+    counts = np.array([len(c.points) for c in given], dtype=np.int64)
+    start = np.concatenate([patches.start, patches.start[-1] + np.cumsum(counts)])
+    parts = np.concatenate([parts, given_parts.reshape(-1, 2)])
+    normal = np.concatenate([patches.normal, np.array([c.normal for c in given]).reshape(-1, 3)])
+    points = np.concatenate([patches.points, *(c.points for c in given)])
+    rims = rim_contacts(geometry, parts[: len(patches.pair)], normal, start, points)
+    return ContactSet(
+        patch_parts=parts,
+        patch_normal=normal,
+        patch_area=np.concatenate([patches.area, np.zeros(len(given))]),
+        patch_gap=np.concatenate([patches.gap, np.zeros((len(given), 2))]),
+        patch_mu=_friction(assembly, parts, [c.mu for c in given]),
+        patch_kind=np.array(["plane"] * len(patches.pair) + ["given"] * len(given), dtype="<U8"),
+        patch_accuracy=np.concatenate([accuracy, np.zeros(len(given))]),
+        patch_start=start,
+        points=points,
+        unsupported=near.unsupported,
+        possible=joined(near.possible, rims),
+        rejected=tuple(found.rejected),
+        overlaps=overlaps,
+        gap_edges=GAP_EDGES,
+        gap_counts=found.counts,
+        tolerance=tolerance,
+        gap=float(limits.gap.max(initial=0.0)),
+        warnings=(*found.warnings, *warnings),
+    )
+
+
+def _friction(assembly: Assembly, parts: Index, own: list[float | None]) -> Array:
+    """Friction coefficient of each patch: its own, else the pair's, else the assembly's."""
+    mu = np.full(len(parts), assembly.friction)
+    if assembly.friction_pairs:
+        by_pair = {
+            frozenset(assembly.index_of(n) for n in entry.parts): entry.mu
+            for entry in assembly.friction_pairs
+        }
+        for k, pair in enumerate(parts.tolist()):
+            mu[k] = by_pair.get(frozenset(pair), mu[k])
+    for k, value in enumerate(own, start=len(parts) - len(own)):
+        if value is not None:
+            mu[k] = value
+    return mu

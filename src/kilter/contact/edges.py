@@ -1,0 +1,161 @@
+"""Edges of parts: where two facets meet, and what lies beside them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.contact.broad import Boxes
+from kilter.contact.facets import Facets
+from kilter.geometry import Geometry
+
+__all__ = ["Edges", "find_edges", "segment_distance"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Edges:
+    """Edges of some parts, ordered by part.
+
+    Attributes
+    ----------
+    start : ndarray of int, shape (N + 1,)
+        The edges of part i are rows ``start[i]`` to ``start[i + 1]``.
+    ends_of : ndarray of int, shape (E, 2)
+        Vertices.
+    facet : ndarray of int, shape (E, 2)
+        The facet left of the edge and the one right of it, seen from outside (-1: none).
+    fan_start, fan : ndarray of int
+        Vertices joined to vertex v by an edge: ``fan[fan_start[v]:fan_start[v + 1]]``.
+    """
+
+    start: Index
+    ends_of: Index
+    facet: Index
+    fan_start: Index
+    fan: Index
+
+    def ends(self, geometry: Geometry, which: Index) -> tuple[Array, Array]:
+        """Both ends of edges, shape (n, 3) each."""
+        p, q = geometry.vertices[self.ends_of[which]].transpose(1, 0, 2)
+        return p, q
+
+    def direction(self, geometry: Geometry, which: Index) -> Array:
+        """Unit directions of edges, shape (n, 3)."""
+        p, q = self.ends(geometry, which)
+        unit: Array = (q - p) / np.maximum(np.linalg.norm(q - p, axis=1), 1e-300)[:, None]
+        return unit
+
+    def inside(
+        self, geometry: Geometry, boxes: Boxes, part: Index, box: tuple[Array, Array]
+    ) -> tuple[Index, Index]:
+        """Edges of ``part[k]`` whose box meets box k: pairs (k, edge), ordered by k."""
+        count = self.start[part + 1] - self.start[part]
+        owner = np.repeat(np.arange(len(part)), count)
+        shift = self.start[part] - (np.cumsum(count) - count)
+        edge = np.arange(len(owner)) + np.repeat(shift, count)
+        p, q = (end @ boxes.frame.T for end in self.ends(geometry, edge))
+        meets = (np.minimum(p, q) <= box[1][owner]).all(axis=1)
+        meets &= (np.maximum(p, q) >= box[0][owner]).all(axis=1)
+        return owner[meets], edge[meets]
+
+    def behind(
+        self, facets: Facets, geometry: Geometry, which: Index, normal: Array, slack: float
+    ) -> Mask:
+        """Edges whose two facets lie behind the plane with this normal."""
+        fits = np.ones(len(which), dtype=bool)
+        along = self.direction(geometry, which)
+        for side, turn in ((0, 1.0), (1, -1.0)):
+            facet = self.facet[which, side]
+            into = turn * np.cross(facets.normal[facet], along)
+            fits &= (facet < 0) | (np.einsum("ij,ij->i", into, normal) <= slack)
+        return fits
+
+    def in_front(self, geometry: Geometry, vertex: Index, normal: Array, slack: float) -> Mask:
+        """Vertices all of whose edges rise in front of the plane with this normal."""
+        count = self.fan_start[vertex + 1] - self.fan_start[vertex]
+        owner = np.repeat(np.arange(len(vertex)), count)
+        shift = self.fan_start[vertex] - (np.cumsum(count) - count)
+        other = self.fan[np.arange(len(owner)) + np.repeat(shift, count)]
+        step = geometry.vertices[other] - geometry.vertices[vertex][owner]
+        length = np.maximum(np.linalg.norm(step, axis=1), 1e-300)
+        rise = np.einsum("ij,ij->i", step, normal[owner]) / length
+        fits = np.ones(len(vertex), dtype=bool)
+        fits[owner[rise < -slack]] = False
+        return fits
+
+
+def find_edges(geometry: Geometry, facets: Facets, parts: Index) -> Edges:
+    """The edges between facets of the given parts."""
+    chosen = np.zeros(len(geometry.mass), dtype=bool)
+    chosen[parts] = True
+    begin, end, facet = _boundary(facets, np.flatnonzero(chosen[facets.part]))
+    low, high = np.minimum(begin, end), np.maximum(begin, end)
+    order = np.lexsort((begin != low, high, low))
+    begin, end, facet, low, high = (x[order] for x in (begin, end, facet, low, high))
+    fresh = np.ones(len(low), dtype=bool)
+    fresh[1:] = (np.diff(low) != 0) | (np.diff(high) != 0)
+    first = np.flatnonzero(fresh)
+    sides = np.full((len(first), 2), -1, dtype=np.int64)
+    number = np.cumsum(fresh) - 1
+    forward = begin == low
+    sides[number[forward], 0] = facet[forward]
+    sides[number[~forward], 1] = facet[~forward]
+    ends = np.column_stack([low[first], high[first]])
+    part = geometry.vertex_part[ends[:, 0]]
+    order = np.argsort(part, kind="stable")
+    both = np.concatenate([ends, ends[:, ::-1]])
+    both = both[np.argsort(both[:, 0], kind="stable")]
+    return Edges(
+        start=np.searchsorted(part[order], np.arange(len(geometry.mass) + 1)),
+        ends_of=ends[order],
+        facet=sides[order],
+        fan_start=np.searchsorted(both[:, 0], np.arange(len(geometry.vertices) + 1)),
+        fan=both[:, 1],
+    )
+
+
+def _boundary(facets: Facets, which: Index) -> tuple[Index, Index, Index]:
+    """Directed edges around the facets: start, end, facet; the facet lies left of them."""
+    length = np.diff(facets.corner_start)[which]
+    owner = np.repeat(which, length)
+    k = np.arange(len(owner)) - np.repeat(np.cumsum(length) - length, length)
+    row = facets.corner_start[owner] + k
+    step = np.where(facets.convex[owner], np.repeat(length, length), 3)
+    following = row + np.where((k + 1) % step == 0, 1 - step, 1)
+    begin, end = facets.corners[row], facets.corners[following]
+    loose = ~facets.convex[owner]
+    if loose.any():  # edges between triangles of one facet are no edges of the part
+        big = int(max(begin.max(), end.max())) + 1
+        _, local = np.unique(owner, return_inverse=True)
+        names, ends = np.unique(np.concatenate([begin, end]), return_inverse=True)
+        big = len(names)
+        p, q = ends[: len(begin)], ends[len(begin) :]
+        inner = np.isin((local * big + p) * big + q, (local * big + q) * big + p)
+        begin, end, owner = begin[~inner], end[~inner], owner[~inner]
+    return begin, end, owner
+
+
+def segment_distance(p1: Array, q1: Array, p2: Array, q2: Array) -> tuple[Array, Array]:
+    """Distance of segments that are not parallel, and the point half-way; shape (n,), (n, 3).
+
+    Examples
+    --------
+    >>> segment_distance(*(np.array([x], dtype=float) for x in
+    ...                    ([-1, 0, 0], [1, 0, 0], [0, -1, 1], [0, 1, 1])))
+    (array([1.]), array([[0. , 0. , 0.5]]))
+    """
+    d1, d2, r = q1 - p1, q2 - p2, p1 - p2
+    a, e, b = (np.einsum("ij,ij->i", x, y) for x, y in ((d1, d1), (d2, d2), (d1, d2)))
+    c, f = np.einsum("ij,ij->i", d1, r), np.einsum("ij,ij->i", d2, r)
+    a, e = np.maximum(a, 1e-300), np.maximum(e, 1e-300)
+    s = np.clip((b * f - c * e) / np.maximum(a * e - b * b, 1e-300), 0, 1)
+    t = np.clip((b * s + f) / e, 0, 1)
+    s = np.clip((b * t - c) / a, 0, 1)
+    x, y = p1 + s[:, None] * d1, p2 + t[:, None] * d2
+    return np.linalg.norm(x - y, axis=1), (x + y) / 2

@@ -1,0 +1,313 @@
+"""Contacts that are not modelled yet: edges, corners and round surfaces; bounded, not guessed.
+
+Pairs of parts that come within tolerance but meet in a corner, an edge or a round face are
+listed as unsupported. What they could do to a verdict is bounded from both sides: without
+them, and with every force that they might bring (`PossibleContacts`).
+
+- A corner of one part in a facet of the other pushes along the facet's normal, if the part
+  with the corner lies in front of the facet there.
+- Edges that cross push along the normal of both, if the parts lie on either side of it.
+- Where two corners, or edges side by side, meet, the normals found in this way include the
+  extreme ones of the cone of normals that separate the two parts, so that every force
+  between them is a sum of these (Palmer's degenerate contacts; the paper, section 1.1).
+- A sphere is pushed through its centre, the side of a cylinder across its axis.
+
+For two convex parts a patch of planar contact is complete: nothing else is looked for.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.contact.broad import Boxes, facets_in, products
+from kilter.contact.contact_set import PossibleContacts, Unsupported
+from kilter.contact.edges import Edges, find_edges, segment_distance
+from kilter.contact.facets import Facets
+from kilter.contact.patches import Patches
+from kilter.contact.round import round_contacts
+from kilter.geometry import Geometry
+
+__all__ = ["NearContacts", "Touching", "near_contacts"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+PARALLEL = 1e-3
+"""Edges closer to parallel than this have no normal of their own [rad]."""
+IN_FRONT = 1e-3
+"""A part counts as lying in front of a plane up to this angle [rad]."""
+BATCH = 3_000_000
+"""Combinations looked at in one go."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Touching:
+    """Pairs of parts whose boxes meet: `pairs` (n, 2), gap `tolerance` (n,), their patches."""
+
+    pairs: Index
+    tolerance: Array
+    patches: Patches
+
+    @property
+    def has_patch(self) -> Mask:
+        """Whether each pair has a patch, shape (n,)."""
+        found = np.zeros(len(self.pairs), dtype=bool)
+        found[self.patches.pair] = True
+        return found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NearContacts:
+    """What touches but is not modelled, and the forces that it could bring."""
+
+    unsupported: tuple[Unsupported, ...]
+    possible: PossibleContacts
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Points:
+    """Candidate points: row of the pair, position, normal from a to b, "vertex" or "edge"."""
+
+    pair: Index
+    point: Array
+    normal: Array
+    crossing: Mask
+
+
+def near_contacts(
+    geometry: Geometry, facets: Facets, boxes: Boxes, touching: Touching
+) -> NearContacts:
+    """Corner, edge and round contacts of the pairs that planar patches do not settle."""
+    a, b = touching.pairs.T
+    round_pair = geometry.is_round[a] | geometry.is_round[b]
+    settled = facets.convex_part[a] & facets.convex_part[b] & touching.has_patch
+    grow = touching.tolerance[:, None]
+    meets = (boxes.part_low[a] <= boxes.part_high[b] + grow).all(axis=1)
+    meets &= (boxes.part_low[b] <= boxes.part_high[a] + grow).all(axis=1)
+    rows = np.flatnonzero(meets & ~settled & ~round_pair)
+    found = _sharp(geometry, facets, boxes, touching, rows)
+    unsupported = _listed(touching, found)
+    rounds = round_contacts(
+        geometry, facets, touching.pairs, touching.tolerance, np.flatnonzero(meets & round_pair)
+    )
+    pair_a, pair_b = touching.pairs[found.pair].T
+    return NearContacts(
+        unsupported=(*unsupported, *rounds.unsupported),
+        possible=PossibleContacts(
+            part_a=np.concatenate([pair_a, rounds.possible.part_a]),
+            part_b=np.concatenate([pair_b, rounds.possible.part_b]),
+            points=np.concatenate([found.point, rounds.possible.points]),
+            normals=np.concatenate([found.normal, rounds.possible.normals]),
+            two_sided=np.concatenate(
+                [np.zeros(len(pair_a), dtype=bool), rounds.possible.two_sided]
+            ),
+        ),
+    )
+
+
+def _sharp(
+    geometry: Geometry, facets: Facets, boxes: Boxes, touching: Touching, rows: Index
+) -> _Points:
+    """Corner-face and edge-edge candidates of some pairs."""
+    found = [_nothing()]
+    if len(rows):
+        edges = find_edges(geometry, facets, np.unique(touching.pairs[rows]))
+        # pairs in blocks, so that the candidates of a block fit in memory
+        for block in np.array_split(rows, max(1, len(rows) // 20_000)):
+            a, b = touching.pairs[block].T
+            grow = touching.tolerance[block][:, None]
+            low = np.maximum(boxes.part_low[a], boxes.part_low[b]) - grow
+            high = np.minimum(boxes.part_high[a], boxes.part_high[b]) + grow
+            near_a, near_b = facets_in(facets, boxes, a, low, high), facets_in(facets, boxes, b, low, high)
+            box = (low, high)
+            found.append(_corners(geometry, facets, boxes, edges, touching, block, near_a, near_b, box, 1.0))
+            found.append(_corners(geometry, facets, boxes, edges, touching, block, near_b, near_a, box, -1.0))
+            found.append(_crossings(geometry, facets, boxes, edges, touching, block, box))
+    points = _Points(*(np.concatenate([getattr(f, name) for f in found]) for name in _Points.__slots__))
+    return _unexplained(points, touching)
+
+
+def _nothing() -> _Points:
+    return _Points(
+        np.empty(0, np.int64), np.empty((0, 3)), np.empty((0, 3)), np.empty(0, dtype=bool)
+    )
+
+
+def _corners(
+    geometry: Geometry,
+    facets: Facets,
+    boxes: Boxes,
+    edges: Edges,
+    touching: Touching,
+    block: Index,
+    near_corner: tuple[Index, Index],
+    near_facet: tuple[Index, Index],
+    box: tuple[Array, Array],
+    sign: float,
+) -> _Points:
+    """Corners of one part in facets of the other; `sign` 1 where the corner is part a's."""
+    owner, corner = _corners_of(geometry, facets, boxes, near_corner, box)
+    piece_owner, piece, piece_facet = _triangles_of(facets, near_facet)
+    count = len(block)
+    found = [_nothing()]
+    for pair, x, y in products(owner, piece_owner, count, BATCH):
+        vertex, triangle, facet = corner[x], piece[y], piece_facet[y]
+        tolerance = touching.tolerance[block[pair]]
+        p = geometry.vertices[vertex]
+        normal = facets.normal[facet]
+        off = np.einsum("ij,ij->i", p - facets.origin[facet], normal)
+        near = np.flatnonzero(np.abs(off) <= tolerance)
+        inside = _in_triangle(
+            p[near] - off[near, None] * normal[near],
+            geometry.vertices[facets.corners[triangle[near]]],
+            normal[near],
+            tolerance[near],
+        )
+        near = near[inside]
+        if not len(near):
+            continue
+        names = np.column_stack([pair[near], vertex[near], facet[near]])
+        near = near[np.unique(names, axis=0, return_index=True)[1]]
+        near = near[edges.in_front(geometry, vertex[near], normal[near], IN_FRONT)]
+        found.append(
+            _Points(
+                block[pair[near]],
+                p[near] - 0.5 * off[near, None] * normal[near],
+                -sign * normal[near],
+                np.zeros(len(near), dtype=bool),
+            )
+        )
+    return _Points(*(np.concatenate([getattr(f, name) for f in found]) for name in _Points.__slots__))
+
+
+def _corners_of(
+    geometry: Geometry,
+    facets: Facets,
+    boxes: Boxes,
+    near: tuple[Index, Index],
+    box: tuple[Array, Array],
+) -> tuple[Index, Index]:
+    """Corners of the near facets inside the box of each pair: pairs (k, vertex)."""
+    owner, facet = near
+    count = np.diff(facets.corner_start)[facet]
+    k = np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count)
+    corner = facets.corners[np.repeat(facets.corner_start[facet], count) + k]
+    owner = np.repeat(owner, count)
+    turned = geometry.vertices[corner] @ boxes.frame.T
+    inside = ((turned >= box[0][owner]) & (turned <= box[1][owner])).all(axis=1)
+    both = np.unique(np.column_stack([owner[inside], corner[inside]]), axis=0)
+    return both[:, 0], both[:, 1]
+
+
+def _triangles_of(facets: Facets, near: tuple[Index, Index]) -> tuple[Index, Index, Index]:
+    """Triangles, by position of their corners, of the near facets: (k, corners (n, 3), facet)."""
+    owner, facet = near
+    fan = facets.convex[facet]
+    length = np.diff(facets.corner_start)[facet]
+    count = np.where(fan, length - 2, length // 3)
+    k = np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count)
+    fan, base = np.repeat(fan, count), np.repeat(facets.corner_start[facet], count)
+    corners = np.column_stack(
+        [np.where(fan, base, base + 3 * k)]
+        + [np.where(fan, base + k + step, base + 3 * k + step) for step in (1, 2)]
+    )
+    return np.repeat(owner, count), corners, np.repeat(facet, count)
+
+
+def _in_triangle(p: Array, triangle: Array, normal: Array, tolerance: Array) -> Mask:
+    """Points of the plane within `tolerance` of the triangle."""
+    inside = np.ones(len(p), dtype=bool)
+    for k in range(3):
+        start = triangle[:, k]
+        along = triangle[:, (k + 1) % 3] - start
+        length = np.maximum(np.linalg.norm(along, axis=1), np.finfo(float).tiny)
+        side = np.einsum("ij,ij->i", np.cross(along, p - start), normal) / length
+        inside &= side >= -tolerance
+    return inside
+
+
+def _crossings(
+    geometry: Geometry,
+    facets: Facets,
+    boxes: Boxes,
+    edges: Edges,
+    touching: Touching,
+    block: Index,
+    box: tuple[Array, Array],
+) -> _Points:
+    """Edges of a that cross edges of b."""
+    a, b = touching.pairs[block].T
+    owner_a, edge_a = edges.inside(geometry, boxes, a, box)
+    owner_b, edge_b = edges.inside(geometry, boxes, b, box)
+    found = [_nothing()]
+    for pair, x, y in products(owner_a, owner_b, len(block), BATCH):
+        e, f = edge_a[x], edge_b[y]
+        tolerance = touching.tolerance[block[pair]]
+        first, second = edges.direction(geometry, e), edges.direction(geometry, f)
+        normal = np.cross(first, second)
+        sine = np.linalg.norm(normal, axis=1)
+        rows = np.flatnonzero(sine > PARALLEL)
+        distance, middle = segment_distance(
+            *edges.ends(geometry, e[rows]), *edges.ends(geometry, f[rows])
+        )
+        near = distance <= tolerance[rows]
+        rows, middle = rows[near], middle[near]
+        normal = normal[rows] / sine[rows][:, None]
+        for turn in (1.0, -1.0):
+            fits = edges.behind(facets, geometry, e[rows], turn * normal, IN_FRONT)
+            fits &= edges.behind(facets, geometry, f[rows], -turn * normal, IN_FRONT)
+            k = np.flatnonzero(fits)
+            crossing = np.ones(len(k), dtype=bool)
+            found.append(_Points(block[pair[rows[k]]], middle[k], turn * normal[k], crossing))
+    return _Points(*(np.concatenate([getattr(f, name) for f in found]) for name in _Points.__slots__))
+
+
+def _unexplained(points: _Points, touching: Touching) -> _Points:
+    """Candidates that a planar patch of the pair does not already hold."""
+    patches = touching.patches
+    keep = np.ones(len(points.pair), dtype=bool)
+    first = np.searchsorted(patches.pair, points.pair, side="left")
+    last = np.searchsorted(patches.pair, points.pair, side="right")
+    for k in np.flatnonzero(last > first):
+        for patch in range(first[k], last[k]):
+            corners = patches.points[patches.start[patch] : patches.start[patch + 1]]
+            tolerance = 2 * touching.tolerance[points.pair[k]]
+            same = np.linalg.norm(points.normal[k] - patches.normal[patch]) <= 2 * IN_FRONT
+            if not (same or points.crossing[k]):
+                continue
+            if _in_patch(points.point[k], corners, patches.normal[patch], tolerance):
+                keep[k] = False
+                break
+    rows = np.flatnonzero(keep)
+    return _Points(*(getattr(points, name)[rows] for name in _Points.__slots__))
+
+
+def _in_patch(p: Array, corners: Array, normal: Array, tolerance: float) -> bool:
+    """Whether a point lies on a convex patch."""
+    if abs(float((p - corners[0]) @ normal)) > tolerance:
+        return False
+    along = np.roll(corners, -1, axis=0) - corners
+    length = np.maximum(np.linalg.norm(along, axis=1), np.finfo(float).tiny)
+    side = np.cross(along, p - corners) @ normal / length
+    return bool((side >= -tolerance).all() or (side <= tolerance).all())
+
+
+def _listed(touching: Touching, points: _Points) -> list[Unsupported]:
+    """One entry a pair: a corner where all points are one, else an edge."""
+    listed = []
+    order = np.argsort(points.pair, kind="stable")
+    starts = np.flatnonzero(np.diff(points.pair[order], prepend=-1))
+    for group in np.split(order, starts[1:]):
+        if not len(group):
+            continue
+        pair = points.pair[group[0]]
+        a, b = (int(k) for k in touching.pairs[pair])
+        spread = np.linalg.norm(points.point[group] - points.point[group[0]], axis=1).max()
+        kind = "edge" if spread > 4 * touching.tolerance[pair] else "vertex"
+        x, y, z = points.point[group].mean(axis=0).tolist()
+        listed.append(Unsupported((a, b), kind, (x, y, z)))
+    return listed

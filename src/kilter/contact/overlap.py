@@ -1,0 +1,197 @@
+"""Parts that share volume: named with their depth and, for convex parts, their volume.
+
+Two convex parts share no volume where the plane of a facet of one has the other in front
+of it (within tolerance). Where no facet's plane separates them, the largest ball in both
+decides; it also tells apart parts that only an edge against an edge separates.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.contact.broad import Boxes
+from kilter.contact.contact_set import Overlap
+from kilter.contact.facets import Facets
+from kilter.geometry import Geometry
+
+if TYPE_CHECKING:
+    from kilter.assembly import Assembly
+    from kilter.contact.near import Touching
+
+__all__ = ["find_overlaps"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+PROBES = 2000
+"""Corners of a part that is not convex that are looked for inside another."""
+
+
+def find_overlaps(
+    assembly: Assembly, geometry: Geometry, facets: Facets, boxes: Boxes, touching: Touching
+) -> tuple[tuple[Overlap, ...], list[str]]:
+    """Pairs that share volume, and warnings that name them."""
+    a, b = touching.pairs.T
+    both_convex = facets.convex_part[a] & facets.convex_part[b]
+    grow = touching.tolerance[:, None]
+    deep = (boxes.part_high[a] - boxes.part_low[b] > grow).all(axis=1)
+    deep &= (boxes.part_high[b] - boxes.part_low[a] > grow).all(axis=1)
+    rows = np.flatnonzero(deep & ~(both_convex & touching.has_patch))
+    found = []
+    for row in rows:
+        one, other = (int(k) for k in touching.pairs[row])
+        overlap = _overlap(geometry, facets, one, other, float(touching.tolerance[row]), bool(both_convex[row]))
+        if overlap is not None:
+            found.append(overlap)
+    names = assembly.names
+    warnings = []
+    for overlap in found[:20]:
+        one, other = (repr(names[k]) for k in overlap.parts)
+        size = "" if overlap.volume is None else f", volume {overlap.volume:.3g} {assembly.units}^3"
+        warnings.append(
+            f"{one} and {other} {overlap.why}, {overlap.depth:.3g} {assembly.units} deep{size}; "
+            "an overlap is not a contact"
+        )
+    if len(found) > 20:
+        warnings.append(f"{len(found) - 20} more pairs overlap")
+    return tuple(found), warnings
+
+
+def _overlap(
+    geometry: Geometry, facets: Facets, a: int, b: int, tolerance: float, convex: bool
+) -> Overlap | None:
+    if _identical(geometry, a, b):
+        volume = float(geometry.volume[a])
+        return Overlap((a, b), volume, float(min(geometry.size[[a, b]])), "are the same body twice")
+    if convex:
+        return _convex_overlap(geometry, facets, a, b, tolerance)
+    depth = max(_depth(geometry, a, b, tolerance), _depth(geometry, b, a, tolerance))
+    if depth <= tolerance:
+        return None
+    return Overlap((a, b), None, depth, "overlap")
+
+
+def _corners(geometry: Geometry, part: int) -> Array:
+    return geometry.vertices[geometry.vertex_start[part] : geometry.vertex_start[part + 1]]
+
+
+def _identical(geometry: Geometry, a: int, b: int) -> bool:
+    one, other = _corners(geometry, a), _corners(geometry, b)
+    if one.shape != other.shape:
+        return False
+    close = 1e-9 * geometry.size[a] + geometry.accuracy[a] + geometry.accuracy[b]
+    if np.abs(one.mean(axis=0) - other.mean(axis=0)).max() > close:
+        return False
+    from scipy.spatial import cKDTree
+
+    return bool(cKDTree(one).query(other)[0].max() <= close)
+
+
+def _planes(geometry: Geometry, facets: Facets, part: int) -> tuple[Array, Array]:
+    span = slice(facets.start[part], facets.start[part + 1])
+    return facets.normal[span], facets.origin[span]
+
+
+def _convex_overlap(
+    geometry: Geometry, facets: Facets, a: int, b: int, tolerance: float
+) -> Overlap | None:
+    middle = geometry.center[a]
+    normals, offsets, apart = [], [], -np.inf
+    for mine, other in ((a, b), (b, a)):
+        n, origin = _planes(geometry, facets, mine)
+        offset = np.einsum("ij,ij->i", n, origin - middle)
+        behind = (n @ (_corners(geometry, other) - middle).T).min(axis=1) - offset
+        apart = max(apart, float(behind.max()))
+        normals.append(n)
+        offsets.append(offset)
+    if apart >= -tolerance:
+        return None
+    return _ball(np.concatenate(normals), np.concatenate(offsets), (a, b), -apart, tolerance)
+
+
+def _ball(
+    normals: Array, offsets: Array, parts: tuple[int, int], depth: float, tolerance: float
+) -> Overlap | None:
+    """The overlap of half-spaces n.x <= offset, by the largest ball inside."""
+    from scipy.optimize import linprog
+    from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
+
+    scale = max(float(np.abs(offsets).max()), 1e-300)
+    ball = linprog(
+        [0, 0, 0, -1],
+        A_ub=np.column_stack([normals, np.ones(len(normals))]),
+        b_ub=offsets / scale,
+        bounds=[(None, None)] * 3 + [(0, None)],
+    )
+    if ball.x is None or ball.x[3] * scale <= tolerance / 2:
+        return None
+    try:
+        halfspaces = np.column_stack([normals, -offsets / scale])
+        corners = HalfspaceIntersection(halfspaces, ball.x[:3]).intersections
+        volume = float(ConvexHull(corners).volume) * scale**3
+    except QhullError:
+        volume = None
+    return Overlap(parts, volume, depth, "overlap")
+
+
+def _depth(geometry: Geometry, a: int, b: int, tolerance: float) -> float:
+    """How deep a corner or edge middle of part a lies inside part b."""
+    corners = _corners(geometry, a)
+    span = slice(geometry.triangle_start[a], geometry.triangle_start[a + 1])
+    own = geometry.vertices[geometry.triangles[span]]
+    probes = np.concatenate([corners, own.mean(axis=1), (own + np.roll(own, -1, axis=1)).reshape(-1, 3) / 2])
+    other = _corners(geometry, b)
+    low, high = other.min(axis=0), other.max(axis=0)
+    probes = probes[((probes > low) & (probes < high)).all(axis=1)]
+    if len(probes) > PROBES:
+        probes = probes[:: len(probes) // PROBES + 1]
+    if not len(probes):
+        return 0.0
+    span = slice(geometry.triangle_start[b], geometry.triangle_start[b + 1])
+    triangles = geometry.vertices[geometry.triangles[span]]
+    step = max(1, 4_000_000 // len(triangles))
+    deepest = 0.0
+    for begin in range(0, len(probes), step):
+        some = probes[begin : begin + step]
+        inside = _winding(some, triangles) > 0.5
+        if inside.any():
+            deepest = max(deepest, float(_distance(some[inside], triangles).max()))
+    return deepest
+
+
+def _winding(points: Array, triangles: Array) -> Array:
+    """Winding number of a closed surface about points, shape (n,).
+
+    References
+    ----------
+    A. van Oosterom, J. Strackee, The solid angle of a plane triangle, 1983, equation 8.
+    """
+    r = triangles[None] - points[:, None, None, :]
+    length = np.linalg.norm(r, axis=3)
+    a, b, c = r[:, :, 0], r[:, :, 1], r[:, :, 2]
+    la, lb, lc = length[..., 0], length[..., 1], length[..., 2]
+    top = np.einsum("ntk,ntk->nt", a, np.cross(b, c))
+    bottom = la * lb * lc + (a * b).sum(2) * lc + (b * c).sum(2) * la + (c * a).sum(2) * lb
+    winding: Array = np.arctan2(top, bottom).sum(axis=1) / (2 * np.pi)
+    return winding
+
+
+def _distance(points: Array, triangles: Array) -> Array:
+    """Distance of each point from the nearest triangle's plane it lies over, or edge."""
+    p, q, r = triangles.transpose(1, 0, 2)
+    normal = np.cross(q - p, r - p)
+    normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
+    height = np.einsum("ntk,tk->nt", points[:, None] - p, normal)
+    foot = points[:, None] - height[..., None] * normal
+    inside = np.ones(height.shape, dtype=bool)
+    nearest = np.full(height.shape, np.inf)
+    for start, end in ((p, q), (q, r), (r, p)):
+        along = end - start
+        local = points[:, None] - start
+        inside &= np.einsum("ntk,tk->nt", np.cross(along, foot - start), normal) >= 0
+        t = np.clip(np.einsum("ntk,tk->nt", local, along) / np.maximum((along**2).sum(1), 1e-300), 0, 1)
+        nearest = np.minimum(nearest, np.linalg.norm(local - t[..., None] * along, axis=2))
+    return np.where(inside, np.abs(height), nearest).min(axis=1)
