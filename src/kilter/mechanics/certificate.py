@@ -1,0 +1,99 @@
+"""Certificates: is a proof a proof? Recomputed from rows and load, apart from any solver.
+
+Forces f prove that an assembly is stable: every force in its cone (exactly, by clipping),
+and the imbalance of each part, |J^T f + w|, at most the tolerance times the greater of its
+weight and the sum of the forces on it.
+
+A motion dp proves that it is unstable: normalised so that the part that moves most moves
+by 1 (translations, and radius x rotations), its power P = w.dp exceeds the tolerance times
+the weight of the moving parts, and P / v is at least 1e6 times that weight, where v is its
+worst violation of J dp >= 0: by weak duality, equilibrium would then need contact forces of
+at least P / v. (Without the ratio a motion proves nothing: any box at rest has one that
+violates by 1e-9 and gains 1e-9.)
+
+By Farkas' lemma exactly one of the two exists; exactly one must pass.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.mechanics.program import Program
+
+__all__ = ["RATIO", "ForceProof", "MotionProof", "check_forces", "check_motion"]
+
+Array = NDArray[np.float64]
+
+RATIO = 1e6
+"""Contact forces, over the weight, that a motion must rule out."""
+STILL = 1e-6
+"""A part that moves less than this part of the largest motion does not count as moving."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ForceProof:
+    """Forces, shape (K,) [N], judged: `residual` is the worst relative imbalance [-]."""
+
+    forces: Array
+    residual: float
+    holds: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MotionProof:
+    """A motion, shape (N, 6) (length unit and rad), judged.
+
+    `power` [W] where the part that moves most moves at 1 m/s; `violation`: worst negative
+    opening of a row at that speed [-]; `ratio`: power over violation and weight [-].
+    """
+
+    motion: Array
+    power: float
+    violation: float
+    ratio: float
+    holds: bool
+
+
+def check_forces(program: Program, forces: Array) -> ForceProof:
+    """Judge contact forces as a proof that the assembly is stable."""
+    forces = np.where(program.two_sided, forces, np.maximum(forces, 0.0))
+    forces = np.where(np.isfinite(forces), forces, 0.0)
+    imbalance = part_sizes(program, program.wrenches(forces) + program.load, per_radius=True)
+    scale = np.maximum(program.weight, program.force_sums(forces))
+    relative = np.where(program.free, imbalance / np.maximum(scale, 1e-300), 0.0)
+    holds = bool((relative <= program.tolerance).all())
+    return ForceProof(forces, float(relative.max(initial=0.0)), holds)
+
+
+def check_motion(program: Program, motion: Array) -> MotionProof:
+    """Judge a motion as a proof that the assembly is unstable."""
+    motion = np.where(program.free[:, None] & np.isfinite(motion), motion, 0.0)
+    if program.planar:
+        motion = motion * np.array([1.0, 0, 1, 0, 1, 0])
+    sizes = part_sizes(program, motion, per_radius=False)
+    largest = float(sizes.max(initial=0.0))
+    if largest == 0.0:
+        return MotionProof(motion, 0.0, 0.0, 0.0, False)
+    motion = motion / largest
+    power = float((program.load * motion).sum())
+    openings = program.velocities(motion)
+    openings[program.angular] *= float(program.radius.max())
+    bad = np.where(program.two_sided, -np.abs(openings), np.minimum(openings, 0.0))
+    violation = float(-bad.min(initial=0.0))
+    moving = program.free & (sizes > STILL * largest)
+    weight = float(program.weight[moving].sum())
+    ratio = power / max(violation * weight, 1e-300)
+    needed = float((program.tolerance * program.weight)[moving].sum())
+    return MotionProof(motion, power, violation, ratio, power > needed and ratio >= RATIO)
+
+
+def part_sizes(program: Program, six: Array, *, per_radius: bool) -> Array:
+    """One size a part of twists (rotation x radius) or wrenches (torque / radius), (N,)."""
+    length = 1 / program.radius if per_radius else program.radius
+    total: Array = np.sqrt((six[:, :3] ** 2).sum(axis=1) + (six[:, 3:] ** 2).sum(axis=1) * length**2)
+    if program.planar and per_radius:
+        total = np.sqrt(six[:, 0] ** 2 + six[:, 2] ** 2 + (six[:, 4] * length) ** 2)
+    return total

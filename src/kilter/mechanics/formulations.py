@@ -1,0 +1,237 @@
+"""From a program to the linear and quadratic programs that answer questions about it.
+
+All are written in scaled unknowns, one length and one weight a part, so that no small part
+vanishes: translations and radius x rotations; forces and torques / radius over the weight
+of the part. Columns of `A` below are the rows of the program, so that gravity is a right
+hand side: a new direction keeps a factorised basis.
+
+    equilibrium        find f:  A f = b,  f >= 0                       A = S J^T,  b = -S w
+    load factor        max lambda:  A f - lambda b = 0, 0 <= lambda <= 1       is 0 or 1
+    least imbalance    min t:  -t <= A f - b <= t, f >= 0
+    displacement       LP (9) of the paper, as published, in the units of the file
+    impending motion   min 1/2 (a - M^-1 w)^T M (a - M^-1 w),  J a >= 0        Gauss
+
+Every solution is decoded to forces, shape (K,), and motions, shape (N, 6), of the program.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array, hstack, vstack
+
+from kilter.mechanics.program import Program
+
+__all__ = [
+    "LinearProgram",
+    "QuadraticProgram",
+    "Scaled",
+    "displacement",
+    "equilibrium",
+    "impending_motion",
+    "least_imbalance",
+    "load_factor",
+    "scaled",
+]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+NOTHING = 1e-14
+"""Entries of the scaled matrix below this are rounding of an exact zero."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LinearProgram:
+    """min cost.x: row_lower <= matrix x <= row_upper, lower <= x <= upper."""
+
+    cost: Array
+    matrix: csc_array
+    row_lower: Array
+    row_upper: Array
+    lower: Array
+    upper: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class QuadraticProgram:
+    """min 1/2 x.(quadratic x) + cost.x: the first `equal` rows of matrix x = bound, the others >=."""
+
+    quadratic: csc_array
+    cost: Array
+    matrix: csc_array
+    bound: Array
+    equal: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scaled:
+    """The equilibrium matrix A = S J^T and right-hand side b = -S w in a common frame.
+
+    `frame` (3, 3) turns world vectors to the frame in which most normals lie along axes, so
+    that a turned assembly has as few entries as an upright one.
+    """
+
+    program: Program
+    frame: Array
+    matrix: csc_array
+    right: Array
+
+    def motion(self, columns: Array) -> Array:
+        """The motion of all parts, shape (N, 6), for scaled unknowns of the free parts."""
+        program = self.program
+        per = len(program.freedoms)
+        full = np.zeros((len(program.names), 6))
+        full[np.ix_(program.free, program.freedoms)] = columns.reshape(-1, per)
+        full[:, 3:] /= program.radius[:, None]
+        turned = full.reshape(-1, 2, 3) @ self.frame
+        return turned.reshape(-1, 6)
+
+    def over_weight(self, columns: Array) -> Array:
+        """`columns` divided by the weight of their parts: multipliers of A's rows as a motion."""
+        program = self.program
+        return columns / np.repeat(program.weight[program.free], len(program.freedoms))
+
+
+def scaled(program: Program) -> Scaled:
+    """The scaled equilibrium of a program, built column by column."""
+    frame = np.eye(3) if program.planar else _frame(program.normal)
+    per = len(program.freedoms)
+    column = np.full(len(program.names) + 1, -1)
+    column[:-1][program.free] = np.arange(int(program.free.sum()))
+    weight = program.weight
+    data = np.zeros((len(program.part_a), 2, per))
+    index = np.zeros((len(program.part_a), 2, per), dtype=np.int32)
+    for side, (part, sign) in enumerate(((program.part_a, -1.0), (program.part_b, 1.0))):
+        rows = np.flatnonzero(column[part] >= 0)
+        owner = part[rows]
+        lever = program.lever(rows, owner).reshape(-1, 2, 3) @ frame.T
+        lever[:, 1] /= program.radius[owner][:, None]
+        entries = lever.reshape(-1, 6)[:, program.freedoms]
+        entries[np.abs(entries) < NOTHING] = 0.0
+        data[rows, side] = sign * entries / weight[owner][:, None]
+        index[rows, side] = column[owner][:, None] * per + np.arange(per)
+    data, index = data.reshape(-1, 2 * per), index.reshape(-1, 2 * per)
+    used = data != 0
+    start = np.concatenate([[0], np.cumsum(used.sum(axis=1))]).astype(np.int32)
+    matrix = csc_array(
+        (data[used], index[used], start),
+        shape=(per * int(program.free.sum()), len(data)),
+    )
+    load = program.load[program.free].reshape(-1, 2, 3) @ frame.T
+    load[:, 1] /= program.radius[program.free][:, None]
+    right = load.reshape(-1, 6)[:, program.freedoms] / weight[program.free][:, None]
+    return Scaled(program, frame, matrix, -right.reshape(-1))
+
+
+def _frame(normals: Array) -> Array:
+    from kilter.contact.broad import common_frame
+
+    if not len(normals):
+        return np.eye(3)
+    return common_frame(normals, np.ones(len(normals)))
+
+
+def _force_bounds(program: Program) -> tuple[Array, Array]:
+    lower = np.where(program.two_sided, -np.inf, 0.0)
+    return lower, np.full(len(lower), np.inf)
+
+
+def equilibrium(problem: Scaled) -> LinearProgram:
+    """Find f: A f = b. x = f."""
+    lower, upper = _force_bounds(problem.program)
+    cost = np.zeros(len(lower))
+    return LinearProgram(cost, problem.matrix, problem.right, problem.right, lower, upper)
+
+
+def load_factor(problem: Scaled) -> LinearProgram:
+    """Largest part of the load that contacts can hold: 0 or 1. x = (f, lambda).
+
+    Its row multipliers y at 0 give a motion: -y has J dp >= 0 and w.dp >= 1.
+    """
+    lower, upper = _force_bounds(problem.program)
+    count = len(lower)
+    matrix = hstack([problem.matrix, csc_array(-problem.right[:, None])], format="csc")
+    cost = np.concatenate([np.zeros(count), [-1.0]])
+    zero = np.zeros(len(problem.right))
+    return LinearProgram(cost, matrix, zero, zero, np.append(lower, 0.0), np.append(upper, 1.0))
+
+
+def least_imbalance(problem: Scaled) -> LinearProgram:
+    """Forces of the least imbalance over weight, in the largest component. x = (f, t).
+
+    Its multipliers give the motion with the greatest power for a weighted sum of motions
+    of 1: the strongest of both proofs.
+    """
+    lower, upper = _force_bounds(problem.program)
+    rows = len(problem.right)
+    ones = csc_array(np.ones((rows, 1)))
+    matrix = vstack(
+        [hstack([problem.matrix, ones]), hstack([problem.matrix, -ones])], format="csc"
+    )
+    cost = np.concatenate([np.zeros(len(lower)), [1.0]])
+    unbounded = np.full(rows, np.inf)
+    return LinearProgram(
+        cost,
+        matrix,
+        np.concatenate([problem.right, -unbounded]),
+        np.concatenate([unbounded, problem.right]),
+        np.append(lower, 0.0),
+        np.append(upper, np.inf),
+    )
+
+
+def displacement(program: Program) -> LinearProgram:
+    """LP (9): minimise -w.dp, J dp >= 0, |dr|, |dtheta| <= 1; gravity of length 1.
+
+    x = dp in the order of `Program.columns`; lengths in the unit of the file.
+    """
+    cost = -program.load[np.ix_(program.free, program.freedoms)].reshape(-1)
+    cost = cost / float(np.linalg.norm(program.gravity))
+    matrix = program.jacobian().tocsc()
+    rows = matrix.shape[0]
+    one = np.ones(len(cost))
+    return LinearProgram(
+        cost,
+        matrix,
+        np.zeros(rows),
+        np.where(program.two_sided, 0.0, np.inf),
+        -one,
+        one,
+    )
+
+
+def impending_motion(problem: Scaled) -> QuadraticProgram:
+    """Gauss's principle for the initial accelerations, in scaled unknowns.
+
+    x = (a, radius x alpha) of the free parts over the size of gravity, in the frame of the
+    problem; the mass of each part is taken over its weight, so that the numbers are near 1:
+
+        min sum_i (weight_i / |g|) (1/2 a_i . M_i a_i / m_i ...) - w . a,   J a >= 0.
+    """
+    program = problem.program
+    free = np.flatnonzero(program.free)
+    per = len(program.freedoms)
+    turned = np.einsum("ij,njk,lk->nil", problem.frame, program.inertia[free], problem.frame)
+    mass = np.zeros((len(free), 6, 6))
+    mass[:, range(3), range(3)] = 1.0
+    mass[:, 3:, 3:] = turned / (program.mass[free] * program.radius[free] ** 2)[:, None, None]
+    # a weight a part: rows scaled as the equilibrium is, so the cost is a sum over parts
+    share = program.mass[free] / program.mass[free].max(initial=1e-300)
+    blocks = mass[:, program.freedoms][:, :, program.freedoms] * share[:, None, None]
+    row = np.arange(len(free))[:, None, None] * per + np.arange(per)[:, None]
+    col = np.arange(len(free))[:, None, None] * per + np.arange(per)[None, :]
+    shape = (per * len(free),) * 2
+    where = (np.broadcast_to(row, blocks.shape).ravel(), np.broadcast_to(col, blocks.shape).ravel())
+    quadratic = csc_array((blocks.ravel(), where), shape=shape)
+    weight = program.weight[free]
+    unit = program.mass[free].max(initial=1e-300) * float(np.linalg.norm(program.gravity))
+    cost = (problem.right.reshape(-1, per) * (weight / unit)[:, None]).reshape(-1)
+    per_row = np.repeat(weight, per)
+    opening = csc_array(problem.matrix.multiply(per_row[:, None])).T.tocsc()
+    order = np.argsort(~program.two_sided, kind="stable")
+    return QuadraticProgram(
+        quadratic, cost, opening[order], np.zeros(len(order)), int(program.two_sided.sum())
+    )

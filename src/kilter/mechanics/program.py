@@ -1,0 +1,353 @@
+"""The program: parts, contact rows and load of one question, with labels.
+
+Free part i has centre of mass c_i and mass m_i, and the displacement dp_i = (dr_i, dtheta_i),
+rotation about c_i. A row is (a, b, x, n): parts, position, unit direction from a to b;
+
+    (dr_b + dtheta_b x (x - c_b) - dr_a - dtheta_a x (x - c_a)) . n >= 0     row of J dp >= 0
+    w = (m_i g, 0)_i plus given loads                                        load
+    J^T f + w = 0,  f >= 0                                                   equilibrium
+
+(the paper, equations (5), (8), (9)). A contact pushes: its row is an inequality, its force
+is not negative. A joint also pulls: its rows are equations, its forces have both signs. The
+angular rows of a joint hold (dtheta_b - dtheta_a) . n = 0; their force is a torque.
+
+Building a program, solving it (`kilter.solvers`) and judging the answer
+(`kilter.mechanics.certificate`) are three functions; this is what passes between them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from kilter.assembly import GROUND, Assembly, Joint
+from kilter.contact.contact_set import ContactSet
+from kilter.errors import InputError
+from kilter.geometry import Geometry
+
+__all__ = ["CONTACT", "JOINT", "POSSIBLE", "TOLERANCE", "Program", "build_program"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+CONTACT, POSSIBLE, JOINT = 0, 1, 2
+"""Kinds of row: a contact point, a force that an unmodelled contact might bring, a joint."""
+
+TOLERANCE = 1e-9
+"""Relative tolerance of a verdict, for data that are exact in float64."""
+
+PLANE = np.array([0, 2, 4])
+"""Freedoms of a planar part among the six: x, z, rotation about y."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Program:
+    """Rows, parts and load; world frame, length unit of the assembly, forces in N.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Names of all N parts.
+    free : ndarray of bool, shape (N,)
+    center : ndarray, shape (N, 3)
+    mass : ndarray, shape (N,)
+        [kg]
+    inertia : ndarray, shape (N, 3, 3)
+        [kg x length unit^2], about the centre of mass, world axes.
+    radius : ndarray, shape (N,)
+        The one length of each part: its bounding radius.
+    gravity : ndarray, shape (3,)
+        [m/s^2]
+    applied : ndarray, shape (N, 6)
+        Given loads: force [N] and torque about the centre of mass [N x length unit].
+    part_a, part_b : ndarray of int, shape (K,)
+        Parts of each row; -1 is the ground.
+    point, normal : ndarray, shape (K, 3)
+    kind : ndarray of int, shape (K,)
+        CONTACT, POSSIBLE or JOINT.
+    two_sided, angular : ndarray of bool, shape (K,)
+    source : ndarray of int, shape (K,)
+        Patch of a contact row, joint of a joint row, -1 otherwise.
+    tolerance : ndarray, shape (N,)
+        Relative tolerance of a verdict about each part [-].
+    planar : bool
+    units : str
+    """
+
+    names: tuple[str, ...]
+    free: Mask
+    center: Array
+    mass: Array
+    inertia: Array
+    radius: Array
+    gravity: Array
+    applied: Array
+    part_a: Index
+    part_b: Index
+    point: Array
+    normal: Array
+    kind: Index
+    two_sided: Mask
+    angular: Mask
+    source: Index
+    tolerance: Array
+    planar: bool
+    units: str
+
+    @property
+    def load(self) -> Array:
+        """Force [N] and torque [N x length unit] on each part but those of contacts, (N, 6)."""
+        load = self.applied.copy()
+        load[:, :3] += self.mass[:, None] * self.gravity
+        load[~self.free] = 0.0
+        return load
+
+    @property
+    def weight(self) -> Array:
+        """The one force of each part [N], shape (N,): its weight plus the loads on it."""
+        force = np.linalg.norm(self.applied[:, :3], axis=1)
+        torque = np.linalg.norm(self.applied[:, 3:], axis=1) / self.radius
+        return self.mass * float(np.linalg.norm(self.gravity)) + force + torque
+
+    @property
+    def freedoms(self) -> Index:
+        """Which of the six freedoms of a part count."""
+        return PLANE if self.planar else np.arange(6)
+
+    @property
+    def columns(self) -> list[tuple[str, str]]:
+        """Labels (part, freedom) of the columns of `jacobian`."""
+        words = ("dx", "dy", "dz", "rx", "ry", "rz")
+        moving = [name for name, free in zip(self.names, self.free, strict=True) if free]
+        return [(name, words[k]) for name in moving for k in self.freedoms]
+
+    @property
+    def rows(self) -> list[tuple[str, str, str, int]]:
+        """Labels (kind, part a, part b, patch or joint) of the rows."""
+        words = ("contact", "possible", "joint")
+        names = (*self.names, GROUND)
+        return [
+            (words[kind], names[a], names[b], int(source))
+            for kind, a, b, source in zip(
+                self.kind, self.part_a, self.part_b, self.source, strict=True
+            )
+        ]
+
+    def jacobian(self) -> csr_array:
+        """J, one row a row, one column a freedom of a free part, in the order of `columns`."""
+        count, per = len(self.part_a), len(self.freedoms)
+        column = np.full(len(self.names) + 1, -1)
+        column[:-1][self.free] = np.arange(int(self.free.sum()))
+        blocks, rows, cols = [], [], []
+        for part, sign in ((self.part_b, 1.0), (self.part_a, -1.0)):
+            k = np.flatnonzero(column[part] >= 0)
+            entries = sign * self.lever(k, part[k])[:, self.freedoms]
+            blocks.append(entries.reshape(-1))
+            rows.append(np.repeat(k, per))
+            cols.append((column[part[k]][:, None] * per + np.arange(per)).reshape(-1))
+        shape = (count, per * int(self.free.sum()))
+        triplets = (np.concatenate(rows), np.concatenate(cols))
+        return csr_array((np.concatenate(blocks), triplets), shape=shape)
+
+    def lever(self, rows: Index, part: Index) -> Array:
+        """(n, (x - c) x n) of rows on a part, shape (k, 6); (0, n) for angular rows."""
+        normal = self.normal[rows]
+        moment = np.cross(self.point[rows] - self.center[part], normal)
+        angular = self.angular[rows][:, None]
+        return np.hstack([np.where(angular, 0.0, normal), np.where(angular, normal, moment)])
+
+    def velocities(self, motion: Array) -> Array:
+        """J dp: opening of each row, shape (K,), for a motion of all parts, shape (N, 6)."""
+        result = np.zeros(len(self.part_a))
+        for part, sign in ((self.part_b, 1.0), (self.part_a, -1.0)):
+            k = np.flatnonzero(part >= 0)
+            result[k] += sign * np.einsum("ij,ij->i", self.lever(k, part[k]), motion[part[k]])
+        return result
+
+    def wrenches(self, forces: Array) -> Array:
+        """J^T f: force and torque of the rows on each part, shape (N, 6)."""
+        total = np.zeros((len(self.names), 6))
+        for part, sign in ((self.part_b, 1.0), (self.part_a, -1.0)):
+            k = np.flatnonzero((part >= 0) & (forces != 0))
+            wrench = (sign * forces[k])[:, None] * self.lever(k, part[k])
+            for axis in range(6):
+                total[:, axis] += np.bincount(part[k], wrench[:, axis], minlength=len(total))
+        return total
+
+    def force_sums(self, forces: Array) -> Array:
+        """Sum of the sizes of the forces of the rows on each part [N], shape (N,)."""
+        total = np.zeros(len(self.names))
+        for part in (self.part_b, self.part_a):
+            k = np.flatnonzero(part >= 0)
+            size = np.abs(forces[k]) / np.where(self.angular[k], self.radius[part[k]], 1.0)
+            total += np.bincount(part[k], size, minlength=len(total))
+        return total
+
+    def full(self, columns: Array) -> Array:
+        """A vector in the order of `columns` as a motion of all parts, shape (N, 6)."""
+        motion = np.zeros((len(self.names), 6))
+        motion[np.ix_(self.free, self.freedoms)] = columns.reshape(-1, len(self.freedoms))
+        return motion
+
+    def with_rows(self, **changes: object) -> Program:
+        """A copy with other rows or load."""
+        values = {name: getattr(self, name) for name in self.__slots__}
+        return Program(**{**values, **changes})  # type: ignore[arg-type]
+
+
+def build_program(
+    assembly: Assembly, contacts: ContactSet, *, possible: bool = False
+) -> Program:
+    """The program of an assembly and its contacts.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    contacts : ContactSet
+    possible : bool
+        Also with every force that contacts that are not modelled might bring: the
+        possible contacts, and friction of any size where mu > 0. What is unstable then is
+        unstable.
+
+    Raises
+    ------
+    InputError
+        If a joint is of a kind that is not modelled.
+    """
+    geometry = assembly.geometry
+    blocks = [_contact_rows(contacts, geometry)]
+    if possible:
+        blocks += [_possible_rows(contacts, geometry), _sticking_rows(contacts, geometry)]
+    blocks += [
+        _joint_rows(assembly, geometry, joint, k) for k, joint in enumerate(assembly.joints)
+    ]
+    rows = {key: np.concatenate([block[key] for block in blocks]) for key in blocks[0]}
+    return Program(
+        names=assembly.names,
+        free=~geometry.grounded,
+        center=geometry.center,
+        mass=geometry.mass,
+        inertia=geometry.inertia,
+        radius=geometry.radius,
+        gravity=assembly.gravity,
+        applied=_applied(assembly, geometry),
+        tolerance=_tolerances(contacts, geometry),
+        planar=assembly.planar,
+        units=assembly.units,
+        **rows,
+    )
+
+
+def _block(
+    a: Index, b: Index, point: Array, normal: Array, kind: int, two_sided: Mask, source: Index
+) -> dict[str, NDArray[np.generic]]:
+    return {
+        "part_a": a,
+        "part_b": b,
+        "point": point,
+        "normal": normal,
+        "kind": np.full(len(a), kind),
+        "two_sided": two_sided,
+        "angular": np.zeros(len(a), dtype=bool),
+        "source": source,
+    }
+
+
+def _contact_rows(contacts: ContactSet, geometry: Geometry) -> dict[str, NDArray[np.generic]]:
+    patch = contacts.point_patch
+    a, b = contacts.patch_parts[patch].T
+    live = np.flatnonzero(~(geometry.grounded[a] & geometry.grounded[b]))
+    patch = patch[live]
+    return _block(
+        a[live],
+        b[live],
+        contacts.points[live],
+        contacts.patch_normal[patch],
+        CONTACT,
+        np.zeros(len(live), dtype=bool),
+        patch,
+    )
+
+
+def _possible_rows(contacts: ContactSet, geometry: Geometry) -> dict[str, NDArray[np.generic]]:
+    possible = contacts.possible
+    none = np.full(len(possible), -1)
+    return _block(
+        possible.part_a,
+        possible.part_b,
+        possible.points,
+        possible.normals,
+        POSSIBLE,
+        possible.two_sided,
+        none,
+    )
+
+
+def _sticking_rows(contacts: ContactSet, geometry: Geometry) -> dict[str, NDArray[np.generic]]:
+    """Tangential forces of any size at contact points with friction."""
+    patch = contacts.point_patch
+    a, b = contacts.patch_parts[patch].T
+    rough = (contacts.patch_mu[patch] > 0) & ~(geometry.grounded[a] & geometry.grounded[b])
+    rows = np.flatnonzero(rough)
+    normal = contacts.patch_normal[patch[rows]]
+    helper = np.eye(3)[np.abs(normal).argmin(axis=1)] if len(rows) else np.empty((0, 3))
+    u = np.cross(helper, normal)
+    u /= np.maximum(np.linalg.norm(u, axis=1), 1e-300)[:, None]
+    twice = np.concatenate([rows, rows])
+    return _block(
+        a[twice],
+        b[twice],
+        contacts.points[twice],
+        np.concatenate([u, np.cross(normal, u)]),
+        POSSIBLE,
+        np.ones(len(twice), dtype=bool),
+        np.full(len(twice), -1),
+    )
+
+
+def _joint_rows(
+    assembly: Assembly, geometry: Geometry, joint: Joint, number: int
+) -> dict[str, NDArray[np.generic]]:
+    if joint.kind != "fixed":
+        raise InputError(
+            f"joint of {joint.parts[0]!r} and {joint.parts[1]!r} is {joint.kind!r}",
+            hint="only fixed joints are modelled",
+        )
+    a, b = (-1 if name == GROUND else assembly.index_of(name) for name in joint.parts)
+    own = geometry.center[b if b >= 0 else a]
+    point = own if joint.point is None else joint.point
+    block = _block(
+        np.full(6, a),
+        np.full(6, b),
+        np.tile(point, (6, 1)),
+        np.vstack([np.eye(3), np.eye(3)]),
+        JOINT,
+        np.ones(6, dtype=bool),
+        np.full(6, number),
+    )
+    block["angular"] = np.arange(6) >= 3
+    return block
+
+
+def _applied(assembly: Assembly, geometry: Geometry) -> Array:
+    """Given loads about the centres of mass, shape (N, 6)."""
+    applied = np.zeros((len(assembly.parts), 6))
+    for load in assembly.loads:
+        k = assembly.index_of(load.part)
+        arm = np.zeros(3) if load.point is None else load.point - geometry.center[k]
+        applied[k, :3] += load.force
+        applied[k, 3:] += load.torque + np.cross(arm, load.force)
+    return applied
+
+
+def _tolerances(contacts: ContactSet, geometry: Geometry) -> Array:
+    """max(1e-9, accuracy of the coordinates over the size of the patch) of each part."""
+    tolerance = np.full(len(geometry.mass), TOLERANCE)
+    np.maximum.at(tolerance, contacts.patch_parts.T, contacts.patch_accuracy[None, :])
+    return tolerance
+
+
