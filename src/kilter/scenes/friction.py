@@ -1,0 +1,221 @@
+"""Held by friction, if at all: ladder, bracket, books, H, A, V and trough.
+
+None of these is stable without friction but `v_block`; with it forces of equilibrium exist
+within the limit each names, which for all but the ladder does not mean that it must hold.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kilter.assembly import Assembly, FrictionPair, GivenContact, Load, Part
+from kilter.errors import InputError
+from kilter.scenes.pieces import block, cells, floor, prism
+
+__all__ = [
+    "a_block",
+    "books",
+    "bracket",
+    "h_block",
+    "ladder",
+    "trough",
+    "v_block",
+]
+
+
+def ladder(
+    angle: float = 55.0,
+    *,
+    friction_floor: float = 0.4,
+    friction_wall: float = 0.0,
+    length: float = 4.0,
+    planar: bool = True,
+) -> Assembly:
+    """Case S4: a ladder at `angle` from the floor; tan(least) = (1 - mu_f mu_w) / (2 mu_f).
+
+    A spindle whose two ends are edges along y, one on the floor, one on the wall; those
+    contacts are given, two points an edge. Limits for mu_f = 0.4: 51.3402 degrees with
+    mu_w = 0, 47.7263 with mu_w = 0.3.
+
+    Parameters
+    ----------
+    angle : float
+        [deg]
+    friction_floor, friction_wall : float
+        [-]
+    length : float
+        [m]
+    planar : bool
+        Motions in the x-z plane only.
+    """
+    a = np.radians(angle)
+    foot, top = np.array([length * np.cos(a), 0.0]), np.array([0.0, length * np.sin(a)])
+    bulge = 0.02 * length * np.array([np.sin(a), np.cos(a)])
+    middle = (foot + top) / 2
+    parts = [
+        floor([-1, -1], [length + 1, 1]),
+        block("wall", [-1, -1, 0], [0, 1, length + 1], grounded=True),
+        prism("ladder", [foot, middle + bulge, top, middle - bulge], 0.5, mass=10.0),
+    ]
+    ends = [[[x, y, z] for y in (-0.25, 0.25)] for x, z in (foot, top)]
+    contacts = [
+        GivenContact(("floor", "ladder"), ends[0], [0, 0, 1], mu=friction_floor),
+        GivenContact(("wall", "ladder"), ends[1], [1, 0, 0], mu=friction_wall),
+    ]
+    return Assembly(parts, contacts=contacts, planar=planar)
+
+
+def bracket(offset: float = 1.0, *, height: float = 1.0, friction: float = 0.6) -> Assembly:
+    """Case S5: a bracket on a thin post; forces hold it if offset >= height / (2 friction).
+
+    One pad presses the left side of the post, `height` above one on the right (between
+    their inner edges); a plate in front of the post, clear of it, joins them. Mass 1 kg, its centre
+    `offset` to the right of the axis of the post.
+
+    Parameters
+    ----------
+    offset, height : float
+        [m]
+    friction : float
+        [-]
+    """
+    half, pad = 0.05, 0.1
+    xs = [-half - pad, -half, half, half + pad]
+    zs = [-height / 2 - pad, -height / 2, height / 2, height / 2 + pad]
+    solid = np.zeros((3, 2, 3), dtype=bool)
+    solid[:, 0, :] = True  # the plate, in front of the post
+    solid[0, 1, 2] = solid[2, 1, 0] = True  # the pads
+    post = block("post", [-half, -0.1, -2 * height], [half, 0.1, 2 * height], grounded=True)
+    shape = cells(xs, [-0.4, -0.2, 0.2], zs, solid)
+    arm = [offset, 0.0, 0.0]
+    return Assembly(
+        [post, Part("bracket", shape, mass=1.0, center_of_mass=arm)],
+        friction_pairs=[FrictionPair(("post", "bracket"), friction)],
+    )
+
+
+def books(
+    count: int = 8,
+    *,
+    force: float = 200.0,
+    friction: float = 0.5,
+    thickness: float = 0.05,
+    height: float = 0.25,
+    weight: float = 9.81,
+) -> Assembly:
+    """Case S6: a row of books in the air, pressed on a wall by a force on an end plate.
+
+    Least force = max(n w / (2 mu), n^2 w t / (8 h)) for an even number n. The plate slides
+    along the force only, between guides above, below and beside it without friction.
+
+    Parameters
+    ----------
+    count : int
+    force, weight : float
+        On the plate, toward -x; of a book [N].
+    friction : float
+        Between books, wall and plate [-].
+    thickness, height : float
+        Of a book [m].
+    """
+    depth, end = 0.2, count * thickness
+    plate = 2 * height
+    rows = [
+        block(f"book-{k}", [k * thickness, -depth / 2, 0],
+              [(k + 1) * thickness, depth / 2, height], mass=weight / 9.81)
+        for k in range(count)
+    ]  # fmt: skip
+    low, high = [end, -depth / 2, 0.0], [end + plate, depth / 2, height]
+    wall = block("wall", [-0.1, -depth, -height], [0, depth, 2 * height], grounded=True)
+    guides = _guides(end + 0.1, end + plate, depth, height)
+    slides = [FrictionPair((part.name, "plate"), 0.0) for part in guides]
+    return Assembly(
+        [wall, *guides, *rows, block("plate", low, high, mass=1.0)],
+        friction=friction,
+        friction_pairs=slides,
+        loads=[Load("plate", force=[-force, 0, 0])],
+    )
+
+
+def _guides(start: float, stop: float, depth: float, height: float) -> list[Part]:
+    """Held blocks around a bar along x of section depth (y, centred) by height (z from 0)."""
+    d, h = depth, height
+    corners = {
+        "below": ([start, -d, -0.1], [stop, d, 0]),
+        "above": ([start, -d, h], [stop, d, h + 0.1]),
+        "front": ([start, -d, 0], [stop, -d / 2, h]),
+        "back": ([start, d / 2, 0], [stop, d, h]),
+    }
+    return [block(f"guide-{side}", *ends, grounded=True) for side, ends in corners.items()]
+
+
+def h_block(*, friction: float = 0.5, planar: bool = False) -> Assembly:
+    """Case I1: a block between two held vertical walls, held by squeeze alone.
+
+    Forces of equilibrium exist for every friction above zero; falling freely obeys the
+    contact law too.
+    """
+    return _between_plates(0.0, friction, planar)
+
+
+def a_block(half_angle: float = 10.0, *, friction: float = 0.5, planar: bool = False) -> Assembly:
+    """Case I2: a trapezoid wider below between plates that lean inwards by `half_angle` [deg].
+
+    Forces of equilibrium exist if and only if friction >= tan(half_angle).
+    """
+    return _between_plates(half_angle, friction, planar)
+
+
+def v_block(half_angle: float = 10.0, *, friction: float = 0.0, planar: bool = False) -> Assembly:
+    """Case I2 upside down: a wedge wider above between plates that open upwards: stable."""
+    return _between_plates(-half_angle, friction, planar)
+
+
+def _between_plates(half_angle: float, friction: float, planar: bool) -> Assembly:
+    """A trapezoid 1 high and 1 wide in the middle; sides lean inwards by an angle [deg]."""
+    if abs(half_angle) >= 25:
+        raise InputError(f"half angle is {half_angle:g}", hint="give less than 25 degrees")
+    lean = 0.5 * float(np.tan(np.radians(half_angle)))
+    low, high = 0.5 + lean, 0.5 - lean
+    thick = 1.0
+    right = [[low, -0.5], [low + thick, -0.5], [low + thick, 0.5], [high, 0.5]]
+    left = [[-x, z] for x, z in right]
+    return Assembly(
+        [
+            prism("plate-left", left, grounded=True),
+            prism("plate-right", right, grounded=True),
+            prism("block", [[-low, -0.5], [low, -0.5], [high, 0.5], [-high, 0.5]]),
+        ],
+        friction=friction,
+        planar=planar,
+    )
+
+
+def trough(
+    slope: float = 30.0, *, tilt: float = 40.0, friction: float = 0.84, length: float = 6.0
+) -> Assembly:
+    """Case I3: a prism in a V trough of sides sloping by `slope`, tilted lengthwise.
+
+    Gravity leans toward +y. Slips at tan(tilt) = friction / cos(slope); forces of
+    equilibrium exist up to friction / sqrt(cos^2 - friction^2 sin^2).
+
+    Parameters
+    ----------
+    slope, tilt : float
+        [deg]
+    friction : float
+        [-]
+    length : float
+        Of the prism along y, 2 wide [m].
+    """
+    rise = float(np.tan(np.radians(slope)))
+    held = [[0, 0], [1.5, 1.5 * rise], [1.5, -1], [-1.5, -1], [-1.5, 1.5 * rise]]
+    angle = np.radians(tilt)
+    return Assembly(
+        [
+            prism("trough", held, 2 * length, grounded=True),
+            prism("prism", [[0, 0], [1, rise], [-1, rise]], length),
+        ],
+        gravity=[0.0, 9.81 * np.sin(angle), -9.81 * np.cos(angle)],
+        friction=friction,
+    )

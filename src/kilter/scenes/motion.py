@@ -1,0 +1,49 @@
+"""Scenes whose first accelerations are known in closed form, without friction."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kilter.assembly import Assembly
+from kilter.scenes.pieces import floor, prism
+
+__all__ = ["wedge_on_wedge"]
+
+
+def wedge_on_wedge(
+    angle: float = 30.0, *, mass: float = 1.0, mass_below: float = 2.0, planar: bool = False
+) -> Assembly:
+    """Case S8: a wedge with a level top slides down a wedge that is free on a floor.
+
+    No friction. The lower wedge, which descends toward +x, starts toward -x with
+
+        m g sin c cos c / (M + m sin^2 c)
+
+    and neither turns.
+
+    Parameters
+    ----------
+    angle : float
+        c [deg], 15 to 60.
+    mass, mass_below : float
+        m above, M below [kg].
+    planar : bool
+        Motions in the x-z plane only.
+
+    Examples
+    --------
+    >>> wedge_on_wedge().names
+    ('floor', 'below', 'above')
+    """
+    rise = float(np.tan(np.radians(angle)))
+    lower = [[0, 0], [6, 0], [0, 6 * rise]]
+    a, b = 1.5, 3.0  # where along x the upper one lies, level at its highest point
+    upper = [[a, (6 - a) * rise], [b, (6 - b) * rise], [b, (6 - a) * rise]]
+    return Assembly(
+        [
+            floor([-12, -2], [12, 2]),
+            prism("below", lower, mass=mass_below),
+            prism("above", upper, mass=mass),
+        ],
+        planar=planar,
+    )

@@ -1,0 +1,52 @@
+"""Random piles of boxes on a grid, put down one by one onto the highest thing below them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.assembly import Assembly, Part
+from kilter.scenes.pieces import block, floor
+
+__all__ = ["box_pile"]
+
+Array = NDArray[np.float64]
+
+
+def box_pile(
+    count: int = 30, *, seed: int = 0, cells: int = 6, level: bool = True, friction: float = 0.0
+) -> Assembly:
+    """Boxes of 1 to 3 cells a side, each put down at random on what lies below it.
+
+    Faces that touch lie on common grid planes, so they touch exactly and nothing overlaps.
+
+    Parameters
+    ----------
+    count, seed : int
+    cells : int
+        Side of the floor [cells of 1 m].
+    level : bool
+        Only where all below is of one height, so that every box rests on its whole
+        underside: stable without friction. Else anywhere: some tip.
+    friction : float
+        [-]
+
+    Examples
+    --------
+    >>> len(box_pile(10, seed=3).parts)
+    11
+    """
+    random = np.random.default_rng(seed)
+    heights = np.zeros((cells, cells))
+    parts: list[Part] = []
+    while len(parts) < count:
+        low = random.integers(0, cells, size=2)
+        high = np.minimum(low + random.integers(1, 4, size=2), cells)
+        below = heights[low[0] : high[0], low[1] : high[1]]
+        if level and np.ptp(below) > 0:
+            continue
+        bottom = float(below.max())
+        top = bottom + 0.5 * int(random.integers(1, 5))
+        parts.append(block(f"box-{len(parts)}", [*low, bottom], [*high, top]))
+        below[:] = top
+    return Assembly([floor([-1, -1], [cells + 1, cells + 1]), *parts], friction=friction)

@@ -1,0 +1,254 @@
+"""Figures of the paper and the cases that follow from them.
+
+The paper prints angles and no coordinates: the dimensions here are chosen, the angles are
+its own. All lie in the x-z plane, extruded along y; `planar` restricts the motions to that
+plane, with the same answer. C1 is an L of a floor z = 0 along +x and a wall x = 0 along +z,
+both held. Masses are given, 1 kg unless said, so that nothing hangs on the dimensions but
+where the lines of action pass.
+
+Two blocks in an L, contact normal n = (-sin c, cos c) in (x, z) from block A on the floor
+to block B on the wall: forces balance only where gravity is along
+
+    -(sin c / m_A, cos c / m_B)
+
+References
+----------
+Mattikalli, Baraff, Khosla and Repetto (1993), Stability of Assemblies, Figures 1-12.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.assembly import Assembly, Part
+from kilter.errors import InputError
+from kilter.rigid import rotation_between, unit
+from kilter.scenes.pieces import prism, ring
+from kilter.scenes.transform import moved
+
+__all__ = [
+    "figure_1",
+    "figure_4",
+    "figure_8",
+    "figure_9",
+    "figure_10",
+    "figure_11",
+    "figure_12",
+    "trapped_wedge",
+    "two_blocks_in_an_l",
+]
+
+Array = NDArray[np.float64]
+
+G = 9.81
+DEPTH = 1.0
+
+
+def _ell(width: float, height: float, thick: float = 0.5) -> Part:
+    """The held L: floor z = 0 to x = width, wall x = 0 to z = height."""
+    t = thick
+    polygon = [[-t, -t], [width, -t], [width, 0], [0, 0], [0, height], [-t, height]]
+    return prism("C1", polygon, DEPTH, grounded=True)
+
+
+def stable_direction(angle: float, mass_a: float, mass_b: float) -> Array:
+    """Unit direction of gravity that two blocks in an L stand, shape (3,); `angle` c [deg]."""
+    c = np.radians(angle)
+    return unit([-np.sin(c) / mass_a, 0.0, -np.cos(c) / mass_b])
+
+
+def upright(assembly: Assembly) -> Assembly:
+    """The assembly turned, the least turn about y, so that its gravity is along -z."""
+    turned = moved(assembly, rotation_between(assembly.down, [0, 0, -1]))
+    size = float(np.linalg.norm(assembly.gravity))
+    return dataclasses.replace(turned, gravity=(0.0, 0.0, -size))
+
+
+def two_blocks_in_an_l(
+    angle: float = 45.0,
+    *,
+    mass_a: float = 1.0,
+    mass_b: float = 1.0,
+    stable: bool = False,
+    planar: bool = False,
+) -> Assembly:
+    """Case F11': block C3 = A on the floor, C2 = B on the wall, in contact along a chamfer.
+
+    With gravity along -z B sinks and drives A away. Stable for one direction only,
+    `stable_direction`: from -z 45 deg (angle 45) and 60 deg (angle 60) for equal masses,
+    63.435 and 73.898 deg for mass_b = 2 mass_a.
+
+    Parameters
+    ----------
+    angle : float
+        c: of the chamfer to the floor [deg], 30 to 60.
+    mass_a, mass_b : float
+        [kg], in a ratio of 1/2 to 2.
+    stable : bool
+        Turned so that the stable direction is -z.
+    planar : bool
+        Motions in the x-z plane only.
+
+    Notes
+    -----
+    The chamfer runs from (1, tan c) to twice that, so at 45 deg the blocks are alike,
+    mirrored in the line x = z. Floor and wall faces are long enough for the three lines of
+    action of each block to meet.
+    """
+    low = np.array([1.0, np.tan(np.radians(angle))])
+    high = 2 * low
+    reach, rise = high[0] + 1.0, high[1] + 1.0
+    a = [[low[0], 0], [reach, 0], [reach, high[1]], high, low]
+    b = [[0, low[1]], low, high, [high[0], rise], [0, rise]]
+    parts = [
+        _ell(reach + 1.0, rise + 1.0),
+        prism("C2", b, DEPTH, mass=mass_b),
+        prism("C3", a, DEPTH, mass=mass_a),
+    ]
+    if not stable:
+        return Assembly(parts, planar=planar)
+    down = stable_direction(angle, mass_a, mass_b) * G
+    return upright(Assembly(parts, gravity=down, planar=planar))
+
+
+def figure_1(orientation: str = "a", *, planar: bool = False) -> Assembly:
+    """Figure 1: two identical blocks in a right-angled one; chamfers of 45 degrees.
+
+    (a) unstable: C2 sinks, C3 gives way to the right. (b) turned by 45 degrees, stable.
+    """
+    return two_blocks_in_an_l(45.0, stable=_is_b(orientation), planar=planar)
+
+
+def figure_4(orientation: int = 1, *, planar: bool = False) -> Assembly:
+    """Figure 4: z rises as gravity turns: -5, -2.5, 0 (gravity of length 1, m kg).
+
+    The two blocks of Figure 1 at 2.5 kg each; gravity along +z (1: both fall out), -x
+    (2: one drives the other out), the stable diagonal (3), and the same with the assembly
+    turned (4, the figure's d).
+    """
+    directions = {1: [0, 0, 1], 2: [-1, 0, 0], 3: [-1, 0, -1], 4: [-1, 0, -1]}
+    if orientation not in directions:
+        raise InputError(f"Figure 4 has no orientation {orientation!r}", hint="give 1 to 4")
+    assembly = two_blocks_in_an_l(45.0, mass_a=2.5, mass_b=2.5, planar=planar)
+    assembly = assembly.with_down(directions[orientation])
+    return upright(assembly) if orientation == 4 else assembly
+
+
+def figure_8(angle: float = 60.0, *, planar: bool = False) -> Assembly:
+    """Figure 8: C2 above, between the wall and C3, which lies on the floor.
+
+    Unstable. In the unit box of the paper's LP (9) z = -m_2; of all its optima the least
+    moves C2 down by 1 and C3 sideways by 1 / tan(angle) = 0.577, and turns nothing: the
+    contact of C2 with the wall is long, and the normal of the chamfer meets the vertical
+    through its centre of mass beside that contact.
+
+    Parameters
+    ----------
+    angle : float
+        Of the chamfer to the floor [deg], 45 to 75: C2 is chamfered by it, C3 by the rest
+        to 90.
+    planar : bool
+        Motions in the x-z plane only.
+    """
+    slope = float(np.tan(np.radians(angle)))
+
+    def on_chamfer(z: float) -> list[float]:
+        return [0.5 + z / slope, z]
+
+    low, high = on_chamfer(0.5), on_chamfer(2.0)
+    c2 = [[0, 0.5], low, high, [high[0], 3], [0, 3]]
+    c3 = [[0.5, 0], [3, 0], [3, 2], high]
+    return Assembly(
+        [_ell(5, 4), prism("C2", c2, DEPTH, mass=1.0), prism("C3", c3, DEPTH, mass=1.0)],
+        planar=planar,
+    )
+
+
+def figure_9(*, planar: bool = False) -> Assembly:
+    """Figure 9: four identical blocks, two edges of each chamfered 45 degrees, in a frame.
+
+    Each lies along one side of the square frame, chamfer on chamfer with its two
+    neighbours: a loop of contacts. Stable, z = 0; all four may slide round, each along its
+    side, at no cost: in the plane the one motion that keeps every contact.
+    """
+    block = np.array([[-2, -3], [2, -3], [2, -2], [1, -1], [-1, -1], [-2, -2]], dtype=float)
+    turn = np.array([[0, 1], [-1, 0]], dtype=float)  # rows times this: a quarter turn left
+    parts = [Part("frame", ring(3, 4, DEPTH), grounded=True)]
+    for name in ("bottom", "right", "top", "left"):
+        parts.append(prism(name, block, DEPTH, mass=1.0))
+        block = block @ turn + 0.0
+    return Assembly(parts, planar=planar)
+
+
+def figure_10(orientation: str = "a", *, planar: bool = False) -> Assembly:
+    """Figure 10: two blocks without chamfer in an L: stable over a whole range.
+
+    C2 in the corner, C3 on it and against the wall. (a) gravity leans 30 degrees away from
+    the wall: unstable. (b) turned to the middle of the range, which is every direction
+    between -x and -z: stable.
+    """
+    parts = [
+        _ell(3.0, 3.0),
+        prism("C2", [[0, 0], [2, 0], [2, 1], [0, 1]], DEPTH, mass=1.0),
+        prism("C3", [[0, 1], [1, 1], [1, 2], [0, 2]], DEPTH, mass=1.0),
+    ]
+    if _is_b(orientation):
+        return upright(Assembly(parts, gravity=unit([-1, 0, -1]) * G, planar=planar))
+    lean = np.radians(30)
+    down = [G * np.sin(lean), 0.0, -G * np.cos(lean)]
+    return Assembly(parts, gravity=down, planar=planar)
+
+
+def figure_11(orientation: str = "a", *, planar: bool = False) -> Assembly:
+    """Figure 11: two identical blocks chamfered 45 degrees in an L.
+
+    (a) unstable. (b) the only stable orientation: the L at 45 degrees.
+    """
+    return two_blocks_in_an_l(45.0, stable=_is_b(orientation), planar=planar)
+
+
+def figure_12(orientation: str = "a", *, planar: bool = False) -> Assembly:
+    """Figure 12: the same with chamfers of 60 degrees; (b) the L leans 60 degrees."""
+    return two_blocks_in_an_l(60.0, stable=_is_b(orientation), planar=planar)
+
+
+def trapped_wedge(
+    tilt: float = 10.0, *, mass_a: float = 1.0, mass_b: float = 1.0, planar: bool = True
+) -> Assembly:
+    """Case TR: B on the floor under the 45-degree overhang of A, which fills the corner.
+
+    Gravity is turned from -z toward the wall (-x) by `tilt`. Stable for 0 <= tilt <=
+    atan(mass_a / mass_b); B may slide away at no cost at 0, nothing may move at 10
+    degrees, unstable at -0.01 degrees.
+
+    Parameters
+    ----------
+    tilt : float
+        [deg]
+    mass_a, mass_b : float
+        [kg], in a ratio of 1/2 to 2.
+    planar : bool
+        Motions in the x-z plane only, as the case is put.
+    """
+    a = [[0, 0], [2, 0], [3.5, 1.5], [3.5, 2], [0, 6]]
+    b = [[2.5, 0], [6, 0], [6, 1], [3.25, 1.25], [2.5, 0.5]]
+    angle = np.radians(tilt)
+    return Assembly(
+        [
+            _ell(8.0, 8.0),
+            prism("A", a, DEPTH, mass=mass_a),
+            prism("B", b, DEPTH, mass=mass_b),
+        ],
+        gravity=[-G * np.sin(angle), 0.0, -G * np.cos(angle)],
+        planar=planar,
+    )
+
+
+def _is_b(orientation: str) -> bool:
+    """Whether the stable orientation (b) is asked for, not (a)."""
+    if orientation not in ("a", "b"):
+        raise InputError(f"there is no orientation {orientation!r}", hint="give 'a' or 'b'")
+    return orientation == "b"

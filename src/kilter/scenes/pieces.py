@@ -1,0 +1,143 @@
+"""Pieces that scenes are put together from: blocks by their corners, turns, solids of cells."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kilter.assembly import Part
+from kilter.errors import InputError
+from kilter.rigid import Pose, unit
+from kilter.shapes import Box, Mesh, Prism
+
+__all__ = ["block", "cells", "compose", "floor", "prism", "ring", "turn", "turned_parts"]
+
+Array = NDArray[np.float64]
+
+
+def block(name: str, low: ArrayLike, high: ArrayLike, **properties: Any) -> Part:
+    """A box part by two opposite corners, each shape (3,) [length unit], world frame.
+
+    Examples
+    --------
+    >>> block("C", [0, 0, 0], [2, 1, 1]).pose.position
+    array([1. , 0.5, 0.5])
+    """
+    a, b = np.asarray(low, dtype=np.float64), np.asarray(high, dtype=np.float64)
+    return Part(name, Box(b - a), Pose((a + b) / 2), **properties)
+
+
+def floor(
+    low: Sequence[float], high: Sequence[float], *, top: float = 0.0, name: str = "floor"
+) -> Part:
+    """A held slab, thickness 1, from (x, y) `low` to `high`, its top at height `top`."""
+    return block(name, [*low, top - 1.0], [*high, top], grounded=True)
+
+
+def prism(name: str, polygon: Any, depth: float = 1.0, **properties: Any) -> Part:
+    """A prism part: `polygon`, shape (n, 2), in x-z of the world, `depth` along y."""
+    return Part(name, Prism(polygon, depth), **properties)
+
+
+def turn(axis: ArrayLike, degrees: float) -> Array:
+    """Quaternion (w, x, y, z) of a right-handed turn about `axis` [deg].
+
+    Examples
+    --------
+    >>> turn([0, 0, 2], 180).round(12)
+    array([0., 0., 0., 1.])
+    """
+    half = np.radians(degrees) / 2
+    return np.array([np.cos(half), *(np.sin(half) * unit(axis, "axis"))])
+
+
+def compose(second: ArrayLike, first: ArrayLike) -> Array:
+    """Quaternion of the turn `first` followed by the turn `second`.
+
+    Examples
+    --------
+    >>> compose(turn([0, 1, 0], 20), turn([0, 1, 0], -20)).round(12)
+    array([1., 0., 0., 0.])
+    """
+    a, b = np.asarray(second, dtype=np.float64), np.asarray(first, dtype=np.float64)
+    vector = a[0] * b[1:] + b[0] * a[1:] + np.cross(a[1:], b[1:])
+    return np.array([a[0] * b[0] - a[1:] @ b[1:], *vector])
+
+
+def turned_parts(parts: Sequence[Part], rotation: ArrayLike) -> list[Part]:
+    """The parts turned about the world's origin by a quaternion (w, x, y, z)."""
+    pose = Pose(rotation=rotation)
+    return [
+        dataclasses.replace(
+            part,
+            pose=Pose(
+                pose.apply([part.pose.position])[0], compose(pose.rotation, part.pose.rotation)
+            ),
+        )
+        for part in parts
+    ]
+
+
+def ring(inner: float, outer: float, depth: float) -> Mesh:
+    """A square ring (a frame with a square hole), half widths `inner` and `outer` in x and z.
+
+    Examples
+    --------
+    >>> len(ring(1, 2, 1).vertices)
+    32
+    """
+    lines = [-outer, -inner, inner, outer]
+    solid = np.ones((3, 1, 3), dtype=bool)
+    solid[1, 0, 1] = False
+    return cells(lines, [-depth / 2, depth / 2], lines, solid)
+
+
+def cells(xs: ArrayLike, ys: ArrayLike, zs: ArrayLike, solid: ArrayLike) -> Mesh:
+    """The union of the cells of a grid as one closed mesh.
+
+    Parameters
+    ----------
+    xs, ys, zs : array_like
+        Ascending coordinates of the grid planes [length unit].
+    solid : array_like of bool, shape (len(xs) - 1, len(ys) - 1, len(zs) - 1)
+        Cells that are filled. Filled cells should meet over faces, not over an edge alone.
+
+    Raises
+    ------
+    InputError
+        If `solid` does not fit the grid or nothing is filled.
+
+    Examples
+    --------
+    >>> cells([0, 1, 2], [0, 1], [0, 1, 2], [[[1, 1]], [[1, 0]]])
+    Mesh(16 vertices, 28 triangles)
+    """
+    grid = [np.asarray(line, dtype=np.float64) for line in (xs, ys, zs)]
+    filled = np.asarray(solid, dtype=bool)
+    if filled.shape != tuple(len(line) - 1 for line in grid) or not filled.any():
+        raise InputError(f"cells of shape {filled.shape} do not fit the grid")
+    quads = np.concatenate([_sides(filled, axis) for axis in range(3)])
+    shape = tuple(len(line) for line in grid)
+    rows = np.ravel_multi_index(tuple(np.moveaxis(quads, -1, 0)), shape)
+    used, faces = np.unique(rows, return_inverse=True)
+    where = np.unravel_index(used, shape)
+    vertices = np.column_stack([line[k] for line, k in zip(grid, where, strict=True)])
+    faces = faces.reshape(-1, 4)
+    return Mesh(vertices, np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]]))
+
+
+def _sides(filled: NDArray[np.bool_], axis: int) -> NDArray[np.int64]:
+    """Grid corners, shape (n, 4, 3), of the sides across one axis, turning outwards."""
+    padding = [(1, 1) if k == axis else (0, 0) for k in range(3)]
+    steps = np.diff(np.pad(filled.astype(np.int8), padding), axis=axis)
+    u, v = (axis + 1) % 3, (axis + 2) % 3
+    corners = np.zeros((4, 3), dtype=np.int64)
+    corners[[1, 2], u] = 1
+    corners[[2, 3], v] = 1
+    inward = np.argwhere(steps == 1)[:, None, :] + corners[::-1]
+    outward = np.argwhere(steps == -1)[:, None, :] + corners
+    return np.concatenate([inward, outward])

@@ -1,0 +1,226 @@
+"""One assembly made into another whose answer is known from the first.
+
+Turning, moving, scaling, reordering and renaming change no verdict; `tilted` turns gravity
+alone; `as_single` gives the coordinates a binary STL would carry.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kilter.assembly import GROUND, Assembly, Joint, Load, Part
+from kilter.errors import InputError
+from kilter.rigid import Pose, quaternion_to_matrix
+from kilter.scenes.pieces import compose, turn
+from kilter.shapes import Box, Cylinder, Mesh, Prism, Shape, Sphere, surface
+
+__all__ = ["as_single", "moved", "permuted", "renamed", "scaled", "tilted"]
+
+Array = NDArray[np.float64]
+
+
+def moved(
+    assembly: Assembly, rotation: ArrayLike = (1, 0, 0, 0), shift: ArrayLike = (0, 0, 0)
+) -> Assembly:
+    """Everything turned about the origin, then shifted: parts, gravity, loads, contacts, joints.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    rotation : array_like, shape (4,)
+        Quaternion (w, x, y, z).
+    shift : array_like, shape (3,)
+        [length unit], world frame.
+
+    Raises
+    ------
+    InputError
+        If the assembly is planar and the turn is not about y.
+
+    Examples
+    --------
+    >>> from kilter.scenes.stacks import tower
+    >>> moved(tower(1), turn([0, 1, 0], 90)).down.round(12) + 0
+    array([-1.,  0.,  0.])
+    """
+    pose = Pose(shift, rotation)
+    matrix = pose.matrix
+    if assembly.planar:
+        _require_about_y(matrix)
+    gravity = matrix @ assembly.gravity
+    if assembly.planar:
+        gravity[1] = 0.0
+    return dataclasses.replace(
+        assembly,
+        parts=[_moved_part(part, pose) for part in assembly.parts],
+        gravity=gravity,
+        loads=[_moved_load(load, pose) for load in assembly.loads],
+        contacts=[
+            dataclasses.replace(c, points=pose.apply(c.points), normal=matrix @ c.normal)
+            for c in assembly.contacts
+        ],
+        joints=[_moved_joint(joint, pose) for joint in assembly.joints],
+    )
+
+
+def tilted(assembly: Assembly, axis: ArrayLike, degrees: float) -> Assembly:
+    """Gravity alone turned about `axis`, right-handed [deg]; about +y it leans toward -x.
+
+    Raises
+    ------
+    InputError
+        If the assembly is planar and the axis is not y.
+
+    Examples
+    --------
+    >>> from kilter.scenes.stacks import tower
+    >>> tilted(tower(1), [0, 1, 0], 90).down.round(12) + 0
+    array([-1.,  0.,  0.])
+    """
+    matrix = quaternion_to_matrix(turn(axis, degrees))
+    gravity = matrix @ assembly.gravity
+    if assembly.planar:
+        _require_about_y(matrix)
+        gravity[1] = 0.0
+    return dataclasses.replace(assembly, gravity=gravity)
+
+
+def scaled(assembly: Assembly, factor: float) -> Assembly:
+    """Every length times `factor`, densities kept, so that no verdict changes.
+
+    Masses that are given, and forces, grow by factor^3 as weights do; torques by factor^4.
+
+    Examples
+    --------
+    >>> from kilter.scenes.stacks import tower
+    >>> scaled(tower(1), 10.0).geometry.mass[-1] / tower(1).geometry.mass[-1]
+    np.float64(1000.0)
+    """
+    factor = float(factor)
+    if not (np.isfinite(factor) and factor > 0):
+        raise InputError(f"factor is {factor:g}", hint="give a number above zero")
+
+    def times(value: Any, power: int = 1) -> Any:
+        return None if value is None else value * factor**power
+
+    parts = [
+        dataclasses.replace(
+            part,
+            shape=_scaled_shape(part.shape, factor),
+            pose=Pose(part.pose.position * factor, part.pose.rotation),
+            mass=times(part.mass, 3),
+            center_of_mass=times(part.center_of_mass),
+        )
+        for part in assembly.parts
+    ]
+    loads = [
+        Load(load.part, times(load.force, 3), times(load.torque, 4), times(load.point))
+        for load in assembly.loads
+    ]
+    return dataclasses.replace(
+        assembly,
+        parts=parts,
+        loads=loads,
+        contacts=[dataclasses.replace(c, points=times(c.points)) for c in assembly.contacts],
+        joints=[dataclasses.replace(j, point=times(j.point)) for j in assembly.joints],
+    )
+
+
+def as_single(assembly: Assembly) -> Assembly:
+    """Every shape a mesh in world coordinates rounded to float32, as a binary STL gives.
+
+    Densities, masses and centres of mass are kept; cylinders and spheres become inscribed
+    polyhedra.
+
+    Examples
+    --------
+    >>> from kilter.scenes.stacks import tower
+    >>> as_single(tower(1)).parts[0].shape
+    Mesh(8 vertices, 12 triangles)
+    """
+    return dataclasses.replace(assembly, parts=[_single(part) for part in assembly.parts])
+
+
+def permuted(assembly: Assembly, order: Sequence[int]) -> Assembly:
+    """The parts in another order: new part k is old part ``order[k]``.
+
+    Raises
+    ------
+    InputError
+        If `order` does not list every part once.
+    """
+    if sorted(int(k) for k in order) != list(range(len(assembly.parts))):
+        raise InputError(f"order is not a permutation of {len(assembly.parts)} parts")
+    return dataclasses.replace(assembly, parts=[assembly.parts[int(k)] for k in order])
+
+
+def renamed(assembly: Assembly, name: Callable[[str], str]) -> Assembly:
+    """Every part's name passed through `name`, and all that names parts with it."""
+
+    def pair(parts: tuple[str, str]) -> tuple[str, str]:
+        a, b = (GROUND if part == GROUND else name(part) for part in parts)
+        return a, b
+
+    def entries(values: Sequence[Any]) -> list[Any]:
+        return [dataclasses.replace(entry, parts=pair(entry.parts)) for entry in values]
+
+    return dataclasses.replace(
+        assembly,
+        parts=[dataclasses.replace(part, name=name(part.name)) for part in assembly.parts],
+        loads=[dataclasses.replace(load, part=name(load.part)) for load in assembly.loads],
+        friction_pairs=entries(assembly.friction_pairs),
+        contacts=entries(assembly.contacts),
+        joints=entries(assembly.joints),
+    )
+
+
+def _require_about_y(matrix: Array) -> None:
+    if abs(matrix[1, 1] - 1.0) > 1e-12:
+        raise InputError("the turn leaves the x-z plane of a planar assembly", hint="turn about y")
+
+
+def _moved_part(part: Part, pose: Pose) -> Part:
+    position = pose.apply([part.pose.position])[0]
+    return dataclasses.replace(
+        part, pose=Pose(position, compose(pose.rotation, part.pose.rotation))
+    )
+
+
+def _moved_load(load: Load, pose: Pose) -> Load:
+    point = None if load.point is None else pose.apply([load.point])[0]
+    return Load(load.part, pose.matrix @ load.force, pose.matrix @ load.torque, point)
+
+
+def _moved_joint(joint: Joint, pose: Pose) -> Joint:
+    point = None if joint.point is None else pose.apply([joint.point])[0]
+    axis = None if joint.axis is None else pose.matrix @ joint.axis
+    return dataclasses.replace(joint, point=point, axis=axis)
+
+
+def _scaled_shape(shape: Shape, factor: float) -> Shape:
+    if isinstance(shape, Box):
+        return Box(shape.size * factor)
+    if isinstance(shape, Cylinder):
+        return Cylinder(shape.radius * factor, shape.height * factor)
+    if isinstance(shape, Sphere):
+        return Sphere(shape.radius * factor)
+    if isinstance(shape, Prism):
+        return Prism(shape.polygon * factor, shape.depth * factor)
+    return Mesh(shape.vertices * factor, shape.triangles, accuracy=shape.accuracy * factor)
+
+
+def _single(part: Part) -> Part:
+    vertices, triangles = surface(part.shape)
+    world = part.pose.apply(vertices).astype(np.float32)
+    center = part.center_of_mass
+    return dataclasses.replace(
+        part,
+        shape=Mesh(world, triangles),
+        pose=Pose(),
+        center_of_mass=None if center is None else part.pose.apply([center])[0],
+    )

@@ -1,0 +1,98 @@
+"""Scenes that others answer wrongly: floating, overlapping, many, split and inverted contacts."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kilter.assembly import Assembly, Part
+from kilter.errors import InputError
+from kilter.rigid import Pose
+from kilter.scenes.pieces import block, cells, floor, prism
+from kilter.shapes import Mesh, surface
+
+__all__ = [
+    "bridge_on_slab",
+    "floating_block",
+    "inward_base",
+    "laden_slab",
+    "penetrating_cube",
+    "ring_on_slab",
+]
+
+
+def floating_block(index: int = 2, *, count: int = 5) -> Assembly:
+    """Case W1: unit cubes in a row on a floor, one of them 1 m above it: it falls at 1 g.
+
+    Parameters
+    ----------
+    index : int
+        Which of the cubes floats, from 0 or (negative) from the end; part `index` + 1 of
+        the list.
+    count : int
+        Cubes.
+    """
+    if not -count <= index < count:
+        raise InputError(f"there is no cube {index} of {count}")
+    heights = np.zeros(count)
+    heights[index] = 1.0
+    cubes = [
+        block(f"cube-{k}", [2.0 * k, 0, z], [2.0 * k + 1, 1, z + 1])
+        for k, z in enumerate(heights.tolist())
+    ]
+    return Assembly([floor([-1, -1], [2.0 * count, 2]), *cubes])
+
+
+def penetrating_cube(depth: float = 0.1) -> Assembly:
+    """Case W2: a unit cube in mid-air that overlaps a held one by `depth` [m] sideways.
+
+    No contact carries it: unstable, and the overlap is to be named.
+    """
+    return Assembly(
+        [
+            block("held", [0, 0, 0], [1, 1, 1], grounded=True),
+            block("cube", [1 - depth, 0, 0], [2 - depth, 1, 1]),
+        ]
+    )
+
+
+def laden_slab() -> Assembly:
+    """Case W7: a held slab with 25 unit cubes and 100 cubes of 0.1: stable, 125 patches."""
+    large = [
+        block(f"large-{i}-{j}", [2.0 * i, 2.0 * j, 0], [2.0 * i + 1, 2.0 * j + 1, 1])
+        for i in range(5)
+        for j in range(5)
+    ]
+    small = [
+        block(f"small-{i}-{j}", [10 + i, j, 0], [10.1 + i, j + 0.1, 0.1])
+        for i in range(10)
+        for j in range(10)
+    ]
+    return Assembly([floor([-1, -1], [21, 11], name="slab"), *large, *small])
+
+
+def bridge_on_slab() -> Assembly:
+    """Case W8: a bridge on a held slab, two patches of 1 x 1 in one plane: area 2, stable."""
+    polygon = [[0, 0], [1, 0], [1, 1], [3, 1], [3, 0], [4, 0], [4, 2], [0, 2]]
+    return Assembly([floor([-1, -1], [5, 1], name="slab"), prism("bridge", polygon)])
+
+
+def ring_on_slab() -> Assembly:
+    """Case W8: a square ring flat on a held slab, 4 x 4 less 2 x 2: area 12, stable."""
+    lines = [-2.0, -1.0, 1.0, 2.0]
+    solid = np.ones((3, 3, 1), dtype=bool)
+    solid[1, 1, 0] = False
+    shape = cells(lines, lines, [0.0, 1.0], solid)
+    return Assembly([floor([-3, -3], [3, 3], name="slab"), Part("ring", shape)])
+
+
+def inward_base() -> Assembly:
+    """Case W9: a unit cube on a held mesh whose faces point inwards: stable, with a warning."""
+    base = floor([-1, -1], [1, 1], name="base")
+    vertices, triangles = surface(base.shape)
+    shape = Mesh(base.pose.apply(vertices), triangles[:, ::-1])
+    return Assembly(
+        [
+            Part("base", shape, Pose(), grounded=True),
+            block("cube", [-0.5, -0.5, 0], [0.5, 0.5, 1]),
+        ]
+    )

@@ -1,0 +1,319 @@
+"""Walls of bricks: running bond, stack bond, openings, short bases, published ones.
+
+A wall stands along x on a held base whose top is z = 0, centred on y = 0. Courses are
+given bottom up as widths in bricks; a negative width is an opening. Names are
+"brick-COURSE-NUMBER", both from 0, left to right, openings not counted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from kilter.assembly import Assembly, Part
+from kilter.errors import InputError
+from kilter.rigid import Pose
+from kilter.scenes.pieces import block
+from kilter.shapes import Box
+
+__all__ = [
+    "bond",
+    "ferris_tin_loi",
+    "hanging_brick",
+    "short_base",
+    "stack_bond",
+    "tilted_wall",
+    "wall",
+    "wall_from_courses",
+    "wall_of",
+    "wall_with_lintel",
+    "wall_with_opening",
+]
+
+Courses = Sequence[Sequence[float]]
+
+BRICK = (0.2, 0.1, 0.06)
+"""Length, depth and height of a brick [m]."""
+
+FERRIS_TIN_LOI: dict[int, tuple[str, dict[str, list[float]]]] = {
+    1: ("E U" + " E U" * 2, {"E": [0.5, 1, 1, 1, 1, 0.5], "U": [1] * 5}),
+    2: ("E U" + " E U" * 4, {"E": [0.5, 1, 1, 1, 1, 0.5], "U": [1] * 5}),
+    3: (
+        "Fe Fu Fe Wu We Wu We Wu Fe Fu Fe",
+        {
+            "Fe": [1, 1, 1, 1],
+            "Fu": [0.5, 1, 1, 1, 0.5],
+            "We": [1, 0.5, -1, 0.5, 1],
+            "Wu": [0.5, 1, -1, 1, 0.5],
+        },
+    ),
+    4: (
+        "Fe Fu Fe Wu We Wu We Wu Fe Fu Fe",
+        {
+            "Fe": [0.5, 1, 1, 1, 1, 0.5],
+            "Fu": [1, 1, 1, 1, 1],
+            "We": [0.5, 0.5, -1, 0.5, 0.5, -1, 0.5, 0.5],
+            "Wu": [1, -1, 1, -1, 1],
+        },
+    ),
+    5: (
+        "Fe Fu Fe Wu We Wu We Wu Fe Fu Fe Wu We Wu We Wu Fe Fu Fe",
+        {
+            "Fe": [0.5, 1, 1, 0.5],
+            "Fu": [1, 1, 1],
+            "We": [0.5, 0.5, -1, 0.5, 0.5],
+            "Wu": [1, -1, 1],
+        },
+    ),
+    6: (
+        "Fe Fu Fe Fu Wu We Wu We Wu Fu Fe Fu Wu We Wu We Wu Fu Fe Fu Fe",
+        {
+            "Fe": [0.5, 1, 1, 1, 1, 1, 1, 0.5],
+            "Fu": [1] * 7,
+            "We": [1, 0.5, -1, 0.5, 1, 0.5, -1, 0.5, 1],
+            "Wu": [0.5, 1, -1, 1, 1, -1, 1, 0.5],
+        },
+    ),
+}
+"""Courses bottom up, and their widths, of the six walls."""
+
+
+def wall_from_courses(
+    courses: Courses,
+    *,
+    size: Sequence[float] = BRICK,
+    gap: float = 0.0,
+    base: tuple[float, float] | None = None,
+    density: float | None = None,
+    **assembly: Any,
+) -> Assembly:
+    """A wall from the widths of its courses, bottom up, in bricks; negative = opening.
+
+    Parameters
+    ----------
+    courses : sequence of sequences of float
+        Widths [bricks].
+    size : sequence of float, shape (3,)
+        Length along x, depth along y and height along z of a brick [length unit].
+    gap : float
+        Width of the head joints, all open by as much [length unit]; bed joints touch.
+    base : (float, float), optional
+        From where to where along x the held base reaches [length unit]; half a brick past
+        both ends of the first course by default.
+    density : float, optional
+        Of the bricks [kg/m^3].
+    **assembly
+        Further arguments of `Assembly`.
+
+    Raises
+    ------
+    InputError
+        If the gap leaves nothing of a brick.
+
+    Examples
+    --------
+    >>> wall_from_courses([[1, -1, 1], [3]]).names
+    ('base', 'brick-0-0', 'brick-0-1', 'brick-1-0')
+    """
+    length, depth, height = (float(value) for value in size)
+    right = length * sum(abs(width) for width in courses[0])
+    low, high = (-length / 2, right + length / 2) if base is None else base
+    held = block("base", [low, -depth, -height], [high, depth, 0], grounded=True, density=density)
+    return Assembly([held, *_bricks(courses, (length, depth, height), gap, density)], **assembly)
+
+
+def _bricks(
+    courses: Courses, size: tuple[float, float, float], gap: float, density: float | None
+) -> Iterator[Part]:
+    """Parts of all courses; bricks of one width share one shape."""
+    length, depth, height = size
+    shapes: dict[float, Box] = {}
+    for row, widths in enumerate(courses):
+        edges = np.concatenate([[0.0], np.cumsum(np.abs(widths))])
+        middles = ((edges[:-1] + edges[1:]) * (length / 2)).tolist()
+        z, number = (row + 0.5) * height, 0
+        for width, x in zip(widths, middles, strict=True):
+            if width < 0:
+                continue
+            if width not in shapes:
+                if width * length <= gap:
+                    raise InputError(f"gap {gap:g} leaves nothing of a brick of width {width:g}")
+                shapes[width] = Box([width * length - gap, depth, height])
+            yield Part(f"brick-{row}-{number}", shapes[width], Pose((x, 0.0, z)), density=density)
+            number += 1
+
+
+def bond(courses: int, per_course: int) -> list[list[float]]:
+    """Widths of a running bond, every second course closed by half bricks.
+
+    Examples
+    --------
+    >>> bond(2, 3)
+    [[1.0, 1.0, 1.0], [0.5, 1.0, 1.0, 0.5]]
+    """
+    if courses < 1 or per_course < 1:
+        raise InputError(f"a wall of {courses} x {per_course} bricks", hint="give 1 or more")
+    full = [1.0] * per_course
+    half = [0.5, *[1.0] * (per_course - 1), 0.5]
+    return [full if row % 2 == 0 else half for row in range(courses)]
+
+
+def wall(courses: int = 6, per_course: int = 6, **options: Any) -> Assembly:
+    """A running-bond wall; `options` are those of `wall_from_courses`.
+
+    Stable without friction.
+    """
+    return wall_from_courses(bond(courses, per_course), **options)
+
+
+def wall_of(count: int, **options: Any) -> Assembly:
+    """A running-bond wall of about `count` bricks, as many courses as bricks a course.
+
+    Examples
+    --------
+    >>> len(wall_of(100).parts)
+    106
+    """
+    courses = max(1, round(count**0.5))
+    return wall(courses, max(1, round(count / courses)), **options)
+
+
+def stack_bond(courses: int = 6, per_course: int = 6, **options: Any) -> Assembly:
+    """A wall whose head joints all align: towers side by side. Stable without friction."""
+    return wall_from_courses([[1.0] * per_course for _ in range(courses)], **options)
+
+
+def wall_with_opening(
+    courses: int = 8,
+    per_course: int = 8,
+    *,
+    opening: tuple[int, int, int, int] = (3, 5, 2, 5),
+    **options: Any,
+) -> Assembly:
+    """A running-bond wall with an opening and no lintel.
+
+    Parameters
+    ----------
+    courses, per_course : int
+    opening : (int, int, int, int)
+        From and to which brick along x, and from and to which course (the last excluded).
+    **options
+        Of `wall_from_courses`.
+
+    Notes
+    -----
+    A brick above the opening that rests on nothing is there all the same: the default, two
+    bricks wide, has one in its head and falls without friction.
+    """
+    return wall_from_courses(_opened(bond(courses, per_course), opening), **options)
+
+
+def wall_with_lintel(
+    courses: int = 8,
+    per_course: int = 8,
+    *,
+    opening: tuple[int, int, int, int] = (3, 5, 2, 5),
+    **options: Any,
+) -> Assembly:
+    """The same with a lintel over the opening that rests half a brick (or more) on each side.
+
+    Stable without friction.
+    """
+    left, right, _, top = opening
+    rows = _opened(bond(courses, per_course), opening)
+    if top < len(rows):
+        half = 0.5 if top % 2 else 1.0  # where that course has its joints
+        rows[top] = _joined(rows[top], left - half, right + half)
+    return wall_from_courses(rows, **options)
+
+
+def hanging_brick(courses: int = 6, per_course: int = 6, **options: Any) -> Assembly:
+    """A running-bond wall with a lintel, and a brick that hangs under it, held by nothing.
+
+    It touches the lintel from below and no other brick: it falls at 1 g, the rest stays.
+    """
+    middle = per_course // 2
+    rows = _opened(bond(courses, per_course), (middle - 1, middle + 2, 1, 3))
+    rows[3] = _joined(rows[3], middle - 1.5, middle + 2.5)
+    hung = [-abs(width) if width < 0 else width for width in rows[2]]
+    where = next(k for k, width in enumerate(hung) if width < 0)
+    spare = (-hung[where] - 1.0) / 2
+    rows[2] = [*hung[:where], -spare, 1.0, -spare, *hung[where + 1 :]]
+    return wall_from_courses(rows, **options)
+
+
+def short_base(
+    courses: int = 4, per_course: int = 6, *, held: float = 3.25, **options: Any
+) -> Assembly:
+    """A running-bond wall of which only the first `held` bricks' lengths stand on the base.
+
+    Without friction the first course's bricks past the base fall.
+    """
+    length = float(options.get("size", BRICK)[0])
+    return wall(courses, per_course, base=(-length / 2, held * length), **options)
+
+
+def tilted_wall(
+    degrees: float = 5.0, *, friction: float = 0.6, courses: int = 9, per_course: int = 6
+) -> Assembly:
+    """Case S7: a running-bond wall of 200 x 100 x 60 mm bricks tilted out of its plane.
+
+    Gravity leans toward +y by `degrees`. Overturns at atan(W / (9 H)) = 10.49 deg, with
+    friction 0.15 slides at 8.53 deg.
+    """
+    angle = np.radians(degrees)
+    down = [0.0, 9.81 * np.sin(angle), -9.81 * np.cos(angle)]
+    return wall(courses, per_course, gravity=down, friction=friction)
+
+
+def ferris_tin_loi(number: int = 1, *, friction: float = 0.65) -> Assembly:
+    """One of the six walls of Ferris and Tin-Loi, 0.4 x 0.175 m blocks, 0.2 m deep, planar.
+
+    The question asked of them is the load factor of a horizontal body force.
+
+    Parameters
+    ----------
+    number : int
+        1 to 6.
+    friction : float
+        On bed and head joints [-].
+
+    References
+    ----------
+    Ferris and Tin-Loi (2001), Limit analysis of frictional block assemblies as a
+    mathematical program with complementarity constraints, Int. J. Mech. Sci. 43, 209-224.
+
+    Examples
+    --------
+    >>> [len(ferris_tin_loi(k).parts) - 1 for k in range(1, 7)]
+    [33, 55, 46, 55, 61, 146]
+    """
+    if number not in FERRIS_TIN_LOI:
+        raise InputError(f"there is no wall {number!r}", hint="give 1 to 6")
+    order, widths = FERRIS_TIN_LOI[number]
+    rows = [widths[name] for name in order.split()]
+    return wall_from_courses(rows, size=(0.4, 0.2, 0.175), friction=friction, planar=True)
+
+
+def _opened(rows: list[list[float]], opening: tuple[int, int, int, int]) -> list[list[float]]:
+    """Courses with the part from `left` to `right` taken out of some of them."""
+    left, right, bottom, top = opening
+    opened = list(rows)
+    for k in range(max(bottom, 0), min(top, len(rows))):
+        opened[k] = _cut(rows[k], left, right)
+    return opened
+
+
+def _cut(widths: Sequence[float], left: float, right: float) -> list[float]:
+    edges = [0.0, *np.cumsum(np.abs(widths)).tolist()]
+    pairs = list(pairwise(edges))
+    before = [min(b, left) - a for a, b in pairs if a < left]
+    after = [b - max(a, right) for a, b in pairs if b > right]
+    return [*before, -(min(right, edges[-1]) - max(left, 0.0)), *after]
+
+
+def _joined(widths: Sequence[float], left: float, right: float) -> list[float]:
+    return [abs(width) if width < 0 else width for width in _cut(widths, left, right)]

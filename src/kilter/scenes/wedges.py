@@ -1,0 +1,163 @@
+"""Wedges: a keystone, and blocks cut by planes, in a corner of three held walls.
+
+A convex solid is a list of its faces, polygons of shape (n, 3) turning left seen from
+outside. A cut keeps what lies behind a plane and closes it with one new face.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.assembly import Assembly, Part
+from kilter.errors import InputError
+from kilter.rigid import unit
+from kilter.scenes.pieces import block, floor, prism
+from kilter.shapes import BOX_CORNERS, BOX_QUADS, Mesh
+
+__all__ = ["corner_boxes", "corner_wedges", "keystone"]
+
+Array = NDArray[np.float64]
+
+WALL = 0.5
+"""Thickness of the held walls [m]."""
+
+
+def keystone(angle: float = 15.0, *, friction: float = 0.0, planar: bool = False) -> Assembly:
+    """A keystone between two free springers that lean on held walls: stable.
+
+    Parameters
+    ----------
+    angle : float
+        Of each joint to the vertical [deg], 5 to 30.
+    friction : float
+        [-]
+    planar : bool
+        Motions in the x-z plane only.
+    """
+    lean = float(np.tan(np.radians(angle)))
+    right = np.array([[0.5, 0], [4, 0], [4, 2], [0.5 + 2 * lean, 2]])
+    middle = [[-0.5 - lean, 1], [0.5 + lean, 1], [0.5 + 3 * lean, 3], [-0.5 - 3 * lean, 3]]
+    return Assembly(
+        [
+            floor([-5, -1], [5, 1]),
+            block("wall-left", [-5, -1, 0], [-4, 1, 3], grounded=True),
+            block("wall-right", [4, -1, 0], [5, 1, 3], grounded=True),
+            prism("springer-left", right * [-1, 1]),
+            prism("springer-right", right),
+            prism("keystone", middle),
+        ],
+        friction=friction,
+        planar=planar,
+    )
+
+
+def corner_boxes(count: int = 3, *, size: float = 1.0) -> Assembly:
+    """Cubes that fill a corner of three held walls, `count` along each edge, fewer outwards.
+
+    Cube (i, j, k) is there where i + j + k < count; gravity points into the corner, along
+    -(1, 1, 1). Stable: each cube rests on a wall or a cube in all three directions.
+
+    Examples
+    --------
+    >>> len(corner_boxes(3).parts)  # three walls and 6 + 3 + 1 cubes
+    13
+    """
+    where = [(i, j, k) for i in range(count) for j in range(count) for k in range(count)]
+    cubes = [
+        block(
+            f"cube-{i}-{j}-{k}", np.array([i, j, k]) * size, np.array([i + 1, j + 1, k + 1]) * size
+        )
+        for i, j, k in where
+        if i + j + k < count
+    ]
+    return Assembly([*_corner(count * size), *cubes], gravity=_into_corner())
+
+
+def corner_wedges(count: int = 6, *, seed: int = 0) -> Assembly:
+    """A cube in a corner of three held walls, cut into `count` wedges by random planes.
+
+    The largest piece is cut next, through its middle. Gravity points into the corner.
+
+    Parameters
+    ----------
+    count, seed : int
+
+    Examples
+    --------
+    >>> assembly = corner_wedges(5, seed=1)
+    >>> bool(abs(assembly.geometry.volume[3:].sum() - 8.0) < 1e-12)
+    True
+    """
+    if count < 1:
+        raise InputError(f"{count} wedges", hint="give 1 or more")
+    random = np.random.default_rng(seed)
+    corners = BOX_CORNERS * 2.0 + 1.0
+    pieces = [[corners[quad] for quad in BOX_QUADS]]
+    while len(pieces) < count:
+        largest = pieces.pop(int(np.argmax([_volume(piece) for piece in pieces])))
+        normal = unit(random.normal(size=3))
+        point = np.concatenate(largest).mean(axis=0)
+        pieces += [_behind(largest, point, normal), _behind(largest, point, -normal)]
+    wedges = [Part(f"wedge-{k}", _mesh(piece)) for k, piece in enumerate(pieces)]
+    return Assembly([*_corner(2.0), *wedges], gravity=_into_corner())
+
+
+def _into_corner() -> Array:
+    return unit([-1, -1, -1]) * 9.81
+
+
+def _corner(reach: float) -> list[Part]:
+    """Held walls x = 0, y = 0 and floor z = 0 that do not share volume."""
+    t, r = WALL, reach + WALL
+    return [
+        block("floor", [-t, -t, -t], [r, r, 0], grounded=True),
+        block("wall-x", [-t, -t, 0], [0, r, r], grounded=True),
+        block("wall-y", [0, -t, 0], [r, 0, r], grounded=True),
+    ]
+
+
+def _behind(faces: list[Array], point: Array, normal: Array) -> list[Array]:
+    """What of a convex solid lies behind the plane through `point`, closed."""
+    kept, rim = [], []
+    for face in faces:
+        distance = (face - point) @ normal
+        corners = []
+        for k, p in enumerate(face):
+            j = (k + 1) % len(face)
+            if distance[k] <= 0:
+                corners.append(p)
+            if distance[k] * distance[j] < 0:
+                # from the corner behind to the one before, so both faces of an edge agree
+                (a, da), (b, db) = sorted(
+                    [(k, distance[k]), (j, distance[j])], key=lambda end: end[1]
+                )
+                cut = face[a] + (face[b] - face[a]) * (da / (da - db))
+                corners.append(cut)
+                rim.append(cut)
+        if len(corners) > 2:
+            kept.append(np.array(corners))
+    return [*kept, _around(np.unique(np.array(rim), axis=0), normal)]
+
+
+def _around(points: Array, normal: Array) -> Array:
+    """Corners of a convex polygon in order, turning left about `normal`."""
+    u = unit(np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))]))
+    relative = points - points.mean(axis=0)
+    angles = np.arctan2(relative @ np.cross(normal, u), relative @ u)
+    ordered: Array = points[np.argsort(angles)]
+    return ordered
+
+
+def _volume(faces: list[Array]) -> float:
+    total = 0.0
+    for face in faces:
+        for k in range(1, len(face) - 1):
+            total += float(face[0] @ np.cross(face[k], face[k + 1])) / 6
+    return total
+
+
+def _mesh(faces: list[Array]) -> Mesh:
+    vertices, index = np.unique(np.concatenate(faces), axis=0, return_inverse=True)
+    stops = np.cumsum([len(face) for face in faces])[:-1]
+    return Mesh(vertices, [piece.tolist() for piece in np.split(index.reshape(-1), stops)])

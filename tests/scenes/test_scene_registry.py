@@ -1,0 +1,72 @@
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from scene_oracle import imbalance, overlapping, touching
+
+from kilter.assembly import Assembly
+from kilter.errors import InputError
+from kilter.scenes import SCENES, scene
+
+BUILT = {name: entry.build() for name, entry in SCENES.items()}
+
+
+@pytest.mark.parametrize("name", SCENES)
+class TestEveryScene:
+    def test_is_an_assembly_with_something_held_and_something_free(self, name):
+        assembly = BUILT[name]
+        assert isinstance(assembly, Assembly)
+        assert 0 < assembly.geometry.grounded.sum() < len(assembly.parts)
+
+    def test_has_masses_and_volumes_above_zero(self, name):
+        geometry = BUILT[name].geometry
+        assert (geometry.mass > 0).all()
+        assert (geometry.volume > 0).all()
+        assert geometry.warnings == ()
+
+    def test_has_no_parts_that_overlap(self, name):
+        assert overlapping(BUILT[name]) == []
+
+    def test_has_contacts_that_touch_exactly(self, name):
+        assembly = BUILT[name]
+        assert touching(assembly).gap.max(initial=0.0) < 1e-12
+
+    def test_has_the_answer_it_says(self, name):
+        assembly, answer = BUILT[name], SCENES[name].answer
+        has_friction = assembly.friction or assembly.friction_pairs or assembly.contacts
+        without = imbalance(assembly)
+        if answer == "stable":
+            assert without < 1e-9
+        else:
+            assert without > 1e-3
+            assert bool(has_friction) == (answer == "undecided")
+
+    def test_is_named_and_told_in_a_line(self, name):
+        entry = SCENES[name]
+        assert entry.name == name == name.lower().replace(" ", "-")
+        assert 0 < len(entry.title) <= 80
+        assert "\n" not in entry.title
+        assert entry.source
+
+
+def test_there_are_scenes_of_every_answer():
+    assert {entry.answer for entry in SCENES.values()} == {"stable", "unstable", "undecided"}
+
+
+def test_builds_the_same_scene_each_time():
+    for name in ("box-pile", "corner-wedges"):
+        one, two = scene(name).geometry, scene(name).geometry
+        assert np.array_equal(one.vertices, two.vertices)
+
+
+def test_unknown_name_names_the_nearest():
+    with pytest.raises(InputError, match="did you mean 'harmonic-stack'"):
+        scene("harmonic-stak")
+    with pytest.raises(InputError, match="there are: paper-figure-1"):
+        scene("??")
+
+
+def test_listing_the_scenes_imports_no_numpy():
+    code = "import sys, kilter.scenes; sys.exit('numpy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
