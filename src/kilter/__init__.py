@@ -1,0 +1,94 @@
+"""kilter: does an assembly of rigid parts stay together under gravity?
+
+    import kilter
+
+    assembly = kilter.load("arch.kilter.json")
+    verdict = kilter.check(assembly)
+    print(verdict.sentence, verdict.moving)
+
+Everything public is imported when it is first used, so that ``import kilter`` stays light.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from kilter.analysis.check import Verdict, check
+    from kilter.assembly import Assembly, FrictionPair, GivenContact, Joint, Load, Part
+    from kilter.contact import ContactSet, Tolerance, find_contacts
+    from kilter.errors import InputError, KilterError, SolverError
+    from kilter.files import dump, load
+    from kilter.mechanics.proof import verify_proof
+    from kilter.rigid import Pose
+    from kilter.scenes import scene
+    from kilter.shapes import Box, Cylinder, Mesh, Prism, Sphere
+
+__version__ = "0.1.0"
+
+_HOMES = {
+    "Assembly": "kilter.assembly",
+    "Box": "kilter.shapes",
+    "ContactSet": "kilter.contact",
+    "Cylinder": "kilter.shapes",
+    "FrictionPair": "kilter.assembly",
+    "GivenContact": "kilter.assembly",
+    "InputError": "kilter.errors",
+    "Joint": "kilter.assembly",
+    "KilterError": "kilter.errors",
+    "Load": "kilter.assembly",
+    "Mesh": "kilter.shapes",
+    "Part": "kilter.assembly",
+    "Pose": "kilter.rigid",
+    "Prism": "kilter.shapes",
+    "SolverError": "kilter.errors",
+    "Sphere": "kilter.shapes",
+    "Tolerance": "kilter.contact",
+    "Verdict": "kilter.analysis.check",
+    "check": "kilter.analysis.check",
+    "dump": "kilter.files",
+    "find_contacts": "kilter.contact",
+    "load": "kilter.files",
+    "scene": "kilter.scenes",
+    "verify_proof": "kilter.mechanics.proof",
+}
+
+__all__ = [
+    "Assembly",
+    "Box",
+    "ContactSet",
+    "Cylinder",
+    "FrictionPair",
+    "GivenContact",
+    "InputError",
+    "Joint",
+    "KilterError",
+    "Load",
+    "Mesh",
+    "Part",
+    "Pose",
+    "Prism",
+    "SolverError",
+    "Sphere",
+    "Tolerance",
+    "Verdict",
+    "check",
+    "dump",
+    "find_contacts",
+    "load",
+    "scene",
+    "verify_proof",
+]
+
+
+def __getattr__(name: str) -> Any:
+    try:
+        home = _HOMES[name]
+    except KeyError:
+        raise AttributeError(f"module 'kilter' has no attribute {name!r}") from None
+    return getattr(importlib.import_module(home), name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*__all__, "__version__"])

@@ -165,7 +165,9 @@ def _to_triangles(core: _Core, triangles: Array) -> tuple[Array, Array, Array]:
     rows = np.arange(len(triangles))
     # a segment beside a plane: both ends are equally near, so the middle of it is
     if d.any():
-        level = np.abs(distance[0] - distance[1]) <= 1e-9 * core.radius
+        both = np.isfinite(distance[0]) & np.isfinite(distance[1])
+        apart = np.where(both, distance[0], 0.0) - np.where(both, distance[1], 0.0)
+        level = both & (np.abs(apart) <= 1e-9 * core.radius)
         middle = _plane_feet(core.start + 0.5 * d, triangles, 0.5)
         use = level & np.isfinite(middle[0]) & (middle[0] <= distance.min(axis=0) * (1 + 1e-9))
         result = tuple(np.stack([c[k] for c in candidates])[best, rows] for k in range(3))

@@ -1,0 +1,260 @@
+"""Problem 1 answered in full: verdict, proof, what moves and how.
+
+A stable verdict holds whatever the friction and whatever contacts are not modelled: more
+forces can only help, and without friction any solution of the contact law has
+a.M a <= w.a <= 0. An unstable one is asked again with every force that contacts which are
+not modelled, and friction of any size, might bring; if that could hold it, the verdict is
+undecided and says why.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.analysis.displacement import LIMIT as DISPLACEMENT_LIMIT
+from kilter.analysis.displacement import Displacement, find_displacement
+from kilter.analysis.motion import ImpendingMotion, find_motion, still
+from kilter.analysis.neutral import Neutral, find_neutral
+from kilter.analysis.stability import Judgement, judge
+from kilter.analysis.words import SENTENCES, motion_words
+from kilter.assembly import Assembly
+from kilter.contact import ContactSet, Tolerance, find_contacts
+from kilter.mechanics.certificate import ForceProof, MotionProof
+from kilter.mechanics.program import TOLERANCE, Program, build_program
+from kilter.mechanics.proof import make_proof
+
+__all__ = ["Verdict", "check"]
+
+Array = NDArray[np.float64]
+Word = Literal["stable", "potentially-stable", "unstable", "undecided"]
+
+GUARANTEE = {"stable": "proved", "unstable": "refuted", "undecided": "open"}
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """What `check` found, with its evidence.
+
+    Attributes
+    ----------
+    verdict : {"stable", "unstable", "undecided"}
+    sentence : str
+        The verdict in words.
+    assembly, contacts, program
+        What was judged. `program` is the one the certificate speaks of.
+    judgement : Judgement
+        Forces and motion, judged.
+    warnings : tuple of str
+    seconds : dict
+        Of each stage.
+    """
+
+    verdict: Word
+    sentence: str
+    assembly: Assembly
+    contacts: ContactSet
+    program: Program
+    judgement: Judgement
+    warnings: tuple[str, ...]
+    seconds: dict[str, float]
+
+    @property
+    def guarantee(self) -> str:
+        """Is there no other motion that obeys the contact law? proved, refuted or open."""
+        return GUARANTEE[self.verdict]
+
+    @property
+    def certificate(self) -> ForceProof | MotionProof | None:
+        """The proof that holds, if any."""
+        if self.verdict == "stable":
+            return self.judgement.forces
+        return self.judgement.motion if self.verdict == "unstable" else None
+
+    @property
+    def modelled(self) -> Program:
+        """The program with the contacts that are modelled, and no others."""
+        if not self.program.kind.size or not (self.program.kind == 1).any():
+            return self.program
+        return build_program(self.assembly, self.contacts)
+
+    @cached_property
+    def displacement(self) -> Displacement:
+        """LP (9) of the paper: z and displacements."""
+        if self.verdict == "stable":
+            count = len(self.program.names)
+            large = int(self.program.free.sum()) > DISPLACEMENT_LIMIT
+            return Displacement(0.0, None if large else np.zeros((count, 6)))
+        return find_displacement(self.modelled)
+
+    @cached_property
+    def motion(self) -> ImpendingMotion:
+        """Initial accelerations by Gauss's principle; none where the verdict is stable."""
+        return still(self.program) if self.verdict == "stable" else find_motion(self.modelled)
+
+    @cached_property
+    def neutral(self) -> Neutral | None:
+        """Motions that cost no energy to first order, without friction."""
+        return find_neutral(self.modelled)
+
+    @property
+    def tolerance(self) -> float:
+        """The relative tolerance of the verdict: the largest of any part [-]."""
+        return float(self.program.tolerance.max(initial=TOLERANCE))
+
+    @property
+    def moving(self) -> list[str]:
+        """Names of the parts that start to move."""
+        return [n for n, m in zip(self.program.names, self.motion.moves, strict=True) if m]
+
+    def words(self, part: int) -> str:
+        """How a part starts to move."""
+        motion = self.motion
+        if self.assembly.parts[part].grounded:
+            return "is held"
+        relative = motion.relative[part] * motion.moves[part]
+        return motion_words(motion.acceleration[part], relative, self.assembly.down)
+
+    def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
+        """The proof as data; `options`: how the assembly was read, for `verify`."""
+        return make_proof(
+            self.assembly, self.contacts, self.program, self.certificate, options or {}
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """The answer as JSON data."""
+        from kilter.analysis.answers import check_answer
+
+        return check_answer(self)
+
+    def __str__(self) -> str:
+        return self.sentence
+
+
+def check(
+    assembly: Assembly,
+    *,
+    contacts: ContactSet | None = None,
+    tolerance: Tolerance | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> Verdict:
+    """Does the assembly stay together under gravity?
+
+    Parameters
+    ----------
+    assembly : Assembly
+        At least one part must be held.
+    contacts : ContactSet, optional
+        Found from the geometry where not given.
+    tolerance : Tolerance, optional
+        When faces count as touching.
+    progress : callable, optional
+        Called with a word at each stage.
+
+    Raises
+    ------
+    InputError
+        If nothing is held, or the geometry is not usable.
+
+    Examples
+    --------
+    >>> from kilter.scenes import scene
+    >>> check(scene("tower")).verdict
+    'stable'
+    >>> verdict = check(scene("paper-figure-8"))
+    >>> verdict.verdict, verdict.moving
+    ('unstable', ['C2', 'C3'])
+    """
+    tell = progress or (lambda stage: None)
+    assembly.require_grounded()
+    seconds: dict[str, float] = {}
+    started = time.perf_counter()
+    _ = assembly.geometry
+    if contacts is None:
+        contacts = find_contacts(assembly, tolerance=tolerance, progress=progress)
+    seconds["contacts"] = time.perf_counter() - started
+    tell("verdict")
+    started = time.perf_counter()
+    word, program, judgement, why = _decide(assembly, contacts)
+    seconds["solve"] = time.perf_counter() - started
+    coarse = bool(program.tolerance.max(initial=0.0) > TOLERANCE)
+    sentence = SENTENCES.get((word, coarse)) or f"Undecided: {'; '.join(why)}."
+    warnings = [*assembly.notes, *assembly.geometry.warnings, *contacts.warnings]
+    warnings += _warnings(assembly, contacts, program, word)
+    return Verdict(
+        word, sentence, assembly, contacts, program, judgement, tuple(warnings), seconds
+    )
+
+
+def _decide(
+    assembly: Assembly, contacts: ContactSet
+) -> tuple[Word, Program, Judgement, list[str]]:
+    """Verdict, the program it speaks of, and what keeps it undecided."""
+    program = build_program(assembly, contacts)
+    judgement = judge(program)
+    if judgement.stable is None:
+        return "undecided", program, judgement, [_figures(judgement)]
+    if judgement.stable:
+        return "stable", program, judgement, []
+    outer = build_program(assembly, contacts, possible=True)
+    if len(outer.part_a) == len(program.part_a):
+        return "unstable", program, judgement, []
+    bound = judge(outer)
+    if bound.stable is False:
+        return "unstable", outer, bound, []
+    return "undecided", program, judgement, _open_questions(assembly, contacts)
+
+
+def _figures(judgement: Judgement) -> str:
+    residual = judgement.forces.residual if judgement.forces else float("nan")
+    motion = judgement.motion
+    ratio = f"{motion.power:.2g} W at violation {motion.violation:.2g}" if motion else "none"
+    return (
+        f"the numbers do not carry a proof (best forces leave {residual:.2g} of a weight, "
+        f"best motion: {ratio})"
+    )
+
+
+def _open_questions(assembly: Assembly, contacts: ContactSet) -> list[str]:
+    """What could hold it that is not modelled."""
+    names = assembly.names
+    why = []
+    if (contacts.patch_mu > 0).any():
+        why.append("without friction it would move, and friction, which is not modelled yet, could hold it")
+    if contacts.unsupported:
+        listed = [
+            f"{names[u.parts[0]]!r} and {names[u.parts[1]]!r} ({u.kind})"
+            for u in contacts.unsupported[:5]
+        ]
+        more = len(contacts.unsupported) - len(listed)
+        pairs = ", ".join(listed) + (f" and {more} more" if more > 0 else "")
+        why.append(f"contacts of a kind that is not modelled yet could hold it: {pairs}")
+    return why or ["the polygon that stands for a round face could hold it, a circle might not"]
+
+
+def _warnings(
+    assembly: Assembly, contacts: ContactSet, program: Program, word: Word
+) -> list[str]:
+    warnings = []
+    if not program.free.any():
+        warnings.append("every part is held: nothing can move")
+    if word != "stable" and (contacts.unsupported or (contacts.patch_mu > 0).any()):
+        warnings.append(
+            "z, displacements and motions are those of the modelled, frictionless contacts"
+        )
+    touched = np.zeros(len(program.names), dtype=bool)
+    touched[contacts.patch_parts.ravel()] = True
+    touched[[k for u in contacts.unsupported for k in u.parts]] = True
+    touched[[assembly.index[n] for j in assembly.joints for n in j.parts if n in assembly.index]] = True
+    alone = [n for n, t, f in zip(program.names, touched, program.free, strict=True) if f and not t]
+    if alone:
+        shown = ", ".join(repr(n) for n in alone[:5])
+        more = f" and {len(alone) - 5} more" if len(alone) > 5 else ""
+        warnings.append(f"touches nothing: {shown}{more}")
+    return warnings

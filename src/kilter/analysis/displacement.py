@@ -1,0 +1,87 @@
+"""LP (9) of the paper, as published: the optimum z and displacements that reach it.
+
+    minimise z = -w.dp,   J dp >= 0,   |dr_i|, |dtheta_i| <= 1
+
+in the units of the file, gravity of length 1. Its optimum is unique, its displacements are
+not: of all optimal ones, the one of least 2-norm is given, which is unique.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array, eye_array, vstack
+
+from kilter.mechanics.formulations import LinearProgram, QuadraticProgram, displacement
+from kilter.mechanics.program import Program
+
+__all__ = ["LIMIT", "Displacement", "find_displacement"]
+
+Array = NDArray[np.float64]
+
+LIMIT = 300
+"""Displacements are found for up to this many free parts; z at every size."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Displacement:
+    """Optimum `z` of LP (9), and displacements, shape (N, 6), or None above the limit."""
+
+    z: float
+    displacement: Array | None
+
+
+def find_displacement(program: Program) -> Displacement:
+    """Solve LP (9) of the paper.
+
+    Examples
+    --------
+    >>> from kilter.scenes import scene
+    >>> from kilter.contact import find_contacts
+    >>> from kilter.mechanics.program import build_program
+    >>> assembly = scene("paper-figure-8")
+    >>> found = find_displacement(build_program(assembly, find_contacts(assembly)))
+    >>> [round(float(x), 3) + 0.0 for x in found.displacement[1:, [0, 2]].ravel()]
+    [0.0, -1.0, 0.577, 0.0]
+    """
+    from kilter.solvers.linear import solve_linear
+
+    count = int(program.free.sum())
+    if not count:
+        return Displacement(0.0, np.zeros((len(program.names), 6)))
+    lp = displacement(program)
+    method = "simplex" if count <= LIMIT else "interior"
+    answer = solve_linear(lp, method=method)  # type: ignore[arg-type]
+    z = min(float(lp.cost @ answer.x), 0.0)
+    if count > LIMIT:
+        return Displacement(z, None)
+    return Displacement(z, program.full(_shortest(lp, answer.x, z)))
+
+
+def _shortest(lp: LinearProgram, optimum: Array, z: float) -> Array:
+    """The optimal x of least 2-norm: a projection of 0 on the optimal face."""
+    from kilter.solvers.quadratic import solve_quadratic
+
+    count = len(lp.cost)
+    size = float(np.abs(lp.cost).max(initial=0.0))
+    if z >= -1e-12 * size:
+        return np.zeros(count)
+    two_sided = lp.row_upper == 0.0
+    rows = csc_array(lp.matrix)
+    length = np.maximum(np.sqrt(rows.multiply(rows).sum(axis=1)), 1e-300)
+    rows = csc_array(rows.multiply(1 / np.asarray(length)[:, None]))
+    box = eye_array(count, format="csc")
+    objective = csc_array(lp.cost[None, :] / np.linalg.norm(lp.cost))
+    matrix = vstack([objective, rows[two_sided], rows[~two_sided], box, -box], format="csc")
+    bound = np.zeros(matrix.shape[0])
+    bound[0] = z / float(np.linalg.norm(lp.cost))
+    bound[-2 * count :] = -1.0
+    quadratic = QuadraticProgram(
+        csc_array(eye_array(count)), np.zeros(count), matrix, bound, 1 + int(two_sided.sum())
+    )
+    answer = solve_quadratic(quadratic)
+    # never give a displacement that is not optimal: the plain optimum stands in
+    better = answer.residual < 1e-6 * max(1.0, float(np.abs(answer.x).max(initial=0.0)))
+    return answer.x if better else optimum

@@ -1,0 +1,113 @@
+"""Neutral motions: motions that cost no energy to first order.
+
+    two-sided:   dim {dp: J dp = 0, w.dp = 0}
+    one-sided:   dim span {dp: J dp >= 0, w.dp = 0}, less that
+
+A box on a table has 3 and 0 (it slides and spins); an assembly with 0 and 0 is strictly
+held. Neutral motions are where second order matters: a ball on a ball is "stable" in first
+order. Friction is left out.
+
+The span of the cone: every row that can open in it opens in one common motion, so one LP
+that maximises the sum of openings, each cut off at a bound, finds the rows that never open.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array, diags_array, hstack, vstack
+
+from kilter.mechanics.formulations import LinearProgram, Scaled, scaled
+from kilter.mechanics.program import Program
+
+__all__ = ["LIMIT", "Neutral", "find_neutral"]
+
+Array = NDArray[np.float64]
+
+LIMIT = 100
+"""Neutral motions are counted for up to this many free parts."""
+RANK = 1e-9
+"""Singular values below this part of the largest count as zero, for exact data."""
+
+
+@dataclass(frozen=True, slots=True)
+class Neutral:
+    """Dimensions of the neutral motions."""
+
+    two_sided: int
+    one_sided: int
+
+
+def find_neutral(program: Program) -> Neutral | None:
+    """Count the neutral motions; None above the limit.
+
+    Examples
+    --------
+    >>> from kilter.scenes import scene
+    >>> from kilter.contact import find_contacts
+    >>> from kilter.mechanics.program import build_program
+    >>> assembly = scene("block-on-table")
+    >>> find_neutral(build_program(assembly, find_contacts(assembly)))
+    Neutral(two_sided=3, one_sided=0)
+    """
+    if int(program.free.sum()) > LIMIT:
+        return None
+    if not program.free.any():
+        return Neutral(0, 0)
+    problem = scaled(program)
+    opening = _unit_rows(problem)
+    blur = float(max(RANK, 10 * program.tolerance.max()))
+    load = problem.right[None, :] / max(float(np.linalg.norm(problem.right)), 1e-300)
+    everything = np.vstack([opening, load])
+    freedoms = opening.shape[1]
+    two_sided = freedoms - _rank(everything, blur)
+    never = _never_open(problem, opening, load, blur)
+    one_sided = freedoms - _rank(np.vstack([opening[never], load]), blur) - two_sided
+    return Neutral(two_sided, one_sided)
+
+
+def _unit_rows(problem: Scaled) -> Array:
+    """Rows of J in scaled unknowns, each of length 1, each different one once; dense."""
+    program = problem.program
+    weight = np.repeat(program.weight[program.free], len(program.freedoms))
+    rows = csc_array(problem.matrix.multiply(weight[:, None])).T.toarray()
+    length = np.linalg.norm(rows, axis=1)
+    unit: Array = rows / np.where(length > 0, length, 1.0)[:, None]
+    return unit
+
+
+def _rank(matrix: Array, blur: float) -> int:
+    if not len(matrix):
+        return 0
+    if len(matrix) > matrix.shape[1]:
+        matrix = np.linalg.qr(matrix, mode="r")
+    values = np.linalg.svd(matrix, compute_uv=False)
+    return int((values > blur * max(values.max(initial=0.0), 1e-300)).sum())
+
+
+def _never_open(problem: Scaled, opening: Array, load: Array, blur: float) -> NDArray[np.bool_]:
+    """Rows that no motion of the cone opens."""
+    from kilter.solvers.linear import solve_linear
+
+    rows, count = opening.shape
+    two_sided = problem.program.two_sided
+    slack = diags_array(-np.where(two_sided, 0.0, 1.0))
+    body = csc_array(np.where(np.abs(opening) < 1e-14, 0.0, opening))
+    matrix = vstack(
+        [hstack([body, slack]), hstack([csc_array(load), csc_array((1, rows))])], format="csc"
+    )
+    # motions up to 1/blur times the openings asked for: what opens less than that never does
+    reach = 1.0 / np.sqrt(blur)
+    lp = LinearProgram(
+        cost=np.concatenate([np.zeros(count), -np.ones(rows)]),
+        matrix=matrix,
+        row_lower=np.append(np.full(rows, 0.0) - np.where(two_sided, 0.0, blur), 0.0),
+        row_upper=np.append(np.where(two_sided, 0.0, np.inf), 0.0),
+        lower=np.concatenate([np.full(count, -reach), np.zeros(rows)]),
+        upper=np.concatenate([np.full(count, reach), np.ones(rows)]),
+    )
+    answer = solve_linear(lp)
+    never: NDArray[np.bool_] = (answer.x[count:] < 0.5) | two_sided
+    return never
