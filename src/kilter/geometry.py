@@ -70,6 +70,8 @@ class Geometry:
         Parts whose vertices are the eight corners of a box, in order.
     is_round : ndarray of bool, shape (N,)
         Cylinders and spheres: given as inscribed polyhedra.
+    round_axis : ndarray, shape (N, 3)
+        Unit axis of each cylinder; zero for other parts.
     warnings : tuple of str
     """
 
@@ -88,6 +90,7 @@ class Geometry:
     single: NDArray[np.bool_]
     is_box: NDArray[np.bool_]
     is_round: NDArray[np.bool_]
+    round_axis: Array
     warnings: tuple[str, ...]
 
     @property
@@ -176,6 +179,7 @@ def _build(assembly: Assembly) -> Geometry:
         single=accuracy > largest * 2.0**-40,
         is_box=boxes,
         is_round=rounds,
+        round_axis=_round_axes(parts, rotation),
         warnings=tuple(warnings),
     )
 
@@ -336,6 +340,13 @@ def _masses(
         if part.center_of_mass is not None:
             center[k] = part.center_of_mass
     return mass, center, second
+
+
+def _round_axes(parts: Sequence[Part], rotation: Array) -> Array:
+    axes = np.zeros((len(parts), 3))
+    cylinders = [k for k, part in enumerate(parts) if isinstance(part.shape, Cylinder)]
+    axes[cylinders] = rotation[cylinders, :, 2]
+    return axes
 
 
 def _named(parts: Sequence[Part], which: Index, limit: int = 5) -> str:
