@@ -7,6 +7,7 @@ Angles are radians. A twist is (linear, angular), a wrench (force, torque).
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -32,14 +33,17 @@ def frozen(values: ArrayLike, shape: tuple[int, ...] | None = None) -> Array:
         array = np.array(values, dtype=np.float64)
     except (TypeError, ValueError):
         raise InputError(f"expected numbers, got {values!r:.80}") from None
-    if shape is not None and (
-        array.ndim != len(shape)
-        or any(n not in (-1, m) for n, m in zip(shape, array.shape, strict=True))
-    ):
+    if shape is not None and array.shape != shape and not _fits(array.shape, shape):
         wanted = " x ".join("n" if n == -1 else str(n) for n in shape)
         raise InputError(f"expected {wanted} numbers, got shape {array.shape}")
     array.flags.writeable = False
     return array
+
+
+def _fits(shape: tuple[int, ...], wanted: tuple[int, ...]) -> bool:
+    return len(shape) == len(wanted) and all(
+        n in (-1, m) for n, m in zip(wanted, shape, strict=True)
+    )
 
 
 def skew(v: ArrayLike) -> Array:
@@ -70,7 +74,8 @@ def unit(v: ArrayLike, what: str = "direction") -> Array:
     length = float(np.linalg.norm(v))
     if not np.isfinite(length) or length == 0.0:
         raise InputError(f"{what} is {v.tolist()}", hint="give a vector that is not zero")
-    return frozen(v / length)
+    # a unit vector stays the same to the last digit, so that it survives being written
+    return v if abs(length - 1.0) <= 4e-16 else frozen(v / length)
 
 
 def quaternion_to_matrix(quaternion: ArrayLike) -> Array:
@@ -133,9 +138,11 @@ class Pose:
 
     def __post_init__(self) -> None:
         position, rotation = frozen(self.position, (3,)), frozen(self.rotation, (4,))
-        if not (np.isfinite(position).all() and np.isfinite(rotation).all()):
-            raise InputError("pose has a number that is not finite")
-        if not np.any(rotation):
+        if not math.isfinite(sum(position.tolist()) + sum(rotation.tolist())):
+            raise InputError(
+                "pose has a number that is not finite", hint="give finite numbers"
+            )
+        if not rotation.any():
             raise InputError("rotation is the zero quaternion", hint="no turn is [1, 0, 0, 0]")
         object.__setattr__(self, "position", position)
         object.__setattr__(self, "rotation", rotation)

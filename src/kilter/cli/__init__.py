@@ -1,0 +1,81 @@
+"""The command line: the only place that prints.
+
+`main` turns every way a command can end into an exit code and at most one message:
+0 to 4 are answers, 2 wrong usage or input, 70 a fault of kilter, 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+
+__all__ = ["main"]
+
+USAGE, FAULT, INTERRUPTED = 2, 70, 130
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command; the exit code is returned, and used by the console script."""
+    import warnings
+
+    warnings.simplefilter("ignore")
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    try:
+        return _run(words)
+    except KeyboardInterrupt:
+        _say("interrupted")
+        return INTERRUPTED
+    except BrokenPipeError:
+        # the reader of a pipe has seen enough; nothing is left to tell it
+        sys.stdout = None  # type: ignore[assignment]
+        return 0
+
+
+def _run(words: list[str]) -> int:
+    import click
+
+    from kilter.cli.app import command, with_floor_value
+    from kilter.errors import InputError
+
+    try:
+        result = command()(with_floor_value(words), prog_name="kilter", standalone_mode=False)
+        sys.stdout.flush()
+        return int(result or 0)
+    except click.exceptions.Exit as ended:
+        return int(ended.exit_code)
+    except (click.exceptions.Abort, EOFError):
+        _say("interrupted")
+        return INTERRUPTED
+    except click.ClickException as error:
+        context = getattr(error, "ctx", None)
+        path = context.command_path if context is not None else "kilter"
+        _say(f"{error.format_message().rstrip('.')}; see '{path} --help'")
+        return USAGE
+    except InputError as error:
+        _say(str(error))
+        return USAGE
+    except (KeyboardInterrupt, BrokenPipeError):
+        raise
+    except Exception as error:
+        _say(_fault(error, words))
+        return FAULT
+
+
+def _say(message: str) -> None:
+    print(f"kilter: {message}", file=sys.stderr)
+
+
+def _fault(error: Exception, words: list[str]) -> str:
+    """What went wrong inside, where, and how to report it; one line."""
+    import traceback
+
+    import kilter
+
+    last = traceback.extract_tb(error.__traceback__)[-1]
+    module = last.filename.replace("\\", "/").rsplit("/kilter/", 1)[-1]
+    detail = " ".join(str(error).split())[:200]
+    return (
+        f"a fault of kilter itself: {type(error).__name__}: {detail} "
+        f"(kilter {kilter.__version__}, {module}:{last.lineno}); please report it with the "
+        f"command 'kilter {' '.join(words)}' and the file"
+    )

@@ -1,0 +1,343 @@
+"""Commands of kilter."""
+
+from __future__ import annotations
+
+import sys
+import time
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from kilter.cli.options import (
+    Angle,
+    Density,
+    Down,
+    File,
+    Floor,
+    Friction,
+    Gap,
+    Ground,
+    Json,
+    Loose,
+    Output,
+    Quiet,
+    Units,
+    Without,
+)
+from kilter.cli.output import Progress, as_json, emit, read_json, tell_warnings, write_whole
+from kilter.cli.reading import LOWEST, Reading, contact_tolerance, read_assembly
+from kilter.errors import InputError
+
+__all__ = ["command", "with_floor_value"]
+
+EXIT = {"stable": 0, "unstable": 1, "potentially-stable": 3, "undecided": 4}
+
+app = typer.Typer(
+    name="kilter",
+    help="Does an assembly of rigid parts stay together under gravity? An exact verdict, with a "
+    "proof. All answers are of first order: where motions that cost no energy to first order "
+    "are left (see 'neutral'), second order decides, a ball on a ball among them.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def command() -> Any:
+    """The command with its subcommands."""
+    return typer.main.get_command(app)
+
+
+def with_floor_value(words: list[str]) -> list[str]:
+    """``--floor`` with its value filled in where it stands alone.
+
+    Examples
+    --------
+    >>> with_floor_value(["--floor", "a.stl"]), with_floor_value(["--floor", "-0.5"])
+    (['--floor=lowest', 'a.stl'], ['--floor=-0.5'])
+    """
+    result: list[str] = []
+    rest = iter(range(len(words)))
+    for k in rest:
+        if words[k] == "--":
+            return result + words[k:]
+        if words[k] != "--floor":
+            result.append(words[k])
+            continue
+        following = words[k + 1] if k + 1 < len(words) else ""
+        if _is_number(following) and not Path(following).exists():
+            result.append(f"--floor={following}")
+            next(rest)
+        else:
+            result.append(f"--floor={LOWEST}")
+    return result
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        import kilter
+
+        print(f"kilter {kilter.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def kilter_options(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_version, is_eager=True, help="Show the version."),
+    ] = False,
+) -> None:
+    """Options of kilter itself."""
+
+
+@app.command()
+def check(
+    file: File,
+    ground: Ground = None,
+    floor: Floor = None,
+    without: Without = None,
+    down: Down = None,
+    friction: Friction = None,
+    units: Units = None,
+    density: Density = None,
+    gap: Gap = None,
+    angle: Angle = None,
+    loose: Loose = False,
+    proof: Annotated[
+        Path | None,
+        typer.Option(
+            "--proof",
+            metavar="P.json",
+            help="Write the proof here; 'kilter verify FILE P.json' rechecks it.",
+            rich_help_panel="Form of the answer",
+            show_default=False,
+        ),
+    ] = None,
+    json: Json = False,
+    output: Output = None,
+    quiet: Quiet = False,
+) -> int:
+    """Does it stay together under gravity; if not, what moves, and how?
+
+    Exit 0 stable, 1 unstable, 4 undecided. Displacements of LP (9) are given for up to 300
+    free parts, neutral motions are counted for up to 100; above, they are null.
+    """
+    from kilter.analysis.check import check as decide
+
+    reading = _reading(ground, floor, without, down, friction, units, density)
+    with Progress(quiet) as progress:
+        started = time.perf_counter()
+        progress("reading")
+        assembly = read_assembly(file, reading)
+        _ = assembly.geometry
+        read = time.perf_counter() - started
+        verdict = decide(
+            assembly, tolerance=contact_tolerance(gap, angle, loose), progress=progress
+        )
+        progress("motion")
+        _ = verdict.motion, verdict.displacement, verdict.neutral
+    total = time.perf_counter() - started
+    verdict.seconds.update({"read": read, "total": total})
+    if proof is not None and verdict.certificate is not None:
+        write_whole(proof, as_json(verdict.proof(options=reading.options())))
+    tell_warnings(verdict.warnings, quiet or json)
+    if json:
+        emit(as_json(verdict.to_dict()), output)
+    else:
+        from kilter.cli.text import check_text
+
+        text = check_text(verdict)
+        if proof is not None:
+            written = f"written to {proof}" if verdict.certificate else "none to write"
+            text += f"\nproof file   {written}"
+        emit(text, output)
+    return EXIT[verdict.verdict]
+
+
+@app.command()
+def contacts(
+    file: File,
+    ground: Ground = None,
+    floor: Floor = None,
+    without: Without = None,
+    down: Down = None,
+    friction: Friction = None,
+    units: Units = None,
+    density: Density = None,
+    gap: Gap = None,
+    angle: Angle = None,
+    loose: Loose = False,
+    json: Json = False,
+    output: Output = None,
+    quiet: Quiet = False,
+) -> int:
+    """What touches: patches with area, gap and normal; what came near, and why it does not count."""
+    from kilter.contact import find_contacts
+
+    reading = _reading(ground, floor, without, down, friction, units, density)
+    with Progress(quiet) as progress:
+        progress("reading")
+        assembly = read_assembly(file, reading)
+        found = find_contacts(
+            assembly, tolerance=contact_tolerance(gap, angle, loose), progress=progress
+        )
+    warnings = [*assembly.notes, *assembly.geometry.warnings, *found.warnings]
+    tell_warnings(warnings, quiet or json)
+    if json:
+        from kilter.analysis.answers import contacts_answer
+
+        emit(as_json(contacts_answer(assembly, found)), output)
+    else:
+        from kilter.cli.text import contacts_text
+
+        emit(contacts_text(assembly, found), output)
+    return 0
+
+
+@app.command()
+def verify(
+    file: File,
+    proof: Annotated[
+        str, typer.Argument(metavar="P.json", help="A proof that 'kilter check --proof' wrote.")
+    ],
+    json: Json = False,
+    output: Output = None,
+    quiet: Quiet = False,
+) -> int:
+    """Recompute a proof from the file, without any solver. Exit 0 it holds, 1 it does not.
+
+    The file is read as it was for the proof (parts held, left out, direction of gravity);
+    the answer names these conditions.
+    """
+    from kilter.contact import find_contacts
+    from kilter.mechanics.proof import proof_tolerance, verify_proof
+
+    data = read_json(proof, "proof file")
+    if not isinstance(data, dict):
+        raise InputError("is no proof", file=proof, hint="give a file of kilter check --proof")
+    try:
+        reading = Reading.from_options(data.get("options", {}))
+        tolerance = proof_tolerance(data)
+        with Progress(quiet) as progress:
+            progress("reading")
+            assembly = read_assembly(file, reading)
+            found = find_contacts(assembly, tolerance=tolerance, progress=progress)
+            result = verify_proof(assembly, found, data)
+    except InputError as error:
+        raise error.located(file=proof) from None
+    if json:
+        answer = {
+            "holds": result.holds,
+            "verdict": result.verdict,
+            "residual": result.residual,
+            "power": result.power,
+            "reasons": list(result.reasons),
+            "options": reading.options(),
+        }
+        emit(as_json(answer), output)
+    else:
+        emit(_verified(assembly, result, reading), output)
+    return 0 if result.holds else 1
+
+
+def _verified(assembly: Any, result: Any, reading: Reading) -> str:
+    from kilter.cli.text import plain
+
+    if not result.holds:
+        return "\n".join(["The proof does not hold:", *(f"  {r}" for r in result.reasons)])
+    held = ", ".join(plain(p.name) for p in assembly.parts if p.grounded)
+    figure = (
+        f"every part is balanced to {result.residual:.1e} of its weight"
+        if result.residual is not None
+        else f"the motion gains {result.power:.4g} W at 1 m/s"
+    )
+    options = reading.options()
+    lines = [
+        f"The proof holds: {result.verdict}; {figure}.",
+        f"  held: {held or 'joints to the ground'}; gravity {assembly.gravity.tolist()} m/s^2",
+    ]
+    if options:
+        lines.append("  read with: " + ", ".join(f"{k} {v}" for k, v in options.items()))
+    return "\n".join(lines)
+
+
+@app.command()
+def example(
+    name: Annotated[
+        str | None,
+        typer.Argument(metavar="[NAME]", help="Example to write; without it, all are listed."),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="FILE",
+            help="Where to; NAME.kilter.json in this folder where not given, - for standard output.",
+            show_default=False,
+        ),
+    ] = None,
+    force: Annotated[
+        bool, typer.Option("--force", help="Replace a file that is there already.")
+    ] = False,
+    json: Json = False,
+) -> int:
+    """List the built-in examples, or write one as an assembly file."""
+    from kilter.scenes import SCENES, scene
+
+    if name is None:
+        if json:
+            listed = [
+                {"name": s.name, "title": s.title, "source": s.source, "answer": s.answer}
+                for s in SCENES.values()
+            ]
+            emit(as_json(listed), output)
+        else:
+            from kilter.cli.text import table
+
+            rows = [[s.name, s.answer or "", s.title] for s in SCENES.values()]
+            emit("\n".join(table(rows, indent="")), output)
+        return 0
+    from kilter.files import to_dict
+
+    text = as_json(to_dict(scene(name)))
+    if output is not None and str(output) == "-":
+        sys.stdout.write(text)
+        return 0
+    target = output or Path(f"{name}.kilter.json")
+    if target.exists() and not force:
+        raise InputError("is there already", file=str(target), hint="add --force to replace it")
+    write_whole(target, text)
+    print(f"{target}: {SCENES[name].title}")
+    print(f"next: kilter check {target}")
+    return 0
+
+
+def _reading(
+    ground: list[str] | None,
+    floor: str | None,
+    without: list[str] | None,
+    down: tuple[float, float, float] | None,
+    friction: float | None,
+    units: str | None,
+    density: float | None,
+) -> Reading:
+    return Reading(
+        ground=tuple(ground or ()),
+        floor=floor,
+        without=tuple(without or ()),
+        down=down,
+        friction=friction,
+        units=units,
+        density=density,
+    )

@@ -1,0 +1,108 @@
+"""Where answers go: standard output, or a file that is whole or not there; and progress."""
+
+from __future__ import annotations
+
+import json
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+from kilter.errors import InputError
+
+__all__ = ["Progress", "as_json", "emit", "read_json", "tell_warnings", "write_whole"]
+
+
+def as_json(data: Any) -> str:
+    """JSON text with numbers exact to the last digit."""
+    return json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def emit(text: str, output: Path | None) -> None:
+    """Print an answer, or write it to a file."""
+    if output is None:
+        sys.stdout.write(text if text.endswith("\n") else text + "\n")
+    else:
+        write_whole(output, text)
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Write a file in full or not at all.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    from kilter.files import write_text
+
+    write_text(path, text)
+
+
+def read_json(path: str, what: str) -> Any:
+    """JSON data of a file.
+
+    Raises
+    ------
+    InputError
+        If there is no such file or it is no JSON.
+    """
+    try:
+        return json.loads(Path(path).read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise InputError(f"no such {what}", file=path, hint="check the path") from None
+    except OSError as error:
+        raise InputError(f"cannot be read ({error.strerror})", file=path) from None
+    except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
+        raise InputError(f"is no JSON ({error})", file=path, hint=f"give a {what}") from None
+
+
+def tell_warnings(warnings: tuple[str, ...] | list[str], quiet: bool, limit: int = 20) -> None:
+    """Warnings on the error stream."""
+    if quiet:
+        return
+    for warning in warnings[:limit]:
+        print(f"kilter: warning: {warning}", file=sys.stderr)
+    if len(warnings) > limit:
+        print(f"kilter: {len(warnings) - limit} more warnings (--json lists all)", file=sys.stderr)
+
+
+class Progress:
+    """Names the step at work on the error stream once it takes over a second.
+
+    Only on a terminal, and not where `quiet`.
+    """
+
+    def __init__(self, quiet: bool) -> None:
+        self._on = not quiet and sys.stderr.isatty()
+        self._timer: threading.Timer | None = None
+        self._started = time.perf_counter()
+        self._shown = False
+
+    def __call__(self, stage: str) -> None:
+        """Begin a step."""
+        if not self._on:
+            return
+        self._stop()
+        self._timer = threading.Timer(1.0, self._show, (stage,))
+        self._timer.daemon = True
+        self._timer.start()
+
+    def _show(self, stage: str) -> None:
+        self._shown = True
+        elapsed = time.perf_counter() - self._started
+        print(f"\r\x1b[Kkilter: {stage} ... ({elapsed:.0f} s so far)", end="", file=sys.stderr, flush=True)
+
+    def _stop(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+    def __enter__(self) -> Progress:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stop()
+        if self._shown:
+            print("\r\x1b[K", end="", file=sys.stderr, flush=True)

@@ -1,0 +1,201 @@
+"""Answers as text for people."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from kilter.analysis.check import Verdict
+    from kilter.assembly import Assembly
+    from kilter.contact import ContactSet
+
+__all__ = ["check_text", "contacts_text", "plain", "table"]
+
+LISTED = 20
+"""Rows of a list that are shown; --json gives all."""
+
+
+def plain(name: str, width: int = 40) -> str:
+    """A name that cannot disturb a terminal: one line, no control characters.
+
+    Examples
+    --------
+    >>> plain("a\\nb")
+    'a?b'
+    """
+    shown = "".join(c if c.isprintable() else "?" for c in name)
+    return shown if len(shown) <= width else shown[: width - 3] + "..."
+
+
+def table(rows: list[list[str]], indent: str = "  ") -> list[str]:
+    """Rows with their columns aligned to the left."""
+    if not rows:
+        return []
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    return [
+        (indent + "  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True))).rstrip()
+        for row in rows
+    ]
+
+
+def _more(total: int) -> list[str]:
+    return [f"  and {total - LISTED} more (--json lists all)"] if total > LISTED else []
+
+
+def _vector(v: Any, digits: int = 6) -> str:
+    return "(" + ", ".join(f"{round(float(x), digits) + 0.0:g}" for x in v) + ")"
+
+
+def check_text(verdict: Verdict) -> str:
+    """The answer of `kilter check`."""
+    lines = [verdict.sentence, ""]
+    lines += _moving(verdict)
+    lines += _facts(verdict)
+    return "\n".join(lines)
+
+
+def _moving(verdict: Verdict) -> list[str]:
+    if verdict.verdict == "stable":
+        return []
+    which = np.flatnonzero(verdict.motion.moves)
+    order = which[np.argsort(-verdict.motion.relative[which].max(axis=1), kind="stable")]
+    free = int(verdict.program.free.sum())
+    if verdict.verdict == "undecided":
+        head = f"Held by frictionless modelled contacts alone, {len(which)} of {free} free parts would move:"
+    else:
+        head = f"{len(which)} of {free} free parts move:"
+    names = verdict.assembly.names
+    rows = [[plain(names[k]), verdict.words(int(k))] for k in order[:LISTED]]
+    return [head, *table(rows), *_more(len(order)), ""]
+
+
+def _facts(verdict: Verdict) -> list[str]:
+    assembly, contacts = verdict.assembly, verdict.contacts
+    held = [p.name for p in assembly.parts if p.grounded]
+    shown = ", ".join(plain(n) for n in held[:5]) + (f" and {len(held) - 5} more" if len(held) > 5 else "")
+    down = verdict.assembly.down
+    size = float(np.linalg.norm(assembly.gravity))
+    rows = [
+        ["parts", f"{len(assembly.parts)}, held: {shown or 'none (joints to the ground)'}"],
+        ["units", f"{assembly.units}; density where none is given: 1000 kg/m^3"],
+        ["mass", f"{verdict.program.mass[verdict.program.free].sum():.6g} kg free"],
+        ["gravity", f"{size:g} m/s^2 along {_vector(down)}"],
+        ["contacts", f"{contacts.pairs} pairs, {len(contacts)} patches, {len(contacts.points)} points"],
+        ["proof", _proof_words(verdict)],
+    ]
+    if verdict.verdict != "stable":
+        z = f"z = {verdict.displacement.z:.6g} (LP (9): kg, {assembly.units}, gravity 1)"
+        kappa = "" if assembly.loads else f", kappa = {verdict.motion.instability:.6g} (0 stable, 1 free fall)"
+        rows.append(["instability", z + kappa])
+    neutral = verdict.neutral
+    if neutral is not None:
+        rows.append(["neutral", _neutral_words(neutral.two_sided, neutral.one_sided)])
+    seconds = ", ".join(f"{key} {value:.2g}" for key, value in verdict.seconds.items())
+    rows.append(["seconds", seconds])
+    return table(rows, indent="")
+
+
+def _proof_words(verdict: Verdict) -> str:
+    forces, motion = verdict.judgement.forces, verdict.judgement.motion
+    if verdict.verdict == "stable" and forces is not None:
+        return (
+            f"contact forces that balance every part to {forces.residual:.1e} of its weight "
+            f"(tolerance {verdict.tolerance:.0e}), recomputed apart from the solver"
+        )
+    if verdict.verdict == "unstable" and motion is not None:
+        return (
+            f"a motion that gains {motion.power:.4g} W at 1 m/s and violates contacts by "
+            f"{abs(motion.violation):.0e}, recomputed apart from the solver"
+        )
+    return "none"
+
+
+def _neutral_words(two_sided: int, one_sided: int) -> str:
+    if two_sided + one_sided == 0:
+        return "none: strictly held"
+    return (
+        f"{two_sided} two-sided, {one_sided} one-sided motions cost no energy to first order; "
+        "only there does second order matter"
+    )
+
+
+def contacts_text(assembly: Assembly, contacts: ContactSet) -> str:
+    """The answer of `kilter contacts`."""
+    names, unit = assembly.names, assembly.units
+    lines = [
+        f"{contacts.pairs} pairs of parts touch in {len(contacts)} patches, {len(contacts.points)} points; "
+        f"gap up to {contacts.gap:.3g} {unit}, angle up to "
+        f"{np.degrees(contacts.tolerance.angle):.3g} deg.",
+        "",
+    ]
+    lines += _patches(assembly, contacts)
+    lines += ["", "gaps of opposing faces, over the size of the smaller part:"]
+    lines += _histogram(contacts)
+    if contacts.unsupported:
+        lines += ["", f"{len(contacts.unsupported)} pairs touch in a way that is not modelled yet:"]
+        rows = [
+            [plain(names[u.parts[0]]), plain(names[u.parts[1]]), u.kind, f"at {_vector(u.point)}"]
+            for u in contacts.unsupported[:LISTED]
+        ]
+        lines += [*table(rows), *_more(len(contacts.unsupported))]
+    if contacts.rejected:
+        lines += ["", f"{len(contacts.rejected)} near pairs of faces do not count as touching:"]
+        rows = [
+            [
+                plain(names[r.parts[0]]),
+                plain(names[r.parts[1]]),
+                f"gap {r.gap:.3g} {unit}",
+                f"angle {np.degrees(r.angle):.3g} deg",
+                r.why,
+            ]
+            for r in contacts.rejected[:LISTED]
+        ]
+        lines += [*table(rows), *_more(len(contacts.rejected))]
+    if contacts.overlaps:
+        lines += ["", f"{len(contacts.overlaps)} pairs overlap:"]
+        rows = [
+            [
+                plain(names[o.parts[0]]),
+                plain(names[o.parts[1]]),
+                f"depth {o.depth:.3g} {unit}",
+                "" if o.volume is None else f"volume {o.volume:.3g} {unit}^3",
+            ]
+            for o in contacts.overlaps[:LISTED]
+        ]
+        lines += [*table(rows), *_more(len(contacts.overlaps))]
+    return "\n".join(lines)
+
+
+def _patches(assembly: Assembly, contacts: ContactSet) -> list[str]:
+    names, unit = assembly.names, assembly.units
+    rows = [["part a", "part b", "kind", f"area [{unit}^2]", f"gap [{unit}]", "normal a to b", "points"]]
+    counts = np.diff(contacts.patch_start)
+    for k in range(min(len(contacts), LISTED)):
+        a, b = contacts.patch_parts[k]
+        gap = contacts.patch_gap[k, np.abs(contacts.patch_gap[k]).argmax()]
+        rows.append(
+            [
+                plain(names[a]),
+                plain(names[b]),
+                str(contacts.patch_kind[k]),
+                f"{contacts.patch_area[k]:.6g}",
+                f"{gap:.1e}",
+                _vector(contacts.patch_normal[k], 4),
+                str(counts[k]),
+            ]
+        )
+    return [*table(rows), *_more(len(contacts))] if len(rows) > 1 else []
+
+
+def _histogram(contacts: ContactSet) -> list[str]:
+    rows = []
+    largest = max(int(contacts.gap_counts.max(initial=0)), 1)
+    for low, high, count in zip(
+        contacts.gap_edges[:-1], contacts.gap_edges[1:], contacts.gap_counts, strict=True
+    ):
+        if count:
+            bar = "#" * max(1, round(30 * int(count) / largest))
+            rows.append([f"{low:8.0e} to {high:8.0e}", str(count), bar])
+    return table(rows) if rows else ["  none"]

@@ -1,0 +1,153 @@
+"""COMPAS assemblies as JSON: blocks at the nodes of a graph, each a mesh of polygons.
+
+A block without a name, or with one that others have too, is named by its node's key. Blocks
+that are marked as supports are held. The files have no units and no densities; interfaces
+that they carry are not used.
+
+References
+----------
+compas_assembly, `datastructures.Assembly`; its serialisation is ``{"dtype", "data"}``,
+``{"datatype", "value"}`` in older files.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Any
+
+import numpy as np
+
+from kilter.assembly import Assembly, Part
+from kilter.errors import InputError
+from kilter.files.accuracy import text_accuracy
+from kilter.files.naming import natural_key
+from kilter.shapes import Mesh
+
+__all__ = ["from_compas", "is_compas"]
+
+_HINT = "export the assembly with compas_assembly again"
+
+
+def is_compas(data: Any) -> bool:
+    """The JSON value is a serialised COMPAS object.
+
+    Examples
+    --------
+    >>> is_compas({"dtype": "compas_assembly.datastructures/Assembly", "data": {}})
+    True
+    >>> is_compas({"kilter": 1})
+    False
+    """
+    return isinstance(data, dict) and str(_kind(data)).startswith("compas")
+
+
+def from_compas(data: Any, *, units: str | None = None, source: str = "") -> Assembly:
+    """The assembly that a COMPAS file holds.
+
+    Raises
+    ------
+    InputError
+        If it is no assembly of blocks, or a block is damaged; it names the block.
+    """
+    try:
+        nodes, defaults, interfaces = _graph(data)
+        keys = sorted(nodes, key=natural_key)
+        blocks = {key: _block(key, nodes[key]) for key in keys}
+        names = _names(blocks)
+        corners = {key: _vertices(names[key], blocks[key]) for key in keys}
+        accuracy = text_accuracy(np.concatenate([_rows(corners[key]) for key in keys]))
+        parts = [
+            Part(
+                names[key],
+                _mesh(names[key], blocks[key], corners[key], accuracy),
+                grounded=_is_support(nodes[key], defaults, blocks[key]),
+            )
+            for key in keys
+        ]
+        notes = [f"{interfaces} interfaces of the file are not used"] if interfaces else []
+        return Assembly(parts, units=units or "m", source=source, notes=notes)
+    except InputError as error:
+        raise error.located(file=source or None) from None
+
+
+def _kind(data: dict[str, Any]) -> Any:
+    return data.get("dtype", data.get("datatype", ""))
+
+
+def _inner(data: Any) -> dict[str, Any]:
+    """What is inside ``{"dtype", "data"}``, or the dict itself."""
+    while isinstance(data, dict) and _kind(data):
+        data = data.get("data", data.get("value"))
+    return data if isinstance(data, dict) else {}
+
+
+def _graph(data: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any], int]:
+    """Nodes of the graph by key, their default attributes, and how many interfaces it has."""
+    graph = _inner(_inner(data).get("graph"))
+    nodes = graph.get("node")
+    if not isinstance(nodes, dict) or not nodes:
+        raise InputError(f"a COMPAS {_kind(data)!r} without blocks", hint=_HINT)
+    count = 0
+    for row in _dict(graph.get("edge")).values():
+        for edge in _dict(row).values():
+            found = _dict(edge).get("interfaces") or _dict(edge).get("interface")
+            count += len(found) if isinstance(found, list) else bool(found)
+    return nodes, _dict(graph.get("default_node_attributes")), count
+
+
+def _dict(value: Any) -> dict[str, Any]:
+    return value if isinstance(value, dict) else {}
+
+
+def _block(key: str, node: Any) -> dict[str, Any]:
+    block = _inner(node.get("block")) if isinstance(node, dict) else {}
+    if not isinstance(block.get("vertex"), dict) or not isinstance(block.get("face"), dict):
+        raise InputError("the node has no block with vertices and faces", part=key, hint=_HINT)
+    return block
+
+
+def _names(blocks: dict[str, dict[str, Any]]) -> dict[str, str]:
+    given = {}
+    for key, block in blocks.items():
+        name = _dict(block.get("attributes")).get("name")
+        given[key] = name if isinstance(name, str) and name else key
+    count = Counter(given.values())
+    return {key: name if count[name] == 1 else key for key, name in given.items()}
+
+
+def _vertices(name: str, block: dict[str, Any]) -> dict[str, list[float]]:
+    start = {"x": 0.0, "y": 0.0, "z": 0.0, **_dict(block.get("default_vertex_attributes"))}
+    corners = {}
+    for key, vertex in block["vertex"].items():
+        values = {**start, **vertex} if isinstance(vertex, dict) else {}
+        xyz = [values.get(axis) for axis in "xyz"]
+        if not all(type(v) in (int, float) for v in xyz):
+            raise InputError(f"vertex {key} is {xyz}", part=name, hint="give three numbers")
+        corners[str(key)] = [float(v) for v in xyz if v is not None]
+    return corners
+
+
+def _rows(corners: dict[str, list[float]]) -> Any:
+    return np.array(list(corners.values()), dtype=np.float64).reshape(-1, 3)
+
+
+def _mesh(name: str, block: dict[str, Any], corners: dict[str, list[float]], accuracy: Any) -> Mesh:
+    row = {key: k for k, key in enumerate(corners)}
+    faces = []
+    for key, face in block["face"].items():
+        cycle = face if isinstance(face, list) else []
+        missing = [corner for corner in cycle if str(corner) not in row]
+        if missing or not cycle:
+            what = f"names vertex {missing[0]!r}, which is not there" if missing else "is no list"
+            raise InputError(f"face {key} {what}", part=name, hint=_HINT)
+        faces.append([row[str(corner)] for corner in cycle])
+    vertices = _rows(corners)
+    try:
+        return Mesh(vertices, faces, accuracy=accuracy(vertices))
+    except InputError as error:
+        raise error.located(part=name) from None
+
+
+def _is_support(node: dict[str, Any], defaults: dict[str, Any], block: dict[str, Any]) -> bool:
+    own = _dict(block.get("attributes")).get("is_support")
+    return (node.get("is_support", defaults.get("is_support")) or own) is True

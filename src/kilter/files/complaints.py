@@ -1,0 +1,117 @@
+"""Faults that pydantic finds, said as one error: where, what, and what to do."""
+
+from __future__ import annotations
+
+import json
+import re
+import reprlib
+from typing import TYPE_CHECKING, Any
+
+from kilter.assembly import nearest_name
+from kilter.errors import InputError
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel, ValidationError
+
+__all__ = ["complaint"]
+
+JOINTS = ("revolute", "prismatic", "cylindrical", "spherical")
+_TAGS = ("path", "inline")  # of the two kinds of mesh, which pydantic puts into places
+
+
+def complaint(error: ValidationError, data: dict[str, Any], model: type[BaseModel]) -> InputError:
+    """The first fault, unknown keys before all others, since they explain what is missing."""
+    faults = error.errors(include_url=False, include_context=True)
+    fault = next((f for f in faults if f["type"] == "extra_forbidden"), faults[0])
+    place = tuple(key for key in fault["loc"] if key not in _TAGS)
+    part, shown = _place(place, data)
+    what, hint = _said(fault, shown, _keys_at(model, place[:-1]))
+    if len(faults) > 1:
+        what += f" (and {len(faults) - 1} more faults)"
+    return InputError(what, part=part, hint=hint)
+
+
+def _place(place: tuple[Any, ...], data: dict[str, Any]) -> tuple[str | None, str]:
+    """The part by name where it has one, and the rest of the place as it is written."""
+    part = None
+    if len(place) >= 2 and place[0] == "parts" and isinstance(place[1], int):
+        entry = data["parts"][place[1]]
+        name = entry.get("name") if isinstance(entry, dict) else None
+        if isinstance(name, str) and name:
+            part, place = name, place[2:]
+    text = "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in place)
+    return part, text.lstrip(".")
+
+
+def _said(fault: Any, place: str, keys: list[str]) -> tuple[str, str]:
+    """What is wrong and what to do."""
+    kind, context, value = fault["type"], fault.get("ctx", {}), fault["input"]
+    if kind == "extra_forbidden":
+        return _unknown_key(place, keys)
+    if kind == "missing":
+        return f"{place} is missing", f"add the key {place.rpartition('.')[2]!r}"
+    if kind in ("too_short", "too_long"):
+        wanted = context.get("min_length", context.get("max_length"))
+        return f"{place} has {context['actual_length']} entries", f"give {_count(place, wanted)}"
+    if kind == "literal_error" and place.endswith(".kind") and value in JOINTS:
+        return f"{place}: {value} joints are not supported yet", "only fixed joints are read"
+    hints = {
+        "list_type": "give a list",
+        "string_type": "give a text in quotes",
+        "string_too_short": "give a text of some length",
+        "bool_type": "give true or false",
+        "finite_number": "give a finite number",
+        "float_type": "give a number",
+        "int_type": "give a whole number",
+        "int_from_float": "give a whole number",
+        "model_type": "give an object in braces",
+        "greater_than": f"give a number above {context.get('gt', 0):g}",
+        "greater_than_equal": f"give a number of at least {context.get('ge', 0):g}",
+        "literal_error": f"use {context.get('expected', '')}",
+        "string_unicode": "give a text of valid characters",
+    }
+    return f"{place} is {_shown(value)}", hints.get(kind, fault["msg"])
+
+
+def _count(place: str, wanted: Any) -> str:
+    """How many entries a list wants; some lists may have more."""
+    several = re.search(r"(^parts|(^|\.)(polygon|points|faces\[\d+\]))$", place)
+    return f"{wanted} or more" if several else str(wanted)
+
+
+def _unknown_key(place: str, keys: list[str]) -> tuple[str, str]:
+    key = place.rpartition(".")[2]
+    if key == "step" and "mesh" in keys:
+        return "STEP parts are not supported yet", "export the part as a mesh"
+    near = nearest_name(key, keys)
+    hint = f"did you mean {near!r}?" if near else f"known keys are {', '.join(keys)}"
+    return f"unknown key {place!r}", hint
+
+
+def _keys_at(model: type[BaseModel], place: tuple[Any, ...]) -> list[str]:
+    """Known keys of the object at a place."""
+    from pydantic import BaseModel
+
+    for key in place:
+        if isinstance(key, str) and key in model.model_fields:
+            inner = _models_in(model.model_fields[key].annotation, BaseModel)
+            if not inner:
+                break
+            model = inner[0]
+    return list(model.model_fields)
+
+
+def _models_in(annotation: Any, base: type) -> list[Any]:
+    if isinstance(annotation, type) and issubclass(annotation, base):
+        return [annotation]
+    inner = getattr(annotation, "__args__", ())
+    return [model for argument in inner for model in _models_in(argument, base)]
+
+
+def _shown(value: Any) -> str:
+    if value is None or isinstance(value, bool | int | float | str):
+        text = json.dumps(value, ensure_ascii=False)
+        return text if len(text) <= 40 else text[:37] + "..."
+    if isinstance(value, dict):
+        return "an object"
+    return "a list" if isinstance(value, list) else reprlib.repr(value)

@@ -1,0 +1,330 @@
+"""kilter's own file, as a dict, to an assembly and back.
+
+What is written reads back as the same values to the last digit: a shape in its own kind,
+numbers as they are, defaults left out. Parts that are STEP files, and joints other than
+fixed ones, are not read yet.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kilter.assembly import Assembly, FrictionPair, GivenContact, Joint, Load, Part, nearest_name
+from kilter.errors import InputError
+from kilter.files.placed import joined, scaled
+from kilter.rigid import Pose, frozen
+from kilter.shapes import Box, Cylinder, Mesh, Prism, Shape, Sphere
+from kilter.units import metres_per_unit
+
+if TYPE_CHECKING:
+    from kilter.files.models import AssemblyFile, PartEntry
+
+__all__ = ["from_dict", "schema", "to_dict"]
+
+VERSION = 1
+GRAVITY = [0.0, 0.0, -9.81]
+SHAPES = ("mesh", "box", "cylinder", "sphere", "polygon")
+"""Keys of which a part has exactly one."""
+
+
+def schema() -> dict[str, Any]:
+    """The JSON schema of the kilter file.
+
+    Examples
+    --------
+    >>> schema()["title"]
+    'kilter assembly'
+    """
+    text = resources.files("kilter.files").joinpath("assembly.schema.json").read_text("utf-8")
+    found: dict[str, Any] = json.loads(text)
+    return found
+
+
+# reading -------------------------------------------------------------------------------
+
+
+def from_dict(data: Any, *, folder: str | Path = ".", source: str = "") -> Assembly:
+    """The assembly that a kilter file describes.
+
+    Parameters
+    ----------
+    data : dict
+        The file as JSON values.
+    folder : path
+        What paths of meshes are relative to.
+    source : str
+        The file's name, for messages.
+
+    Raises
+    ------
+    InputError
+        If an entry is unknown, missing or wrong; it names the part and the place.
+
+    Examples
+    --------
+    >>> cube = {"name": "C1", "box": [1, 1, 1], "densty": 7850}
+    >>> from_dict({"kilter": 1, "parts": [cube]})
+    Traceback (most recent call last):
+    ...
+    kilter.errors.InputError: part 'C1': unknown key 'densty'; did you mean 'density'?
+    """
+    try:
+        entries = _validated(data)
+        meshes = _MeshFiles(Path(folder), entries.units)
+        parts = [_part(entry, meshes) for entry in entries.parts]
+        return Assembly(
+            parts,
+            units=entries.units,
+            gravity=entries.gravity,
+            friction=entries.friction,
+            friction_pairs=[FrictionPair(_pair(e.parts), e.mu) for e in entries.friction_pairs],
+            loads=[Load(e.part, e.force, e.torque, e.point) for e in entries.loads],
+            contacts=_each("contacts", entries.contacts, _contact),
+            joints=_each("joints", entries.joints, _joint),
+            planar=entries.planar,
+            detect=entries.detect,
+            source=source,
+            notes=meshes.notes,
+        )
+    except InputError as error:
+        raise error.located(file=source or None) from None
+
+
+def _validated(data: Any) -> AssemblyFile:
+    from pydantic import ValidationError
+
+    from kilter.files.complaints import complaint
+    from kilter.files.models import AssemblyFile
+
+    example = f'begin with {{"kilter": {VERSION}, "units": "mm", "parts": [...]}}'
+    if not isinstance(data, dict):
+        raise InputError("the file is not a JSON object", hint=example)
+    if "kilter" not in data:
+        near = nearest_name("kilter", data)
+        hint = f"did you mean 'kilter' by {near!r}?" if near else example
+        raise InputError("key 'kilter' is missing: not a kilter file", hint=hint)
+    version = data["kilter"]
+    if type(version) is not int or version != VERSION:
+        raise InputError(
+            f"version of the file, kilter, is {version!r:.40}",
+            hint=f"this kilter reads version {VERSION}",
+        )
+    try:
+        return AssemblyFile.model_validate(data)
+    except ValidationError as error:
+        raise complaint(error, data, AssemblyFile) from None
+
+
+class _MeshFiles:
+    """Mesh files named by parts, each read once; in the units of the assembly."""
+
+    def __init__(self, folder: Path, units: str) -> None:
+        self.folder = folder
+        self.units = units
+        self.notes: list[str] = []
+        self._read: dict[str, Mesh] = {}
+
+    def mesh(self, name: str) -> Mesh:
+        if name not in self._read:
+            self._read[name] = self._load(name)
+        return self._read[name]
+
+    def _load(self, name: str) -> Mesh:
+        from kilter.files.meshes import SUFFIXES, read_solids
+
+        path = self.folder / name
+        if path.suffix.lower() not in SUFFIXES:
+            raise InputError(f"mesh {name!r} is of no kind that is read", hint=_kinds(SUFFIXES))
+        try:
+            solids = read_solids(path)
+        except InputError as error:
+            inside = f" object {error.part!r}:" if error.part else ""
+            raise InputError(f"mesh {name!r}:{inside} {error.what}", hint=error.hint) from None
+        self.notes += [f"mesh {name!r}: {note}" for note in solids.notes]
+        if len(solids.meshes) > 1:
+            self.notes.append(
+                f"mesh {name!r} holds {len(solids.meshes)} objects, taken as one part"
+            )
+        own = metres_per_unit(solids.units or self.units)
+        return scaled(joined(solids.meshes), own / metres_per_unit(self.units))
+
+
+def _kinds(suffixes: Sequence[str]) -> str:
+    return f"give one of {', '.join(suffixes)}"
+
+
+def _part(entry: PartEntry, meshes: _MeshFiles) -> Part:
+    try:
+        pose = entry.pose
+        return Part(
+            entry.name,
+            _shape(entry, meshes),
+            Pose() if pose is None else Pose(pose.position, pose.rotation),
+            grounded=entry.grounded,
+            density=entry.density,
+            mass=entry.mass,
+            center_of_mass=entry.center_of_mass,
+        )
+    except InputError as error:
+        raise error.located(part=entry.name) from None
+
+
+def _shape(entry: PartEntry, meshes: _MeshFiles) -> Shape:
+    given = [key for key in SHAPES if getattr(entry, key) is not None]
+    if len(given) != 1:
+        what = f"has {' and '.join(given)}" if given else "has no shape"
+        raise InputError(what, hint=f"give exactly one of {', '.join(SHAPES)}")
+    if (entry.depth is None) == (entry.polygon is not None):
+        raise InputError(
+            "polygon without depth" if entry.polygon else "depth without polygon",
+            hint="a prism has both",
+        )
+    if entry.box is not None:
+        return Box(entry.box)
+    if entry.cylinder is not None:
+        return Cylinder(entry.cylinder.radius, entry.cylinder.height)
+    if entry.sphere is not None:
+        return Sphere(entry.sphere.radius)
+    if entry.polygon is not None and entry.depth is not None:
+        return Prism(entry.polygon, entry.depth)
+    if isinstance(entry.mesh, str):
+        return meshes.mesh(entry.mesh)
+    assert entry.mesh is not None
+    return Mesh(entry.mesh.vertices, entry.mesh.faces, accuracy=entry.mesh.accuracy)
+
+
+def _each(name: str, entries: Sequence[Any], build: Callable[[Any], Any]) -> list[Any]:
+    """Values of a list of entries; a fault names its place in the list."""
+    built = []
+    for k, entry in enumerate(entries):
+        try:
+            built.append(build(entry))
+        except InputError as error:
+            raise InputError(
+                f"{name}[{k}]: {error.what}", part=error.part, hint=error.hint
+            ) from None
+    return built
+
+
+def _pair(names: Sequence[str]) -> tuple[str, str]:
+    return names[0], names[1]
+
+
+def _contact(entry: Any) -> GivenContact:
+    contact = GivenContact(_pair(entry.parts), entry.points, entry.normal, entry.mu)
+    _keep(contact, "normal", entry.normal)
+    return contact
+
+
+def _joint(entry: Any) -> Joint:
+    joint = Joint(_pair(entry.parts), entry.kind, entry.point, entry.axis)
+    if entry.axis is not None:
+        _keep(joint, "axis", entry.axis)
+    return joint
+
+
+def _keep(value: GivenContact | Joint, name: str, numbers: list[float]) -> None:
+    """Leave a direction of length 1 (up to rounding) as it is written.
+
+    To divide it by its length once more may change the last digit, and what was written
+    must read back the same.
+    """
+    if abs(float(np.linalg.norm(numbers)) - 1.0) <= 4 * np.finfo(float).eps:
+        object.__setattr__(value, name, frozen(numbers, (3,)))
+
+
+# writing -------------------------------------------------------------------------------
+
+
+def to_dict(assembly: Assembly) -> dict[str, Any]:
+    """The assembly as the JSON values of a kilter file; defaults are left out.
+
+    Examples
+    --------
+    >>> to_dict(Assembly([Part("C1", Box([1, 2, 3]), grounded=True)]))["parts"]
+    [{'name': 'C1', 'box': [1.0, 2.0, 3.0], 'grounded': True}]
+    """
+    data: dict[str, Any] = {"kilter": VERSION, "units": assembly.units}
+    if assembly.gravity.tolist() != GRAVITY:
+        data["gravity"] = assembly.gravity.tolist()
+    if assembly.friction:
+        data["friction"] = assembly.friction
+    data["parts"] = [_part_dict(part) for part in assembly.parts]
+    lists = {
+        "friction_pairs": [{"parts": list(p.parts), "mu": p.mu} for p in assembly.friction_pairs],
+        "loads": [_load_dict(load) for load in assembly.loads],
+        "contacts": [
+            _given(parts=list(c.parts), points=c.points, normal=c.normal, mu=c.mu)
+            for c in assembly.contacts
+        ],
+        "joints": [
+            _given(parts=list(j.parts), kind=j.kind, point=j.point, axis=j.axis)
+            for j in assembly.joints
+        ],
+    }
+    data |= {key: entries for key, entries in lists.items() if entries}
+    if assembly.planar:
+        data["planar"] = True
+    if not assembly.detect:
+        data["detect"] = False
+    return data
+
+
+def _given(**entries: Any) -> dict[str, Any]:
+    """Entries that are there, arrays as lists."""
+    return {
+        key: value.tolist() if isinstance(value, np.ndarray) else value
+        for key, value in entries.items()
+        if value is not None
+    }
+
+
+def _part_dict(part: Part) -> dict[str, Any]:
+    pose = _given(
+        position=part.pose.position if part.pose.position.any() else None,
+        rotation=None if part.pose.rotation.tolist() == [1, 0, 0, 0] else part.pose.rotation,
+    )
+    return {
+        "name": part.name,
+        **_shape_dict(part.shape),
+        **_given(
+            pose=pose or None,
+            grounded=bool(part.grounded) or None,
+            density=part.density,
+            mass=part.mass,
+            center_of_mass=part.center_of_mass,
+        ),
+    }
+
+
+def _shape_dict(shape: Shape) -> dict[str, Any]:
+    if isinstance(shape, Box):
+        return {"box": shape.size.tolist()}
+    if isinstance(shape, Cylinder):
+        return {"cylinder": {"radius": shape.radius, "height": shape.height}}
+    if isinstance(shape, Sphere):
+        return {"sphere": {"radius": shape.radius}}
+    if isinstance(shape, Prism):
+        return {"polygon": shape.polygon.tolist(), "depth": shape.depth}
+    largest = float(np.abs(shape.vertices).max(initial=0.0))
+    mesh = _given(
+        vertices=shape.vertices,
+        faces=shape.triangles,
+        accuracy=None if shape.accuracy == largest * 2.0**-53 else shape.accuracy,
+    )
+    return {"mesh": mesh}
+
+
+def _load_dict(load: Load) -> dict[str, Any]:
+    return _given(
+        part=load.part,
+        point=load.point,
+        force=load.force if load.force.any() else None,
+        torque=load.torque if load.torque.any() else None,
+    )

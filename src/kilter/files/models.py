@@ -1,0 +1,154 @@
+"""The kilter file as pydantic models: what may stand in it, and its published schema.
+
+Imported only when a file is read, since pydantic takes its time. What several entries say
+together (names that exist, polygons that do not cross) is asked by the values themselves.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
+
+from kilter.files.kilter_json import SHAPES
+
+__all__ = ["AssemblyFile", "PartEntry", "build_schema"]
+
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
+NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)]
+Whole = Annotated[int, Field(strict=True)]
+Flag = Annotated[bool, Field(strict=True)]
+Name = Annotated[str, Field(strict=True, min_length=1)]
+Vector = Annotated[list[Number], Field(min_length=3, max_length=3)]
+PlanePoint = Annotated[list[Number], Field(min_length=2, max_length=2)]
+Size = Annotated[list[Positive], Field(min_length=3, max_length=3)]
+Quaternion = Annotated[list[Number], Field(min_length=4, max_length=4)]
+Pair = Annotated[list[Name], Field(min_length=2, max_length=2)]
+
+
+class _Entry(BaseModel):
+    model_config = ConfigDict(extra="forbid")
+
+
+class PoseEntry(_Entry):
+    """From the part's frame to the world."""
+
+    position: Vector = Field([0.0, 0.0, 0.0], description="[length unit]")
+    rotation: Quaternion = Field([1.0, 0.0, 0.0, 0.0], description="quaternion w x y z")
+
+
+class MeshEntry(_Entry):
+    """A closed surface; faces may be polygons."""
+
+    vertices: list[Vector]
+    faces: list[Annotated[list[Whole], Field(min_length=3)]]
+    accuracy: NotNegative | None = Field(
+        None, description="how far a coordinate may be from the truth [length unit]"
+    )
+
+
+class CylinderEntry(_Entry):
+    """A cylinder about z, centred on the pose."""
+
+    radius: Positive
+    height: Positive
+
+
+class SphereEntry(_Entry):
+    """A sphere, centred on the pose."""
+
+    radius: Positive
+
+
+def _mesh_kind(value: Any) -> str:
+    return "path" if isinstance(value, str) else "inline"
+
+
+class PartEntry(_Entry):
+    """A rigid part: exactly one of mesh, box, cylinder, sphere, polygon with depth."""
+
+    model_config = ConfigDict(
+        extra="forbid", json_schema_extra={"oneOf": [{"required": [key]} for key in SHAPES]}
+    )
+
+    name: Name
+    mesh: (
+        Annotated[
+            Annotated[Name, Tag("path")] | Annotated[MeshEntry, Tag("inline")],
+            Discriminator(_mesh_kind),
+        ]
+        | None
+    ) = Field(None, description="a path relative to the file, or the mesh itself")
+    box: Size | None = Field(None, description="lengths along x, y, z")
+    cylinder: CylinderEntry | None = None
+    sphere: SphereEntry | None = None
+    polygon: Annotated[list[PlanePoint], Field(min_length=3)] | None = Field(
+        None, description="corners in x-z, in order around it"
+    )
+    depth: Positive | None = Field(None, description="length of the polygon's prism along y")
+    pose: PoseEntry | None = None
+    grounded: Flag = Field(False, description="held: it does not move")
+    density: Positive | None = Field(None, description="[kg/m^3]; 1000 where no mass is given")
+    mass: Positive | None = Field(None, description="[kg]")
+    center_of_mass: Vector | None = Field(None, description="in the part's own frame")
+
+
+class FrictionPairEntry(_Entry):
+    """Friction coefficient of every contact between two parts."""
+
+    parts: Pair
+    mu: NotNegative
+
+
+class LoadEntry(_Entry):
+    """A force [N] and a torque [N x length unit] on a part, fixed in the world."""
+
+    part: Name
+    point: Vector | None = Field(None, description="the part's centre of mass where absent")
+    force: Vector = [0.0, 0.0, 0.0]
+    torque: Vector = [0.0, 0.0, 0.0]
+
+
+class ContactEntry(_Entry):
+    """Contact points of two parts, used instead of detection for that pair."""
+
+    parts: Pair
+    points: Annotated[list[Vector], Field(min_length=1)]
+    normal: Vector = Field(description="from the first part to the second")
+    mu: NotNegative | None = None
+
+
+class JointEntry(_Entry):
+    """A two-sided connection of two parts, or of a part and "ground"."""
+
+    parts: Pair
+    kind: Literal["fixed"]
+    point: Vector | None = None
+    axis: Vector | None = None
+
+
+class AssemblyFile(_Entry):
+    """An assembly of rigid parts: what they are, where, which are held, what pulls on them."""
+
+    model_config = ConfigDict(extra="forbid", title="kilter assembly")
+
+    kilter: Literal[1]
+    units: Literal["m", "cm", "mm", "in"] = Field("m", description="unit of every length")
+    gravity: Vector = Field([0.0, 0.0, -9.81], description="[m/s^2]")
+    friction: NotNegative = Field(0.0, description="where a contact has no coefficient of its own")
+    parts: Annotated[list[PartEntry], Field(min_length=1)]
+    friction_pairs: list[FrictionPairEntry] = []
+    loads: list[LoadEntry] = []
+    contacts: list[ContactEntry] = []
+    joints: list[JointEntry] = []
+    planar: Flag = Field(False, description="motions in x-z only")
+    detect: Flag = Field(True, description="false: only the given contacts count")
+
+
+def build_schema() -> dict[str, Any]:
+    """The JSON schema of the kilter file, as these models give it."""
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        **AssemblyFile.model_json_schema(),
+    }

@@ -1,0 +1,59 @@
+"""Names of parts: distinct ones, and the order in which people count."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+
+__all__ = ["distinct", "filled", "natural_key"]
+
+
+def distinct(names: Sequence[str]) -> list[str]:
+    """The names with a number behind those that came before.
+
+    Examples
+    --------
+    >>> distinct(["bolt", "nut", "bolt", "bolt"])
+    ['bolt', 'nut', 'bolt_2', 'bolt_3']
+    >>> distinct(["bolt", "bolt", "bolt_2"])  # a name that is there already is not taken
+    ['bolt', 'bolt_3', 'bolt_2']
+    """
+    taken = set(names)
+    count: Counter[str] = Counter()
+    result = []
+    for name in names:
+        count[name] += 1
+        own = name
+        if count[name] > 1:
+            while (own := f"{name}_{count[name]}") in taken:
+                count[name] += 1
+            taken.add(own)
+        result.append(own)
+    return result
+
+
+def filled(names: Sequence[str | None], stem: str) -> list[str]:
+    """The names, those missing made from the stem of the file; all distinct.
+
+    Examples
+    --------
+    >>> filled([None], "plate"), filled([None, "nut", None], "plate")
+    (['plate'], ['plate_1', 'nut', 'plate_3'])
+    """
+    if len(names) == 1:
+        return [names[0] or stem]
+    return distinct([name or f"{stem}_{k}" for k, name in enumerate(names, start=1)])
+
+
+def natural_key(name: str) -> list[tuple[int, int, str]]:
+    """A key to sort by, in which numbers within a name count as numbers.
+
+    Examples
+    --------
+    >>> sorted(["part10", "part2", "b", "1"], key=natural_key)
+    ['1', 'b', 'part2', 'part10']
+    """
+    pieces = re.split(r"([0-9]+)", name)
+    key = [(0, int(p), p) if p.isdecimal() else (1, 0, p.casefold()) for p in pieces if p]
+    return [*key, (2, 0, name)]

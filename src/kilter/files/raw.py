@@ -1,0 +1,43 @@
+"""Bytes of a file, or one error that says why not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from kilter.assembly import nearest_name
+from kilter.errors import InputError
+
+__all__ = ["read_bytes"]
+
+
+def read_bytes(path: Path) -> bytes:
+    """The contents of a file.
+
+    Raises
+    ------
+    InputError
+        If it is missing, a folder, not readable, or empty.
+    """
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        raise InputError("no such file", file=str(path), hint=_near(path)) from None
+    except (OSError, ValueError) as error:
+        raise InputError(
+            f"cannot be read: {_why(error)}", file=str(path), hint="check the path and its rights"
+        ) from None
+    if not data:
+        raise InputError("the file is empty", file=str(path), hint="give a file with contents")
+    return data
+
+
+def _why(error: OSError | ValueError) -> str:
+    return getattr(error, "strerror", None) or str(error)
+
+
+def _near(path: Path) -> str:
+    try:
+        near = nearest_name(path.name, [entry.name for entry in path.parent.iterdir()])
+    except OSError:
+        return "check the path; its folder cannot be read either"
+    return f"did you mean {near!r}?" if near else "check the path"

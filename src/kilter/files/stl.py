@@ -1,0 +1,123 @@
+"""STL, binary and ASCII: triangles without shared vertices.
+
+A file is binary where its length is what the count in its header asks for, else ASCII where
+it begins with ``solid`` and has facets. An ASCII file may hold several solids with names.
+"""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.errors import InputError
+from kilter.files.accuracy import text_accuracy
+from kilter.shapes import Mesh
+
+__all__ = ["read_stl"]
+
+HEADER = 84
+TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("extra", "<u2")])
+
+_TRUNCATED = "export it again: it was cut short or damaged"
+
+
+def read_stl(data: bytes) -> tuple[list[tuple[str | None, Mesh]], list[str]]:
+    """The solids of an STL file with their names (None where there is one only), and notes.
+
+    Raises
+    ------
+    InputError
+        If the file is cut short, or neither binary nor ASCII STL.
+
+    Examples
+    --------
+    >>> read_stl(bytes(80) + (2**32 - 1).to_bytes(4, "little") + bytes(50))
+    Traceback (most recent call last):
+    ...
+    kilter.errors.InputError: header counts 4294967295 triangles, the file holds 1; ...
+    """
+    count = int.from_bytes(data[80:HEADER], "little") if len(data) >= HEADER else -1
+    exact = len(data) == HEADER + TRIANGLE.itemsize * count
+    if not exact and re.match(rb"(?i)\s*solid\b", data) and b"facet" in data[:2000].lower():
+        return _ascii_solids(data.decode("utf-8", "replace")), []
+    if count < 0:
+        raise InputError("not an STL file: too short", hint=_TRUNCATED)
+    held = (len(data) - HEADER) // TRIANGLE.itemsize
+    if held < count:
+        raise InputError(f"header counts {count} triangles, the file holds {held}", hint=_TRUNCATED)
+    notes = [] if exact else ["bytes after the last triangle are passed over"]
+    rows = np.frombuffer(data, dtype=TRIANGLE, count=count, offset=HEADER)
+    return [(None, _indexed(rows["corners"].reshape(-1, 3), None))], notes
+
+
+def _indexed(corners: NDArray[np.floating], accuracy: float | None) -> Mesh:
+    """A mesh of triangles given by their corners, each place once; keeps float32 as it is."""
+    if not np.isfinite(corners).all():
+        bad = int(np.flatnonzero(~np.isfinite(corners).all(axis=1))[0])
+        raise InputError(
+            f"triangle {bad // 3} has the corner {corners[bad].tolist()}",
+            hint="give finite coordinates",
+        )
+    places, inverse = np.unique(corners + corners.dtype.type(0), axis=0, return_inverse=True)
+    return Mesh(places, inverse.reshape(-1, 3), accuracy=accuracy)
+
+
+def _ascii_solids(text: str) -> list[tuple[str | None, Mesh]]:
+    solids: list[tuple[str, list[str]]] = []
+    loop: int | None = None  # numbers of the solid when the facet began
+    inside = False
+    for number, line in enumerate(text.split("\n"), start=1):
+        word, _, rest = line.strip().partition(" ")
+        word = word.lower()
+        if word == "solid":
+            solids.append((rest.strip(), []))
+            inside = True
+        elif word == "endsolid":
+            inside = False
+        elif word == "vertex" and solids:
+            solids[-1][1].extend(_vertex(rest, number, solids[-1][0]))
+        elif word in ("outer", "endloop") and solids:
+            length = len(solids[-1][1])
+            if word == "endloop" and loop is not None and length - loop != 9:
+                raise InputError(
+                    f"line {number}: a facet has {(length - loop) // 3} corners",
+                    part=solids[-1][0] or None,
+                    hint="STL facets have three",
+                )
+            loop = length if word == "outer" else None
+    if inside:
+        raise InputError("the last solid does not end", part=solids[-1][0] or None, hint=_TRUNCATED)
+    return _named_meshes([solid for solid in solids if solid[1]])
+
+
+def _vertex(rest: str, number: int, name: str) -> list[str]:
+    tokens = rest.split()
+    try:
+        [float(token) for token in tokens]
+    except ValueError:
+        tokens = []
+    if len(tokens) != 3:
+        raise InputError(
+            f"line {number}: vertex is {rest.strip()[:60]!r}",
+            part=name or None,
+            hint="give three numbers",
+        )
+    return tokens
+
+
+def _named_meshes(solids: list[tuple[str, list[str]]]) -> list[tuple[str | None, Mesh]]:
+    values = [np.array(numbers, dtype=np.float64).reshape(-1, 3) for _, numbers in solids]
+    if not values:
+        return []
+    exponent = sum("e" in token.lower() for token in solids[0][1]) * 2 > len(solids[0][1])
+    accuracy = text_accuracy(np.concatenate(values), exponent=exponent)
+    meshes: list[tuple[str | None, Mesh]] = []
+    for (name, _), corners in zip(solids, values, strict=True):
+        try:
+            mesh = _indexed(corners, accuracy(corners))
+        except InputError as error:
+            raise error.located(part=name or None) from None
+        meshes.append((name or None, mesh))
+    return meshes if len(meshes) > 1 else [(None, meshes[0][1])]

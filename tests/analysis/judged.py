@@ -1,0 +1,117 @@
+"""Every verdict of these tests, judged again: `judged` checks an assembly and its proof.
+
+The proof is written, read back as JSON, and verified on a copy of the assembly that went
+through a file: nothing of the answer but the proof itself is used.
+"""
+
+from __future__ import annotations
+
+import json
+import warnings
+from typing import Any
+
+import numpy as np
+import pytest
+import stranger
+
+from kilter import InputError, check, find_contacts
+from kilter.analysis.check import Verdict
+from kilter.assembly import Assembly
+from kilter.files import from_dict, to_dict
+from kilter.mechanics.certificate import check_forces, check_motion
+from kilter.mechanics.program import Program, build_program
+from kilter.mechanics.proof import proof_tolerance, verify_proof
+
+__all__ = ["judged", "kappa", "program_of", "reloaded", "verified", "z_of"]
+
+
+def reloaded(assembly: Assembly) -> Assembly:
+    """The assembly written to the text of a file and read again."""
+    return from_dict(json.loads(json.dumps(to_dict(assembly), allow_nan=False)))
+
+
+def verified(assembly: Assembly, proof: dict[str, Any]) -> Any:
+    """What `verify_proof` says of a proof and an assembly, contacts found anew."""
+    contacts = find_contacts(assembly, tolerance=proof_tolerance(proof))
+    return verify_proof(assembly, contacts, proof)
+
+
+def judged(assembly: Assembly, **options: Any) -> Verdict:
+    """The verdict, after its proof was written, read and verified on a fresh copy."""
+    verdict = check(assembly, **options)
+    if verdict.verdict == "undecided":
+        with pytest.raises(InputError, match="no proof"):
+            verdict.proof()
+        return verdict
+    assert verdict.verdict in ("stable", "unstable")
+    copy = reloaded(assembly)
+    proof = json.loads(json.dumps(verdict.proof(), allow_nan=False))
+    answer = verified(copy, proof)
+    assert answer.holds, answer.reasons
+    assert answer.verdict == verdict.verdict
+    _convinces_a_stranger(proof, verdict.tolerance)
+    _exactly_one_holds(verdict)
+    _moves_as_it_should(verdict)
+    return verdict
+
+
+def _convinces_a_stranger(proof: dict[str, Any], tolerance: float) -> None:
+    if proof["verdict"] == "stable":
+        # arms are shorter than bounding radii, and tolerances are one a part
+        assert stranger.imbalance(proof) <= 10 * tolerance
+    else:
+        opening, power = stranger.opening_and_power(proof)
+        assert power == pytest.approx(proof["certificate"]["power"], rel=1e-9)
+        assert opening >= -power / (1e5 * proof_weight(proof))
+
+
+def proof_weight(proof: dict[str, Any]) -> float:
+    """Least weight of a free part [N]: no more than that of the parts that move."""
+    size = float(np.linalg.norm(proof["gravity"]))
+    return size * min(part["mass"] for part in proof["parts"] if not part["grounded"])
+
+
+def _exactly_one_holds(verdict: Verdict) -> None:
+    forces, motion = verdict.judgement.forces, verdict.judgement.motion
+    program = verdict.program
+    stable = forces is not None and check_forces(program, forces.forces).holds
+    unstable = motion is not None and check_motion(program, motion.motion).holds
+    assert stable == (verdict.verdict == "stable")
+    assert unstable == (verdict.verdict == "unstable")
+
+
+def _moves_as_it_should(verdict: Verdict) -> None:
+    """A stable assembly stays; an unstable one moves, and loses energy to first order."""
+    assert bool(verdict.moving) == (verdict.verdict == "unstable")
+    assert 0.0 <= verdict.motion.instability <= 1.0 + 1e-12 or verdict.assembly.loads
+    if verdict.verdict == "stable":
+        assert verdict.displacement.z == 0.0
+        assert not verdict.motion.acceleration.any()
+
+
+def program_of(assembly: Assembly, *, possible: bool = False) -> Program:
+    """The program of an assembly with the contacts found in it."""
+    return build_program(assembly, find_contacts(assembly), possible=possible)
+
+
+def z_of(assembly: Assembly) -> float:
+    """z of LP (9), of an assembly of any verdict."""
+    return judged(assembly).displacement.z
+
+
+def kappa(assembly: Assembly) -> float:
+    """Instability of an assembly of any verdict [-]."""
+    return judged(assembly).motion.instability
+
+
+def quiet(function: Any, *arguments: Any, **options: Any) -> Any:
+    """A call whose Python warnings do not matter."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return function(*arguments, **options)
+
+
+def random_turn(random: np.random.Generator) -> np.ndarray:
+    """A unit quaternion, uniform over all turns."""
+    quaternion = random.normal(size=4)
+    return quaternion / np.linalg.norm(quaternion)

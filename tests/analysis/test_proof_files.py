@@ -1,0 +1,270 @@
+"""Proofs are refused when any number of them is changed, whether or not the digest fits."""
+
+import copy
+import json
+
+import numpy as np
+import pytest
+import stranger
+from judged import judged, reloaded, verified
+
+from kilter import InputError
+from kilter.assembly import Assembly, GivenContact, Joint, Load
+from kilter.mechanics import proof as proofs
+from kilter.scenes import paper, stacks
+from kilter.scenes.pieces import block, floor
+
+
+def pressed_box():
+    """A box pressed against a wall in the air by a load at its own height: held by a ledge."""
+    parts = [floor([-2, -2], [4, 2]), block("box", [0, -0.5, 0], [1, 0.5, 1])]
+    loads = [
+        Load("box", force=[0, 0, -500.0], point=[0.7, 0.1, 1.0]),
+        Load("box", torque=[30.0, -20.0, 0.0]),
+    ]
+    return Assembly(parts, loads=loads)
+
+
+def toppled_box():
+    parts = [floor([-2, -2], [4, 2]), block("box", [0, -0.5, 0], [1, 0.5, 1])]
+    loads = [Load("box", force=[3.0, 1.0, -6e3], point=[-0.2, 0.1, 1.0], torque=[1.0, -7e3, 2.0])]
+    return Assembly(parts, loads=loads, friction=0.0)
+
+
+def hanging_pair():
+    """One part hangs on another that stands, and one on the ground: fixed joints."""
+    parts = [
+        floor([-2, -2], [2, 2]),
+        block("post", [-1, -1, 0], [1, 1, 2]),
+        block("arm", [1.5, -0.2, 1], [1.8, 0.2, 1.2]),
+        block("lamp", [3, 0, 3], [4, 1, 4]),
+    ]
+    joints = [
+        Joint(("post", "arm"), point=[1.2, 0.1, 1.1]),
+        Joint(("ground", "lamp"), point=[3, 0, 5], axis=[0, 0, 1]),
+    ]
+    return Assembly(parts, joints=joints)
+
+
+def falling_pair():
+    parts = [
+        floor([-2, -2], [2, 2]),
+        block("post", [1.2, -0.4, 0], [2.2, 0.4, 2]),
+        block("arm", [2.5, -0.2, 1], [4.8, 0.2, 1.2]),
+    ]
+    return Assembly(parts, joints=[Joint(("post", "arm"), point=[2.4, 0.1, 1.1])])
+
+
+def rough_staircase():
+    return stacks.staircase(2).with_friction(0.3)
+
+
+def given():
+    parts = [floor([-2, -2], [2, 2]), block("box", [-0.5, -0.5, 0.2], [0.5, 0.5, 1])]
+    feet = [[-0.4, -0.4, 0.1], [0.4, -0.4, 0.1], [0.0, 0.4, 0.1]]
+    contact = GivenContact(("floor", "box"), feet, [0.0, 0.0, 1.0], mu=0.2)
+    return Assembly(parts, contacts=[contact], detect=False, units="cm")
+
+
+CASES = {
+    "forces": rough_staircase,
+    "forces-planar": lambda: paper.figure_9(planar=True),
+    "forces-tilted": lambda: paper.trapped_wedge(10.0, planar=False),
+    "forces-loads": pressed_box,
+    "forces-joints": hanging_pair,
+    "forces-given": given,
+    "motion": paper.figure_8,
+    "motion-planar": lambda: paper.figure_8(planar=True),
+    "motion-loads": toppled_box,
+    "motion-joints": falling_pair,
+    "motion-slope": lambda: stacks.block_on_slope(20.0, azimuth=30.0),
+}
+EVERY_CASE = pytest.mark.parametrize("case", CASES)
+UNREAD = {"options", "tolerance", "kilter_proof"}
+"""Entries that a changed number turns into a question about another set of contacts."""
+
+
+@pytest.fixture(scope="module", params=CASES)
+def proven(request):
+    assembly = CASES[request.param]()
+    verdict = judged(assembly)
+    assert verdict.verdict == ("stable" if "forces" in request.param else "unstable")
+    return reloaded(assembly), json.loads(json.dumps(verdict.proof()))
+
+
+def numbers(value, path=()):
+    """Paths of all numbers of JSON data."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            yield from numbers(inner, (*path, key))
+    elif isinstance(value, list):
+        for key, inner in enumerate(value):
+            yield from numbers(inner, (*path, key))
+    elif isinstance(value, int | float) and not isinstance(value, bool):
+        yield path
+
+
+def changed(proof, path, *, fit):
+    """A proof with one number changed by a thousandth, and its digest made to fit, or not."""
+    other = copy.deepcopy(proof)
+    place = other
+    for key in path[:-1]:
+        place = place[key]
+    old = place[path[-1]]
+    place[path[-1]] = old * (1 + 1e-3) if abs(old) > 1e-6 else old + 1e-3
+    if fit:
+        other["digest"] = proofs._digest(other)
+    return other
+
+
+def test_proof_has_every_kind_of_number(proven):
+    _, proof = proven
+    kinds = {path[0] for path in numbers(proof)}
+    assert {"gravity", "down", "parts", "points", "certificate", "tolerance"} <= kinds
+    assert ("forces" in kinds) != ("motion" in kinds)
+
+
+def test_changed_number_is_refused_by_the_digest(proven):
+    assembly, proof = proven
+    for path in numbers(proof):
+        if path[0] == "kilter_proof":
+            continue
+        answer = verified(assembly, changed(proof, path, fit=False))
+        assert not answer.holds, path
+        assert any("digest" in reason for reason in answer.reasons), path
+
+
+def test_changed_number_is_refused_by_the_mechanics(proven):
+    assembly, proof = proven
+    accepted = []
+    for path in numbers(proof):
+        if path[0] in UNREAD:
+            continue
+        other = changed(proof, path, fit=True)
+        if verified(assembly, other).holds and not _another_proof(proof, other, path):
+            accepted.append(path)
+    assert accepted == []
+
+
+def _another_proof(proof, other, path):
+    """Whether a changed motion is itself a proof, of the power it claims, for a stranger.
+
+    A part that moves on, without work, opens its contacts: that motion proves as much.
+    """
+    if path[0] != "motion":
+        return False
+    opening, power = stranger.opening_and_power(other)
+    # powers are those of motions whose fastest part moves by 1: here it is not the changed one
+    claimed = proof["certificate"]["power"]
+    return opening >= -1e-12 and power == pytest.approx(claimed, rel=1e-8)
+
+
+def test_motion_that_does_other_work_is_refused(proven):
+    assembly, proof = proven
+    if "motion" not in proof:
+        return
+    for path in numbers(proof["motion"], ("motion",)):
+        other = changed(proof, path, fit=True)
+        _, power = stranger.opening_and_power(other)
+        if abs(power / proof["certificate"]["power"] - 1) > 1e-6:
+            assert not verified(assembly, other).holds, path
+
+
+def test_format_of_another_number_is_refused(proven):
+    assembly, proof = proven
+    with pytest.raises(InputError, match="no kilter proof"):
+        verified(assembly, {**proof, "kilter_proof": 2})
+
+
+FLIPS = {
+    "planar": lambda p: p.update(planar=not p["planar"]),
+    "units": lambda p: p.update(units="mm"),
+    "verdict": lambda p: p.update(verdict="stable" if "motion" in p else "unstable"),
+    "grounded": lambda p: p["parts"][0].update(grounded=False),
+    "held": lambda p: p["parts"][-1].update(grounded=True),
+    "part-name": lambda p: p["parts"][-1].update(name="another"),
+    "point-parts": lambda p: p["points"][0]["parts"].reverse(),
+    "point-lost": lambda p: p["points"].pop(),
+    "point-twice": lambda p: p["points"].append(p["points"][0]),
+    "load-added": lambda p: p["loads"].append(
+        {"part": p["parts"][-1]["name"], "point": None, "force": [1, 0, 0], "torque": [0, 0, 0]}
+    ),
+    "joint-added": lambda p: p["joints"].append(
+        {"parts": ["ground", p["parts"][-1]["name"]], "kind": "fixed", "point": [0, 0, 0],
+         "axis": None, "wrench": [0] * 6}
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("flip", FLIPS)
+def test_changed_word_is_refused_although_the_digest_fits(proven, flip):
+    assembly, proof = proven
+    other = copy.deepcopy(proof)
+    FLIPS[flip](other)
+    other["digest"] = proofs._digest(other)
+    assert not verified(assembly, other).holds
+
+
+@pytest.mark.parametrize("scale", [1 - 1e-6, 1 + 1e-6, 2.0])
+def test_all_forces_scaled_are_refused(scale):
+    assembly = rough_staircase()
+    proof = judged(assembly).proof()
+    proof["forces"] = (scale * np.array(proof["forces"])).tolist()
+    proof["digest"] = proofs._digest(proof)
+    assert not verified(assembly, proof).holds
+
+
+def test_pulling_force_is_refused():
+    assembly = rough_staircase()
+    proof = judged(assembly).proof()
+    proof["forces"][0] = [-x for x in proof["forces"][0]]
+    proof["forces"] = [[0.0, 0.0, -9.81e3 / 4]] * len(proof["forces"])
+    proof["digest"] = proofs._digest(proof)
+    answer = verified(assembly, proof)
+    assert any("pulls" in reason for reason in answer.reasons)
+
+
+def test_motion_backwards_is_refused():
+    assembly = paper.figure_8()
+    proof = judged(assembly).proof()
+    proof["motion"] = {n: [-x for x in six] for n, six in proof["motion"].items()}
+    proof["certificate"]["power"] *= -1
+    proof["digest"] = proofs._digest(proof)
+    assert not verified(assembly, proof).holds
+
+
+def test_motion_of_nothing_is_refused():
+    assembly = paper.figure_8()
+    proof = judged(assembly).proof()
+    proof["motion"] = {n: [0.0] * 6 for n in proof["motion"]}
+    proof["certificate"]["power"] = 0.0
+    proof["digest"] = proofs._digest(proof)
+    assert not verified(assembly, proof).holds
+
+
+def test_proof_of_another_assembly_is_refused():
+    for one, other in ((paper.figure_8(60), paper.figure_8(61)), (given(), rough_staircase())):
+        assert not verified(other, judged(one).proof()).holds
+
+
+@pytest.mark.parametrize("damage", ["parts", "points", "gravity", "certificate", "tolerance"])
+def test_proof_with_a_key_missing_is_refused_in_words(damage):
+    assembly = paper.figure_8()
+    proof = judged(assembly).proof()
+    del proof[damage]
+    proof["digest"] = proofs._digest(proof)
+    with pytest.raises(InputError, match="make it anew"):
+        verified(assembly, proof)
+
+
+def test_proof_with_numbers_that_are_none_is_refused():
+    assembly = paper.figure_8()
+    proof = judged(assembly).proof()
+    proof["motion"]["C2"][0] = float("nan")
+    with pytest.raises(InputError, match="cannot be read"):
+        verified(assembly, proof)
+
+
+def test_verdict_and_proof_do_not_depend_on_the_run():
+    for build in (paper.figure_8, rough_staircase):
+        assert judged(build()).proof() == judged(build()).proof()

@@ -1,0 +1,8 @@
+"""What all tests share: hypothesis without deadlines, since cores are shared."""
+
+from __future__ import annotations
+
+from hypothesis import settings
+
+settings.register_profile("kilter", deadline=None, derandomize=True, max_examples=20)
+settings.load_profile("kilter")

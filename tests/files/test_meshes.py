@@ -1,0 +1,419 @@
+"""STL, 3MF and GLB: names, places, units, and damaged files."""
+
+# ruff: noqa: E501 (a row of a table is a line)
+from __future__ import annotations
+
+import io
+import json
+import struct
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kilter.errors import InputError
+from kilter.files import load
+
+
+def moved(x: float = 0, y: float = 0, z: float = 0) -> np.ndarray:
+    return trimesh.transformations.translation_matrix([x, y, z])
+
+
+def scene(node_names: bool = False) -> trimesh.Scene:
+    """Three bolts and a plate, under names of objects or of nodes."""
+    found = trimesh.Scene()
+    for k in range(3):
+        found.add_geometry(
+            trimesh.creation.box((1, 1, 1)),
+            geom_name=f"g{k}" if node_names else "bolt",
+            node_name=f"screw {k}" if node_names else None,
+            transform=moved(3 * k),
+        )
+    found.add_geometry(trimesh.creation.box((2, 2, 2)), geom_name="plate", transform=moved(0, 9))
+    return found
+
+
+def refused(path: Path, **options: Any) -> InputError:
+    with pytest.raises(InputError) as caught:
+        load(path, **options)
+    assert str(caught.value).startswith(f"{path}: "), str(caught.value)
+    assert caught.value.hint
+    return caught.value
+
+
+# STL -----------------------------------------------------------------------------------
+
+
+def test_a_binary_stl(write) -> None:
+    data = trimesh.creation.box((0.1, 0.2, 0.3)).export(file_type="stl")
+    assembly = load(write("Plate.STL", data), units="mm")
+    assert assembly.names == ("Plate",)
+    assert assembly.units == "mm"
+    assert assembly.geometry.volume == pytest.approx([0.006])
+    assert assembly.geometry.accuracy == pytest.approx([0.15 * 2**-24], rel=1e-6)
+    assert assembly.geometry.single.all()
+
+
+def test_bodies_of_a_binary_stl_are_taken_apart_although_they_touch(write) -> None:
+    boxes = [trimesh.creation.box((1, 1, 1), transform=moved(0, 0, k)) for k in range(3)]
+    data = trimesh.util.concatenate(boxes).export(file_type="stl")
+    assembly = load(write("stack.stl", data))
+    assert assembly.names == ("stack_1", "stack_2", "stack_3")
+    assert assembly.geometry.volume == pytest.approx([1, 1, 1])
+
+
+def ascii_stl(*solids: tuple[str, trimesh.Trimesh], number: str = "{!r}") -> str:
+    lines = []
+    for name, mesh in solids:
+        lines.append(f"solid {name}")
+        for triangle in mesh.triangles.tolist():
+            rows = [" ".join(number.format(x) for x in corner) for corner in triangle]
+            rows = ["facet normal 0 0 0", "outer loop", *(f"  vertex {row}" for row in rows)]
+            lines += [*rows, "endloop", "endfacet"]
+        lines.append(f"endsolid {name}")
+    return "\n".join(lines) + "\n"
+
+
+def test_solids_of_an_ascii_stl_keep_their_names(write) -> None:
+    text = ascii_stl(
+        ("base", trimesh.creation.box((2, 2, 2))),
+        ("", trimesh.creation.box((1, 1, 1), transform=moved(5))),
+        ("Bolzen Ä", trimesh.creation.box((1, 1, 1), transform=moved(9))),
+    )
+    assembly = load(write("a.stl", text))
+    assert assembly.names == ("base", "a_2", "Bolzen Ä")
+    assert assembly.geometry.volume == pytest.approx([8, 1, 1])
+
+
+def test_one_solid_of_an_ascii_stl_takes_the_name_of_the_file(write) -> None:
+    text = ascii_stl(("OpenSCAD_Model", trimesh.creation.box((2, 2, 2))))
+    assert load(write("base.stl", text.upper().replace("E-", "e-"))).names == ("base",)
+
+
+def test_an_ascii_stl_with_exponents_is_as_exact_as_its_digits(write) -> None:
+    box = trimesh.creation.box((1 / 3, 1 / 7, 30 / 7))
+    assembly = load(write("a.stl", ascii_stl(("a", box), number="{:.6e}")))
+    assert assembly.geometry.accuracy == pytest.approx([0.5e-6])
+
+
+STL_FAULTS = [
+    (b"solid", "not an STL file: too short"),
+    (bytes(84) + bytes(20), "no faces"),
+    (bytes(80) + struct.pack("<I", 4_000_000_000) + bytes(100), "header counts 4000000000 triangles"),
+    (b"solid x" + bytes(73) + struct.pack("<I", 3) + bytes(100), "header counts 3 triangles, the file"),
+    (b"solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0", "line 5: vertex is '1 0'"),
+    (b"solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n", "last solid does not end"),
+    (b"solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nendloop\nendfacet\nendsolid", "has 1 corners"),
+    (ascii_stl(("x", trimesh.creation.box())).replace("-0.5", "nan").encode(), "has the corner [nan, nan"),
+    (b"", "the file is empty"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("data", "message"), STL_FAULTS, ids=range(len(STL_FAULTS)))
+def test_a_damaged_stl(data: bytes, message: str, write) -> None:
+    assert message in str(refused(write("a.stl", data)))
+
+
+def test_a_binary_stl_with_a_corner_that_is_not_finite(write) -> None:
+    data = bytearray(trimesh.creation.box().export(file_type="stl"))
+    data[84 + 50 + 12 : 84 + 50 + 16] = struct.pack("<f", float("nan"))
+    assert "triangle 1 has the corner [nan" in str(refused(write("a.stl", bytes(data))))
+
+
+def test_bytes_after_the_last_triangle_are_noted(write) -> None:
+    data = trimesh.creation.box().export(file_type="stl") + b"more"
+    assert load(write("a.stl", data)).notes == ("bytes after the last triangle are passed over",)
+
+
+# GLB -----------------------------------------------------------------------------------
+
+
+def test_a_glb_names_its_parts_by_node(write) -> None:
+    assembly = load(write("a.glb", scene(node_names=True).export(file_type="glb")))
+    assert assembly.names == ("screw 0", "screw 1", "screw 2", "plate")
+    assert assembly.units == "m"
+    assert assembly.geometry.center[:, 0] == pytest.approx([0, 3, 6, 0])
+    assert assembly.geometry.single.all()
+
+
+def gltf(edit: Any = None, mesh: trimesh.Trimesh | None = None) -> bytes:
+    """A GLB of one box, its header edited."""
+    data = trimesh.Scene(mesh or trimesh.creation.box()).export(file_type="glb")
+    size = int.from_bytes(data[12:16], "little")
+    header, rest = json.loads(data[20 : 20 + size]), data[20 + size :]
+    if edit:
+        edit(header)
+    text = json.dumps(header).encode()
+    text += b" " * (-len(text) % 4)
+    head = struct.pack("<4sIIII", b"glTF", 2, 20 + len(text) + len(rest), len(text), 0x4E4F534A)
+    return head + text + rest
+
+
+def test_instances_of_a_mesh_stand_where_their_nodes_put_them(write) -> None:
+    def edit(header: dict[str, Any]) -> None:
+        header["nodes"] = [
+            {"mesh": 0, "name": "bolt", "children": [1, 2]},
+            {"mesh": 0, "name": "bolt", "translation": [3, 0, 0], "scale": [2, 1, 1]},
+            {"mesh": 0, "translation": [0, 5, 0], "rotation": [0, 0, 1, 0], "scale": [1, -1, 1]},
+        ]
+        header["meshes"][0]["name"] = "nut"
+        header["scenes"] = [{"nodes": [0]}]
+
+    assembly = load(write("a.glb", gltf(edit)))
+    assert assembly.names == ("bolt", "bolt_2", "nut")
+    assert assembly.geometry.volume == pytest.approx([1, 2, 1])
+    assert assembly.geometry.center[1:] == pytest.approx(np.array([[3, 0, 0], [0, 5, 0]]))
+    assert not assembly.geometry.warnings  # the mirror image is not inside out
+
+
+def test_primitives_of_one_mesh_are_one_part(write) -> None:
+    def edit(header: dict[str, Any]) -> None:
+        first = header["meshes"][0]["primitives"][0]
+        corners = header["accessors"][first["indices"]]
+        half = {**corners, "count": 18}
+        header["accessors"] += [half, {**half, "byteOffset": 72}]
+        header["meshes"][0]["primitives"] = [{**first, "indices": 2}, {**first, "indices": 3}]
+
+    assembly = load(write("a.glb", gltf(edit)))
+    assert len(assembly.parts) == 1
+    assert assembly.geometry.volume == pytest.approx([1])
+
+
+def test_a_nameless_glb_takes_the_name_of_the_file(write) -> None:
+    def edit(header: dict[str, Any]) -> None:
+        header["nodes"] = [{"mesh": 0}]
+        header["scenes"] = [{"nodes": [0]}]
+        del header["meshes"][0]["name"]
+
+    assert load(write("box.glb", gltf(edit))).names == ("box",)
+
+
+def test_units_asked_for_a_glb_win_over_the_standard(write) -> None:
+    assembly = load(write("a.glb", gltf()), units="mm")
+    assert assembly.units == "mm"
+    assert assembly.geometry.volume == pytest.approx([1])
+    assert assembly.notes == ("this format is in m by its standard; read as mm as asked",)
+
+
+GLB_EDITS = [
+    (
+        lambda h: h.update(extensionsRequired=["KHR_draco_mesh_compression"]),
+        "packed with KHR_draco",
+    ),
+    (lambda h: h["buffers"][0].update(uri="a.bin"), "meshes are in other files"),
+    (lambda h: h["accessors"][1].update(count=10**12), "numbers end at byte"),
+    (lambda h: h["accessors"][1].update(count=-1), "damaged GLB"),
+    (lambda h: h["accessors"][0].update(count=35), "35 corners do not make triangles"),
+    (lambda h: h["accessors"][1].update(count=4), "names vertex"),
+    (lambda h: h["accessors"][0].update(componentType=5126), "not whole numbers"),
+    (lambda h: h["nodes"][-1].update(mesh=7), "damaged GLB: IndexError"),
+    (lambda h: h["nodes"][-1].update(children=[len(h["nodes"]) - 1]), "stands under two nodes"),
+    (lambda h: h["nodes"][-1].update(translation=[0, 0, float("nan")]), "has no finite place"),
+    (lambda h: h["meshes"][0]["primitives"][0].update(mode=0), "no faces"),
+    (lambda h: h.update(meshes={}), "damaged GLB"),
+    (lambda h: h.update(nodes=[5]), "damaged GLB"),
+]
+
+
+@pytest.mark.parametrize(("edit", "message"), GLB_EDITS, ids=range(len(GLB_EDITS)))
+def test_a_faulty_glb(edit: Any, message: str, write) -> None:
+    assert message in str(refused(write("a.glb", gltf(edit))))
+
+
+def test_a_glb_with_a_vertex_that_is_not_finite(write) -> None:
+    data = bytearray(gltf(lambda h: h["nodes"][-1].update(name="lid")))
+    data[-96:-92] = struct.pack("<f", float("inf"))
+    error = refused(write("a.glb", bytes(data)))
+    assert error.part == "lid"
+    assert "vertex 0 is [inf" in error.what
+
+
+# 3MF -----------------------------------------------------------------------------------
+
+
+def model(body: str, unit: str = 'unit="millimeter"') -> bytes:
+    """A 3MF of objects and items in XML."""
+    space = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+    production = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06"
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as archive:
+        text = f'<model {unit} xmlns="{space}" xmlns:p="{production}">{body}</model>'
+        archive.writestr("3D/3dmodel.model", text)
+        other = f'<model xmlns="{space}"><resources>{xml_object("7", "far")}</resources></model>'
+        archive.writestr("3D/Objects/other.model", other)
+    return stream.getvalue()
+
+
+def xml_object(key: str, name: str = "", size: float = 1.0) -> str:
+    box = trimesh.creation.box((size, size, size))
+    corners = "".join(f'<vertex x="{x}" y="{y}" z="{z}"/>' for x, y, z in box.vertices.tolist())
+    faces = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in box.faces.tolist())
+    title = f'name="{name}"' if name else ""
+    mesh = f"<mesh><vertices>{corners}</vertices><triangles>{faces}</triangles></mesh>"
+    return f'<object id="{key}" {title}>{mesh}</object>'
+
+
+def built(*items: str, objects: str) -> str:
+    return f"<resources>{objects}</resources><build>{''.join(items)}</build>"
+
+
+def item(key: str, x: float = 0) -> str:
+    return f'<item objectid="{key}" transform="1 0 0 0 1 0 0 0 1 {x} 0 0"/>'
+
+
+def test_a_3mf_of_another_program(write) -> None:
+    assembly = load(write("a.3mf", scene().export(file_type="3mf")))
+    assert assembly.names == ("bolt", "bolt_1", "bolt_2", "plate")
+    assert assembly.units == "mm"
+    assert assembly.geometry.center[:, 0] == pytest.approx([0, 3, 6, 0])
+
+
+def test_instances_of_a_3mf_object_are_numbered(write) -> None:
+    body = built(item("1"), item("1", 5), objects=xml_object("1", "bolt"))
+    assembly = load(write("a.3mf", model(body)))
+    assert assembly.names == ("bolt", "bolt_2")
+    assert assembly.geometry.center[:, 0] == pytest.approx([0, 5])
+
+
+def test_components_of_a_3mf_object_are_parts(write) -> None:
+    path = 'p:path="/3D/Objects/other.model"'
+    components = f'<component objectid="1"/><component objectid="7" {path} transform="0 1 0 -1 0 0 0 0 1 4 0 0"/>'
+    objects = (
+        xml_object("1")
+        + f'<object id="2" name="pair"><components>{components}</components></object>'
+    )
+    assembly = load(write("a.3mf", model(built(item("2", 1), objects=objects))))
+    assert assembly.names == ("pair", "far")
+    assert assembly.geometry.center[:, 0] == pytest.approx([1, 5])
+
+
+UNITS = [("micron", "mm", 1e-9), ("centimeter", "cm", 1), ("foot", "in", 12**3), ("meter", "m", 1)]
+
+
+@pytest.mark.parametrize(("unit", "units", "volume"), [*UNITS, ("", "mm", 1), ("inch", "in", 1)])
+def test_units_of_a_3mf(unit: str, units: str, volume: float, write) -> None:
+    text = f'unit="{unit}"' if unit else ""
+    path = write("a.3mf", model(built(item("1"), objects=xml_object("1")), text))
+    assembly = load(path)
+    assert assembly.names == ("a",)
+    assert assembly.units == units
+    assert assembly.geometry.volume == pytest.approx([volume])
+    assert load(path, units=units).units == units
+    other = "m" if units != "m" else "mm"
+    assert f"the file is in {units}, {other} were asked for" in refused(path, units=other).what
+
+
+def circular() -> str:
+    components = '<components><component objectid="1"/></components>'
+    return built(item("1"), objects=f'<object id="1">{components}</object>')
+
+
+THREEMF_FAULTS = [
+    (b"PK\x03\x04 no zip", "damaged 3MF: "),
+    (model(built(item("1"), objects=xml_object("1")))[:-40], "damaged 3MF: "),
+    (model("<resources>"), "damaged 3MF: its XML is wrong"),
+    (model(built(item("9"), objects=xml_object("1"))), "object '9' is not in 3D/3dmodel.model"),
+    (model(built(item("1"), objects=xml_object("1")), 'unit="ell"'), "unit 'ell' is not one of 3MF"),
+    (model(circular()), "object '1' is made of itself"),
+    (model(built(objects=xml_object("1"))), "no faces"),
+    (model(built(item("1", float("nan")), objects=xml_object("1"))), "transform is '1 0 0"),
+    (model(built(item("1"), objects=xml_object("1", "lid").replace('v1="', 'v1="99', 1))), "part 'lid': face"),
+    (model(built(item("1"), objects=xml_object("1", "lid").replace('x="-0.5"', 'x="nan"', 1))), "part 'lid': vertex 0 is [nan"),
+    (model(built(item("1"), objects=xml_object("1", "lid").replace('x="-0.5"', 'x="wide"', 1))), "part 'lid': damaged 3MF"),
+    (model(built(item("1"), objects=xml_object("1", "lid").replace(' x="-0.5"', "", 1))), "part 'lid': damaged 3MF"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("data", "message"), THREEMF_FAULTS, ids=range(len(THREEMF_FAULTS)))
+def test_a_damaged_3mf(data: bytes, message: str, write) -> None:
+    assert message in str(refused(write("a.3mf", data)))
+
+
+def test_a_zip_without_a_model(write) -> None:
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as archive:
+        archive.writestr("readme.txt", "hello")
+    assert "not a 3MF file" in str(refused(write("a.3mf", stream.getvalue())))
+
+
+# every kind ----------------------------------------------------------------------------
+
+
+GOOD = {
+    ".stl": trimesh.creation.box().export(file_type="stl"),
+    ".glb": gltf(),
+    ".3mf": model(built(item("1"), objects=xml_object("1", "lid"))),
+    ".obj": trimesh.creation.box().export(file_type="obj").encode(),
+    ".json": b'{"kilter": 1, "parts": [{"name": "C1", "box": [1, 1, 1]}]}',
+}
+
+
+@settings(max_examples=120, deadline=None)
+@given(
+    suffix=st.sampled_from(sorted(GOOD)),
+    at=st.integers(0),
+    put=st.binary(min_size=1, max_size=4),
+    cut=st.booleans(),
+)
+def test_damage_anywhere_gives_no_other_exception(
+    suffix: str, at: int, put: bytes, cut: bool, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    data = GOOD[suffix]
+    at %= len(data)
+    path = tmp_path_factory.getbasetemp() / f"damaged{suffix}"
+    path.write_bytes(data[:at] if cut else data[:at] + put + data[at + len(put) :])
+    try:
+        load(path)
+    except InputError as error:
+        message = str(error)
+    else:
+        message = f"{path}: "
+    assert message.startswith(f"{path}: ")
+
+
+@pytest.mark.parametrize("name", ["a.stp", "a.STEP"])
+def test_step_is_not_read_yet(name: str, write) -> None:
+    assert "STEP is not read yet; export it as" in str(refused(write(name, "ISO-10303-21;")))
+
+
+@pytest.mark.parametrize(("name", "kind"), [("a.dxf", ".dxf"), ("noending", "no ending")])
+def test_an_unknown_ending_lists_what_is_read(name: str, kind: str, write) -> None:
+    message = str(refused(write(name, "x")))
+    assert (
+        f"files of {kind} are not read; give .json, .obj, .stl, .3mf, .glb, or a folder" in message
+    )
+
+
+@pytest.mark.parametrize("name", ["plate.stl", "plate.json", "plate", "plate.step"])
+def test_a_missing_file_names_the_nearest(name: str, write) -> None:
+    near = write("plates.stl", b"x")
+    assert f"no such file; did you mean {near.name!r}?" in str(refused(near.with_name(name)))
+
+
+@pytest.mark.parametrize("source", ["", None, 5, "a\0b"])
+def test_what_is_no_path(source: Any) -> None:
+    with pytest.raises(InputError):
+        load(source)
+
+
+def test_a_file_without_rights(write, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(_: Path) -> bytes:
+        raise PermissionError(13, "Permission denied")
+
+    path = write("a.stl", GOOD[".stl"])
+    monkeypatch.setattr(Path, "read_bytes", refuse)  # root may read everything
+    assert "cannot be read: Permission denied; check" in str(refused(path))
+
+
+def test_density_of_meshes(write) -> None:
+    assembly = load(write("a.stl", GOOD[".stl"]), density=7850)
+    assert assembly.geometry.mass == pytest.approx([7850])
+
+
+def test_a_part_named_ground_is_refused_with_the_file(write) -> None:
+    assert "the name 'ground' is reserved" in str(refused(write("ground.stl", GOOD[".stl"])))
