@@ -55,9 +55,7 @@ class InputError(KilterError):
 
     def located(self, *, file: str | None = None, part: str | None = None) -> InputError:
         """The same error with the place filled in where it was unknown."""
-        return type(self)(
-            self.what, file=self.file or file, part=self.part or part, hint=self.hint
-        )
+        return type(self)(self.what, file=self.file or file, part=self.part or part, hint=self.hint)
 
 
 class SolverError(KilterError):

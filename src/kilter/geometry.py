@@ -139,9 +139,7 @@ def _build(assembly: Assembly) -> Geometry:
     if len(flipped):
         volume[flipped] *= -1
         second[flipped] *= -1
-        warnings.append(
-            f"faces turned outwards, they pointed inwards: {_named(parts, flipped)}"
-        )
+        warnings.append(f"faces turned outwards, they pointed inwards: {_named(parts, flipped)}")
     reach = _group_max(np.linalg.norm(vertices - area_center[owner], axis=1), vertex_start)
     flat = np.flatnonzero(~(volume > 1e-9 * reach**3))
     if len(flat):

@@ -32,7 +32,9 @@ def frozen(values: ArrayLike, shape: tuple[int, ...] | None = None) -> Array:
     try:
         array = np.array(values, dtype=np.float64)
     except (TypeError, ValueError):
-        raise InputError(f"expected numbers, got {values!r:.80}") from None
+        raise InputError(
+            f"expected numbers, got {repr(values)[:80]}", hint="give a list of numbers"
+        ) from None
     if shape is not None and array.shape != shape and not _fits(array.shape, shape):
         wanted = " x ".join("n" if n == -1 else str(n) for n in shape)
         raise InputError(f"expected {wanted} numbers, got shape {array.shape}")
@@ -139,9 +141,7 @@ class Pose:
     def __post_init__(self) -> None:
         position, rotation = frozen(self.position, (3,)), frozen(self.rotation, (4,))
         if not math.isfinite(sum(position.tolist()) + sum(rotation.tolist())):
-            raise InputError(
-                "pose has a number that is not finite", hint="give finite numbers"
-            )
+            raise InputError("pose has a number that is not finite", hint="give finite numbers")
         if not rotation.any():
             raise InputError("rotation is the zero quaternion", hint="no turn is [1, 0, 0, 0]")
         object.__setattr__(self, "position", position)

@@ -7,7 +7,7 @@ triangles turning counter-clockwise seen from outside.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -109,12 +109,12 @@ class Prism:
     def __post_init__(self) -> None:
         polygon = frozen(self.polygon, (-1, 2))
         if len(polygon) < 3:
-            raise InputError("polygon has fewer than 3 corners")
+            raise InputError("polygon has fewer than 3 corners", hint="list 3 or more")
         if not np.isfinite(polygon).all():
-            raise InputError("polygon has a number that is not finite")
+            raise InputError("polygon has a number that is not finite", hint="give finite numbers")
         area = _signed_area(polygon)
         if abs(area) <= 1e-12 * float(np.ptp(polygon, axis=0).max()) ** 2:
-            raise InputError("polygon has no area")
+            raise InputError("polygon has no area", hint="list its corners around its edge")
         if not _is_convex(polygon) and not _is_simple(polygon):
             raise InputError("polygon crosses itself", hint="list its corners around its edge")
         object.__setattr__(self, "polygon", polygon)
@@ -266,7 +266,8 @@ def _triangles(vertices: Array, faces: Any) -> Index:
     if isinstance(faces, np.ndarray) and faces.ndim == 2 and faces.shape[1] == 3:
         triangles = _checked(faces, len(vertices))
     else:
-        triangles = np.concatenate([np.empty((0, 3), dtype=np.int64), *_cut_faces(vertices, faces)])
+        pieces = _cut_faces(vertices, faces)
+        triangles = np.concatenate([np.empty((0, 3), dtype=np.int64), *pieces])
     return triangles
 
 
@@ -289,18 +290,47 @@ def _checked(faces: Any, count: int) -> Index:
     return indices
 
 
-def _cut_faces(vertices: Array, faces: Iterable[Sequence[int]]) -> list[Index]:
-    """Triangles of each face of a mixed list."""
+def _cut_faces(vertices: Array, faces: Sequence[Sequence[int]]) -> list[Index]:
+    """Triangles of a mixed list of faces; convex ones of one length in one go."""
+    length = np.array([len(face) for face in faces], dtype=np.int64)
+    if len(length) and length.min() < 3:
+        k = int(length.argmin())
+        raise InputError(f"face {k} has {length[k]} corners", hint="give 3 or more")
     pieces = []
-    for k, face in enumerate(faces):
+    for n in np.unique(length):
+        which = np.flatnonzero(length == n)
         try:
-            corners = _checked(list(face), len(vertices))
+            corners = _checked([list(faces[k]) for k in which], len(vertices))
         except InputError as error:
-            raise InputError(error.what.replace("face 0", f"face {k}"), hint=error.hint) from None
-        if len(corners) < 3:
-            raise InputError(f"face {k} has {len(corners)} corners", hint="give 3 or more")
-        pieces.append(corners[_cut(_flattened(vertices[corners]))])
+            raise _renumbered(error, which) from None
+        convex = _convex_in_space(vertices[corners])
+        pieces.append(corners[convex][:, fan(int(n))].reshape(-1, 3))
+        pieces += [face[_cut(_flattened(vertices[face]))] for face in corners[~convex]]
     return pieces
+
+
+def _renumbered(error: InputError, which: Index) -> InputError:
+    """The error with the number of a face among all faces."""
+    rest = error.what.partition(" names ")[0].rpartition(" ")[2]
+    if error.what.startswith("face ") and rest.isdigit():
+        what = error.what.replace(f"face {rest}", f"face {which[int(rest)]}", 1)
+        return InputError(what, hint=error.hint)
+    return error
+
+
+def _convex_in_space(polygons: Array) -> NDArray[np.bool_]:
+    """Which polygons, shape (m, n, 3), are convex about their mean normal."""
+    step = np.roll(polygons, -1, axis=1) - polygons
+    turn = np.cross(step, np.roll(step, -1, axis=1))
+    local = polygons - polygons[:, :1]
+    normal = np.cross(local, np.roll(local, -1, axis=1)).sum(axis=1)
+    along = np.einsum("mnk,mk->mn", turn, normal)
+    # three or four corners that never turn back are convex; more could wind twice
+    convex: NDArray[np.bool_] = (along > 0).all(axis=1)
+    if polygons.shape[1] > 4:
+        rows = np.flatnonzero(convex)
+        convex[rows] = [_is_convex(_flattened(polygons[k])) for k in rows]
+    return convex
 
 
 def _flattened(points: Array) -> Array:

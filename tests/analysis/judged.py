@@ -95,7 +95,7 @@ def program_of(assembly: Assembly, *, possible: bool = False) -> Program:
 
 
 def z_of(assembly: Assembly) -> float:
-    """z of LP (9), of an assembly of any verdict."""
+    """Z of LP (9), of an assembly of any verdict."""
     return judged(assembly).displacement.z
 
 

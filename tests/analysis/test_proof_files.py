@@ -27,7 +27,7 @@ def pressed_box():
 
 def toppled_box():
     parts = [floor([-2, -2], [4, 2]), block("box", [0, -0.5, 0], [1, 0.5, 1])]
-    loads = [Load("box", force=[3.0, 1.0, -6e3], point=[-0.2, 0.1, 1.0], torque=[1.0, -7e3, 2.0])]
+    loads = [Load("box", force=[0.0, 0.0, -6e3], point=[-0.2, 0.1, 1.0], torque=[1.0, -7e3, 0.0])]
     return Assembly(parts, loads=loads, friction=0.0)
 
 
@@ -49,8 +49,8 @@ def hanging_pair():
 def falling_pair():
     parts = [
         floor([-2, -2], [2, 2]),
-        block("post", [1.2, -0.4, 0], [2.2, 0.4, 2]),
-        block("arm", [2.5, -0.2, 1], [4.8, 0.2, 1.2]),
+        block("post", [1.2, -0.4, 0], [2.2, 0.4, 2], density=1000.0),
+        block("arm", [2.5, -0.2, 1], [4.8, 0.2, 1.2], density=9000.0),
     ]
     return Assembly(parts, joints=[Joint(("post", "arm"), point=[2.4, 0.1, 1.1])])
 
@@ -153,10 +153,18 @@ def _another_proof(proof, other, path):
     """
     if path[0] != "motion":
         return False
+    if np.linalg.matrix_rank([rays(proof), rays(other)], tol=1e-9) == 1:
+        return True
     opening, power = stranger.opening_and_power(other)
     # powers are those of motions whose fastest part moves by 1: here it is not the changed one
     claimed = proof["certificate"]["power"]
     return opening >= -1e-12 and power == pytest.approx(claimed, rel=1e-8)
+
+
+def rays(proof):
+    """All components of a motion, as one unit vector."""
+    motion = np.concatenate(list(proof["motion"].values()))
+    return motion / np.linalg.norm(motion)
 
 
 def test_motion_that_does_other_work_is_refused(proven):
@@ -166,6 +174,8 @@ def test_motion_that_does_other_work_is_refused(proven):
     for path in numbers(proof["motion"], ("motion",)):
         other = changed(proof, path, fit=True)
         _, power = stranger.opening_and_power(other)
+        if np.linalg.matrix_rank([rays(proof), rays(other)], tol=1e-9) == 1:
+            continue  # the same motion at another speed
         if abs(power / proof["certificate"]["power"] - 1) > 1e-6:
             assert not verified(assembly, other).holds, path
 

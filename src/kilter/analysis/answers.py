@@ -114,6 +114,9 @@ def contacts_answer(assembly: Assembly, contacts: ContactSet) -> dict[str, Any]:
             for o in contacts.overlaps
         ],
         "histogram": {"edges": edges, "counts": contacts.gap_counts.tolist()},
-        "tolerance": {"gap": contacts.gap, "angle_deg": float(np.degrees(contacts.tolerance.angle))},
+        "tolerance": {
+            "gap": contacts.gap,
+            "angle_deg": float(np.degrees(contacts.tolerance.angle)),
+        },
         "warnings": [*assembly.notes, *assembly.geometry.warnings, *contacts.warnings],
     }

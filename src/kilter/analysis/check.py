@@ -187,14 +187,10 @@ def check(
     sentence = SENTENCES.get((word, coarse)) or f"Undecided: {'; '.join(why)}."
     warnings = [*assembly.notes, *assembly.geometry.warnings, *contacts.warnings]
     warnings += _warnings(assembly, contacts, program, word)
-    return Verdict(
-        word, sentence, assembly, contacts, program, judgement, tuple(warnings), seconds
-    )
+    return Verdict(word, sentence, assembly, contacts, program, judgement, tuple(warnings), seconds)
 
 
-def _decide(
-    assembly: Assembly, contacts: ContactSet
-) -> tuple[Word, Program, Judgement, list[str]]:
+def _decide(assembly: Assembly, contacts: ContactSet) -> tuple[Word, Program, Judgement, list[str]]:
     """Verdict, the program it speaks of, and what keeps it undecided."""
     program = build_program(assembly, contacts)
     judgement = judge(program)
@@ -226,7 +222,9 @@ def _open_questions(assembly: Assembly, contacts: ContactSet) -> list[str]:
     names = assembly.names
     why = []
     if (contacts.patch_mu > 0).any():
-        why.append("without friction it would move, and friction, which is not modelled yet, could hold it")
+        why.append(
+            "without friction it would move, and friction, which is not modelled yet, could hold it"
+        )
     if contacts.unsupported:
         listed = [
             f"{names[u.parts[0]]!r} and {names[u.parts[1]]!r} ({u.kind})"
@@ -238,9 +236,7 @@ def _open_questions(assembly: Assembly, contacts: ContactSet) -> list[str]:
     return why or ["the polygon that stands for a round face could hold it, a circle might not"]
 
 
-def _warnings(
-    assembly: Assembly, contacts: ContactSet, program: Program, word: Word
-) -> list[str]:
+def _warnings(assembly: Assembly, contacts: ContactSet, program: Program, word: Word) -> list[str]:
     warnings = []
     if not program.free.any():
         warnings.append("every part is held: nothing can move")
@@ -251,7 +247,9 @@ def _warnings(
     touched = np.zeros(len(program.names), dtype=bool)
     touched[contacts.patch_parts.ravel()] = True
     touched[[k for u in contacts.unsupported for k in u.parts]] = True
-    touched[[assembly.index[n] for j in assembly.joints for n in j.parts if n in assembly.index]] = True
+    touched[
+        [assembly.index[n] for j in assembly.joints for n in j.parts if n in assembly.index]
+    ] = True
     alone = [n for n, t, f in zip(program.names, touched, program.free, strict=True) if f and not t]
     if alone:
         shown = ", ".join(repr(n) for n in alone[:5])

@@ -127,9 +127,7 @@ def _solved(lp: LinearProgram, word: str, **options):  # type: ignore[no-untyped
 
 
 def _by_equilibrium(problem: Scaled) -> Iterator[tuple[str, Array | None, Array | None]]:
-    answer, word = _solved(
-        equilibrium(problem), "equilibrium", method="interior", gap=1e-2
-    )
+    answer, word = _solved(equilibrium(problem), "equilibrium", method="interior", gap=1e-2)
     if answer is not None and len(answer.x):
         yield word, answer.x, None
 

@@ -32,7 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(words: list[str]) -> int:
-    import click
+    import typer
 
     from kilter.cli.app import command, with_floor_value
     from kilter.errors import InputError
@@ -41,24 +41,29 @@ def _run(words: list[str]) -> int:
         result = command()(with_floor_value(words), prog_name="kilter", standalone_mode=False)
         sys.stdout.flush()
         return int(result or 0)
-    except click.exceptions.Exit as ended:
+    except typer.Exit as ended:
         return int(ended.exit_code)
-    except (click.exceptions.Abort, EOFError):
+    except (typer.Abort, EOFError):
         _say("interrupted")
         return INTERRUPTED
-    except click.ClickException as error:
-        context = getattr(error, "ctx", None)
-        path = context.command_path if context is not None else "kilter"
-        _say(f"{error.format_message().rstrip('.')}; see '{path} --help'")
-        return USAGE
     except InputError as error:
         _say(str(error))
         return USAGE
     except (KeyboardInterrupt, BrokenPipeError):
         raise
     except Exception as error:
+        if hasattr(error, "format_message"):  # a usage error of the parser of options
+            _say(_usage(error))
+            return USAGE
         _say(_fault(error, words))
         return FAULT
+
+
+def _usage(error: Exception) -> str:
+    context = getattr(error, "ctx", None)
+    path = context.command_path if context is not None else "kilter"
+    message = " ".join(error.format_message().split()).rstrip(".")  # type: ignore[attr-defined]
+    return f"{message}; see '{path} --help'"
 
 
 def _say(message: str) -> None:

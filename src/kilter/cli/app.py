@@ -38,7 +38,8 @@ app = typer.Typer(
     help="Does an assembly of rigid parts stay together under gravity? An exact verdict, with a "
     "proof. All answers are of first order: where motions that cost no energy to first order "
     "are left (see 'neutral'), second order decides, a ball on a ball among them.",
-    no_args_is_help=True,
+    add_completion=False,
+    invoke_without_command=True,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
@@ -92,12 +93,15 @@ def _version(wanted: bool) -> None:
 
 @app.callback()
 def kilter_options(
+    context: typer.Context,
     version: Annotated[
         bool,
         typer.Option("--version", callback=_version, is_eager=True, help="Show the version."),
     ] = False,
 ) -> None:
-    """Options of kilter itself."""
+    """Options of kilter itself; without a command, the help is shown."""
+    if context.invoked_subcommand is None:
+        print(context.get_help())
 
 
 @app.command()
@@ -129,8 +133,9 @@ def check(
 ) -> int:
     """Does it stay together under gravity; if not, what moves, and how?
 
-    Exit 0 stable, 1 unstable, 4 undecided. Displacements of LP (9) are given for up to 300
-    free parts, neutral motions are counted for up to 100; above, they are null.
+    Exit 0 stable, 1 unstable, 4 undecided. All of it is of first order.
+
+    Displacements of LP (9) are given for up to 300 free parts, neutral motions for up to 100.
     """
     from kilter.analysis.check import check as decide
 

@@ -92,7 +92,12 @@ class Progress:
     def _show(self, stage: str) -> None:
         self._shown = True
         elapsed = time.perf_counter() - self._started
-        print(f"\r\x1b[Kkilter: {stage} ... ({elapsed:.0f} s so far)", end="", file=sys.stderr, flush=True)
+        print(
+            f"\r\x1b[Kkilter: {stage} ... ({elapsed:.0f} s so far)",
+            end="",
+            file=sys.stderr,
+            flush=True,
+        )
 
     def _stop(self) -> None:
         if self._timer is not None:

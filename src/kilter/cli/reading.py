@@ -81,7 +81,9 @@ def _height(floor: str) -> float | None:
     try:
         return float(floor)
     except ValueError:
-        raise InputError(f"--floor {floor!r} is no height", hint="give a number or nothing") from None
+        raise InputError(
+            f"--floor {floor!r} is no height", hint="give a number or nothing"
+        ) from None
 
 
 def contact_tolerance(gap: float | None, angle: float | None, loose: bool) -> Tolerance:

@@ -74,7 +74,9 @@ def _moving(verdict: Verdict) -> list[str]:
 def _facts(verdict: Verdict) -> list[str]:
     assembly, contacts = verdict.assembly, verdict.contacts
     held = [p.name for p in assembly.parts if p.grounded]
-    shown = ", ".join(plain(n) for n in held[:5]) + (f" and {len(held) - 5} more" if len(held) > 5 else "")
+    shown = ", ".join(plain(n) for n in held[:5]) + (
+        f" and {len(held) - 5} more" if len(held) > 5 else ""
+    )
     down = verdict.assembly.down
     size = float(np.linalg.norm(assembly.gravity))
     rows = [
@@ -82,12 +84,19 @@ def _facts(verdict: Verdict) -> list[str]:
         ["units", f"{assembly.units}; density where none is given: 1000 kg/m^3"],
         ["mass", f"{verdict.program.mass[verdict.program.free].sum():.6g} kg free"],
         ["gravity", f"{size:g} m/s^2 along {_vector(down)}"],
-        ["contacts", f"{contacts.pairs} pairs, {len(contacts)} patches, {len(contacts.points)} points"],
+        [
+            "contacts",
+            f"{contacts.pairs} pairs, {len(contacts)} patches, {len(contacts.points)} points",
+        ],
         ["proof", _proof_words(verdict)],
     ]
     if verdict.verdict != "stable":
         z = f"z = {verdict.displacement.z:.6g} (LP (9): kg, {assembly.units}, gravity 1)"
-        kappa = "" if assembly.loads else f", kappa = {verdict.motion.instability:.6g} (0 stable, 1 free fall)"
+        kappa = (
+            ""
+            if assembly.loads
+            else f", kappa = {verdict.motion.instability:.6g} (0 stable, 1 free fall)"
+        )
         rows.append(["instability", z + kappa])
     neutral = verdict.neutral
     if neutral is not None:
@@ -170,7 +179,9 @@ def contacts_text(assembly: Assembly, contacts: ContactSet) -> str:
 
 def _patches(assembly: Assembly, contacts: ContactSet) -> list[str]:
     names, unit = assembly.names, assembly.units
-    rows = [["part a", "part b", "kind", f"area [{unit}^2]", f"gap [{unit}]", "normal a to b", "points"]]
+    rows = [
+        ["part a", "part b", "kind", f"area [{unit}^2]", f"gap [{unit}]", "normal a to b", "points"]
+    ]
     counts = np.diff(contacts.patch_start)
     for k in range(min(len(contacts), LISTED)):
         a, b = contacts.patch_parts[k]

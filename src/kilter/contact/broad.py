@@ -66,9 +66,11 @@ def common_frame(normals: Array, areas: Array) -> Array:
     normals = normals * np.where(strongest < 0, -1.0, 1.0)
     first = _most_common(normals, areas)
     square = np.abs(normals @ first) < 1e-3
-    second = _most_common(normals[square], areas[square]) if square.any() else np.eye(3)[
-        np.argmin(np.abs(first))
-    ]
+    second = (
+        _most_common(normals[square], areas[square])
+        if square.any()
+        else np.eye(3)[np.argmin(np.abs(first))]
+    )
     second = second - (second @ first) * first
     second /= np.linalg.norm(second)
     return np.array([first, second, np.cross(first, second)])
@@ -171,7 +173,9 @@ def facets_in(
     """Facets of ``part[k]`` whose box meets box k: pairs (k, facet), ordered by k."""
     count = facets.start[part + 1] - facets.start[part]
     owner = np.repeat(np.arange(len(part)), count)
-    facet = np.arange(len(owner)) + np.repeat(facets.start[part] - (np.cumsum(count) - count), count)
+    facet = np.arange(len(owner)) + np.repeat(
+        facets.start[part] - (np.cumsum(count) - count), count
+    )
     keep = np.ones(len(owner), dtype=bool)
     for axis in range(3):
         keep &= boxes.facet_low[facet, axis] <= high[owner, axis]
@@ -217,7 +221,10 @@ def _facet_tree(boxes: Boxes, mine: Index, other: Index, margin: float) -> tuple
     spread = np.argsort(np.ptp(boxes.facet_low[other], axis=0))[1:]
 
     def flat(which: Index, grow: float) -> NDArray[np.object_]:
-        low, high = boxes.facet_low[which][:, spread] - grow, boxes.facet_high[which][:, spread] + grow
+        low, high = (
+            boxes.facet_low[which][:, spread] - grow,
+            boxes.facet_high[which][:, spread] + grow,
+        )
         made: NDArray[np.object_] = shapely.box(low[:, 0], low[:, 1], high[:, 0], high[:, 1])
         return made
 

@@ -13,7 +13,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["ContactSet", "Overlap", "PossibleContacts", "Rejected", "Tolerance", "Unsupported", "joined"]
+__all__ = [
+    "ContactSet",
+    "Overlap",
+    "PossibleContacts",
+    "Rejected",
+    "Tolerance",
+    "Unsupported",
+    "joined",
+]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

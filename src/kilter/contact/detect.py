@@ -127,7 +127,9 @@ def _pairs_to_detect(assembly: Assembly, boxes: Boxes, tolerance: Tolerance) -> 
     if tolerance.gap is not None:
         rough = np.full(len(rough), tolerance.gap)
     pairs = part_pairs(boxes, geometry.grounded, NEAR * rough / 2)
-    given = {frozenset(assembly.index_of(n) for n in contact.parts) for contact in assembly.contacts}
+    given = {
+        frozenset(assembly.index_of(n) for n in contact.parts) for contact in assembly.contacts
+    }
     if given:
         keep = [frozenset(pair) not in given for pair in pairs.tolist()]
         pairs = pairs[np.array(keep, dtype=bool)]
@@ -177,7 +179,9 @@ def _planar(
         touch = opposed & (block.gap[:, 0] <= limit) & (block.gap[:, 1] >= -limit)
         accepted.append(block.take(np.flatnonzero(touch)))
         refused.append(block.take(np.flatnonzero(~touch)))
-        size = np.minimum(geometry.size[facets.part[frames.i]], geometry.size[facets.part[frames.j]])
+        size = np.minimum(
+            geometry.size[facets.part[frames.i]], geometry.size[facets.part[frames.j]]
+        )
         # gap nearest to zero over the piece; a cut of no width has none
         nearest = np.where(block.gap[:, 0] > 0, block.gap[:, 0], np.minimum(block.gap[:, 1], 0))
         wide = block.area > limit * np.sqrt(block.area)
@@ -185,7 +189,9 @@ def _planar(
         counts += np.histogram(relative, bins=GAP_EDGES)[0]
     patches, thin = merge(frames, accepted, limits.gap, limits.blur)
     rejected = _rejected(facets, frames, refused, limits, angle, "")
-    rejected += _rejected(facets, frames, thin, limits, angle, "thinner than twice the gap tolerance")
+    rejected += _rejected(
+        facets, frames, thin, limits, angle, "thinner than twice the gap tolerance"
+    )
     rejected.sort(key=lambda r: (abs(r.gap), r.angle))
     return _Found(
         touching=Touching(pairs, limits.gap, patches),

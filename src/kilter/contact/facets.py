@@ -187,7 +187,9 @@ def _grouped(geometry: Geometry, parts: Index, convex_part: Mask) -> list[Block]
     part = np.repeat(parts, count)
     tolerance = np.maximum(FLAT * geometry.size, 4 * geometry.accuracy)[part]
     first, second = _neighbours(triangles)
-    convex_part[parts] = _convex_parts(geometry.vertices, triangles, part, tolerance, first, second)[parts]
+    convex_part[parts] = _convex_parts(
+        geometry.vertices, triangles, part, tolerance, first, second
+    )[parts]
     group = _coplanar_groups(geometry.vertices, triangles, tolerance, first, second)
     return _boundaries(geometry.vertices, triangles, part, group, tolerance)
 
@@ -204,7 +206,9 @@ def _convex_parts(
     reflex = np.minimum(rise.max(axis=1), back.max(axis=1)) > 2 * tolerance[first]
     count = int(part.max()) + 1
     bad = np.bincount(part[first[reflex]], minlength=count) > 0
-    open_somewhere = np.bincount(part[first], minlength=count) * 2 != 3 * np.bincount(part, minlength=count)
+    open_somewhere = np.bincount(part[first], minlength=count) * 2 != 3 * np.bincount(
+        part, minlength=count
+    )
     label = _components(len(triangles), first, second)
     pieces = np.bincount(part[np.unique(label, return_index=True)[1]], minlength=count)
     return ~bad & ~open_somewhere & (pieces == 1)
@@ -224,9 +228,13 @@ def _coplanar_groups(
     scale = tolerance.copy()
     for _ in range(6):
         limit = np.minimum(scale[first], scale[second])
-        joined = (drop <= limit) & (bend <= BEND + 4 * limit / _height(points, twice, first, second))
+        joined = (drop <= limit) & (
+            bend <= BEND + 4 * limit / _height(points, twice, first, second)
+        )
         joined &= active[first] & active[second]
-        group = _relabelled(group, active, _components(len(triangles), first[joined], second[joined]))
+        group = _relabelled(
+            group, active, _components(len(triangles), first[joined], second[joined])
+        )
         bent = _drifting(points, group, tolerance) & active
         if not bent.any():
             break

@@ -122,12 +122,21 @@ def _sharp(
             grow = touching.tolerance[block][:, None]
             low = np.maximum(boxes.part_low[a], boxes.part_low[b]) - grow
             high = np.minimum(boxes.part_high[a], boxes.part_high[b]) + grow
-            near_a, near_b = facets_in(facets, boxes, a, low, high), facets_in(facets, boxes, b, low, high)
+            near_a, near_b = (
+                facets_in(facets, boxes, a, low, high),
+                facets_in(facets, boxes, b, low, high),
+            )
             box = (low, high)
-            found.append(_corners(geometry, facets, boxes, edges, touching, block, near_a, near_b, box, 1.0))
-            found.append(_corners(geometry, facets, boxes, edges, touching, block, near_b, near_a, box, -1.0))
+            found.append(
+                _corners(geometry, facets, boxes, edges, touching, block, near_a, near_b, box, 1.0)
+            )
+            found.append(
+                _corners(geometry, facets, boxes, edges, touching, block, near_b, near_a, box, -1.0)
+            )
             found.append(_crossings(geometry, facets, boxes, edges, touching, block, box))
-    points = _Points(*(np.concatenate([getattr(f, name) for f in found]) for name in _Points.__slots__))
+    points = _Points(
+        *(np.concatenate([getattr(f, name) for f in found]) for name in _Points.__slots__)
+    )
     return _unexplained(points, touching)
 
 
@@ -181,7 +190,9 @@ def _corners(
                 np.zeros(len(near), dtype=bool),
             )
         )
-    return _Points(*(np.concatenate([getattr(f, name) for f in found]) for name in _Points.__slots__))
+    return _Points(
+        *(np.concatenate([getattr(f, name) for f in found]) for name in _Points.__slots__)
+    )
 
 
 def _corners_of(
@@ -263,7 +274,9 @@ def _crossings(
             k = np.flatnonzero(fits)
             crossing = np.ones(len(k), dtype=bool)
             found.append(_Points(block[pair[rows[k]]], middle[k], turn * normal[k], crossing))
-    return _Points(*(np.concatenate([getattr(f, name) for f in found]) for name in _Points.__slots__))
+    return _Points(
+        *(np.concatenate([getattr(f, name) for f in found]) for name in _Points.__slots__)
+    )
 
 
 def _unexplained(points: _Points, touching: Touching) -> _Points:

@@ -43,7 +43,9 @@ def find_overlaps(
     found = []
     for row in rows:
         one, other = (int(k) for k in touching.pairs[row])
-        overlap = _overlap(geometry, facets, one, other, float(touching.tolerance[row]), bool(both_convex[row]))
+        overlap = _overlap(
+            geometry, facets, one, other, float(touching.tolerance[row]), bool(both_convex[row])
+        )
         if overlap is not None:
             found.append(overlap)
     names = assembly.names
@@ -142,7 +144,9 @@ def _depth(geometry: Geometry, a: int, b: int, tolerance: float) -> float:
     corners = _corners(geometry, a)
     span = slice(geometry.triangle_start[a], geometry.triangle_start[a + 1])
     own = geometry.vertices[geometry.triangles[span]]
-    probes = np.concatenate([corners, own.mean(axis=1), (own + np.roll(own, -1, axis=1)).reshape(-1, 3) / 2])
+    probes = np.concatenate(
+        [corners, own.mean(axis=1), (own + np.roll(own, -1, axis=1)).reshape(-1, 3) / 2]
+    )
     other = _corners(geometry, b)
     low, high = other.min(axis=0), other.max(axis=0)
     probes = probes[((probes > low) & (probes < high)).all(axis=1)]
@@ -192,6 +196,8 @@ def _distance(points: Array, triangles: Array) -> Array:
         along = end - start
         local = points[:, None] - start
         inside &= np.einsum("ntk,tk->nt", np.cross(along, foot - start), normal) >= 0
-        t = np.clip(np.einsum("ntk,tk->nt", local, along) / np.maximum((along**2).sum(1), 1e-300), 0, 1)
+        t = np.clip(
+            np.einsum("ntk,tk->nt", local, along) / np.maximum((along**2).sum(1), 1e-300), 0, 1
+        )
         nearest = np.minimum(nearest, np.linalg.norm(local - t[..., None] * along, axis=2))
     return np.where(inside, np.abs(height), nearest).min(axis=1)

@@ -106,9 +106,7 @@ class Pieces:
         return Pieces(*(getattr(self, name)[rows] for name in self.__slots__))
 
 
-def facet_frames(
-    facets: Facets, pair: Index, i: Index, j: Index, margin: Array
-) -> FacetFrame:
+def facet_frames(facets: Facets, pair: Index, i: Index, j: Index, margin: Array) -> FacetFrame:
     """Frames of the candidates whose planes come within `margin` over the smaller facet."""
     n_i, n_j = facets.normal[i], facets.normal[j]
     total = n_i - n_j
@@ -123,7 +121,9 @@ def facet_frames(
     height = np.column_stack(heights)
     sine = np.linalg.norm(np.cross(n_i, n_j), axis=1)
     angle = np.arctan2(sine, -np.einsum("ij,ij->i", n_i, n_j))
-    near = np.abs(height[:, 1] - height[:, 0]) <= margin + 1.01 * np.tan(angle) * facets.reach[smaller]
+    near = (
+        np.abs(height[:, 1] - height[:, 0]) <= margin + 1.01 * np.tan(angle) * facets.reach[smaller]
+    )
     across = np.linalg.norm(facets.origin[i] - facets.origin[j], axis=1)
     near &= across <= (facets.reach[i] + facets.reach[j]) * 1.01 + margin
     keep = np.flatnonzero(near)
@@ -168,7 +168,9 @@ def overlaps_of(geometry: Geometry, facets: Facets, frames: FacetFrame) -> list[
         step = max(1, BATCH // (4 * width))
         for begin in range(0, len(chosen), step):
             rows = chosen[begin : begin + step]
-            found.append(_clipped(geometry, facets, frames, row[rows], a[rows], b[rows], first, count))
+            found.append(
+                _clipped(geometry, facets, frames, row[rows], a[rows], b[rows], first, count)
+            )
     found.extend(_outlined(geometry, facets, frames, np.flatnonzero(intricate)))
     return [pieces for pieces in found if len(pieces.frame)]
 
@@ -183,9 +185,7 @@ def _pieces_of(facets: Facets) -> tuple[Index, Index]:
     return first, np.where(facets.convex[owner], length[owner], 3)
 
 
-def _piece_products(
-    facets: Facets, frames: FacetFrame, rows: Index
-) -> tuple[Index, Index, Index]:
+def _piece_products(facets: Facets, frames: FacetFrame, rows: Index) -> tuple[Index, Index, Index]:
     """All combinations of the pieces of the two facets, frame by frame."""
     number = np.where(facets.convex, 1, np.diff(facets.corner_start) // 3)
     first = np.cumsum(number) - number
@@ -229,9 +229,7 @@ def _reversed(points: Array, count: Index) -> Array:
     return result
 
 
-def _measured(
-    frames: FacetFrame, row: Index, points: Array, count: Index, area: Array
-) -> Pieces:
+def _measured(frames: FacetFrame, row: Index, points: Array, count: Index, area: Array) -> Pieces:
     gaps = frames.gaps(points, row)
     real = np.arange(points.shape[1]) < count[:, None]
     low = np.where(real, gaps, np.inf).min(axis=1, initial=np.inf)
@@ -239,9 +237,7 @@ def _measured(
     return Pieces(row, points, count, area, np.column_stack([low, high]))
 
 
-def _outlined(
-    geometry: Geometry, facets: Facets, frames: FacetFrame, rows: Index
-) -> list[Pieces]:
+def _outlined(geometry: Geometry, facets: Facets, frames: FacetFrame, rows: Index) -> list[Pieces]:
     """Overlays of facets with many triangles, by their outlines; one hull an overlay."""
     found = []
     for row in rows:

@@ -98,9 +98,7 @@ def _forces(geometry: Geometry, part: int) -> list[tuple[Array, Array]]:
     return [(end, d) for end in (core.start, core.end) for d in (u, np.cross(axis, u))]
 
 
-def _touch(
-    geometry: Geometry, facets: Facets, a: int, b: int, tolerance: float
-) -> Array | None:
+def _touch(geometry: Geometry, facets: Facets, a: int, b: int, tolerance: float) -> Array | None:
     """Where two parts, one of them round, touch at a round surface; None if they do not."""
     if not geometry.is_round[a]:
         a, b = b, a

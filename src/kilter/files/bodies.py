@@ -10,8 +10,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from kilter.shapes import Mesh
 
@@ -125,6 +123,9 @@ def _around(edge: tuple[Array, Array], opposite: Array, turn: Index) -> Index:
 
 
 def _components(pairs: Index, count: int) -> Index:
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
     label: Index = connected_components(graph, directed=False)[1].astype(np.int64)
     return label

@@ -93,7 +93,9 @@ def check_motion(program: Program, motion: Array) -> MotionProof:
 def part_sizes(program: Program, six: Array, *, per_radius: bool) -> Array:
     """One size a part of twists (rotation x radius) or wrenches (torque / radius), (N,)."""
     length = 1 / program.radius if per_radius else program.radius
-    total: Array = np.sqrt((six[:, :3] ** 2).sum(axis=1) + (six[:, 3:] ** 2).sum(axis=1) * length**2)
+    total: Array = np.sqrt(
+        (six[:, :3] ** 2).sum(axis=1) + (six[:, 3:] ** 2).sum(axis=1) * length**2
+    )
     if program.planar and per_radius:
         total = np.sqrt(six[:, 0] ** 2 + six[:, 2] ** 2 + (six[:, 4] * length) ** 2)
     return total

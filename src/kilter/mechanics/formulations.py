@@ -168,9 +168,7 @@ def least_imbalance(problem: Scaled) -> LinearProgram:
     lower, upper = _force_bounds(problem.program)
     rows = len(problem.right)
     ones = csc_array(np.ones((rows, 1)))
-    matrix = vstack(
-        [hstack([problem.matrix, ones]), hstack([problem.matrix, -ones])], format="csc"
-    )
+    matrix = vstack([hstack([problem.matrix, ones]), hstack([problem.matrix, -ones])], format="csc")
     cost = np.concatenate([np.zeros(len(lower)), [1.0]])
     unbounded = np.full(rows, np.inf)
     return LinearProgram(

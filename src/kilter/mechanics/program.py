@@ -199,9 +199,7 @@ class Program:
         return Program(**{**values, **changes})  # type: ignore[arg-type]
 
 
-def build_program(
-    assembly: Assembly, contacts: ContactSet, *, possible: bool = False
-) -> Program:
+def build_program(assembly: Assembly, contacts: ContactSet, *, possible: bool = False) -> Program:
     """The program of an assembly and its contacts.
 
     Parameters
@@ -222,9 +220,7 @@ def build_program(
     blocks = [_contact_rows(contacts, geometry)]
     if possible:
         blocks += [_possible_rows(contacts, geometry), _sticking_rows(contacts, geometry)]
-    blocks += [
-        _joint_rows(assembly, geometry, joint, k) for k, joint in enumerate(assembly.joints)
-    ]
+    blocks += [_joint_rows(assembly, geometry, joint, k) for k, joint in enumerate(assembly.joints)]
     rows = {key: np.concatenate([block[key] for block in blocks]) for key in blocks[0]}
     return Program(
         names=assembly.names,
@@ -349,5 +345,3 @@ def _tolerances(contacts: ContactSet, geometry: Geometry) -> Array:
     tolerance = np.full(len(geometry.mass), TOLERANCE)
     np.maximum.at(tolerance, contacts.patch_parts.T, contacts.patch_accuracy[None, :])
     return tolerance
-
-

@@ -241,7 +241,9 @@ def _different_parts(program: Program, parts: list[dict[str, Any]]) -> list[str]
     reasons = []
     for k, part in enumerate(parts):
         if part["grounded"] == bool(program.free[k]):
-            reasons.append(f"part {part['name']!r} is {'held' if part['grounded'] else 'free'} in it")
+            reasons.append(
+                f"part {part['name']!r} is {'held' if part['grounded'] else 'free'} in it"
+            )
         if not _near(part["mass"], program.mass[k], program.mass[k]):
             reasons.append(f"part {part['name']!r} has another mass in it")
         reach = program.radius[k] + float(np.abs(program.center[k]).max())

@@ -99,7 +99,9 @@ def _polished(program: QuadraticProgram, start: QuadraticSolution) -> list[Quadr
         x, y = _equations(program, rows, start)
         multipliers = np.zeros(len(active))
         multipliers[rows] = y
-        candidate = np.where(np.arange(len(active)) < program.equal, multipliers, np.maximum(multipliers, 0))
+        candidate = np.where(
+            np.arange(len(active)) < program.equal, multipliers, np.maximum(multipliers, 0)
+        )
         found.append(
             QuadraticSolution(
                 x, candidate, _residual(program, x, candidate), start.solver, start.iterations
@@ -107,7 +109,9 @@ def _polished(program: QuadraticProgram, start: QuadraticSolution) -> list[Quadr
         )
         slack = program.matrix @ x - program.bound
         scale = 1e-11 * max(1.0, float(np.abs(x).max(initial=0.0)))
-        change = (~active & (slack < -scale)) | (active & (multipliers < -1e-9) & (np.arange(len(active)) >= program.equal))
+        change = (~active & (slack < -scale)) | (
+            active & (multipliers < -1e-9) & (np.arange(len(active)) >= program.equal)
+        )
         if not change.any():
             break
         active = active ^ change
@@ -117,16 +121,14 @@ def _polished(program: QuadraticProgram, start: QuadraticSolution) -> list[Quadr
 def _equations(
     program: QuadraticProgram, rows: NDArray[np.int64], start: QuadraticSolution
 ) -> tuple[Array, Array]:
-    """x and multipliers of the rows held as equations."""
+    """X and multipliers of the rows held as equations."""
     from scipy.sparse.linalg import splu
 
     some = csc_array(program.matrix.tocsr()[rows])
     count, held = some.shape[1], some.shape[0]
     small = 1e-9 * max(1.0, float(np.abs(program.quadratic.diagonal()).max(initial=0.0)))
     quadratic = program.quadratic + small * eye_array(count)
-    system = block_array(
-        [[quadratic, -some.T], [some, small * eye_array(held)]], format="csc"
-    )
+    system = block_array([[quadratic, -some.T], [some, small * eye_array(held)]], format="csc")
     exact = block_array(
         [[program.quadratic, -some.T], [some, diags_array(np.zeros(held))]], format="csc"
     )
