@@ -283,7 +283,9 @@ class Assembly:
             )
         object.__setattr__(self, "gravity", gravity)
         object.__setattr__(self, "friction", _number(self.friction, "friction", lowest=0))
-        for entry in (*self.friction_pairs, *self.contacts, *self.joints):
+        entries: list[FrictionPair | GivenContact | Joint] = []
+        entries += [*self.friction_pairs, *self.contacts, *self.joints]
+        for entry in entries:
             self._check_pair(entry)
         for load in self.loads:
             self.index_of(load.part)

@@ -7,6 +7,8 @@ edge whose neighbours are split by a vertex on it (a T-junction) is closed all t
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -92,7 +94,8 @@ def _unmatched_edges(edges: Index) -> Index:
     surplus = rows[sign[rows] == np.sign(balance[group])]
     group = group[sign[rows] == np.sign(balance[group])]
     rank = np.arange(len(group)) - np.searchsorted(group, group)
-    return edges[surplus[rank < np.abs(balance[group])]]
+    unmatched: Index = edges[surplus[rank < np.abs(balance[group])]]
+    return unmatched
 
 
 def _merged_close(vertices: Array, distance: float) -> Index:
@@ -152,5 +155,5 @@ def _split_at_vertices(vertices: Array, edges: Index) -> Index:
         off = np.linalg.norm(relative - t[:, None] * along[k], axis=1)
         inside = (t > 1e-9) & (t < 1 - 1e-9) & (off <= WELD * size)
         chain = [p, *points[inside][np.argsort(t[inside])].tolist(), q]
-        pieces.extend([u, v] for u, v in zip(chain[:-1], chain[1:], strict=True) if u != v)
+        pieces.extend([u, v] for u, v in pairwise(chain) if u != v)
     return np.array(pieces, dtype=np.int64).reshape(-1, 2)

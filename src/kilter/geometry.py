@@ -186,10 +186,11 @@ def _local_surfaces(
     parts: Sequence[Part], boxes: NDArray[np.bool_], warnings: list[str]
 ) -> tuple[Array, Index, Index, Index]:
     """Vertices and triangles of all parts in their own frames; boxes in one go."""
-    others = {int(k): surface(parts[k].shape) for k in np.flatnonzero(~boxes)}
-    for k, (vertices, triangles) in others.items():
-        if isinstance(parts[k].shape, Mesh):
-            others[k] = _closed_mesh(parts[k], vertices, triangles, warnings)
+    others = {k: surface(parts[k].shape) for k in np.flatnonzero(~boxes).tolist()}
+    for k in others:
+        shape = parts[k].shape
+        if isinstance(shape, Mesh):
+            others[k] = _closed_mesh(parts[k].name, shape, warnings)
     corner_count = np.full(len(parts), 8)
     triangle_count = np.full(len(parts), 12)
     for k, (vertices, triangles) in others.items():
@@ -201,7 +202,7 @@ def _local_surfaces(
     all_triangles = np.empty((triangle_start[-1], 3), dtype=np.int64)
     if boxes.any():
         where = np.flatnonzero(boxes)
-        sizes = np.array([parts[k].shape.size for k in where])  # type: ignore[union-attr]
+        sizes = _box_sizes(parts, where)
         rows = vertex_start[where][:, None] + np.arange(8)
         all_vertices[rows] = BOX_CORNERS * sizes[:, None, :]
         rows = triangle_start[where][:, None] + np.arange(12)
@@ -212,23 +213,27 @@ def _local_surfaces(
     return all_vertices, vertex_start, all_triangles, triangle_start
 
 
-def _closed_mesh(
-    part: Part, vertices: Array, triangles: Index, warnings: list[str]
-) -> tuple[Array, Index]:
+def _box_sizes(parts: Sequence[Part], which: Index) -> Array:
+    """Lengths along x, y, z of parts that are boxes, shape (n, 3)."""
+    shapes = (parts[k].shape for k in which.tolist())
+    return np.array([shape.size for shape in shapes if isinstance(shape, Box)])
+
+
+def _closed_mesh(name: str, mesh: Mesh, warnings: list[str]) -> tuple[Array, Index]:
     """A mesh welded, without faces of no area, refused where it is open."""
-    if len(triangles) == 0 or len(vertices) == 0:
-        raise InputError("mesh has no faces", part=part.name, hint="give a closed solid")
-    vertices, triangles, notes = welded(vertices, triangles, accuracy=part.shape.accuracy)  # type: ignore[union-attr]
-    warnings.extend(f"part {part.name!r}: {note}" for note in notes)
+    if len(mesh.triangles) == 0 or len(mesh.vertices) == 0:
+        raise InputError("mesh has no faces", part=name, hint="give a closed solid")
+    vertices, triangles, notes = welded(mesh.vertices, mesh.triangles, accuracy=mesh.accuracy)
+    warnings.extend(f"part {name!r}: {note}" for note in notes)
     if len(triangles) == 0:
-        raise InputError("all faces have zero area", part=part.name, hint="give a closed solid")
+        raise InputError("all faces have zero area", part=name, hint="give a closed solid")
     holes = open_edges(vertices, triangles)
     if len(holes):
         where = vertices[holes[0, 0]]
         raise InputError(
             f"mesh is open: {len(holes)} edges have a face on one side only, the first at "
             f"({where[0]:.6g}, {where[1]:.6g}, {where[2]:.6g})",
-            part=part.name,
+            part=name,
             hint="close it where it was made",
         )
     return vertices, triangles
@@ -290,7 +295,7 @@ def _moments(
     second, area_center = np.zeros((count, 3, 3)), np.zeros((count, 3))
     if boxes.any():
         where = np.flatnonzero(boxes)
-        sizes = np.array([parts[k].shape.size for k in where])  # type: ignore[union-attr]
+        sizes = _box_sizes(parts, where)
         volume[where] = sizes.prod(axis=1)
         second[where[:, None], range(3), range(3)] = volume[where][:, None] * sizes**2 / 12
     where = np.flatnonzero(~boxes)
@@ -300,7 +305,7 @@ def _moments(
         start = np.concatenate([[0], np.cumsum(counts)])
         result = polyhedron_moments(vertices, triangles[rows], start)
         volume[where], center[where], second[where], area_center[where] = result
-    for k in where:
+    for k in where.tolist():
         shape = parts[k].shape
         if isinstance(shape, Cylinder):
             volume[k] = np.pi * shape.radius**2 * shape.height
@@ -328,8 +333,9 @@ def _masses(
     free = np.array([not part.grounded for part in parts])
     default = np.array([part.mass is None and part.density is None for part in parts])
     if (default & free).any() and (~default & free).any():
+        assumed = _named(parts, np.flatnonzero(default & free))
         warnings.append(
-            f"density {DEFAULT_DENSITY:g} kg/m^3 assumed for {_named(parts, np.flatnonzero(default & free))} "
+            f"density {DEFAULT_DENSITY:g} kg/m^3 assumed for {assumed} "
             "beside parts with a mass or density of their own: the verdict depends on the ratios"
         )
     second = second * (mass / volume)[:, None, None]
@@ -348,7 +354,7 @@ def _round_axes(parts: Sequence[Part], rotation: Array) -> Array:
 
 
 def _named(parts: Sequence[Part], which: Index, limit: int = 5) -> str:
-    shown = ", ".join(repr(parts[k].name) for k in which[:limit])
+    shown = ", ".join(repr(parts[k].name) for k in which[:limit].tolist())
     return f"{shown} and {len(which) - limit} more" if len(which) > limit else shown
 
 

@@ -37,9 +37,9 @@ BOX_CORNERS: Array = np.array(
 )
 
 
-def _positive(value: object, what: str) -> float:
+def _positive(value: Any, what: str) -> float:
     try:
-        number = float(value)  # type: ignore[arg-type]
+        number = float(value)
     except (TypeError, ValueError):
         raise InputError(f"{what} is {value!r}", hint="give a number above zero") from None
     if not (np.isfinite(number) and number > 0):
@@ -197,7 +197,7 @@ def surface(shape: Shape) -> tuple[Array, Index]:
         angle = np.arange(CYLINDER_SIDES) * (2 * np.pi / CYLINDER_SIDES)
         circle = shape.radius * np.column_stack([np.cos(angle), np.sin(angle)])
         low = np.column_stack([circle, np.full(len(circle), -shape.height / 2)])
-        return np.vstack([low, low + [0, 0, shape.height]]), _extruded(CYLINDER_SIDES)
+        return np.vstack([low, low + np.array([0, 0, shape.height])]), _extruded(CYLINDER_SIDES)
     if isinstance(shape, Sphere):
         vertices, triangles = _unit_sphere()
         return vertices * shape.radius, triangles
@@ -300,7 +300,7 @@ def _cut_faces(vertices: Array, faces: Sequence[Sequence[int]]) -> list[Index]:
     for n in np.unique(length):
         which = np.flatnonzero(length == n)
         try:
-            corners = _checked([list(faces[k]) for k in which], len(vertices))
+            corners = _checked([list(faces[k]) for k in which.tolist()], len(vertices))
         except InputError as error:
             raise _renumbered(error, which) from None
         convex = _convex_in_space(vertices[corners])

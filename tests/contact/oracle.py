@@ -359,7 +359,7 @@ def _face_pair(
         area_error=AREA * float(pieces.area.sum())
         + (noise + accuracy) * float(pieces.perimeter.sum())
         + float(pieces.area.sum()) * tilt**2,
-        noise=noise + flatness * tilt,
+        noise=noise + (flatness + float(np.abs(gap).max())) * tilt,
         accuracy=accuracy,
         tolerance=greatest,
     )
@@ -387,6 +387,7 @@ def _union(members: list[Region]) -> Region:
     weight = np.array([region.area + region.slack for region in members])
     normal = weight @ np.array([region.normal for region in members])
     certain = [region for region in members if not region.borderline] or members
+    lean = max(float(np.linalg.norm(r.normal - members[0].normal)) for r in members)
     low, high = min(r.gap[0] for r in members), max(r.gap[1] for r in members)
     low_sure, high_sure = min(r.gap[0] for r in certain), max(r.gap[1] for r in certain)
     extra = max(low_sure - low, high - high_sure, 0.0)
@@ -400,7 +401,7 @@ def _union(members: list[Region]) -> Region:
         gap=(low_sure, high_sure),
         gap_error=max(r.gap_error for r in members) + extra,
         area_error=sum(r.area_error for r in members),
-        noise=max(r.noise for r in members),
+        noise=max(r.noise + lean * max(map(abs, r.gap)) for r in members),
         accuracy=members[0].accuracy,
         tolerance=members[0].tolerance,
     )
@@ -519,7 +520,6 @@ def _support_wrong(regions: list[Region], patches: list) -> list[str]:
     angles = np.random.default_rng(0).uniform(0, 2 * np.pi, 32)
     directions = np.cos(angles)[:, None] * u + np.sin(angles)[:, None] * v
     bound = _corner_error(regions, (upper - middle) @ np.stack([u, v], axis=1))
-    bound += _lean(regions, patches)
     reach = ((points - middle) @ directions.T).max(axis=0)
     wrong = []
     over = float((reach - ((upper - middle) @ directions.T).max(axis=0)).max())
@@ -534,13 +534,6 @@ def _support_wrong(regions: list[Region], patches: list) -> list[str]:
     if heights.max() > allowed.max() + slack or heights.min() < allowed.min() - slack:
         wrong.append(f"points {heights.min():.3g} to {heights.max():.3g} off the plane")
     return wrong
-
-
-def _lean(regions: list[Region], patches: list) -> float:
-    """How far a point within the gap moves in the plane as the normal varies."""
-    normals = np.array([r.normal for r in regions] + [f[1] for f in patches])
-    spread = float(np.linalg.norm(normals - normals[0], axis=1).max())
-    return spread * max(abs(gap) for r in regions for gap in r.gap)
 
 
 def _corner_error(regions: list[Region], flat: Array) -> float:

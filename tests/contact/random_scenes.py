@@ -13,7 +13,7 @@ from scipy.spatial import ConvexHull, Voronoi
 
 from kilter.assembly import Assembly, Part
 from kilter.rigid import Pose, quaternion_to_matrix
-from kilter.shapes import Box, Mesh, Prism, Shape, surface
+from kilter.shapes import Box, Mesh, Prism, Shape, fan, surface
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -279,10 +279,10 @@ def column(polygon: Array, low: float, high: float) -> Mesh:
     """A convex polygon, shape (n, 2), turning left, between two heights."""
     n = len(polygon)
     vertices = np.vstack([np.column_stack([polygon, np.full(n, z)]) for z in (low, high)])
-    k = np.arange(n)
-    bottom, top = k[::-1].tolist(), (k + n).tolist()
-    sides = [[i, (i + 1) % n, (i + 1) % n + n, i + n] for i in range(n)]
-    return Mesh(vertices, [bottom, top, *sides])
+    cap, k = fan(n), np.arange(n)
+    j = (k + 1) % n
+    sides = [np.column_stack([k, j, j + n]), np.column_stack([k, j + n, k + n])]
+    return Mesh(vertices, np.vstack([cap[:, ::-1], cap + n, *sides]))
 
 
 @family

@@ -18,7 +18,7 @@ import kilter.contact
 from kilter.assembly import Assembly, Part
 from kilter.contact.contact_set import ContactSet, Tolerance
 from kilter.rigid import Pose
-from kilter.shapes import Box, Mesh, surface
+from kilter.shapes import Box, Mesh, Prism, surface
 
 Array = NDArray[np.float64]
 
@@ -59,8 +59,8 @@ def extruded(points: Array, triangles: Array, low: float, high: float) -> Mesh:
     """A flat mesh, triangles turning left, between two heights; it may have holes."""
     points, triangles, count = np.asarray(points), np.asarray(triangles), len(points)
     edges = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    inner = set(map(tuple, edges.tolist()))
-    rim = np.array([(p, q) for p, q in edges.tolist() if (q, p) not in inner])
+    inner = np.isin(edges @ [count, 1], edges @ [1, count])
+    rim = edges[~inner]
     p, q = rim.T
     sides = [np.column_stack([p, q, q + count]), np.column_stack([p, q + count, p + count])]
     vertices = [np.column_stack([points, np.full(count, z)]) for z in (low, high)]
@@ -181,6 +181,34 @@ def test_interface_with_holes_shifted_by_half_a_cell(size):
     assert discrepancies(scene(*pieces), contacts) == []
 
 
+def turned(pieces: list[Piece], seed: int) -> Assembly:
+    """The pieces in a random pose: edges that met along a line now miss by a rounding."""
+    rng = np.random.default_rng(seed)
+    rotation, shift = Rotation.random(rng=rng).as_matrix(), rng.normal(size=3) * 10
+    return placed(pieces, Wrap(rotation, 1.0, shift, str(rng.choice(["pose", "mesh"]))), rng)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_faces_that_meet_along_a_bent_line_are_no_patch(seed):
+    # slivers of 1e-16 along both lines have a hull of their own, as wide as the bend
+    bend = Prism([[0, 0], [4, 0], [4, 1], [1, 1], [1, 4], [0, 4]], 2)
+    pieces = [(bend, np.array([0, -1.0, 0])), block([1, 0, 1], [3, 2, 3])]
+    assert len(kilter.contact.find_contacts(turned(pieces, seed))) == 0
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_line_of_contact_beside_a_patch_does_not_widen_its_hull(seed):
+    # an arm of the upper part runs along the rim of the lower one, outside of it
+    polygon = [[0, 0.5], [0.5, 0.5], [0.5, 1], [2, 1], [2, 1.5], [0, 1.5]]
+    pieces = [(Prism(polygon, 1), np.array([0, 0.5, 0])), block([0, -1, 0], [2, 0, 1])]
+    assembly = turned(pieces, seed)
+    contacts = kilter.contact.find_contacts(assembly)
+    assert areas(contacts) == {(0, 1): pytest.approx(0.25, rel=1e-12)}
+    extent = np.linalg.norm(contacts.points - contacts.points[0], axis=1).max()
+    assert extent == pytest.approx(np.sqrt(0.5), rel=1e-9)
+    assert discrepancies(assembly, contacts) == []
+
+
 # slivers -----------------------------------------------------------------------------
 
 
@@ -298,6 +326,7 @@ def test_float32_boxes_a_hundred_sizes_away_all_touch(seed):
 # many --------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_twenty_five_thousand_patches_on_one_pair():
     teeth = 25_000
     slab = block([-1, -2, -1], [2 * teeth + 1, 2, 0])

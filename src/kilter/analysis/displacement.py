@@ -52,8 +52,7 @@ def find_displacement(program: Program) -> Displacement:
     if not count:
         return Displacement(0.0, np.zeros((len(program.names), 6)))
     lp = displacement(program)
-    method = "simplex" if count <= LIMIT else "interior"
-    answer = solve_linear(lp, method=method)  # type: ignore[arg-type]
+    answer = solve_linear(lp, method="simplex" if count <= LIMIT else "interior")
     z = min(float(lp.cost @ answer.x), 0.0)
     if count > LIMIT:
         return Displacement(z, None)

@@ -85,7 +85,7 @@ def find_motion(program: Program) -> ImpendingMotion:
             np.linalg.norm(motion[:, 3:], axis=1) * program.radius,
         ]
     )
-    moves = (relative > MOVES).any(axis=1)
+    moves = np.asarray((relative > MOVES).any(axis=1))
     motion = np.where(np.abs(motion) < 1e-14, 0.0, motion)
     energy = program.mass @ (motion[:, :3] ** 2).sum(axis=1) + np.einsum(
         "ni,nij,nj->", motion[:, 3:], program.inertia, motion[:, 3:]

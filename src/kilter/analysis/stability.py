@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +30,9 @@ from kilter.mechanics.formulations import (
     scaled,
 )
 from kilter.mechanics.program import Program
+
+if TYPE_CHECKING:
+    from kilter.solvers.linear import LinearSolution, Method
 
 __all__ = ["SIMPLEX_ROWS", "Judgement", "judge"]
 
@@ -58,6 +62,14 @@ class Judgement:
     forces: ForceProof | None
     motion: MotionProof | None
     solvers: tuple[str, ...]
+
+
+class _Options(TypedDict, total=False):
+    """Options of `solve_linear`."""
+
+    method: Method
+    presolve: bool
+    forces_only: bool
 
 
 def judge(program: Program) -> Judgement:
@@ -116,7 +128,10 @@ def _candidates(program: Program) -> Iterator[tuple[str, Array | None, Array | N
         yield from _by_load_factor(problem, method="simplex")
 
 
-def _solved(lp: LinearProgram, word: str, **options):  # type: ignore[no-untyped-def]
+def _solved(
+    lp: LinearProgram, word: str, **options: Unpack[_Options]
+) -> tuple[LinearSolution | None, str]:
+    """The answer, None where the solver broke down, and a word about it."""
     from kilter.solvers.linear import solve_linear
 
     try:
@@ -127,13 +142,13 @@ def _solved(lp: LinearProgram, word: str, **options):  # type: ignore[no-untyped
 
 
 def _by_equilibrium(problem: Scaled) -> Iterator[tuple[str, Array | None, Array | None]]:
-    answer, word = _solved(equilibrium(problem), "equilibrium", method="interior", gap=1e-2)
+    answer, word = _solved(equilibrium(problem), "equilibrium", method="interior", forces_only=True)
     if answer is not None and len(answer.x):
         yield word, answer.x, None
 
 
 def _by_load_factor(
-    problem: Scaled, **options: object
+    problem: Scaled, **options: Unpack[_Options]
 ) -> Iterator[tuple[str, Array | None, Array | None]]:
     answer, word = _solved(load_factor(problem), "load factor", **options)
     if answer is None or not len(answer.x):
@@ -145,7 +160,7 @@ def _by_load_factor(
 
 
 def _by_least_imbalance(
-    problem: Scaled, **options: object
+    problem: Scaled, **options: Unpack[_Options]
 ) -> Iterator[tuple[str, Array | None, Array | None]]:
     answer, word = _solved(least_imbalance(problem), "least imbalance", **options)
     if answer is None or not len(answer.x):

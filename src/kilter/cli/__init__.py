@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from typing import Any
 
 __all__ = ["main"]
 
@@ -27,7 +28,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return INTERRUPTED
     except BrokenPipeError:
         # the reader of a pipe has seen enough; nothing is left to tell it
-        sys.stdout = None  # type: ignore[assignment]
+        sys.stdout = None
         return 0
 
 
@@ -59,10 +60,11 @@ def _run(words: list[str]) -> int:
         return FAULT
 
 
-def _usage(error: Exception) -> str:
+def _usage(error: Any) -> str:
+    """What the parser of options has to say, in one line."""
     context = getattr(error, "ctx", None)
     path = context.command_path if context is not None else "kilter"
-    message = " ".join(error.format_message().split()).rstrip(".")  # type: ignore[attr-defined]
+    message = " ".join(error.format_message().split()).rstrip(".")
     return f"{message}; see '{path} --help'"
 
 

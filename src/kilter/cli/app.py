@@ -186,7 +186,7 @@ def contacts(
     output: Output = None,
     quiet: Quiet = False,
 ) -> int:
-    """What touches: patches with area, gap and normal; what came near, and why it does not count."""
+    """What touches: patches with area, gap, normal; what came near, and why it does not count."""
     from kilter.contact import find_contacts
 
     reading = _reading(ground, floor, without, down, friction, units, density)
@@ -288,7 +288,8 @@ def example(
             "-o",
             "--output",
             metavar="FILE",
-            help="Where to; NAME.kilter.json in this folder where not given, - for standard output.",
+            help="Where to; NAME.kilter.json in this folder where not given, "
+            "- for standard output.",
             show_default=False,
         ),
     ] = None,
@@ -313,9 +314,9 @@ def example(
             rows = [[s.name, s.answer or "", s.title] for s in SCENES.values()]
             emit("\n".join(table(rows, indent="")), output)
         return 0
-    from kilter.files import to_dict
+    from kilter.files import to_text
 
-    text = as_json(to_dict(scene(name)))
+    text = to_text(scene(name))
     if output is not None and str(output) == "-":
         sys.stdout.write(text)
         return 0

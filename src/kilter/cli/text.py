@@ -61,11 +61,11 @@ def _moving(verdict: Verdict) -> list[str]:
         return []
     which = np.flatnonzero(verdict.motion.moves)
     order = which[np.argsort(-verdict.motion.relative[which].max(axis=1), kind="stable")]
-    free = int(verdict.program.free.sum())
+    share = f"{len(which)} of {int(verdict.program.free.sum())} free parts"
     if verdict.verdict == "undecided":
-        head = f"Held by frictionless modelled contacts alone, {len(which)} of {free} free parts would move:"
+        head = f"Held by frictionless modelled contacts alone, {share} would move:"
     else:
-        head = f"{len(which)} of {free} free parts move:"
+        head = f"{share} move:"
     names = verdict.assembly.names
     rows = [[plain(names[k]), verdict.words(int(k))] for k in order[:LISTED]]
     return [head, *table(rows), *_more(len(order)), ""]
@@ -134,8 +134,8 @@ def contacts_text(assembly: Assembly, contacts: ContactSet) -> str:
     """The answer of `kilter contacts`."""
     names, unit = assembly.names, assembly.units
     lines = [
-        f"{contacts.pairs} pairs of parts touch in {len(contacts)} patches, {len(contacts.points)} points; "
-        f"gap up to {contacts.gap:.3g} {unit}, angle up to "
+        f"{contacts.pairs} pairs of parts touch in {len(contacts)} patches, "
+        f"{len(contacts.points)} points; gap up to {contacts.gap:.3g} {unit}, angle up to "
         f"{np.degrees(contacts.tolerance.angle):.3g} deg.",
         "",
     ]

@@ -148,7 +148,6 @@ def _facet_pairs(
     near_b = facets_in(facets, boxes, b, low, high)
     count_a, count_b = (np.bincount(near[0], minlength=len(rows)) for near in (near_a, near_b))
     many = count_a * count_b > MANY
-    few = ~many
     few_a, few_b = ~many[near_a[0]], ~many[near_b[0]]
     blocks = []
     for pair, x, y in products(near_a[0][few_a], near_b[0][few_b], len(rows), MANY):
@@ -199,7 +198,7 @@ def products(
     ------
     owner, row_a, row_b : ndarrays of int, shape (m,)
     """
-    first_a, first_b = (np.searchsorted(o, np.arange(count + 1)) for o in (owner_a, owner_b))
+    first_b = np.searchsorted(owner_b, np.arange(count + 1))
     width_of_row = np.diff(first_b)[owner_a]  # how many rows of b each row of a meets
     behind = np.cumsum(width_of_row)
     begin = 0

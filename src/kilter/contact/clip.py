@@ -6,6 +6,8 @@ left, in ``points[k, :count[k]]``. What lies behind the count is meaningless.
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,15 +16,16 @@ __all__ = ["clip_convex", "padded", "polygon_area", "tidy"]
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 Mask = NDArray[np.bool_]
+Scalar = TypeVar("Scalar", bound=np.generic)
 
 
-def padded(points: Array, first: Index, count: Index) -> Array:
+def padded(points: NDArray[Scalar], first: Index, count: Index) -> NDArray[Scalar]:
     """Rows ``first[k]`` to ``first[k] + count[k]`` of `points` as one array, shape (n, m, d).
 
     The last corner is repeated behind the count.
     """
     k = np.minimum(np.arange(int(count.max(initial=1))), np.maximum(count, 1)[:, None] - 1)
-    taken: Array = points[first[:, None] + k]
+    taken: NDArray[Scalar] = points[first[:, None] + k]
     return taken
 
 

@@ -31,7 +31,9 @@ NEAR_ANGLE = 0.05
 """Angles up to this are looked at [rad]."""
 THICKNESS = 0.1
 """The gap tolerance is at most this part of the thickness of the thinner part."""
-GAP_EDGES: Array = np.concatenate([[-np.inf], -(10.0 ** np.arange(-2, -13, -1)), [0.0], 10.0 ** np.arange(-12, -1), [np.inf]])  # fmt: skip
+DECADES: Array = np.power(10.0, np.arange(-12, -1))
+GAP_EDGES: Array = np.concatenate([[-np.inf], -DECADES[::-1], [0.0], DECADES, [np.inf]])
+"""Edges of the histogram of gaps, over the size of the smaller part [-]."""
 LISTED = 1000
 """Rejected pairs kept, nearest first."""
 

@@ -131,7 +131,6 @@ def _boundary(facets: Facets, which: Index) -> tuple[Index, Index, Index]:
     begin, end = facets.corners[row], facets.corners[following]
     loose = ~facets.convex[owner]
     if loose.any():  # edges between triangles of one facet are no edges of the part
-        big = int(max(begin.max(), end.max())) + 1
         _, local = np.unique(owner, return_inverse=True)
         names, ends = np.unique(np.concatenate([begin, end]), return_inverse=True)
         big = len(names)

@@ -31,7 +31,7 @@ FLAT = 1e-6
 BEND = 1e-3
 """Largest angle between neighbours in a facet [rad], besides what rounding explains."""
 LONG_LOOP = 256
-"""Boundaries of more corners than this are followed one by one."""
+"""Facets with more corners than this are given by their triangles."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -211,7 +211,8 @@ def _convex_parts(
     )
     label = _components(len(triangles), first, second)
     pieces = np.bincount(part[np.unique(label, return_index=True)[1]], minlength=count)
-    return ~bad & ~open_somewhere & (pieces == 1)
+    convex: Mask = ~bad & ~open_somewhere & (pieces == 1)
+    return convex
 
 
 def _coplanar_groups(
@@ -303,7 +304,8 @@ def _drifting(points: Array, group: Index, tolerance: Array) -> Mask:
     bad = np.zeros(int(owner[-1]) + 1, dtype=bool)
     bad[owner[off > 2 * tolerance[order]]] = True
     several = np.bincount(owner) > 1
-    return (bad & several)[group]
+    drifting: Mask = (bad & several)[group]
+    return drifting
 
 
 def _boundaries(
@@ -311,7 +313,8 @@ def _boundaries(
 ) -> list[Block]:
     """Convex facets as loops, others as their triangles."""
     order = np.argsort(group, kind="stable")
-    triangles, part, group, tolerance = (x[order] for x in (triangles, part, group, tolerance))
+    triangles, group = triangles[order], group[order]
+    part, tolerance = part[order], tolerance[order]
     count = int(group[-1]) + 1
     first = np.searchsorted(group, np.arange(count))
     loops, length, whole = _loops(triangles, group, count)

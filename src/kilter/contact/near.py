@@ -70,12 +70,33 @@ class NearContacts:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Points:
-    """Candidate points: row of the pair, position, normal from a to b, "vertex" or "edge"."""
+    """Candidate points: row of the pair, position, normal from a to b, whether edges cross."""
 
     pair: Index
     point: Array
     normal: Array
     crossing: Mask
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Block:
+    """Some of the pairs, by row, and the box in which the parts of each may meet.
+
+    `low`, `high`: shape (n, 3), in the frame of the boxes; `edges`: of all their parts.
+    """
+
+    geometry: Geometry
+    facets: Facets
+    boxes: Boxes
+    edges: Edges
+    touching: Touching
+    rows: Index
+    low: Array
+    high: Array
+
+    def near(self, part: Index) -> tuple[Index, Index]:
+        """Facets of ``part[k]`` in box k: pairs (k, facet)."""
+        return facets_in(self.facets, self.boxes, part, self.low, self.high)
 
 
 def near_contacts(
@@ -117,27 +138,17 @@ def _sharp(
     if len(rows):
         edges = find_edges(geometry, facets, np.unique(touching.pairs[rows]))
         # pairs in blocks, so that the candidates of a block fit in memory
-        for block in np.array_split(rows, max(1, len(rows) // 20_000)):
-            a, b = touching.pairs[block].T
-            grow = touching.tolerance[block][:, None]
+        for some in np.array_split(rows, max(1, len(rows) // 20_000)):
+            a, b = touching.pairs[some].T
+            grow = touching.tolerance[some][:, None]
             low = np.maximum(boxes.part_low[a], boxes.part_low[b]) - grow
             high = np.minimum(boxes.part_high[a], boxes.part_high[b]) + grow
-            near_a, near_b = (
-                facets_in(facets, boxes, a, low, high),
-                facets_in(facets, boxes, b, low, high),
-            )
-            box = (low, high)
-            found.append(
-                _corners(geometry, facets, boxes, edges, touching, block, near_a, near_b, box, 1.0)
-            )
-            found.append(
-                _corners(geometry, facets, boxes, edges, touching, block, near_b, near_a, box, -1.0)
-            )
-            found.append(_crossings(geometry, facets, boxes, edges, touching, block, box))
-    points = _Points(
-        *(np.concatenate([getattr(f, name) for f in found]) for name in _Points.__slots__)
-    )
-    return _unexplained(points, touching)
+            block = _Block(geometry, facets, boxes, edges, touching, some, low, high)
+            near_a, near_b = block.near(a), block.near(b)
+            found.append(_corners(block, near_a, near_b, 1.0))
+            found.append(_corners(block, near_b, near_a, -1.0))
+            found.append(_crossings(block))
+    return _unexplained(_together(found), touching)
 
 
 def _nothing() -> _Points:
@@ -146,26 +157,26 @@ def _nothing() -> _Points:
     )
 
 
+def _together(found: list[_Points]) -> _Points:
+    return _Points(
+        *(np.concatenate([getattr(f, name) for f in found]) for name in _Points.__slots__)
+    )
+
+
 def _corners(
-    geometry: Geometry,
-    facets: Facets,
-    boxes: Boxes,
-    edges: Edges,
-    touching: Touching,
-    block: Index,
+    block: _Block,
     near_corner: tuple[Index, Index],
     near_facet: tuple[Index, Index],
-    box: tuple[Array, Array],
     sign: float,
 ) -> _Points:
     """Corners of one part in facets of the other; `sign` 1 where the corner is part a's."""
-    owner, corner = _corners_of(geometry, facets, boxes, near_corner, box)
+    geometry, facets, rows = block.geometry, block.facets, block.rows
+    owner, corner = _corners_of(block, near_corner)
     piece_owner, piece, piece_facet = _triangles_of(facets, near_facet)
-    count = len(block)
     found = [_nothing()]
-    for pair, x, y in products(owner, piece_owner, count, BATCH):
+    for pair, x, y in products(owner, piece_owner, len(rows), BATCH):
         vertex, triangle, facet = corner[x], piece[y], piece_facet[y]
-        tolerance = touching.tolerance[block[pair]]
+        tolerance = block.touching.tolerance[rows[pair]]
         p = geometry.vertices[vertex]
         normal = facets.normal[facet]
         off = np.einsum("ij,ij->i", p - facets.origin[facet], normal)
@@ -181,35 +192,28 @@ def _corners(
             continue
         names = np.column_stack([pair[near], vertex[near], facet[near]])
         near = near[np.unique(names, axis=0, return_index=True)[1]]
-        near = near[edges.in_front(geometry, vertex[near], normal[near], IN_FRONT)]
+        near = near[block.edges.in_front(geometry, vertex[near], normal[near], IN_FRONT)]
         found.append(
             _Points(
-                block[pair[near]],
+                rows[pair[near]],
                 p[near] - 0.5 * off[near, None] * normal[near],
                 -sign * normal[near],
                 np.zeros(len(near), dtype=bool),
             )
         )
-    return _Points(
-        *(np.concatenate([getattr(f, name) for f in found]) for name in _Points.__slots__)
-    )
+    return _together(found)
 
 
-def _corners_of(
-    geometry: Geometry,
-    facets: Facets,
-    boxes: Boxes,
-    near: tuple[Index, Index],
-    box: tuple[Array, Array],
-) -> tuple[Index, Index]:
+def _corners_of(block: _Block, near: tuple[Index, Index]) -> tuple[Index, Index]:
     """Corners of the near facets inside the box of each pair: pairs (k, vertex)."""
+    facets = block.facets
     owner, facet = near
     count = np.diff(facets.corner_start)[facet]
     k = np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count)
     corner = facets.corners[np.repeat(facets.corner_start[facet], count) + k]
     owner = np.repeat(owner, count)
-    turned = geometry.vertices[corner] @ boxes.frame.T
-    inside = ((turned >= box[0][owner]) & (turned <= box[1][owner])).all(axis=1)
+    turned = block.geometry.vertices[corner] @ block.boxes.frame.T
+    inside = ((turned >= block.low[owner]) & (turned <= block.high[owner])).all(axis=1)
     both = np.unique(np.column_stack([owner[inside], corner[inside]]), axis=0)
     return both[:, 0], both[:, 1]
 
@@ -241,23 +245,17 @@ def _in_triangle(p: Array, triangle: Array, normal: Array, tolerance: Array) -> 
     return inside
 
 
-def _crossings(
-    geometry: Geometry,
-    facets: Facets,
-    boxes: Boxes,
-    edges: Edges,
-    touching: Touching,
-    block: Index,
-    box: tuple[Array, Array],
-) -> _Points:
+def _crossings(block: _Block) -> _Points:
     """Edges of a that cross edges of b."""
-    a, b = touching.pairs[block].T
-    owner_a, edge_a = edges.inside(geometry, boxes, a, box)
-    owner_b, edge_b = edges.inside(geometry, boxes, b, box)
+    geometry, facets, edges = block.geometry, block.facets, block.edges
+    a, b = block.touching.pairs[block.rows].T
+    box = (block.low, block.high)
+    owner_a, edge_a = edges.inside(geometry, block.boxes, a, box)
+    owner_b, edge_b = edges.inside(geometry, block.boxes, b, box)
     found = [_nothing()]
-    for pair, x, y in products(owner_a, owner_b, len(block), BATCH):
+    for pair, x, y in products(owner_a, owner_b, len(block.rows), BATCH):
         e, f = edge_a[x], edge_b[y]
-        tolerance = touching.tolerance[block[pair]]
+        tolerance = block.touching.tolerance[block.rows[pair]]
         first, second = edges.direction(geometry, e), edges.direction(geometry, f)
         normal = np.cross(first, second)
         sine = np.linalg.norm(normal, axis=1)
@@ -273,10 +271,9 @@ def _crossings(
             fits &= edges.behind(facets, geometry, f[rows], -turn * normal, IN_FRONT)
             k = np.flatnonzero(fits)
             crossing = np.ones(len(k), dtype=bool)
-            found.append(_Points(block[pair[rows[k]]], middle[k], turn * normal[k], crossing))
-    return _Points(
-        *(np.concatenate([getattr(f, name) for f in found]) for name in _Points.__slots__)
-    )
+            pair_row = block.rows[pair[rows[k]]]
+            found.append(_Points(pair_row, middle[k], turn * normal[k], crossing))
+    return _together(found)
 
 
 def _unexplained(points: _Points, touching: Touching) -> _Points:

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import shapely
 
 __all__ = ["convex_hull", "overlay", "width_of"]
 
@@ -98,7 +103,7 @@ def overlay(one: tuple[Array, bool], other: tuple[Array, bool]) -> tuple[Array, 
     return convex_hull(shapely.get_coordinates(polygons)), float(sum(p.area for p in polygons))
 
 
-def _region(corners: Array, convex: bool):  # type: ignore[no-untyped-def]
+def _region(corners: Array, convex: bool) -> shapely.Geometry:
     """The polygon, with holes, that a loop or a list of triangles covers."""
     import shapely
 

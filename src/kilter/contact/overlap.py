@@ -51,10 +51,10 @@ def find_overlaps(
     names = assembly.names
     warnings = []
     for overlap in found[:20]:
-        one, other = (repr(names[k]) for k in overlap.parts)
+        first, second = (repr(names[k]) for k in overlap.parts)
         size = "" if overlap.volume is None else f", volume {overlap.volume:.3g} {assembly.units}^3"
         warnings.append(
-            f"{one} and {other} {overlap.why}, {overlap.depth:.3g} {assembly.units} deep{size}; "
+            f"{first} and {second} {overlap.why}, {overlap.depth:.3g} {assembly.units} deep{size}; "
             "an overlap is not a contact"
         )
     if len(found) > 20:
@@ -200,4 +200,5 @@ def _distance(points: Array, triangles: Array) -> Array:
             np.einsum("ntk,tk->nt", local, along) / np.maximum((along**2).sum(1), 1e-300), 0, 1
         )
         nearest = np.minimum(nearest, np.linalg.norm(local - t[..., None] * along, axis=2))
-    return np.where(inside, np.abs(height), nearest).min(axis=1)
+    least: Array = np.where(inside, np.abs(height), nearest).min(axis=1)
+    return least

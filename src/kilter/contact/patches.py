@@ -84,7 +84,7 @@ def _thin(pieces: Pieces, width: Array) -> Mask:
     low = np.where(real, pieces.points, np.inf).min(axis=1)
     high = np.where(real, pieces.points, -np.inf).max(axis=1)
     diameter = np.linalg.norm(high - low, axis=1)
-    doubtful = pieces.area <= width * diameter  # area <= width x diameter, always
+    doubtful: Mask = pieces.area <= width * diameter  # area <= width x diameter, always
     for row in np.flatnonzero(doubtful):
         doubtful[row] = width_of(pieces.points[row, : pieces.count[row]]) < width[row]
     return doubtful

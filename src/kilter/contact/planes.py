@@ -79,12 +79,13 @@ class FacetFrame:
         """Points half-way between the two facets, shape (n, m, 3)."""
         height = self.height.mean(axis=1)[rows][:, None]
         height = height + np.einsum("nki,ni->nk", flat, self.slope.mean(axis=1)[rows])
-        return (
+        middle: Array = (
             self.origin[rows][:, None, :]
             + flat[..., :1] * self.u[rows][:, None, :]
             + flat[..., 1:] * self.v[rows][:, None, :]
             + height[..., None] * self.normal[rows][:, None, :]
         )
+        return middle
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -104,6 +105,25 @@ class Pieces:
     def take(self, rows: Index) -> Pieces:
         """The rows chosen."""
         return Pieces(*(getattr(self, name)[rows] for name in self.__slots__))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _ConvexPieces:
+    """Convex pieces of all facets, in order: where the corners of each begin, and how many.
+
+    `vertices`: shape (V, 3); `corners`: rows of them; `first`, `count`: a row a piece.
+    """
+
+    vertices: Array
+    corners: Index
+    first: Index
+    count: Index
+
+    def points(self, which: Index) -> Array:
+        """Corners of the pieces `which`, shape (n, m, 3), padded."""
+        rows = padded(self.corners, self.first[which], self.count[which])
+        points: Array = self.vertices[rows]
+        return points
 
 
 def facet_frames(facets: Facets, pair: Index, i: Index, j: Index, margin: Array) -> FacetFrame:
@@ -157,9 +177,9 @@ def overlaps_of(geometry: Geometry, facets: Facets, frames: FacetFrame) -> list[
     intricate = np.maximum(triangles[frames.i], triangles[frames.j]) > MANY_TRIANGLES
     simple = np.flatnonzero(~intricate)
     row, a, b = _piece_products(facets, frames, simple)
-    first, count = _pieces_of(facets)
+    pieces = _pieces_of(geometry, facets)
     found = []
-    largest = np.maximum(count[a], count[b])
+    largest = np.maximum(pieces.count[a], pieces.count[b])
     for low, high in ((0, 4), (4, 8), (8, 32), (32, 1 << 62)):
         chosen = np.flatnonzero((largest > low) & (largest <= high))
         if not len(chosen):
@@ -168,21 +188,20 @@ def overlaps_of(geometry: Geometry, facets: Facets, frames: FacetFrame) -> list[
         step = max(1, BATCH // (4 * width))
         for begin in range(0, len(chosen), step):
             rows = chosen[begin : begin + step]
-            found.append(
-                _clipped(geometry, facets, frames, row[rows], a[rows], b[rows], first, count)
-            )
+            found.append(_clipped(frames, pieces, row[rows], a[rows], b[rows]))
     found.extend(_outlined(geometry, facets, frames, np.flatnonzero(intricate)))
-    return [pieces for pieces in found if len(pieces.frame)]
+    return [block for block in found if len(block.frame)]
 
 
-def _pieces_of(facets: Facets) -> tuple[Index, Index]:
-    """First corner and number of corners of each convex piece of each facet, in order."""
+def _pieces_of(geometry: Geometry, facets: Facets) -> _ConvexPieces:
+    """Convex facets whole, others in triangles."""
     length = np.diff(facets.corner_start)
     number = np.where(facets.convex, 1, length // 3)
     owner = np.repeat(np.arange(len(facets)), number)
     k = np.arange(len(owner)) - np.repeat(np.cumsum(number) - number, number)
     first = facets.corner_start[owner] + 3 * k
-    return first, np.where(facets.convex[owner], length[owner], 3)
+    count = np.where(facets.convex[owner], length[owner], 3)
+    return _ConvexPieces(geometry.vertices, facets.corners, first, count)
 
 
 def _piece_products(facets: Facets, frames: FacetFrame, rows: Index) -> tuple[Index, Index, Index]:
@@ -197,26 +216,16 @@ def _piece_products(facets: Facets, frames: FacetFrame, rows: Index) -> tuple[In
     return rows[row], first[i][row] + k // width, first[j][row] + k % width
 
 
-def _clipped(
-    geometry: Geometry,
-    facets: Facets,
-    frames: FacetFrame,
-    row: Index,
-    a: Index,
-    b: Index,
-    first: Index,
-    count: Index,
-) -> Pieces:
+def _clipped(frames: FacetFrame, pieces: _ConvexPieces, row: Index, a: Index, b: Index) -> Pieces:
     """Pieces a and b of the facets of each row, clipped against each other."""
-    corners = facets.corners
-    flat_a = frames.flat(geometry.vertices[padded(corners, first[a], count[a])], row)
-    flat_b = frames.flat(geometry.vertices[padded(corners, first[b], count[b])], row)
-    flat_b = _reversed(flat_b, count[b])
+    flat_a = frames.flat(pieces.points(a), row)
+    flat_b = _reversed(frames.flat(pieces.points(b), row), pieces.count[b])
     meets = (flat_a.min(axis=1) <= flat_b.max(axis=1)).all(axis=1)
     meets &= (flat_b.min(axis=1) <= flat_a.max(axis=1)).all(axis=1)
     keep = np.flatnonzero(meets)
     row = row[keep]
-    points, left = clip_convex(flat_a[keep], count[a][keep], flat_b[keep], count[b][keep])
+    count_a, count_b = pieces.count[a][keep], pieces.count[b][keep]
+    points, left = clip_convex(flat_a[keep], count_a, flat_b[keep], count_b)
     area = polygon_area(points, left)
     solid = np.flatnonzero((left >= 3) & (area > 0))
     return _measured(frames, row[solid], points[solid], left[solid], area[solid])

@@ -105,9 +105,9 @@ def _touch(geometry: Geometry, facets: Facets, a: int, b: int, tolerance: float)
     core = _core(geometry, a)
     if geometry.is_round[b]:
         other = _core(geometry, b)
-        distance, point = _segments(core, other)
+        apart, middle = _segments(core, other)
         reach = core.radius + other.radius
-        return point if abs(distance - reach) <= tolerance and reach > 0 else None
+        return middle if abs(apart - reach) <= tolerance and reach > 0 else None
     span = slice(geometry.triangle_start[b], geometry.triangle_start[b + 1])
     distance, point, along = _to_triangles(core, geometry.vertices[geometry.triangles[span]])
     side = (along > 1e-9) & (along < 1 - 1e-9) if geometry.round_axis[a].any() else along >= 0
@@ -161,20 +161,20 @@ def _to_triangles(core: _Core, triangles: Array) -> tuple[Array, Array, Array]:
     distance = np.stack([c[0] for c in candidates])
     best = distance.argmin(axis=0)
     rows = np.arange(len(triangles))
+    least, foot, along = (np.stack([c[k] for c in candidates])[best, rows] for k in range(3))
+    if not d.any():
+        return least, foot, along
     # a segment beside a plane: both ends are equally near, so the middle of it is
-    if d.any():
-        both = np.isfinite(distance[0]) & np.isfinite(distance[1])
-        apart = np.where(both, distance[0], 0.0) - np.where(both, distance[1], 0.0)
-        level = both & (np.abs(apart) <= 1e-9 * core.radius)
-        middle = _plane_feet(core.start + 0.5 * d, triangles, 0.5)
-        use = level & np.isfinite(middle[0]) & (middle[0] <= distance.min(axis=0) * (1 + 1e-9))
-        result = tuple(np.stack([c[k] for c in candidates])[best, rows] for k in range(3))
-        return (
-            np.where(use, middle[0], result[0]),
-            np.where(use[:, None], middle[1], result[1]),
-            np.where(use, middle[2], result[2]),
-        )
-    return tuple(np.stack([c[k] for c in candidates])[best, rows] for k in range(3))  # type: ignore[return-value]
+    both = np.isfinite(distance[0]) & np.isfinite(distance[1])
+    apart = np.where(both, distance[0], 0.0) - np.where(both, distance[1], 0.0)
+    level = both & (np.abs(apart) <= 1e-9 * core.radius)
+    middle = _plane_feet(core.start + 0.5 * d, triangles, 0.5)
+    use = level & np.isfinite(middle[0]) & (middle[0] <= least * (1 + 1e-9))
+    return (
+        np.where(use, middle[0], least),
+        np.where(use[:, None], middle[1], foot),
+        np.where(use, middle[2], along),
+    )
 
 
 def _plane_feet(x: Array, triangles: Array, s: float) -> tuple[Array, Array, Array]:

@@ -13,7 +13,7 @@ from kilter.assembly import Assembly
 from kilter.errors import InputError
 from kilter.files.kilter_json import to_dict
 
-__all__ = ["dump", "write_text"]
+__all__ = ["dump", "to_text", "write_text"]
 
 
 def dump(assembly: Assembly, path: str | Path) -> None:
@@ -28,14 +28,27 @@ def dump(assembly: Assembly, path: str | Path) -> None:
         If the file cannot be written, or a name is no valid text.
     """
     try:
-        text = _text(to_dict(assembly))
+        text = to_text(assembly)
+    except InputError as error:
+        raise error.located(file=str(path)) from None
+    write_text(path, text)
+
+
+def to_text(assembly: Assembly) -> str:
+    """The text of a kilter file, one part a line.
+
+    Raises
+    ------
+    InputError
+        If a name is no valid text.
+    """
+    try:
+        return _text(to_dict(assembly))
     except ValueError as error:
         raise InputError(
             f"cannot be written: {error}"[:120],
-            file=str(path),
             hint="give names of valid characters and finite numbers",
         ) from None
-    write_text(path, text)
 
 
 def write_text(path: str | Path, text: str) -> None:

@@ -57,7 +57,7 @@ class LinearProgram:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class QuadraticProgram:
-    """min 1/2 x.(quadratic x) + cost.x: the first `equal` rows of matrix x = bound, the others >=."""
+    """min 1/2 x.(quadratic x) + cost.x: matrix x = bound in the first `equal` rows, then >=."""
 
     quadratic: csc_array
     cost: Array
@@ -113,11 +113,11 @@ def scaled(program: Program) -> Scaled:
         entries[np.abs(entries) < NOTHING] = 0.0
         data[rows, side] = sign * entries / weight[owner][:, None]
         index[rows, side] = column[owner][:, None] * per + np.arange(per)
-    data, index = data.reshape(-1, 2 * per), index.reshape(-1, 2 * per)
-    used = data != 0
+    flat_data, flat_index = data.reshape(-1, 2 * per), index.reshape(-1, 2 * per)
+    used = flat_data != 0
     start = np.concatenate([[0], np.cumsum(used.sum(axis=1))]).astype(np.int32)
     matrix = csc_array(
-        (data[used], index[used], start),
+        (flat_data[used], flat_index[used], start),
         shape=(per * int(program.free.sum()), len(data)),
     )
     load = program.load[program.free].reshape(-1, 2, 3) @ frame.T

@@ -111,7 +111,8 @@ class Program:
         """The one force of each part [N], shape (N,): its weight plus the loads on it."""
         force = np.linalg.norm(self.applied[:, :3], axis=1)
         torque = np.linalg.norm(self.applied[:, 3:], axis=1) / self.radius
-        return self.mass * float(np.linalg.norm(self.gravity)) + force + torque
+        weight: Array = self.mass * float(np.linalg.norm(self.gravity)) + force + torque
+        return weight
 
     @property
     def freedoms(self) -> Index:
@@ -196,7 +197,7 @@ class Program:
     def with_rows(self, **changes: object) -> Program:
         """A copy with other rows or load."""
         values = {name: getattr(self, name) for name in self.__slots__}
-        return Program(**{**values, **changes})  # type: ignore[arg-type]
+        return Program(**{**values, **changes})
 
 
 def build_program(assembly: Assembly, contacts: ContactSet, *, possible: bool = False) -> Program:

@@ -310,8 +310,8 @@ def _recheck_motion(
     reasons = []
     if not judged.holds:
         reasons.append(
-            f"the motion gains {judged.power:.3g} W and violates contacts by {judged.violation:.3g}: "
-            "that proves nothing"
+            f"the motion gains {judged.power:.3g} W and violates contacts by "
+            f"{judged.violation:.3g}: that proves nothing"
         )
     claimed = float(proof["certificate"]["power"])
     if abs(judged.power - claimed) > SAME * abs(claimed):

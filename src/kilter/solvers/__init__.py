@@ -1,0 +1,1 @@
+"""Solvers of linear and quadratic programs, one package a file; they judge nothing."""

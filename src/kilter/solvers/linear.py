@@ -28,6 +28,9 @@ from kilter.mechanics.formulations import LinearProgram
 __all__ = ["LinearSolution", "Method", "hipo_available", "solve_linear"]
 
 Array = NDArray[np.float64]
+WIDE = 0.1
+"""Gap and dual tolerance where only a feasible point is asked for."""
+
 Method = Literal["simplex", "interior"]
 Outcome = Literal["solved", "infeasible", "unbounded", "stopped"]
 
@@ -66,7 +69,7 @@ def solve_linear(
     method: Method = "simplex",
     tolerance: float = 1e-10,
     presolve: bool = True,
-    gap: float | None = None,
+    forces_only: bool = False,
     seconds: float | None = None,
 ) -> LinearSolution:
     """Solve a linear program.
@@ -77,8 +80,9 @@ def solve_linear(
     tolerance : float
         Feasibility tolerance, absolute in the program's own numbers.
     presolve : bool
-    gap : float, optional
-        Relative gap at which an interior point may stop; for feasibility alone a wide one.
+    forces_only : bool
+        Only a feasible x is asked for: an interior point then stops at a wide gap, which
+        saves a third of its steps.
     seconds : float, optional
         Time limit.
 
@@ -95,12 +99,13 @@ def solve_linear(
         highs.setOptionValue("run_crossover", "off")
         if solver == "hipo":
             highs.setOptionValue("hipo_system", "normaleq")
-        if gap is not None:
-            highs.setOptionValue("ipm_optimality_tolerance", gap)
+        if forces_only:
+            for option in ("ipm_optimality_tolerance", "optimality_tolerance"):
+                highs.setOptionValue(option, WIDE)
     highs.setOptionValue("solver", solver)
     highs.setOptionValue("presolve", "choose" if presolve else "off")
     highs.setOptionValue("primal_feasibility_tolerance", tolerance)
-    highs.setOptionValue("dual_feasibility_tolerance", tolerance)
+    highs.setOptionValue("dual_feasibility_tolerance", WIDE if forces_only else tolerance)
     highs.setOptionValue("small_matrix_value", 1e-12)
     if seconds is not None:
         highs.setOptionValue("time_limit", seconds)

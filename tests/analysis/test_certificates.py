@@ -1,0 +1,244 @@
+"""Exactly one certificate passes; neither can be had by a small lie. Rows, columns, J."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from independent import dense_rows
+from judged import judged, program_of
+
+from kilter.analysis.stability import judge
+from kilter.assembly import Assembly
+from kilter.mechanics.certificate import RATIO, check_forces, check_motion
+from kilter.mechanics.formulations import least_imbalance, load_factor, scaled
+from kilter.mechanics.program import TOLERANCE
+from kilter.scenes import packings, paper, scene, stacks, walls
+from kilter.scenes.pieces import block, floor
+from kilter.scenes.transform import tilted
+from kilter.solvers.linear import solve_linear
+from test_proof_files import falling_pair, hanging_pair, pressed_box, toppled_box
+
+SCENES = {
+    "tower": stacks.tower,
+    "staircase": stacks.staircase,
+    "staircase-fails": lambda: stacks.staircase(3, offset=0.25 * (1 + 1e-6)),
+    "figure-8": paper.figure_8,
+    "figure-8-planar": lambda: paper.figure_8(planar=True),
+    "figure-9": paper.figure_9,
+    "figure-9-planar": lambda: paper.figure_9(planar=True),
+    "figure-11": lambda: paper.figure_11("b"),
+    "figure-11-off": lambda: tilted(paper.figure_11("b"), [0, 1, 0], 0.01),
+    "wall": lambda: walls.wall(4, 4),
+    "opening": lambda: walls.wall_with_opening(5, 6, opening=(2, 4, 1, 3)),
+    "pile": lambda: packings.box_pile(8, seed=2),
+    "loose-pile": lambda: packings.box_pile(8, seed=2, level=False),
+    "wedges": lambda: scene("corner-wedges"),
+    "hanging": hanging_pair,
+    "falling": falling_pair,
+    "pressed": pressed_box,
+    "toppled": toppled_box,
+}
+EACH = pytest.mark.parametrize("name", SCENES)
+
+
+@EACH
+@pytest.mark.parametrize("method", ["simplex", "interior"])
+def test_exactly_one_certificate_passes(name, method):
+    program = program_of(SCENES[name]())
+    problem = scaled(program)
+    stable = judged(SCENES[name]()).verdict == "stable"
+    answer = solve_linear(load_factor(problem), method=method)
+    factor = float(answer.x[-1])
+    forces = check_forces(program, answer.x[:-1] / max(factor, 1e-300))
+    motion = check_motion(program, problem.motion(problem.over_weight(-answer.multipliers)))
+    if method == "simplex":  # an interior point may need the next attempt
+        assert (forces.holds, motion.holds) == (stable, not stable)
+    assert not (forces.holds and motion.holds)
+
+
+@EACH
+def test_least_imbalance_gives_the_same_answer(name):
+    program = program_of(SCENES[name]())
+    problem = scaled(program)
+    stable = judged(SCENES[name]()).verdict == "stable"
+    answer = solve_linear(least_imbalance(problem))
+    rows = len(problem.right)
+    y = answer.multipliers[:rows] + answer.multipliers[rows:]
+    motion = check_motion(program, problem.motion(problem.over_weight(-y)))
+    forces = check_forces(program, answer.x[:-1])
+    assert (forces.holds, motion.holds) == (stable, not stable)
+
+
+@EACH
+def test_certificate_of_the_other_kind_never_passes(name):
+    program = program_of(SCENES[name]())
+    judgement = judge(program)
+    random = np.random.default_rng(0)
+    for _ in range(50):
+        if judgement.stable:
+            trial = random.normal(size=(len(program.names), 6))
+            assert not check_motion(program, trial).holds
+        else:
+            trial = random.exponential(size=len(program.part_a)) * program.weight.max()
+            assert not check_forces(program, trial).holds
+
+
+@pytest.mark.parametrize("name", ["tower", "figure-9", "wall", "hanging", "pressed"])
+def test_forces_a_little_off_prove_nothing(name):
+    program = program_of(SCENES[name]())
+    proof = judge(program).forces
+    assert proof.holds
+    random = np.random.default_rng(1)
+    pushed = np.flatnonzero(proof.forces > 1e-6 * program.weight.min())
+    for k in random.choice(pushed, size=min(10, len(pushed)), replace=False):
+        forces = proof.forces.copy()
+        part = [p for p in (program.part_a[k], program.part_b[k]) if p >= 0 and program.free[p]]
+        scale = max(np.maximum(program.weight, program.force_sums(forces))[part])
+        forces[k] += 3 * TOLERANCE * scale
+        assert not check_forces(program, forces).holds
+        forces[k] = proof.forces[k] + 1e-3 * TOLERANCE * scale
+        assert check_forces(program, forces).holds
+
+
+def test_forces_that_pull_are_clipped_before_they_are_judged():
+    program = program_of(stacks.tower(1))
+    forces = np.full(len(program.part_a), program.weight[1] / 4)
+    assert check_forces(program, forces).holds
+    forces[0] *= -1
+    judged_forces = check_forces(program, forces)
+    assert judged_forces.forces.min() == 0.0
+    assert not judged_forces.holds
+    assert judged_forces.residual == pytest.approx(np.hypot(0.25, 0.25 * np.sqrt(0.5 / 0.75)))
+
+
+def test_forces_that_are_no_numbers_prove_nothing():
+    program = program_of(stacks.tower(1))
+    for bad in (np.nan, np.inf, -np.inf):
+        assert not check_forces(program, np.full(len(program.part_a), bad)).holds
+        assert not check_motion(program, np.full((2, 6), bad)).holds
+
+
+@pytest.mark.parametrize("gain", [1e-12, 1e-9, 1e-6, 1e-3, 1.0])
+def test_box_at_rest_has_no_motion_that_violates_a_little_and_gains_a_little(gain):
+    program = program_of(stacks.tower(1))
+    motion = np.zeros((2, 6))
+    motion[1] = [1.0, 0, -gain, 0, 0, 0]  # slides, and sinks into the table by as much as it gains
+    proof = check_motion(program, motion)
+    assert not proof.holds
+    assert proof.violation == pytest.approx(gain / np.hypot(1, gain))
+    assert proof.ratio == pytest.approx(1.0)
+    assert proof.ratio < RATIO
+
+
+def test_small_gain_without_violation_is_a_proof_down_to_the_tolerance():
+    # gravity leans by a hair: sliding gains, and violates nothing
+    for lean, holds in ((3e-9, True), (3e-10, False)):
+        program = program_of(stacks.tower(1).with_down([lean, 0, -1]))
+        motion = np.zeros((2, 6))
+        motion[1, 0] = 1.0
+        assert check_motion(program, motion).holds == holds
+
+
+def test_ratio_of_a_motion_bounds_the_forces_that_could_hold_it():
+    # balanced forces need at least P / v: a thin lever holds with large forces, and they exist
+    for past in (1e-5, 1e-8):
+        table = floor([-3, -1], [0, 1])
+        box = block("box", [past - 0.5, -0.5, 0], [past + 0.5, 0.5, 1])
+        program = program_of(Assembly([table, box]))
+        proof = judge(program).motion
+        assert proof.holds
+        assert proof.ratio > RATIO
+
+
+@EACH
+def test_jacobian_is_velocities_and_wrenches(name):
+    program = program_of(SCENES[name](), possible=True)
+    random = np.random.default_rng(2)
+    columns = random.normal(size=len(program.columns))
+    forces = random.normal(size=len(program.part_a))
+    motion = program.full(columns)
+    rows = program.jacobian()
+    assert rows.shape == (len(program.rows), len(program.columns))
+    assert np.allclose(rows @ columns, program.velocities(motion), atol=1e-12)
+    assert np.allclose(rows @ columns, dense_rows(program) @ motion.ravel(), atol=1e-12)
+    wrenches = program.wrenches(forces)
+    power = float(forces @ (rows @ columns))
+    assert power == pytest.approx(float((wrenches * motion).sum()), abs=1e-9)
+    back = wrenches[np.ix_(program.free, program.freedoms)].ravel()
+    assert np.allclose(rows.T @ forces, back, atol=1e-10)
+
+
+@settings(max_examples=20)
+@given(seed=st.integers(0, 10**6))
+def test_adjoint_identity_on_random_piles(seed):
+    random = np.random.default_rng(seed)
+    assembly = packings.box_pile(int(random.integers(2, 8)), seed=seed, cells=4, level=False)
+    program = program_of(assembly)
+    motion = random.normal(size=(len(program.names), 6)) * program.free[:, None]
+    forces = random.exponential(size=len(program.part_a))
+    left = float(forces @ program.velocities(motion))
+    right = float((program.wrenches(forces) * motion).sum())
+    assert left == pytest.approx(right, rel=1e-10, abs=1e-10)
+
+
+def test_labels_name_rows_and_columns():
+    program = program_of(hanging_pair())
+    freedoms = ["dx", "dy", "dz", "rx", "ry", "rz"]
+    assert program.columns == [(n, f) for n in ("post", "arm", "lamp") for f in freedoms]
+    kinds = [row[0] for row in program.rows]
+    assert kinds == ["contact"] * 4 + ["joint"] * 12
+    assert program.rows[0][1:] in {("floor", "post", 0), ("post", "floor", 0)}
+    assert program.rows[4] == ("joint", "post", "arm", 0)
+    assert program.rows[-1] == ("joint", "ground", "lamp", 1)
+    assert program.two_sided.tolist() == [False] * 4 + [True] * 12
+    assert program.angular.tolist() == [False] * 4 + ([False] * 3 + [True] * 3) * 2
+
+
+def test_planar_program_has_three_freedoms_a_part():
+    flat, space = program_of(paper.figure_9(planar=True)), program_of(paper.figure_9())
+    assert [f for _, f in flat.columns[:3]] == ["dx", "dz", "ry"]
+    assert 2 * len(flat.columns) == len(space.columns)
+    motion = np.ones((5, 6))
+    assert np.array_equal(check_motion(flat, motion).motion[1] != 0, [1, 0, 1, 0, 1, 0])
+
+
+def test_possible_rows_come_after_and_are_named():
+    program = program_of(stacks.tower(1).with_friction(0.5), possible=True)
+    assert [row[0] for row in program.rows] == ["contact"] * 4 + ["possible"] * 8
+    tangents = program.normal[4:]
+    assert np.allclose(tangents @ [0, 0, 1], 0)
+    assert np.allclose(np.linalg.norm(tangents, axis=1), 1)
+
+
+def test_solvers_are_not_believed():
+    # forces and motion of another program of the same shape: judged, and refused
+    good, bad = program_of(stacks.staircase(3)), program_of(stacks.staircase(3, offset=0.26))
+    assert not check_forces(bad, judge(good).forces.forces).holds
+    assert not check_motion(good, judge(bad).motion.motion).holds
+
+
+def test_small_part_in_a_large_assembly_does_not_vanish():
+    # a speck of dust beside a house: its fall is a verdict, and all that moves
+    house = block("house", [-5, -5, 0], [5, 5, 10])
+    speck = block("speck", [20, 0, 1], [20.0001, 0.0001, 1.0001])
+    verdict = judged(Assembly([floor([-10, -10], [30, 10]), house, speck]))
+    assert verdict.verdict == "unstable"
+    assert verdict.moving == ["speck"]
+
+
+def test_speck_just_past_the_edge_of_a_house_falls():
+    house = block("house", [-10, -5, 0], [0, 5, 10])
+    for past, word in ((-1e-6, "stable"), (1e-6, "unstable")):
+        size = 1e-3
+        x = past * size
+        speck = block("speck", [x - size / 2, 0, 10], [x + size / 2, size, 10 + size])
+        verdict = judged(Assembly([floor([-20, -10], [20, 10]), house, speck]))
+        assert verdict.verdict == word
+
+
+def test_program_of_nothing_free_is_stable():
+    assembly = stacks.tower(1)
+    parts = [dataclasses.replace(part, grounded=True) for part in assembly.parts]
+    assert judge(program_of(Assembly(parts))).stable

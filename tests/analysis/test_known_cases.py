@@ -1,0 +1,296 @@
+"""Closed forms without friction: stacks and overhangs, first accelerations, traps of others."""
+
+import numpy as np
+import pytest
+from judged import judged
+
+from kilter.scenes import SCENES, arches, friction, motion, paper, scene, stacks, traps, walls
+from kilter.scenes.pieces import block, floor, prism, turn
+from kilter.scenes.transform import moved, tilted
+from kilter.assembly import Assembly
+
+G = 9.81
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_every_scene_gives_its_answer(name):
+    assert judged(scene(name)).verdict == SCENES[name].answer
+
+
+# overhangs ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 5, 10, 20])
+@pytest.mark.parametrize(("scale", "word"), [(1 - 1e-6, "stable"), (1 + 1e-4, "unstable")])
+def test_o1_harmonic_stack_just_balances(count, scale, word):
+    assembly = stacks.harmonic_stack(count, scale=scale)
+    reach = float(assembly.parts[-1].pose.position[0]) + 0.5
+    assert reach == pytest.approx(scale * sum(1 / k for k in range(1, count + 1)) / 2)
+    assert judged(assembly).verdict == word
+
+
+def test_o2_three_blocks_balance_and_moved_by_a_thousandth_do_not():
+    assert judged(stacks.three_block_overhang()).verdict == "stable"
+    assert judged(stacks.three_block_overhang(1e-3)).verdict == "unstable"
+
+
+@pytest.mark.parametrize(("rows", "word"), [(2, "stable"), *((k, "unstable") for k in (3, 4, 5))])
+def test_o3_inverted_triangle(rows, word):
+    assert judged(stacks.inverted_triangle(rows)).verdict == word
+
+
+@pytest.mark.parametrize("order", [2, 3, 4, 5, 6])
+def test_o4_diamond(order):
+    assert judged(stacks.diamond(order)).verdict == ("stable" if order < 5 else "unstable")
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 7])
+@pytest.mark.parametrize("share", [0.98, 1 - 1e-6, 1 + 1e-6, 1.02])
+def test_s3_staircase_stands_up_to_its_limit(count, share):
+    verdict = judged(stacks.staircase(count, offset=share / (count + 1)))
+    assert verdict.verdict == ("stable" if share < 1 else "unstable")
+
+
+@pytest.mark.parametrize("count", [1, 3, 6])
+@pytest.mark.parametrize("tilt", [0.01, 0.1, 5.0])
+def test_s2_tower_without_friction_stands_upright_only(count, tilt):
+    assert judged(stacks.tower(count)).verdict == "stable"
+    verdict = judged(stacks.tower(count, tilt=tilt))
+    assert verdict.verdict == "unstable"
+    # all slide as one: no cube pushes another aside
+    slide = [G * np.sin(np.radians(tilt)), 0, 0, 0, 0, 0]
+    assert np.allclose(verdict.motion.acceleration[1:], slide, atol=1e-10)
+
+
+def toppling_tower(count, tilt):
+    """A tower in a shaft of fixed joints: one tall body that a low step keeps from sliding."""
+    body = block("body", [-0.5, -0.5, 0], [0.5, 0.5, count])
+    # rounding of the step's face at x = 0.5 to a sliver would be a side load: it is thin
+    step = block("step", [0.5, -0.5, 0], [0.7, 0.5, 1e-3], grounded=True)
+    angle = np.radians(tilt)
+    down = [G * np.sin(angle), 0.0, -G * np.cos(angle)]
+    return Assembly([floor([-2, -2], [2, 2]), body, step], gravity=down)
+
+
+@pytest.mark.parametrize("count", [1, 2, 4])
+@pytest.mark.parametrize("off", [-0.01, 0.01])
+def test_s2_body_that_cannot_slide_topples_at_one_over_its_height(count, off):
+    # it turns about the top of the step where that holds it: a force up to 1e-3 above the floor
+    # moves the line of action by tan(tilt) 1e-3 / 1, less than the 0.01 degrees asked for
+    lowest = np.degrees(np.arctan(1 / count))
+    highest = np.degrees(np.arctan(1 / (count - 2e-3)))
+    limit = lowest if off < 0 else highest
+    word = "stable" if off < 0 else "unstable"
+    assert judged(toppling_tower(count, limit + off)).verdict == word
+
+
+# accelerations --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("angle", [0.5, 10.0, 30.0, 44.0])
+@pytest.mark.parametrize("azimuth", [0.0, 22.5, 45.0, 200.0])
+def test_s8_block_on_slope_starts_with_the_sine(angle, azimuth):
+    verdict = judged(stacks.block_on_slope(angle, azimuth=azimuth))
+    a, z = np.radians(angle), np.radians(azimuth)
+    size = G * np.sin(a)
+    way = [np.cos(a) * np.cos(z), np.cos(a) * np.sin(z), -np.sin(a)]
+    assert np.allclose(verdict.motion.acceleration[1, :3], size * np.array(way), atol=1e-10)
+    assert np.allclose(verdict.motion.acceleration[1, 3:], 0, atol=1e-9)
+    assert verdict.motion.instability == pytest.approx(np.sin(a), abs=1e-10)
+
+
+@pytest.mark.parametrize("angle", [15.0, 30.0, 45.0, 60.0])
+@pytest.mark.parametrize(("m", "below"), [(1.0, 2.0), (3.0, 0.5), (1e-3, 10.0)])
+@pytest.mark.parametrize("planar", [True, False])
+def test_s8_wedge_on_wedge_starts_with_the_closed_form(angle, m, below, planar):
+    verdict = judged(motion.wedge_on_wedge(angle, mass=m, mass_below=below, planar=planar))
+    s, c = np.sin(np.radians(angle)), np.cos(np.radians(angle))
+    aside = m * G * s * c / (below + m * s**2)
+    a = verdict.motion.acceleration
+    assert np.allclose(a[1], [-aside, 0, 0, 0, 0, 0], atol=1e-9)
+    # the upper one falls by tan(angle) of the distance that they part
+    assert a[2, 0] == pytest.approx(aside * below / m, abs=1e-9)
+    assert a[2, 2] == pytest.approx(-(a[2, 0] - a[1, 0]) * s / c, abs=1e-9)
+
+
+def test_box_past_an_edge_turns_about_it():
+    # a = box from x = -0.4 to 0.6 on a table that ends at x = 0: turns about the edge
+    box = block("box", [-0.4, -0.5, 0], [0.6, 0.5, 1], mass=1.0)
+    verdict = judged(Assembly([floor([-3, -1], [0, 1]), box]))
+    arm = np.array([0.1, 0.0, 0.5])
+    alpha = G * arm[0] / (1 / 6 + arm[0] ** 2 + arm[2] ** 2)
+    # without friction the edge holds only upwards: the centre falls straight down
+    alpha = G * arm[0] / (1 / 6 + arm[0] ** 2)
+    a = verdict.motion.acceleration[1]
+    assert np.allclose(a, [0, 0, -alpha * arm[0], 0, alpha, 0], atol=1e-10)
+
+
+# near the limit -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("past", [1e-3, 1e-6, 1e-7, 1e-8])
+@pytest.mark.parametrize("size", [0.01, 1.0, 100.0])
+@pytest.mark.parametrize("side", [-1, 1])
+def test_box_just_past_an_edge_is_answered_rightly(past, size, side):
+    x = side * past * size
+    box = block("box", [x - size / 2, 0, 0], [x + size / 2, size, size])
+    table = block("table", [-3 * size, -size, -size], [0, 2 * size, 0], grounded=True)
+    verdict = judged(Assembly([table, box]))
+    assert verdict.verdict == ("stable" if side < 0 else "unstable")
+
+
+@pytest.mark.parametrize("past", [1e-6, 1e-7, 1e-8])
+@pytest.mark.parametrize("side", [-1, 1])
+def test_turned_box_just_past_an_edge_is_answered_rightly(past, side):
+    box = block("box", [side * past - 0.5, -0.5, 0], [side * past + 0.5, 0.5, 1])
+    assembly = Assembly([floor([-3, -1], [0, 1]), box])
+    turned = moved(assembly, turn([1, 2, 3], 77.0), [3.0, -2.0, 1.0])
+    assert judged(turned).verdict == ("stable" if side < 0 else "unstable")
+
+
+@pytest.mark.parametrize("scale", [1 - 1e-7, 1 - 1e-8, 1 + 1e-7, 1 + 1e-8])
+def test_staircase_is_answered_rightly_to_eight_digits(scale):
+    verdict = judged(stacks.staircase(4, offset=scale / 5))
+    assert verdict.verdict == ("stable" if scale < 1 else "unstable")
+
+
+# friction is not modelled yet: never a guess --------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("count", "thickness"), [(12, 0.5), (12, 1.0), (12, 2.0), (20, 0.5), (20, 2.0), (6, 2.0)]
+)
+def test_w6_arch_with_friction_is_undecided_and_says_why(count, thickness):
+    verdict = judged(arches.arch_with_held_ends(count, thickness=thickness))
+    assert verdict.verdict == "undecided"
+    assert "friction" in verdict.sentence
+
+
+@pytest.mark.parametrize("friction_", [0.3, 1.0, 1e9])
+def test_friction_cannot_hold_what_touches_nothing(friction_):
+    verdict = judged(traps.floating_block().with_friction(friction_))
+    assert verdict.verdict == "unstable"
+    assert verdict.moving == ["cube-2"]
+
+
+@pytest.mark.parametrize("name", ["tower", "wall", "keystone", "corner-wedges", "diamond"])
+def test_stable_without_friction_is_stable_with_any(name):
+    for mu in (0.1, 2.0):
+        verdict = judged(scene(name).with_friction(mu))
+        assert verdict.verdict == "stable"
+        assert verdict.guarantee == "proved"
+
+
+@pytest.mark.parametrize("name", ["slope", "paper-figure-8", "wedge-on-wedge"])
+def test_what_moves_without_friction_is_undecided_with_it(name):
+    verdict = judged(scene(name).with_friction(0.2))
+    assert verdict.verdict == "undecided"
+    assert verdict.guarantee == "open"
+    assert judged(scene(name)).guarantee == "refuted"
+
+
+def test_friction_cannot_hold_a_box_whose_weight_no_contact_reaches():
+    # it hangs 60 % over the edge: contacts can only push up at one side of its weight
+    box = block("box", [-0.4, -0.5, 0], [0.6, 0.5, 1])
+    assembly = Assembly([floor([-3, -1], [0, 1]), box], friction=1.0)
+    assert judged(assembly).verdict == "unstable"
+
+
+def test_v_block_needs_no_friction_and_a_block_does():
+    assert judged(friction.v_block()).verdict == "stable"
+    assert judged(friction.v_block(friction=0.7)).verdict == "stable"
+    assert judged(friction.a_block(friction=0.0)).verdict == "unstable"
+    assert judged(friction.a_block(friction=0.7)).verdict == "undecided"
+
+
+# traps of others ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("index", [0, 2, -1])
+def test_w1_floating_block_falls_at_one_g_wherever_it_is_listed(index):
+    verdict = judged(traps.floating_block(index))
+    assert verdict.verdict == "unstable"
+    part = 1 + index % 5
+    assert verdict.moving == [f"cube-{index % 5}"]
+    assert np.allclose(verdict.motion.acceleration[part], [0, 0, -G, 0, 0, 0], atol=1e-12)
+    assert verdict.words(part) == "falls freely at 1 g"
+    assert verdict.motion.instability == pytest.approx(np.sqrt(1 / 5))
+    assert any("touches nothing" in text for text in verdict.warnings)
+
+
+def test_w2_cube_that_overlaps_in_mid_air_falls_and_is_named():
+    verdict = judged(traps.penetrating_cube())
+    assert verdict.verdict == "unstable"
+    assert len(verdict.contacts.overlaps) == 1
+    assert verdict.contacts.overlaps[0].volume == pytest.approx(0.1)
+    text = next(text for text in verdict.warnings if "overlap" in text)
+    assert "'held'" in text
+    assert "'cube'" in text
+
+
+@pytest.mark.parametrize("share", [0.45, 0.75])
+def test_w3_overhang_at_every_size_and_density(share):
+    for assembly in stacks.overhanging_cubes(share):
+        assert judged(assembly).verdict == ("stable" if share < 0.5 else "unstable")
+
+
+@pytest.mark.parametrize("units", ["m", "cm", "mm", "in"])
+@pytest.mark.parametrize(("share", "word"), [(0.5 - 1e-6, "stable"), (0.5 + 1e-6, "unstable")])
+def test_w3_overhang_at_its_limit_in_every_unit(units, share, word):
+    assert judged(stacks.overhang(share, size=7.0, units=units)).verdict == word
+
+
+def test_w7_laden_slab_loses_no_patch():
+    verdict = judged(traps.laden_slab())
+    assert verdict.verdict == "stable"
+    assert len(verdict.contacts) == 125
+
+
+def test_w8_two_patches_of_one_plane_and_a_ring_have_the_right_area():
+    bridge, ring = judged(traps.bridge_on_slab()), judged(traps.ring_on_slab())
+    assert (bridge.verdict, ring.verdict) == ("stable", "stable")
+    assert bridge.contacts.patch_area.sum() == pytest.approx(2.0)
+    assert ring.contacts.patch_area.sum() == pytest.approx(12.0)
+    assert len(bridge.contacts) == len(ring.contacts) == 1
+
+
+@pytest.mark.parametrize("offset", [1.499, 1.501])
+def test_w8_hull_of_a_bridge_carries_up_to_its_ends(offset):
+    # a bridge whose weight is moved along x: the hull of both feet reaches from -2 to 2
+    polygon = [[-2, 0], [-1, 0], [-1, 1], [1, 1], [1, 0], [2, 0], [2, 2], [-2, 2]]
+    for x, word in ((offset, "stable"), (2 - 1e-6, "stable"), (2 + 1e-6, "unstable")):
+        bridge = prism("bridge", polygon, mass=1.0, center_of_mass=[x, 0, 1.5])
+        assert judged(Assembly([floor([-3, -1], [3, 1]), bridge])).verdict == word
+
+
+def test_w9_inward_base_is_turned_and_the_verdict_as_if_right():
+    verdict = judged(traps.inward_base())
+    assert verdict.verdict == "stable"
+    assert any("outwards" in text for text in verdict.warnings)
+    assert judged(tilted(traps.inward_base(), [0, 1, 0], 1.0)).verdict == "unstable"
+
+
+@pytest.mark.parametrize("build", [walls.wall, walls.stack_bond, walls.wall_with_lintel])
+def test_walls_stand_upright_and_not_tilted_without_friction(build):
+    assert judged(build()).verdict == "stable"
+    assert judged(tilted(build(), [1, 0, 0], 0.01)).verdict == "unstable"
+
+
+def test_hanging_brick_falls_alone():
+    verdict = judged(walls.hanging_brick())
+    assert len(verdict.moving) == 1
+    k = verdict.assembly.index[verdict.moving[0]]
+    assert np.allclose(verdict.motion.acceleration[k], [0, 0, -G, 0, 0, 0], atol=1e-9)
+
+
+def test_everything_held_is_stable_with_a_warning():
+    assembly = stacks.tower(2).with_grounded(["*"])
+    verdict = judged(assembly)
+    assert verdict.verdict == "stable"
+    assert any("every part is held" in text for text in verdict.warnings)
+
+
+def test_planar_trapped_wedge_is_as_stable_as_in_space():
+    for tilt, word in ((10.0, "stable"), (-1.0, "unstable"), (46.0, "unstable")):
+        for planar in (True, False):
+            assert judged(paper.trapped_wedge(tilt, planar=planar)).verdict == word

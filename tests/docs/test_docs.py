@@ -1,0 +1,78 @@
+"""Every code block of README and docs runs; every command and flag that they name exists."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from kilter.cli import main
+from kilter.cli.app import command, with_floor_value
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").rglob("*.md"))]
+
+
+def blocks(page: Path, language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", page.read_text(encoding="utf-8"), flags=re.S)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_python_of_a_page_runs(page: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for block in blocks(page, "python"):
+        exec(compile(block, str(page), "exec"), {})
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_commands_of_a_page_exist_with_their_flags(page: Path) -> None:
+    known = command().commands
+    for line in page.read_text(encoding="utf-8").splitlines():
+        for words in named_commands(line):
+            assert words[0] in known, f"{page.name}: no command {words[0]!r}"
+            flags = {opt for p in known[words[0]].params for opt in (*p.opts, *p.secondary_opts)}
+            named = {w.split("=")[0] for w in with_floor_value(words) if re.match(r"--?[a-z]", w)}
+            assert named <= flags | {"--help"}, f"{page.name}: {named - flags}"
+
+
+def named_commands(line: str) -> list[list[str]]:
+    found = [re.split(r" {3,}", line.removeprefix("$ "))[0]] if line.startswith(("kilter ", "$ kilter ")) else []
+    found += re.findall(r"`(kilter [^`]+)`", line) + re.findall(r"bin/(kilter [^&]+)", line)
+    return [shlex.split(text)[1:] for text in found if not text.startswith("kilter.")]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_shell_of_a_page_runs(
+    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for block in blocks(page, "sh"):
+        for line in block.splitlines():
+            if line.startswith("kilter "):
+                assert main(shlex.split(line)[1:]) in (0, 1), capsys.readouterr().err
+
+
+def test_links_between_pages_lead_somewhere() -> None:
+    for page in PAGES:
+        for target in re.findall(r"\]\((?!https?:)([^)#]+)", page.read_text(encoding="utf-8")):
+            assert (page.parent / target).exists(), f"{page.name}: {target}"
+
+
+def test_the_verdict_shown_in_the_readme_is_what_kilter_says(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(ROOT)
+    shown = blocks(ROOT / "README.md", "text")[0].strip().splitlines()
+    main([*shlex.split(shown[0])[2:], "--quiet"])
+    said = capsys.readouterr().out.splitlines()
+    assert said[: len(shown) - 1] == shown[1:]
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.json")), ids=lambda p: p.name)
+def test_an_example_is_what_its_scene_makes(path: Path) -> None:
+    from kilter.files import load, to_dict
+    from kilter.scenes import scene
+
+    made = scene(path.name.removesuffix(".kilter.json"))
+    assert to_dict(load(path)) == to_dict(made)
