@@ -1,0 +1,244 @@
+"""Wrong input: exit 2, one message that says what, where and what to do; no traceback ever."""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import kilter
+from kilter.cli import main
+from kilter.scenes import scene
+
+OPEN = {"vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], "faces": [[0, 2, 1], [0, 1, 3]]}
+FLAT = {"vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "faces": [[0, 1, 2], [0, 2, 1]]}
+CLOSED = {**OPEN, "faces": [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]}
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def base() -> dict:
+    return {
+        "kilter": 1,
+        "parts": [
+            {"name": "table", "box": [2, 2, 1], "grounded": True},
+            {"name": "cube", "box": [1, 1, 1], "pose": {"position": [0, 0, 1]}},
+        ],
+    }
+
+
+def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+    """The one message of a refused command."""
+    capsys.readouterr()
+    before = sorted(Path().iterdir())
+    assert main(list(words)) == 2
+    out, error = capsys.readouterr()
+    assert out == ""
+    assert error.count("\n") == 1
+    assert error.startswith("kilter: ")
+    assert "Traceback" not in error
+    assert sorted(Path().iterdir()) == before
+    return error
+
+
+def set_part(**changes: object) -> Callable[[dict], None]:
+    def change(data: dict) -> None:
+        data["parts"][1].update(changes)
+
+    return change
+
+
+def mesh(value: dict) -> Callable[[dict], None]:
+    def change(data: dict) -> None:
+        data["parts"][1].pop("box")
+        data["parts"][1]["mesh"] = copy.deepcopy(value)
+
+    return change
+
+
+def nan_mesh(data: dict) -> None:
+    mesh({**CLOSED, "vertices": [[0, 0, "NaN"], *CLOSED["vertices"][1:]]})(data)
+
+
+CASES: dict[str, tuple[Callable[[dict], object], list[str]]] = {
+    "unknown key": (set_part(densty=5), ["densty", "density", "cube"]),
+    "unknown top key": (lambda d: d.update(gravty=[0, 0, -1]), ["gravty", "gravity"]),
+    "duplicate names": (set_part(name="table"), ["table"]),
+    "nothing held": (lambda d: d["parts"][0].pop("grounded"), ["held", "--ground", "table"]),
+    "nan vertex": (nan_mesh, ["cube", "mesh"]),
+    "open mesh": (mesh(OPEN), ["cube", "open", "close"]),
+    "zero volume": (mesh(FLAT), ["cube"]),
+    "negative density": (set_part(density=-1), ["cube", "density", "above"]),
+    "zero mass": (set_part(mass=0), ["cube", "mass"]),
+    "zero gravity": (lambda d: d.update(gravity=[0, 0, 0]), ["gravity", "zero"]),
+    "wrong version": (lambda d: d.update(kilter=2), ["kilter", "2"]),
+    "face index": (mesh({**CLOSED, "faces": [[0, 2, 9]]}), ["cube", "9"]),
+    "unknown part": (
+        lambda d: d.update(loads=[{"part": "cub", "force": [0, 0, -1]}]),
+        ["cub", "did you mean 'cube'"],
+    ),
+    "no shape": (lambda d: d["parts"][1].pop("box"), ["cube"]),
+    "two shapes": (set_part(sphere={"radius": 1}), ["cube"]),
+    "negative friction": (lambda d: d.update(friction=-0.1), ["friction"]),
+    "zero box": (set_part(box=[1, 0, 1]), ["cube", "box"]),
+    "bad quaternion": (set_part(pose={"rotation": [0, 0, 0, 0]}), ["cube", "rotation"]),
+    "joint kind": (
+        lambda d: d.update(joints=[{"parts": ["table", "cube"], "kind": "welded"}]),
+        ["joint", "fixed"],
+    ),
+    "no parts": (lambda d: d.update(parts=[]), ["part"]),
+    "units": (lambda d: d.update(units="feet"), ["units", "mm"]),
+    "planar gravity": (lambda d: d.update(planar=True, gravity=[0, 1, 0]), ["planar", "y"]),
+    "missing mesh": (
+        lambda d: (d["parts"][1].pop("box"), d["parts"][1].update(mesh="no.stl")),
+        ["no.stl"],
+    ),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_wrong_assembly_file(case: str, capsys: pytest.CaptureFixture[str]) -> None:
+    change, expected = CASES[case]
+    data = base()
+    change(data)
+    Path("a.kilter.json").write_text(json.dumps(data))
+    error = refused(capsys, "check", "a.kilter.json", "--proof", "p.json", "-o", "out.txt")
+    assert "a.kilter.json" in error
+    for word in expected:
+        assert word in error, error
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "expected"),
+    [
+        ("a.kilter.json", b"{", "a.kilter.json"),
+        ("a.kilter.json", b"\xff\xfe{}", "a.kilter.json"),
+        ("a.kilter.json", b"[1, 2]", "a.kilter.json"),
+        ("a.kilter.json", b"", "a.kilter.json"),
+        ("a.stl", b"solid cut short", "a.stl"),
+        ("a.glb", b"glTF????", "a.glb"),
+        ("a.3mf", b"PK", "a.3mf"),
+        ("a.obj", b"v 0 0 nan\nf 1 1 1\n", "a.obj"),
+        ("a.step", b"ISO-10303-21;", "STEP"),
+        ("a.doc", b"hello", "a.doc"),
+    ],
+)
+def test_a_broken_file(
+    name: str, content: bytes, expected: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path(name).write_bytes(content)
+    assert expected in refused(capsys, "check", name, "--floor")
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["check"], "FILE"),
+        (["check", "nope.json"], "no such file"),
+        (["chek", "a.json"], "check"),
+        (["check", "a.json", "--grond", "x"], "--ground"),
+        (["check", "a.json", "--down", "0", "0"], "--down"),
+        (["check", "a.json", "--down", "0", "0", "0"], "down"),
+        (["check", "a.json", "--down", "0", "0", "nan"], "down"),
+        (["check", "a.json", "--ground", "cubes"], "did you mean 'cube'"),
+        (["check", "a.json", "--without", "c?be", "--without", "table"], "no part is left"),
+        (["check", "a.json", "--gap", "0"], "--gap"),
+        (["check", "a.json", "--angle", "90"], "--angle"),
+        (["check", "a.json", "--friction", "-1"], "friction"),
+        (["check", "a.json", "--units", "mm"], "units"),
+        (["check", "a.json", "-o", "no/such/folder/x.txt"], "no/such/folder"),
+        (["example", "towr"], "tower"),
+        (["verify", "a.json", "nope.json"], "nope.json"),
+        (["verify", "a.json", "a.json"], "a.json"),
+    ],
+)
+def test_wrong_usage(words: list[str], expected: str, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("a.json").write_text(json.dumps(base()))
+    assert expected in refused(capsys, *words)
+
+
+def test_two_warnings_that_are_no_refusal(capsys: pytest.CaptureFixture[str]) -> None:
+    data = base()
+    data["parts"].append(dict(data["parts"][1], name="twin"))
+    data["parts"][0]["grounded"] = data["parts"][1]["grounded"] = True
+    data["parts"][2]["grounded"] = True
+    Path("a.json").write_text(json.dumps(data))
+    assert main(["check", "a.json"]) == 0
+    error = capsys.readouterr().err
+    assert "every part is held" in error
+
+
+def test_the_same_body_under_two_names_is_named(capsys: pytest.CaptureFixture[str]) -> None:
+    data = base()
+    data["parts"].append(dict(data["parts"][1], name="twin"))
+    Path("a.json").write_text(json.dumps(data))
+    main(["check", "a.json"])
+    assert "'cube' and 'twin' are the same body twice" in capsys.readouterr().err
+
+
+def test_a_mesh_turned_inside_out_is_turned_back(capsys: pytest.CaptureFixture[str]) -> None:
+    kilter.dump(scene("tower"), "a.json")
+    data = base()
+    mesh({**CLOSED, "faces": [face[::-1] for face in CLOSED["faces"]]})(data)
+    data["parts"][1]["pose"]["position"] = [0, 0, 0.5]
+    Path("a.json").write_text(json.dumps(data))
+    assert main(["check", "a.json"]) == 0
+    assert "'cube'" in capsys.readouterr().err
+
+
+def test_a_fault_of_kilter_exits_70_and_says_how_to_report_it(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    Path("a.json").write_text(json.dumps(base()))
+
+    def broken(*_: object, **__: object) -> None:
+        raise ZeroDivisionError("a fault\nof two lines")
+
+    monkeypatch.setattr("kilter.analysis.check.judge", broken)
+    assert main(["check", "a.json", "--proof", "p.json"]) == 70
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert "ZeroDivisionError" in error
+    assert "report" in error
+    assert not Path("p.json").exists()
+
+
+def test_an_interrupt_exits_130(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    Path("a.json").write_text(json.dumps(base()))
+
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("kilter.analysis.check.judge", interrupted)
+    assert main(["check", "a.json"]) == 130
+
+
+def test_a_name_cannot_disturb_the_terminal(capsys: pytest.CaptureFixture[str]) -> None:
+    data = base()
+    data["parts"][1].update(name="a\x1b[31m\nb" + "x" * 10_000, pose={"position": [0, 0, 5]})
+    Path("a.json").write_text(json.dumps(data))
+    assert main(["check", "a.json"]) == 1
+    out, error = capsys.readouterr()
+    assert "\x1b" not in out + error
+    assert len(out) < 4000
+
+
+@pytest.mark.slow
+def test_a_mesh_of_a_million_faces_works(capsys: pytest.CaptureFixture[str]) -> None:
+    trimesh = pytest.importorskip("trimesh")
+    ball = trimesh.creation.icosphere(subdivisions=8)
+    ball.apply_translation([0, 0, 5])
+    assert len(ball.faces) > 1_000_000
+    ball.export("ball.stl")
+    data = base()
+    data["parts"].append({"name": "ball", "mesh": "ball.stl"})
+    Path("a.json").write_text(json.dumps(data))
+    assert main(["check", "a.json", "--quiet"]) == 1

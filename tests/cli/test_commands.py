@@ -1,0 +1,243 @@
+"""The commands: answers, exit codes, files written whole, and JSON alone on standard output."""
+
+from __future__ import annotations
+
+import io
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import kilter
+from kilter.cli import main
+from kilter.scenes import SCENES, scene
+
+SHARED = Path(__file__).resolve().parents[3] / "shared" / "data"
+EXIT = {"stable": 0, "unstable": 1, "undecided": 4}
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def written(name: str) -> str:
+    path = f"{name}.kilter.json"
+    kilter.dump(scene(name), path)
+    return path
+
+
+def answered(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, dict]:
+    capsys.readouterr()
+    code = main([*words, "--json"])
+    return code, json.loads(capsys.readouterr().out)
+
+
+@pytest.mark.parametrize("name", list(SCENES))
+def test_every_example_is_written_judged_proved_and_verified(
+    name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["example", name]) == 0
+    file = f"{name}.kilter.json"
+    code, answer = answered(capsys, "check", file, "--proof", "p.json")
+    assert answer["verdict"] == SCENES[name].answer
+    assert code == EXIT[answer["verdict"]]
+    assert Path("p.json").exists() == (answer["verdict"] != "undecided")
+    if Path("p.json").exists():
+        assert main(["verify", file, "p.json"]) == 0
+
+
+def test_check_says_everything_that_its_users_rely_on(capsys: pytest.CaptureFixture[str]) -> None:
+    _, answer = answered(capsys, "check", written("paper-figure-8"))
+    assert set(answer) == {
+        *("verdict", "guarantee", "seated", "sentence", "neutral", "down", "gravity", "units"),
+        *("instability", "z", "parts", "contacts", "unsupported", "certificate", "tolerance"),
+        *("warnings", "seconds"),
+    }
+    assert set(answer["seconds"]) == {"read", "contacts", "solve", "total"}
+    assert set(answer["tolerance"]) == {"gap", "angle_deg", "verdict"}
+    assert answer["guarantee"] == "refuted"
+    part = answer["parts"][1]
+    assert part["name"] == "C2"
+    assert part["moves"]
+    assert part["motion"] == "drops at 0.75 g"
+    assert set(part) == {
+        *("name", "grounded", "mass", "displacement", "acceleration", "moves", "motion")
+    }
+
+
+def test_text_of_an_unstable_assembly_names_the_parts_that_move(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["check", written("hanging-brick")]) == 1
+    out = capsys.readouterr().out
+    assert out.startswith("Unstable")
+    assert "brick-2-2  falls freely at 1 g" in out
+
+
+def test_contacts_shows_patches_histogram_and_what_came_near(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    file = written("tower")
+    assert main(["contacts", file]) == 0
+    assert "5 pairs of parts touch in 5 patches" in capsys.readouterr().out
+    code, answer = answered(capsys, "contacts", file)
+    assert code == 0
+    assert len(answer["patches"]) == 5
+    assert sum(answer["histogram"]["counts"]) == 5
+    assert len(answer["histogram"]["edges"]) == len(answer["histogram"]["counts"]) + 1
+
+
+def test_contacts_needs_nothing_held(capsys: pytest.CaptureFixture[str]) -> None:
+    data = kilter.files.to_dict(scene("tower"))
+    for part in data["parts"]:
+        part.pop("grounded", None)
+    Path("free.json").write_text(json.dumps(data))
+    assert main(["contacts", "free.json"]) == 0
+    assert main(["check", "free.json"]) == 2
+    error = capsys.readouterr().err
+    assert "nothing is held" in error
+    assert "--ground" in error
+
+
+def test_standard_input_is_read(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = json.dumps(kilter.files.to_dict(scene("tower"))).encode()
+    monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(text)))
+    code, answer = answered(capsys, "check", "-")
+    assert (code, answer["verdict"]) == (0, "stable")
+
+
+def test_floor_ground_without_and_down_change_what_is_judged(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    data = kilter.files.to_dict(scene("tower"))
+    data["parts"] = [dict(part, grounded=False) for part in data["parts"]]
+    Path("free.json").write_text(json.dumps(data))
+    assert main(["check", "free.json", "--floor", "--quiet"]) == 0
+    assert main(["check", "free.json", "--floor", "-9", "--quiet"]) == 1
+    assert main(["check", "free.json", "--ground", data["parts"][0]["name"], "--quiet"]) == 0
+    assert main(["check", "free.json", "--ground", "*", "--quiet"]) == 0
+    assert "every part is held" not in capsys.readouterr().err
+    names = [part["name"] for part in data["parts"]]
+    words = ["--ground", names[0], "--without", names[1], "--quiet"]
+    assert main(["check", "free.json", *words]) == 1  # the rest hangs in the air
+    assert main(["check", "free.json", "--ground", names[0], "--down", "0.1", "0", "-1"]) == 1
+
+
+def test_the_options_a_file_was_read_with_are_part_of_the_proof(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    file = written("tower")
+    words = ["--down", "0.1", "0", "-1", "--floor", "-3", "--proof", "p.json"]
+    assert main(["check", file, *words]) == 1
+    assert main(["verify", file, "p.json"]) == 0
+    out = capsys.readouterr().out
+    assert "The proof holds: unstable" in out
+    assert "floor -3" in out
+
+
+def test_a_proof_of_another_assembly_does_not_hold(capsys: pytest.CaptureFixture[str]) -> None:
+    file, other = written("tower"), written("staircase")
+    assert main(["check", file, "--proof", "p.json"]) == 0
+    assert main(["verify", other, "p.json"]) == 1
+    assert "does not hold" in capsys.readouterr().out
+
+
+def test_units_and_density_of_files_without_them(capsys: pytest.CaptureFixture[str]) -> None:
+    trimesh = pytest.importorskip("trimesh")
+    trimesh.creation.box((1, 1, 1)).export("a.stl")
+    code, answer = answered(
+        capsys, "check", "a.stl", "--floor", "--units", "mm", "--density", "2000"
+    )
+    assert code == 0
+    assert answer["units"] == "mm"
+    assert answer["parts"][0]["mass"] == pytest.approx(2e-6)
+
+
+def test_output_goes_to_a_file_as_a_whole() -> None:
+    assert main(["check", written("tower"), "--json", "-o", "a.json"]) == 0
+    assert json.loads(Path("a.json").read_text())["verdict"] == "stable"
+
+
+def test_an_example_never_replaces_a_file_unasked(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("tower.kilter.json").write_text("mine")
+    assert main(["example", "tower"]) == 2
+    assert Path("tower.kilter.json").read_text() == "mine"
+    assert "--force" in capsys.readouterr().err
+    assert main(["example", "tower", "--force"]) == 0
+
+
+def test_examples_are_listed_with_their_answers(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["example"]) == 0
+    out = capsys.readouterr().out
+    assert all(name in out for name in SCENES)
+    _, listed = answered(capsys, "example")
+    assert [entry["name"] for entry in listed] == list(SCENES)
+
+
+def test_help_and_version_answer_with_zero(capsys: pytest.CaptureFixture[str]) -> None:
+    for words in ([], ["--help"], ["check", "--help"], ["verify", "-h"]):
+        assert main(words) == 0
+    assert main(["--version"]) == 0
+    assert kilter.__version__ in capsys.readouterr().out
+
+
+def test_the_module_runs_as_a_program() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "kilter", "--version"], capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stdout.strip()) == (0, f"kilter {kilter.__version__}")
+
+
+def test_importing_kilter_loads_no_solver_and_no_reader() -> None:
+    code = "import sys, kilter; print([m for m in sys.modules if m.split('.')[0] in HEAVY])"
+    heavy = "{'highspy', 'clarabel', 'scipy', 'shapely', 'pydantic', 'typer', 'numpy'}"
+    done = subprocess.run(
+        [sys.executable, "-c", code.replace("HEAVY", heavy)], capture_output=True, text=True
+    )
+    assert done.stdout.strip() == "[]"
+
+
+def test_verify_loads_no_solver() -> None:
+    written("tower")
+    assert main(["check", "tower.kilter.json", "--proof", "p.json"]) == 0
+    code = (
+        "import sys; from kilter.cli import main; "
+        "main(['verify', 'tower.kilter.json', 'p.json']); "
+        "print([m for m in sys.modules if m.split('.')[0] in ('highspy', 'clarabel')])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.stdout.strip().endswith("[]")
+
+
+@pytest.mark.skipif(not SHARED.is_dir(), reason="the folder of real assemblies is not there")
+@pytest.mark.parametrize(
+    ("file", "held", "verdict"),
+    [
+        ("compas_cra/cubes.json", ["0"], "stable"),
+        ("compas_cra/H.json", ["0", "1"], "unstable"),
+        ("compas_cra/A.json", ["0", "1"], "unstable"),
+        ("compas_cra/bridge.json", ["0", "1"], "unstable"),
+        ("compas_cra/shelf-stable.json", ["0"], "unstable"),
+        ("compas_cra/type-a.json", ["0", "1"], "stable"),
+        ("compas_cra/type-c.json", ["0", "1"], "stable"),
+        ("learn2assemble/tetris-2", ["0"], "stable"),
+        ("learn2assemble/dome", ["72"], "unstable"),
+    ],
+)
+def test_real_assemblies(
+    file: str, held: list[str], verdict: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = [str(SHARED / file)] + [w for name in held for w in ("--ground", name)]
+    code, answer = answered(capsys, "check", *words, "--proof", "p.json")
+    assert (code, answer["verdict"]) == (EXIT[verdict], verdict)
+    assert main(["verify", words[0], "p.json"]) == 0
+    if file.endswith("H.json"):
+        falling = answer["parts"][2]
+        assert falling["motion"] == "falls freely at 1 g"
+        assert falling["acceleration"][:3] == pytest.approx([0, 0, -9.81], abs=1e-9)
