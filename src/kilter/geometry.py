@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from kilter.closed import open_edges, welded
 from kilter.errors import InputError
-from kilter.rigid import quaternion_to_matrix
+from kilter.rigid import cross, quaternion_to_matrix
 from kilter.shapes import BOX_CORNERS, BOX_TRIANGLES, Box, Cylinder, Mesh, Sphere, surface
 from kilter.units import metres_per_unit
 
@@ -268,9 +268,9 @@ def polyhedron_moments(
     shift = np.repeat(origin, np.diff(start), axis=0)
     p, q, r = (vertices[triangles[:, k]] - shift for k in range(3))
     total = p + q + r
-    normal = np.cross(q - p, r - p)
+    normal = cross(q - p, r - p)
     area = np.linalg.norm(normal, axis=1)
-    six = np.einsum("ij,ij->i", p, np.cross(q, r))
+    six = np.einsum("ij,ij->i", p, cross(q, r))
     volume = _group_sum(six, start) / 6
     first = _group_sum(six[:, None] * total, start) / 24
     outer = sum(np.einsum("n,ni,nj->nij", six, x, x) for x in (total, p, q, r))

@@ -42,7 +42,7 @@ def mass_matrix(program: Program) -> np.ndarray:
 
 
 def kinetic(program: Program, motion: np.ndarray) -> float:
-    """a . M a of a motion of all parts, shape (N, 6), in the program's own lengths."""
+    """Kinetic a . M a of a motion of all parts, shape (N, 6), in the program's own lengths."""
     return float(np.einsum("ni,nij,nj->", motion, mass_matrix(program), motion))
 
 
@@ -73,7 +73,7 @@ def baraff(program: Program) -> np.ndarray:
 
 
 def z_by_duality(program: Program) -> float:
-    """z of LP (9) as the least 1-norm of what contact forces leave of the load."""
+    """The z of LP (9) as the least 1-norm of what contact forces leave of the load."""
     free = np.flatnonzero(program.free)
     freedoms = program.freedoms
     rows = dense_rows(program).reshape(len(program.part_a), -1, 6)[:, free][:, :, freedoms]

@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from builders import falling_pair, hanging_pair, pressed_box, toppled_box
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from independent import dense_rows
@@ -18,7 +19,6 @@ from kilter.scenes import packings, paper, scene, stacks, walls
 from kilter.scenes.pieces import block, floor
 from kilter.scenes.transform import tilted
 from kilter.solvers.linear import solve_linear
-from test_proof_files import falling_pair, hanging_pair, pressed_box, toppled_box
 
 SCENES = {
     "tower": stacks.tower,
@@ -51,7 +51,7 @@ def test_exactly_one_certificate_passes(name, method):
     stable = judged(SCENES[name]()).verdict == "stable"
     answer = solve_linear(load_factor(problem), method=method)
     factor = float(answer.x[-1])
-    forces = check_forces(program, answer.x[:-1] / max(factor, 1e-300))
+    forces = check_forces(program, answer.x[:-1] / (factor if factor > 0.5 else 1.0))
     motion = check_motion(program, problem.motion(problem.over_weight(-answer.multipliers)))
     if method == "simplex":  # an interior point may need the next attempt
         assert (forces.holds, motion.holds) == (stable, not stable)

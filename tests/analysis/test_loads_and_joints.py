@@ -8,6 +8,7 @@ from judged import judged, program_of
 
 from kilter.analysis.stability import judge
 from kilter.assembly import Assembly, FrictionPair, GivenContact, Joint, Load
+from kilter.mechanics.certificate import check_motion
 from kilter.scenes import stacks, traps
 from kilter.scenes.pieces import block, floor, turn
 from kilter.scenes.transform import moved, scaled
@@ -41,9 +42,8 @@ def test_torque_topples_a_box_at_its_weight_times_its_half_width(share):
 @pytest.mark.parametrize("share", SIDES)
 def test_torque_about_a_corner_topples_at_the_corner(share):
     # along the diagonal the half width is that of the corner projected on it
-    torque = share * G / 2 * np.array([1.0, 1.0, 0.0]) * 0.5
-    torque = share * G * np.array([-0.25, 0.25, 0])
-    assembly = Assembly([FLOOR, BOX], loads=[Load("box", torque=torque * 2)])
+    torque = share * G / 2 * np.array([-1.0, 1.0, 0])
+    assembly = Assembly([FLOOR, BOX], loads=[Load("box", torque=torque)])
     assert judged(assembly).verdict == word(share)
 
 
@@ -70,7 +70,6 @@ def test_load_that_holds_a_box_on_a_slope_against_a_stop(share, angle):
     corners = slope.geometry.vertices[8:16]
     low = corners[corners @ up > (corners @ up).max() - 1e-9]
     stop = GivenContact(("slope", "block"), low, -up)
-    face = corners[corners[:, 2] < np.sort(corners[:, 2])[4]]
     normal = np.cross(up, [0, 1, 0])
     normal *= np.sign(normal[2])
     face = corners[corners @ normal < (corners @ normal).min() + 1e-9]
@@ -178,9 +177,9 @@ def test_motion_that_breaks_a_joint_is_no_proof():
     program = program_of(lamp(joints=[Joint(("post", "lamp"))]))
     motion = np.zeros((3, 6))
     motion[2, 2] = -1.0
-    from kilter.mechanics.certificate import check_motion
-
-    for way in (motion, np.where(motion != 0, 0, motion) + np.eye(3, 6, k=4)[[1, 2, 0]]):
+    turning = np.zeros((3, 6))
+    turning[2, 4] = 1.0
+    for way in (motion, turning, -turning, motion + turning):
         assert not check_motion(program, way).holds
 
 
@@ -192,7 +191,6 @@ def feet(points, **options):
 
 
 def test_given_contacts_are_used_instead_of_detection():
-    near = [[-0.5, -0.5, 0], [0.1, -0.5, 0], [-0.2, 0.5, 0]]
     assert judged(Assembly([FLOOR, BOX])).verdict == "stable"
     # all three feet to the left of the centre: it tips, though the faces touch
     left = [[-0.5, -0.5, 0], [-0.1, -0.5, 0], [-0.2, 0.5, 0]]
@@ -202,7 +200,6 @@ def test_given_contacts_are_used_instead_of_detection():
     assert len(verdict.contacts.points) == 3
     right = [[-0.5, -0.5, 0], [0.5, -0.5, 0], [0, 0.5, 0]]
     assert judged(Assembly([FLOOR, BOX], contacts=[feet(right)])).verdict == "stable"
-    assert len(near) == 3
 
 
 @pytest.mark.parametrize("past", [-1e-6, 1e-6])
@@ -229,7 +226,7 @@ def test_without_detection_only_given_contacts_count():
     lower = GivenContact(("base", "cube-1"), points, [0, 0, 1])
     one = judged(dataclasses.replace(assembly, contacts=[lower]))
     assert one.moving == ["cube-2"]
-    upper = GivenContact(("cube-1", "cube-2"), np.array(points) + [0, 0, 1], [0, 0, 1])
+    upper = GivenContact(("cube-1", "cube-2"), np.add(points, [0, 0, 1]), [0, 0, 1])
     assert judged(dataclasses.replace(assembly, contacts=[lower, upper])).verdict == "stable"
 
 
@@ -258,9 +255,9 @@ def test_friction_elsewhere_does_not_hold_what_slides_on_ice():
     # the block slides on ice; another stands on rough ground: friction there changes nothing
     slope = stacks.block_on_slope(20.0)
     post = block("post", [-0.5, 3, 5], [0.5, 4, 6])
-    ground = block("ground", [-1, 2.5, 4], [1, 4.5, 5], grounded=True)
-    parts = [*slope.parts, ground, post]
-    pair = [FrictionPair(("ground", "post"), 0.5)]
+    terrace = block("terrace", [-1, 2.5, 4], [1, 4.5, 5], grounded=True)
+    parts = [*slope.parts, terrace, post]
+    pair = [FrictionPair(("terrace", "post"), 0.5)]
     verdict = judged(dataclasses.replace(slope, parts=parts, friction_pairs=pair))
     assert verdict.verdict == "unstable"
     assert verdict.moving == ["block"]

@@ -7,9 +7,13 @@ from judged import judged, program_of, random_turn
 
 from kilter.analysis.displacement import find_displacement
 from kilter.analysis.motion import find_motion
+from kilter.assembly import Assembly, Load
 from kilter.mechanics.formulations import displacement
 from kilter.scenes import packings, paper, scene, stacks, traps, walls, wedges
+from kilter.scenes.pieces import block, floor
 from kilter.scenes.transform import moved, scaled, tilted
+from kilter.solvers.linear import solve_linear
+from kilter.units import METRES
 
 G = 9.81
 
@@ -96,8 +100,6 @@ def test_least_displacement_is_feasible_and_optimal(name):
 
 @pytest.mark.parametrize("name", ["pile-1", "wedges-2", "figure-8", "opening", "triangle"])
 def test_least_displacement_is_no_longer_than_any_other_optimum(name):
-    from kilter.solvers.linear import solve_linear
-
     program = program_of(ASSEMBLIES[name])
     found = find_displacement(program)
     lp = displacement(program)
@@ -142,9 +144,6 @@ def test_z_of_a_translation_grows_with_masses_only():
 
 
 def test_z_counts_loads_over_the_size_of_gravity():
-    from kilter.assembly import Assembly, Load
-    from kilter.scenes.pieces import block, floor
-
     parts = [floor([-2, -2], [2, 2]), block("box", [0, 0, 0], [1, 1, 1], mass=1.0)]
     verdict = judged(Assembly(parts, loads=[Load("box", force=[3 * G, 0, 0])]))
     assert verdict.displacement.z == pytest.approx(-3.0, rel=1e-9)
@@ -154,10 +153,6 @@ def test_z_counts_loads_over_the_size_of_gravity():
 @pytest.mark.parametrize("units", ["m", "cm", "mm", "in"])
 def test_accelerations_are_si_in_every_unit(units):
     # a box past an edge: m/s^2 and rad/s^2 of the same box told in other units
-    from kilter.assembly import Assembly
-    from kilter.scenes.pieces import block
-    from kilter.units import METRES
-
     u = METRES[units]
     table = block("table", np.array([-3, -1, -1]) / u, np.array([0, 1, 0]) / u, grounded=True)
     box = block("box", np.array([-0.4, -0.5, 0]) / u, np.array([0.6, 0.5, 1]) / u, density=500.0)

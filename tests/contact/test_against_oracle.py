@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from random_scenes import FAMILIES, block, column, random_scene, ring
 
 import kilter.contact
 from kilter.assembly import Assembly, Part
-from kilter.contact.contact_set import Tolerance
+from kilter.contact.contact_set import ContactSet, Tolerance
 from kilter.rigid import Pose
 from kilter.shapes import Prism
 
@@ -100,6 +101,37 @@ def test_oracle_finds_both_feet_of_a_u_in_one_plane():
     arch = Prism([[0, 0], [1, 0], [1, 2], [3, 2], [3, 0], [4, 0], [4, 3], [0, 3]], 2)
     (region,) = oracle(scene((arch, np.zeros(3)), block([-1, -1, -1], [5, 1, 0])))
     assert region.area == pytest.approx(4.0, rel=1e-14)
+
+
+def altered(contacts: ContactSet, change: str) -> ContactSet:
+    """A ContactSet with one thing wrong."""
+    points, normal = contacts.points.copy(), contacts.patch_normal.copy()
+    area, gap = contacts.patch_area.copy(), contacts.patch_gap.copy()
+    parts = contacts.patch_parts.copy()
+    if change == "area":
+        area[0] *= 1 + 1e-9
+    elif change == "corner":
+        points[0] += 1e-9 * (points[1] - points[0])
+    elif change == "normal":
+        normal[0] *= -1
+    elif change == "gap":
+        gap[0, 1] += 1e-9
+    elif change == "pair":
+        parts[0] = [0, 3]
+    elif change == "moved":
+        points[: contacts.patch_start[1]] += 1e-4 * normal[0]
+    return replace(
+        contacts, points=points, patch_normal=normal, patch_area=area, patch_gap=gap,
+        patch_parts=parts,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("change", ["", "area", "corner", "normal", "gap", "pair", "moved"])
+def test_comparison_sees_what_is_wrong(change):
+    boxes = [block([0.2 * k, 0.1 * k, k], [1 + 0.2 * k, 1 + 0.1 * k, k + 1]) for k in range(4)]
+    assembly = scene(*boxes)
+    wrong = discrepancies(assembly, altered(kilter.contact.find_contacts(assembly), change))
+    assert bool(wrong) == bool(change)
 
 
 # random scenes -----------------------------------------------------------------------

@@ -234,11 +234,12 @@ def test_region_of_thin_triangles_is_not_dropped(slices):
     assert areas(contacts)[0, 1] == pytest.approx(0.99 - 0.01 * 0.99, rel=0.02)
 
 
-def test_two_rings_of_thin_triangles_touch():
-    pieces = [at_origin(annulus(1000, 1, 1.2, low, low + 2, turn)) for low, turn in
-              ((0, 0.0), (-2, 0.001))]  # fmt: skip
+@pytest.mark.parametrize("sectors", [300, pytest.param(1000, marks=pytest.mark.slow)])
+def test_two_rings_of_thin_triangles_touch(sectors):
+    pieces = [at_origin(annulus(sectors, 1, 1.2, low, low + 2, turn)) for low, turn in
+              ((0, 0.0), (-2, np.pi / sectors))]  # fmt: skip
     contacts = contacts_of(*pieces, tolerance=Tolerance(gap=0.01))
-    assert areas(contacts) == {(0, 1): pytest.approx(np.pi * 0.44, rel=1e-3)}
+    assert areas(contacts) == {(0, 1): pytest.approx(np.pi * 0.44, rel=3e-4)}
 
 
 def test_strip_thinner_than_the_tolerance_is_no_patch():
@@ -336,8 +337,8 @@ def test_twenty_five_thousand_patches_on_one_pair():
     assert len(contacts) == 1
 
 
-def test_comb_on_comb():
-    teeth = 2_000
+@pytest.mark.parametrize("teeth", [300, pytest.param(2_000, marks=pytest.mark.slow)])
+def test_comb_on_comb(teeth):
     below = comb(teeth, 0, 100)
     below = Mesh(below.vertices * [1, 1, -1], below.triangles[:, ::-1])
     pieces = (comb(teeth, 0, 100), np.array([0.5, 0, 0])), at_origin(below)
@@ -345,15 +346,15 @@ def test_comb_on_comb():
     assert areas(contacts) == {(0, 1): pytest.approx(teeth, rel=1e-9)}
 
 
+@pytest.mark.parametrize("sectors", [1_000, pytest.param(10_000, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("turn", [0.0, 0.5])
-def test_two_annuli_of_twenty_thousand_thin_triangles(turn):
-    sectors = 10_000
+def test_two_annuli_of_thin_triangles(turn, sectors):
     step = 2 * np.pi / sectors
     pieces = [at_origin(annulus(sectors, 1, 2, 0, 1)),
               at_origin(annulus(sectors, 1, 2, -1, 0, turn * step))]  # fmt: skip
     exact = sectors / 2 * np.sin(step) * 3 if turn == 0 else np.pi * 3
     contacts = contacts_of(*pieces)
-    assert areas(contacts) == {(0, 1): pytest.approx(exact, rel=1e-11 if turn == 0 else 1e-6)}
+    assert areas(contacts) == {(0, 1): pytest.approx(exact, rel=1e-11 if turn == 0 else 1e-5)}
 
 
 def cube_of_squares(n: int) -> Mesh:

@@ -37,7 +37,9 @@ def test_commands_of_a_page_exist_with_their_flags(page: Path) -> None:
 
 
 def named_commands(line: str) -> list[list[str]]:
-    found = [re.split(r" {3,}", line.removeprefix("$ "))[0]] if line.startswith(("kilter ", "$ kilter ")) else []
+    found = []
+    if line.startswith(("kilter ", "$ kilter ")):
+        found.append(re.split(r" {3,}", line.removeprefix("$ "))[0])
     found += re.findall(r"`(kilter [^`]+)`", line) + re.findall(r"bin/(kilter [^&]+)", line)
     return [shlex.split(text)[1:] for text in found if not text.startswith("kilter.")]
 

@@ -40,6 +40,8 @@ Array = NDArray[np.float64]
 
 SIMPLEX_ROWS = 1500
 """Programs with up to this many freedoms are solved by simplex first."""
+TINY_ROWS = 200
+"""Programs with up to this many freedoms are solved without presolve first."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -115,10 +117,11 @@ def _candidates(program: Program) -> Iterator[tuple[str, Array | None, Array | N
     problem = scaled(program)
     small = len(problem.right) <= SIMPLEX_ROWS
     if small:
-        yield from _by_load_factor(problem, method="simplex")
-        yield from _by_least_imbalance(problem, method="simplex")
-        yield from _by_load_factor(problem, method="simplex", presolve=False)
-        yield from _by_least_imbalance(problem, method="simplex", presolve=False)
+        # presolve costs a tiny program more than it saves; the other way is the second try
+        first = len(problem.right) > TINY_ROWS
+        for presolve in (first, not first):
+            yield from _by_load_factor(problem, method="simplex", presolve=presolve)
+            yield from _by_least_imbalance(problem, method="simplex", presolve=presolve)
         yield from _by_load_factor(problem, method="interior")
         return
     yield from _by_equilibrium(problem)

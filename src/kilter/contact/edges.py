@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from kilter.contact.broad import Boxes
 from kilter.contact.facets import Facets
 from kilter.geometry import Geometry
+from kilter.rigid import cross
 
 __all__ = ["Edges", "find_edges", "segment_distance"]
 
@@ -72,7 +73,7 @@ class Edges:
         along = self.direction(geometry, which)
         for side, turn in ((0, 1.0), (1, -1.0)):
             facet = self.facet[which, side]
-            into = turn * np.cross(facets.normal[facet], along)
+            into = turn * cross(facets.normal[facet], along)
             fits &= (facet < 0) | (np.einsum("ij,ij->i", into, normal) <= slack)
         return fits
 

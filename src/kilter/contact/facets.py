@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kilter.geometry import Geometry
+from kilter.rigid import cross
 from kilter.shapes import BOX_QUADS
 
 __all__ = ["Facets", "find_facets"]
@@ -161,7 +162,7 @@ def _planes(points: Array, owner: Index, count: int) -> tuple[Array, Array, Arra
     first = np.searchsorted(owner, np.arange(count))
     base = points[first, 0]
     p, q, r = (points[:, k] - base[owner] for k in range(3))
-    twice = np.cross(q - p, r - p)
+    twice = cross(q - p, r - p)
     total = np.add.reduceat(twice, first, axis=0)
     size = np.maximum(np.linalg.norm(total, axis=1), np.finfo(float).tiny)
     normal = total / size[:, None]
@@ -199,8 +200,8 @@ def _convex_parts(
 ) -> Mask:
     """Parts in one piece whose neighbouring triangles nowhere bend inwards."""
     points = vertices[triangles]
-    cross = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
-    normal = cross / np.maximum(np.linalg.norm(cross, axis=1), np.finfo(float).tiny)[:, None]
+    area = cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
+    normal = area / np.maximum(np.linalg.norm(area, axis=1), np.finfo(float).tiny)[:, None]
     rise = np.einsum("nki,ni->nk", points[second] - points[first, 0][:, None, :], normal[first])
     back = np.einsum("nki,ni->nk", points[first] - points[second, 0][:, None, :], normal[second])
     reflex = np.minimum(rise.max(axis=1), back.max(axis=1)) > 2 * tolerance[first]
@@ -220,9 +221,9 @@ def _coplanar_groups(
 ) -> Index:
     """A facet number for each triangle."""
     points = vertices[triangles]
-    cross = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
-    twice = np.maximum(np.linalg.norm(cross, axis=1), np.finfo(float).tiny)
-    normal = cross / twice[:, None]
+    area = cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
+    twice = np.maximum(np.linalg.norm(area, axis=1), np.finfo(float).tiny)
+    normal = area / twice[:, None]
     bend, drop = _bend(points, normal, twice, first, second)
     group = np.arange(len(triangles))
     active = np.ones(len(triangles), dtype=bool)
@@ -273,7 +274,7 @@ def _bend(
     away = points[smaller] - points[larger, 0][:, None, :]
     drop = np.abs(np.einsum("nki,ni->nk", away, normal[larger])).max(axis=1)
     cosine = np.einsum("ij,ij->i", normal[first], normal[second])
-    sine = np.linalg.norm(np.cross(normal[first], normal[second]), axis=1)
+    sine = np.linalg.norm(cross(normal[first], normal[second]), axis=1)
     return np.arctan2(sine, cosine), drop
 
 
@@ -384,8 +385,7 @@ def _turning_left(
     rows = np.arange(len(loops))[:, None]
     here, after = vertices[loops], vertices[loops[rows, following]]
     beyond = vertices[loops[rows, following[rows, following]]]
-    cross = np.cross(after - here, beyond - after)
-    turn = np.einsum("nki,ni->nk", cross, normal)
+    turn = np.einsum("nki,ni->nk", cross(after - here, beyond - after), normal)
     chord = np.linalg.norm(beyond - here, axis=2)
     # depth of a reflex corner below the chord that would cut it off
     reflex = inside & (turn < -0.01 * tolerance[:, None] * np.maximum(chord, 1e-300))

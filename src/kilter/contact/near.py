@@ -29,6 +29,7 @@ from kilter.contact.facets import Facets
 from kilter.contact.patches import Patches
 from kilter.contact.round import round_contacts
 from kilter.geometry import Geometry
+from kilter.rigid import cross
 
 __all__ = ["NearContacts", "Touching", "near_contacts"]
 
@@ -240,7 +241,7 @@ def _in_triangle(p: Array, triangle: Array, normal: Array, tolerance: Array) -> 
         start = triangle[:, k]
         along = triangle[:, (k + 1) % 3] - start
         length = np.maximum(np.linalg.norm(along, axis=1), np.finfo(float).tiny)
-        side = np.einsum("ij,ij->i", np.cross(along, p - start), normal) / length
+        side = np.einsum("ij,ij->i", cross(along, p - start), normal) / length
         inside &= side >= -tolerance
     return inside
 
@@ -257,7 +258,7 @@ def _crossings(block: _Block) -> _Points:
         e, f = edge_a[x], edge_b[y]
         tolerance = block.touching.tolerance[block.rows[pair]]
         first, second = edges.direction(geometry, e), edges.direction(geometry, f)
-        normal = np.cross(first, second)
+        normal = cross(first, second)
         sine = np.linalg.norm(normal, axis=1)
         rows = np.flatnonzero(sine > PARALLEL)
         distance, middle = segment_distance(
@@ -302,7 +303,7 @@ def _in_patch(p: Array, corners: Array, normal: Array, tolerance: float) -> bool
         return False
     along = np.roll(corners, -1, axis=0) - corners
     length = np.maximum(np.linalg.norm(along, axis=1), np.finfo(float).tiny)
-    side = np.cross(along, p - corners) @ normal / length
+    side = cross(along, p - corners) @ normal / length
     return bool((side >= -tolerance).all() or (side <= tolerance).all())
 
 

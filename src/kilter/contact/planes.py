@@ -22,6 +22,7 @@ from kilter.contact.clip import clip_convex, padded, polygon_area
 from kilter.contact.facets import Facets
 from kilter.contact.outline import overlay
 from kilter.geometry import Geometry
+from kilter.rigid import cross
 
 __all__ = ["FacetFrame", "Pieces", "facet_frames", "overlaps_of"]
 
@@ -139,7 +140,7 @@ def facet_frames(facets: Facets, pair: Index, i: Index, j: Index, margin: Array)
         over = np.einsum("ij,ij->i", n, origin - facets.origin[facet])
         heights.append(-over / np.einsum("ij,ij->i", n, normal))
     height = np.column_stack(heights)
-    sine = np.linalg.norm(np.cross(n_i, n_j), axis=1)
+    sine = np.linalg.norm(cross(n_i, n_j), axis=1)
     angle = np.arctan2(sine, -np.einsum("ij,ij->i", n_i, n_j))
     near = (
         np.abs(height[:, 1] - height[:, 0]) <= margin + 1.01 * np.tan(angle) * facets.reach[smaller]
@@ -149,9 +150,9 @@ def facet_frames(facets: Facets, pair: Index, i: Index, j: Index, margin: Array)
     keep = np.flatnonzero(near)
     normal, n_i, n_j = normal[keep], n_i[keep], n_j[keep]
     helper = np.eye(3)[np.abs(normal).argmin(axis=1)]
-    u = np.cross(helper, normal)
+    u = cross(helper, normal)
     u /= np.linalg.norm(u, axis=1)[:, None]
-    v = np.cross(normal, u)
+    v = cross(normal, u)
     slopes = []
     for n in (n_i, n_j):
         along = np.einsum("ij,ij->i", n, normal)

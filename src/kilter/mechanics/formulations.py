@@ -39,6 +39,8 @@ __all__ = [
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
+FEW = 1000
+"""Programs with fewer rows than this are written in the world frame: turning costs more."""
 NOTHING = 1e-14
 """Entries of the scaled matrix below this are rounding of an exact zero."""
 
@@ -129,7 +131,7 @@ def scaled(program: Program) -> Scaled:
 def _frame(normals: Array) -> Array:
     from kilter.contact.broad import common_frame
 
-    if not len(normals):
+    if len(normals) < FEW:
         return np.eye(3)
     return common_frame(normals, np.ones(len(normals)))
 

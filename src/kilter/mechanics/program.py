@@ -27,6 +27,7 @@ from kilter.assembly import GROUND, Assembly, Joint
 from kilter.contact.contact_set import ContactSet
 from kilter.errors import InputError
 from kilter.geometry import Geometry
+from kilter.rigid import cross
 
 __all__ = ["CONTACT", "JOINT", "POSSIBLE", "TOLERANCE", "Program", "build_program"]
 
@@ -157,7 +158,7 @@ class Program:
     def lever(self, rows: Index, part: Index) -> Array:
         """(n, (x - c) x n) of rows on a part, shape (k, 6); (0, n) for angular rows."""
         normal = self.normal[rows]
-        moment = np.cross(self.point[rows] - self.center[part], normal)
+        moment = cross(self.point[rows] - self.center[part], normal)
         angular = self.angular[rows][:, None]
         return np.hstack([np.where(angular, 0.0, normal), np.where(angular, normal, moment)])
 
@@ -292,14 +293,14 @@ def _sticking_rows(contacts: ContactSet, geometry: Geometry) -> dict[str, NDArra
     rows = np.flatnonzero(rough)
     normal = contacts.patch_normal[patch[rows]]
     helper = np.eye(3)[np.abs(normal).argmin(axis=1)] if len(rows) else np.empty((0, 3))
-    u = np.cross(helper, normal)
+    u = cross(helper, normal)
     u /= np.maximum(np.linalg.norm(u, axis=1), 1e-300)[:, None]
     twice = np.concatenate([rows, rows])
     return _block(
         a[twice],
         b[twice],
         contacts.points[twice],
-        np.concatenate([u, np.cross(normal, u)]),
+        np.concatenate([u, cross(normal, u)]),
         POSSIBLE,
         np.ones(len(twice), dtype=bool),
         np.full(len(twice), -1),
@@ -337,7 +338,7 @@ def _applied(assembly: Assembly, geometry: Geometry) -> Array:
         k = assembly.index_of(load.part)
         arm = np.zeros(3) if load.point is None else load.point - geometry.center[k]
         applied[k, :3] += load.force
-        applied[k, 3:] += load.torque + np.cross(arm, load.force)
+        applied[k, 3:] += load.torque + cross(arm, load.force)
     return applied
 
 

@@ -1,0 +1,240 @@
+"""Edges, corners and round faces: listed, and bounded from both sides; never a guess."""
+
+import numpy as np
+import pytest
+from judged import judged
+
+from kilter.assembly import Assembly, Joint, Part
+from kilter.rigid import Pose
+from kilter.scenes.pieces import block, compose, floor, prism, turn
+from kilter.shapes import CYLINDER_SIDES, Box, Cylinder, Mesh, Sphere
+
+FLOOR = floor([-5, -5], [5, 5])
+SPARE = block("spare", [3, 3, 1], [4, 4, 2])
+"""Floats beside the rest: falls whatever else is held."""
+G = 9.81
+UP = np.array([0.0, 0.0, 1.0])
+
+
+def on_edge():
+    """A unit cube that stands on one of its edges."""
+    return Part("cube", Box([1, 1, 1]), Pose([0, 0, np.sqrt(0.5)], turn([0, 1, 0], 45)))
+
+
+def on_corner():
+    """A unit cube that stands on one of its corners."""
+    tip = compose(turn([0, 1, 0], -np.degrees(np.arctan(np.sqrt(0.5)))), turn([1, 0, 0], 45))
+    return Part("cube", Box([1, 1, 1]), Pose([0, 0, np.sqrt(0.75)], tip))
+
+
+def tetrahedron():
+    """A tetrahedron that stands on its tip."""
+    vertices = [[0, 0, 0], [1, 0, 1], [-0.5, 0.8, 1], [-0.5, -0.8, 1]]
+    return Part("cube", Mesh(vertices, [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]]))
+
+
+def lying_cylinder():
+    return Part("cube", Cylinder(1.0, 2.0), Pose([0, 0, 1], turn([1, 0, 0], 90)))
+
+
+def ball():
+    return Part("cube", Sphere(1.0), Pose([0, 0, 1]))
+
+
+def crossed_prisms():
+    """A ridge that lies across another: edge on edge."""
+    ridge = prism("ridge", [[-1, 0], [1, 0], [0, 1]], 4.0, grounded=True)
+    other = Part(
+        "cube",
+        prism("p", [[0, 0], [1, 1], [-1, 1]], 4.0).shape,
+        Pose([0, 0, 1], turn([0, 0, 1], 90)),
+    )
+    return [ridge, other]
+
+
+STANDING = {
+    "edge": ([FLOOR, on_edge()], "edge"),
+    "corner": ([FLOOR, on_corner()], "vertex"),
+    "tetrahedron": ([FLOOR, tetrahedron()], "vertex"),
+    "cylinder": ([FLOOR, lying_cylinder()], "curved"),
+    "ball": ([FLOOR, ball()], "curved"),
+    "crossed": (crossed_prisms(), "vertex"),
+}
+EACH = pytest.mark.parametrize("name", STANDING)
+
+
+@EACH
+def test_contact_that_could_hold_it_is_listed_and_undecided(name):
+    parts, kind = STANDING[name]
+    verdict = judged(Assembly(parts))
+    assert verdict.verdict == "undecided"
+    assert [u.kind for u in verdict.contacts.unsupported] == [kind]
+    pair = {verdict.assembly.names[k] for k in verdict.contacts.unsupported[0].parts}
+    assert pair == {parts[0].name, "cube"}
+    assert "not modelled yet" in verdict.sentence
+    assert "'cube'" in verdict.sentence
+    assert kind in verdict.sentence
+
+
+@EACH
+def test_another_part_that_floats_is_unstable_all_the_same(name):
+    parts, _ = STANDING[name]
+    verdict = judged(Assembly([*parts, SPARE]))
+    assert verdict.verdict == "unstable"
+    motion = verdict.proof()["motion"]
+    assert motion["spare"][2] < 0
+
+
+@EACH
+def test_part_above_the_table_touches_nothing_and_falls(name):
+    parts, _ = STANDING[name]
+    cube = parts[1]
+    raised = Part("cube", cube.shape, Pose(cube.pose.position + 0.01 * UP, cube.pose.rotation))
+    verdict = judged(Assembly([parts[0], raised]))
+    assert verdict.verdict == "unstable"
+    assert verdict.contacts.unsupported == ()
+
+
+@EACH
+def test_part_joined_to_the_ground_is_stable_whatever_it_touches(name):
+    parts, _ = STANDING[name]
+    verdict = judged(Assembly(parts, joints=[Joint(("ground", "cube"))]))
+    assert verdict.verdict == "stable"
+
+
+@EACH
+def test_contact_that_pushes_up_cannot_hold_when_gravity_points_away(name):
+    # hung from the table: an edge, a corner pushes only; a round face may pull, so no verdict
+    parts, kind = STANDING[name]
+    verdict = judged(Assembly(parts, gravity=[0, 0, G]))
+    assert verdict.verdict == ("undecided" if kind == "curved" else "unstable")
+
+
+def test_wedge_on_its_edge_between_two_walls_is_undecided_or_held():
+    wedge = prism("cube", [[0, 0], [1, 2], [-1, 2]], 1.0)
+    left = prism("left", [[0, 0], [-1, 2], [-2, 2], [-2, 0]], 1.0, grounded=True)
+    right = prism("right", [[0, 0], [2, 0], [2, 2], [1, 2]], 1.0, grounded=True)
+    verdict = judged(Assembly([FLOOR, left, right, wedge]))
+    assert verdict.verdict == "stable"
+    one_sided = judged(Assembly([FLOOR, left, wedge]))
+    assert one_sided.verdict == "undecided"
+    assert any(u.kind == "edge" for u in one_sided.contacts.unsupported)
+
+
+def test_wedge_on_an_edge_between_upright_walls():
+    # walls at x = -1 and 1 touch its upper corners' edges only; it stands on its lower edge
+    wedge = prism("cube", [[0, 0], [1, 1], [1, 2], [-1, 2], [-1, 1]], 1.0)
+    walls = [
+        block("left", [-2, -1, 0], [-1, 1, 3], grounded=True),
+        block("right", [1, -1, 0], [2, 1, 3], grounded=True),
+    ]
+    verdict = judged(Assembly([FLOOR, *walls, wedge]))
+    assert verdict.verdict == "undecided"
+    assert [u.kind for u in verdict.contacts.unsupported] == ["edge"]
+    without_floor = judged(Assembly([*walls, wedge]))
+    assert without_floor.verdict == "unstable"
+
+
+def test_box_on_a_table_that_also_touches_an_edge_of_a_wall_is_stable():
+    box = block("cube", [0, 0, 0], [1, 1, 1])
+    # a held prism whose sharp edge touches the middle of the box's side
+    knife = prism("knife", [[1, 0.5], [2, 0.2], [2, 0.8]], 4.0, grounded=True)
+    verdict = judged(Assembly([FLOOR, box, knife]))
+    assert verdict.verdict == "stable"
+    assert [u.kind for u in verdict.contacts.unsupported] == ["edge"]
+
+
+def test_edge_that_pushes_the_wrong_way_leaves_it_unstable():
+    # a box that hangs over the table's edge; a knife touches its far side: it cannot lift it
+    table = floor([-3, -1], [0, 1], name="table")
+    box = block("cube", [-0.4, -0.5, 0], [0.6, 0.5, 1])
+    for z, word in ((0.5, "unstable"), (0.0, "undecided")):
+        if z:
+            knife = prism("knife", [[0.6, z], [2, 0.2], [2, 0.8]], 4.0, grounded=True)
+        else:  # from below, under the overhang: it could
+            knife = prism("knife", [[0.5, 0], [0.8, -1], [0.2, -1]], 4.0, grounded=True)
+        assert judged(Assembly([table, box, knife])).verdict == word
+
+
+def test_ball_beside_a_stable_stack_changes_nothing_of_it():
+    tower = [block(f"cube-{k}", [2, 2, k], [3, 3, k + 1]) for k in range(3)]
+    held = Part("ball", Sphere(1.0), Pose([0, 0, 1]), grounded=True)
+    touching = Part("ball", Sphere(0.5), Pose([1.5, 2.5, 0.5]), grounded=True)
+    assert judged(Assembly([FLOOR, held, *tower])).verdict == "stable"
+    verdict = judged(Assembly([FLOOR, touching, *tower]))
+    assert verdict.verdict == "stable"
+    assert [u.kind for u in verdict.contacts.unsupported] == ["curved"]
+
+
+# a cylinder on its flat end --------------------------------------------------------------
+
+
+def standing_cylinder(x=0.0, **properties):
+    return Part("cylinder", Cylinder(1.0, 2.0), Pose([x, 0, 1]), **properties)
+
+
+def test_cylinder_on_its_end_is_stable_and_its_contact_planar():
+    verdict = judged(Assembly([FLOOR, standing_cylinder()]))
+    assert verdict.verdict == "stable"
+    assert verdict.contacts.unsupported == ()
+    area = CYLINDER_SIDES / 2 * np.sin(2 * np.pi / CYLINDER_SIDES)
+    assert verdict.contacts.patch_area[0] == pytest.approx(area)
+
+
+INNER = np.cos(np.pi / CYLINDER_SIDES)
+"""Nearest side of the inscribed polygon of a unit circle; of the other it is 1."""
+
+
+def off_centre(reach, angle):
+    """A cylinder whose centre of mass is `reach` from its axis, toward `angle`."""
+    center = [reach * np.cos(angle), reach * np.sin(angle), 0]
+    return Assembly([FLOOR, standing_cylinder(mass=1.0, center_of_mass=center)])
+
+
+@pytest.mark.parametrize("k", [0.5, 7.5, 40.5])
+def test_cylinder_is_undecided_only_between_the_two_polygons(k):
+    # toward the middle of a side: inscribed at INNER, circle at 1, circumscribed beyond
+    angle = 2 * np.pi * k / CYLINDER_SIDES
+    assert judged(off_centre(INNER - 1e-6, angle)).verdict == "stable"
+    between = judged(off_centre((INNER + 1) / 2, angle))
+    assert between.verdict == "undecided"
+    assert judged(off_centre(1 - 1e-7, angle)).verdict == "undecided"
+    outermost = 1 / INNER
+    assert judged(off_centre(outermost + 1e-6, angle)).verdict == "unstable"
+
+
+@pytest.mark.parametrize("k", [0, 5, 31])
+def test_cylinder_toward_a_corner_of_its_polygon_is_stable_to_the_circle(k):
+    angle = 2 * np.pi * k / CYLINDER_SIDES
+    assert judged(off_centre(1 - 1e-6, angle)).verdict == "stable"
+    assert judged(off_centre(1 / INNER + 1e-6, angle)).verdict == "unstable"
+
+
+@pytest.mark.parametrize("past", [1e-3, 1e-6, 1e-7])
+def test_cylinder_at_the_end_of_a_table_stands_to_its_axis(past):
+    # the edge of the table passes under the middle of the end: no rim is near
+    for side, word in ((-1, "stable"), (1, "unstable")):
+        table = floor([-5, -5], [0, 5], name="table")
+        verdict = judged(Assembly([table, standing_cylinder(side * past)]))
+        assert verdict.verdict == word
+
+
+def test_cylinder_on_a_strip_under_its_rim_is_undecided_only_where_the_rim_decides():
+    # a narrow strip under the rim at x in [0.9, 2]: its weight is at 0: it falls whatever the rim
+    strip = block("strip", [0.9, -2, -1], [2, 2, 0], grounded=True)
+    assert judged(Assembly([strip, standing_cylinder()])).verdict == "unstable"
+
+
+def test_two_round_parts_on_their_ends_stack():
+    parts = [standing_cylinder(), Part("upper", Cylinder(0.5, 1), Pose([0.2, 0.1, 2.5]))]
+    verdict = judged(Assembly([FLOOR, *parts]))
+    assert verdict.verdict == "stable"
+    assert verdict.contacts.unsupported == ()
+
+
+def test_proof_with_possible_contacts_counts_them():
+    # unstable although an edge may push: the motion obeys that edge too
+    verdict = judged(Assembly([FLOOR, on_edge(), SPARE]))
+    assert (verdict.program.kind == 1).any()
+    moves = verdict.program.velocities(verdict.certificate.motion)
+    assert moves.min() >= -1e-9
