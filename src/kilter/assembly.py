@@ -175,10 +175,11 @@ class GivenContact:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "parts", tuple(self.parts))
-        points = frozen(self.points, (-1, 3))
+        points = frozen(self.points, (-1, 3)) if len(self.points) else np.empty((0, 3))
         if not len(points) or not np.isfinite(points).all():
             raise InputError(
-                f"contact of {self.parts[0]!r} and {self.parts[1]!r} has no usable points"
+                f"contact of {self.parts[0]!r} and {self.parts[1]!r} has no usable points",
+                hint="give one point or more",
             )
         object.__setattr__(self, "points", points)
         object.__setattr__(self, "normal", unit(self.normal, "normal of a contact"))

@@ -8,6 +8,7 @@ edge whose neighbours are split by a vertex on it (a T-junction) is closed all t
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,8 +34,7 @@ def welded(
     >>> len(vertices), triangles.tolist()
     (3, [[0, 2, 1], [0, 1, 2]])
     """
-    distinct, inverse = np.unique(vertices + 0.0, axis=0, return_inverse=True)
-    inverse = inverse.reshape(-1)
+    distinct, inverse = _distinct_rows(vertices + 0.0)
     merged = inverse[triangles]
     if len(_unmatched(merged)):
         size = float(np.ptp(distinct, axis=0).max(initial=0.0))
@@ -134,9 +134,26 @@ def _without_repeats(triangles: Index) -> tuple[Index, int]:
     turn = np.argmin(triangles, axis=1)
     rows = np.arange(len(triangles))[:, None]
     canonical = triangles[rows, (turn[:, None] + np.arange(3)) % 3]
-    _, first = np.unique(canonical, axis=0, return_index=True)
-    kept = triangles[np.sort(first)]
-    return kept, len(triangles) - len(kept)
+    distinct, inverse = _distinct_rows(canonical)
+    if len(distinct) == len(triangles):
+        return triangles, 0
+    first = np.full(len(distinct), len(triangles))
+    np.minimum.at(first, inverse, np.arange(len(triangles)))
+    return triangles[np.sort(first)], len(triangles) - len(distinct)
+
+
+def _distinct_rows(rows: NDArray[Any]) -> tuple[NDArray[Any], Index]:
+    """Each different row, shape (n, 3), once, in order, and which of them each row is.
+
+    As `numpy.unique` by rows, several times faster.
+    """
+    order = np.lexsort(rows.T[::-1])
+    ordered = rows[order]
+    fresh = np.ones(len(rows), dtype=bool)
+    fresh[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    inverse = np.empty(len(rows), dtype=np.int64)
+    inverse[order] = np.cumsum(fresh) - 1
+    return ordered[fresh], inverse
 
 
 def _split_at_vertices(vertices: Array, edges: Index) -> Index:

@@ -51,7 +51,9 @@ def test_exactly_one_certificate_passes(name, method):
     stable = judged(SCENES[name]()).verdict == "stable"
     answer = solve_linear(load_factor(problem), method=method)
     factor = float(answer.x[-1])
-    forces = check_forces(program, answer.x[:-1] / (factor if factor > 0.5 else 1.0))
+    forces = check_forces(
+        program, problem.forces(answer.x[:-1]) / (factor if factor > 0.5 else 1.0)
+    )
     motion = check_motion(program, problem.motion(problem.over_weight(-answer.multipliers)))
     if method == "simplex":  # an interior point may need the next attempt
         assert (forces.holds, motion.holds) == (stable, not stable)
@@ -67,7 +69,7 @@ def test_least_imbalance_gives_the_same_answer(name):
     rows = len(problem.right)
     y = answer.multipliers[:rows] + answer.multipliers[rows:]
     motion = check_motion(program, problem.motion(problem.over_weight(-y)))
-    forces = check_forces(program, answer.x[:-1])
+    forces = check_forces(program, problem.forces(answer.x[:-1]))
     assert (forces.holds, motion.holds) == (stable, not stable)
 
 

@@ -84,8 +84,16 @@ def test_size_of_gravity_changes_no_verdict(answers, name, size):
 @EACH
 def test_turn_changes_no_verdict(answers, name):
     random = np.random.default_rng(7)
-    for _ in range(3):
-        same(moved(SCENES[name](), random_turn(random)), answers[name])
+    same(moved(SCENES[name](), random_turn(random)), answers[name])
+
+
+@pytest.mark.slow
+@EACH
+@pytest.mark.parametrize("seed", range(20))
+def test_many_turns_change_no_verdict(answers, name, seed):
+    random = np.random.default_rng(100 + seed)
+    turned = moved(SCENES[name](), random_turn(random), random.normal(size=3))
+    same(turned, answers[name])
 
 
 @EACH
@@ -114,7 +122,7 @@ TURNED = {k: SCENES[k] for k in ("figure-8", "figure-11", "figure-11-off", "stai
 
 
 @pytest.mark.parametrize("name", TURNED)
-@settings(max_examples=12)
+@settings(max_examples=6)
 @given(
     quaternion=st.tuples(*[st.floats(-1, 1, allow_subnormal=False)] * 4).filter(
         lambda q: sum(x * x for x in q) > 1e-2
@@ -125,7 +133,7 @@ def test_no_turn_changes_a_verdict(answers, name, quaternion):
     same(moved(TURNED[name](), unit), answers[name])
 
 
-@pytest.mark.parametrize("degrees", [1e-6, 1e-3, 45 - 1e-7, 45, 89.999999, 90, 180 - 1e-6])
+@pytest.mark.parametrize("degrees", [1e-6, 45 - 1e-7, 90 - 1e-6, 180 - 1e-6])
 @pytest.mark.parametrize("name", TURNED)
 def test_turns_near_the_axes_change_no_verdict(answers, name, degrees):
     same(moved(TURNED[name](), turn([1, 1, 0], degrees)), answers[name])
@@ -156,6 +164,11 @@ BALANCED = {
 }
 
 
+SEEDS = pytest.mark.parametrize(
+    "seed", [0, 1, *(pytest.param(k, marks=pytest.mark.slow) for k in range(2, 12))]
+)
+
+
 def rounded(assembly, seed):
     """Turned at random, 100 sizes from the origin, rounded to float32."""
     random = np.random.default_rng(seed)
@@ -164,13 +177,14 @@ def rounded(assembly, seed):
     return as_single(moved(assembly, random_turn(random), shift))
 
 
-@pytest.mark.parametrize("seed", range(4))
+@SEEDS
 @pytest.mark.parametrize("name", BALANCED)
 def test_balanced_scene_in_float32_is_stable_within_the_accuracy_of_its_data(name, seed):
     verdict = judged(rounded(BALANCED[name](), seed))
     assert verdict.verdict == "stable"
     assert verdict.sentence.startswith("Stable within the accuracy of the data")
-    assert 1e-8 < verdict.tolerance < 1e-3
+    # 5 roundings of coordinates near 100 sizes over the width of the smallest face
+    assert 1e-8 < verdict.tolerance < 2e-3
 
 
 TILTED = {
@@ -182,8 +196,8 @@ TILTED = {
 }
 
 
-@pytest.mark.parametrize("seed", range(3))
-@pytest.mark.parametrize("degrees", [0.1, -0.1, 1.0])
+@SEEDS
+@pytest.mark.parametrize("degrees", [0.1, -1.0])
 @pytest.mark.parametrize("name", TILTED)
 def test_tilted_scene_in_float32_is_unstable(name, degrees, seed):
     verdict = judged(rounded(tilted(TILTED[name](), [0, 1, 0], degrees), seed))
@@ -191,13 +205,13 @@ def test_tilted_scene_in_float32_is_unstable(name, degrees, seed):
     assert "accuracy of the data" in verdict.sentence
 
 
-@pytest.mark.parametrize("seed", range(3))
+@SEEDS
 def test_fallen_scene_in_float32_is_unstable(seed):
     for assembly in (paper.figure_8(), stacks.inverted_triangle(3), paper.figure_1()):
         assert judged(rounded(assembly, seed)).verdict == "unstable"
 
 
-@pytest.mark.parametrize("seed", range(4))
+@SEEDS
 @pytest.mark.parametrize("name", ["tower", "figure-9", "wall"])
 def test_float32_near_the_origin_is_judged_more_sharply(name, seed):
     random = np.random.default_rng(seed)

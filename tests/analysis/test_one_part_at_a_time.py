@@ -94,7 +94,7 @@ def test_loop_of_figure_9_circulates_as_soon_as_one_block_is_heavier(planar):
 
 
 @pytest.mark.parametrize("name", ["bottom", "top", "left", "right"])
-@pytest.mark.parametrize("degrees", [0.0, 30.0, 90.0, 200.0])
+@pytest.mark.parametrize("degrees", [0.0, 200.0])
 def test_loop_is_wrong_one_part_at_a_time_whichever_block_and_direction(name, degrees):
     assembly = tilted(lopsided_frame(name, 1.5, planar=True), [0, 1, 0], degrees)
     verdict = judged(assembly)

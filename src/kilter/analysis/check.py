@@ -27,7 +27,7 @@ from kilter.analysis.words import SENTENCES, motion_words
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet, Tolerance, find_contacts
 from kilter.mechanics.certificate import ForceProof, MotionProof
-from kilter.mechanics.program import TOLERANCE, Program, build_program
+from kilter.mechanics.program import POSSIBLE, TOLERANCE, Program, build_program
 from kilter.mechanics.proof import make_proof
 
 __all__ = ["Verdict", "check"]
@@ -80,7 +80,7 @@ class Verdict:
     @property
     def modelled(self) -> Program:
         """The program with the contacts that are modelled, and no others."""
-        if not self.program.kind.size or not (self.program.kind == 1).any():
+        if not self.program.kind.size or not (self.program.kind == POSSIBLE).any():
             return self.program
         return build_program(self.assembly, self.contacts)
 

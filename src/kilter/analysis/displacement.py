@@ -8,6 +8,7 @@ not: of all optimal ones, the one of least 2-norm is given, which is unique.
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,13 +47,15 @@ def find_displacement(program: Program) -> Displacement:
     >>> [round(float(x), 3) + 0.0 for x in found.displacement[1:, [0, 2]].ravel()]
     [0.0, -1.0, 0.577, 0.0]
     """
-    from kilter.solvers.linear import solve_linear
+    from kilter.solvers.linear import optimum
 
     count = int(program.free.sum())
     if not count:
         return Displacement(0.0, np.zeros((len(program.names), 6)))
     lp = displacement(program)
-    answer = solve_linear(lp, method="simplex" if count <= LIMIT else "interior")
+    size = max(float(np.abs(lp.cost).max(initial=0.0)), 1e-300)
+    scaled = dataclasses.replace(lp, cost=lp.cost / size)
+    answer = optimum(scaled, method="simplex" if count <= LIMIT else "interior")
     z = min(float(lp.cost @ answer.x), 0.0)
     if count > LIMIT:
         return Displacement(z, None)
@@ -69,8 +72,6 @@ def _shortest(lp: LinearProgram, optimum: Array, z: float) -> Array:
         return np.zeros(count)
     two_sided = lp.row_upper == 0.0
     rows = csc_array(lp.matrix)
-    length = np.maximum(np.sqrt(rows.multiply(rows).sum(axis=1)), 1e-300)
-    rows = csc_array(rows.multiply(1 / np.asarray(length)[:, None]))
     box = eye_array(count, format="csc")
     objective = csc_array(lp.cost[None, :] / np.linalg.norm(lp.cost))
     matrix = vstack([objective, rows[two_sided], rows[~two_sided], box, -box], format="csc")

@@ -25,7 +25,7 @@ from kilter.mechanics.formulations import impending_motion, scaled
 from kilter.mechanics.program import Program
 from kilter.units import metres_per_unit
 
-__all__ = ["MOVES", "ImpendingMotion", "find_motion"]
+__all__ = ["MOVES", "ImpendingMotion", "find_motion", "still"]
 
 Array = NDArray[np.float64]
 
@@ -93,7 +93,7 @@ def find_motion(program: Program) -> ImpendingMotion:
     free_mass = float(program.mass[program.free].sum())
     acceleration = motion * size
     acceleration[:, 3:] /= metres_per_unit(program.units)
-    kappa = float(np.sqrt(max(energy, 0.0) / free_mass))
+    kappa = min(float(np.sqrt(max(energy, 0.0) / free_mass)), 1.0)
     return ImpendingMotion(acceleration, relative, moves, kappa, answer.residual)
 
 

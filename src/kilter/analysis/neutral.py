@@ -59,7 +59,8 @@ def find_neutral(program: Program) -> Neutral | None:
     problem = scaled(program)
     opening = _unit_rows(problem)
     blur = float(max(RANK, 10 * program.tolerance.max()))
-    load = problem.right[None, :] / max(float(np.linalg.norm(problem.right)), 1e-300)
+    power = problem.power()
+    load = power[None, :] / max(float(np.linalg.norm(power)), 1e-300)
     everything = np.vstack([opening, load])
     freedoms = opening.shape[1]
     two_sided = freedoms - _rank(everything, blur)
@@ -70,9 +71,7 @@ def find_neutral(program: Program) -> Neutral | None:
 
 def _unit_rows(problem: Scaled) -> Array:
     """Rows of J in scaled unknowns, each of length 1, each different one once; dense."""
-    program = problem.program
-    weight = np.repeat(program.weight[program.free], len(program.freedoms))
-    rows = csc_array(problem.matrix.multiply(weight[:, None])).T.toarray()
+    rows = problem.openings().toarray()
     length = np.linalg.norm(rows, axis=1)
     unit: Array = rows / np.where(length > 0, length, 1.0)[:, None]
     return unit
@@ -90,7 +89,7 @@ def _rank(matrix: Array, blur: float) -> int:
 
 def _never_open(problem: Scaled, opening: Array, load: Array, blur: float) -> NDArray[np.bool_]:
     """Rows that no motion of the cone opens."""
-    from kilter.solvers.linear import solve_linear
+    from kilter.solvers.linear import optimum
 
     rows, count = opening.shape
     two_sided = problem.program.two_sided
@@ -109,6 +108,6 @@ def _never_open(problem: Scaled, opening: Array, load: Array, blur: float) -> ND
         lower=np.concatenate([np.full(count, -reach), np.zeros(rows)]),
         upper=np.concatenate([np.full(count, reach), np.ones(rows)]),
     )
-    answer = solve_linear(lp)
+    answer = optimum(lp)
     never: NDArray[np.bool_] = (answer.x[count:] < 0.5) | two_sided
     return never

@@ -147,7 +147,7 @@ def _solved(
 def _by_equilibrium(problem: Scaled) -> Iterator[tuple[str, Array | None, Array | None]]:
     answer, word = _solved(equilibrium(problem), "equilibrium", method="interior", forces_only=True)
     if answer is not None and len(answer.x):
-        yield word, answer.x, None
+        yield word, problem.forces(answer.x), None
 
 
 def _by_load_factor(
@@ -157,7 +157,7 @@ def _by_load_factor(
     if answer is None or not len(answer.x):
         return
     factor = float(answer.x[-1])
-    forces = answer.x[:-1] / factor if factor > 0.5 else None
+    forces = problem.forces(answer.x[:-1]) / factor if factor > 0.5 else None
     motion = problem.motion(problem.over_weight(-answer.multipliers)) if factor < 0.5 else None
     yield word, forces, motion
 
@@ -170,4 +170,5 @@ def _by_least_imbalance(
         return
     rows = len(problem.right)
     multipliers = answer.multipliers[:rows] + answer.multipliers[rows:]
-    yield word, answer.x[:-1], problem.motion(problem.over_weight(-multipliers))
+    motion = problem.motion(problem.over_weight(-multipliers))
+    yield word, problem.forces(answer.x[:-1]), motion

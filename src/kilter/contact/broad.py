@@ -16,15 +16,19 @@ from numpy.typing import NDArray
 from kilter.contact.facets import Facets
 from kilter.geometry import Geometry
 
-__all__ = ["Boxes", "facet_pairs", "facets_in", "make_boxes", "part_pairs", "products"]
+__all__ = ["Boxes", "facet_pairs", "facets_in", "joins", "make_boxes", "part_pairs"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 FEW = 64
 """Up to this many parts all pairs are compared."""
-MANY = 2_000_000
-"""Pairs of parts whose facets make more candidates than this go through a tree."""
+ALL_PAIRS = 300
+"""Up to this many normals are compared all with all."""
+MANY = 200_000
+"""Pairs of parts with more combinations of their facets than this go through a tree."""
+BATCH = 2_000_000
+"""Combinations compared in one go."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -77,10 +81,16 @@ def common_frame(normals: Array, areas: Array) -> Array:
 
 
 def _most_common(normals: Array, areas: Array) -> Array:
-    _, label = np.unique(np.round(normals, 5), axis=0, return_inverse=True)
-    label = label.reshape(-1)
-    best = np.argmax(np.bincount(label, weights=areas))
-    chosen: Array = normals[np.argmax(np.where(label == best, areas, -1.0))]
+    """The direction (up to a sense that is the same for all) with the largest area."""
+    if len(normals) <= ALL_PAIRS:
+        alike = np.abs(normals @ normals.T) > 1 - 1e-10
+        total = np.where(alike, areas, 0.0).sum(axis=1)
+    else:
+        _, label = np.unique(np.round(normals, 5), axis=0, return_inverse=True)
+        label = label.reshape(-1)
+        total = np.bincount(label, weights=areas)[label]
+    best = total >= total.max() * (1 - 1e-12)
+    chosen: Array = normals[np.argmax(np.where(best, areas, -1.0))]
     return chosen
 
 
@@ -98,15 +108,10 @@ def part_pairs(boxes: Boxes, grounded: NDArray[np.bool_], margin: Array) -> Inde
 
 
 def _tree_pairs(low: Array, high: Array) -> tuple[Index, Index]:
-    """Pairs a < b of boxes that meet in the two directions in which they crowd least."""
-    import shapely
-
-    crowding = (high - low).mean(axis=0) / np.maximum(np.ptp(low, axis=0), 1e-300)
-    u, v = np.argsort(crowding)[:2]
-    shapes = shapely.box(low[:, u], low[:, v], high[:, u], high[:, v])
-    a, b = shapely.STRtree(shapes).query(shapes)
+    """Pairs a < b of boxes that meet."""
+    a, b = _tree_join(low, high, low, high)
     order = a < b
-    return a[order].astype(np.int64), b[order].astype(np.int64)
+    return a[order], b[order]
 
 
 def facet_pairs(
@@ -129,7 +134,7 @@ def facet_pairs(
     found = []
     for begin in range(0, len(pairs), 100_000):
         rows = np.arange(begin, min(begin + 100_000, len(pairs)))
-        found.append(_facet_pairs(facets, boxes, pairs, rows, margin, cosine))
+        found.extend(_facet_pairs(facets, boxes, pairs, rows, margin, cosine))
     if not found:
         empty = np.empty(0, dtype=np.int64)
         return empty, empty, empty
@@ -139,31 +144,21 @@ def facet_pairs(
 
 def _facet_pairs(
     facets: Facets, boxes: Boxes, pairs: Index, rows: Index, margin: Array, cosine: float
-) -> tuple[Index, Index, Index]:
+) -> list[tuple[Index, Index, Index]]:
     a, b = pairs[rows].T
     grow = margin[rows][:, None]
     low = np.maximum(boxes.part_low[a], boxes.part_low[b]) - grow
     high = np.minimum(boxes.part_high[a], boxes.part_high[b]) + grow
     near_a = facets_in(facets, boxes, a, low, high)
     near_b = facets_in(facets, boxes, b, low, high)
-    count_a, count_b = (np.bincount(near[0], minlength=len(rows)) for near in (near_a, near_b))
-    many = count_a * count_b > MANY
-    few_a, few_b = ~many[near_a[0]], ~many[near_b[0]]
     blocks = []
-    for pair, x, y in products(near_a[0][few_a], near_b[0][few_b], len(rows), MANY):
-        i, j = near_a[1][few_a][x], near_b[1][few_b][y]
-        keep = _oppose(facets, boxes, i, j, margin[rows][pair], cosine)
-        blocks.append((pair[keep], i[keep], j[keep]))
-    for k in np.flatnonzero(many):
-        mine, other = near_a[1][near_a[0] == k], near_b[1][near_b[0] == k]
-        i, j = _facet_tree(boxes, mine, other, float(margin[rows[k]]))
-        keep = _oppose(facets, boxes, i, j, np.full(len(i), margin[rows[k]]), cosine)
-        blocks.append((np.full(int(keep.sum()), k), i[keep], j[keep]))
-    if not blocks:
-        empty = np.empty(0, dtype=np.int64)
-        return empty, empty, empty
-    pair, i, j = (np.concatenate([block[k] for block in blocks]) for k in range(3))
-    return rows[pair], i, j
+    box_a = boxes.facet_low[near_a[1]], boxes.facet_high[near_a[1]]
+    box_b = boxes.facet_low[near_b[1]], boxes.facet_high[near_b[1]]
+    for pair, x, y in joins(near_a[0], box_a, near_b[0], box_b, margin[rows]):
+        i, j = near_a[1][x], near_b[1][y]
+        keep = np.einsum("ij,ij->i", facets.normal[i], facets.normal[j]) <= -cosine
+        blocks.append((rows[pair[keep]], i[keep], j[keep]))
+    return blocks
 
 
 def facets_in(
@@ -182,29 +177,58 @@ def facets_in(
     return owner[keep], facet[keep]
 
 
-def products(
-    owner_a: Index, owner_b: Index, count: int, batch: int
+def joins(
+    owner_a: Index,
+    box_a: tuple[Array, Array],
+    owner_b: Index,
+    box_b: tuple[Array, Array],
+    margin: Array,
 ) -> Iterator[tuple[Index, Index, Index]]:
-    """All combinations of the rows of a and b that have the same owner, batch by batch.
+    """Rows of a and b that have the same owner and whose boxes come within a margin.
 
     Parameters
     ----------
     owner_a, owner_b : ndarray of int, sorted
-        Owner, below `count`, of each row.
-    batch : int
-        About how many combinations to give at once.
+        Owner of each row.
+    box_a, box_b : pair of ndarray, shape (n, 3)
+        Lower and upper corners.
+    margin : ndarray, shape (number of owners,)
 
     Yields
     ------
     owner, row_a, row_b : ndarrays of int, shape (m,)
+        About `BATCH` combinations are compared at once; owners with more than `MANY` of
+        their own go through a tree.
     """
+    counts = [np.bincount(owner, minlength=len(margin)) for owner in (owner_a, owner_b)]
+    many = counts[0] * counts[1] > MANY
+    few_a, few_b = np.flatnonzero(~many[owner_a]), np.flatnonzero(~many[owner_b])
+    for owner, x, y in _products(owner_a[few_a], owner_b[few_b], len(margin)):
+        a, b = few_a[x], few_b[y]
+        rows = np.arange(len(a))
+        for axis in range(3):
+            grow = margin[owner[rows]]
+            low_a, high_a = box_a[0][a[rows], axis] - grow, box_a[1][a[rows], axis] + grow
+            meets = low_a <= box_b[1][b[rows], axis]
+            meets &= box_b[0][b[rows], axis] <= high_a
+            rows = rows[meets]
+        yield owner[rows], a[rows], b[rows]
+    for owner_row in np.flatnonzero(many):
+        a, b = np.flatnonzero(owner_a == owner_row), np.flatnonzero(owner_b == owner_row)
+        grow = margin[owner_row]
+        x, y = _tree_join(box_a[0][a] - grow, box_a[1][a] + grow, box_b[0][b], box_b[1][b])
+        yield np.full(len(x), owner_row), a[x], b[y]
+
+
+def _products(owner_a: Index, owner_b: Index, count: int) -> Iterator[tuple[Index, Index, Index]]:
+    """All combinations of the rows of a and b that have the same owner, batch by batch."""
     first_b = np.searchsorted(owner_b, np.arange(count + 1))
     width_of_row = np.diff(first_b)[owner_a]  # how many rows of b each row of a meets
     behind = np.cumsum(width_of_row)
     begin = 0
     while begin < len(owner_a):
         before = behind[begin - 1] if begin else 0
-        end = max(begin + 1, int(np.searchsorted(behind, before + batch, side="right")))
+        end = max(begin + 1, int(np.searchsorted(behind, before + BATCH, side="right")))
         rows = np.arange(begin, end)
         width = width_of_row[rows]
         row_a = np.repeat(rows, width)
@@ -214,35 +238,18 @@ def products(
         begin = end
 
 
-def _facet_tree(boxes: Boxes, mine: Index, other: Index, margin: float) -> tuple[Index, Index]:
+def _tree_join(low_a: Array, high_a: Array, low_b: Array, high_b: Array) -> tuple[Index, Index]:
+    """Rows of a and b whose boxes meet, by a tree in the two directions of least crowding."""
     import shapely
 
-    spread = np.argsort(np.ptp(boxes.facet_low[other], axis=0))[1:]
+    spread = np.maximum(np.ptp(np.concatenate([low_a, low_b]), axis=0), 1e-300)
+    crowding = ((high_a - low_a).mean(axis=0) + (high_b - low_b).mean(axis=0)) / spread
+    u, v = np.argsort(crowding)[:2]
 
-    def flat(which: Index, grow: float) -> NDArray[np.object_]:
-        low, high = (
-            boxes.facet_low[which][:, spread] - grow,
-            boxes.facet_high[which][:, spread] + grow,
-        )
-        made: NDArray[np.object_] = shapely.box(low[:, 0], low[:, 1], high[:, 0], high[:, 1])
+    def flat(low: Array, high: Array) -> NDArray[np.object_]:
+        made: NDArray[np.object_] = shapely.box(low[:, u], low[:, v], high[:, u], high[:, v])
         return made
 
-    a, b = shapely.STRtree(flat(other, 0.0)).query(flat(mine, margin))
-    return mine[a], other[b]
-
-
-def _oppose(
-    facets: Facets, boxes: Boxes, i: Index, j: Index, margin: Array, cosine: float
-) -> NDArray[np.bool_]:
-    """Pairs of facets that face each other and whose boxes meet."""
-    keep = np.einsum("ij,ij->i", facets.normal[i], facets.normal[j]) <= -cosine
-    rows = np.flatnonzero(keep)
-    for axis in range(3):
-        k, grow = rows, margin[rows]
-        meets = (boxes.facet_low[i[k], axis] <= boxes.facet_high[j[k], axis] + grow) & (
-            boxes.facet_low[j[k], axis] <= boxes.facet_high[i[k], axis] + grow
-        )
-        rows = rows[meets]
-    result = np.zeros(len(i), dtype=bool)
-    result[rows] = True
-    return result
+    a, b = shapely.STRtree(flat(low_b, high_b)).query(flat(low_a, high_a))
+    meets = ((low_a[a] <= high_b[b]) & (low_b[b] <= high_a[a])).all(axis=1)
+    return a[meets].astype(np.int64), b[meets].astype(np.int64)

@@ -60,10 +60,14 @@ class Edges:
         owner = np.repeat(np.arange(len(part)), count)
         shift = self.start[part] - (np.cumsum(count) - count)
         edge = np.arange(len(owner)) + np.repeat(shift, count)
-        p, q = (end @ boxes.frame.T for end in self.ends(geometry, edge))
-        meets = (np.minimum(p, q) <= box[1][owner]).all(axis=1)
-        meets &= (np.maximum(p, q) >= box[0][owner]).all(axis=1)
+        low, high = self.boxes(geometry, boxes.frame, edge)
+        meets = (low <= box[1][owner]).all(axis=1) & (high >= box[0][owner]).all(axis=1)
         return owner[meets], edge[meets]
+
+    def boxes(self, geometry: Geometry, frame: Array, which: Index) -> tuple[Array, Array]:
+        """Boxes of edges in a frame, lower and upper corners, shape (n, 3) each."""
+        p, q = (end @ frame.T for end in self.ends(geometry, which))
+        return np.minimum(p, q), np.maximum(p, q)
 
     def behind(
         self, facets: Facets, geometry: Geometry, which: Index, normal: Array, slack: float

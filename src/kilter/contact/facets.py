@@ -187,12 +187,16 @@ def _grouped(geometry: Geometry, parts: Index, convex_part: Mask) -> list[Block]
     triangles = geometry.triangles[_rows(start, count, np.arange(len(parts)))]
     part = np.repeat(parts, count)
     tolerance = np.maximum(FLAT * geometry.size, 4 * geometry.accuracy)[part]
-    first, second = _neighbours(triangles)
+    edges = _shared_edges(triangles)
+    first, second = edges[0] // 3, edges[1] // 3
     convex_part[parts] = _convex_parts(
         geometry.vertices, triangles, part, tolerance, first, second
     )[parts]
     group = _coplanar_groups(geometry.vertices, triangles, tolerance, first, second)
-    return _boundaries(geometry.vertices, triangles, part, group, tolerance)
+    inner = np.zeros(triangles.size, dtype=bool)
+    within = group[first] == group[second]
+    inner[edges[0][within]] = inner[edges[1][within]] = True
+    return _boundaries(geometry.vertices, triangles, part, group, tolerance, inner)
 
 
 def _convex_parts(
@@ -255,14 +259,14 @@ def _relabelled(group: Index, active: Mask, fresh: Index) -> Index:
     return result
 
 
-def _neighbours(triangles: Index) -> tuple[Index, Index]:
-    """Pairs of triangles that share an edge."""
-    low = np.minimum(triangles, np.roll(triangles, -1, axis=1)).reshape(-1)
-    high = np.maximum(triangles, np.roll(triangles, -1, axis=1)).reshape(-1)
+def _shared_edges(triangles: Index) -> tuple[Index, Index]:
+    """Pairs of half-edges (3 x triangle + corner) that are one edge of two triangles."""
+    following = triangles[:, [1, 2, 0]]
+    low, high = np.minimum(triangles, following).ravel(), np.maximum(triangles, following).ravel()
     key = low * (int(high.max()) + 1) + high
     order = np.argsort(key, kind="stable")
     same = np.flatnonzero(np.diff(key[order]) == 0)
-    return order[same] // 3, order[same + 1] // 3
+    return order[same], order[same + 1]
 
 
 def _bend(
@@ -310,15 +314,16 @@ def _drifting(points: Array, group: Index, tolerance: Array) -> Mask:
 
 
 def _boundaries(
-    vertices: Array, triangles: Index, part: Index, group: Index, tolerance: Array
+    vertices: Array, triangles: Index, part: Index, group: Index, tolerance: Array, inner: Mask
 ) -> list[Block]:
-    """Convex facets as loops, others as their triangles."""
+    """Convex facets as loops, others as their triangles; `inner`: half-edges inside a facet."""
     order = np.argsort(group, kind="stable")
     triangles, group = triangles[order], group[order]
     part, tolerance = part[order], tolerance[order]
+    inner = inner.reshape(-1, 3)[order].ravel()
     count = int(group[-1]) + 1
     first = np.searchsorted(group, np.arange(count))
-    loops, length, whole = _loops(triangles, group, count)
+    loops, length, whole = _loops(triangles, group, count, inner)
     normal, _, _ = _planes(vertices[triangles], group, count)
     convex = whole & _turning_left(vertices, loops, length, normal, tolerance[first])
     blocks: list[Block] = []
@@ -340,24 +345,20 @@ def _boundaries(
     return blocks
 
 
-def _loops(triangles: Index, group: Index, count: int) -> tuple[Index, Index, Mask]:
+def _loops(triangles: Index, group: Index, count: int, inner: Mask) -> tuple[Index, Index, Mask]:
     """Boundary of each group as one padded loop, its length, and whether it is one loop."""
-    names, compact = np.unique(triangles, return_inverse=True)
-    triangles = compact.reshape(-1, 3)
-    start = triangles.reshape(-1)
-    end = np.roll(triangles, -1, axis=1).reshape(-1)
-    owner = np.repeat(group, 3)
-    big = len(names)
-    forward, backward = (owner * big + start) * big + end, (owner * big + end) * big + start
-    inner = np.isin(forward, backward)
-    start, end, owner = start[~inner], end[~inner], owner[~inner]
+    start = triangles.ravel()[~inner]
+    end = triangles[:, [1, 2, 0]].ravel()[~inner]
+    owner = np.repeat(group, 3)[~inner]
+    big = int(triangles.max()) + 1
     order = np.lexsort((start, owner))
     start, end, owner = start[order], end[order], owner[order]
     length = np.bincount(owner, minlength=count)
     key, wanted = owner * big + start, owner * big + end
     simple = np.ones(count, dtype=bool)
     simple[owner[1:][np.diff(key) == 0]] = False  # a boundary that touches itself
-    following = np.searchsorted(key, wanted)
+    following = np.minimum(np.searchsorted(key, wanted), len(key) - 1)
+    simple[owner[key[following] != wanted]] = False
     simple &= length <= LONG_LOOP
     simple &= length >= 3
     width = int(length[simple].max(initial=3))
@@ -371,15 +372,15 @@ def _loops(triangles: Index, group: Index, count: int) -> tuple[Index, Index, Ma
         loops[rows, k] = start[current[rows]]
         current[rows] = following[current[rows]]
         returned[rows] |= (current[rows] == first[rows]) & (k + 1 < length[rows])
-    return names[loops], length, simple & ~returned
+    return loops, length, simple & ~returned
 
 
 def _turning_left(
     vertices: Array, loops: Index, length: Index, normal: Array, tolerance: Array
 ) -> Mask:
     """Loops without a reflex corner deeper than the tolerance."""
-    width = loops.shape[1]
-    k = np.arange(width)
+    k = np.arange(loops.shape[1])
+    length = np.minimum(length, len(k))  # longer boundaries are no loops: not asked for
     inside = k < length[:, None]
     following = np.where(k + 1 < length[:, None], k + 1, 0)
     rows = np.arange(len(loops))[:, None]

@@ -22,12 +22,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kilter.contact.broad import Boxes, facets_in, products
-from kilter.contact.contact_set import PossibleContacts, Unsupported
+from kilter.contact.broad import Boxes, facets_in, joins
+from kilter.contact.contact_set import PossibleContacts, Unsupported, joined
 from kilter.contact.edges import Edges, find_edges, segment_distance
 from kilter.contact.facets import Facets
 from kilter.contact.patches import Patches
-from kilter.contact.round import round_contacts
+from kilter.contact.round import rim_slack, round_contacts
 from kilter.geometry import Geometry
 from kilter.rigid import cross
 
@@ -41,8 +41,6 @@ PARALLEL = 1e-3
 """Edges closer to parallel than this have no normal of their own [rad]."""
 IN_FRONT = 1e-3
 """A part counts as lying in front of a plane up to this angle [rad]."""
-BATCH = 3_000_000
-"""Combinations looked at in one go."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,12 +76,17 @@ class _Points:
     normal: Array
     crossing: Mask
 
+    def take(self, rows: Index) -> _Points:
+        """The rows chosen."""
+        return _Points(*(getattr(self, name)[rows] for name in self.__slots__))
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Block:
     """Some of the pairs, by row, and the box in which the parts of each may meet.
 
-    `low`, `high`: shape (n, 3), in the frame of the boxes; `edges`: of all their parts.
+    `tolerance`: shape (n,); `low`, `high`: shape (n, 3), in the frame of the boxes;
+    `edges`: of all their parts.
     """
 
     geometry: Geometry
@@ -92,12 +95,21 @@ class _Block:
     edges: Edges
     touching: Touching
     rows: Index
+    tolerance: Array
     low: Array
     high: Array
 
     def near(self, part: Index) -> tuple[Index, Index]:
-        """Facets of ``part[k]`` in box k: pairs (k, facet)."""
-        return facets_in(self.facets, self.boxes, part, self.low, self.high)
+        """Flat facets of ``part[k]`` in box k: pairs (k, facet)."""
+        owner, facet = facets_in(self.facets, self.boxes, part, self.low, self.high)
+        flat = ~self.facets.curved[facet]
+        return owner[flat], facet[flat]
+
+    def near_edges(self, part: Index) -> tuple[Index, Index]:
+        """Edges of ``part[k]`` in box k that bound a flat facet: pairs (k, edge)."""
+        owner, edge = self.edges.inside(self.geometry, self.boxes, part, (self.low, self.high))
+        flat = ~self.facets.curved[self.edges.facet[edge]].all(axis=1)
+        return owner[flat], edge[flat]
 
 
 def near_contacts(
@@ -110,24 +122,23 @@ def near_contacts(
     grow = touching.tolerance[:, None]
     meets = (boxes.part_low[a] <= boxes.part_high[b] + grow).all(axis=1)
     meets &= (boxes.part_low[b] <= boxes.part_high[a] + grow).all(axis=1)
-    rows = np.flatnonzero(meets & ~settled & ~round_pair)
+    rows = np.flatnonzero(meets & ~settled)
     found = _sharp(geometry, facets, boxes, touching, rows)
-    unsupported = _listed(touching, found)
+    sharp = found.take(np.flatnonzero(~round_pair[found.pair]))
+    rims = found.take(np.flatnonzero(round_pair[found.pair]))
     rounds = round_contacts(
-        geometry, facets, touching.pairs, touching.tolerance, np.flatnonzero(meets & round_pair)
+        geometry,
+        touching.pairs,
+        touching.tolerance,
+        rows[round_pair[rows]],
+        dict(zip(rims.pair.tolist(), rims.point, strict=True)),
     )
-    pair_a, pair_b = touching.pairs[found.pair].T
+    pair_a, pair_b = touching.pairs[sharp.pair].T
+    one_sided = np.zeros(len(pair_a), dtype=bool)
+    forces = PossibleContacts(pair_a, pair_b, sharp.point, sharp.normal, one_sided)
     return NearContacts(
-        unsupported=(*unsupported, *rounds.unsupported),
-        possible=PossibleContacts(
-            part_a=np.concatenate([pair_a, rounds.possible.part_a]),
-            part_b=np.concatenate([pair_b, rounds.possible.part_b]),
-            points=np.concatenate([found.point, rounds.possible.points]),
-            normals=np.concatenate([found.normal, rounds.possible.normals]),
-            two_sided=np.concatenate(
-                [np.zeros(len(pair_a), dtype=bool), rounds.possible.two_sided]
-            ),
-        ),
+        unsupported=(*_listed(touching, sharp), *rounds.unsupported),
+        possible=joined(forces, rounds.possible),
     )
 
 
@@ -141,10 +152,11 @@ def _sharp(
         # pairs in blocks, so that the candidates of a block fit in memory
         for some in np.array_split(rows, max(1, len(rows) // 20_000)):
             a, b = touching.pairs[some].T
-            grow = touching.tolerance[some][:, None]
+            tolerance = touching.tolerance[some] + rim_slack(geometry, a) + rim_slack(geometry, b)
+            grow = tolerance[:, None]
             low = np.maximum(boxes.part_low[a], boxes.part_low[b]) - grow
             high = np.minimum(boxes.part_high[a], boxes.part_high[b]) + grow
-            block = _Block(geometry, facets, boxes, edges, touching, some, low, high)
+            block = _Block(geometry, facets, boxes, edges, touching, some, tolerance, low, high)
             near_a, near_b = block.near(a), block.near(b)
             found.append(_corners(block, near_a, near_b, 1.0))
             found.append(_corners(block, near_b, near_a, -1.0))
@@ -175,9 +187,12 @@ def _corners(
     owner, corner = _corners_of(block, near_corner)
     piece_owner, piece, piece_facet = _triangles_of(facets, near_facet)
     found = [_nothing()]
-    for pair, x, y in products(owner, piece_owner, len(rows), BATCH):
+    at = geometry.vertices[corner] @ block.boxes.frame.T
+    pieces = geometry.vertices[facets.corners[piece]] @ block.boxes.frame.T
+    around = pieces.min(axis=1, initial=np.inf), pieces.max(axis=1, initial=-np.inf)
+    for pair, x, y in joins(owner, (at, at), piece_owner, around, block.tolerance):
         vertex, triangle, facet = corner[x], piece[y], piece_facet[y]
-        tolerance = block.touching.tolerance[rows[pair]]
+        tolerance = block.tolerance[pair]
         p = geometry.vertices[vertex]
         normal = facets.normal[facet]
         off = np.einsum("ij,ij->i", p - facets.origin[facet], normal)
@@ -250,13 +265,13 @@ def _crossings(block: _Block) -> _Points:
     """Edges of a that cross edges of b."""
     geometry, facets, edges = block.geometry, block.facets, block.edges
     a, b = block.touching.pairs[block.rows].T
-    box = (block.low, block.high)
-    owner_a, edge_a = edges.inside(geometry, block.boxes, a, box)
-    owner_b, edge_b = edges.inside(geometry, block.boxes, b, box)
+    owner_a, edge_a = block.near_edges(a)
+    owner_b, edge_b = block.near_edges(b)
     found = [_nothing()]
-    for pair, x, y in products(owner_a, owner_b, len(block.rows), BATCH):
+    box_a, box_b = (edges.boxes(geometry, block.boxes.frame, edge) for edge in (edge_a, edge_b))
+    for pair, x, y in joins(owner_a, box_a, owner_b, box_b, block.tolerance):
         e, f = edge_a[x], edge_b[y]
-        tolerance = block.touching.tolerance[block.rows[pair]]
+        tolerance = block.tolerance[pair]
         first, second = edges.direction(geometry, e), edges.direction(geometry, f)
         normal = cross(first, second)
         sine = np.linalg.norm(normal, axis=1)
@@ -283,28 +298,27 @@ def _unexplained(points: _Points, touching: Touching) -> _Points:
     keep = np.ones(len(points.pair), dtype=bool)
     first = np.searchsorted(patches.pair, points.pair, side="left")
     last = np.searchsorted(patches.pair, points.pair, side="right")
-    for k in np.flatnonzero(last > first):
-        for patch in range(first[k], last[k]):
-            corners = patches.points[patches.start[patch] : patches.start[patch + 1]]
-            tolerance = 2 * touching.tolerance[points.pair[k]]
-            same = np.linalg.norm(points.normal[k] - patches.normal[patch]) <= 2 * IN_FRONT
-            if not (same or points.crossing[k]):
-                continue
-            if _in_patch(points.point[k], corners, patches.normal[patch], tolerance):
-                keep[k] = False
-                break
-    rows = np.flatnonzero(keep)
-    return _Points(*(getattr(points, name)[rows] for name in _Points.__slots__))
+    settled_by = np.zeros(len(patches.pair) + 1, dtype=np.int64)
+    np.add.at(settled_by, first, 1)
+    np.add.at(settled_by, last, -1)
+    for patch in np.flatnonzero(np.cumsum(settled_by)[:-1]):
+        rows = np.flatnonzero(keep & (first <= patch) & (patch < last))
+        turn = np.linalg.norm(points.normal[rows] - patches.normal[patch], axis=1)
+        rows = rows[(turn <= 2 * IN_FRONT) | points.crossing[rows]]
+        corners = patches.points[patches.start[patch] : patches.start[patch + 1]]
+        tolerance = 2 * touching.tolerance[patches.pair[patch]]
+        keep[rows[_in_patch(points.point[rows], corners, patches.normal[patch], tolerance)]] = False
+    return points.take(np.flatnonzero(keep))
 
 
-def _in_patch(p: Array, corners: Array, normal: Array, tolerance: float) -> bool:
-    """Whether a point lies on a convex patch."""
-    if abs(float((p - corners[0]) @ normal)) > tolerance:
-        return False
+def _in_patch(p: Array, corners: Array, normal: Array, tolerance: float) -> Mask:
+    """Which points, shape (n, 3), lie on a convex patch."""
+    level = np.abs((p - corners[0]) @ normal) <= tolerance
     along = np.roll(corners, -1, axis=0) - corners
     length = np.maximum(np.linalg.norm(along, axis=1), np.finfo(float).tiny)
-    side = cross(along, p - corners) @ normal / length
-    return bool((side >= -tolerance).all() or (side <= tolerance).all())
+    side = cross(along[None], p[:, None] - corners[None]) @ normal / length
+    inside: Mask = (side >= -tolerance).all(axis=1) | (side <= tolerance).all(axis=1)
+    return level & inside
 
 
 def _listed(touching: Touching, points: _Points) -> list[Unsupported]:

@@ -3,7 +3,9 @@
 Pieces of one pair lie in one plane where their normals agree within the merging angle and
 their offsets within twice the gap tolerance. What is thinner than twice the gap tolerance
 is no area of contact; that is asked of each connected region, not of each piece (a ring of
-thin triangles is a wide region).
+thin triangles is a wide region), by its area over its diameter (two slivers along a bent
+line are not wide, though their hull is). Pieces as thin as the rounding of the coordinates
+are dropped before: one along a line of contact would widen the hull of the patch it touches.
 """
 
 from __future__ import annotations
@@ -25,6 +27,8 @@ Mask = NDArray[np.bool_]
 
 SAME_PLANE = 1e-4
 """Largest angle between pieces of one patch [rad], besides the angle tolerance's tenth."""
+NOISE = 8.0
+"""Pieces narrower than this many roundings of the coordinates are no pieces."""
 CROWD = 1500
 """Up to this many pieces the connected regions of a plane are told apart."""
 
@@ -52,10 +56,12 @@ def merge(
     tolerance, blur : ndarray, shape (number of pairs,)
         Gap tolerance, and rounding of the coordinates, of each pair [length unit].
     """
+    noise = [_thin(block, NOISE * blur[frames.pair[block.frame]]) for block in blocks]
+    thin = [block.take(np.flatnonzero(slim)) for block, slim in zip(blocks, noise, strict=True)]
+    blocks = [block.take(np.flatnonzero(~slim)) for block, slim in zip(blocks, noise, strict=True)]
     pairs = [frames.pair[block.frame] for block in blocks]
     number = np.bincount(np.concatenate([*pairs, np.empty(0, np.int64)]), minlength=len(tolerance))
     groups: list[Patches] = []
-    thin: list[Pieces] = []
     crowd: list[tuple[int, int, int]] = []
     for k, (block, pair) in enumerate(zip(blocks, pairs, strict=True)):
         alone = number[pair] == 1
@@ -136,7 +142,7 @@ def _several(
         which = np.flatnonzero(same)
         axes = np.stack([frames.u[frame[seed]], frames.v[frame[seed]]], axis=1)
         plane = (points - center[seed]) @ axes
-        wide = _wide_regions(plane, owner, which, 2 * tolerance)
+        wide = _wide_regions(plane, owner, which, area[which], 2 * tolerance)
         dropped.extend(members[k][0].take(np.array([members[k][1]])) for k in which[~wide])
         which = which[wide]
         if not len(which):
@@ -165,8 +171,8 @@ def _several(
     return _ordered(made), dropped
 
 
-def _wide_regions(plane: Array, owner: Index, which: Index, width: float) -> Mask:
-    """Which pieces belong to a connected region at least `width` wide."""
+def _wide_regions(plane: Array, owner: Index, which: Index, area: Array, width: float) -> Mask:
+    """Which pieces, with their areas, belong to a connected region at least `width` wide."""
     wide = np.ones(len(which), dtype=bool)
     if len(which) > CROWD:
         return wide
@@ -181,8 +187,12 @@ def _wide_regions(plane: Array, owner: Index, which: Index, width: float) -> Mas
     label = connected_components(meets, directed=False)[1]
     for region in np.unique(label):
         members = np.flatnonzero(label == region)
-        hull = convex_hull(np.concatenate([hulls[k] for k in members]))
-        wide[members] = len(hull) > 2 and width_of(hull) >= width
+        if len(members) == 1:
+            wide[members] = width_of(hulls[members[0]]) >= width
+            continue
+        corners = np.concatenate([hulls[k] for k in members])
+        diameter = float(np.linalg.norm(np.ptp(corners, axis=0)))
+        wide[members] = area[members].sum() >= width * diameter
     return wide
 
 

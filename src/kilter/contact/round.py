@@ -5,7 +5,8 @@ surface lies at the radius from the core. It touches another part where the dist
 core from that part's surface is the radius, within tolerance. A frictionless sphere is
 pushed through its centre, the side of a cylinder across its axis; the flat ends of a
 cylinder are planar faces, given as an inscribed polygon, whose circumscribed polygon bounds
-the answer from the other side.
+the answer from the other side. Where a rim touches (`rims`, found as edges and corners are,
+the polygon's sagitta allowed for) any force and torque between the parts is thought possible.
 """
 
 from __future__ import annotations
@@ -16,14 +17,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kilter.contact.contact_set import PossibleContacts, Unsupported
-from kilter.contact.facets import Facets
 from kilter.geometry import Geometry
+from kilter.rigid import cross
 from kilter.shapes import CYLINDER_SIDES
 
-__all__ = ["RoundContacts", "rim_contacts", "round_contacts"]
+__all__ = ["RoundContacts", "rim_contacts", "rim_slack", "round_contacts"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
+_Force = tuple[int, int, Array, Array]
 
 FACETED = 2e-3
 """A mesh of a round hole may enter a round part by this part of its radius (its sagitta)."""
@@ -46,25 +48,48 @@ class _Core:
     radius: float
 
 
+def rim_slack(geometry: Geometry, part: Index) -> Array:
+    """How far the rim of each cylinder may lie outside its polygon [length unit], (n,)."""
+    height = 1.0 - np.cos(np.pi / CYLINDER_SIDES)
+    cylinder = geometry.round_axis[part].any(axis=1)
+    slack: Array = np.where(cylinder, geometry.radius[part] * height, 0.0)
+    return slack
+
+
 def round_contacts(
-    geometry: Geometry, facets: Facets, pairs: Index, tolerance: Array, rows: Index
+    geometry: Geometry,
+    pairs: Index,
+    tolerance: Array,
+    rows: Index,
+    rims: dict[int, Array],
 ) -> RoundContacts:
-    """Which of the pairs `rows` touch at a round surface."""
+    """Which of the pairs `rows` touch at a round surface; `rims`: points of rims that touch."""
     unsupported = []
-    forces: list[tuple[int, int, Array, Array]] = []
+    forces: list[_Force] = []
     for row in rows:
         a, b = (int(k) for k in pairs[row])
-        touched = _touch(geometry, facets, a, b, float(tolerance[row]))
-        if touched is None:
-            continue
-        x, y, z = touched.tolist()
+        point = rims.get(int(row))
+        if point is not None:
+            held = _any_wrench(point, float(geometry.radius[[a, b]].min()))
+        else:
+            point, rolling = _touch(geometry, a, b, float(tolerance[row]))
+            if point is None:
+                continue
+            held = _forces(geometry, rolling)
+        x, y, z = point.tolist()
         unsupported.append(Unsupported((a, b), "curved", (x, y, z)))
-        axle = a if geometry.is_round[a] else b
-        forces.extend((a, b, point, normal) for point, normal in _forces(geometry, axle))
+        forces.extend((a, b, point, normal) for point, normal in held)
     return RoundContacts(tuple(unsupported), _possible(forces, two_sided=True))
 
 
-def _possible(forces: list[tuple[int, int, Array, Array]], *, two_sided: bool) -> PossibleContacts:
+def _any_wrench(point: Array, arm: float) -> list[tuple[Array, Array]]:
+    """Points and directions of forces that add up to any force and torque."""
+    x, y, z = np.eye(3)
+    at = [(point, x), (point, y), (point, z)]
+    return [*at, (point + arm * x, y), (point + arm * x, z), (point + arm * y, z)]
+
+
+def _possible(forces: list[_Force], *, two_sided: bool) -> PossibleContacts:
     count = len(forces)
     return PossibleContacts(
         part_a=np.array([a for a, _, _, _ in forces], dtype=np.int64),
@@ -93,24 +118,43 @@ def _forces(geometry: Geometry, part: int) -> list[tuple[Array, Array]]:
     axis = geometry.round_axis[part]
     if not axis.any():
         return [(core.start, direction) for direction in np.eye(3)]
-    u = np.cross(np.eye(3)[np.abs(axis).argmin()], axis)
+    u = cross(np.eye(3)[np.abs(axis).argmin()], axis)
     u /= np.linalg.norm(u)
-    return [(end, d) for end in (core.start, core.end) for d in (u, np.cross(axis, u))]
+    return [(end, d) for end in (core.start, core.end) for d in (u, cross(axis, u))]
 
 
-def _touch(geometry: Geometry, facets: Facets, a: int, b: int, tolerance: float) -> Array | None:
-    """Where two parts, one of them round, touch at a round surface; None if they do not."""
-    if not geometry.is_round[a]:
-        a, b = b, a
-    core = _core(geometry, a)
-    if geometry.is_round[b]:
-        other = _core(geometry, b)
-        apart, middle = _segments(core, other)
-        reach = core.radius + other.radius
-        return middle if abs(apart - reach) <= tolerance and reach > 0 else None
+def _touch(geometry: Geometry, a: int, b: int, tolerance: float) -> tuple[Array | None, int]:
+    """Where two parts touch at a round surface (None: nowhere), and the part whose it is."""
+    # a sphere first: whatever it touches pushes through its centre
+    order = sorted((a, b), key=lambda part: bool(geometry.round_axis[part].any()))
+    rolling = [part for part in order if geometry.is_round[part]]
+    if len(rolling) == 2:
+        one, other = _core(geometry, a), _core(geometry, b)
+        apart, middle = _segments(one, other)
+        if abs(apart - one.radius - other.radius) <= tolerance:
+            return middle, rolling[0]
+    for part in rolling:
+        point = _on_flat(geometry, part, b if part == a else a, tolerance)
+        if point is not None:
+            return point, part
+    return None, a
+
+
+def _on_flat(geometry: Geometry, a: int, b: int, tolerance: float) -> Array | None:
+    """Where the round surface of part a touches a flat face, edge or corner of part b."""
+    core, axis = _core(geometry, a), geometry.round_axis[a]
     span = slice(geometry.triangle_start[b], geometry.triangle_start[b + 1])
-    distance, point, along = _to_triangles(core, geometry.vertices[geometry.triangles[span]])
-    side = (along > 1e-9) & (along < 1 - 1e-9) if geometry.round_axis[a].any() else along >= 0
+    triangles = geometry.vertices[geometry.triangles[span]]
+    if geometry.is_round[b]:  # only the flat ends of the other; its side is asked apart
+        normal = cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+        along_axis = np.abs(normal @ geometry.round_axis[b])
+        triangles = triangles[along_axis > (1 - 1e-9) * np.linalg.norm(normal, axis=1)]
+    if not len(triangles):
+        return None
+    distance, point, along = _to_triangles(core, triangles)
+    # beyond an end of the axis it is the flat end that comes near, not the side
+    foot = core.start + along[:, None] * (core.end - core.start)
+    side = np.abs((point - foot) @ axis) <= tolerance
     near = side & (distance <= core.radius + tolerance)
     near &= distance >= core.radius * (1 - FACETED) - tolerance
     if not near.any():
@@ -180,13 +224,13 @@ def _to_triangles(core: _Core, triangles: Array) -> tuple[Array, Array, Array]:
 def _plane_feet(x: Array, triangles: Array, s: float) -> tuple[Array, Array, Array]:
     """Distance from a point to each triangle it lies over; infinite elsewhere."""
     p, q, r = triangles.transpose(1, 0, 2)
-    normal = np.cross(q - p, r - p)
+    normal = cross(q - p, r - p)
     normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
     height = np.einsum("ij,ij->i", x - p, normal)
     foot = x - height[:, None] * normal
     inside = np.ones(len(p), dtype=bool)
     for start, end in ((p, q), (q, r), (r, p)):
-        inside &= np.einsum("ij,ij->i", np.cross(end - start, foot - start), normal) >= 0
+        inside &= np.einsum("ij,ij->i", cross(end - start, foot - start), normal) >= 0
     return np.where(inside, np.abs(height), np.inf), foot, np.full(len(p), s)
 
 
@@ -220,7 +264,7 @@ def rim_contacts(
     parts : ndarray of int, shape (P, 2)
         Parts of each patch, with their `normals` (P, 3) and `points` by `start`.
     """
-    forces: list[tuple[int, int, Array, Array]] = []
+    forces: list[_Force] = []
     stretch = 1.0 / np.cos(np.pi / CYLINDER_SIDES)
     for patch in np.flatnonzero(geometry.is_round[parts].any(axis=1)):
         a, b = (int(k) for k in parts[patch])

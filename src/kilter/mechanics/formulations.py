@@ -39,8 +39,6 @@ __all__ = [
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-FEW = 1000
-"""Programs with fewer rows than this are written in the world frame: turning costs more."""
 NOTHING = 1e-14
 """Entries of the scaled matrix below this are rounding of an exact zero."""
 
@@ -73,13 +71,20 @@ class Scaled:
     """The equilibrium matrix A = S J^T and right-hand side b = -S w in a common frame.
 
     `frame` (3, 3) turns world vectors to the frame in which most normals lie along axes, so
-    that a turned assembly has as few entries as an upright one.
+    that a turned assembly has as few entries as an upright one. Forces are in units of
+    `unit` [N], the geometric mean of the weights, so that the entries of the matrix are near
+    1 whether the parts weigh grams or megatons.
     """
 
     program: Program
     frame: Array
+    unit: float
     matrix: csc_array
     right: Array
+
+    def forces(self, columns: Array) -> Array:
+        """Forces of the rows [N], shape (K,), for scaled unknowns."""
+        return columns * self.unit
 
     def motion(self, columns: Array) -> Array:
         """The motion of all parts, shape (N, 6), for scaled unknowns of the free parts."""
@@ -90,6 +95,18 @@ class Scaled:
         full[:, 3:] /= program.radius[:, None]
         turned = full.reshape(-1, 2, 3) @ self.frame
         return turned.reshape(-1, 6)
+
+    def openings(self) -> csc_array:
+        """J in scaled unknowns: openings of the rows, one row each [length unit]."""
+        weight = np.repeat(
+            self.program.weight[self.program.free] / self.unit, len(self.program.freedoms)
+        )
+        return csc_array(csc_array(self.matrix.multiply(weight[:, None])).T)
+
+    def power(self) -> Array:
+        """W in scaled unknowns: its product with a motion is the power of the load."""
+        weight = self.program.weight[self.program.free]
+        return -self.right * np.repeat(weight, len(self.program.freedoms))
 
     def over_weight(self, columns: Array) -> Array:
         """`columns` divided by the weight of their parts: multipliers of A's rows as a motion."""
@@ -104,6 +121,7 @@ def scaled(program: Program) -> Scaled:
     column = np.full(len(program.names) + 1, -1)
     column[:-1][program.free] = np.arange(int(program.free.sum()))
     weight = program.weight
+    unit = float(np.exp(np.log(weight[program.free]).mean())) if program.free.any() else 1.0
     data = np.zeros((len(program.part_a), 2, per))
     index = np.zeros((len(program.part_a), 2, per), dtype=np.int32)
     for side, (part, sign) in enumerate(((program.part_a, -1.0), (program.part_b, 1.0))):
@@ -113,7 +131,7 @@ def scaled(program: Program) -> Scaled:
         lever[:, 1] /= program.radius[owner][:, None]
         entries = lever.reshape(-1, 6)[:, program.freedoms]
         entries[np.abs(entries) < NOTHING] = 0.0
-        data[rows, side] = sign * entries / weight[owner][:, None]
+        data[rows, side] = sign * entries * (unit / weight[owner])[:, None]
         index[rows, side] = column[owner][:, None] * per + np.arange(per)
     flat_data, flat_index = data.reshape(-1, 2 * per), index.reshape(-1, 2 * per)
     used = flat_data != 0
@@ -125,13 +143,13 @@ def scaled(program: Program) -> Scaled:
     load = program.load[program.free].reshape(-1, 2, 3) @ frame.T
     load[:, 1] /= program.radius[program.free][:, None]
     right = load.reshape(-1, 6)[:, program.freedoms] / weight[program.free][:, None]
-    return Scaled(program, frame, matrix, -right.reshape(-1))
+    return Scaled(program, frame, unit, matrix, -right.reshape(-1))
 
 
 def _frame(normals: Array) -> Array:
     from kilter.contact.broad import common_frame
 
-    if len(normals) < FEW:
+    if not len(normals):
         return np.eye(3)
     return common_frame(normals, np.ones(len(normals)))
 
@@ -186,17 +204,19 @@ def least_imbalance(problem: Scaled) -> LinearProgram:
 def displacement(program: Program) -> LinearProgram:
     """LP (9): minimise -w.dp, J dp >= 0, |dr|, |dtheta| <= 1; gravity of length 1.
 
-    x = dp in the order of `Program.columns`; lengths in the unit of the file.
+    x = dp in the order of `Program.columns`; lengths in the unit of the file. Each row is
+    divided by its length, which changes no solution.
     """
     cost = -program.load[np.ix_(program.free, program.freedoms)].reshape(-1)
     cost = cost / float(np.linalg.norm(program.gravity))
-    matrix = program.jacobian().tocsc()
-    rows = matrix.shape[0]
+    matrix = program.jacobian()
+    length = np.sqrt(np.asarray(matrix.multiply(matrix).sum(axis=1)).ravel())
+    matrix = csc_array(matrix.multiply(1.0 / np.maximum(length, 1e-300)[:, None]))
     one = np.ones(len(cost))
     return LinearProgram(
         cost,
         matrix,
-        np.zeros(rows),
+        np.zeros(len(length)),
         np.where(program.two_sided, 0.0, np.inf),
         -one,
         one,
@@ -207,9 +227,9 @@ def impending_motion(problem: Scaled) -> QuadraticProgram:
     """Gauss's principle for the initial accelerations, in scaled unknowns.
 
     x = (a, radius x alpha) of the free parts over the size of gravity, in the frame of the
-    problem; the mass of each part is taken over its weight, so that the numbers are near 1:
+    problem; masses are taken over the largest, so that the numbers are near 1:
 
-        min sum_i (weight_i / |g|) (1/2 a_i . M_i a_i / m_i ...) - w . a,   J a >= 0.
+        min 1/2 x.M x / m_max - w.x / (m_max |g|),   J x >= 0.
     """
     program = problem.program
     free = np.flatnonzero(program.free)
@@ -218,7 +238,6 @@ def impending_motion(problem: Scaled) -> QuadraticProgram:
     mass = np.zeros((len(free), 6, 6))
     mass[:, range(3), range(3)] = 1.0
     mass[:, 3:, 3:] = turned / (program.mass[free] * program.radius[free] ** 2)[:, None, None]
-    # a weight a part: rows scaled as the equilibrium is, so the cost is a sum over parts
     share = program.mass[free] / program.mass[free].max(initial=1e-300)
     blocks = mass[:, program.freedoms][:, :, program.freedoms] * share[:, None, None]
     row = np.arange(len(free))[:, None, None] * per + np.arange(per)[:, None]
@@ -226,11 +245,10 @@ def impending_motion(problem: Scaled) -> QuadraticProgram:
     shape = (per * len(free),) * 2
     where = (np.broadcast_to(row, blocks.shape).ravel(), np.broadcast_to(col, blocks.shape).ravel())
     quadratic = csc_array((blocks.ravel(), where), shape=shape)
-    weight = program.weight[free]
-    unit = program.mass[free].max(initial=1e-300) * float(np.linalg.norm(program.gravity))
-    cost = (problem.right.reshape(-1, per) * (weight / unit)[:, None]).reshape(-1)
-    per_row = np.repeat(weight, per)
-    opening = csc_array(problem.matrix.multiply(per_row[:, None])).T.tocsc()
+    largest = program.mass[free].max(initial=1e-300) * float(np.linalg.norm(program.gravity))
+    share = program.weight[free] / largest
+    cost = (problem.right.reshape(-1, per) * share[:, None]).reshape(-1)
+    opening = problem.openings()
     order = np.argsort(~program.two_sided, kind="stable")
     return QuadraticProgram(
         quadratic, cost, opening[order], np.zeros(len(order)), int(program.two_sided.sum())

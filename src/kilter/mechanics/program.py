@@ -41,6 +41,9 @@ CONTACT, POSSIBLE, JOINT = 0, 1, 2
 TOLERANCE = 1e-9
 """Relative tolerance of a verdict, for data that are exact in float64."""
 
+BLUR = 5.0
+"""Tolerance over the accuracy of coordinates that are coarser than float64."""
+
 PLANE = np.array([0, 2, 4])
 """Freedoms of a planar part among the six: x, z, rotation about y."""
 
@@ -345,5 +348,6 @@ def _applied(assembly: Assembly, geometry: Geometry) -> Array:
 def _tolerances(contacts: ContactSet, geometry: Geometry) -> Array:
     """max(1e-9, accuracy of the coordinates over the size of the patch) of each part."""
     tolerance = np.full(len(geometry.mass), TOLERANCE)
-    np.maximum.at(tolerance, contacts.patch_parts.T, contacts.patch_accuracy[None, :])
+    blur = BLUR * contacts.patch_accuracy
+    np.maximum.at(tolerance, contacts.patch_parts.T, blur[None, :])
     return tolerance

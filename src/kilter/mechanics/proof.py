@@ -19,7 +19,13 @@ from numpy.typing import NDArray
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet, Tolerance
 from kilter.errors import InputError
-from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
+from kilter.mechanics.certificate import (
+    ForceProof,
+    MotionProof,
+    check_forces,
+    check_motion,
+    part_sizes,
+)
 from kilter.mechanics.program import CONTACT, JOINT, Program, build_program
 
 __all__ = ["Verification", "make_proof", "proof_tolerance", "verify_proof"]
@@ -125,7 +131,7 @@ def make_proof(
 
 
 def _joints(
-    assembly: Assembly, program: Program, certificate: ForceProof | MotionProof
+    assembly: Assembly, program: Program, certificate: ForceProof | MotionProof | None
 ) -> list[dict[str, Any]]:
     """Joints with their wrench on the second part about `point`."""
     found = []
@@ -229,8 +235,10 @@ def _differences(
     ]
     if loads != own:
         reasons.append("its loads are not the file's")
-    joints = [(list(e["parts"]), e["kind"]) for e in proof["joints"]]
-    if joints != [(list(j.parts), j.kind) for j in assembly.joints]:
+    keys = ("parts", "kind", "point", "axis")
+    joints = [[entry[key] for key in keys] for entry in proof["joints"]]
+    own_joints = _joints(assembly, program, None)
+    if joints != [[entry[key] for key in keys] for entry in own_joints]:
         reasons.append("its joints are not the file's")
     return reasons
 
@@ -292,6 +300,8 @@ def _recheck_forces(program: Program, proof: dict[str, Any]) -> tuple[float, lis
         mine = np.flatnonzero((program.kind == JOINT) & (program.source == number))
         forces[mine] = entry["wrench"]
     judged = check_forces(program, forces)
+    if not _near(judged.residual, proof["certificate"]["residual"], 1.0):
+        reasons.append("its residual is not that of its forces")
     if not judged.holds:
         reasons.append(f"the forces leave {judged.residual:.3g} of a part's weight unbalanced")
     return judged.residual, reasons
@@ -313,6 +323,13 @@ def _recheck_motion(
             f"the motion gains {judged.power:.3g} W and violates contacts by "
             f"{judged.violation:.3g}: that proves nothing"
         )
+    sizes = part_sizes(outer, motion, per_radius=False)
+    if not _near(sizes.max(initial=0.0), 1.0, 1.0):
+        reasons.append("its fastest part does not move by 1")
+    if outer.planar and motion[:, [1, 3, 5]].any():
+        reasons.append("its motion leaves the plane")
+    if not _near(judged.violation, proof["certificate"]["violation"], 1.0):
+        reasons.append("its violation is not that of its motion")
     claimed = float(proof["certificate"]["power"])
     if abs(judged.power - claimed) > SAME * abs(claimed):
         reasons.append(f"its power is {judged.power:.6g} W, not {claimed:.6g} W")

@@ -1,0 +1,258 @@
+"""Polyhedral cones in R^3: kind, lines, rays, equations, facets, axis, membership.
+
+    C = {g : e.g = 0 for the equations e,  q.g >= 0 for the facets q}
+      = lines + {sums of rays, not negative}
+
+The facets are unit inward normals within the span of C, the rays unit and orthogonal to the
+lines. The rank of the facets is the dimension less the number of lines, and these two
+numbers name the kind.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kilter.rigid import frozen
+
+__all__ = ["KINDS", "Cone", "make_cone", "widest_axis"]
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+KINDS = {
+    (0, 0): "none",
+    (1, 0): "ray",
+    (1, 1): "line",
+    (2, 0): "fan",
+    (2, 1): "half-plane",
+    (2, 2): "plane",
+    (3, 0): "cone",
+    (3, 1): "wedge",
+    (3, 2): "half-space",
+    (3, 3): "all",
+}
+"""Kinds by dimension and number of lines."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cone:
+    """A polyhedral cone of directions, world frame; every vector has length 1.
+
+    Attributes
+    ----------
+    lines : ndarray, shape (l, 3)
+        Orthonormal basis of the directions both of whose signs are in it.
+    rays : ndarray, shape (r, 3)
+        Extreme rays, orthogonal to the lines.
+    equations : ndarray, shape (3 - dimension, 3)
+        Orthonormal normals of the span.
+    facets : ndarray, shape (f, 3)
+        Inward normals within the span.
+    blur : float
+        Directions closer to the boundary than this count as on it [rad].
+
+    Examples
+    --------
+    >>> quarter = make_cone([[0, 1, 0]], [[1, 0, 0], [0, 0, 1]], [[1, 0, 0], [0, 0, 1]], 1e-8)
+    >>> quarter.kind, quarter.half_angle_deg
+    ('fan', 45.0)
+    >>> quarter.contains([[2, 0, 1], [1, 1, 0], [-1, 0, 1]])
+    array([ True, False, False])
+    """
+
+    lines: Array
+    rays: Array
+    equations: Array
+    facets: Array
+    blur: float
+
+    @property
+    def dimension(self) -> int:
+        """Of the span, 0 to 3."""
+        return 3 - len(self.equations)
+
+    @property
+    def kind(self) -> str:
+        """One of the ten kinds, `KINDS`."""
+        return KINDS[self.dimension, len(self.lines)]
+
+    @property
+    def center(self) -> Array | None:
+        """Axis of the widest circular cone inside, within the span, shape (3,); or None."""
+        if not len(self.facets):
+            return None
+        return self.rays[0] if len(self.rays) == 1 else widest_axis(self.facets)
+
+    @property
+    def half_angle_deg(self) -> float | None:
+        """Half angle of the widest circular cone inside, within the span [deg]."""
+        fixed = {"none": None, "ray": 0.0, "line": 0.0, "plane": 180.0, "all": 180.0}
+        if self.kind in fixed:
+            return fixed[self.kind]
+        center = self.center
+        assert center is not None
+        widest = float(np.degrees(np.arcsin(np.clip((self.facets @ center).min(), 0.0, 1.0))))
+        return round(widest, 12)
+
+    def contains(self, directions: ArrayLike, margin: float = 0.0) -> Mask:
+        """Whether directions are in the cone.
+
+        Parameters
+        ----------
+        directions : array_like, shape (..., 3)
+            Of any length; zero is in no cone but the whole space.
+        margin : float
+            How far inside the facets they must be, within the span [rad]; the span itself
+            is always blurred by `blur`.
+
+        Returns
+        -------
+        ndarray of bool, shape (...)
+        """
+        given = np.asarray(directions, dtype=np.float64)
+        length = np.linalg.norm(given, axis=-1)
+        unit = given / np.where(length > 0, length, 1.0)[..., None]
+        flat = (np.abs(unit @ self.equations.T) <= self.blur).all(axis=-1)
+        least = np.sin(margin) - (self.blur if margin <= 0 else 0.0)
+        inside: Mask = flat & (unit @ self.facets.T >= least).all(axis=-1)
+        return inside & (length > 0) & (self.dimension > 0)
+
+    def boundary_angle(self, directions: ArrayLike) -> Array:
+        """Least angle to a facet or, outside the span, to the span [rad], shape (...).
+
+        A lower bound of the distance to the boundary, for directions of any length.
+        """
+        given = np.asarray(directions, dtype=np.float64)
+        unit = given / np.linalg.norm(given, axis=-1, keepdims=True)
+        sines = np.abs(np.concatenate([unit @ self.equations.T, unit @ self.facets.T], axis=-1))
+        angles: Array = np.arcsin(np.clip(sines.min(axis=-1, initial=1.0), 0.0, 1.0))
+        return angles
+
+
+def make_cone(equations: ArrayLike, facets: ArrayLike, points: ArrayLike, blur: float) -> Cone:
+    """A cone from its equations, its facets and points of it among which are its rays.
+
+    Parameters
+    ----------
+    equations : array_like, shape (e, 3)
+        Orthonormal.
+    facets : array_like, shape (f, 3)
+        Unit, orthogonal to the equations; none of them implied by the others.
+    points : array_like, shape (n, 3)
+        Unit. Every extreme ray modulo the lines must be among them.
+    blur : float
+        [rad]
+
+    Examples
+    --------
+    >>> make_cone(np.empty((0, 3)), [[0, 0, 1]], [[0, 0, 1]], 1e-8).kind
+    'half-space'
+    """
+    e, q = (np.asarray(rows, dtype=np.float64).reshape(-1, 3) for rows in (equations, facets))
+    _, values, vectors = np.linalg.svd(np.vstack([e, q, np.zeros((3, 3))]))
+    lines = vectors[values <= blur]
+    on_lines = lines.T @ lines
+    q = _units(q - q @ on_lines)
+    rays = _rays(e, q, lines, np.asarray(points, dtype=np.float64).reshape(-1, 3), blur)
+    # no negative zeros: they would be read as a direction
+    arrays = (frozen(rows + 0.0) for rows in (lines, rays, e, q))
+    return Cone(*arrays, blur)
+
+
+def _units(rows: Array) -> Array:
+    length = np.linalg.norm(rows, axis=1, keepdims=True)
+    units: Array = rows / np.where(length > 0, length, 1.0)
+    return units
+
+
+def _rays(equations: Array, facets: Array, lines: Array, points: Array, blur: float) -> Array:
+    """Extreme rays, orthogonal to the lines."""
+    rank = 3 - len(equations) - len(lines)
+    if rank <= 1:
+        return facets[:rank]
+    tight = np.abs(points @ facets.T) <= blur
+    aside = points - points @ (lines.T @ lines)
+    length = np.linalg.norm(aside, axis=1)
+    if rank == 2:
+        chosen = [np.where(tight[:, k], length, -1.0).argmax() for k in range(len(facets))]
+        return _units(aside[chosen])
+    return _around(points[_extreme(tight, facets, blur)], facets)
+
+
+def _extreme(tight: Mask, facets: Array, blur: float) -> Mask:
+    """Points that lie on two facets which are not one plane."""
+    extreme = np.zeros(len(tight), dtype=bool)
+    for k, row in enumerate(tight):
+        normals = facets[row]
+        if len(normals) > 1:
+            extreme[k] = bool((np.linalg.norm(np.cross(normals[0], normals), axis=1) > blur).any())
+    return extreme
+
+
+def _around(rays: Array, facets: Array) -> Array:
+    """Rays in order around the axis, the one with the largest entries first."""
+    axis = widest_axis(facets)
+    side = np.cross(axis, np.eye(3)[np.abs(axis).argmin()])
+    angle = np.arctan2(rays @ np.cross(axis, side), rays @ side)
+    ordered = rays[np.argsort(angle)]
+    return np.roll(ordered, -int(np.lexsort(ordered.round(6).T)[-1]), axis=0)
+
+
+def widest_axis(facets: ArrayLike) -> Array:
+    """Axis u of the widest circular cone inside: the unit u with the largest min q.u.
+
+    Parameters
+    ----------
+    facets : array_like, shape (f, 3)
+        Unit inward normals, in one open half-space; at least one.
+
+    Notes
+    -----
+    A problem of the type of linear programs: at most three facets determine the axis. The
+    facet that it violates most joins them until none is violated.
+
+    Examples
+    --------
+    >>> widest_axis([[1, 0, 0], [0, 1, 0], [0.6, 0.8, 0.0]]).round(6)
+    array([0.707107, 0.707107, 0.      ])
+    """
+    q = np.asarray(facets, dtype=np.float64)
+    basis = [0]
+    axis: Array = q[0]
+    for _ in range(3 * len(q) + 10):
+        reach = q @ axis
+        worst = int(reach.argmin())
+        if worst in basis or reach[worst] >= reach[basis].min() - 1e-15:
+            break
+        basis, axis = _axis_of([*basis, worst], q)
+    return axis
+
+
+def _axis_of(candidates: list[int], q: Array) -> tuple[list[int], Array]:
+    """The axis of up to four facets, and those that determine it."""
+    best: tuple[float, list[int], Array] | None = None
+    for size in (1, 2, 3):
+        for chosen in itertools.combinations(candidates, size):
+            axis = _equidistant(q[list(chosen)])
+            if axis is None:
+                continue
+            reach = float((q[candidates] @ axis).min())
+            if best is None or reach > best[0] + 1e-15:
+                best = (reach, list(chosen), axis)
+    assert best is not None
+    return best[1], best[2]
+
+
+def _equidistant(q: Array) -> Array | None:
+    """The unit vector with the same product with up to three normals, nearest to them."""
+    if len(q) < 3:
+        axis = q.sum(axis=0)
+    else:
+        axis = np.cross(q[1] - q[0], q[2] - q[0])
+        axis = axis if axis @ q[0] > 0 else -axis
+    length = float(np.linalg.norm(axis))
+    return axis / length if length > 1e-14 else None

@@ -1,0 +1,103 @@
+"""Convex hulls that grow point by point, in one, two or three dimensions.
+
+A facet is a simplex: as many points as there are dimensions. A new point sees the facets
+it lies outside of; the ridges between what it sees and what it does not are joined to it.
+Points in the plane of a facet, up to the tolerance, do not see it: a facet with many
+corners is several simplices in one plane.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["GrowingHull"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+
+class GrowingHull:
+    """The hull of points in R^d, d = 1, 2 or 3.
+
+    Parameters
+    ----------
+    corners : ndarray, shape (d + 1, d)
+        A first simplex, not flat.
+    tolerance : float
+        A point this far outside a facet does not count as outside.
+
+    Attributes
+    ----------
+    points : ndarray, shape (n, d)
+        In the order in which they came.
+    facets : ndarray of int, shape (f, d)
+        Points of each simplex.
+    normals : ndarray, shape (f, d)
+        Outward, unit.
+    offsets : ndarray, shape (f,)
+        ``normals @ point <= offsets``.
+    done : ndarray of bool, shape (f,)
+        A mark for the user; False on new facets.
+
+    Examples
+    --------
+    >>> hull = GrowingHull(np.array([[0.0, 0], [1, 0], [0, 1]]), 1e-9)
+    >>> hull.add(np.array([1.0, 1.0])), len(hull.facets)
+    (True, 4)
+    >>> hull.add(np.array([0.5, 0.5]))
+    False
+    """
+
+    def __init__(self, corners: Array, tolerance: float) -> None:
+        size = corners.shape[1]
+        self.points = corners.astype(np.float64)
+        self.tolerance = tolerance
+        self._inside = self.points.mean(axis=0)
+        every = np.arange(size + 1)
+        self.facets: Index = np.array([np.delete(every, k) for k in every])
+        self.normals, self.offsets = self._planes(self.facets)
+        self.done: Mask = np.zeros(size + 1, dtype=bool)
+
+    def add(self, point: Array) -> bool:
+        """Take a point in; False, and no change, where it is not outside."""
+        seen = self.normals @ point > self.offsets + self.tolerance
+        if not seen.any():
+            return False
+        self.points = np.vstack([self.points, point])
+        ridges = self._horizon(self.facets[seen])
+        new = np.hstack([ridges, np.full((len(ridges), 1), len(self.points) - 1)])
+        normals, offsets = self._planes(new)
+        self.facets = np.vstack([self.facets[~seen], new])
+        self.normals = np.vstack([self.normals[~seen], normals])
+        self.offsets = np.concatenate([self.offsets[~seen], offsets])
+        self.done = np.concatenate([self.done[~seen], np.zeros(len(new), dtype=bool)])
+        return True
+
+    def _horizon(self, seen: Index) -> Index:
+        """Ridges of the seen facets that belong to one of them only."""
+        size = seen.shape[1]
+        ridges = np.vstack([np.sort(np.delete(seen, k, axis=1), axis=1) for k in range(size)])
+        if size == 1:
+            return ridges[:1]
+        unique, counts = np.unique(ridges, axis=0, return_counts=True)
+        single: Index = unique[counts == 1]
+        return single
+
+    def _planes(self, facets: Index) -> tuple[Array, Array]:
+        """Outward unit normals and offsets of simplices."""
+        corners = self.points[facets]
+        size = corners.shape[2]
+        first = corners[:, 0]
+        if size == 1:
+            normals = np.ones((len(corners), 1))
+        elif size == 2:
+            edge = corners[:, 1] - first
+            normals = np.column_stack([edge[:, 1], -edge[:, 0]])
+        else:
+            normals = np.cross(corners[:, 1] - first, corners[:, 2] - first)
+        normals = normals / np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+        out = np.einsum("ij,ij->i", normals, first - self._inside)
+        normals[out < 0] *= -1.0
+        return normals, np.einsum("ij,ikj->ik", normals, corners).max(axis=1)

@@ -1,0 +1,228 @@
+"""A cone found through an oracle: first its span, then the hull inside it.
+
+An oracle answers "how far does the cone reach in the direction c?" with a point of the cone
+or with a witness that it does not reach there at all. The span grows by one dimension
+whenever a direction orthogonal to it, of either sign, is reached; one that is not reached
+is an equation. Inside the span every facet of the hull of the points found is asked in
+turn: it is a facet of the cone, or there is a point beyond it. So every question finds a
+point, a facet or one sign of an equation, and thin cones are found as surely as wide ones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Grown", "Oracle", "Reach", "grow"]
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+WIDE = 0.1
+"""Points with a cosine above this to their mean are asked for from that side alone."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Reach:
+    """The answer of an oracle for a unit direction c.
+
+    `angle`: c.g / |g| for the best g of the cone, 0 where there is none [rad]; `point`: that
+    g, unit, shape (d,); `forces` that balance it; `witness`: multipliers that prove the bound.
+    """
+
+    angle: float
+    point: Array
+    forces: Array
+    witness: Array
+
+
+class Oracle(Protocol):
+    """The support of a cone in R^d."""
+
+    dimension: int
+
+    def support(self, direction: Array) -> Reach:
+        """How far the cone reaches in a unit direction."""
+
+    def focus(self, axis: Array) -> None:
+        """Cut the cone off across this axis: then optima are extreme rays."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Grown:
+    """A cone as it was found, in R^d.
+
+    Attributes
+    ----------
+    span : ndarray, shape (D, d)
+        Orthonormal basis.
+    points : list of Reach
+        Unit points of the cone, its rays among them.
+    equations : list of (ndarray, Reach, Reach)
+        Unit normals of the span, with what was reached on either side: nothing.
+    facets : list of (ndarray, Reach)
+        Unit inward normals within the span, with what was reached beyond: nothing.
+    """
+
+    span: Array
+    points: list[Reach]
+    equations: list[tuple[Array, Reach, Reach]]
+    facets: list[tuple[Array, Reach]]
+
+
+def grow(oracle: Oracle, first: Array, blur: float, tell: Callable[[], None]) -> Grown:
+    """Find a cone.
+
+    Parameters
+    ----------
+    oracle : Oracle
+    first : ndarray, shape (d,)
+        A direction to ask first.
+    blur : float
+        The cone does not reach where it reaches less than this [rad].
+    tell : callable
+        Called at each question.
+    """
+    span, points, equations = _span(oracle, first, blur, tell)
+    facets = _close(oracle, span, points, blur, tell)
+    return Grown(span, points, equations, facets)
+
+
+def _span(
+    oracle: Oracle, first: Array, blur: float, tell: Callable[[], None]
+) -> tuple[Array, list[Reach], list[tuple[Array, Reach, Reach]]]:
+    """Orthonormal basis of the span, points that span it, and the equations."""
+    span = np.empty((0, oracle.dimension))
+    points: list[Reach] = []
+    equations: list[tuple[Array, Reach, Reach]] = []
+    while len(span) + len(equations) < oracle.dimension:
+        known = np.vstack([span, *[e[None] for e, _, _ in equations]])
+        direction = _beyond(known, first)
+        sides = []
+        for sign in (1.0, -1.0):
+            tell()
+            sides.append(oracle.support(sign * direction))
+        reached = [side for side in sides if side.angle > blur]
+        if not reached:
+            equations.append((direction, sides[0], sides[1]))
+            continue
+        points += [side for side in reached if _is_new(side, points, blur)]
+        farthest = max(reached, key=lambda side: side.angle).point
+        span = np.vstack([span, _rest(known, farthest)])
+    return span, points, equations
+
+
+def _beyond(known: Array, first: Array) -> Array:
+    """A unit vector orthogonal to orthonormal rows, near `first` if that is not among them."""
+    rest = first - known.T @ (known @ first)
+    if np.linalg.norm(rest) > 0.1:
+        return _rest(known, rest)
+    _, _, vectors = np.linalg.svd(np.vstack([known, np.zeros((1, known.shape[1]))]))
+    return _rest(known, vectors[len(known)])
+
+
+def _rest(known: Array, vector: Array) -> Array:
+    """What of a vector is orthogonal to orthonormal rows, unit."""
+    for _ in range(2):
+        vector = vector - known.T @ (known @ vector)
+        vector = vector / np.linalg.norm(vector)
+    return vector
+
+
+def _is_new(found: Reach, points: list[Reach], blur: float) -> bool:
+    return all(np.linalg.norm(found.point - other.point) > blur for other in points)
+
+
+def _close(
+    oracle: Oracle, span: Array, points: list[Reach], blur: float, tell: Callable[[], None]
+) -> list[tuple[Array, Reach]]:
+    """The facets within the span; `points` grows until it holds every ray."""
+    if not len(span):
+        return []
+    _focus(oracle, points)
+    proved: list[tuple[Array, Reach]] = []
+    while True:
+        inside = _inside(span, points)
+        normals, tight = _facets(inside, blur)
+        at = np.abs(np.array([q for q, _ in proved]).reshape(-1, len(span)) @ inside.T) <= blur
+        # one of the proved facets holds all the points that this one does
+        known = [bool((tight[k] <= at).all(axis=1).any()) for k in range(len(normals))]
+        if all(known):
+            break
+        q = normals[known.index(False)]
+        tell()
+        reach = oracle.support(-(q @ span))
+        if reach.angle > blur and _is_new(reach, points, blur):
+            points.append(reach)
+        else:
+            proved.append((q, reach))
+    chosen = [_match(q, proved) for q in normals]
+    return [(q @ span, reach) for q, reach in zip(normals, chosen, strict=True)]
+
+
+def _match(normal: Array, proved: list[tuple[Array, Reach]]) -> Reach:
+    """The answer of the proved facet nearest to a normal."""
+    return max(proved, key=lambda entry: float(entry[0] @ normal))[1]
+
+
+def _focus(oracle: Oracle, points: list[Reach]) -> None:
+    """Ask across the mean of the points from now on, if they lie well to one side."""
+    rows = np.array([found.point for found in points])
+    mean = rows.mean(axis=0)
+    length = float(np.linalg.norm(mean))
+    if length > WIDE and (rows @ mean / length).min() > WIDE:
+        oracle.focus(mean / length)
+
+
+def _inside(span: Array, points: list[Reach]) -> Array:
+    """Points in coordinates of the span, unit, shape (n, D)."""
+    inside = np.array([found.point for found in points]) @ span.T
+    unit: Array = inside / np.linalg.norm(inside, axis=1, keepdims=True)
+    return unit
+
+
+def _facets(points: Array, blur: float) -> tuple[Array, Mask]:
+    """Facets of the cone of unit points that span R^D, D = 1, 2, 3.
+
+    Unit inward normals, shape (F, D), and which points lie on each, shape (F, n). Of
+    planes that hold the same points one is kept, fitted to all of them; a plane whose
+    points all lie on another is no facet.
+    """
+    normals = _candidates(points, blur)
+    products = normals @ points.T
+    keep = products.min(axis=1) >= -blur
+    tight = np.unique(np.abs(products[keep]) <= blur, axis=0)
+    common = tight.astype(np.int64) @ tight.T.astype(np.int64)
+    size = np.diag(common)
+    within = (common == size[:, None]) & (size[None, :] > size[:, None])
+    tight = tight[~within.any(axis=1)]
+    fitted = [_fit(points, row) for row in tight]
+    return np.array(fitted).reshape(-1, points.shape[1]), tight
+
+
+def _candidates(points: Array, blur: float) -> Array:
+    """Unit normals, of both signs, of planes through D - 1 of the points."""
+    dimension = points.shape[1]
+    if dimension == 1:
+        return np.array([[1.0], [-1.0]])
+    if dimension == 2:
+        normals = np.column_stack([-points[:, 1], points[:, 0]])
+    else:
+        i, j = np.triu_indices(len(points), 1)
+        normals = np.cross(points[i], points[j])
+    length = np.linalg.norm(normals, axis=1)
+    normals = normals[length > blur] / length[length > blur, None]
+    return np.vstack([normals, -normals])
+
+
+def _fit(points: Array, tight: Mask) -> Array:
+    """The inward normal of the plane through the tight points, by least squares."""
+    dimension = points.shape[1]
+    chosen = np.vstack([points[tight], np.zeros((dimension, dimension))])
+    normal: Array = np.linalg.svd(chosen)[2][-1]
+    side = float((points @ normal).sum())
+    return normal if side > 0 else -normal
