@@ -305,7 +305,12 @@ def _cut_faces(vertices: Array, faces: Sequence[Sequence[int]]) -> list[Index]:
             raise _renumbered(error, which) from None
         convex = _convex_in_space(vertices[corners])
         pieces.append(corners[convex][:, fan(int(n))].reshape(-1, 3))
-        pieces += [face[_cut(_flattened(vertices[face]))] for face in corners[~convex]]
+        for k in np.flatnonzero(~convex):
+            try:
+                pieces.append(corners[k][_cut(_flattened(vertices[corners[k]]))])
+            except InputError as error:
+                what = error.what.replace("a face", f"face {which[k]}")
+                raise InputError(what, hint=error.hint) from None
     return pieces
 
 
@@ -357,7 +362,7 @@ def _cut(polygon: Array) -> Index:
     # corners given back by their coordinates, so two corners in one place are not lost
     ring = shapely.Polygon(polygon)
     if not ring.is_valid:
-        return fan(n)
+        raise InputError("a face crosses or touches itself", hint="cut it into triangles")
     pieces = shapely.get_parts(shapely.constrained_delaunay_triangles(ring))
     corners = shapely.get_coordinates(pieces).reshape(-1, 4, 2)[:, :3]
     where = {tuple(p): k for k, p in enumerate(polygon.tolist())}

@@ -83,7 +83,7 @@ def test_contacts_shows_patches_histogram_and_what_came_near(
 ) -> None:
     file = written("tower")
     assert main(["contacts", file]) == 0
-    assert "5 pairs of parts touch in 5 patches" in capsys.readouterr().out
+    assert "touch in 5 pairs, 5 patches, 20 points" in capsys.readouterr().out
     code, answer = answered(capsys, "contacts", file)
     assert code == 0
     assert len(answer["patches"]) == 5

@@ -113,12 +113,12 @@ class Verdict:
         """Names of the parts that start to move."""
         return [n for n, m in zip(self.program.names, self.motion.moves, strict=True) if m]
 
-    def words(self, part: int) -> str:
-        """How a part starts to move."""
+    def words(self, part: int, *, slow: bool = False) -> str:
+        """How a part starts to move; `slow`: also below the threshold of `moves`."""
         motion = self.motion
         if self.assembly.parts[part].grounded:
             return "is held"
-        relative = motion.relative[part] * motion.moves[part]
+        relative = motion.relative[part] * (slow or motion.moves[part])
         return motion_words(motion.acceleration[part], relative, self.assembly.down)
 
     def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:

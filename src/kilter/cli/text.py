@@ -6,6 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kilter.analysis.motion import MOVES
+from kilter.geometry import DEFAULT_DENSITY
+
 if TYPE_CHECKING:
     from kilter.analysis.check import Verdict
     from kilter.assembly import Assembly
@@ -57,17 +60,24 @@ def check_text(verdict: Verdict) -> str:
 
 
 def _moving(verdict: Verdict) -> list[str]:
+    """The parts that move, the fastest first."""
     if verdict.verdict == "stable":
         return []
+    speed = verdict.motion.relative.max(axis=1)
     which = np.flatnonzero(verdict.motion.moves)
-    order = which[np.argsort(-verdict.motion.relative[which].max(axis=1), kind="stable")]
-    share = f"{len(which)} of {int(verdict.program.free.sum())} free parts"
+    free = int(verdict.program.free.sum())
     if verdict.verdict == "undecided":
-        head = f"Held by frictionless modelled contacts alone, {share} would move:"
+        head = (
+            f"By its modelled, frictionless contacts alone, {len(which)} of {free} free parts move:"
+        )
+    elif len(which):
+        head = f"{len(which)} of {free} free parts move:"
     else:
-        head = f"{share} move:"
+        head = f"No part starts faster than {MOVES:g} g; the fastest:"
+        which = np.flatnonzero(speed > 0)
+    order = which[np.argsort(-speed[which], kind="stable")]
     names = verdict.assembly.names
-    rows = [[plain(names[k]), verdict.words(int(k))] for k in order[:LISTED]]
+    rows = [[plain(names[k]), verdict.words(int(k), slow=True)] for k in order[:LISTED]]
     return [head, *table(rows), *_more(len(order)), ""]
 
 
@@ -81,13 +91,10 @@ def _facts(verdict: Verdict) -> list[str]:
     size = float(np.linalg.norm(assembly.gravity))
     rows = [
         ["parts", f"{len(assembly.parts)}, held: {shown or 'none (joints to the ground)'}"],
-        ["units", f"{assembly.units}; density where none is given: 1000 kg/m^3"],
+        ["units", f"{assembly.units}; {_density_words(assembly)}"],
         ["mass", f"{verdict.program.mass[verdict.program.free].sum():.6g} kg free"],
         ["gravity", f"{size:g} m/s^2 along {_vector(down)}"],
-        [
-            "contacts",
-            f"{contacts.pairs} pairs, {len(contacts)} patches, {len(contacts.points)} points",
-        ],
+        ["contacts", _touching(contacts)],
         ["proof", _proof_words(verdict)],
     ]
     if verdict.verdict != "stable":
@@ -104,6 +111,36 @@ def _facts(verdict: Verdict) -> list[str]:
     seconds = ", ".join(f"{key} {value:.2g}" for key, value in verdict.seconds.items())
     rows.append(["seconds", seconds])
     return table(rows, indent="")
+
+
+def _density_words(assembly: Assembly) -> str:
+    """What the masses of the free parts rest on."""
+    free = [part for part in assembly.parts if not part.grounded and part.mass is None]
+    given = sorted({part.density for part in free if part.density is not None})
+    words = []
+    if given:
+        span = f"{given[0]:g}" if len(given) == 1 else f"{given[0]:g} to {given[-1]:g}"
+        words.append(f"density {span} kg/m^3")
+    if any(part.density is None for part in free):
+        words.append(f"density {DEFAULT_DENSITY:g} kg/m^3 where none is given")
+    return ", ".join(words) or "masses as given"
+
+
+def _count(number: int, word: str) -> str:
+    """A number of things.
+
+    Examples
+    --------
+    >>> _count(1, "patch"), _count(2, "patch"), _count(2, "pair")
+    ('1 patch', '2 patches', '2 pairs')
+    """
+    ending = "es" if word.endswith("ch") else "s"
+    return f"{number} {word}{'' if number == 1 else ending}"
+
+
+def _touching(contacts: ContactSet) -> str:
+    counts = ((contacts.pairs, "pair"), (len(contacts), "patch"), (len(contacts.points), "point"))
+    return ", ".join(_count(number, word) for number, word in counts)
 
 
 def _proof_words(verdict: Verdict) -> str:
@@ -134,8 +171,7 @@ def contacts_text(assembly: Assembly, contacts: ContactSet) -> str:
     """The answer of `kilter contacts`."""
     names, unit = assembly.names, assembly.units
     lines = [
-        f"{contacts.pairs} pairs of parts touch in {len(contacts)} patches, "
-        f"{len(contacts.points)} points; gap up to {contacts.gap:.3g} {unit}, angle up to "
+        f"Parts touch in {_touching(contacts)}; gap up to {contacts.gap:.3g} {unit}, angle up to "
         f"{np.degrees(contacts.tolerance.angle):.3g} deg.",
         "",
     ]
