@@ -41,7 +41,7 @@ CONTACT, POSSIBLE, JOINT = 0, 1, 2
 TOLERANCE = 1e-9
 """Relative tolerance of a verdict, for data that are exact in float64."""
 
-BLUR = 5.0
+BLUR = 10.0
 """Tolerance over the accuracy of coordinates that are coarser than float64."""
 
 PLANE = np.array([0, 2, 4])
