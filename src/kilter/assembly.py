@@ -1,27 +1,27 @@
-"""Part and Assembly: frozen values, validated once.
+"""Assembly: which parts, which of them are held, what pulls on them; validated once.
 
-An `Assembly` says what the parts are, where, which of them are held (grounded), and what
-pulls on them. Lengths are in `Assembly.units`; gravity is m/s^2, density kg/m^3, mass kg,
-force N, torque N x length unit, all in the world frame. What follows from the shapes
-(vertices, masses, centres, inertia) is `Assembly.geometry`, computed once, in arrays.
+Lengths are in `Assembly.units`; gravity is m/s^2, density kg/m^3, mass kg, force N, torque
+N x length unit, all in the world frame. What follows from the shapes (vertices, masses,
+centres, inertia) is `Assembly.geometry`, computed once, in arrays.
 """
 
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import fnmatch
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kilter.errors import InputError
-from kilter.rigid import Pose, frozen, unit
-from kilter.shapes import Box, Cylinder, Mesh, Prism, Shape, Sphere
+from kilter.errors import InputError, nearest_name
+from kilter.interactions import FrictionPair, GivenContact, Joint, Load
+from kilter.part import GROUND, Part
+from kilter.rigid import Pose, frozen, number, rotation_between, unit
+from kilter.shapes import Box
 from kilter.units import metres_per_unit
 
 if TYPE_CHECKING:
@@ -39,172 +39,6 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
-
-GROUND = "ground"
-"""Reserved name: a joint with it holds a part to the world."""
-
-JointKind = Literal["fixed", "revolute", "prismatic", "cylindrical", "spherical"]
-
-
-def _number(value: Any, what: str, *, lowest: float = -np.inf, above: bool = False) -> float:
-    """`value` as a finite float, at least (or above) `lowest`."""
-    bound = f"{'above' if above else 'at least'} {lowest:g}" if lowest > -np.inf else "finite"
-    hint = f"give a number {bound}" if lowest > -np.inf else "give a finite number"
-    if isinstance(value, bool | str) or value is None:
-        raise InputError(f"{what} is {value!r}", hint=hint)
-    number = float(value)
-    if not np.isfinite(number) or number < lowest or (above and number == lowest):
-        raise InputError(f"{what} is {number:g}", hint=hint)
-    return number
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Part:
-    """A rigid part.
-
-    Parameters
-    ----------
-    name : str
-        Unique in the assembly; not "ground".
-    shape : Box, Cylinder, Sphere, Prism or Mesh
-        In the part's own frame [length unit].
-    pose : Pose
-        From the part's frame to the world.
-    grounded : bool
-        Held: it does not move.
-    density : float, optional
-        [kg/m^3]; 1000 where neither density nor mass is given.
-    mass : float, optional
-        [kg]; overrides density and volume.
-    center_of_mass : array_like, shape (3,), optional
-        In the part's own frame; overrides the geometry.
-
-    Raises
-    ------
-    InputError
-        If the name is empty or reserved, or a number is not finite or not above zero.
-
-    Examples
-    --------
-    >>> Part("C2", Box([1, 1, 1]), Pose([0, 0, 0.5]), density=7850).mass is None
-    True
-    """
-
-    name: str
-    shape: Shape
-    pose: Pose = field(default_factory=Pose)
-    grounded: bool = False
-    density: float | None = None
-    mass: float | None = None
-    center_of_mass: Any = None
-
-    def __post_init__(self) -> None:
-        if not isinstance(self.name, str) or not self.name:
-            raise InputError(f"a part's name is {self.name!r}", hint="give a name of some length")
-        try:
-            self._validate()
-        except InputError as error:
-            raise error.located(part=self.name) from None
-
-    def _validate(self) -> None:
-        if self.name == GROUND:
-            raise InputError(f"the name {GROUND!r} is reserved", hint="give it another name")
-        if not isinstance(self.shape, Box | Cylinder | Sphere | Prism | Mesh):
-            raise InputError(f"shape is {type(self.shape).__name__}", hint="give a kilter shape")
-        if self.density is not None:
-            object.__setattr__(
-                self, "density", _number(self.density, "density", lowest=0, above=True)
-            )
-        if self.mass is not None:
-            object.__setattr__(self, "mass", _number(self.mass, "mass", lowest=0, above=True))
-        if self.center_of_mass is not None:
-            center = frozen(self.center_of_mass, (3,))
-            if not np.isfinite(center).all():
-                raise InputError(f"center_of_mass is {center.tolist()}")
-            object.__setattr__(self, "center_of_mass", center)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class FrictionPair:
-    """Friction coefficient [-] of every contact between two parts."""
-
-    parts: tuple[str, str]
-    mu: float
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "parts", tuple(self.parts))
-        object.__setattr__(self, "mu", _number(self.mu, "friction coefficient", lowest=0))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Load:
-    """A force [N] at a point and a torque [N x length unit] on a part, fixed in the world.
-
-    Loads do not turn with the assembly. `point` is in the world frame; None means the
-    part's centre of mass.
-    """
-
-    part: str
-    force: Any = (0.0, 0.0, 0.0)
-    torque: Any = (0.0, 0.0, 0.0)
-    point: Any = None
-
-    def __post_init__(self) -> None:
-        for name in ("force", "torque", "point"):
-            value = getattr(self, name)
-            if value is None and name == "point":
-                continue
-            value = frozen(value, (3,))
-            if not np.isfinite(value).all():
-                raise InputError(f"{name} of a load is {value.tolist()}", part=self.part)
-            object.__setattr__(self, name, value)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class GivenContact:
-    """Contact points between two parts, used instead of detection for that pair.
-
-    `points`, shape (n, 3), and `normal`, shape (3,), from the first part to the second,
-    are in the world frame.
-    """
-
-    parts: tuple[str, str]
-    points: Any
-    normal: Any
-    mu: float | None = None
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "parts", tuple(self.parts))
-        points = frozen(self.points, (-1, 3)) if len(self.points) else np.empty((0, 3))
-        if not len(points) or not np.isfinite(points).all():
-            raise InputError(
-                f"contact of {self.parts[0]!r} and {self.parts[1]!r} has no usable points",
-                hint="give one point or more",
-            )
-        object.__setattr__(self, "points", points)
-        object.__setattr__(self, "normal", unit(self.normal, "normal of a contact"))
-        if self.mu is not None:
-            object.__setattr__(self, "mu", _number(self.mu, "friction coefficient", lowest=0))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Joint:
-    """A two-sided connection of two parts, or of a part and the ground.
-
-    `point` and `axis`, both shape (3,), are in the world frame.
-    """
-
-    parts: tuple[str, str]
-    kind: JointKind = "fixed"
-    point: Any = None
-    axis: Any = None
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "parts", tuple(self.parts))
-        if self.point is not None:
-            object.__setattr__(self, "point", frozen(self.point, (3,)))
-        if self.axis is not None:
-            object.__setattr__(self, "axis", unit(self.axis, "axis of a joint"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -283,7 +117,7 @@ class Assembly:
                 "gravity leaves the x-z plane of a planar assembly", hint="give it y = 0"
             )
         object.__setattr__(self, "gravity", gravity)
-        object.__setattr__(self, "friction", _number(self.friction, "friction", lowest=0))
+        object.__setattr__(self, "friction", number(self.friction, "friction", lowest=0))
         entries: list[FrictionPair | GivenContact | Joint] = []
         entries += [*self.friction_pairs, *self.contacts, *self.joints]
         for entry in entries:
@@ -386,13 +220,11 @@ class Assembly:
         geometry = self.geometry
         up = -self.down
         heights = geometry.vertices @ up
-        lowest = float(heights.min()) if height is None else _number(height, "height of the floor")
+        lowest = float(heights.min()) if height is None else number(height, "height of the floor")
         size = float(np.ptp(geometry.vertices, axis=0).max())
         middle = (geometry.vertices.min(axis=0) + geometry.vertices.max(axis=0)) / 2
         thick = size / 4
         center = middle + up * (lowest - thick / 2 - middle @ up)
-        from kilter.rigid import rotation_between
-
         name = "floor"
         while name in self.index:
             name += "_"
@@ -446,18 +278,6 @@ class Assembly:
 
     def _replace(self, **changes: Any) -> Assembly:
         return dataclasses.replace(self, **changes)
-
-
-def nearest_name(name: str, names: Iterable[str]) -> str | None:
-    """The known name most like `name`, or None.
-
-    Examples
-    --------
-    >>> nearest_name("densty", ["density", "mass"])
-    'density'
-    """
-    found = difflib.get_close_matches(str(name), list(names), n=1, cutoff=0.5)
-    return found[0] if found else None
 
 
 def _some(names: Sequence[str], limit: int = 8) -> str:

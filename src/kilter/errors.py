@@ -6,7 +6,10 @@ input (`InputError`, exit code 2 of the command) and for a fault of kilter itsel
 
 from __future__ import annotations
 
-__all__ = ["InputError", "KilterError", "KilterWarning", "SolverError"]
+import difflib
+from collections.abc import Iterable
+
+__all__ = ["InputError", "KilterError", "KilterWarning", "SolverError", "nearest_name"]
 
 
 class KilterError(Exception):
@@ -68,6 +71,18 @@ class SolverError(KilterError):
 
 class KilterWarning(UserWarning):
     """Something that does not stop the work but that its user should know."""
+
+
+def nearest_name(name: str, names: Iterable[str]) -> str | None:
+    """The known name most like `name`, or None.
+
+    Examples
+    --------
+    >>> nearest_name("densty", ["density", "mass"])
+    'density'
+    """
+    found = difflib.get_close_matches(str(name), list(names), n=1, cutoff=0.5)
+    return found[0] if found else None
 
 
 def _short(name: str, limit: int = 60) -> str:

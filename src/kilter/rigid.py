@@ -1,4 +1,4 @@
-"""Rotations and poses.
+"""Rotations, poses, and the checks of the numbers they are made of.
 
     x_world = R x_part + t,     R from the unit quaternion (w, x, y, z)
 
@@ -16,7 +16,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from kilter.errors import InputError
 
-__all__ = ["Pose", "cross", "frozen", "quaternion_to_matrix", "rotation_between", "skew", "unit"]
+__all__ = [
+    "Pose",
+    "cross",
+    "frozen",
+    "number",
+    "quaternion_to_matrix",
+    "rotation_between",
+    "skew",
+    "unit",
+]
 
 Array = NDArray[np.float64]
 
@@ -40,6 +49,24 @@ def frozen(values: ArrayLike, shape: tuple[int, ...] | None = None) -> Array:
         raise InputError(f"expected {wanted} numbers, got shape {array.shape}")
     array.flags.writeable = False
     return array
+
+
+def number(value: Any, what: str, *, lowest: float = -np.inf, above: bool = False) -> float:
+    """`value` as a finite float, at least (or above) `lowest`.
+
+    Raises
+    ------
+    InputError
+        If it is none; it names `what`.
+    """
+    bound = f"{'above' if above else 'at least'} {lowest:g}" if lowest > -np.inf else "finite"
+    hint = f"give a number {bound}" if lowest > -np.inf else "give a finite number"
+    if isinstance(value, bool | str) or value is None:
+        raise InputError(f"{what} is {value!r}", hint=hint)
+    result = float(value)
+    if not np.isfinite(result) or result < lowest or (above and result == lowest):
+        raise InputError(f"{what} is {result:g}", hint=hint)
+    return result
 
 
 def _fits(shape: tuple[int, ...], wanted: tuple[int, ...]) -> bool:

@@ -7,9 +7,9 @@ triangles turning counter-clockwise seen from outside.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -258,69 +258,57 @@ def _unit_sphere() -> tuple[Array, Index]:
 
 
 def _triangles(vertices: Array, faces: Any) -> Index:
+    """Triangles of faces of three corners, or of mixed faces, cut."""
     if not isinstance(faces, np.ndarray):
         faces = list(faces)
-        lengths = {len(face) for face in faces}
-        if lengths <= {3}:
-            faces = np.array(faces).reshape(-1, 3)
     if isinstance(faces, np.ndarray) and faces.ndim == 2 and faces.shape[1] == 3:
-        triangles = _checked(faces, len(vertices))
-    else:
-        pieces = _cut_faces(vertices, faces)
-        triangles = np.concatenate([np.empty((0, 3), dtype=np.int64), *pieces])
-    return triangles
+        owner = np.repeat(np.arange(len(faces)), 3)
+        return _checked(faces.reshape(-1), owner, len(vertices)).reshape(-1, 3)
+    length = np.array([len(face) for face in faces], dtype=np.int64)
+    if len(length) and length.min() < 3:
+        k = int(length.argmin())
+        raise InputError(f"face {k} has {length[k]} corners", hint="give 3 or more")
+    owner = np.repeat(np.arange(len(length)), length)
+    corners = _checked(list(chain.from_iterable(faces)), owner, len(vertices))
+    first = np.cumsum(length) - length
+    pieces = [np.empty((0, 3), dtype=np.int64)]
+    for n in np.unique(length):
+        which = np.flatnonzero(length == n)
+        pieces += _cut_alike(vertices, corners[first[which][:, None] + np.arange(n)], which)
+    return np.concatenate(pieces)
 
 
-def _checked(faces: Any, count: int) -> Index:
+def _checked(corners: Any, face: Index, count: int) -> Index:
+    """Corners as indices below `count`; an error names the face of the first wrong one."""
     try:
-        array = np.asarray(faces)
+        array = np.asarray(corners)
         indices: Index = array.astype(np.int64)
         exact = array.dtype.kind in "iu" or bool((indices == array).all())
     except (TypeError, ValueError, OverflowError):
         exact = False
     if not exact:
-        raise InputError("a face has a corner that is not a whole number")
-    wrong = np.argwhere((indices < 0) | (indices >= count))
-    if len(wrong):
-        where = tuple(wrong[0])
         raise InputError(
-            f"face {wrong[0][0]} names vertex {indices[where]} of {count}",
+            "a face has a corner that is not a whole number", hint="name corners by index"
+        )
+    wrong = np.flatnonzero((indices < 0) | (indices >= count))
+    if len(wrong):
+        raise InputError(
+            f"face {face[wrong[0]]} names vertex {indices[wrong[0]]} of {count}",
             hint=f"use indices 0 to {count - 1}",
         )
     return indices
 
 
-def _cut_faces(vertices: Array, faces: Sequence[Sequence[int]]) -> list[Index]:
-    """Triangles of a mixed list of faces; convex ones of one length in one go."""
-    length = np.array([len(face) for face in faces], dtype=np.int64)
-    if len(length) and length.min() < 3:
-        k = int(length.argmin())
-        raise InputError(f"face {k} has {length[k]} corners", hint="give 3 or more")
-    pieces = []
-    for n in np.unique(length):
-        which = np.flatnonzero(length == n)
+def _cut_alike(vertices: Array, faces: Index, number: Index) -> list[Index]:
+    """Triangles of faces, shape (m, n); the convex ones in one go."""
+    convex = _convex_in_space(vertices[faces])
+    pieces = [faces[convex][:, fan(faces.shape[1])].reshape(-1, 3)]
+    for k in np.flatnonzero(~convex):
         try:
-            corners = _checked([list(faces[k]) for k in which.tolist()], len(vertices))
+            pieces.append(faces[k][_cut(_flattened(vertices[faces[k]]))])
         except InputError as error:
-            raise _renumbered(error, which) from None
-        convex = _convex_in_space(vertices[corners])
-        pieces.append(corners[convex][:, fan(int(n))].reshape(-1, 3))
-        for k in np.flatnonzero(~convex):
-            try:
-                pieces.append(corners[k][_cut(_flattened(vertices[corners[k]]))])
-            except InputError as error:
-                what = error.what.replace("a face", f"face {which[k]}")
-                raise InputError(what, hint=error.hint) from None
+            raise InputError(f"face {number[k]} {error.what}", hint=error.hint) from None
     return pieces
-
-
-def _renumbered(error: InputError, which: Index) -> InputError:
-    """The error with the number of a face among all faces."""
-    rest = error.what.partition(" names ")[0].rpartition(" ")[2]
-    if error.what.startswith("face ") and rest.isdigit():
-        what = error.what.replace(f"face {rest}", f"face {which[int(rest)]}", 1)
-        return InputError(what, hint=error.hint)
-    return error
 
 
 def _convex_in_space(polygons: Array) -> NDArray[np.bool_]:
@@ -362,7 +350,7 @@ def _cut(polygon: Array) -> Index:
     # corners given back by their coordinates, so two corners in one place are not lost
     ring = shapely.Polygon(polygon)
     if not ring.is_valid:
-        raise InputError("a face crosses or touches itself", hint="cut it into triangles")
+        raise InputError("crosses or touches itself", hint="cut it into triangles")
     pieces = shapely.get_parts(shapely.constrained_delaunay_triangles(ring))
     corners = shapely.get_coordinates(pieces).reshape(-1, 4, 2)[:, :3]
     where = {tuple(p): k for k, p in enumerate(polygon.tolist())}
