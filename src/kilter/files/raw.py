@@ -39,8 +39,7 @@ def _near(path: Path) -> str:
     """The file of the folder whose name is most like the missing one's, as a hint."""
     try:
         names = [entry.name for entry in path.parent.iterdir() if not entry.name.startswith(".")]
-        alike = [name for name in names if Path(name).suffix.lower() == path.suffix.lower()]
-        near = nearest_name(path.name, alike)
+        near = nearest_name(path.name, names)
     except OSError:
         return "check the path; its folder cannot be read either"
     return f"did you mean {near!r}?" if near else "check the path"
