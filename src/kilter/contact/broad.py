@@ -48,12 +48,19 @@ def make_boxes(geometry: Geometry, facets: Facets) -> Boxes:
     turned = geometry.vertices @ frame.T
     corners = turned[facets.corners]
     return Boxes(
-        frame=frame,
-        part_low=np.minimum.reduceat(turned, geometry.vertex_start[:-1]),
-        part_high=np.maximum.reduceat(turned, geometry.vertex_start[:-1]),
-        facet_low=np.minimum.reduceat(corners, facets.corner_start[:-1]),
-        facet_high=np.maximum.reduceat(corners, facets.corner_start[:-1]),
+        frame,
+        *_extremes(turned, geometry.vertex_start),
+        *_extremes(corners, facets.corner_start),
     )
+
+
+def _extremes(points: Array, start: Index) -> tuple[Array, Array]:
+    """Lower and upper corners of the boxes of groups of points, shape (n, 3) each."""
+    count = np.diff(start)
+    if len(count) and (count == count[0]).all():  # boxes: several times faster than reduceat
+        groups = points.reshape(len(count), count[0], 3)
+        return groups.min(axis=1), groups.max(axis=1)
+    return np.minimum.reduceat(points, start[:-1]), np.maximum.reduceat(points, start[:-1])
 
 
 def common_frame(normals: Array, areas: Array) -> Array:
@@ -203,20 +210,19 @@ def joins(
     counts = [np.bincount(owner, minlength=len(margin)) for owner in (owner_a, owner_b)]
     many = counts[0] * counts[1] > MANY
     few_a, few_b = np.flatnonzero(~many[owner_a]), np.flatnonzero(~many[owner_b])
+    grow = margin[owner_a]
+    sides = [tuple(np.ascontiguousarray(side[:, k]) for side in (*box_a, *box_b)) for k in range(3)]
     for owner, x, y in _products(owner_a[few_a], owner_b[few_b], len(margin)):
         a, b = few_a[x], few_b[y]
-        rows = np.arange(len(a))
-        for axis in range(3):
-            grow = margin[owner[rows]]
-            low_a, high_a = box_a[0][a[rows], axis] - grow, box_a[1][a[rows], axis] + grow
-            meets = low_a <= box_b[1][b[rows], axis]
-            meets &= box_b[0][b[rows], axis] <= high_a
-            rows = rows[meets]
-        yield owner[rows], a[rows], b[rows]
+        for low_a, high_a, low_b, high_b in sides:
+            meets = (low_a - grow)[a] <= high_b[b]
+            meets &= low_b[b] <= (high_a + grow)[a]
+            a, b, owner = a[meets], b[meets], owner[meets]
+        yield owner, a, b
     for owner_row in np.flatnonzero(many):
         a, b = np.flatnonzero(owner_a == owner_row), np.flatnonzero(owner_b == owner_row)
-        grow = margin[owner_row]
-        x, y = _tree_join(box_a[0][a] - grow, box_a[1][a] + grow, box_b[0][b], box_b[1][b])
+        wide = margin[owner_row]
+        x, y = _tree_join(box_a[0][a] - wide, box_a[1][a] + wide, box_b[0][b], box_b[1][b])
         yield np.full(len(x), owner_row), a[x], b[y]
 
 
