@@ -318,7 +318,8 @@ def _in_patch(p: Array, corners: Array, normal: Array, tolerance: float) -> Mask
     length = np.maximum(np.linalg.norm(along, axis=1), np.finfo(float).tiny)
     side = cross(along[None], p[:, None] - corners[None]) @ normal / length
     inside: Mask = (side >= -tolerance).all(axis=1) | (side <= tolerance).all(axis=1)
-    return level & inside
+    result: Mask = level & inside
+    return result
 
 
 def _listed(touching: Touching, points: _Points) -> list[Unsupported]:
