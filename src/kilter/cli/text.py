@@ -179,14 +179,17 @@ def contacts_text(assembly: Assembly, contacts: ContactSet) -> str:
     lines += ["", "gaps of opposing faces, over the size of the smaller part:"]
     lines += _histogram(contacts)
     if contacts.unsupported:
-        lines += ["", f"{len(contacts.unsupported)} pairs touch in a way that is not modelled yet:"]
+        lines += [
+            "",
+            f"touching in a way that is not modelled yet: {_count(len(contacts.unsupported), 'pair')}",
+        ]
         rows = [
             [plain(names[u.parts[0]]), plain(names[u.parts[1]]), u.kind, f"at {_vector(u.point)}"]
             for u in contacts.unsupported[:LISTED]
         ]
         lines += [*table(rows), *_more(len(contacts.unsupported))]
     if contacts.rejected:
-        lines += ["", f"{len(contacts.rejected)} near pairs of faces do not count as touching:"]
+        lines += ["", f"near, but not touching: {_count(len(contacts.rejected), 'pair')} of faces"]
         rows = [
             [
                 plain(names[r.parts[0]]),
@@ -199,7 +202,7 @@ def contacts_text(assembly: Assembly, contacts: ContactSet) -> str:
         ]
         lines += [*table(rows), *_more(len(contacts.rejected))]
     if contacts.overlaps:
-        lines += ["", f"{len(contacts.overlaps)} pairs overlap:"]
+        lines += ["", f"overlapping: {_count(len(contacts.overlaps), 'pair')}"]
         rows = [
             [
                 plain(names[o.parts[0]]),

@@ -32,7 +32,9 @@ class Edges:
     facet : ndarray of int, shape (E, 2)
         The facet left of the edge and the one right of it, seen from outside (-1: none).
     fan_start, fan : ndarray of int
-        Vertices joined to vertex v by an edge: ``fan[fan_start[v]:fan_start[v + 1]]``.
+        Vertices joined to vertex v by the side of a triangle, within facets too:
+        ``fan[fan_start[v]:fan_start[v + 1]]``. They span the cone of the part at v, also
+        where v lies on a straight edge.
     """
 
     start: Index
@@ -82,7 +84,7 @@ class Edges:
         return fits
 
     def in_front(self, geometry: Geometry, vertex: Index, normal: Array, slack: float) -> Mask:
-        """Vertices all of whose edges rise in front of the plane with this normal."""
+        """Vertices at which the part lies in front of the plane with this normal."""
         count = self.fan_start[vertex + 1] - self.fan_start[vertex]
         owner = np.repeat(np.arange(len(vertex)), count)
         shift = self.fan_start[vertex] - (np.cumsum(count) - count)
@@ -114,7 +116,8 @@ def find_edges(geometry: Geometry, facets: Facets, parts: Index) -> Edges:
     ends = np.column_stack([low[first], high[first]])
     part = geometry.vertex_part[ends[:, 0]]
     order = np.argsort(part, kind="stable")
-    both = np.concatenate([ends, ends[:, ::-1]])
+    corners = geometry.triangles[chosen[geometry.triangle_part]]
+    both = np.concatenate([corners[:, [k, j]] for k in range(3) for j in range(3) if j != k])
     both = both[np.argsort(both[:, 0], kind="stable")]
     return Edges(
         start=np.searchsorted(part[order], np.arange(len(geometry.mass) + 1)),
