@@ -145,21 +145,23 @@ def _close(
         return []
     _focus(oracle, points)
     proved: list[tuple[Array, Reach]] = []
+    held: list[frozenset[int]] = []
     while True:
         inside = _inside(span, points)
         normals, tight = _facets(inside, blur)
-        at = np.abs(np.array([q for q, _ in proved]).reshape(-1, len(span)) @ inside.T) <= blur
-        # one of the proved facets holds all the points that this one does
-        known = [bool((tight[k] <= at).all(axis=1).any()) for k in range(len(normals))]
-        if all(known):
+        sets = [frozenset(np.flatnonzero(row).tolist()) for row in tight]
+        # a proved facet holds all the points that an unknown one does not
+        unknown = [k for k, own in enumerate(sets) if not any(own <= other for other in held)]
+        if not unknown:
             break
-        q = normals[known.index(False)]
+        q, own = normals[unknown[0]], sets[unknown[0]]
         tell()
         reach = oracle.support(-(q @ span))
         if reach.angle > blur and _is_new(reach, points, blur):
             points.append(reach)
         else:
             proved.append((q, reach))
+            held.append(own)
     chosen = [_match(q, proved) for q in normals]
     return [(q @ span, reach) for q, reach in zip(normals, chosen, strict=True)]
 

@@ -20,7 +20,7 @@ from scipy.sparse import csc_array, hstack, vstack
 from kilter.analysis.virtual_work import OPTIMAL, UnitProgram
 from kilter.mechanics.formulations import LinearProgram
 
-__all__ = ["Test", "is_best"]
+__all__ = ["Optimality", "is_best"]
 
 Array = NDArray[np.float64]
 
@@ -29,7 +29,7 @@ FACE = 1e-10
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Test:
+class Optimality:
     """Whether a direction is the `best` of its facet.
 
     `bound`: no direction of the facet has a greater z over the mass. `toward`, shape (3,):
@@ -41,7 +41,7 @@ class Test:
     toward: Array
 
 
-def is_best(unit: UnitProgram, signs: Array, gravity: Array, z: float) -> Test:
+def is_best(unit: UnitProgram, signs: Array, gravity: Array, z: float) -> Optimality:
     """Test a direction of a facet for optimality; `z` is z(gravity) over the mass."""
     from kilter.solvers.linear import solve_linear
 
@@ -69,8 +69,8 @@ def is_best(unit: UnitProgram, signs: Array, gravity: Array, z: float) -> Test:
         )
     )
     if answer.outcome != "solved":
-        return Test(False, np.inf, gravity)
+        return Optimality(False, np.inf, gravity)
     shares = np.maximum(answer.multipliers[rows + 1 :], 0.0)
     toward = np.zeros(3)
     toward[axes] = signs[axes] * shares / max(float(shares.sum()), 1e-300)
-    return Test(answer.objective <= z + OPTIMAL, answer.objective, toward)
+    return Optimality(answer.objective <= z + OPTIMAL, answer.objective, toward)

@@ -9,6 +9,11 @@ the projection of a polyhedral cone, found through its support (`kilter.analysis
 Where it is 0, the multipliers z of its rows are a motion, J dp >= 0 with sum m_i dr_i = c: the
 power of a gravity g is c.g, so c.g > 0 is unstable. Where it is not, f holds g.
 
+Two plates that are parallel but for rounding would jam a part between them with forces of
+the inverse of that rounding. Forces over 1e6 weights, or a tenth of the inverse of the
+tolerance, are asked for again with a small price on force, which is to say that motions that
+violate contacts by as little as that price count.
+
 Rounded data (float32) hold no knife-edge assembly exactly: C would shrink to nothing. There
 an imbalance s is allowed at a price, A f + B g = s with cost P |s|, which is to say that
 motions longer than P for their power do not count. Every point found still proves itself by
@@ -22,6 +27,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,18 +36,29 @@ from scipy.sparse import csc_array, diags_array, eye_array, hstack, vstack
 from kilter.analysis.cone import Cone, make_cone
 from kilter.analysis.growth import Grown, Reach, grow
 from kilter.errors import InputError
-from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
+from kilter.mechanics.certificate import (
+    RATIO,
+    ForceProof,
+    MotionProof,
+    check_forces,
+    check_motion,
+)
 from kilter.mechanics.formulations import LinearProgram, Scaled, scaled
 from kilter.mechanics.program import TOLERANCE, Program
+
+if TYPE_CHECKING:
+    from kilter.solvers.kept import KeptSolution
 
 __all__ = ["ConeOracle", "Proof", "StableCone", "stable_cone"]
 
 Array = NDArray[np.float64]
 
-REACH = 30.0
+REACH = 10.0
 """Angles below this many tolerances count as zero."""
 PRICES = (1e2, 1e3, 1e4, 1e5)
 """Of an imbalance of one weight, for rounded data."""
+FORCE_PRICES = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0)
+"""Of the force of one weight where forces jam, over the tolerance; the lowest that frees."""
 NOTHING = 1e-3
 """Optima shorter than this are no direction: the cone is cut off at a length of about 1."""
 FAR = 10.0
@@ -98,6 +115,8 @@ class ConeOracle:
         Which f may be negative.
     price : float or None
         Of a unit of imbalance in any row; None: no imbalance.
+    tolerance : float
+        Of the data [-]: forces of a tenth of its inverse, over the weight, jam.
 
     Examples
     --------
@@ -106,7 +125,7 @@ class ConeOracle:
     >>> quadrant.support(np.array([-0.8, -0.6])).angle
     0.0
     >>> quadrant.support(np.array([1.0, 0.0])).point
-    array([1., 0.])
+    array([ 1., -0.])
     """
 
     def __init__(
@@ -115,6 +134,7 @@ class ConeOracle:
         loads: csc_array,
         two_sided: NDArray[np.bool_],
         price: float | None,
+        tolerance: float = TOLERANCE,
     ) -> None:
         from kilter.solvers.kept import KeptProgram
 
@@ -126,6 +146,8 @@ class ConeOracle:
             size[column] = np.abs(entries).max(initial=0.0)
         # forces over the weight of the lighter part they act on
         self._size = np.where(size > 0, size, 1.0)
+        self._pushes = np.flatnonzero(~two_sided)
+        self._tolerance = tolerance
         self._columns = np.arange(self._forces, self._forces + self.dimension)
         self._kept = KeptProgram(self._program(matrix, loads, two_sided, price))
 
@@ -164,6 +186,22 @@ class ConeOracle:
         """How far the cone reaches in a unit direction."""
         self._kept.change_cost(self._columns, -direction)
         found = self._kept.solve()
+        for share in FORCE_PRICES:
+            if not self._jams(found):
+                break
+            price = np.full(len(self._pushes), share * self._tolerance)
+            self._kept.change_cost(self._pushes, price)
+            found = self._kept.solve()
+            self._kept.change_cost(self._pushes, np.zeros(len(self._pushes)))
+        return self._reach(direction, found)
+
+    def _jams(self, found: KeptSolution) -> bool:
+        """Whether the forces are so large that only the rounding of the data holds them."""
+        size = float(np.linalg.norm(found.x[self._columns]))
+        largest = float(np.abs(found.x[: self._forces]).max(initial=0.0))
+        return largest > size * min(RATIO, 0.1 / self._tolerance)
+
+    def _reach(self, direction: Array, found: KeptSolution) -> Reach:
         g = found.x[self._columns]
         length = float(np.linalg.norm(g))
         witness = -found.multipliers[: self._rows]
@@ -206,8 +244,8 @@ def stable_cone(program: Program, *, progress: Callable[[str], None] | None = No
 
     Notes
     -----
-    Directions nearer to the boundary than 30 times the largest tolerance of the program
-    (3e-8 rad for exact data) count as on it: the kind is that of the exact scene within
+    Directions nearer to the boundary than 10 times the largest tolerance of the program
+    (1e-8 rad for exact data) count as on it: the kind is that of the exact scene within
     the accuracy of the data.
 
     Examples
@@ -247,7 +285,8 @@ def stable_cone(program: Program, *, progress: Callable[[str], None] | None = No
 
 def _held(found: StableCone) -> float:
     """The part of the proofs that hold."""
-    return float(np.mean([proof.certificate.holds for proof in found.proofs] or [1.0]))
+    holds = [float(proof.certificate.holds) for proof in found.proofs]
+    return float(np.mean(holds or [1.0]))
 
 
 def _at_price(
@@ -256,7 +295,7 @@ def _at_price(
     """The cone and its proofs, at one price of imbalance."""
     program = problem.program
     loads, axes = _loads(problem)
-    oracle = ConeOracle(problem.matrix, loads, program.two_sided, price)
+    oracle = ConeOracle(problem.matrix, loads, program.two_sided, price, blur / REACH)
 
     def tell() -> None:
         if progress is not None:
@@ -311,10 +350,10 @@ def _forces(
     program = _toward(problem.program, down)
     for found in grown.points:
         if np.linalg.norm(found.point @ axes - down) <= 1e-9:
-            proof = check_forces(program, found.forces)
+            proof = check_forces(program, problem.forces(found.forces))
             if proof.holds:
                 return proof
-    proof = check_forces(program, oracle.forces(axes @ down))
+    proof = check_forces(program, problem.forces(oracle.forces(axes @ down)))
     if not proof.holds:
         from kilter.analysis.stability import judge
 

@@ -75,8 +75,8 @@ def unit_program(program: Program) -> UnitProgram:
     freedoms, free = program.freedoms, program.free
     length = np.ones((int(free.sum()), 6))
     length[:, 3:] = program.radius[free, None]
-    length = length[:, freedoms].reshape(-1)
-    jacobian = csc_array(program.jacobian() @ diags_array(1 / length))
+    reach: Array = length[:, freedoms].reshape(-1)
+    jacobian = csc_array(program.jacobian() @ diags_array(1 / reach))
     size = np.sqrt(np.asarray(jacobian.multiply(jacobian).sum(axis=1)).reshape(-1))
     matrix = csc_array(diags_array(1 / np.maximum(size, 1e-300)) @ jacobian)
     matrix.data[np.abs(matrix.data) < NOTHING] = 0.0
@@ -86,15 +86,15 @@ def unit_program(program: Program) -> UnitProgram:
     for axis in range(3):
         pull[axis, :, axis] = program.mass[free] / max(mass, 1e-300)
     lp = LinearProgram(
-        np.zeros(len(length)),
+        np.zeros(len(reach)),
         matrix,
         np.zeros(len(size)),
         np.where(program.two_sided, 0.0, np.inf),
-        -length,
-        length,
+        -reach,
+        reach,
     )
     axes = np.array([0, 2]) if program.planar else np.arange(3)
-    return UnitProgram(lp, pull[:, :, freedoms].reshape(3, -1), mass, axes, length)
+    return UnitProgram(lp, pull[:, :, freedoms].reshape(3, -1), mass, axes, reach)
 
 
 class VirtualWork:

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
-from kilter.analysis.optimality import Test, is_best
+from kilter.analysis.optimality import Optimality, is_best
 from kilter.analysis.virtual_work import OPTIMAL, Support, VirtualWork, facets_of_diamond
 from kilter.mechanics.formulations import LinearProgram
 from kilter.mechanics.program import Program
@@ -212,10 +212,10 @@ def _facet(work: VirtualWork, signs: Array) -> tuple[_Trail, float, int, bool]:
         if test.best:
             return trail, published, failed, True
         failed += 1
-        start = _ascent(work, trail, test)
-        if start is None or failed > RESTARTS:
+        higher = _ascent(work, trail, test)
+        if higher is None or failed > RESTARTS:
             return trail, published, failed, False
-        _one_walk(work, trail, start)
+        _one_walk(work, trail, higher)
 
 
 def _one_walk(work: VirtualWork, trail: _Trail, start: Array) -> None:
@@ -273,7 +273,7 @@ def _on_facet(point: Array, signs: Array) -> Array:
     return result
 
 
-def _ascent(work: VirtualWork, trail: _Trail, test: Test) -> Array | None:
+def _ascent(work: VirtualWork, trail: _Trail, test: Optimality) -> Array | None:
     """A point on the ascent of a failed test that is higher than all before; None if none is."""
     at = trail.best
     for k in range(40):

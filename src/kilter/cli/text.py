@@ -181,7 +181,7 @@ def contacts_text(assembly: Assembly, contacts: ContactSet) -> str:
     if contacts.unsupported:
         lines += [
             "",
-            f"touching in a way that is not modelled yet: {_count(len(contacts.unsupported), 'pair')}",
+            f"touching in a way not modelled yet: {_count(len(contacts.unsupported), 'pair')}",
         ]
         rows = [
             [plain(names[u.parts[0]]), plain(names[u.parts[1]]), u.kind, f"at {_vector(u.point)}"]

@@ -18,6 +18,7 @@ Mattikalli, Baraff, Khosla and Repetto (1993), section 3.1. V. Chvátal, Linear 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import highspy
 import numpy as np
@@ -77,7 +78,8 @@ class CostModel:
         self._columns = np.arange(len(program.cost), dtype=np.int32)
         self._upper = program.upper
         self._row_upper = program.row_upper.copy()
-        self._highs = highspy.Highs()
+        # its class is not annotated
+        self._highs: Any = highspy.Highs()
         for option, value in (
             ("output_flag", False),
             ("solver", "simplex"),
@@ -133,7 +135,7 @@ class CostModel:
             One row a nonbasic variable that is not fixed: the last basis is optimal for the
             cost t @ costs where no entry of `result @ t` is negative.
         """
-        rows, count = self._matrix.shape
+        rows = self._matrix.shape[0]
         _, basic = self._highs.getBasicVariables()
         basic = np.asarray(basic, dtype=np.int64)
         held = np.where(basic >= 0, basic, 0)
@@ -148,7 +150,8 @@ class CostModel:
         lower = int(highspy.HighsBasisStatus.kLower)
         sign = np.where(status == upper, -1.0, 1.0)
         fixed = np.concatenate([self._upper, self._row_upper]) == 0.0
-        return (sign[:, None] * reduced)[((status == lower) | (status == upper)) & ~fixed]
+        slopes: Array = (sign[:, None] * reduced)[((status == lower) | (status == upper)) & ~fixed]
+        return slopes
 
 
 def _model(program: LinearProgram) -> highspy.HighsLp:

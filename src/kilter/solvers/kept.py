@@ -2,9 +2,10 @@
 
     min cost.x:  row_lower <= A x <= row_upper,  lower <= x <= upper
 
-A new cost leaves the last basis primal feasible, so the primal simplex goes on from there; a
-cold start is left to the dual simplex, which is faster on all that was measured. What comes
-back is not believed: with multipliers y of the rows and d = cost - A^T y of the columns,
+A new cost leaves the last basis primal feasible, so the primal simplex goes on from there. A
+cold start is left to the dual simplex, which is faster on all that was measured; where the
+new optimum is far, it also overtakes the warm one, which is stopped after as many steps as
+the last cold start took. What comes back is not believed: with multipliers y of the rows and d = cost - A^T y of the columns,
 
     cost.x - bound(y, d)  =  sum of |y|, |d| times the distance to the bound that they pull to
 
@@ -34,6 +35,8 @@ BELIEVED = 1e-8
 """Violations and gaps up to this part of the numbers around them are rounding."""
 DUAL, PRIMAL = 1, 4
 """Simplex strategies of HiGHS."""
+FEW, MANY = 100, 20
+"""Steps that a warm start may take in any case, and a cold one for each row and column."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,7 +79,7 @@ class KeptProgram:
     Attributes
     ----------
     solves : int
-        How many programs were solved; a repetition counts.
+        How many programs were solved; repetitions of one are not counted.
 
     Raises
     ------
@@ -107,6 +110,7 @@ class KeptProgram:
         )
         self.solves = 0
         self._warm = False
+        self._steps = 0
         highs = highspy.Highs()
         for option, value in (
             ("output_flag", False),
@@ -151,15 +155,15 @@ class KeptProgram:
         SolverError
             If the solver breaks down.
         """
-        best: KeptSolution | None = None
-        if self._warm:
-            best = self._run(PRIMAL)
+        self.solves += 1
+        best = self._run(PRIMAL, self._steps // 4 + FEW) if self._warm else None
         for scaling in (2, 0, 4):
             if best is not None and best.holds:
                 break
             self._highs.clearSolver()
             self._highs.setOptionValue("simplex_scale_strategy", scaling)
-            cold = self._run(DUAL)
+            cold = self._run(DUAL, MANY * sum(self.program.matrix.shape))
+            self._steps = max(int(self._highs.getInfo().simplex_iteration_count), 0)
             best = cold if best is None or cold.gap < best.gap else best
         self._highs.setOptionValue("simplex_scale_strategy", 2)
         if best is None or not len(best.x):
@@ -167,9 +171,9 @@ class KeptProgram:
         self._warm = best.holds
         return best
 
-    def _run(self, strategy: int) -> KeptSolution:
-        self.solves += 1
+    def _run(self, strategy: int, steps: int) -> KeptSolution:
         self._highs.setOptionValue("simplex_strategy", strategy)
+        self._highs.setOptionValue("simplex_iteration_limit", steps)
         self._highs.run()
         solution = self._highs.getSolution()
         x, multipliers = np.array(solution.col_value), np.array(solution.row_dual)
