@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from kilter.analysis.check import Verdict, check
+    from kilter.analysis.orientation import Orientation, orient
+    from kilter.analysis.region import Region, find_region
     from kilter.assembly import Assembly, FrictionPair, GivenContact, Joint, Load, Part
     from kilter.contact import ContactSet, Tolerance, find_contacts
     from kilter.errors import InputError, KilterError, SolverError
@@ -41,7 +43,9 @@ _HOMES = {
     "Mesh": "kilter.shapes",
     "Part": "kilter.assembly",
     "Pose": "kilter.rigid",
+    "Orientation": "kilter.analysis.orientation",
     "Prism": "kilter.shapes",
+    "Region": "kilter.analysis.region",
     "SolverError": "kilter.errors",
     "Sphere": "kilter.shapes",
     "Tolerance": "kilter.contact",
@@ -49,7 +53,9 @@ _HOMES = {
     "check": "kilter.analysis.check",
     "dump": "kilter.files",
     "find_contacts": "kilter.contact",
+    "find_region": "kilter.analysis.region",
     "load": "kilter.files",
+    "orient": "kilter.analysis.orientation",
     "scene": "kilter.scenes",
     "verify_proof": "kilter.mechanics.proof",
 }
@@ -66,9 +72,11 @@ __all__ = [
     "KilterError",
     "Load",
     "Mesh",
+    "Orientation",
     "Part",
     "Pose",
     "Prism",
+    "Region",
     "SolverError",
     "Sphere",
     "Tolerance",
@@ -76,7 +84,9 @@ __all__ = [
     "check",
     "dump",
     "find_contacts",
+    "find_region",
     "load",
+    "orient",
     "scene",
     "verify_proof",
 ]

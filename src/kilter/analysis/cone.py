@@ -119,7 +119,8 @@ class Cone:
         flat = (np.abs(unit @ self.equations.T) <= self.blur).all(axis=-1)
         least = np.sin(margin) - (self.blur if margin <= 0 else 0.0)
         inside: Mask = flat & (unit @ self.facets.T >= least).all(axis=-1)
-        return inside & (length > 0) & (self.dimension > 0)
+        stable: Mask = inside & (length > 0) & (self.dimension > 0)
+        return stable
 
     def boundary_angle(self, directions: ArrayLike) -> Array:
         """Least angle to a facet or, outside the span, to the span [rad], shape (...).
@@ -159,8 +160,8 @@ def make_cone(equations: ArrayLike, facets: ArrayLike, points: ArrayLike, blur: 
     q = _units(q - q @ on_lines)
     rays = _rays(e, q, lines, np.asarray(points, dtype=np.float64).reshape(-1, 3), blur)
     # no negative zeros: they would be read as a direction
-    arrays = (frozen(rows + 0.0) for rows in (lines, rays, e, q))
-    return Cone(*arrays, blur)
+    lines, rays, e, q = (frozen(rows + 0.0) for rows in (lines, rays, e, q))
+    return Cone(lines, rays, e, q, blur)
 
 
 def _units(rows: Array) -> Array:

@@ -26,12 +26,20 @@ from kilter.cli.options import (
     Without,
 )
 from kilter.cli.output import Progress, as_json, emit, read_json, tell_warnings, write_whole
-from kilter.cli.reading import LOWEST, Reading, contact_tolerance, read_assembly
+from kilter.cli.reading import (
+    LOWEST,
+    Reading,
+    contact_tolerance,
+    read_assembly,
+    reading_of,
+)
+from kilter.cli.turning import orient, region
 from kilter.errors import InputError
 
 __all__ = ["command", "with_floor_value"]
 
 EXIT = {"stable": 0, "unstable": 1, "potentially-stable": 3, "undecided": 4}
+
 
 app = typer.Typer(
     name="kilter",
@@ -139,7 +147,7 @@ def check(
     """
     from kilter.analysis.check import check as decide
 
-    reading = _reading(ground, floor, without, down, friction, units, density)
+    reading = reading_of(ground, floor, without, down, friction, units, density)
     with Progress(quiet) as progress:
         started = time.perf_counter()
         progress("reading")
@@ -169,6 +177,10 @@ def check(
     return EXIT[verdict.verdict]
 
 
+app.command()(orient)
+app.command()(region)
+
+
 @app.command()
 def contacts(
     file: File,
@@ -189,7 +201,7 @@ def contacts(
     """What touches: patches with area, gap, normal; what came near, and why it does not count."""
     from kilter.contact import find_contacts
 
-    reading = _reading(ground, floor, without, down, friction, units, density)
+    reading = reading_of(ground, floor, without, down, friction, units, density)
     with Progress(quiet) as progress:
         progress("reading")
         assembly = read_assembly(file, reading)
@@ -327,23 +339,3 @@ def example(
     print(f"{target}: {SCENES[name].title}")
     print(f"next: kilter check {target}")
     return 0
-
-
-def _reading(
-    ground: list[str] | None,
-    floor: str | None,
-    without: list[str] | None,
-    down: tuple[float, float, float] | None,
-    friction: float | None,
-    units: str | None,
-    density: float | None,
-) -> Reading:
-    return Reading(
-        ground=tuple(ground or ()),
-        floor=floor,
-        without=tuple(without or ()),
-        down=down,
-        friction=friction,
-        units=units,
-        density=density,
-    )

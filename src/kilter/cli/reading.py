@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from kilter.assembly import Assembly
     from kilter.contact import Tolerance
 
-__all__ = ["LOWEST", "Reading", "contact_tolerance", "read_assembly"]
+__all__ = ["LOWEST", "Reading", "contact_tolerance", "read_assembly", "reading_of"]
 
 LOWEST = "lowest"
 """Value of --floor without a height."""
@@ -49,6 +49,27 @@ class Reading:
             return cls(**values)
         except (TypeError, ValueError):
             raise InputError("the proof's options cannot be read", hint="make it anew") from None
+
+
+def reading_of(
+    ground: list[str] | None,
+    floor: str | None,
+    without: list[str] | None,
+    down: tuple[float, float, float] | None,
+    friction: float | None,
+    units: str | None,
+    density: float | None,
+) -> Reading:
+    """The reading that the options of a command ask for."""
+    return Reading(
+        ground=tuple(ground or ()),
+        floor=floor,
+        without=tuple(without or ()),
+        down=down,
+        friction=friction,
+        units=units,
+        density=density,
+    )
 
 
 def read_assembly(file: str, reading: Reading) -> Assembly:

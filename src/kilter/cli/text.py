@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from kilter.assembly import Assembly
     from kilter.contact import ContactSet
 
-__all__ = ["check_text", "contacts_text", "plain", "table"]
+__all__ = ["check_text", "contacts_text", "moving_lines", "plain", "table", "vector"]
 
 LISTED = 20
 """Rows of a list that are shown; --json gives all."""
@@ -47,19 +47,26 @@ def _more(total: int) -> list[str]:
     return [f"  and {total - LISTED} more (--json lists all)"] if total > LISTED else []
 
 
-def _vector(v: Any, digits: int = 6) -> str:
+def vector(v: Any, digits: int = 6) -> str:
+    """A vector in brackets, rounded.
+
+    Examples
+    --------
+    >>> vector([0.5, -0.0, 1])
+    '(0.5, 0, 1)'
+    """
     return "(" + ", ".join(f"{round(float(x), digits) + 0.0:g}" for x in v) + ")"
 
 
 def check_text(verdict: Verdict) -> str:
     """The answer of `kilter check`."""
     lines = [verdict.sentence, ""]
-    lines += _moving(verdict)
+    lines += moving_lines(verdict)
     lines += _facts(verdict)
     return "\n".join(lines)
 
 
-def _moving(verdict: Verdict) -> list[str]:
+def moving_lines(verdict: Verdict) -> list[str]:
     """The parts that move, the fastest first."""
     if verdict.verdict == "stable":
         return []
@@ -93,7 +100,7 @@ def _facts(verdict: Verdict) -> list[str]:
         ["parts", f"{len(assembly.parts)}, held: {shown or 'none (joints to the ground)'}"],
         ["units", f"{assembly.units}; {_density_words(assembly)}"],
         ["mass", f"{verdict.program.mass[verdict.program.free].sum():.6g} kg free"],
-        ["gravity", f"{size:g} m/s^2 along {_vector(down)}"],
+        ["gravity", f"{size:g} m/s^2 along {vector(down)}"],
         ["contacts", _touching(contacts)],
         ["proof", _proof_words(verdict)],
     ]
@@ -184,7 +191,7 @@ def contacts_text(assembly: Assembly, contacts: ContactSet) -> str:
             f"touching in a way not modelled yet: {_count(len(contacts.unsupported), 'pair')}",
         ]
         rows = [
-            [plain(names[u.parts[0]]), plain(names[u.parts[1]]), u.kind, f"at {_vector(u.point)}"]
+            [plain(names[u.parts[0]]), plain(names[u.parts[1]]), u.kind, f"at {vector(u.point)}"]
             for u in contacts.unsupported[:LISTED]
         ]
         lines += [*table(rows), *_more(len(contacts.unsupported))]
@@ -232,7 +239,7 @@ def _patches(assembly: Assembly, contacts: ContactSet) -> list[str]:
                 str(contacts.patch_kind[k]),
                 f"{contacts.patch_area[k]:.6g}",
                 f"{gap:.1e}",
-                _vector(contacts.patch_normal[k], 4),
+                vector(contacts.patch_normal[k], 4),
                 str(counts[k]),
             ]
         )

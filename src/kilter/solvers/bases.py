@@ -27,6 +27,7 @@ from scipy.sparse import csc_array
 
 from kilter.errors import SolverError
 from kilter.mechanics.formulations import LinearProgram
+from kilter.solvers.linear import highs_model
 
 __all__ = ["BasicSolution", "CostModel"]
 
@@ -89,7 +90,7 @@ class CostModel:
             ("small_matrix_value", 1e-12),
         ):
             self._highs.setOptionValue(option, value)
-        if self._highs.passModel(_model(program)) == highspy.HighsStatus.kError:
+        if self._highs.passModel(highs_model(program)) == highspy.HighsStatus.kError:
             raise SolverError("the solver rejected the program", status="passModel")
 
     def solve(self, cost: Array | None = None) -> BasicSolution:
@@ -152,16 +153,3 @@ class CostModel:
         fixed = np.concatenate([self._upper, self._row_upper]) == 0.0
         slopes: Array = (sign[:, None] * reduced)[((status == lower) | (status == upper)) & ~fixed]
         return slopes
-
-
-def _model(program: LinearProgram) -> highspy.HighsLp:
-    lp = highspy.HighsLp()
-    lp.num_row_, lp.num_col_ = program.matrix.shape
-    lp.col_cost_ = program.cost
-    lp.col_lower_, lp.col_upper_ = program.lower, program.upper
-    lp.row_lower_, lp.row_upper_ = program.row_lower, program.row_upper
-    lp.a_matrix_.format_ = highspy.MatrixFormat.kColwise
-    lp.a_matrix_.start_ = program.matrix.indptr
-    lp.a_matrix_.index_ = program.matrix.indices
-    lp.a_matrix_.value_ = program.matrix.data
-    return lp

@@ -4,8 +4,8 @@
 
 A new cost leaves the last basis primal feasible, so the primal simplex goes on from there. A
 cold start is left to the dual simplex, which is faster on all that was measured; where the
-new optimum is far, it also overtakes the warm one, which is stopped after as many steps as
-the last cold start took. What comes back is not believed: with multipliers y of the rows and d = cost - A^T y of the columns,
+new optimum is far, it also overtakes the warm one, which is therefore stopped early. What
+comes back is not believed: with multipliers y of the rows and d = cost - A^T y,
 
     cost.x - bound(y, d)  =  sum of |y|, |d| times the distance to the bound that they pull to
 
@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kilter.errors import SolverError
 from kilter.mechanics.formulations import LinearProgram
-from kilter.solvers.linear import _model
+from kilter.solvers.linear import highs_model
 
 __all__ = ["KeptProgram", "KeptSolution"]
 
@@ -121,7 +121,7 @@ class KeptProgram:
             ("small_matrix_value", 1e-12),
         ):
             highs.setOptionValue(option, value)
-        if highs.passModel(_model(self.program)) == highspy.HighsStatus.kError:
+        if highs.passModel(highs_model(self.program)) == highspy.HighsStatus.kError:
             raise SolverError("the solver rejected the program", status="passModel")
         self._highs = highs
 

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from kilter.errors import SolverError
 from kilter.mechanics.formulations import LinearProgram
 
-__all__ = ["LinearSolution", "Method", "hipo_available", "optimum", "solve_linear"]
+__all__ = ["LinearSolution", "Method", "highs_model", "hipo_available", "optimum", "solve_linear"]
 
 Array = NDArray[np.float64]
 WIDE = 0.1
@@ -109,7 +109,7 @@ def solve_linear(
     highs.setOptionValue("small_matrix_value", 1e-12)
     if seconds is not None:
         highs.setOptionValue("time_limit", seconds)
-    if highs.passModel(_model(program)) == highspy.HighsStatus.kError:
+    if highs.passModel(highs_model(program)) == highspy.HighsStatus.kError:
         raise SolverError("the solver rejected the program", status="passModel")
     _run(highs)
     status = highs.getModelStatus()
@@ -145,7 +145,8 @@ def optimum(program: LinearProgram, *, method: Method = "simplex") -> LinearSolu
     raise SolverError("no solver finished the linear program", status=status)
 
 
-def _model(program: LinearProgram) -> highspy.HighsLp:
+def highs_model(program: LinearProgram) -> highspy.HighsLp:
+    """The program as HiGHS takes it."""
     lp = highspy.HighsLp()
     lp.num_row_, lp.num_col_ = program.matrix.shape
     lp.col_cost_ = program.cost

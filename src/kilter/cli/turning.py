@@ -1,0 +1,133 @@
+"""Commands about turning: which way up it stays, and every way that it does."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import Annotated
+
+import typer
+
+from kilter.cli.options import (
+    Angle,
+    Density,
+    Down,
+    File,
+    Floor,
+    Gap,
+    Ground,
+    Json,
+    Loose,
+    Output,
+    Quiet,
+    Units,
+    Without,
+)
+from kilter.cli.output import Progress, as_json, emit, tell_warnings
+from kilter.cli.reading import contact_tolerance, read_assembly, reading_of
+from kilter.errors import InputError
+
+__all__ = ["orient", "region"]
+
+
+class Method(StrEnum):
+    """Ways to the nearest direction."""
+
+    JOINT = "joint"
+    WALK = "walk"
+
+
+def orient(
+    file: File,
+    ground: Ground = None,
+    floor: Floor = None,
+    without: Without = None,
+    down: Down = None,
+    units: Units = None,
+    density: Density = None,
+    gap: Gap = None,
+    angle: Angle = None,
+    loose: Loose = False,
+    method: Annotated[
+        Method,
+        typer.Option(
+            "--method",
+            help="For the nearest direction: joint programs, or the walk of the paper.",
+            rich_help_panel="Form of the answer",
+        ),
+    ] = Method.JOINT,
+    json: Json = False,
+    output: Output = None,
+    quiet: Quiet = False,
+) -> int:
+    """How could it be turned so that it stays: the stable orientation with the widest margin.
+
+    Exit 0 found, 1 none exists (then the nearest to stable, and what moves there), 4 undecided.
+    """
+    from kilter.analysis.orientation import orient as find
+
+    reading = reading_of(ground, floor, without, down, None, units, density)
+    with Progress(quiet) as progress:
+        progress("reading")
+        assembly = read_assembly(file, reading)
+        answer = find(
+            assembly,
+            tolerance=contact_tolerance(gap, angle, loose),
+            method=method.value,
+            progress=progress,
+        )
+    tell_warnings(answer.warnings, quiet or json)
+    if json:
+        emit(as_json(answer.to_dict()), output)
+    else:
+        from kilter.cli.turning_text import orient_text
+
+        emit(orient_text(answer), output)
+    return {"found": 0, "none": 1, "undecided": 4}[answer.verdict]
+
+
+def region(
+    files: Annotated[
+        list[str],
+        typer.Argument(metavar="FILE...", help="One assembly; several with --common."),
+    ],
+    common: Annotated[
+        bool,
+        typer.Option(
+            "--common", help="The directions stable for all of the files: no reorientation between."
+        ),
+    ] = False,
+    ground: Ground = None,
+    floor: Floor = None,
+    without: Without = None,
+    down: Down = None,
+    units: Units = None,
+    density: Density = None,
+    gap: Gap = None,
+    angle: Angle = None,
+    loose: Loose = False,
+    json: Json = False,
+    output: Output = None,
+    quiet: Quiet = False,
+) -> int:
+    """Every direction of gravity for which it stays: exactly, with a proof for each boundary."""
+    from kilter.analysis.region import common_region, find_region
+
+    if len(files) > 1 and not common:
+        raise InputError(f"{len(files)} files are given", hint="add --common, or give one")
+    reading = reading_of(ground, floor, without, down, None, units, density)
+    tolerance = contact_tolerance(gap, angle, loose)
+    with Progress(quiet) as progress:
+        progress("reading")
+        assemblies = [read_assembly(file, reading) for file in files]
+        if common:
+            answer = common_region(assemblies, tolerance=tolerance, progress=progress)
+        else:
+            answer = find_region(assemblies[0], tolerance=tolerance, progress=progress)
+    tell_warnings(answer.warnings, quiet or json)
+    if json:
+        emit(as_json(answer.to_dict()), output)
+    else:
+        from kilter.cli.turning_text import region_text
+
+        emit(region_text(answer), output)
+    return 0

@@ -1,0 +1,81 @@
+"""Directions that are stable for all of a list of assemblies."""
+
+import itertools
+
+import numpy as np
+import pytest
+from cones import BUILDERS, directions, region_of, same_rays
+
+from kilter.analysis.region import common_region, find_region
+from kilter.contact import find_contacts
+from kilter.errors import InputError
+from kilter.mechanics.proof import verify_proof
+from kilter.scenes import paper, rails, stacks, wedges
+from kilter.scenes.transform import as_single, moved
+
+PAIRS = [
+    ("-x +x -z", "-x -z +z", "fan"),
+    ("-x +x -y +y -z", "-x -y -z", "cone"),
+    ("-x +x -y +y -z", "-x +x -y +y +z", "plane"),
+    ("-x +x", "-z +z", "none"),
+    ("-x +x -z", "-x +x +z", "line"),
+    ("-x +x -y +y -z +z", "-x +x -y +y -z +z", "all"),
+    ("-x -y -z", "-x +y -z", "fan"),
+    ("-x -y -z", "+x +y -z", "ray"),
+]
+
+
+@pytest.mark.parametrize(("one", "other", "kind"), PAIRS)
+def test_intersections(one: str, other: str, kind: str) -> None:
+    both = [rails.railed(one), rails.railed(other, count=2)]
+    region = common_region(both)
+    assert region.kind == kind
+    assert common_region(both[::-1]).kind == kind
+
+
+@pytest.mark.parametrize("names", list(itertools.combinations(BUILDERS, 2))[::9])
+def test_stable_for_all_is_stable_for_each(names: tuple[str, str]) -> None:
+    each = [region_of(name) for name in names]
+    region = common_region([part.assemblies[0] for part in each])
+    asked = np.vstack([directions(part, 300) for part in [*each, region]])
+    near = np.min([part.cone.boundary_angle(asked) for part in [*each, region]], axis=0) < 1e-6
+    wanted = np.all([part.contains(asked) for part in each], axis=0)
+    assert (region.contains(asked) == wanted)[~near].all()
+
+
+@pytest.mark.parametrize("rounded", [False, True])
+def test_knife_edges_that_agree(rounded: bool) -> None:
+    """Steps of one plan: their one direction is the same but for rounding."""
+    turn = [0.3, -0.5, 0.2, 0.7]
+    steps = [moved(stacks.tower(count), turn) for count in (1, 2, 3)]
+    if rounded:
+        steps = [as_single(step) for step in steps]
+    region = common_region(steps)
+    assert region.kind == "ray"
+    assert np.linalg.norm(region.rays[0] - steps[0].down) < 10 * region.cone.blur
+
+
+def test_a_plan_without_a_common_direction() -> None:
+    region = common_region([paper.figure_11(), paper.figure_12()])
+    assert region.kind == "none"
+    assert "no direction is stable for all of them" in region.warnings[-1]
+    assert region.warnings[0].startswith("assembly 1: ")
+
+
+def test_common_proofs_verify() -> None:
+    region = common_region([rails.railed("-x +x -z"), wedges.corner_wedges()])
+    proofs = region.proofs()
+    assert {proof.about for proof in proofs} >= {"ray", "facet"}
+    for proof in proofs:
+        answer = verify_proof(proof.assembly, find_contacts(proof.assembly), proof.data)
+        assert answer.holds
+
+
+def test_one_is_itself() -> None:
+    assembly = wedges.corner_wedges()
+    assert same_rays(common_region([assembly]).rays, list(find_region(assembly).rays))
+
+
+def test_none_given() -> None:
+    with pytest.raises(InputError, match="no assembly is given"):
+        common_region([])

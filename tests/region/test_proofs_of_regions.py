@@ -1,0 +1,57 @@
+"""Every ray, line, facet and equation carries a proof that a stranger can verify."""
+
+import json
+
+import numpy as np
+import pytest
+from cones import KINDS, MORE, region_of
+
+from kilter.analysis.region import find_region
+from kilter.contact import find_contacts
+from kilter.files import from_dict, to_dict
+from kilter.mechanics.proof import proof_tolerance, verify_proof
+from kilter.scenes import rails, wedges
+
+
+@pytest.mark.parametrize("name", [*KINDS, *MORE])
+def test_proofs_pass_verify(name: str) -> None:
+    region = region_of(name)
+    proofs = region.proofs()
+    assert len(proofs) == _count(region)
+    for proof in proofs:
+        assembly = from_dict(json.loads(json.dumps(to_dict(proof.assembly))))
+        data = json.loads(json.dumps(proof.data, allow_nan=False))
+        answer = verify_proof(
+            assembly, find_contacts(assembly, tolerance=proof_tolerance(data)), data
+        )
+        assert answer.holds, (proof.about, proof.vector, answer.reasons)
+        stable = proof.about in ("ray", "line")
+        assert answer.verdict == ("stable" if stable else "unstable")
+        assert bool(region.contains(proof.assembly.down)) == stable
+
+
+def _count(region) -> int:
+    if (region.contacts[0].patch_mu > 0).any():
+        return 0  # an arch with friction: no forces, and motions that friction might stop
+    equations = len(region.equations) - region.assemblies[0].planar
+    return len(region.rays) + 2 * len(region.lines) + len(region.facets) + 2 * equations
+
+
+def test_the_motion_of_a_facet_is_its_normal() -> None:
+    region = find_region(wedges.corner_wedges())
+    for proof in region.found[0].proofs:
+        if proof.about != "facet":
+            continue
+        assembly = region.assemblies[0]
+        sum_of_motions = assembly.geometry.mass @ proof.certificate.motion[:, :3]
+        sum_of_motions /= np.linalg.norm(sum_of_motions)
+        assert np.allclose(sum_of_motions, -proof.vector, atol=1e-7)
+        # just outside: as near as the proof holds
+        assert -1e-4 < proof.vector @ proof.down < 0
+
+
+def test_facets_are_not_claimed_where_friction_may_hold() -> None:
+    assembly = rails.railed("-x -z").with_friction(0.5)
+    region = find_region(assembly)
+    assert {proof.about for proof in region.proofs()} == {"ray"}
+    assert any("friction left out" in text for text in region.warnings)
