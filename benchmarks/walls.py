@@ -12,6 +12,7 @@ machine may be shared: compare ratios within one run.
 from __future__ import annotations
 
 import argparse
+import importlib
 import json
 import resource
 import subprocess
@@ -22,6 +23,13 @@ from typing import Any
 
 import numpy as np
 
+IMPORTED = (
+    "shapely",
+    "scipy.sparse.csgraph",
+    "scipy.sparse.linalg",
+    "scipy.spatial",
+    "kilter.solvers.linear",
+)
 KINDS = ("stable", "unstable", "hanging")
 STAGES = ("build", "geometry", "contacts", "program", "solve", "certificate", "factor")
 
@@ -41,9 +49,9 @@ def build(kind: str, bricks: int) -> Any:
 
 def measured(kind: str, bricks: int, *, factor: bool) -> dict[str, Any]:
     """Seconds of each stage, and what came out."""
-    import scipy.sparse.linalg  # noqa: F401  (its import is no part of a stage)
+    for module in IMPORTED:  # imports are no part of a stage
+        importlib.import_module(module)
 
-    import kilter.solvers.linear  # noqa: F401
     from kilter.analysis.stability import judge
     from kilter.contact import find_contacts
     from kilter.mechanics.certificate import check_forces, check_motion

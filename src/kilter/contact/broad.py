@@ -23,6 +23,8 @@ Index = NDArray[np.int64]
 
 FEW = 64
 """Up to this many parts all pairs are compared."""
+SAMPLE = 2000
+"""About so many facets are asked for the common frame."""
 ALL_PAIRS = 300
 """Up to this many normals are compared all with all."""
 MANY = 200_000
@@ -71,7 +73,7 @@ def common_frame(normals: Array, areas: Array) -> Array:
     >>> common_frame(np.eye(3), np.array([1., 1., 2.]))[0]
     array([0., 0., 1.])
     """
-    step = max(1, len(normals) // 20_000)
+    step = max(1, len(normals) // SAMPLE)
     normals, areas = normals[::step], areas[::step]
     strongest = np.take_along_axis(normals, np.abs(normals).argmax(axis=1)[:, None], axis=1)
     normals = normals * np.where(strongest < 0, -1.0, 1.0)
