@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from kilter.analysis.check import Verdict, check
     from kilter.analysis.orientation import Orientation, orient
-    from kilter.analysis.region import Region, find_region
+    from kilter.analysis.region import Region, common_region, find_region
     from kilter.assembly import Assembly, FrictionPair, GivenContact, Joint, Load, Part
     from kilter.contact import ContactSet, Tolerance, find_contacts
     from kilter.errors import InputError, KilterError, SolverError
@@ -51,6 +51,7 @@ _HOMES = {
     "Tolerance": "kilter.contact",
     "Verdict": "kilter.analysis.check",
     "check": "kilter.analysis.check",
+    "common_region": "kilter.analysis.region",
     "dump": "kilter.files",
     "find_contacts": "kilter.contact",
     "find_region": "kilter.analysis.region",
@@ -82,6 +83,7 @@ __all__ = [
     "Tolerance",
     "Verdict",
     "check",
+    "common_region",
     "dump",
     "find_contacts",
     "find_region",

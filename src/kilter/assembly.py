@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kilter.errors import InputError, nearest_name
+from kilter.errors import InputError, nearest_name, some_names
 from kilter.interactions import FrictionPair, GivenContact, Joint, Load
 from kilter.part import GROUND, Part
 from kilter.rigid import Pose, frozen, number, rotation_between, unit
@@ -156,7 +156,7 @@ class Assembly:
             return self.index[name]
         except KeyError:
             near = nearest_name(name, self.index)
-            hint = f"did you mean {near!r}?" if near else f"there are: {_some(self.names)}"
+            hint = f"did you mean {near!r}?" if near else f"there are: {some_names(self.names, 8)}"
             raise InputError(
                 f"no part is named {name!r}", file=self.source or None, hint=hint
             ) from None
@@ -271,15 +271,10 @@ class Assembly:
         heights = -(geometry.vertices @ self.down)
         lowest = self.names[int(geometry.vertex_part[np.argmin(heights)])]
         raise InputError(
-            f"nothing is held; the parts are {_some(self.names)}, the lowest is {lowest!r}",
+            f"nothing is held; the parts are {some_names(self.names, 8)}, the lowest is {lowest!r}",
             file=self.source or None,
             hint=f"hold one with --ground {lowest!r}, or put a table under them with --floor",
         )
 
     def _replace(self, **changes: Any) -> Assembly:
         return dataclasses.replace(self, **changes)
-
-
-def _some(names: Sequence[str], limit: int = 8) -> str:
-    shown = ", ".join(repr(name) for name in names[:limit])
-    return f"{shown} and {len(names) - limit} more" if len(names) > limit else shown

@@ -7,9 +7,16 @@ input (`InputError`, exit code 2 of the command) and for a fault of kilter itsel
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
-__all__ = ["InputError", "KilterError", "KilterWarning", "SolverError", "nearest_name"]
+__all__ = [
+    "InputError",
+    "KilterError",
+    "SolverError",
+    "nearest_name",
+    "some",
+    "some_names",
+]
 
 
 class KilterError(Exception):
@@ -69,10 +76,6 @@ class SolverError(KilterError):
         self.status = status
 
 
-class KilterWarning(UserWarning):
-    """Something that does not stop the work but that its user should know."""
-
-
 def nearest_name(name: str, names: Iterable[str]) -> str | None:
     """The known name most like `name`, or None.
 
@@ -83,6 +86,24 @@ def nearest_name(name: str, names: Iterable[str]) -> str | None:
     """
     found = difflib.get_close_matches(str(name), list(names), n=1, cutoff=0.5)
     return found[0] if found else None
+
+
+def some_names(names: Sequence[str], limit: int = 5) -> str:
+    """The first names for a message, and how many more there are.
+
+    Examples
+    --------
+    >>> some_names(["a", "b", "c"], limit=2)
+    "'a', 'b' and 1 more"
+    """
+    return some([_short(name) for name in names[: limit + 1]], limit, len(names))
+
+
+def some(words: Sequence[str], limit: int = 5, total: int | None = None) -> str:
+    """The first of some words, and how many more there are of `total`."""
+    total = len(words) if total is None else total
+    shown = ", ".join(words[:limit])
+    return f"{shown} and {total - limit} more" if total > limit else shown
 
 
 def _short(name: str, limit: int = 60) -> str:

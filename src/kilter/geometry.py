@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kilter.closed import open_edges, welded
-from kilter.errors import InputError
+from kilter.errors import InputError, some_names
 from kilter.rigid import cross, quaternion_to_matrix
 from kilter.shapes import BOX_CORNERS, BOX_TRIANGLES, Box, Cylinder, Mesh, Sphere, surface
 from kilter.units import metres_per_unit
@@ -139,7 +139,8 @@ def _build(assembly: Assembly) -> Geometry:
     if len(flipped):
         volume[flipped] *= -1
         second[flipped] *= -1
-        warnings.append(f"faces turned outwards, they pointed inwards: {_named(parts, flipped)}")
+        turned = some_names([parts[k].name for k in flipped.tolist()])
+        warnings.append(f"faces turned outwards, they pointed inwards: {turned}")
     reach = _group_max(np.linalg.norm(vertices - area_center[owner], axis=1), vertex_start)
     flat = np.flatnonzero(~(volume > 1e-9 * reach**3))
     if len(flat):
@@ -333,7 +334,7 @@ def _masses(
     free = np.array([not part.grounded for part in parts])
     default = np.array([part.mass is None and part.density is None for part in parts])
     if (default & free).any() and (~default & free).any():
-        assumed = _named(parts, np.flatnonzero(default & free))
+        assumed = some_names([p.name for p, d in zip(parts, default & free, strict=True) if d])
         warnings.append(
             f"density {DEFAULT_DENSITY:g} kg/m^3 assumed for {assumed} "
             "beside parts with a mass or density of their own: the verdict depends on the ratios"
@@ -351,11 +352,6 @@ def _round_axes(parts: Sequence[Part], rotation: Array) -> Array:
     cylinders = [k for k, part in enumerate(parts) if isinstance(part.shape, Cylinder)]
     axes[cylinders] = rotation[cylinders, :, 2]
     return axes
-
-
-def _named(parts: Sequence[Part], which: Index, limit: int = 5) -> str:
-    shown = ", ".join(repr(parts[k].name) for k in which[:limit].tolist())
-    return f"{shown} and {len(which) - limit} more" if len(which) > limit else shown
 
 
 def _group_max(values: Array, start: Index) -> Array:

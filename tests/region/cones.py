@@ -102,11 +102,10 @@ def disagreements(region: Region, asked: Array, margin: float = 1e-6) -> list[Ar
     program = build_program(assembly, contacts)
     wrong = []
     for down, inside in zip(asked, region.contains(asked), strict=True):
-        sines = np.abs(np.concatenate([region.equations @ down, region.facets @ down]))
         # in the span an equation is met to rounding, and only the facets are a boundary
-        if (
-            sines[(sines > 1e-12) | (np.arange(len(sines)) >= len(region.equations))] < margin
-        ).any():
+        flat = np.abs(region.equations @ down)
+        near = np.concatenate([flat[flat > 1e-12], np.abs(region.facets @ down)])
+        if (near < margin).any():
             continue
         stable = judge(program.with_rows(gravity=down * 9.81)).stable
         if stable is not bool(inside):

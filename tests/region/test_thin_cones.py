@@ -1,13 +1,15 @@
-"""Thin cones are found where sampling finds nothing, in about as many programs as they have faces."""
+"""Thin cones are found where sampling finds nothing, in about a program a ray and a facet."""
 
 import time
 
 import numpy as np
 import pytest
-from cones import KINDS, MORE, disagreements, region_of
+from cones import KINDS, MORE, disagreements, region_of, same_rays
 
 from kilter.analysis.region import find_region
+from kilter.assembly import Assembly, GivenContact
 from kilter.scenes import rails, stacks, wedges
+from kilter.scenes.pieces import block
 
 
 def test_a_hundred_plates_on_thin_seats() -> None:
@@ -25,13 +27,20 @@ def test_a_hundred_plates_on_thin_seats() -> None:
     assert not disagreements(region, np.array([inside / np.linalg.norm(inside)]))
 
 
-@pytest.mark.parametrize("angle", [1e-2, 1e-3, 1e-4])
+@pytest.mark.parametrize("angle", [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6])
 def test_ever_thinner(angle: float) -> None:
-    region = find_region(rails.seats(3, angle=angle))
+    """A cube on four points whose normals lean by `angle` [rad] and meet in its middle."""
+    leans = np.array([[1, 0], [0, 1], [-1, 0], [0, -1]]) * np.sin(angle)
+    normals = np.column_stack([leans, np.full(4, np.cos(angle))])
+    base = block("base", [-1, -1, -2], [1, 1, -1], grounded=True)
+    cube = block("cube", [-0.5, -0.5, -0.5], [0.5, 0.5, 0.5])
+    contacts = [GivenContact(("base", "cube"), [-0.5 * n], n) for n in normals]
+    region = find_region(Assembly([base, cube], contacts=contacts, detect=False))
     assert region.kind == "cone"
-    assert np.arccos(np.clip(-region.rays[:, 2], -1, 1)) == pytest.approx(
-        [np.radians(angle)] * 4, rel=1e-4
-    )
+    assert same_rays(region.rays, list(-normals), 1e-9)
+    assert region.proved
+    half = np.arcsin(np.tan(angle) / np.sqrt(2 + np.tan(angle) ** 2))
+    assert region.half_angle_deg == pytest.approx(np.degrees(half), rel=1e-9 / angle)
 
 
 def test_twenty_wedges_with_a_cone_away_from_gravity() -> None:

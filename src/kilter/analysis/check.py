@@ -22,10 +22,12 @@ from kilter.analysis.displacement import LIMIT as DISPLACEMENT_LIMIT
 from kilter.analysis.displacement import Displacement, find_displacement
 from kilter.analysis.motion import ImpendingMotion, find_motion, still
 from kilter.analysis.neutral import Neutral, find_neutral
+from kilter.analysis.remarks import remarks, touching_nothing
 from kilter.analysis.stability import Judgement, judge
 from kilter.analysis.words import SENTENCES, motion_words
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet, Tolerance, find_contacts
+from kilter.errors import some, some_names
 from kilter.mechanics.certificate import ForceProof, MotionProof
 from kilter.mechanics.program import POSSIBLE, TOLERANCE, Program, build_program
 from kilter.mechanics.proof import make_proof
@@ -185,8 +187,7 @@ def check(
     seconds["solve"] = time.perf_counter() - started
     coarse = bool(program.tolerance.max(initial=0.0) > TOLERANCE)
     sentence = SENTENCES.get((word, coarse)) or f"Undecided: {'; '.join(why)}."
-    warnings = [*assembly.notes, *assembly.geometry.warnings, *contacts.warnings]
-    warnings += _warnings(assembly, contacts, program, word)
+    warnings = _warnings(assembly, contacts, word)
     return Verdict(word, sentence, assembly, contacts, program, judgement, tuple(warnings), seconds)
 
 
@@ -226,33 +227,21 @@ def _open_questions(assembly: Assembly, contacts: ContactSet) -> list[str]:
             "without friction it would move, and friction, which is not modelled yet, could hold it"
         )
     if contacts.unsupported:
-        listed = [
+        pairs = [
             f"{names[u.parts[0]]!r} and {names[u.parts[1]]!r} ({u.kind})"
-            for u in contacts.unsupported[:5]
+            for u in contacts.unsupported
         ]
-        more = len(contacts.unsupported) - len(listed)
-        pairs = ", ".join(listed) + (f" and {more} more" if more > 0 else "")
-        why.append(f"contacts of a kind that is not modelled yet could hold it: {pairs}")
+        why.append(f"contacts of a kind that is not modelled yet could hold it: {some(pairs)}")
     return why or ["the polygon that stands for a round face could hold it, a circle might not"]
 
 
-def _warnings(assembly: Assembly, contacts: ContactSet, program: Program, word: Word) -> list[str]:
-    warnings = []
-    if not program.free.any():
-        warnings.append("every part is held: nothing can move")
+def _warnings(assembly: Assembly, contacts: ContactSet, word: Word) -> list[str]:
+    warnings = remarks(assembly, contacts)
     if word != "stable" and (contacts.unsupported or (contacts.patch_mu > 0).any()):
         warnings.append(
             "z, displacements and motions are those of the modelled, frictionless contacts"
         )
-    touched = np.zeros(len(program.names), dtype=bool)
-    touched[contacts.patch_parts.ravel()] = True
-    touched[[k for u in contacts.unsupported for k in u.parts]] = True
-    touched[
-        [assembly.index[n] for j in assembly.joints for n in j.parts if n in assembly.index]
-    ] = True
-    alone = [n for n, t, f in zip(program.names, touched, program.free, strict=True) if f and not t]
+    alone = touching_nothing(assembly, contacts)
     if alone:
-        shown = ", ".join(repr(n) for n in alone[:5])
-        more = f" and {len(alone) - 5} more" if len(alone) > 5 else ""
-        warnings.append(f"touches nothing: {shown}{more}")
+        warnings.append(f"touches nothing: {some_names(alone)}")
     return warnings

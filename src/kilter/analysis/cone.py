@@ -95,8 +95,12 @@ class Cone:
             return fixed[self.kind]
         center = self.center
         assert center is not None
-        widest = float(np.degrees(np.arcsin(np.clip((self.facets @ center).min(), 0.0, 1.0))))
-        return round(widest, 12)
+        nearest = self.facets[(self.facets @ center).argmin()]
+        sine = float(nearest @ center)
+        if sine < 0.7:
+            return round(float(np.degrees(np.arcsin(sine))), 12)
+        apart = float(np.linalg.norm(nearest - center))  # the sine is flat near a right angle
+        return round(90.0 - float(np.degrees(2 * np.arcsin(apart / 2))), 12)
 
     def contains(self, directions: ArrayLike, margin: float = 0.0) -> Mask:
         """Whether directions are in the cone.

@@ -54,6 +54,8 @@ class ConeOracle:
         Of a unit of imbalance in any row; None: no imbalance.
     tolerance : float
         Of the data [-]: forces of a tenth of its inverse, over the weight, jam.
+    spread : float
+        Heaviest part over the lightest: what a light one may have to carry [-].
 
     Examples
     --------
@@ -72,6 +74,7 @@ class ConeOracle:
         two_sided: NDArray[np.bool_],
         price: float | None,
         tolerance: float = TOLERANCE,
+        spread: float = 1.0,
     ) -> None:
         from kilter.solvers.kept import KeptProgram
 
@@ -85,6 +88,8 @@ class ConeOracle:
         self._size = np.where(size > 0, size, 1.0)
         self._pushes = np.flatnonzero(~two_sided)
         self._tolerance = tolerance
+        # exact data jam by rounding alone, far beyond what any part may have to carry
+        self._jam = 0.1 / tolerance if tolerance > TOLERANCE else RATIO * spread
         self._columns = np.arange(self._forces, self._forces + self.dimension)
         self._kept = KeptProgram(self._program(matrix, loads, two_sided, price))
 
@@ -136,7 +141,7 @@ class ConeOracle:
         """Whether the forces are so large that only the rounding of the data holds them."""
         size = float(np.linalg.norm(found.x[self._columns]))
         largest = float(np.abs(found.x[: self._forces]).max(initial=0.0))
-        return largest > size * min(RATIO, 0.1 / self._tolerance)
+        return largest > size * self._jam
 
     def _reach(self, direction: Array, found: KeptSolution) -> Reach:
         g = found.x[self._columns]

@@ -2,31 +2,29 @@
 
 The stable cone (`kilter.analysis.stable_cone`) with the assembly around it: what was found,
 in which contacts, what it does not know of, and proofs that a stranger can verify. For
-several assemblies the cones are intersected: an assembly plan needs no reorientation where
-one direction is stable for every step of it.
+several assemblies the cones are intersected: a plan needs no reorientation where one
+direction is stable for every step of it.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import csc_array, vstack
 
-from kilter.analysis.cone import Cone, make_cone
-from kilter.analysis.cone_oracle import ConeOracle
-from kilter.analysis.growth import grow
+from kilter.analysis.common import common_proofs, intersection
+from kilter.analysis.cone import Cone
 from kilter.analysis.region_words import warnings_of
-from kilter.analysis.stable_cone import REACH, StableCone, stable_cone
+from kilter.analysis.stable_cone import Proof, StableCone, stable_cone
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet, Tolerance, find_contacts
 from kilter.errors import InputError
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
-from kilter.mechanics.program import TOLERANCE, build_program
+from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import make_proof
 
 __all__ = ["Region", "RegionProof", "common_region", "find_region", "region_answer"]
@@ -152,26 +150,24 @@ class Region:
 
         Facets and equations are left out where friction, or contacts that are not modelled,
         might hold what lies beyond them. For several assemblies a ray has a proof in each, a
-        facet in those whose own it is.
+        facet in the first that does not hold beyond it.
         """
+        certified = self._common() if len(self.assemblies) > 1 else self._own()
         proofs = []
-        for assembly, contacts, found in zip(
-            self.assemblies, self.contacts, self.found, strict=True
-        ):
-            own = _proofs(assembly, contacts, found)
-            shared = len(self.assemblies) == 1
-            for about, vector, turned, certificate in own if shared else self._shared(own):
+        for proof, k in certified:
+            turned, contacts = self.assemblies[k].with_down(proof.down), self.contacts[k]
+            certificate = _certified(turned, contacts, proof)
+            if certificate.holds:
                 program = build_program(turned, contacts)
                 data = make_proof(turned, contacts, program, certificate, options or {})
-                proofs.append(RegionProof(about, vector, turned, data))
+                proofs.append(RegionProof(proof.about, proof.vector, turned, data))
         return proofs
 
-    def _shared(self, own: Iterator[_Certified]) -> Iterator[_Certified]:
-        """What of the proofs of one assembly speaks of the common region."""
-        for entry in own:
-            down = entry[2].down
-            if isinstance(entry[3], ForceProof) == bool(self.contains(down)):
-                yield entry
+    def _own(self) -> list[tuple[Proof, int]]:
+        return [(proof, 0) for proof in self.found[0].proofs]
+
+    def _common(self) -> list[tuple[Proof, int]]:
+        return common_proofs(self.cone, self.assemblies, self.contacts)
 
     def to_dict(self) -> dict[str, Any]:
         """The answer as JSON data."""
@@ -183,22 +179,12 @@ class Region:
         return f"{self.kind}{width}"
 
 
-_Certified = tuple[str, Array, Assembly, ForceProof | MotionProof]
-
-
-def _proofs(assembly: Assembly, contacts: ContactSet, found: StableCone) -> Iterator[_Certified]:
-    """Certificates judged again, on the program that a stranger will build."""
-    for proof in found.proofs:
-        turned = assembly.with_down(proof.down)
-        certificate: ForceProof | MotionProof
-        if isinstance(proof.certificate, ForceProof):
-            program = build_program(turned, contacts)
-            certificate = check_forces(program, proof.certificate.forces)
-        else:
-            program = build_program(turned, contacts, possible=True)
-            certificate = check_motion(program, proof.certificate.motion)
-        if certificate.holds:
-            yield proof.about, proof.vector, turned, certificate
+def _certified(turned: Assembly, contacts: ContactSet, proof: Proof) -> ForceProof | MotionProof:
+    """A certificate judged again, on the program that a stranger will build."""
+    if isinstance(proof.certificate, ForceProof):
+        return check_forces(build_program(turned, contacts), proof.certificate.forces)
+    outer = build_program(turned, contacts, possible=True)
+    return check_motion(outer, proof.certificate.motion)
 
 
 def find_region(
@@ -286,9 +272,22 @@ def common_region(
         for assembly, own in zip(assemblies, given, strict=True)
     ]
     started = time.perf_counter()
-    cone, programs = _intersection([region.cone for region in regions], assemblies[0].down)
-    seconds = {key: sum(region.seconds[key] for region in regions) for key in ("contacts", "solve")}
+    cone, programs = intersection([region.cone for region in regions], assemblies[0].down)
+    seconds = {key: sum(region.seconds[key] for region in regions) for key in regions[0].seconds}
     seconds["solve"] += time.perf_counter() - started
+    return Region(
+        cone,
+        tuple(region.assemblies[0] for region in regions),
+        tuple(region.contacts[0] for region in regions),
+        tuple(region.found[0] for region in regions),
+        programs + sum(region.programs for region in regions),
+        tuple(_common_warnings(cone, regions)),
+        seconds,
+    )
+
+
+def _common_warnings(cone: Cone, regions: Sequence[Region]) -> list[str]:
+    """Warnings of each, and that nothing is left."""
     warnings = [
         f"{region.assemblies[0].source or f'assembly {k + 1}'}: {text}"
         for k, region in enumerate(regions)
@@ -296,39 +295,7 @@ def common_region(
     ]
     if cone.kind == "none" and all(region.kind != "none" for region in regions):
         warnings.append("no direction is stable for all of them, though each has one of its own")
-    return Region(
-        cone,
-        tuple(region.assemblies[0] for region in regions),
-        tuple(region.contacts[0] for region in regions),
-        tuple(region.found[0] for region in regions),
-        programs + sum(region.programs for region in regions),
-        tuple(warnings),
-        seconds,
-    )
-
-
-def _intersection(cones: Sequence[Cone], first: Array) -> tuple[Cone, int]:
-    """The intersection of cones, found as a stable cone is, with distances in place of forces."""
-    blur = max(cone.blur for cone in cones)
-    equations = np.vstack([cone.equations for cone in cones])
-    facets = np.vstack([cone.facets for cone in cones])
-    count = len(equations) + len(facets)
-    if not count:
-        return make_cone(equations, facets, np.empty((0, 3)), blur), 0
-    # e.g = 0,  q.g - f = 0 with f >= 0
-    distance = csc_array(np.vstack([np.zeros((len(equations), len(facets))), -np.eye(len(facets))]))
-    loads = vstack([csc_array(equations), csc_array(facets)], format="csc")
-    coarse = blur > REACH * TOLERANCE
-    one_sided = np.zeros(len(facets), dtype=bool)
-    oracle = ConeOracle(distance, loads, one_sided, 0.1 / blur if coarse else None)
-    grown = grow(oracle, first, blur, lambda: None)
-    cone = make_cone(
-        np.array([e for e, _, _ in grown.equations]),
-        np.array([q for q, _ in grown.facets]),
-        np.array([found.point for found in grown.points]),
-        blur,
-    )
-    return cone, oracle.programs
+    return warnings
 
 
 def region_answer(region: Region) -> dict[str, Any]:

@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
-from kilter.analysis.stable_cone import StableCone
+from kilter.analysis.motion import find_motion
+from kilter.analysis.remarks import remarks, touching_nothing
+from kilter.analysis.stable_cone import Proof, StableCone
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
+from kilter.errors import some, some_names
 from kilter.mechanics.certificate import MotionProof, part_sizes
 from kilter.mechanics.program import TOLERANCE, Program
 
 __all__ = ["warnings_of"]
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 
+LIMIT = 100
+"""Up to this many free parts, all those that start to move are named."""
+TILT = 0.01
+"""Out of the span [rad], to see which."""
 MOVES = 0.01
 """A part that moves less than this part of the largest motion is not named."""
 
@@ -25,13 +31,12 @@ def warnings_of(
     assembly: Assembly, contacts: ContactSet, program: Program, found: StableCone
 ) -> list[str]:
     """Warnings about a stable cone and its assembly, in words."""
-    warnings = [*assembly.notes, *assembly.geometry.warnings, *contacts.warnings]
-    if not program.free.any():
-        warnings.append("every part is held: nothing can move")
-    warnings += _inner(assembly, contacts)
-    alone = _alone(assembly, contacts, program)
+    warnings = [*remarks(assembly, contacts), *_inner(assembly, contacts)]
+    alone = touching_nothing(assembly, contacts)
     if alone:
-        warnings.append(f"touches nothing, so it falls whatever the orientation: {_list(alone)}")
+        warnings.append(
+            f"touches nothing, so it falls whatever the orientation: {some_names(alone)}"
+        )
     whole = 2 if program.planar else 3
     if 0 < found.cone.dimension < whole:
         warnings.append(_knife_edge(program, found))
@@ -54,8 +59,10 @@ def _inner(assembly: Assembly, contacts: ContactSet) -> list[str]:
     if (contacts.patch_mu > 0).any():
         why.append("friction")
     if contacts.unsupported:
-        pairs = [" and ".join(assembly.names[k] for k in u.parts) for u in contacts.unsupported]
-        why.append(f"contacts of a kind that is not modelled yet ({_list(pairs)})")
+        pairs = [
+            " and ".join(repr(assembly.names[k]) for k in u.parts) for u in contacts.unsupported
+        ]
+        why.append(f"contacts of a kind that is not modelled yet ({some(pairs)})")
     if not why:
         return []
     return [
@@ -64,38 +71,41 @@ def _inner(assembly: Assembly, contacts: ContactSet) -> list[str]:
     ]
 
 
-def _alone(assembly: Assembly, contacts: ContactSet, program: Program) -> list[str]:
-    """Free parts that touch nothing and are joined to nothing."""
-    touched = np.zeros(len(program.names), dtype=bool)
-    touched[contacts.patch_parts.ravel()] = True
-    touched[[k for u in contacts.unsupported for k in u.parts]] = True
-    joined = [assembly.index[n] for j in assembly.joints for n in j.parts if n in assembly.index]
-    touched[joined] = True
-    return [n for n, t, f in zip(program.names, touched, program.free, strict=True) if f and not t]
-
-
 def _knife_edge(program: Program, found: StableCone) -> str:
     """What a cone thinner than space means, and what to hold."""
     cone = found.cone
-    axes: list[Array] = []
-    moving = np.zeros(len(program.names))
-    for proof in found.proofs:
-        if proof.about != "equation" or not isinstance(proof.certificate, MotionProof):
-            continue
-        sizes = part_sizes(program, proof.certificate.motion, per_radius=False)
-        moving = np.maximum(moving, sizes / max(float(sizes.max(initial=0.0)), 1e-300))
-        if not any(np.array_equal(proof.vector, axis) for axis in axes):
-            axes.append(proof.vector)
-    names = [n for n, size in zip(program.names, moving, strict=True) if size > MOVES]
+    tilts = [
+        proof
+        for proof in found.proofs
+        if proof.about == "equation" and isinstance(proof.certificate, MotionProof)
+    ]
+    axes = [proof.vector for proof in tilts[::2]]
+    moving = np.zeros(len(program.names), dtype=bool)
+    for proof in tilts:
+        moving |= _starts(program, proof)
+    names = [n for n, starts in zip(program.names, moving, strict=True) if starts]
     along = " and ".join(_direction(axis) for axis in axes)
     what = {"ray": "one direction", "line": "one direction and its opposite"}
     space = "the plane" if program.planar else "space"
     return (
         f"a knife edge: stable for {what.get(cone.kind, f'a {cone.kind} of directions')} only, "
         f"thinner than {space}; the least tilt along {along}, either way, sets parts in motion:"
-        f" {_list(names)}. Hold them against sliding and tipping that way (a stop, a clamp or"
+        f" {some_names(names)}. Hold them against sliding and tipping that way (a stop, a clamp or"
         " friction)"
     )
+
+
+def _starts(program: Program, proof: Proof) -> Mask:
+    """Parts that start to move for the direction of a proof; of large ones, those of its motion."""
+    if int(program.free.sum()) <= LIMIT:
+        side = np.sign(proof.vector @ proof.down)
+        down = proof.down + TILT * side * proof.vector
+        gravity = down * float(np.linalg.norm(program.gravity) / np.linalg.norm(down))
+        return find_motion(program.with_rows(gravity=gravity)).moves
+    assert isinstance(proof.certificate, MotionProof)
+    sizes = part_sizes(program, proof.certificate.motion, per_radius=False)
+    starts: Mask = sizes > MOVES * sizes.max(initial=0.0)
+    return starts
 
 
 def _direction(axis: Array) -> str:
@@ -104,8 +114,3 @@ def _direction(axis: Array) -> str:
         if abs(axis[k]) > 1 - 1e-9:
             return name
     return "(" + ", ".join(f"{value:.3g}" for value in axis + 0.0) + ")"
-
-
-def _list(names: Sequence[str], limit: int = 5) -> str:
-    shown = ", ".join(repr(name) for name in names[:limit])
-    return f"{shown} and {len(names) - limit} more" if len(names) > limit else shown

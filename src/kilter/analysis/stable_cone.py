@@ -151,7 +151,9 @@ def _at_price(
     """The cone and its proofs, at one price of imbalance."""
     program = problem.program
     loads, axes = _loads(problem)
-    oracle = ConeOracle(problem.matrix, loads, program.two_sided, price, blur / REACH)
+    mass = program.mass[program.free]
+    spread = float(mass.max() / mass.min())
+    oracle = ConeOracle(problem.matrix, loads, program.two_sided, price, blur / REACH, spread)
 
     def tell() -> None:
         if progress is not None:

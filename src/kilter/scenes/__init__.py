@@ -302,6 +302,53 @@ _ALL = (
         "W1",
         "unstable",
     ),
+    _scene(
+        "slot",
+        "a block between two plates",
+        "rails.railed",
+        "region: line",
+        "unstable",
+        sides="-x +x",
+    ),
+    _scene(
+        "channel",
+        "a block in a channel",
+        "rails.railed",
+        "region: half-plane",
+        "stable",
+        sides="-x +x -z",
+    ),
+    _scene(
+        "tube", "a block in a tube", "rails.railed", "region: plane", "stable", sides="-x +x -z +z"
+    ),
+    _scene("groove", "a prism in a V-groove", "rails.groove", "region: fan", "stable"),
+    _scene(
+        "stopped-groove",
+        "a prism in a V-groove between two stops",
+        "rails.groove",
+        "region: wedge",
+        "stable",
+        ends=2,
+    ),
+    _scene(
+        "pit",
+        "a block in a pit",
+        "rails.railed",
+        "region: half-space",
+        "stable",
+        sides="-x +x -y +y -z",
+    ),
+    _scene(
+        "closed-frame",
+        "a block locked in a frame",
+        "rails.railed",
+        "region: all",
+        "stable",
+        sides="-x +x -y +y -z +z",
+    ),
+    _scene(
+        "pit-wedges", "a cube in a pit, cut into six", "rails.pit_wedges", "region: cone", "stable"
+    ),
 )
 
 SCENES: dict[str, Scene] = {entry.name: entry for entry in _ALL}

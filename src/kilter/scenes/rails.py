@@ -17,7 +17,7 @@ from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
 from kilter.rigid import unit
 from kilter.scenes.pieces import block, floor, prism
-from kilter.scenes.wedges import _behind, _mesh, _volume
+from kilter.scenes.wedges import behind, solid_mesh, solid_volume
 from kilter.shapes import BOX_CORNERS, BOX_QUADS, Mesh
 
 __all__ = ["SIDES", "groove", "pit_wedges", "railed", "seats"]
@@ -173,10 +173,10 @@ def pit_wedges(count: int = 6, *, seed: int = 0) -> Assembly:
     corners = BOX_CORNERS * 2.0 + [0.0, 0.0, 1.0]
     pieces = [[corners[quad] for quad in BOX_QUADS]]
     while len(pieces) < count:
-        largest = pieces.pop(int(np.argmax([_volume(piece) for piece in pieces])))
+        largest = pieces.pop(int(np.argmax([solid_volume(piece) for piece in pieces])))
         normal = unit(random.normal(size=3))
         point = np.concatenate(largest).mean(axis=0)
-        pieces += [_behind(largest, point, normal), _behind(largest, point, -normal)]
+        pieces += [behind(largest, point, normal), behind(largest, point, -normal)]
     t = THICK
     held = [
         floor([-1 - t, -1 - t], [1 + t, 1 + t]),
@@ -185,4 +185,4 @@ def pit_wedges(count: int = 6, *, seed: int = 0) -> Assembly:
         block("wall-y0", [-1, -1 - t, 0], [1, -1, 2], grounded=True),
         block("wall-y1", [-1, 1, 0], [1, 1 + t, 2], grounded=True),
     ]
-    return Assembly([*held, *(Part(f"wedge-{k}", _mesh(p)) for k, p in enumerate(pieces))])
+    return Assembly([*held, *(Part(f"wedge-{k}", solid_mesh(p)) for k, p in enumerate(pieces))])

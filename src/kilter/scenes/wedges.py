@@ -95,11 +95,11 @@ def corner_wedges(count: int = 6, *, seed: int = 0) -> Assembly:
     corners = BOX_CORNERS * 2.0 + 1.0
     pieces = [[corners[quad] for quad in BOX_QUADS]]
     while len(pieces) < count:
-        largest = pieces.pop(int(np.argmax([_volume(piece) for piece in pieces])))
+        largest = pieces.pop(int(np.argmax([solid_volume(piece) for piece in pieces])))
         normal = unit(random.normal(size=3))
         point = np.concatenate(largest).mean(axis=0)
-        pieces += [_behind(largest, point, normal), _behind(largest, point, -normal)]
-    wedges = [Part(f"wedge-{k}", _mesh(piece)) for k, piece in enumerate(pieces)]
+        pieces += [behind(largest, point, normal), behind(largest, point, -normal)]
+    wedges = [Part(f"wedge-{k}", solid_mesh(piece)) for k, piece in enumerate(pieces)]
     return Assembly([*_corner(2.0), *wedges], gravity=_into_corner())
 
 
@@ -117,7 +117,7 @@ def _corner(reach: float) -> list[Part]:
     ]
 
 
-def _behind(faces: list[Array], point: Array, normal: Array) -> list[Array]:
+def behind(faces: list[Array], point: Array, normal: Array) -> list[Array]:
     """What of a convex solid lies behind the plane through `point`, closed."""
     kept, rim = [], []
     for face in faces:
@@ -149,7 +149,7 @@ def _around(points: Array, normal: Array) -> Array:
     return ordered
 
 
-def _volume(faces: list[Array]) -> float:
+def solid_volume(faces: list[Array]) -> float:
     total = 0.0
     for face in faces:
         for k in range(1, len(face) - 1):
@@ -157,7 +157,7 @@ def _volume(faces: list[Array]) -> float:
     return total
 
 
-def _mesh(faces: list[Array]) -> Mesh:
+def solid_mesh(faces: list[Array]) -> Mesh:
     vertices, index = np.unique(np.concatenate(faces), axis=0, return_inverse=True)
     stops = np.cumsum([len(face) for face in faces])[:-1]
     return Mesh(vertices, [piece.tolist() for piece in np.split(index.reshape(-1), stops)])
