@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from kilter.errors import InputError, nearest_name, some_names
 from kilter.interactions import FrictionPair, GivenContact, Joint, Load
 from kilter.part import GROUND, Part
-from kilter.rigid import Pose, frozen, number, rotation_between, unit
+from kilter.rigid import Pose, frozen, in_range, number, rotation_between, unit
 from kilter.shapes import Box
 from kilter.units import metres_per_unit
 
@@ -116,6 +116,7 @@ class Assembly:
             raise InputError(
                 "gravity leaves the x-z plane of a planar assembly", hint="give it y = 0"
             )
+        in_range(gravity, "gravity")
         object.__setattr__(self, "gravity", gravity)
         object.__setattr__(self, "friction", number(self.friction, "friction", lowest=0))
         entries: list[FrictionPair | GivenContact | Joint] = []
@@ -124,6 +125,18 @@ class Assembly:
             self._check_pair(entry)
         for load in self.loads:
             self.index_of(load.part)
+            if self.planar and (load.force[1] or load.torque[0] or load.torque[2]):
+                raise InputError(
+                    "a load leaves the x-z plane of a planar assembly",
+                    part=load.part,
+                    hint="give forces along x and z, torques about y",
+                )
+        pairs = [frozenset(entry.parts) for entry in self.friction_pairs]
+        if len(set(pairs)) < len(pairs):
+            both = next(pair for pair in pairs if pairs.count(pair) > 1)
+            raise InputError(
+                f"two friction pairs name {some_names(sorted(both))}", hint="leave one out"
+            )
 
     def _check_pair(self, entry: FrictionPair | GivenContact | Joint) -> None:
         what = {"FrictionPair": "friction pair", "GivenContact": "contact", "Joint": "joint"}

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["open_edges", "welded"]
+__all__ = ["open_edges", "welded", "wound_both_ways"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -65,6 +65,13 @@ def open_edges(vertices: Array, triangles: Index) -> Index:
             break
         edges = remaining
     return edges
+
+
+def wound_both_ways(triangles: Index) -> bool:
+    """Whether every edge has a face on either side, but some faces are wound the wrong way."""
+    edges = np.sort(_edges(triangles), axis=1)
+    _, inverse = _distinct_rows(edges)
+    return bool((np.bincount(inverse) % 2 == 0).all())
 
 
 def _edges(triangles: Index) -> Index:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from kilter.closed import open_edges, welded
+from kilter.closed import open_edges, welded, wound_both_ways
 from kilter.errors import InputError, some_names
 from kilter.rigid import cross, quaternion_to_matrix
 from kilter.shapes import BOX_CORNERS, BOX_TRIANGLES, Box, Cylinder, Mesh, Sphere, surface
@@ -142,6 +142,13 @@ def _build(assembly: Assembly) -> Geometry:
         turned = some_names([parts[k].name for k in flipped.tolist()])
         warnings.append(f"faces turned outwards, they pointed inwards: {turned}")
     reach = _group_max(np.linalg.norm(vertices - area_center[owner], axis=1), vertex_start)
+    extreme = np.flatnonzero(~((reach > 1e-30) & (reach < 1e30)))
+    if len(extreme):
+        raise InputError(
+            f"its size is {2 * reach[extreme[0]]:.3g}, out of range",
+            part=parts[int(extreme[0])].name,
+            hint="check its units: sizes from 1e-30 to 1e30 are read",
+        )
     flat = np.flatnonzero(~(volume > 1e-9 * reach**3))
     if len(flat):
         raise InputError(
@@ -229,6 +236,12 @@ def _closed_mesh(name: str, mesh: Mesh, warnings: list[str]) -> tuple[Array, Ind
     if len(triangles) == 0:
         raise InputError("all faces have zero area", part=name, hint="give a closed solid")
     holes = open_edges(vertices, triangles)
+    if len(holes) and wound_both_ways(triangles):
+        raise InputError(
+            f"some faces are wound the wrong way: {len(holes)} edges run twice in one sense",
+            part=name,
+            hint="let all faces turn the same way, seen from outside",
+        )
     if len(holes):
         where = vertices[holes[0, 0]]
         raise InputError(

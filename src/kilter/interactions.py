@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from kilter.errors import InputError
-from kilter.rigid import frozen, number, unit
+from kilter.rigid import frozen, in_range, number, unit
 
 __all__ = ["FrictionPair", "GivenContact", "Joint", "JointKind", "Load"]
 
@@ -47,7 +47,12 @@ class Load:
                 continue
             value = frozen(value, (3,))
             if not np.isfinite(value).all():
-                raise InputError(f"{name} of a load is {value.tolist()}", part=self.part)
+                raise InputError(
+                    f"{name} of a load is {value.tolist()}",
+                    part=self.part,
+                    hint="give finite numbers",
+                )
+            in_range(value, f"{name} of a load")
             object.__setattr__(self, name, value)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from kilter.errors import InputError
-from kilter.rigid import Pose, frozen, number
+from kilter.rigid import Pose, frozen, in_range, number
 from kilter.shapes import Box, Cylinder, Mesh, Prism, Shape, Sphere
 
 __all__ = ["GROUND", "Part"]
@@ -79,5 +79,6 @@ class Part:
         if self.center_of_mass is not None:
             center = frozen(self.center_of_mass, (3,))
             if not np.isfinite(center).all():
-                raise InputError(f"center_of_mass is {center.tolist()}")
+                raise InputError(f"center_of_mass is {center.tolist()}", hint="give finite numbers")
+            in_range(center, "center_of_mass")
             object.__setattr__(self, "center_of_mass", center)

@@ -20,6 +20,7 @@ __all__ = [
     "Pose",
     "cross",
     "frozen",
+    "in_range",
     "number",
     "quaternion_to_matrix",
     "rotation_between",
@@ -51,8 +52,12 @@ def frozen(values: ArrayLike, shape: tuple[int, ...] | None = None) -> Array:
     return array
 
 
+LARGEST = 1e100
+"""Numbers above this, or below its inverse, are taken for mistakes."""
+
+
 def number(value: Any, what: str, *, lowest: float = -np.inf, above: bool = False) -> float:
-    """`value` as a finite float, at least (or above) `lowest`.
+    """`value` as a finite float, at least (or above) `lowest`, and in range.
 
     Raises
     ------
@@ -66,7 +71,25 @@ def number(value: Any, what: str, *, lowest: float = -np.inf, above: bool = Fals
     result = float(value)
     if not np.isfinite(result) or result < lowest or (above and result == lowest):
         raise InputError(f"{what} is {result:g}", hint=hint)
+    in_range(result, what)
     return result
+
+
+def in_range(values: Any, what: str) -> None:
+    """Refuse numbers so large or small that no digit of an answer would be right.
+
+    Raises
+    ------
+    InputError
+        If a number is not zero and its size is above 1e100 or below 1e-100.
+    """
+    sizes = np.abs(np.atleast_1d(values))
+    wrong = (sizes > LARGEST) | ((sizes > 0) & (sizes < 1 / LARGEST))
+    if wrong.any():
+        raise InputError(
+            f"{what} is {np.atleast_1d(values)[wrong][0]:g}, out of range",
+            hint="check its unit: sizes from 1e-100 to 1e100 are read",
+        )
 
 
 def _fits(shape: tuple[int, ...], wanted: tuple[int, ...]) -> bool:
@@ -117,9 +140,14 @@ def unit(v: ArrayLike, what: str = "direction") -> Array:
         If the vector is zero or not finite.
     """
     v = frozen(v, (3,))
+    largest = float(np.abs(v).max())
+    if not np.isfinite(largest) or largest == 0.0:
+        raise InputError(
+            f"{what} is {v.tolist()}", hint="give three finite numbers, not all of them zero"
+        )
+    if not 1e-150 < largest < 1e150:  # its square would be out of range
+        v = frozen(v / largest)
     length = float(np.linalg.norm(v))
-    if not np.isfinite(length) or length == 0.0:
-        raise InputError(f"{what} is {v.tolist()}", hint="give a vector that is not zero")
     # a unit vector stays the same to the last digit, so that it survives being written
     return v if abs(length - 1.0) <= 4e-16 else frozen(v / length)
 

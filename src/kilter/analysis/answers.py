@@ -56,7 +56,7 @@ def check_answer(verdict: Verdict) -> dict[str, Any]:
             "angle_deg": float(np.degrees(contacts.tolerance.angle)),
             "verdict": verdict.tolerance,
         },
-        "warnings": list(verdict.warnings),
+        "warnings": [*verdict.warnings, *([verdict.barely] if verdict.barely else [])],
         "seconds": verdict.seconds,
     }
 

@@ -22,12 +22,12 @@ from kilter.analysis.displacement import LIMIT as DISPLACEMENT_LIMIT
 from kilter.analysis.displacement import Displacement, find_displacement
 from kilter.analysis.motion import ImpendingMotion, find_motion, still
 from kilter.analysis.neutral import Neutral, find_neutral
-from kilter.analysis.remarks import remarks, touching_nothing
+from kilter.analysis.remarks import loose_parts, remarks
 from kilter.analysis.stability import Judgement, judge
 from kilter.analysis.words import SENTENCES, motion_words
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet, Tolerance, find_contacts
-from kilter.errors import some, some_names
+from kilter.errors import some
 from kilter.mechanics.certificate import ForceProof, MotionProof
 from kilter.mechanics.program import POSSIBLE, TOLERANCE, Program, build_program
 from kilter.mechanics.proof import make_proof
@@ -36,6 +36,11 @@ __all__ = ["Verdict", "check"]
 
 Array = NDArray[np.float64]
 Word = Literal["stable", "potentially-stable", "unstable", "undecided"]
+
+BARELY = 1e-3
+"""Instability below which the accuracy of the data is asked about."""
+FAR_APART = 1e9
+"""Ratio of masses above which accelerations lose their digits."""
 
 GUARANTEE = {"stable": "proved", "unstable": "refuted", "undecided": "open"}
 
@@ -109,6 +114,17 @@ class Verdict:
     def tolerance(self) -> float:
         """The relative tolerance of the verdict: the largest of any part [-]."""
         return float(self.program.tolerance.max(initial=TOLERANCE))
+
+    @property
+    def barely(self) -> str:
+        """A word of caution where it is unstable by so little that rounding could do it."""
+        kappa = self.motion.instability
+        if self.verdict != "unstable" or kappa >= BARELY or self.assembly.loads:
+            return ""
+        return (
+            f"barely unstable (kappa {kappa:.1e}): coordinates rounded by about {kappa:.0e} of a "
+            "part's size would do as much; where they are, state it as the accuracy of the mesh"
+        )
 
     @property
     def moving(self) -> list[str]:
@@ -187,7 +203,7 @@ def check(
     seconds["solve"] = time.perf_counter() - started
     coarse = bool(program.tolerance.max(initial=0.0) > TOLERANCE)
     sentence = SENTENCES.get((word, coarse)) or f"Undecided: {'; '.join(why)}."
-    warnings = _warnings(assembly, contacts, word)
+    warnings = _warnings(assembly, contacts, program, word)
     return Verdict(word, sentence, assembly, contacts, program, judgement, tuple(warnings), seconds)
 
 
@@ -235,13 +251,18 @@ def _open_questions(assembly: Assembly, contacts: ContactSet) -> list[str]:
     return why or ["the polygon that stands for a round face could hold it, a circle might not"]
 
 
-def _warnings(assembly: Assembly, contacts: ContactSet, word: Word) -> list[str]:
+def _warnings(assembly: Assembly, contacts: ContactSet, program: Program, word: Word) -> list[str]:
     warnings = remarks(assembly, contacts)
-    if word != "stable" and (contacts.unsupported or (contacts.patch_mu > 0).any()):
+    if word == "stable":
+        return warnings + loose_parts(assembly, contacts)
+    if contacts.unsupported or (contacts.patch_mu > 0).any():
         warnings.append(
             "z, displacements and motions are those of the modelled, frictionless contacts"
         )
-    alone = touching_nothing(assembly, contacts)
-    if alone:
-        warnings.append(f"touches nothing: {some_names(alone)}")
-    return warnings
+    mass = program.mass[program.free]
+    if len(mass) and mass.max() > FAR_APART * mass.min():
+        warnings.append(
+            f"masses differ by a factor of {mass.max() / mass.min():.0e}: accelerations of the "
+            "lightest parts are not exact"
+        )
+    return warnings + loose_parts(assembly, contacts)

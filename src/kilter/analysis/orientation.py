@@ -180,6 +180,7 @@ def _require_turnable(assembly: Assembly, method: str) -> None:
     if assembly.loads:
         raise InputError(
             "a load is fixed in the world and does not turn with the assembly",
+            file=assembly.source or None,
             part=assembly.loads[0].part,
             hint="leave the loads out to look for an orientation",
         )
@@ -213,7 +214,7 @@ def _found(
     return Orientation(
         verdict="found",
         sentence=f"Stable with gravity along {_words(down)} of the assembly's frame: "
-        f"{_tilt_words(margin)}.",
+        f"{_tilt_words(margin, region)}.",
         assembly=assembly,
         down=down,
         rotation=_rotation(assembly, down),
@@ -325,10 +326,18 @@ def _words(direction: Array) -> str:
     return f"({x:g}, {y:g}, {z:g})"
 
 
-def _tilt_words(margin: float) -> str:
+def _tilt_words(margin: float, region: Region) -> str:
+    """How far it may tilt from there, and within what."""
     if margin >= 180.0:
-        return "it may be turned in any way"
-    return f"it may tilt by {margin:.4g} degrees" if margin > 0 else "it may not tilt at all"
+        words = "it may be turned in any way"
+    elif margin > 0:
+        words = f"it may tilt by {margin:.4g} degrees"
+    elif region.dimension > 1:
+        half = region.half_angle_deg
+        words = f"it may tilt by {half:.4g} degrees within the {region.kind}, not out of it"
+    else:
+        words = "it may not tilt at all"
+    return words if region.exact else f"without friction {words}"
 
 
 def orient_answer(orientation: Orientation) -> dict[str, Any]:

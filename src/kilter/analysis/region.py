@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kilter.analysis.common import common_proofs, intersection
 from kilter.analysis.cone import Cone
-from kilter.analysis.region_words import warnings_of
+from kilter.analysis.region_words import further_forces, warnings_of
 from kilter.analysis.stable_cone import Proof, StableCone, stable_cone
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet, Tolerance, find_contacts
@@ -121,8 +121,12 @@ class Region:
 
     @property
     def exact(self) -> bool:
-        """Whether rays and facets describe one and the same cone: without friction, always."""
-        return True
+        """Whether this is all of it.
+
+        False where friction, or contacts that are not modelled, could make it larger; then
+        every direction in it is stable, and more may be.
+        """
+        return not any(further_forces(contacts) for contacts in self.contacts)
 
     @property
     def center(self) -> Array | None:
@@ -321,6 +325,7 @@ def region_answer(region: Region) -> dict[str, Any]:
         "half_angle_deg": cone.half_angle_deg,
         "programs": region.programs,
         "exact": region.exact,
+        "gap_deg": None,
         "proved": region.proved,
         "accuracy_deg": float(np.degrees(cone.blur)),
         "warnings": list(region.warnings),

@@ -14,7 +14,7 @@ from kilter.errors import some, some_names
 from kilter.mechanics.certificate import MotionProof, part_sizes
 from kilter.mechanics.program import TOLERANCE, Program
 
-__all__ = ["warnings_of"]
+__all__ = ["further_forces", "warnings_of"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -38,7 +38,7 @@ def warnings_of(
             f"touches nothing, so it falls whatever the orientation: {some_names(alone)}"
         )
     whole = 2 if program.planar else 3
-    if 0 < found.cone.dimension < whole:
+    if 0 < found.cone.dimension < whole and not further_forces(contacts):
         warnings.append(_knife_edge(program, found))
     if program.tolerance[program.free].max(initial=0.0) > TOLERANCE:
         warnings.append(
@@ -51,6 +51,11 @@ def warnings_of(
             f"{missing} of {len(found.proofs)} proofs do not hold within the tolerance of the data"
         )
     return warnings
+
+
+def further_forces(contacts: ContactSet) -> bool:
+    """Whether friction or contacts that are not modelled could hold more."""
+    return bool((contacts.patch_mu > 0).any()) or len(contacts.possible) > 0
 
 
 def _inner(assembly: Assembly, contacts: ContactSet) -> list[str]:
@@ -84,14 +89,15 @@ def _knife_edge(program: Program, found: StableCone) -> str:
     for proof in tilts:
         moving |= _starts(program, proof)
     names = [n for n, starts in zip(program.names, moving, strict=True) if starts]
+    first = "" if int(program.free.sum()) <= LIMIT else "at least "
     along = " and ".join(_direction(axis) for axis in axes)
     what = {"ray": "one direction", "line": "one direction and its opposite"}
     space = "the plane" if program.planar else "space"
     return (
         f"a knife edge: stable for {what.get(cone.kind, f'a {cone.kind} of directions')} only, "
         f"thinner than {space}; the least tilt along {along}, either way, sets parts in motion:"
-        f" {some_names(names)}. Hold them against sliding and tipping that way (a stop, a clamp or"
-        " friction)"
+        f" {first}{some_names(names)}. Hold them against sliding and tipping that way (a stop,"
+        " a clamp or friction)"
     )
 
 

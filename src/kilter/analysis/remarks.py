@@ -6,8 +6,9 @@ import numpy as np
 
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
+from kilter.errors import some_names
 
-__all__ = ["remarks", "touching_nothing"]
+__all__ = ["loose_parts", "remarks", "touching_nothing"]
 
 
 def remarks(assembly: Assembly, contacts: ContactSet) -> list[str]:
@@ -18,9 +19,34 @@ def remarks(assembly: Assembly, contacts: ContactSet) -> list[str]:
     return found
 
 
-def touching_nothing(assembly: Assembly, contacts: ContactSet) -> list[str]:
-    """Names of the free parts that touch nothing and are joined to nothing."""
-    alone = ~assembly.geometry.grounded
+def loose_parts(assembly: Assembly, contacts: ContactSet) -> list[str]:
+    """Parts that touch nothing, with what comes nearest to them; held ones apart."""
+    found = []
+    alone = touching_nothing(assembly, contacts)
+    if alone:
+        found.append(f"touches nothing: {some_names(alone)}{_nearest(assembly, contacts, alone)}")
+    held = touching_nothing(assembly, contacts, held=True)
+    if held:
+        found.append(f"held, but touches nothing: {some_names(held)}")
+    return found
+
+
+def _nearest(assembly: Assembly, contacts: ContactSet, alone: list[str]) -> str:
+    """The nearest face that was rejected, of the first of the parts."""
+    names, unit = assembly.names, assembly.units
+    for rejected in contacts.rejected:
+        pair = [names[k] for k in rejected.parts]
+        if set(pair) & set(alone):
+            return (
+                f"; {pair[0]!r} and {pair[1]!r} come within {abs(rejected.gap):.3g} {unit} "
+                f"({rejected.why}): see kilter contacts, set --gap or --loose"
+            )
+    return ""
+
+
+def touching_nothing(assembly: Assembly, contacts: ContactSet, *, held: bool = False) -> list[str]:
+    """Names of the free (or held) parts that touch nothing and are joined to nothing."""
+    alone = assembly.geometry.grounded == held
     alone[contacts.patch_parts.ravel()] = False
     alone[[k for pair in contacts.unsupported for k in pair.parts]] = False
     joined = (name for joint in assembly.joints for name in joint.parts)

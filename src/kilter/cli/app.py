@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import time
 from pathlib import Path
@@ -25,7 +26,15 @@ from kilter.cli.options import (
     Units,
     Without,
 )
-from kilter.cli.output import Progress, as_json, emit, read_json, tell_warnings, write_whole
+from kilter.cli.output import (
+    Progress,
+    as_json,
+    emit,
+    keep_apart,
+    read_json,
+    tell_warnings,
+    write_whole,
+)
 from kilter.cli.reading import (
     LOWEST,
     Reading,
@@ -147,6 +156,7 @@ def check(
     """
     from kilter.analysis.check import check as decide
 
+    keep_apart(file, proof, output)
     reading = reading_of(ground, floor, without, down, friction, units, density)
     with Progress(quiet) as progress:
         started = time.perf_counter()
@@ -163,7 +173,10 @@ def check(
     verdict.seconds.update({"read": read, "total": total})
     if proof is not None and verdict.certificate is not None:
         write_whole(proof, as_json(verdict.proof(options=reading.options())))
-    tell_warnings(verdict.warnings, quiet or json)
+    caution = [verdict.barely] if verdict.barely else []
+    if proof is not None and verdict.certificate is None and proof.exists():
+        caution.append(f"undecided: no proof to write, {proof} is left as it was")
+    tell_warnings([*verdict.warnings, *caution], quiet or json)
     if json:
         emit(as_json(verdict.to_dict()), output)
     else:
@@ -201,6 +214,7 @@ def contacts(
     """What touches: patches with area, gap, normal; what came near, and why it does not count."""
     from kilter.contact import find_contacts
 
+    keep_apart(file, output)
     reading = reading_of(ground, floor, without, down, friction, units, density)
     with Progress(quiet) as progress:
         progress("reading")
@@ -239,8 +253,9 @@ def verify(
     from kilter.contact import find_contacts
     from kilter.mechanics.proof import proof_tolerance, verify_proof
 
+    keep_apart(file, output)
     data = read_json(proof, "proof file")
-    if not isinstance(data, dict):
+    if not isinstance(data, dict) or "kilter_proof" not in data:
         raise InputError("is no proof", file=proof, hint="give a file of kilter check --proof")
     try:
         reading = Reading.from_options(data.get("options", {}))
@@ -260,14 +275,16 @@ def verify(
             "power": result.power,
             "reasons": list(result.reasons),
             "options": reading.options(),
+            "tolerance": data["tolerance"],
         }
         emit(as_json(answer), output)
     else:
-        emit(_verified(assembly, result, reading), output)
+        emit(_verified(assembly, result, reading, tolerance), output)
     return 0 if result.holds else 1
 
 
-def _verified(assembly: Any, result: Any, reading: Reading) -> str:
+def _verified(assembly: Any, result: Any, reading: Reading, tolerance: Any) -> str:
+    """The answer of `kilter verify`, with the conditions that it holds under."""
     from kilter.cli.text import plain
 
     if not result.holds:
@@ -285,6 +302,12 @@ def _verified(assembly: Any, result: Any, reading: Reading) -> str:
     ]
     if options:
         lines.append("  read with: " + ", ".join(f"{k} {v}" for k, v in options.items()))
+    gap = (
+        f"{tolerance.gap:g} {assembly.units}"
+        if tolerance.gap
+        else f"{tolerance.relative_gap:g} of a part"
+    )
+    lines.append(f"  faces touch up to a gap of {gap} and {math.degrees(tolerance.angle):.3g} deg")
     return "\n".join(lines)
 
 

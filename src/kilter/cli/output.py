@@ -11,7 +11,7 @@ from typing import Any
 
 from kilter.errors import InputError
 
-__all__ = ["Progress", "as_json", "emit", "read_json", "tell_warnings", "write_whole"]
+__all__ = ["Progress", "as_json", "emit", "keep_apart", "read_json", "tell_warnings", "write_whole"]
 
 
 def as_json(data: Any) -> str:
@@ -25,6 +25,25 @@ def emit(text: str, output: Path | None) -> None:
         sys.stdout.write(text if text.endswith("\n") else text + "\n")
     else:
         write_whole(output, text)
+
+
+def keep_apart(file: str, *outputs: Path | None) -> None:
+    """Refuse to write over the file that is read, or two answers to one file.
+
+    Raises
+    ------
+    InputError
+        Naming the file.
+    """
+    seen = [Path(file).resolve()] if file != "-" else []
+    for output in outputs:
+        if output is None:
+            continue
+        if output.resolve() in seen:
+            raise InputError(
+                "would be written over", file=str(output), hint="write to another file"
+            )
+        seen.append(output.resolve())
 
 
 def write_whole(path: Path, text: str) -> None:

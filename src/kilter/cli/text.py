@@ -73,7 +73,8 @@ def moving_lines(verdict: Verdict) -> list[str]:
     speed = verdict.motion.relative.max(axis=1)
     which = np.flatnonzero(verdict.motion.moves)
     free = int(verdict.program.free.sum())
-    if verdict.verdict == "undecided":
+    left_out = bool(verdict.contacts.unsupported) or bool((verdict.contacts.patch_mu > 0).any())
+    if verdict.verdict == "undecided" or (left_out and len(which)):
         head = (
             f"By its modelled, frictionless contacts alone, {len(which)} of {free} free parts move:"
         )

@@ -22,7 +22,7 @@ from kilter.cli.options import (
     Units,
     Without,
 )
-from kilter.cli.output import Progress, as_json, emit, tell_warnings
+from kilter.cli.output import Progress, as_json, emit, keep_apart, tell_warnings
 from kilter.cli.reading import contact_tolerance, read_assembly, reading_of
 from kilter.errors import InputError
 
@@ -65,6 +65,7 @@ def orient(
     """
     from kilter.analysis.orientation import orient as find
 
+    keep_apart(file, output)
     reading = reading_of(ground, floor, without, down, None, units, density)
     with Progress(quiet) as progress:
         progress("reading")
@@ -114,6 +115,8 @@ def region(
 
     if len(files) > 1 and not common:
         raise InputError(f"{len(files)} files are given", hint="add --common, or give one")
+    for file in files:
+        keep_apart(file, output)
     reading = reading_of(ground, floor, without, down, None, units, density)
     tolerance = contact_tolerance(gap, angle, loose)
     with Progress(quiet) as progress:

@@ -73,7 +73,10 @@ def _nearest(answer: Orientation) -> list[list[str]]:
 
 def region_text(region: Region) -> str:
     """The answer of `kilter region`."""
-    lines = [KINDS[region.kind], ""]
+    head = KINDS[region.kind]
+    if not region.exact:
+        head = f"Without friction and contacts not modelled: {head[0].lower()}{head[1:]}"
+    lines = [head, ""]
     rows = [["kind", f"{region.kind}, dimension {region.dimension}"]]
     half = region.half_angle_deg
     if region.center is not None:

@@ -26,7 +26,7 @@ __all__ = ["find_overlaps"]
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-PROBES = 2000
+PROBES = 300
 """Corners of a part that is not convex that are looked for inside another."""
 
 
