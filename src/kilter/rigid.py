@@ -83,11 +83,10 @@ def in_range(values: Any, what: str) -> None:
     InputError
         If a number is not zero and its size is above 1e100 or below 1e-100.
     """
-    sizes = np.abs(np.atleast_1d(values))
-    wrong = (sizes > LARGEST) | ((sizes > 0) & (sizes < 1 / LARGEST))
-    if wrong.any():
+    size = float(np.abs(values).max())
+    if size > LARGEST or 0 < size < 1 / LARGEST:
         raise InputError(
-            f"{what} is {np.atleast_1d(values)[wrong][0]:g}, out of range",
+            f"{what} is of size {size:g}, out of range",
             hint="check its unit: sizes from 1e-100 to 1e100 are read",
         )
 

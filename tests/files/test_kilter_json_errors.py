@@ -115,7 +115,7 @@ TOP = [
     ({"loads": [{"part": "C1", "frce": [0, 0, 1]}]}, "unknown key 'loads[0].frce'; did you mean 'force'"),
     ({"contacts": [{"parts": ["C1", "C2"], "points": [], "normal": [0, 0, 1]}]}, "points has 0 entries"),
     ({"contacts": [{"parts": ["C1", "C2"], "points": [[0, 0, 0]], "normal": [0, 0, 0]}]},
-     "contacts[0]: normal of a contact is [0.0, 0.0, 0.0]; give a vector"),
+     "contacts[0]: normal of a contact is [0.0, 0.0, 0.0]; give three finite numbers"),
     ({"joints": [{"parts": ["C1", "C2"], "kind": "revolute"}]},
      "joints[0].kind: revolute joints are not supported yet; only fixed"),
     ({"joints": [{"parts": ["C1", "C2"], "kind": "glue"}]}, "joints[0].kind is \"glue\"; use 'fixed'"),

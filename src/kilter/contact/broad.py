@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kilter.contact.facets import Facets
+from kilter.contact.round import rim_slack, round_extents
 from kilter.geometry import Geometry
 
 __all__ = ["Boxes", "facet_pairs", "facets_in", "joins", "make_boxes", "part_pairs"]
@@ -49,11 +50,16 @@ def make_boxes(geometry: Geometry, facets: Facets) -> Boxes:
     frame = common_frame(facets.normal, facets.area)
     turned = geometry.vertices @ frame.T
     corners = turned[facets.corners]
-    return Boxes(
-        frame,
-        *_extremes(turned, geometry.vertex_start),
-        *_extremes(corners, facets.corner_start),
-    )
+    part_low, part_high = _extremes(turned, geometry.vertex_start)
+    facet_low, facet_high = _extremes(corners, facets.corner_start)
+    if geometry.is_round.any():  # their polyhedra lie inside the true surfaces
+        which = np.flatnonzero(geometry.is_round)
+        part_low[which], part_high[which] = round_extents(geometry, which, frame)
+        slack = np.zeros(len(geometry.mass))
+        slack[which] = rim_slack(geometry, which)
+        facet_low -= slack[facets.part, None]
+        facet_high += slack[facets.part, None]
+    return Boxes(frame, part_low, part_high, facet_low, facet_high)
 
 
 def _extremes(points: Array, start: Index) -> tuple[Array, Array]:
@@ -75,6 +81,10 @@ def common_frame(normals: Array, areas: Array) -> Array:
     """
     step = max(1, len(normals) // SAMPLE)
     normals, areas = normals[::step], areas[::step]
+    sound = np.linalg.norm(normals, axis=1) > 0.5  # a facet of no area has no direction
+    if not sound.any():
+        return np.eye(3)
+    normals, areas = normals[sound], areas[sound]
     strongest = np.take_along_axis(normals, np.abs(normals).argmax(axis=1)[:, None], axis=1)
     normals = normals * np.where(strongest < 0, -1.0, 1.0)
     first = _most_common(normals, areas)

@@ -93,7 +93,8 @@ class PossibleContacts:
     """Every force that contacts which are not modelled could bring; one row a force.
 
     Used to bound a verdict from the other side: what is unstable although all of these
-    may push is unstable. Rows with `two_sided` may also pull.
+    may push is unstable. Rows with `two_sided` may also pull. `mu` is the friction
+    coefficient of the pair.
     """
 
     part_a: Index
@@ -101,6 +102,7 @@ class PossibleContacts:
     points: Array
     normals: Array
     two_sided: NDArray[np.bool_]
+    mu: Array
 
     def __len__(self) -> int:
         return len(self.part_a)

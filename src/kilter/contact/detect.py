@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -10,7 +11,14 @@ from numpy.typing import NDArray
 
 from kilter.assembly import Assembly
 from kilter.contact.broad import Boxes, facet_pairs, make_boxes, part_pairs
-from kilter.contact.contact_set import ContactSet, Overlap, Rejected, Tolerance, joined
+from kilter.contact.contact_set import (
+    ContactSet,
+    Overlap,
+    PossibleContacts,
+    Rejected,
+    Tolerance,
+    joined,
+)
 from kilter.contact.facets import Facets, find_facets
 from kilter.contact.near import NearContacts, Touching, near_contacts
 from kilter.contact.overlap import find_overlaps
@@ -303,7 +311,7 @@ def _contact_set(
         patch_start=start,
         points=points,
         unsupported=near.unsupported,
-        possible=joined(near.possible, rims),
+        possible=_with_friction(assembly, joined(near.possible, rims)),
         rejected=tuple(found.rejected),
         overlaps=overlaps,
         gap_edges=GAP_EDGES,
@@ -312,6 +320,12 @@ def _contact_set(
         gap=float(limits.gap.max(initial=0.0)),
         warnings=(*found.warnings, *warnings),
     )
+
+
+def _with_friction(assembly: Assembly, possible: PossibleContacts) -> PossibleContacts:
+    """The possible contacts with the friction coefficients of their pairs."""
+    parts = np.column_stack([possible.part_a, possible.part_b])
+    return dataclasses.replace(possible, mu=_friction(assembly, parts, []))
 
 
 def _friction(assembly: Assembly, parts: Index, own: list[float | None]) -> Array:

@@ -29,6 +29,8 @@ CHUNK = 60_000
 """Triangles grouped in one go: larger chunks are bound by memory."""
 FLAT = 1e-6
 """Facet tolerance over the size of the part; 2e-7 of the coordinates for float32."""
+THIN = 0.1
+"""The facet tolerance is at most this part of the thickness of the part."""
 BEND = 1e-3
 """Largest angle between neighbours in a facet [rad], besides what rounding explains."""
 LONG_LOOP = 256
@@ -186,12 +188,17 @@ def _grouped(geometry: Geometry, parts: Index, convex_part: Mask) -> list[Block]
     start, count = geometry.triangle_start[parts], np.diff(geometry.triangle_start)[parts]
     triangles = geometry.triangles[_rows(start, count, np.arange(len(parts)))]
     part = np.repeat(parts, count)
-    tolerance = np.maximum(FLAT * geometry.size, 4 * geometry.accuracy)[part]
+    points = geometry.vertices[triangles]
+    area = cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
+    surface = np.bincount(part, np.linalg.norm(area, axis=1) / 2, minlength=len(geometry.mass))
+    thickness = 2 * geometry.volume / np.where(surface > 0, surface, np.inf)
+    flat = np.minimum(FLAT * geometry.size, THIN * thickness)
+    tolerance = np.maximum(flat, np.minimum(4 * geometry.accuracy, thickness / 2))[part]
+    rounding = (4 * geometry.accuracy + 1e-9 * geometry.size)[part]
     edges = _shared_edges(triangles)
     first, second = edges[0] // 3, edges[1] // 3
-    convex_part[parts] = _convex_parts(
-        geometry.vertices, triangles, part, tolerance, first, second
-    )[parts]
+    convex = _convex_parts(geometry.vertices, triangles, part, tolerance, rounding, first, second)
+    convex_part[parts] = convex[parts]
     group = _coplanar_groups(geometry.vertices, triangles, tolerance, first, second)
     inner = np.zeros(triangles.size, dtype=bool)
     within = group[first] == group[second]
@@ -200,7 +207,13 @@ def _grouped(geometry: Geometry, parts: Index, convex_part: Mask) -> list[Block]
 
 
 def _convex_parts(
-    vertices: Array, triangles: Index, part: Index, tolerance: Array, first: Index, second: Index
+    vertices: Array,
+    triangles: Index,
+    part: Index,
+    tolerance: Array,
+    rounding: Array,
+    first: Index,
+    second: Index,
 ) -> Mask:
     """Parts in one piece whose neighbouring triangles nowhere bend inwards."""
     points = vertices[triangles]
@@ -208,7 +221,10 @@ def _convex_parts(
     normal = area / np.maximum(np.linalg.norm(area, axis=1), np.finfo(float).tiny)[:, None]
     rise = np.einsum("nki,ni->nk", points[second] - points[first, 0][:, None, :], normal[first])
     back = np.einsum("nki,ni->nk", points[first] - points[second, 0][:, None, :], normal[second])
-    reflex = np.minimum(rise.max(axis=1), back.max(axis=1)) > 2 * tolerance[first]
+    inwards = np.minimum(rise.max(axis=1), back.max(axis=1))
+    sine = np.linalg.norm(cross(normal[first], normal[second]), axis=1)
+    # a warped face bends a little; the many sides of a fine hole bend more, and rise little
+    reflex = (inwards > 2 * tolerance[first]) | ((inwards > rounding[first]) & (sine > BEND))
     count = int(part.max()) + 1
     bad = np.bincount(part[first[reflex]], minlength=count) > 0
     open_somewhere = np.bincount(part[first], minlength=count) * 2 != 3 * np.bincount(

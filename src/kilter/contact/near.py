@@ -37,7 +37,7 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
-PARALLEL = 1e-3
+PARALLEL = 1e-9
 """Edges closer to parallel than this have no normal of their own [rad]."""
 IN_FRONT = 1e-3
 """A part counts as lying in front of a plane up to this angle [rad]."""
@@ -135,7 +135,9 @@ def near_contacts(
     )
     pair_a, pair_b = touching.pairs[sharp.pair].T
     one_sided = np.zeros(len(pair_a), dtype=bool)
-    forces = PossibleContacts(pair_a, pair_b, sharp.point, sharp.normal, one_sided)
+    forces = PossibleContacts(
+        pair_a, pair_b, sharp.point, sharp.normal, one_sided, np.zeros(len(pair_a))
+    )
     return NearContacts(
         unsupported=(*_listed(touching, sharp), *rounds.unsupported),
         possible=joined(forces, rounds.possible),
@@ -304,7 +306,7 @@ def _unexplained(points: _Points, touching: Touching) -> _Points:
     for patch in np.flatnonzero(np.cumsum(settled_by)[:-1]):
         rows = np.flatnonzero(keep & (first <= patch) & (patch < last))
         turn = np.linalg.norm(points.normal[rows] - patches.normal[patch], axis=1)
-        rows = rows[(turn <= 2 * IN_FRONT) | points.crossing[rows]]
+        rows = rows[turn <= 2 * IN_FRONT]
         corners = patches.points[patches.start[patch] : patches.start[patch + 1]]
         tolerance = 2 * touching.tolerance[patches.pair[patch]]
         keep[rows[_in_patch(points.point[rows], corners, patches.normal[patch], tolerance)]] = False

@@ -21,7 +21,7 @@ from kilter.geometry import Geometry
 from kilter.rigid import cross
 from kilter.shapes import CYLINDER_SIDES
 
-__all__ = ["RoundContacts", "rim_contacts", "rim_slack", "round_contacts"]
+__all__ = ["RoundContacts", "rim_contacts", "rim_slack", "round_contacts", "round_extents"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -54,6 +54,19 @@ def rim_slack(geometry: Geometry, part: Index) -> Array:
     cylinder = geometry.round_axis[part].any(axis=1)
     slack: Array = np.where(cylinder, geometry.radius[part] * height, 0.0)
     return slack
+
+
+def round_extents(geometry: Geometry, parts: Index, frame: Array) -> tuple[Array, Array]:
+    """Boxes of the true surfaces of round parts in a frame, corners, shape (n, 3) each.
+
+    A disc of radius r and axis a reaches r sqrt(1 - a_i^2) along direction i.
+    """
+    cores = [_core(geometry, int(part)) for part in parts]
+    ends = np.array([[core.start, core.end] for core in cores]) @ frame.T
+    axis = geometry.round_axis[parts] @ frame.T
+    radius = np.array([core.radius for core in cores])
+    reach = radius[:, None] * np.sqrt(np.maximum(1.0 - axis**2, 0.0))
+    return ends.min(axis=1) - reach, ends.max(axis=1) + reach
 
 
 def round_contacts(
@@ -97,6 +110,7 @@ def _possible(forces: list[_Force], *, two_sided: bool) -> PossibleContacts:
         points=np.array([point for _, _, point, _ in forces]).reshape(count, 3),
         normals=np.array([normal for _, _, _, normal in forces]).reshape(count, 3),
         two_sided=np.full(count, two_sided),
+        mu=np.zeros(count),
     )
 
 
@@ -276,7 +290,8 @@ def rim_contacts(
             core = _core(geometry, part)
             out = corners - core.start
             out = out - np.outer(out @ axis, axis)
-            rim = np.linalg.norm(out, axis=1) > core.radius * (1 - 1e-6)
+            # corners of the polygon, and corners cut into its sides
+            rim = np.linalg.norm(out, axis=1) > core.radius / stretch * (1 - 1e-6)
             forces.extend(
                 (a, b, point + (stretch - 1) * away, normals[patch])
                 for point, away in zip(corners[rim], out[rim], strict=True)

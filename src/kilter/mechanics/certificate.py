@@ -2,7 +2,8 @@
 
 Forces f prove that an assembly is stable: every force in its cone (exactly, by clipping),
 and the imbalance of each part, |J^T f + w|, at most the tolerance times the greater of its
-weight and the sum of the forces on it.
+weight and the sum of the forces on it; but never above a hundredth of its weight, so that
+no pinch, however hard, hides a weight.
 
 A motion dp proves that it is unstable: normalised so that the part that moves most moves
 by 1 (translations, and radius x rotations), its power P = w.dp exceeds the tolerance times
@@ -35,6 +36,8 @@ RATIO = 1e6
 """Contact forces, over the weight, that a motion must rule out."""
 COARSE_SHARE = 0.25
 """Part of the tolerance of coarse data that the power of a motion must exceed."""
+HIDDEN = 0.01
+"""Imbalance over the weight of a part that no contact force excuses."""
 STILL = 1e-6
 """A part that moves less than this part of the largest motion does not count as moving."""
 
@@ -70,7 +73,9 @@ def check_forces(program: Program, forces: Array) -> ForceProof:
     imbalance = part_sizes(program, program.wrenches(forces) + program.load, per_radius=True)
     scale = np.maximum(program.weight, program.force_sums(forces))
     relative = np.where(program.free, imbalance / np.maximum(scale, 1e-300), 0.0)
-    holds = bool((relative <= program.tolerance).all())
+    share = np.where(program.free, imbalance / np.maximum(program.weight, 1e-300), 0.0)
+    most = np.maximum(program.tolerance, HIDDEN)
+    holds = bool((relative <= program.tolerance).all() and (share <= most).all())
     return ForceProof(forces, float(relative.max(initial=0.0)), holds)
 
 

@@ -224,7 +224,8 @@ def build_program(assembly: Assembly, contacts: ContactSet, *, possible: bool = 
     geometry = assembly.geometry
     blocks = [_contact_rows(contacts, geometry)]
     if possible:
-        blocks += [_possible_rows(contacts, geometry), _sticking_rows(contacts, geometry)]
+        blocks += [_possible_rows(contacts), _sticking_rows(contacts, geometry)]
+        blocks += [_rough_rows(contacts, geometry)]
     blocks += [_joint_rows(assembly, geometry, joint, k) for k, joint in enumerate(assembly.joints)]
     rows = {key: np.concatenate([block[key] for block in blocks]) for key in blocks[0]}
     return Program(
@@ -274,7 +275,7 @@ def _contact_rows(contacts: ContactSet, geometry: Geometry) -> dict[str, NDArray
     )
 
 
-def _possible_rows(contacts: ContactSet, geometry: Geometry) -> dict[str, NDArray[np.generic]]:
+def _possible_rows(contacts: ContactSet) -> dict[str, NDArray[np.generic]]:
     possible = contacts.possible
     none = np.full(len(possible), -1)
     return _block(
@@ -289,25 +290,44 @@ def _possible_rows(contacts: ContactSet, geometry: Geometry) -> dict[str, NDArra
 
 
 def _sticking_rows(contacts: ContactSet, geometry: Geometry) -> dict[str, NDArray[np.generic]]:
-    """Tangential forces of any size at contact points with friction."""
+    """Tangential forces of any size at contact points, and possible points, with friction."""
     patch = contacts.point_patch
     a, b = contacts.patch_parts[patch].T
     rough = (contacts.patch_mu[patch] > 0) & ~(geometry.grounded[a] & geometry.grounded[b])
     rows = np.flatnonzero(rough)
-    normal = contacts.patch_normal[patch[rows]]
-    helper = np.eye(3)[np.abs(normal).argmin(axis=1)] if len(rows) else np.empty((0, 3))
+    possible = contacts.possible
+    sharp = np.flatnonzero((possible.mu > 0) & ~possible.two_sided)
+    points = np.concatenate([contacts.points[rows], possible.points[sharp]])
+    normal = np.concatenate([contacts.patch_normal[patch[rows]], possible.normals[sharp]])
+    a = np.concatenate([a[rows], possible.part_a[sharp]])
+    b = np.concatenate([b[rows], possible.part_b[sharp]])
+    helper = np.eye(3)[np.abs(normal).argmin(axis=1)] if len(normal) else np.empty((0, 3))
     u = cross(helper, normal)
     u /= np.maximum(np.linalg.norm(u, axis=1), 1e-300)[:, None]
-    twice = np.concatenate([rows, rows])
-    return _block(
-        a[twice],
-        b[twice],
-        contacts.points[twice],
-        np.concatenate([u, cross(normal, u)]),
-        POSSIBLE,
-        np.ones(len(twice), dtype=bool),
-        np.full(len(twice), -1),
-    )
+    twice = np.tile(np.arange(len(normal)), 2)
+    tangents = np.concatenate([u, cross(normal, u)])
+    return _tied(a[twice], b[twice], points[twice], tangents)
+
+
+def _rough_rows(contacts: ContactSet, geometry: Geometry) -> dict[str, NDArray[np.generic]]:
+    """Any force and torque between parts that touch at a round surface with friction."""
+    possible = contacts.possible
+    round_rows = np.flatnonzero((possible.mu > 0) & possible.two_sided)
+    pairs = np.column_stack([possible.part_a, possible.part_b])[round_rows]
+    _, first = np.unique(pairs, axis=0, return_index=True)
+    a, b = pairs[first].T
+    at, arm = possible.points[round_rows][first], geometry.radius[np.minimum(a, b)][:, None]
+    x, y, z = np.eye(3)
+    forces = ((0 * x, x), (0 * x, y), (0 * x, z), (x, y), (x, z), (y, z))
+    points = np.concatenate([at + arm * shift for shift, _ in forces])
+    directions = np.concatenate([np.tile(along, (len(at), 1)) for _, along in forces])
+    return _tied(np.tile(a, 6), np.tile(b, 6), points, directions)
+
+
+def _tied(a: Index, b: Index, point: Array, normal: Array) -> dict[str, NDArray[np.generic]]:
+    """Rows that may push and pull, of contacts that are not modelled."""
+    count = len(a)
+    return _block(a, b, point, normal, POSSIBLE, np.ones(count, dtype=bool), np.full(count, -1))
 
 
 def _joint_rows(
