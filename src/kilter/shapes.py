@@ -348,15 +348,17 @@ def _cut(polygon: Array) -> Index:
     import shapely
 
     # corners given back by their coordinates, so two corners in one place are not lost
-    ring = shapely.Polygon(polygon)
-    if not ring.is_valid:
-        raise InputError("crosses or touches itself", hint="cut it into triangles")
-    pieces = shapely.get_parts(shapely.constrained_delaunay_triangles(ring))
+    pieces = shapely.get_parts(shapely.constrained_delaunay_triangles(shapely.Polygon(polygon)))
     corners = shapely.get_coordinates(pieces).reshape(-1, 4, 2)[:, :3]
     where = {tuple(p): k for k, p in enumerate(polygon.tolist())}
     cut = np.array([[where[tuple(p)] for p in piece] for piece in corners.tolist()], dtype=np.int64)
-    turn = np.sign([_signed_area(polygon[t]) for t in cut]) * np.sign(_signed_area(polygon))
-    cut[turn < 0] = cut[turn < 0][:, ::-1]
+    areas = np.array([_signed_area(polygon[t]) for t in cut])
+    whole = _signed_area(polygon)
+    # an outline that rounding lets touch itself is cut all the same, if its area comes out
+    if abs(np.abs(areas).sum() - abs(whole)) > 1e-6 * abs(whole):
+        raise InputError("crosses or touches itself", hint="cut it into triangles")
+    turned = areas * whole < 0
+    cut[turned] = cut[turned][:, ::-1]
     return cut
 
 

@@ -159,10 +159,20 @@ def segment_distance(p1: Array, q1: Array, p2: Array, q2: Array) -> tuple[Array,
     """
     d1, d2, r = q1 - p1, q2 - p2, p1 - p2
     a, e, b = (np.einsum("ij,ij->i", x, y) for x, y in ((d1, d1), (d2, d2), (d1, d2)))
-    c, f = np.einsum("ij,ij->i", d1, r), np.einsum("ij,ij->i", d2, r)
     a, e = np.maximum(a, 1e-300), np.maximum(e, 1e-300)
-    s = np.clip((b * f - c * e) / np.maximum(a * e - b * b, 1e-300), 0, 1)
-    t = np.clip((b * s + f) / e, 0, 1)
-    s = np.clip((b * t - c) / a, 0, 1)
+    across = cross(d1, d2)  # a e - b b, without its cancellation
+    bottom = np.maximum(np.einsum("ij,ij->i", across, across), 1e-300)
+    s = t = np.zeros(len(a))
+    for _ in range(3):  # from where the last step led: nearly parallel lines lose digits
+        gap = r + s[:, None] * d1 - t[:, None] * d2
+        c, f = np.einsum("ij,ij->i", d1, gap), np.einsum("ij,ij->i", d2, gap)
+        s, t = s + (b * f - c * e) / bottom, t + (a * f - b * c) / bottom
+    s = np.clip(s, 0, 1)
+    c, f = np.einsum("ij,ij->i", d1, r), np.einsum("ij,ij->i", d2, r)
+    t_far = (b * s + f) / e
+    t = np.where((s == 0) | (s == 1), t_far, t)
+    clipped = np.clip(t, 0, 1)
+    s = np.where(clipped == t, s, np.clip((b * clipped - c) / a, 0, 1))
+    t = clipped
     x, y = p1 + s[:, None] * d1, p2 + t[:, None] * d2
     return np.linalg.norm(x - y, axis=1), (x + y) / 2

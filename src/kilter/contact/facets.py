@@ -191,7 +191,8 @@ def _grouped(geometry: Geometry, parts: Index, convex_part: Mask) -> list[Block]
     points = geometry.vertices[triangles]
     area = cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
     surface = np.bincount(part, np.linalg.norm(area, axis=1) / 2, minlength=len(geometry.mass))
-    thickness = 2 * geometry.volume / np.where(surface > 0, surface, np.inf)
+    thickness = np.zeros(len(geometry.mass))
+    thickness[parts] = 2 * geometry.volume[parts] / surface[parts]
     flat = np.minimum(FLAT * geometry.size, THIN * thickness)
     tolerance = np.maximum(flat, np.minimum(4 * geometry.accuracy, thickness / 2))[part]
     rounding = (4 * geometry.accuracy + 1e-9 * geometry.size)[part]

@@ -306,22 +306,28 @@ def _unexplained(points: _Points, touching: Touching) -> _Points:
     for patch in np.flatnonzero(np.cumsum(settled_by)[:-1]):
         rows = np.flatnonzero(keep & (first <= patch) & (patch < last))
         turn = np.linalg.norm(points.normal[rows] - patches.normal[patch], axis=1)
-        rows = rows[turn <= 2 * IN_FRONT]
         corners = patches.points[patches.start[patch] : patches.start[patch + 1]]
         tolerance = 2 * touching.tolerance[patches.pair[patch]]
-        keep[rows[_in_patch(points.point[rows], corners, patches.normal[patch], tolerance)]] = False
+        inside, at_rim = _in_patch(points.point[rows], corners, patches.normal[patch], tolerance)
+        # at the rim of a patch the normal of the patch is the only one; inside its hull but
+        # off its pieces an edge may press on an edge all the same
+        held = inside & ((turn <= 2 * IN_FRONT) | (points.crossing[rows] & at_rim))
+        keep[rows[held]] = False
     return points.take(np.flatnonzero(keep))
 
 
-def _in_patch(p: Array, corners: Array, normal: Array, tolerance: float) -> Mask:
-    """Which points, shape (n, 3), lie on a convex patch."""
+def _in_patch(p: Array, corners: Array, normal: Array, tolerance: float) -> tuple[Mask, Mask]:
+    """Which points, shape (n, 3), lie on a convex patch, and which at its rim."""
     level = np.abs((p - corners[0]) @ normal) <= tolerance
     along = np.roll(corners, -1, axis=0) - corners
     length = np.maximum(np.linalg.norm(along, axis=1), np.finfo(float).tiny)
     side = cross(along[None], p[:, None] - corners[None]) @ normal / length
-    inside: Mask = (side >= -tolerance).all(axis=1) | (side <= tolerance).all(axis=1)
-    result: Mask = level & inside
-    return result
+    middle = corners.mean(axis=0)
+    if float((cross(along, middle - corners) @ normal).sum()) < 0:
+        side = -side  # the corners turn the other way
+    inside: Mask = level & (side >= -tolerance).all(axis=1)
+    at_rim: Mask = inside & (side <= tolerance).any(axis=1)
+    return inside, at_rim
 
 
 def _listed(touching: Touching, points: _Points) -> list[Unsupported]:

@@ -1,0 +1,120 @@
+"""Verdicts that were wrong once: each with what is true, and why."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from judged import judged
+
+from kilter import Assembly, Box, Cylinder, Mesh, Part, Pose, Prism, Sphere, check, find_contacts
+from kilter.contact.facets import find_facets
+from kilter.mechanics.certificate import check_forces
+from kilter.scenes import arches
+from kilter.scenes.pieces import turn
+
+FLOOR = Part("floor", Box([10, 10, 1]), Pose([0, 0, -0.5]), grounded=True)
+RIDGE = Part("ridge", Prism([[-1, -1], [1, -1], [0, 0]], 2), grounded=True)
+
+
+@pytest.mark.parametrize("degrees", [0, 0.3, 1, 2, 45])
+@pytest.mark.parametrize("axis", [[1, 0, 0], [1, 2, 3]])
+def test_a_ball_rests_however_its_polyhedron_is_turned(axis, degrees):
+    ball = Part("ball", Sphere(0.5), Pose([0, 0, 0.5], turn(axis, degrees)))
+    verdict = judged(Assembly([FLOOR, ball]))
+    assert verdict.verdict == "undecided"
+    assert verdict.contacts.unsupported[0].kind == "curved"
+
+
+@pytest.mark.parametrize("spin", [0.0, 0.02, np.pi / 96, 1.0])
+def test_a_lying_cylinder_rests_however_it_is_rolled(spin):
+    lying = Part("c", Cylinder(0.5, 2), Pose([0, 0, 0.5], rolled(spin)))
+    assert judged(Assembly([FLOOR, lying])).verdict == "undecided"
+
+
+def rolled(spin):
+    """A cylinder's axis laid along x, after a turn about itself."""
+    half, quarter = spin / 2, np.pi / 4
+    return [
+        np.cos(quarter) * np.cos(half),
+        np.sin(quarter) * np.sin(half),
+        np.sin(quarter) * np.cos(half),
+        np.cos(quarter) * np.sin(half),
+    ]
+
+
+def test_friction_may_hold_a_bar_on_a_ridge():
+    # tilted by .2 with the centre of mass over the ridge: it holds where mu > tan .2
+    lean = 0.2
+    pose = Pose([0.1 * np.sin(lean), 0, 0.1 * np.cos(lean)], turn([0, 1, 0], np.degrees(lean)))
+    off = [-0.1 * np.tan(lean), 0, 0]
+    bar = Part("bar", Box([3, 1, 0.2]), pose, center_of_mass=off)
+    assert judged(Assembly([RIDGE, bar], friction=1.0)).verdict == "undecided"
+    assert judged(Assembly([RIDGE, bar])).verdict == "unstable"
+
+
+def test_friction_may_hold_a_ball_on_a_slope_and_a_cylinder_on_a_strip():
+    ball = Part("ball", Sphere(0.5), Pose([0, 0, 0.5]), center_of_mass=[-0.5 * np.tan(0.2), 0, 0])
+    slope = [9.81 * np.sin(0.2), 0, -9.81 * np.cos(0.2)]
+    assert judged(Assembly([FLOOR, ball], gravity=slope, friction=1.0)).verdict == "undecided"
+    strip = Part("strip", Box([0.5, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
+    lying = Part("c", Cylinder(0.5, 3), Pose([0, 0, 0.5], rolled(0.0)))
+    across = Assembly([strip, lying], gravity=[0.5, 0, -9.7], friction=1.0)
+    assert judged(across).verdict == "undecided"
+
+
+@pytest.mark.parametrize("angle", [0, 2e-5, 1e-4, 3e-4, 9e-4, 2e-3])
+def test_ridges_that_nearly_run_side_by_side_still_cross(angle):
+    top = Prism([[0, 0], [1, 2], [-1, 2]], 2)
+    upper = Part("top", top, Pose([0, 0, 0], turn([0, 0, 1], np.degrees(angle))))
+    assert judged(Assembly([RIDGE, upper])).verdict == "undecided"
+
+
+def test_the_true_circle_reaches_beyond_the_side_of_its_polygon():
+    # a plank under a side of the polygon, the centre of mass between polygon and circle
+    quaternion = turn([0, 0, 1], 180 / 96)
+    angle = np.pi / 96
+    center = 0.9995 * np.array([np.cos(angle), -np.sin(angle), 0])
+    cylinder = Part("c", Cylinder(1, 1), Pose([0, 0, 0.5], quaternion), center_of_mass=center)
+    plank = Part("plank", Box([10, 0.04, 1]), Pose([0, 0, -0.5]), grounded=True)
+    assert judged(Assembly([plank, cylinder])).verdict == "undecided"
+
+
+def test_a_foil_is_two_faces_not_one_of_no_direction():
+    foil = Box([4, 4, 3e-6])
+    corners = [[x, y, z] for z in (-3e-6, 0.0) for y in (-2, 2) for x in (-2, 2)]
+    quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
+    block = Part("block", Box([1, 1, 1]), Pose([0, 0, 0.5]))
+    for shape, height in ((foil, -1.5e-6), (Mesh(corners, quads), 0.0)):
+        plate = Part("foil", shape, Pose([0, 0, height]), grounded=True)
+        assert judged(Assembly([plate, block])).verdict == "stable"
+
+
+def test_a_pinch_however_hard_hides_no_weight():
+    walls = [Part(f"w{x}", Box([1, 2, 2]), Pose([x, 0, 0]), grounded=True) for x in (-1, 1)]
+    assembly = Assembly([*walls, Part("box", Box([1, 1, 1]))])
+    verdict = judged(assembly)
+    assert verdict.verdict == "unstable"
+    for pinch in (1e3, 1e10, 1e14):
+        forces = np.full(len(verdict.program.part_a), pinch * 9810)
+        assert not check_forces(verdict.program, forces).holds
+
+
+@pytest.mark.parametrize("sides", [12, 60, 300])
+def test_a_fine_notch_makes_a_large_plate_no_convex_part(sides):
+    angle = np.arange(sides) * 2 * np.pi / sides
+    circle = 0.5 * np.column_stack([np.cos(angle), np.sin(angle)])
+    plate = Part("plate", Prism(slotted(circle), 2), grounded=True)
+    assert not find_facets(Assembly([plate]).geometry).convex_part[0]
+
+
+def slotted(circle):
+    """A large square with a round notch at the middle of its right side."""
+    half = circle[circle[:, 0] <= 1e-9] + [200.0, 0.0]
+    half = half[np.argsort(half[:, 1])]
+    square = [[200.0, 200.0], [-200.0, 200.0], [-200.0, -200.0], [200.0, -200.0]]
+    return np.vstack([square, half])
+
+
+def test_an_arch_has_no_edges_beside_its_patches():
+    assert not find_contacts(arches.arch(20)).unsupported
+    assert check(arches.arch(20, friction=0.0)).verdict == "unstable"
