@@ -22,6 +22,7 @@ from kilter.closed import open_edges, welded, wound_both_ways
 from kilter.errors import InputError, some_names
 from kilter.rigid import cross, quaternion_to_matrix
 from kilter.shapes import BOX_CORNERS, BOX_TRIANGLES, Box, Cylinder, Mesh, Sphere, surface
+from kilter.solid import Solid
 from kilter.units import metres_per_unit
 
 if TYPE_CHECKING:
@@ -164,7 +165,7 @@ def _build(assembly: Assembly) -> Geometry:
     inertia = np.trace(moment, axis1=1, axis2=2)[:, None, None] * np.eye(3) - moment
     largest = _group_max(np.abs(world).max(axis=1), vertex_start)
     accuracy = np.array(
-        [part.shape.accuracy if isinstance(part.shape, Mesh) else 0.0 for part in parts]
+        [part.shape.accuracy if isinstance(part.shape, Mesh | Solid) else 0.0 for part in parts]
     )
     accuracy = np.maximum(accuracy, largest * 2.0**-52)
     for array in (world, triangles, mass, world_center, inertia, volume, accuracy):
@@ -327,6 +328,9 @@ def _moments(
         elif isinstance(shape, Sphere):
             volume[k] = 4 / 3 * np.pi * shape.radius**3
             moments = [shape.radius**2 / 5] * 3
+        elif isinstance(shape, Solid):
+            volume[k], center[k], second[k] = shape.volume, shape.centroid, shape.second_moment
+            continue
         else:
             continue
         center[k], area_center[k] = 0.0, 0.0

@@ -9,7 +9,7 @@ import numpy as np
 
 from kilter.errors import InputError
 from kilter.rigid import Pose, frozen, in_range, number
-from kilter.shapes import Box, Cylinder, Mesh, Prism, Shape, Sphere
+from kilter.shapes import Shape
 
 __all__ = ["GROUND", "Part"]
 
@@ -25,7 +25,7 @@ class Part:
     ----------
     name : str
         Unique in the assembly; not "ground".
-    shape : Box, Cylinder, Sphere, Prism or Mesh
+    shape : Box, Cylinder, Sphere, Prism, Mesh or Solid
         In the part's own frame [length unit].
     pose : Pose
         From the part's frame to the world.
@@ -68,7 +68,7 @@ class Part:
     def _validate(self) -> None:
         if self.name == GROUND:
             raise InputError(f"the name {GROUND!r} is reserved", hint="give it another name")
-        if not isinstance(self.shape, Box | Cylinder | Sphere | Prism | Mesh):
+        if not isinstance(self.shape, Shape):
             raise InputError(f"shape is {type(self.shape).__name__}", hint="give a kilter shape")
         if self.density is not None:
             object.__setattr__(

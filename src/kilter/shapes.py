@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from kilter.errors import InputError
 from kilter.rigid import frozen
+from kilter.solid import Solid
 
 __all__ = ["Box", "Cylinder", "Mesh", "Prism", "Shape", "Sphere", "surface"]
 
@@ -175,7 +176,7 @@ class Mesh:
         return f"Mesh({len(self.vertices)} vertices, {len(self.triangles)} triangles)"
 
 
-Shape = Box | Cylinder | Sphere | Prism | Mesh
+Shape = Box | Cylinder | Sphere | Prism | Mesh | Solid
 
 
 def surface(shape: Shape) -> tuple[Array, Index]:
@@ -189,7 +190,7 @@ def surface(shape: Shape) -> tuple[Array, Index]:
     >>> vertices.shape, triangles.shape
     ((8, 3), (12, 3))
     """
-    if isinstance(shape, Mesh):
+    if isinstance(shape, Mesh | Solid):
         return shape.vertices, shape.triangles
     if isinstance(shape, Box):
         return BOX_CORNERS * shape.size, BOX_TRIANGLES

@@ -90,9 +90,9 @@ def _moves_as_it_should(verdict: Verdict) -> None:
         assert not verdict.motion.acceleration.any()
 
 
-def program_of(assembly: Assembly, *, possible: bool = False) -> Program:
+def program_of(assembly: Assembly, *, possible: bool = False, sticking: bool = False) -> Program:
     """The program of an assembly with the contacts found in it."""
-    return build_program(assembly, find_contacts(assembly), possible=possible)
+    return build_program(assembly, find_contacts(assembly), possible=possible, sticking=sticking)
 
 
 def z_of(assembly: Assembly) -> float:

@@ -156,7 +156,7 @@ def test_ratio_of_a_motion_bounds_the_forces_that_could_hold_it():
 
 @EACH
 def test_jacobian_is_velocities_and_wrenches(name):
-    program = program_of(SCENES[name](), possible=True)
+    program = program_of(SCENES[name](), possible=True, sticking=True)
     random = np.random.default_rng(2)
     columns = random.normal(size=len(program.columns))
     forces = random.normal(size=len(program.part_a))
@@ -207,7 +207,7 @@ def test_planar_program_has_three_freedoms_a_part():
 
 
 def test_possible_rows_come_after_and_are_named():
-    program = program_of(stacks.tower(1).with_friction(0.5), possible=True)
+    program = program_of(stacks.tower(1).with_friction(0.5), possible=True, sticking=True)
     assert [row[0] for row in program.rows] == ["contact"] * 4 + ["possible"] * 8
     tangents = program.normal[4:]
     assert np.allclose(tangents @ [0, 0, 1], 0)

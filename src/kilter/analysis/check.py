@@ -215,7 +215,7 @@ def _decide(assembly: Assembly, contacts: ContactSet) -> tuple[Word, Program, Ju
         return "undecided", program, judgement, [_figures(judgement)]
     if judgement.stable:
         return "stable", program, judgement, []
-    outer = build_program(assembly, contacts, possible=True)
+    outer = build_program(assembly, contacts, possible=True, sticking=True)
     if len(outer.part_a) == len(program.part_a):
         return "unstable", program, judgement, []
     bound = judge(outer)

@@ -289,7 +289,7 @@ def _open_questions(
             "the numbers carry neither a proof that a direction is stable nor that none is "
             f"(best z = {best.z:.2g} of a mass of {float(program.mass[program.free].sum()):.2g} kg)"
         ]
-    outer = build_program(assembly, contacts, possible=True)
+    outer = build_program(assembly, contacts, possible=True, sticking=True)
     if len(outer.part_a) == len(program.part_a):
         return []
     if _none_is_stable(outer, joint(outer, every=True)):

@@ -187,7 +187,7 @@ def _certified(turned: Assembly, contacts: ContactSet, proof: Proof) -> ForcePro
     """A certificate judged again, on the program that a stranger will build."""
     if isinstance(proof.certificate, ForceProof):
         return check_forces(build_program(turned, contacts), proof.certificate.forces)
-    outer = build_program(turned, contacts, possible=True)
+    outer = build_program(turned, contacts, possible=True, sticking=True)
     return check_motion(outer, proof.certificate.motion)
 
 

@@ -127,7 +127,7 @@ class ContactSet:
     patch_parts : ndarray of int, shape (P, 2)
         Parts a and b of each patch, by position in the assembly.
     patch_normal : ndarray, shape (P, 3)
-        Unit normal from a to b.
+        Unit normal from a to b; of a curved patch, the mean of those of its points.
     patch_area : ndarray, shape (P,)
         Area of contact [length unit^2] (not of its hull); 0 for given contacts.
     patch_gap : ndarray, shape (P, 2)
@@ -135,13 +135,16 @@ class ContactSet:
     patch_mu : ndarray, shape (P,)
         Friction coefficient [-].
     patch_kind : ndarray of str, shape (P,)
-        "plane", or "given" for contacts listed in the file.
+        "plane", "edge-edge", "edge-face", "vertex-face", "cylinder", "sphere", "cone", "torus",
+        or "given" for contacts listed in the file.
     patch_accuracy : ndarray, shape (P,)
         Accuracy of the coordinates over the size of the patch [-].
     patch_start : ndarray of int, shape (P + 1,)
         The points of patch p are rows ``patch_start[p]`` to ``patch_start[p + 1]``.
     points : ndarray, shape (K, 3)
         Contact points [length unit].
+    normals : ndarray, shape (K, 3)
+        Unit normal from a to b at each point; that of its patch where the patch is flat.
     unsupported : tuple of Unsupported
     possible : PossibleContacts
     rejected : tuple of Rejected
@@ -163,6 +166,7 @@ class ContactSet:
     patch_accuracy: Array
     patch_start: Index
     points: Array
+    normals: Array
     unsupported: tuple[Unsupported, ...]
     possible: PossibleContacts
     rejected: tuple[Rejected, ...]

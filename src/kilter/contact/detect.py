@@ -299,6 +299,7 @@ def _contact_set(
     parts = np.concatenate([parts, given_parts.reshape(-1, 2)])
     normal = np.concatenate([patches.normal, np.array([c.normal for c in given]).reshape(-1, 3)])
     points = np.concatenate([patches.points, *(c.points for c in given)])
+    normals = np.repeat(normal, np.diff(start), axis=0)
     rims = rim_contacts(geometry, parts[: len(patches.pair)], normal, start, points)
     return ContactSet(
         patch_parts=parts,
@@ -306,10 +307,11 @@ def _contact_set(
         patch_area=np.concatenate([patches.area, np.zeros(len(given))]),
         patch_gap=np.concatenate([patches.gap, np.zeros((len(given), 2))]),
         patch_mu=_friction(assembly, parts, [c.mu for c in given]),
-        patch_kind=np.array(["plane"] * len(patches.pair) + ["given"] * len(given), dtype="<U8"),
+        patch_kind=np.array(["plane"] * len(patches.pair) + ["given"] * len(given), dtype="<U11"),
         patch_accuracy=np.concatenate([accuracy, np.zeros(len(given))]),
         patch_start=start,
         points=points,
+        normals=normals,
         unsupported=near.unsupported,
         possible=_with_friction(assembly, joined(near.possible, rims)),
         rejected=tuple(found.rejected),

@@ -29,7 +29,7 @@ from kilter.errors import InputError
 from kilter.geometry import Geometry
 from kilter.rigid import cross
 
-__all__ = ["CONTACT", "JOINT", "POSSIBLE", "TOLERANCE", "Program", "build_program"]
+__all__ = ["CONTACT", "JOINT", "POSSIBLE", "TOLERANCE", "Program", "build_program", "tangents"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -74,6 +74,8 @@ class Program:
     kind : ndarray of int, shape (K,)
         CONTACT, POSSIBLE or JOINT.
     two_sided, angular : ndarray of bool, shape (K,)
+    mu : ndarray, shape (K,)
+        Friction coefficient of each contact row [-]; 0 for the other kinds.
     source : ndarray of int, shape (K,)
         Patch of a contact row, joint of a joint row, -1 otherwise.
     tolerance : ndarray, shape (N,)
@@ -97,6 +99,7 @@ class Program:
     kind: Index
     two_sided: Mask
     angular: Mask
+    mu: Array
     source: Index
     tolerance: Array
     planar: bool
@@ -204,7 +207,9 @@ class Program:
         return Program(**{**values, **changes})
 
 
-def build_program(assembly: Assembly, contacts: ContactSet, *, possible: bool = False) -> Program:
+def build_program(
+    assembly: Assembly, contacts: ContactSet, *, possible: bool = False, sticking: bool = False
+) -> Program:
     """The program of an assembly and its contacts.
 
     Parameters
@@ -212,9 +217,11 @@ def build_program(assembly: Assembly, contacts: ContactSet, *, possible: bool = 
     assembly : Assembly
     contacts : ContactSet
     possible : bool
-        Also with every force that contacts that are not modelled might bring: the
-        possible contacts, and friction of any size where mu > 0. What is unstable then is
-        unstable.
+        Also with every force that contacts that are not modelled might bring. What is
+        unstable then is unstable.
+    sticking : bool
+        Also with tangential forces of any size at contacts where mu > 0, as rows of their
+        own: a bound for questions that leave Coulomb's law out.
 
     Raises
     ------
@@ -224,8 +231,10 @@ def build_program(assembly: Assembly, contacts: ContactSet, *, possible: bool = 
     geometry = assembly.geometry
     blocks = [_contact_rows(contacts, geometry)]
     if possible:
-        blocks += [_possible_rows(contacts), _sticking_rows(contacts, geometry)]
+        blocks += [_possible_rows(contacts), _sticking_possible(contacts)]
         blocks += [_rough_rows(contacts, geometry)]
+    if sticking:
+        blocks.append(_sticking_rows(contacts, geometry))
     blocks += [_joint_rows(assembly, geometry, joint, k) for k, joint in enumerate(assembly.joints)]
     rows = {key: np.concatenate([block[key] for block in blocks]) for key in blocks[0]}
     return Program(
@@ -247,6 +256,7 @@ def build_program(assembly: Assembly, contacts: ContactSet, *, possible: bool = 
 def _block(
     a: Index, b: Index, point: Array, normal: Array, kind: int, two_sided: Mask, source: Index
 ) -> dict[str, NDArray[np.generic]]:
+    """Rows without friction, along given directions."""
     return {
         "part_a": a,
         "part_b": b,
@@ -255,6 +265,7 @@ def _block(
         "kind": np.full(len(a), kind),
         "two_sided": two_sided,
         "angular": np.zeros(len(a), dtype=bool),
+        "mu": np.zeros(len(a)),
         "source": source,
     }
 
@@ -264,15 +275,17 @@ def _contact_rows(contacts: ContactSet, geometry: Geometry) -> dict[str, NDArray
     a, b = contacts.patch_parts[patch].T
     live = np.flatnonzero(~(geometry.grounded[a] & geometry.grounded[b]))
     patch = patch[live]
-    return _block(
+    block = _block(
         a[live],
         b[live],
         contacts.points[live],
-        contacts.patch_normal[patch],
+        contacts.normals[live],
         CONTACT,
         np.zeros(len(live), dtype=bool),
         patch,
     )
+    block["mu"] = contacts.patch_mu[patch]
+    return block
 
 
 def _possible_rows(contacts: ContactSet) -> dict[str, NDArray[np.generic]]:
@@ -290,23 +303,41 @@ def _possible_rows(contacts: ContactSet) -> dict[str, NDArray[np.generic]]:
 
 
 def _sticking_rows(contacts: ContactSet, geometry: Geometry) -> dict[str, NDArray[np.generic]]:
-    """Tangential forces of any size at contact points, and possible points, with friction."""
+    """Tangential forces of any size at contact points with friction."""
     patch = contacts.point_patch
     a, b = contacts.patch_parts[patch].T
     rough = (contacts.patch_mu[patch] > 0) & ~(geometry.grounded[a] & geometry.grounded[b])
     rows = np.flatnonzero(rough)
+    return _sticking(a[rows], b[rows], contacts.points[rows], contacts.normals[rows])
+
+
+def _sticking_possible(contacts: ContactSet) -> dict[str, NDArray[np.generic]]:
+    """Tangential forces of any size at possible points with friction."""
     possible = contacts.possible
     sharp = np.flatnonzero((possible.mu > 0) & ~possible.two_sided)
-    points = np.concatenate([contacts.points[rows], possible.points[sharp]])
-    normal = np.concatenate([contacts.patch_normal[patch[rows]], possible.normals[sharp]])
-    a = np.concatenate([a[rows], possible.part_a[sharp]])
-    b = np.concatenate([b[rows], possible.part_b[sharp]])
+    parts = possible.part_a[sharp], possible.part_b[sharp]
+    return _sticking(*parts, possible.points[sharp], possible.normals[sharp])
+
+
+def _sticking(a: Index, b: Index, point: Array, normal: Array) -> dict[str, NDArray[np.generic]]:
+    twice = np.tile(np.arange(len(normal)), 2)
+    directions = tangents(normal)
+    both = np.concatenate([directions[:, 0], directions[:, 1]])
+    return _tied(a[twice], b[twice], point[twice], both)
+
+
+def tangents(normal: Array) -> Array:
+    """Two unit directions across each normal, shape (K, 2, 3): (u, v, n) turn right.
+
+    Examples
+    --------
+    >>> tangents(np.array([[0.0, 0.0, 1.0]]))[0].tolist()
+    [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0]]
+    """
     helper = np.eye(3)[np.abs(normal).argmin(axis=1)] if len(normal) else np.empty((0, 3))
     u = cross(helper, normal)
     u /= np.maximum(np.linalg.norm(u, axis=1), 1e-300)[:, None]
-    twice = np.tile(np.arange(len(normal)), 2)
-    tangents = np.concatenate([u, cross(normal, u)])
-    return _tied(a[twice], b[twice], points[twice], tangents)
+    return np.stack([u, cross(normal, u)], axis=1)
 
 
 def _rough_rows(contacts: ContactSet, geometry: Geometry) -> dict[str, NDArray[np.generic]]:

@@ -315,7 +315,7 @@ def _recheck_motion(
     motion = np.zeros((len(program.names), 6))
     for name, six in proof["motion"].items():
         motion[assembly.index[name]] = six
-    outer = build_program(assembly, contacts, possible=True)
+    outer = build_program(assembly, contacts, possible=True, sticking=True)
     judged = check_motion(outer, motion)
     reasons = []
     if not judged.holds:
