@@ -331,7 +331,7 @@ def tangents(normal: Array) -> Array:
 
     Examples
     --------
-    >>> tangents(np.array([[0.0, 0.0, 1.0]]))[0].tolist()
+    >>> (tangents(np.array([[0.0, 0.0, 1.0]]))[0] + 0.0).tolist()
     [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0]]
     """
     helper = np.eye(3)[np.abs(normal).argmin(axis=1)] if len(normal) else np.empty((0, 3))
