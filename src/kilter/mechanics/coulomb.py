@@ -1,0 +1,228 @@
+"""Coulomb's law at the contacts of parts at rest: is a motion a motion? Apart from any solver.
+
+Accelerations a of the free parts and contact forces f on the second part of each contact
+start a motion if, with u = J a the acceleration of b past a at the point, n from a to b,
+
+    M a = w + J^T f                                          the parts are in balance
+    u_n >= 0,  f_n >= 0,  u_n f_n = 0                        no part enters another; no pull
+    |f_t| <= mu f_n,   f_t = -mu f_n u_t / |u_t| where u_t is not 0
+
+A joint holds: u = 0 along its row, its force (or torque) along the row has any sign. Where
+all parts are at rest, `a` = 0 with forces of equilibrium is one solution of the law; another
+one, a motion of power w.a > 0, shows that equilibrium alone does not mean that it holds.
+
+Sizes are taken in one metric: |a|^2 = a.M a, |w|^2 = w.M^-1 w. All residuals are divided by
+|w|, and the speed u of a point by sigma, its force multiplied by it, where sigma^2 = tr W / 3
+and W is the mobility of the point (force in, acceleration out): no units, one size of 1 for
+light and heavy parts. Every residual must stay below 1e-3 |a|^2 / |w|^2, since equations
+within that have a solution of the law nearby, and a sliver of a motion proves nothing; the
+power must exceed 1e-5 of |w|^2 of the parts that move.
+
+References
+----------
+G. De Saxce, Z.-Q. Feng, The bipotential method, Math. Comput. Modelling 28, 1998.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.mechanics.program import Program
+from kilter.rigid import cross
+from kilter.units import metres_per_unit
+
+__all__ = ["EXACT", "POWER", "LawProof", "check_law", "mobilities", "point_speeds", "point_wrenches"]
+
+Array = NDArray[np.float64]
+
+EXACT = 1e-3
+"""Worst residual over |a|^2 / |w|^2 with which a motion counts."""
+POWER = 1e-5
+"""Least power of a motion over |w|^2 of the parts that move."""
+STILL = 1e-6
+"""A part, or point, slower than this part of the fastest does not count as moving, or sliding."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LawProof:
+    """A motion judged by the contact law; every number relative, see above [-].
+
+    Attributes
+    ----------
+    acceleration : ndarray, shape (N, 6)
+        Linear [m/s^2], angular [rad/s^2].
+    forces : ndarray, shape (K, 3)
+        On the second part of each row, world frame [N]; torque of an angular row [N x length].
+    power : float
+        w.a / |w|^2 of the parts that move.
+    size : float
+        |a|^2 / |w|^2.
+    balance, opening, cone, normal, angle, stretch : float
+        |a - M^-1 w - M^-1 J^T f|; how far parts enter each other or a joint opens; how far
+        forces leave their cones; |u_n f_n|; |f_t + |f_t| u_t / |u_t|| and ||f_t| - mu f_n|
+        where points slide.
+    holds : bool
+    """
+
+    acceleration: Array
+    forces: Array
+    power: float
+    size: float
+    balance: float
+    opening: float
+    cone: float
+    normal: float
+    angle: float
+    stretch: float
+    holds: bool
+
+    @property
+    def residual(self) -> float:
+        """The worst of the six."""
+        return max(
+            self.balance, self.opening, self.cone, self.normal, self.angle, self.stretch
+        )
+
+
+def check_law(program: Program, acceleration: Array, forces: Array) -> LawProof:
+    """Judge accelerations and forces as a motion that obeys the contact law.
+
+    Parameters
+    ----------
+    program : Program
+    acceleration : array_like, shape (N, 6)
+        Linear [m/s^2] and angular [rad/s^2], of all parts.
+    forces : array_like, shape (K, 3)
+        Of every row on its second part, world frame [N]; along an angular row a torque
+        [N x length unit].
+    """
+    given = np.asarray(acceleration, dtype=np.float64).reshape(-1, 6)
+    given_forces = np.asarray(forces, dtype=np.float64).reshape(-1, 3)
+    finite = bool(np.isfinite(given).all() and np.isfinite(given_forces).all())
+    fits = given.shape == (len(program.names), 6) and len(given_forces) == len(program.part_a)
+    if not (finite and fits):
+        return LawProof(given, given_forces, 0.0, 0.0, *[np.inf] * 6, holds=False)
+    motion = given * np.repeat([1.0, metres_per_unit(program.units)], 3)
+    motion, rest, shares = _balance(program, motion, given_forces)
+    total = float(np.sqrt(max(shares.sum(), 1e-300)))
+    energy = _energies(program, motion)
+    speeds, pushes = _normalised(program, motion, given_forces, total)
+    size = float(energy.sum()) / total**2
+    residuals = (rest / total, *_law(program, speeds, pushes, np.sqrt(size)))
+    moving = energy > STILL**2 * np.where(shares > 0, shares, total**2)
+    power = float((program.load * motion).sum()) / max(float(shares[moving].sum()), 1e-300)
+    holds = power > POWER and max(residuals) <= EXACT * size
+    return LawProof(given, given_forces, power, size, *residuals, holds=bool(holds))
+
+
+def _balance(program: Program, motion: Array, forces: Array) -> tuple[Array, float, Array]:
+    """The motion of freedoms that count, |M a - w - J^T f|, and |w|^2 of each part."""
+    count = np.zeros((len(program.names), 6))
+    count[np.ix_(program.free, program.freedoms)] = 1.0
+    motion = motion * count
+    load = program.load * count
+    rest = (_inertial(program, motion) - program.load - point_wrenches(program, forces)) * count
+    return motion, float(np.sqrt(_squares(program, rest).sum())), _squares(program, load)
+
+
+def _inertial(program: Program, motion: Array) -> Array:
+    """M a, shape (N, 6)."""
+    turning = np.einsum("nij,nj->ni", program.inertia, motion[:, 3:])
+    return np.hstack([program.mass[:, None] * motion[:, :3], turning])
+
+
+def _energies(program: Program, motion: Array) -> Array:
+    """a.M a of each part."""
+    energies: Array = (motion * _inertial(program, motion)).sum(axis=1)
+    return energies
+
+
+def _squares(program: Program, wrench: Array) -> Array:
+    """w.M^-1 w of each part; of the freedoms that count, where others are 0."""
+    turning = np.zeros((len(wrench), 3))
+    axes = [1] if program.planar else [0, 1, 2]
+    inertia = program.inertia[program.free][:, axes][:, :, axes]
+    torque = wrench[program.free][:, 3:][:, axes]
+    turning[np.ix_(program.free, axes)] = np.linalg.solve(inertia, torque[..., None])[..., 0]
+    straight = (wrench[:, :3] ** 2).sum(axis=1) / np.where(program.free, program.mass, 1.0)
+    squares: Array = straight + (wrench[:, 3:] * turning).sum(axis=1)
+    return squares
+
+
+def point_speeds(program: Program, motion: Array) -> Array:
+    """J a as vectors: motion of part b past a at each row's point, shape (K, 3)."""
+    speeds = np.zeros((len(program.part_a), 3))
+    for part, sign in ((program.part_b, 1.0), (program.part_a, -1.0)):
+        k = np.flatnonzero(part >= 0)
+        own, arm = motion[part[k]], program.point[k] - program.center[part[k]]
+        straight = own[:, :3] + cross(own[:, 3:], arm)
+        speeds[k] += sign * np.where(program.angular[k][:, None], own[:, 3:], straight)
+    return speeds
+
+
+def point_wrenches(program: Program, forces: Array) -> Array:
+    """J^T f of force vectors on part b: force and torque on each part, shape (N, 6)."""
+    total = np.zeros((len(program.names), 6))
+    for part, sign in ((program.part_b, 1.0), (program.part_a, -1.0)):
+        k = np.flatnonzero(part >= 0)
+        turns = program.angular[k][:, None]
+        push = np.where(turns, 0.0, forces[k])
+        arm = program.point[k] - program.center[part[k]]
+        torque = np.where(turns, forces[k], cross(arm, push))
+        np.add.at(total, part[k], sign * np.hstack([push, torque]))
+    return total
+
+
+def mobilities(program: Program) -> Array:
+    """Sigma of each row, the root of a third of the trace of its mobility, shape (K,)."""
+    square = np.zeros(len(program.part_a))
+    free = np.flatnonzero(program.free)
+    inverse = np.zeros((len(program.names), 3, 3))
+    inverse[free] = np.linalg.inv(program.inertia[free])
+    for part in (program.part_b, program.part_a):
+        k = np.flatnonzero((part >= 0) & program.free[part])
+        arm, turn = program.point[k] - program.center[part[k]], inverse[part[k]]
+        # tr(S I^-1 S^T) of the matrix S of (arm x) is |arm|^2 tr I^-1 - arm.I^-1 arm
+        trace = np.einsum("kii->k", turn)
+        lever = (arm**2).sum(axis=1) * trace - np.einsum("ki,kij,kj->k", arm, turn, arm)
+        square[k] += np.where(program.angular[k], trace, 3.0 / program.mass[part[k]] + lever)
+    return np.sqrt(np.where(square > 0, square / 3.0, 1.0))
+
+
+def _normalised(
+    program: Program, motion: Array, forces: Array, total: float
+) -> tuple[Array, Array]:
+    """Speeds and forces of the rows, in units of |w|."""
+    sigma = mobilities(program)[:, None]
+    speeds, pushes = point_speeds(program, motion), forces
+    if program.planar:
+        plane = np.where(program.angular[:, None], [0.0, 1.0, 0.0], [1.0, 0.0, 1.0])
+        speeds, pushes = speeds * plane, pushes * plane
+    return speeds / sigma / total, pushes * sigma / total
+
+
+def _law(
+    program: Program, speeds: Array, pushes: Array, fastest: float
+) -> tuple[float, float, float, float, float]:
+    """Opening, cone, normal, angle and stretch."""
+    normal, mu, tied = program.normal, program.mu, program.two_sided
+    u_n, f_n = (np.einsum("ki,ki->k", normal, vector) for vector in (speeds, pushes))
+    u_t = speeds - u_n[:, None] * normal
+    f_t = pushes - f_n[:, None] * normal
+    if program.planar:
+        u_t, f_t = u_t * [1.0, 0.0, 1.0], f_t * [1.0, 0.0, 1.0]
+    slip, drag = np.linalg.norm(u_t, axis=1), np.linalg.norm(f_t, axis=1)
+    limit = mu * np.maximum(f_n, 0.0)
+    opening = np.where(tied, np.abs(u_n), np.maximum(-u_n, 0.0))
+    cone = np.where(tied, drag, np.maximum(drag - limit, -f_n))
+    slides = ~tied & (slip > STILL * fastest)
+    e = u_t / np.maximum(slip, 1e-300)[:, None]
+    angle = np.linalg.norm(f_t + drag[:, None] * e, axis=1) * slides
+    stretch = np.abs(drag - limit) * slides
+    normal_power = np.where(tied, 0.0, np.abs(u_n * f_n))
+    rows = (opening, cone, normal_power, angle, stretch)
+    first, second, third, fourth, fifth = (float(row.max(initial=0.0)) for row in rows)
+    return first, second, third, fourth, fifth
