@@ -1,22 +1,25 @@
 """Certificates: is a proof a proof? Recomputed from rows and load, apart from any solver.
 
-Forces f prove that an assembly is stable: every force in its cone (exactly, by clipping),
-and the imbalance of each part, |J^T f + w|, at most the tolerance times the greater of its
-weight and the sum of the forces on it; but never above a hundredth of its weight, so that
-no pinch, however hard, hides a weight.
+Forces f prove that an equilibrium exists: every force in its cone (exactly, by clipping;
+with friction |f_t| <= mu f_n, and f_n >= 0 also where mu = 0), and the imbalance of each
+part, |J^T f + w|, at most the tolerance times the greater of its weight and the sum of the
+forces on it; but never above a hundredth of its weight, so that no pinch, however hard,
+hides a weight.
 
-A motion dp proves that it is unstable: normalised so that the part that moves most moves
+A motion dp proves that none exists: normalised so that the part that moves most moves
 by 1 (translations, and radius x rotations), its power P = w.dp exceeds the tolerance times
 the weight of the moving parts, and P / v is at least 1e6 times that weight, where v is its
 worst violation of J dp >= 0: by weak duality, equilibrium would then need contact forces of
-at least P / v. (Without the ratio a motion proves nothing: any box at rest has one that
+at least P / v. With friction the motion lies in the dual cone, u_n >= mu |u_t|, and v is the
+worst mu |u_t| - u_n. (Without the ratio a motion proves nothing: any box at rest has one that
 violates by 1e-9 and gains 1e-9.)
 
 Where the data are coarser than float64 the tolerance follows them (`BLUR` of the program),
 and a motion needs a quarter of it: on 270 scenes turned at random, moved 100 sizes away and
 rounded to float32, balanced ones left up to 7 accuracies of imbalance and gained up to 2.
 
-By Farkas' lemma exactly one of the two exists; exactly one must pass.
+By Farkas' lemma exactly one of the two exists; exactly one must pass. Without friction an
+equilibrium is all that stability needs; with friction more is asked (`kilter.analysis`).
 """
 
 from __future__ import annotations
@@ -44,9 +47,13 @@ STILL = 1e-6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ForceProof:
-    """Forces, shape (K,) [N], judged: `residual` is the worst relative imbalance [-]."""
+    """Forces of the rows [N], judged: `residual` is the worst relative imbalance [-].
+
+    `forces`, shape (K,), along each row; `friction`, shape (K, 3), across it, on part b.
+    """
 
     forces: Array
+    friction: Array
     residual: float
     holds: bool
 
@@ -66,21 +73,40 @@ class MotionProof:
     holds: bool
 
 
-def check_forces(program: Program, forces: Array) -> ForceProof:
-    """Judge contact forces as a proof that the assembly is stable."""
-    forces = np.where(program.two_sided, forces, np.maximum(forces, 0.0))
-    forces = np.where(np.isfinite(forces), forces, 0.0)
-    imbalance = part_sizes(program, program.wrenches(forces) + program.load, per_radius=True)
-    scale = np.maximum(program.weight, program.force_sums(forces))
+def check_forces(program: Program, forces: Array, friction: Array | None = None) -> ForceProof:
+    """Judge contact forces as a proof that an equilibrium exists."""
+    forces, friction = _in_cones(program, forces, friction)
+    wrenches = program.wrenches(forces, friction)
+    imbalance = part_sizes(program, wrenches + program.load, per_radius=True)
+    scale = np.maximum(program.weight, program.force_sums(forces, friction))
     relative = np.where(program.free, imbalance / np.maximum(scale, 1e-300), 0.0)
     share = np.where(program.free, imbalance / np.maximum(program.weight, 1e-300), 0.0)
     most = np.maximum(program.tolerance, HIDDEN)
     holds = bool((relative <= program.tolerance).all() and (share <= most).all())
-    return ForceProof(forces, float(relative.max(initial=0.0)), holds)
+    return ForceProof(forces, friction, float(relative.max(initial=0.0)), holds)
+
+
+def _in_cones(program: Program, forces: Array, friction: Array | None) -> tuple[Array, Array]:
+    """The nearest forces along the rows that push, and across them within mu times those."""
+    forces = np.where(np.isfinite(forces), forces, 0.0)
+    forces = np.where(program.two_sided, forces, np.maximum(forces, 0.0))
+    aside = np.zeros((len(forces), 3))
+    rows = program.rough
+    if friction is not None and len(rows):
+        given = np.where(np.isfinite(friction[rows]), friction[rows], 0.0)
+        normal = program.normal[rows]
+        given = given - np.einsum("ij,ij->i", given, normal)[:, None] * normal
+        if program.planar:
+            given[:, 1] = 0.0
+        size = np.linalg.norm(given, axis=1)
+        most = program.mu[rows] * forces[rows]
+        shrink = np.where(size > most, most / np.maximum(size, 1e-300), 1.0)
+        aside[rows] = given * shrink[:, None]
+    return forces, aside
 
 
 def check_motion(program: Program, motion: Array) -> MotionProof:
-    """Judge a motion as a proof that the assembly is unstable."""
+    """Judge a motion as a proof that no equilibrium exists."""
     motion = np.where(program.free[:, None] & np.isfinite(motion), motion, 0.0)
     if program.planar:
         motion = motion * np.array([1.0, 0, 1, 0, 1, 0])
@@ -91,6 +117,10 @@ def check_motion(program: Program, motion: Array) -> MotionProof:
     motion = motion / largest
     power = float((program.load * motion).sum())
     openings = program.velocities(motion)
+    rows = program.rough
+    if len(rows):
+        slip = np.linalg.norm(program.slips(motion, rows), axis=1)
+        openings[rows] -= program.mu[rows] * slip
     openings[program.angular] *= float(program.radius.max())
     bad = np.where(program.two_sided, -np.abs(openings), np.minimum(openings, 0.0))
     violation = float(-bad.min(initial=0.0))

@@ -168,6 +168,16 @@ class Program:
         angular = self.angular[rows][:, None]
         return np.hstack([np.where(angular, 0.0, normal), np.where(angular, normal, moment)])
 
+    @property
+    def rough(self) -> Index:
+        """Rows with friction, shape (R,)."""
+        return np.flatnonzero(self.mu > 0)
+
+    @property
+    def frictionless(self) -> Program:
+        """The same with mu = 0 everywhere."""
+        return self.with_rows(mu=np.zeros(len(self.mu))) if self.mu.any() else self
+
     def velocities(self, motion: Array) -> Array:
         """J dp: opening of each row, shape (K,), for a motion of all parts, shape (N, 6)."""
         result = np.zeros(len(self.part_a))
@@ -176,23 +186,50 @@ class Program:
             result[k] += sign * np.einsum("ij,ij->i", self.lever(k, part[k]), motion[part[k]])
         return result
 
-    def wrenches(self, forces: Array) -> Array:
-        """J^T f: force and torque of the rows on each part, shape (N, 6)."""
+    def slips(self, motion: Array, rows: Index) -> Array:
+        """u_t: velocity along the surface of some contact rows, b over a, shape (k, 3)."""
+        relative = np.zeros((len(rows), 3))
+        for part, sign in ((self.part_b[rows], 1.0), (self.part_a[rows], -1.0)):
+            k = np.flatnonzero(part >= 0)
+            arm = self.point[rows[k]] - self.center[part[k]]
+            twist = motion[part[k]]
+            relative[k] += sign * (twist[:, :3] + cross(twist[:, 3:], arm))
+        normal = self.normal[rows]
+        along = np.einsum("ij,ij->i", relative, normal)
+        slip: Array = relative - along[:, None] * normal
+        if self.planar:
+            slip[:, 1] = 0.0
+        return slip
+
+    def wrenches(self, forces: Array, friction: Array | None = None) -> Array:
+        """J^T f: force and torque of the rows on each part, shape (N, 6).
+
+        `forces`, shape (K,): along the rows; `friction`, shape (K, 3): across them [N].
+        """
         total = np.zeros((len(self.names), 6))
         for part, sign in ((self.part_b, 1.0), (self.part_a, -1.0)):
             k = np.flatnonzero((part >= 0) & (forces != 0))
             wrench = (sign * forces[k])[:, None] * self.lever(k, part[k])
             for axis in range(6):
                 total[:, axis] += np.bincount(part[k], wrench[:, axis], minlength=len(total))
+            if friction is not None:
+                k = np.flatnonzero((part >= 0) & friction.any(axis=1))
+                aside = sign * friction[k]
+                moment = cross(self.point[k] - self.center[part[k]], aside)
+                for axis, column in enumerate((*aside.T, *moment.T)):
+                    total[:, axis] += np.bincount(part[k], column, minlength=len(total))
         return total
 
-    def force_sums(self, forces: Array) -> Array:
+    def force_sums(self, forces: Array, friction: Array | None = None) -> Array:
         """Sum of the sizes of the forces of the rows on each part [N], shape (N,)."""
         total = np.zeros(len(self.names))
+        size = np.abs(forces)
+        if friction is not None:
+            size = np.hypot(size, np.linalg.norm(friction, axis=1))
         for part in (self.part_b, self.part_a):
             k = np.flatnonzero(part >= 0)
-            size = np.abs(forces[k]) / np.where(self.angular[k], self.radius[part[k]], 1.0)
-            total += np.bincount(part[k], size, minlength=len(total))
+            share = size[k] / np.where(self.angular[k], self.radius[part[k]], 1.0)
+            total += np.bincount(part[k], share, minlength=len(total))
         return total
 
     def full(self, columns: Array) -> Array:
