@@ -30,11 +30,21 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from kilter.mechanics.certificate import part_sizes
 from kilter.mechanics.program import Program
 from kilter.rigid import cross
 from kilter.units import metres_per_unit
 
-__all__ = ["EXACT", "POWER", "LawProof", "check_law", "mobilities", "point_speeds", "point_wrenches"]
+__all__ = [
+    "EXACT",
+    "POWER",
+    "LawProof",
+    "check_balance",
+    "check_law",
+    "mobilities",
+    "point_speeds",
+    "point_wrenches",
+]
 
 Array = NDArray[np.float64]
 
@@ -42,6 +52,8 @@ EXACT = 1e-3
 """Worst residual over |a|^2 / |w|^2 with which a motion counts."""
 POWER = 1e-5
 """Least power of a motion over |w|^2 of the parts that move."""
+ROUNDING = 1e-14
+"""How far a force may leave its cone, over its size, by rounding alone."""
 STILL = 1e-6
 """A part, or point, slower than this part of the fastest does not count as moving, or sliding."""
 
@@ -82,9 +94,7 @@ class LawProof:
     @property
     def residual(self) -> float:
         """The worst of the six."""
-        return max(
-            self.balance, self.opening, self.cone, self.normal, self.angle, self.stretch
-        )
+        return max(self.balance, self.opening, self.cone, self.normal, self.angle, self.stretch)
 
 
 def check_law(program: Program, acceleration: Array, forces: Array) -> LawProof:
@@ -116,6 +126,26 @@ def check_law(program: Program, acceleration: Array, forces: Array) -> LawProof:
     power = float((program.load * motion).sum()) / max(float(shares[moving].sum()), 1e-300)
     holds = power > POWER and max(residuals) <= EXACT * size
     return LawProof(given, given_forces, power, size, *residuals, holds=bool(holds))
+
+
+def check_balance(program: Program, forces: Array) -> float:
+    """Worst imbalance of a part over its weight, of forces in their cones; else infinity.
+
+    Parameters
+    ----------
+    program : Program
+    forces : ndarray, shape (K, 3)
+        On part b of each row, world frame.
+    """
+    along = np.einsum("ki,ki->k", program.normal, forces)
+    across = np.linalg.norm(forces - along[:, None] * program.normal, axis=1)
+    limit = np.where(program.two_sided, 0.0, program.mu * along)
+    rounding = ROUNDING * np.linalg.norm(forces, axis=1)
+    if (across > limit + rounding).any() or (along[~program.two_sided] < 0).any():
+        return float("inf")
+    rest = point_wrenches(program, forces) + program.load
+    relative = part_sizes(program, rest, per_radius=True) / np.maximum(program.weight, 1e-300)
+    return float(relative[program.free].max(initial=0.0))
 
 
 def _balance(program: Program, motion: Array, forces: Array) -> tuple[Array, float, Array]:

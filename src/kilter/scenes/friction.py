@@ -65,7 +65,9 @@ def ladder(
     return Assembly(parts, contacts=contacts, planar=planar)
 
 
-def bracket(offset: float = 1.0, *, height: float = 1.0, friction: float = 0.6) -> Assembly:
+def bracket(
+    offset: float = 1.0, *, height: float = 1.0, friction: float = 0.6, pad: float = 0.1
+) -> Assembly:
     """Case S5: a bracket on a thin post; forces hold it if offset >= height / (2 friction).
 
     One pad presses the left side of the post, `height` above one on the right (between
@@ -78,8 +80,11 @@ def bracket(offset: float = 1.0, *, height: float = 1.0, friction: float = 0.6) 
         [m]
     friction : float
         [-]
+    pad : float
+        Height of the pads [m]. Where they press evenly, and not on their inner edges only,
+        the bracket is as high as from the middle of one pad to that of the other.
     """
-    half, pad = 0.05, 0.1
+    half = 0.05
     xs = [-half - pad, -half, half, half + pad]
     zs = [-height / 2 - pad, -height / 2, height / 2, height / 2 + pad]
     solid = np.zeros((3, 2, 3), dtype=bool)
