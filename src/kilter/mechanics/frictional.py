@@ -77,6 +77,14 @@ class Frictional:
         full[:, 3:] /= metres_per_unit(self.program.units)
         return full
 
+    def columns(self, acceleration: Array) -> Array:
+        """Scaled unknowns x of accelerations [m/s^2], [rad/s^2] of all parts, shape (N, 6)."""
+        own = acceleration.copy()
+        own[:, 3:] *= metres_per_unit(self.program.units)
+        own = own[self.program.free][:, self.program.freedoms]
+        scaled: Array = np.einsum("nji,nj->ni", self.root, own).reshape(-1) / self.strength
+        return scaled
+
     def forces(self, scaled: Array) -> Array:
         """Forces on part b [N], world frame, shape (K, 3), of scaled ones along (n, u, v)."""
         own = scaled * (self.strength / self.sigma)[:, None]
