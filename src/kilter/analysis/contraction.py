@@ -25,6 +25,7 @@ __all__ = ["Clock", "Search", "contract", "forces_bounded", "power_bound"]
 
 Array = NDArray[np.float64]
 
+DEBUG = False
 SEEN = 0.95
 """A quantity that reached this part of its bound in some solution is not asked about."""
 STALLED = 0.03
@@ -129,6 +130,7 @@ def contract(search: Search, bounds: Enclosure) -> tuple[Enclosure, float, Bound
                 break
         search.clock.tell(f"motions up to {bounds.scale:.1e} of free fall are not excluded")
         bounds = _round(search, bounds, answer)
+        if DEBUG: print(round(search.clock.spent,1), search.solver.programs, bounds.scale, _progress(before,bounds), (bounds.least>0).sum(), bounds.fn.mean(), bounds.most.mean(), bounds.un.mean(), bounds.ut.mean())
         if search.clock.over or _progress(before, bounds) < STALLED:
             return bounds, min(power, bounds.scale), answer
 
@@ -173,7 +175,9 @@ def _round(search: Search, bounds: Enclosure, start: BoundedSolution) -> Enclosu
     """Every quantity once, over the relaxation of the bounds at the start of the round."""
     relaxation = search.relaxation
     new = {name: getattr(bounds, name).copy() for name in ("un", "fn", "ut", "rest", "least", "most")}
-    search.solver.load(relaxation.program(bounds), start.basis)
+    program = relaxation.program(bounds)
+    program.lower[relaxation.columns["one"]] = 1.0  # else no force has a least value but 0
+    search.solver.load(program, start.basis)
     points = [start.x] if len(start.x) else []
     quantities = list(_quantities(relaxation, bounds))
     best = np.array([

@@ -12,7 +12,9 @@ the law and by the bounds:
     d_k.ut + (S_k/G_k) g_k <= S_k l           see below
     s >= d_k.ut,  D >= Nmin s,  D >= Nmax s + S (N - Nmax l)      s = |ut|, D = N |ut|
     w.b >= e q + sum of mu D,   q >= 2 c.b - |c|^2 l              q = |b|^2, at points c
-    N >= Nmin l,   w.b <= z l
+    N >= Nmin l,   w.b <= e l
+    un1 + (U1/U2) un2 <= U1 l   in the plane, of the two ends of a patch with Nmin > 0, which
+                                cannot both open
 
 The tangential cut: in the plane g_k ut_k+ = 0, as where it slides along d_k, ft = -mu N d_k.
 In space let c be the cosine between ut and d_k: then g_k = (1 - c) mu N, and the cut holds if
@@ -94,6 +96,10 @@ class Relaxation:
         self._twist_columns = [
             self._of("ut")[at] if own else self._of("twist")[at] for own, at in self._twist_at
         ]
+        order = np.argsort(law.group, kind="stable")
+        double = np.bincount(law.group + 1, minlength=groups + 1)[law.group[order] + 1] == 2
+        chosen = order[double & (law.group[order] >= 0) & (law.directions == 1)]
+        self._ends = chosen.reshape(-1, 2)
         self._dynamics()
         self._kinematics()
         self._friction()
@@ -198,6 +204,11 @@ class Relaxation:
         self._put(rows, self._of("un"), 1.0)
         self._put(rows, self._of("fn"), 0.0, "normal force")
         self._put(rows, one, 0.0, "normal one")
+        ends = self._ends
+        rows = self._rows(len(ends), "<")
+        self._put(rows, self._of("un")[ends[:, 0]], 1.0)
+        self._put(rows, self._of("un")[ends[:, 1]], 0.0, "hinge")
+        self._put(rows, one, 0.0, "hinge one")
         rows = self._rows(groups * sides, "<").reshape(groups, sides)
         self._put(rows[:, :, None], ut[:, None, :], self.directions[None])
         self._put(rows, self._of("rest").reshape(groups, sides), 0.0, "tangential force")
@@ -282,6 +293,10 @@ class Relaxation:
             "normal one": -b.un,
             "tangential one": -b.ut,
         }
+        first, second = b.un[self._ends].T
+        one_closed = (b.least[self.law.group[self._ends[:, 0]]] > 0) & (first > 0) & (second > 0)
+        values["hinge"] = np.where(one_closed, first / np.where(one_closed, second, 1.0), 0.0)
+        values["hinge one"] = -first
         if self.law.directions == 2:
             values |= self._sector_numbers(b)
         if not b.cuts:
