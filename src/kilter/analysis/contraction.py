@@ -10,11 +10,12 @@ Every bound is that of `kilter.solvers.bounded`, so that each step errs on the s
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array, eye_array, kron, vstack
 
 from kilter.mechanics.contact_law import ContactLaw
 from kilter.mechanics.enclosure import Enclosure, rescaled
@@ -117,7 +118,7 @@ def contract(search: Search, bounds: Enclosure) -> tuple[Enclosure, float, Bound
     (Enclosure, float, BoundedSolution)
         The bounds, the greatest power w.b in units of their scale, the last solution.
     """
-    relaxation, law = search.relaxation, search.law
+    relaxation = search.relaxation
     while True:
         before = bounds
         for _ in range(30):
@@ -125,7 +126,7 @@ def contract(search: Search, bounds: Enclosure) -> tuple[Enclosure, float, Bound
             if search.closed(bounds, power) or search.clock.over:
                 return bounds, power, answer
             old = bounds.scale
-            bounds = rescaled(law, relaxation.directions, bounds, power)
+            bounds = rescaled(relaxation.reach, bounds, power)
             if bounds.scale > 0.95 * old:
                 break
         search.clock.tell(f"motions up to {bounds.scale:.1e} of free fall are not excluded")
@@ -151,56 +152,65 @@ def _progress(before: Enclosure, after: Enclosure) -> float:
     return max(drops) if drops else 0.0
 
 
-def _quantities(relaxation: Relaxation, b: Enclosure) -> Iterator[tuple[str, tuple[int, ...], Array, Array, float]]:
-    """Name, place, columns, coefficients and present bound of what is maximised."""
+@dataclass(frozen=True, slots=True, eq=False)
+class _Quantities:
+    """What is maximised: name of the bound, place in it, its row of `weights`, present bound."""
+
+    names: list[str]
+    places: list[tuple[int, ...]]
+    weights: csr_array
+    limits: Array
+
+
+def _quantities(relaxation: Relaxation, b: Enclosure) -> _Quantities:
+    """Openings, forces, total forces (also least), slips and, in the plane, rests of cones."""
     at, d = relaxation.columns, relaxation.directions
     groups, wide = len(b.least), d.shape[1]
-    ut = np.arange(at["ut"].start, at["ut"].stop).reshape(groups, wide)
-    one = np.ones(1)
-    for k in range(len(b.un)):
-        yield "un", (k,), np.array([at["un"].start + k]), one, float(b.un[k])
-        yield "fn", (k,), np.array([at["fn"].start + k]), one, float(b.fn[k])
-    for g in range(groups):
-        total = np.array([at["total"].start + g])
-        yield "most", (g,), total, one, float(b.most[g])
-        yield "least", (g,), total, -one, -float(b.least[g])
-        for k in range(len(d)):
-            yield "ut", (g, k), ut[g], d[k], float(b.ut[g, k])
-            if wide == 1:
-                rest = np.array([at["rest"].start + g * len(d) + k])
-                yield "rest", (g, k), rest, one, float(b.rest[g, k])
+    kinds = ["un", "fn", "most", "least", "ut", *(["rest"] if wide == 1 else [])]
+    eye = eye_array(relaxation.width, format="csr")
+    rows = {
+        "un": eye[at["un"]],
+        "fn": eye[at["fn"]],
+        "most": eye[at["total"]],
+        "least": -eye[at["total"]],
+        "ut": kron(eye_array(groups), d, format="csr") @ eye[at["ut"]],
+        "rest": eye[at["rest"]],
+    }
+    limits = {kind: getattr(b, kind) * (-1.0 if kind == "least" else 1.0) for kind in kinds}
+    return _Quantities(
+        [kind for kind in kinds for _ in range(limits[kind].size)],
+        [place for kind in kinds for place in np.ndindex(limits[kind].shape)],
+        csr_array(vstack([rows[kind] for kind in kinds], format="csr")),
+        np.concatenate([limits[kind].ravel() for kind in kinds]),
+    )
 
 
 def _round(search: Search, bounds: Enclosure, start: BoundedSolution) -> Enclosure:
     """Every quantity once, over the relaxation of the bounds at the start of the round."""
     relaxation = search.relaxation
-    new = {name: getattr(bounds, name).copy() for name in ("un", "fn", "ut", "rest", "least", "most")}
+    kinds = ("un", "fn", "ut", "rest", "least", "most")
+    new = {name: getattr(bounds, name).copy() for name in kinds}
     program = relaxation.program(bounds)
     program.lower[relaxation.columns["one"]] = 1.0  # else no force has a least value but 0
     search.solver.load(program, start.basis)
-    points = [start.x] if len(start.x) else []
-    quantities = list(_quantities(relaxation, bounds))
-    best = np.array([
-        max((float(c @ x[j]) for x in points), default=-np.inf) for _, _, j, c, _ in quantities
-    ])  # fmt: skip
-    for number, (name, place, columns, weights, limit) in enumerate(quantities):
+    asked = _quantities(relaxation, bounds)
+    best = asked.weights @ start.x if len(start.x) else np.full(len(asked.limits), -np.inf)
+    enough = np.where(asked.limits > 0, SEEN * asked.limits, asked.limits / SEEN)
+    fixed = np.array([name != "least" for name in asked.names]) & (asked.limits <= 0)
+    for number, (name, place) in enumerate(zip(asked.names, asked.places, strict=True)):
         if search.clock.over:
             break
-        reach = SEEN * limit if limit > 0 else limit / SEEN
-        if limit == 0.0 and name != "least" or best[number] >= reach != 0.0:
+        if fixed[number] or (best[number] >= enough[number] and enough[number] != 0):
             continue
-        cost = np.zeros(relaxation.width)
-        cost[columns] = -weights
+        cost = -asked.weights[[number]].toarray()[0]
         answer = search.solver.solve(cost, seconds=search.clock.left)
-        value = -answer.bound
         if len(answer.x):
-            found = np.array([float(c @ answer.x[j]) for _, _, j, c, _ in quantities[number:]])
-            best[number:] = np.maximum(best[number:], found)
+            best = np.maximum(best, asked.weights @ answer.x)
         if name == "least":
-            new[name][place] = max(-value, new[name][place])
+            new[name][place] = max(answer.bound, new[name][place])
         else:
-            new[name][place] = min(max(value, 0.0), new[name][place])
-        search.clock.tell(f"bounding forces and motions, {number} of {len(quantities)}")
+            new[name][place] = min(max(-answer.bound, 0.0), new[name][place])
+        search.clock.tell(f"bounding forces and motions, {number} of {len(asked.limits)}")
     return _consistent(search.law, relaxation, replace(bounds, **new))
 
 

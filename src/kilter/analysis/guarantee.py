@@ -109,7 +109,7 @@ def prove_no_motion(
 
     tolerance = max(TOLERANCE, float(program.tolerance[program.free].max()))
     search = Search(law, relaxation, BoundedSolver(), clock, tolerance)
-    bounds = first_enclosure(law, relaxation.directions, FORCE, POOL)
+    bounds = first_enclosure(law, relaxation.reach, FORCE, POOL)
     bounded = forces_bounded(search, bounds)
     bounds = replace(bounds, cuts=True)
     out = branch(search, bounds)

@@ -99,7 +99,7 @@ def _bounded(search: Search, bounds: Enclosure, parent: _Case | None) -> _Case |
             return None
         worth = bounds.scale * power
         again = power < AGAIN * bounds.scale
-        bounds_after = rescaled(search.law, search.relaxation.directions, bounds, power)
+        bounds_after = rescaled(search.relaxation.reach, bounds, power)
         if not again or search.clock.over:
             break
         bounds, basis = bounds_after, answer.basis

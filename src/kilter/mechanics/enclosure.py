@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from kilter.mechanics.contact_law import ContactLaw
 from kilter.mechanics.twist_cones import Cone
 
-__all__ = ["Enclosure", "apart", "first_enclosure", "in_cone", "rescaled", "touching"]
+__all__ = ["Enclosure", "Reach", "apart", "first_enclosure", "in_cone", "reach", "rescaled", "touching"]
 
 Array = NDArray[np.float64]
 
@@ -60,31 +60,36 @@ class Enclosure:
     cuts: bool
 
 
-def _reach(law: ContactLaw, directions: Array) -> tuple[Array, Array, Array]:
-    """Largest un, d_k.ut and |ut| where |b| <= 1."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Reach:
+    """Largest un, shape (K,), d_k.ut (in space |ut|), (G, m), and |ut|, (G,), for |b| <= 1."""
+
+    un: Array
+    ut: Array
+    slip: Array
+
+
+def reach(law: ContactLaw, directions: Array) -> Reach:
+    """How far unit motions reach; `directions` d_k, shape (m, T)."""
     opening = np.sqrt(np.asarray(law.normal.multiply(law.normal).sum(axis=1)).ravel())
-    count = law.directions
-    rows = [law.tangent[k::count] for k in range(count)]
+    rows = [law.tangent[k :: law.directions] for k in range(law.directions)]
     gram = np.array([[np.asarray(a.multiply(b).sum(axis=1)).ravel() for a in rows] for b in rows])
-    along = np.sqrt(np.maximum(np.einsum("ki,ijg,kj->gk", directions, gram, directions), 0.0))
     slip = np.sqrt(np.linalg.eigvalsh(gram.transpose(2, 0, 1)).max(axis=1, initial=0.0))
-    return opening, np.minimum(along, slip[:, None]) if count == 1 else np.tile(
-        slip[:, None], len(directions)
-    ), slip
+    return Reach(opening, np.tile(slip[:, None], len(directions)), slip)
 
 
-def first_enclosure(law: ContactLaw, directions: Array, force: float, pool: int) -> Enclosure:
+def first_enclosure(law: ContactLaw, far: Reach, force: float, pool: int) -> Enclosure:
     """Before anything is known but that no force exceeds `force`; no cut rests on that yet."""
-    opening, along, slip = _reach(law, directions)
+    sides = far.ut.shape[1]
     members = np.bincount(law.group[law.group >= 0], minlength=len(law.mu)).astype(np.float64)
     most = force * members
     return Enclosure(
         1.0,
-        opening,
+        far.un,
         np.full(len(law.group), force),
-        along,
-        slip,
-        np.repeat(2 * law.mu * most, len(directions)).reshape(len(most), -1),
+        far.ut,
+        far.slip,
+        np.repeat(2 * law.mu * most, sides).reshape(len(most), sides),
         np.zeros(len(most)),
         most,
         np.vstack([law.load / 2, law.load, np.zeros((pool - 2, len(law.load)))]),
@@ -93,19 +98,18 @@ def first_enclosure(law: ContactLaw, directions: Array, force: float, pool: int)
     )
 
 
-def rescaled(law: ContactLaw, directions: Array, bounds: Enclosure, power: float) -> Enclosure:
+def rescaled(far: Reach, bounds: Enclosure, power: float) -> Enclosure:
     """The bounds in units of the size that a greatest `power` w.b leaves: |a|^2 <= w.a."""
     scale = float(np.sqrt(bounds.scale * max(power, 0.0)))
     if not 0 < scale < bounds.scale:
         return bounds
     grown = bounds.scale / scale
-    opening, along, slip = _reach(law, directions)
     return replace(
         bounds,
         scale=scale,
-        un=np.minimum(bounds.un * grown, opening),
-        ut=np.minimum(bounds.ut * grown, along),
-        slip=np.minimum(bounds.slip * grown, slip),
+        un=np.minimum(bounds.un * grown, far.un),
+        ut=np.minimum(bounds.ut * grown, far.ut),
+        slip=np.minimum(bounds.slip * grown, far.slip),
         tangents=bounds.tangents * grown,
     )
 

@@ -34,7 +34,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array
 
 from kilter.mechanics.contact_law import ContactLaw
-from kilter.mechanics.enclosure import Enclosure
+from kilter.mechanics.enclosure import Enclosure, reach
 from kilter.mechanics.formulations import LinearProgram
 from kilter.mechanics.twist_cones import sector, widened
 
@@ -66,6 +66,8 @@ class Relaxation:
 
     Attributes
     ----------
+    reach : Reach
+        How far unit motions reach.
     columns : dict
         Slices of the columns: motion b, one l, q, fn, un, ft, ut, s, d, total N, g, twist.
     """
@@ -106,6 +108,11 @@ class Relaxation:
         self._cuts()
         self._sectors()
         self._assemble()
+        self.reach = reach(law, self.directions)
+        own = [np.sqrt(np.asarray(rows.multiply(rows).sum(axis=1)).ravel()) for rows in law.twist]
+        self._twist_reach = np.concatenate(
+            [np.empty(0), *(far for far, (same, _) in zip(own, self._twist_at, strict=True) if not same)]
+        )
 
     def _of(self, name: str) -> Index:
         part = self.columns[name]
@@ -347,20 +354,12 @@ class Relaxation:
         upper[at["slip"]], upper[at["total"]] = b.slip, b.most
         upper[at["loss"]] = b.slip * b.most
         upper[at["rest"]] = b.rest.ravel()
-        size = np.concatenate([[0.0], *[reach for own, reach in self._reach() if not own]])[1:]
-        lower[at["twist"]], upper[at["twist"]] = -size, size
+        lower[at["twist"]], upper[at["twist"]] = -self._twist_reach, self._twist_reach
         for patch, cone in enumerate(b.cones):
             if cone is not None and not cone.size:
                 held = self._twist_columns[patch]
                 lower[held] = upper[held] = 0.0
         return lower, upper
-
-    def _reach(self) -> list[tuple[bool, Array]]:
-        """Largest components of the twists where |b| <= 1."""
-        return [
-            (own, np.sqrt(np.asarray(rows.multiply(rows).sum(axis=1)).ravel()))
-            for (own, _), rows in zip(self._twist_at, self.law.twist, strict=True)
-        ]
 
     def parts(self, x: Array) -> dict[str, Array]:
         """A solution by the names of its columns."""

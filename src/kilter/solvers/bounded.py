@@ -79,12 +79,15 @@ def safe_bound(program: LinearProgram, multipliers: Array) -> float:
     y = np.where(np.isfinite(program.row_upper), y, np.maximum(y, 0.0))
     side = np.where(y > 0, program.row_lower, program.row_upper)
     rows = y * np.where(y == 0, 0.0, side)
-    reduced = program.cost - program.matrix.T @ y
+    matrix, width = program.matrix, len(program.cost)
+    counts = np.diff(matrix.indptr)
+    owner = np.repeat(np.arange(width), counts)
+    terms = matrix.data * y[matrix.indices]
+    reduced = program.cost - np.bincount(owner, terms, minlength=width)
     columns = np.minimum(reduced * program.lower, reduced * program.upper)
-    size = np.abs(program.cost) + abs(program.matrix).T @ np.abs(y)
-    counts = np.diff(program.matrix.indptr) + 3
+    size = np.abs(program.cost) + np.bincount(owner, np.abs(terms), minlength=width)
     reach = np.maximum(np.abs(program.lower), np.abs(program.upper))
-    error = float((counts * size) @ reach)
+    error = float(((counts + 3) * size) @ reach)
     error += (len(rows) + len(columns)) * float(np.abs(rows).sum() + np.abs(columns).sum())
     bound = float(rows.sum() + columns.sum()) - 2 * EPSILON * error
     return bound if np.isfinite(bound) else -np.inf
