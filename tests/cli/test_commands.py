@@ -15,7 +15,7 @@ from kilter.cli import main
 from kilter.scenes import SCENES, scene
 
 SHARED = Path(__file__).resolve().parents[3] / "shared" / "data"
-EXIT = {"stable": 0, "unstable": 1, "undecided": 4}
+EXIT = {"stable": 0, "unstable": 1, "potentially-stable": 3, "undecided": 4}
 
 
 @pytest.fixture(autouse=True)
@@ -55,7 +55,7 @@ def test_check_says_everything_that_its_users_rely_on(capsys: pytest.CaptureFixt
     assert set(answer) == {
         *("verdict", "guarantee", "seated", "sentence", "neutral", "down", "gravity", "units"),
         *("instability", "z", "parts", "contacts", "unsupported", "certificate", "tolerance"),
-        *("warnings", "seconds"),
+        *("friction", "forces", "warnings", "seconds"),
     }
     assert set(answer["seconds"]) == {"read", "contacts", "solve", "total"}
     assert set(answer["tolerance"]) == {"gap", "angle_deg", "verdict"}

@@ -131,7 +131,18 @@ def contract(search: Search, bounds: Enclosure) -> tuple[Enclosure, float, Bound
                 break
         search.clock.tell(f"motions up to {bounds.scale:.1e} of free fall are not excluded")
         bounds = _round(search, bounds, answer)
-        if DEBUG: print(round(search.clock.spent,1), search.solver.programs, bounds.scale, _progress(before,bounds), (bounds.least>0).sum(), bounds.fn.mean(), bounds.most.mean(), bounds.un.mean(), bounds.ut.mean())
+        if DEBUG:
+            print(
+                round(search.clock.spent, 1),
+                search.solver.programs,
+                bounds.scale,
+                _progress(before, bounds),
+                (bounds.least > 0).sum(),
+                bounds.fn.mean(),
+                bounds.most.mean(),
+                bounds.un.mean(),
+                bounds.ut.mean(),
+            )
         if search.clock.over or _progress(before, bounds) < STALLED:
             return bounds, min(power, bounds.scale), answer
 

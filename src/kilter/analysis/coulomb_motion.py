@@ -103,9 +103,7 @@ class _Search:
         from kilter.solvers.conic import solve_conic
 
         left = max(self.end - perf_counter(), 0.05)
-        answer = solve_conic(
-            self.family.program(shift, lubricated), tolerance=1e-11, seconds=left
-        )
+        answer = solve_conic(self.family.program(shift, lubricated), tolerance=1e-11, seconds=left)
         self.programs += 1
         if answer.outcome == "infeasible" or not np.isfinite(answer.x).all():
             return None
@@ -185,8 +183,9 @@ def _starts(
     yield "cones without sliding", search.solve(zero, np.zeros(len(law.mu), dtype=bool))
     for start in range(2, STARTS):
         slippery = rng.random(patches) < rng.uniform(0.2, 0.8)
-        yield f"contacts lubricated at random, start {start}", search.solve(
-            zero, slippery[law.patch]
+        yield (
+            f"contacts lubricated at random, start {start}",
+            search.solve(zero, slippery[law.patch]),
         )
     search.tell("looking for a motion: where the weight does not seat the parts")
     if runaway is None:
