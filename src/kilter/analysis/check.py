@@ -23,10 +23,10 @@ from kilter.analysis.contact_forces import ContactForces, find_contact_forces
 from kilter.analysis.displacement import LIMIT as DISPLACEMENT_LIMIT
 from kilter.analysis.displacement import Displacement, find_displacement
 from kilter.analysis.friction import BUDGET, FrictionAnswer, ask_friction
+from kilter.analysis.frictional_motion import find_motion_with_friction, motion_of
 from kilter.analysis.motion import ImpendingMotion, find_motion, still
 from kilter.analysis.neutral import Neutral, find_neutral
 from kilter.analysis.remarks import loose_parts, remarks
-from kilter.analysis.frictional_motion import find_motion_with_friction, motion_of
 from kilter.analysis.sentences import verdict_sentence
 from kilter.analysis.stability import Judgement, judge
 from kilter.analysis.words import motion_words

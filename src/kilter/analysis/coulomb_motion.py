@@ -28,7 +28,7 @@ from kilter.analysis.coulomb_polish import Candidate, polished
 from kilter.analysis.seating import find_seating
 from kilter.mechanics.bipotential import Bipotential, bipotential
 from kilter.mechanics.coulomb import POWER, LawProof, check_law
-from kilter.mechanics.frictional import Frictional, frictional
+from kilter.mechanics.frictional import frictional
 from kilter.mechanics.program import Program
 
 __all__ = ["EXACTLY", "CoulombMotion", "find_coulomb_motion"]

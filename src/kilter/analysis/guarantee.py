@@ -10,7 +10,6 @@ solver. What is not proved is open: that is no refutation.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -18,7 +17,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from kilter.analysis.contraction import Clock, Search, contract, forces_bounded, power_bound
+from kilter.analysis.contraction import Clock, Search, forces_bounded
 from kilter.analysis.sectors import branch
 from kilter.mechanics.contact_law import contact_law, refusal
 from kilter.mechanics.enclosure import first_enclosure
