@@ -28,7 +28,7 @@ LARGE = 12_000
 """Programs with more freedoms than this try a pyramid first."""
 SIDES = (4, 16, 64)
 """Sides of the pyramids, in turn."""
-LARGEST_PYRAMID = 400_000
+LARGEST_PYRAMID = 20_000
 """Rays above which finer pyramids are left out."""
 
 

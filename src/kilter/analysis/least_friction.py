@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kilter.analysis.stability import judge
-from kilter.mechanics.certificate import ForceProof, MotionProof
+from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces
+from kilter.mechanics.cones import spread
 from kilter.mechanics.program import CONTACT, Program
 
 __all__ = ["LeastFriction", "find_least_friction"]
@@ -77,10 +78,10 @@ def find_least_friction(program: Program) -> LeastFriction | None:
         return LeastFriction(0.0, 0.0, True, smooth.forces, None, 1)
     if not (program.kind == CONTACT).any():
         return None
-    highest = judge(_with(program, LARGEST))
-    if not highest.stable or highest.forces is None:
+    start = _sticking(program)
+    if start is None:
         return None
-    best, lower, mechanism = highest.forces, 0.0, smooth.motion
+    best, lower, mechanism = start, 0.0, smooth.motion
     upper = min(LARGEST, _used(program, best))
     solved = 2
     for _ in range(STEPS):
@@ -108,6 +109,21 @@ def find_least_friction(program: Program) -> LeastFriction | None:
 def _with(program: Program, mu: float) -> Program:
     """The program with one coefficient at every contact."""
     return program.with_rows(mu=np.where(program.kind == CONTACT, mu, 0.0))
+
+
+def _sticking(program: Program) -> ForceProof | None:
+    """Forces that balance where friction has no limit: a linear program; None: there are none."""
+    unlimited = _with(program, LARGEST)
+    wide = spread(unlimited)
+    rows = wide.problem.program.with_rows(
+        two_sided=wide.problem.program.two_sided
+        | (np.arange(len(wide.problem.program.part_a)) >= len(program.part_a))
+    )
+    judged = judge(rows)
+    if not judged.stable or judged.forces is None:
+        return None
+    proof = check_forces(unlimited, *wide.decoded(judged.forces.forces / wide.problem.unit))
+    return proof if proof.holds else None
 
 
 def _used(program: Program, proof: ForceProof) -> float:

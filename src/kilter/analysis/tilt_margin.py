@@ -22,11 +22,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kilter.analysis.load_limit import Limit, find_limit
-from kilter.mechanics.cones import Spread, spread
+from kilter.mechanics.cones import Spread, nearest_load, spread
 from kilter.mechanics.program import Program, tangents
 from kilter.rigid import cross
 
-__all__ = ["TiltMargin", "find_tilt_margin", "gravity_wrench", "tilt_about"]
+__all__ = ["TiltMargin", "find_nearest_held", "find_tilt_margin", "gravity_wrench", "tilt_about"]
 
 Array = NDArray[np.float64]
 
@@ -36,6 +36,8 @@ FIRST = 8
 """Directions looked at first."""
 SAME = 1e-9
 """Polygon and lines agree when their distances do to this part."""
+NOTHING = 1e-6
+"""Length of a projection, of a unit vector, that counts as none."""
 PROGRAMS = 64
 """Programs after which the search ends with the gap that is left."""
 
@@ -125,6 +127,25 @@ def find_tilt_margin(program: Program) -> TiltMargin | None:
             break
         region.shoot(direction)
     return region.answer()
+
+
+def find_nearest_held(program: Program) -> tuple[float, Array] | None:
+    """The least turn of gravity [rad] to a direction that is held, and that direction.
+
+    None where none is held within a right angle. A convex projection: one conic program.
+    """
+    from kilter.solvers.conic import solve_conic
+
+    start = program.gravity / float(np.linalg.norm(program.gravity))
+    axes = np.eye(3)[[0, 2]] if program.planar else np.eye(3)
+    wrenches = np.array([gravity_wrench(program, axis) for axis in axes])
+    answer = solve_conic(nearest_load(spread(program), wrenches, axes @ start))
+    found = answer.x[-len(axes) :] @ axes
+    size = float(np.linalg.norm(found))
+    if not np.isfinite(size) or size < NOTHING:
+        return None
+    turn = float(np.arctan2(np.linalg.norm(cross(start, found)), start @ found))
+    return turn, found / size
 
 
 def _across(program: Program, start: Array) -> Array:

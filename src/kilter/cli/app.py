@@ -27,6 +27,7 @@ from kilter.cli.options import (
     Units,
     Without,
 )
+from kilter.cli.margins import margin
 from kilter.cli.output import (
     Progress,
     as_json,
@@ -208,6 +209,7 @@ def check(
 
 app.command()(orient)
 app.command()(region)
+app.command()(margin)
 
 
 @app.command()
