@@ -161,9 +161,7 @@ def optimality(program: Program, motion: Array, forces: Array) -> float:
     rest[:, 3:] /= program.radius[:, None]
     rest = (rest / program.weight[:, None])[np.ix_(program.free, program.freedoms)]
     heavy = np.append(np.where(program.free, program.mass, np.inf), np.inf)
-    light = np.where(
-        heavy[program.part_a] < heavy[program.part_b], program.part_a, program.part_b
-    )
+    light = np.where(heavy[program.part_a] < heavy[program.part_b], program.part_a, program.part_b)
     length = np.where(program.angular, program.radius[light], 1.0)
     size = program.weight[light] / (program.mass[light] * gravity)
     slack = program.velocities(motion) * length / size

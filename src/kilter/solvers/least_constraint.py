@@ -176,7 +176,8 @@ def _interior(data: _Sorted) -> tuple[Array, Array, int]:
     f = np.where(two, -opening, np.maximum(-opening, 0) + START * root)
     best, kept = np.inf, (b, np.where(two, f, np.maximum(f, 0)))
     gap = WIDE_GAP if len(b) > MANY else GAP
-    for step in range(STEPS):
+    count = 1
+    for _ in range(STEPS):
         rd = b - data.load - data.turned @ f
         rp = data.rows @ b - np.where(two, 0.0, s)
         mu = float((s * f / data.weight)[~two].mean()) if not two.all() else 0.0
@@ -192,10 +193,11 @@ def _interior(data: _Sorted) -> tuple[Array, Array, int]:
             db, ds, df, length = _direction(data, s, f, rd, rp, mu)
         except RuntimeError:  # singular to working precision
             break
+        count += 1
         b, s, f = b + length * db, s + np.where(two, 0, length * ds), f + length * df
         if length < 1e-8:
             break
-    return *kept, step + 1
+    return *kept, count
 
 
 def _reach(v: Array, dv: Array) -> float:
