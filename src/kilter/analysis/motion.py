@@ -126,16 +126,18 @@ def _least_constrained(program: Program) -> tuple[Array, float]:
         answer = solve_quadratic(whole.quadratic)
         if tried(whole, answer.x, answer.multipliers) <= GOOD:
             return found[-1]
-    for one in (halved(whole, problem), whole):
-        if one is None:
-            continue
+    many = len(whole.load) > MANY
+    smaller = halved(whole, problem)
+    for one in (whole,) if smaller is None else (smaller, whole):
         try:
-            solution = solve_least_constraint(one)
-        except (SolverError, RuntimeError):
+            solution = solve_least_constraint(one, exact=not many)
+        except RuntimeError:  # a matrix that is singular to rounding
             continue
-        good = GOOD if len(whole.load) <= MANY else ENOUGH
+        good = ENOUGH if many else GOOD
         if tried(one, solution.unknowns, solution.multipliers) <= good:
             return found[-1]
+    if not found:
+        raise SolverError("no solver finished the motion", status="singular")
     return min(found, key=lambda pair: pair[1])
 
 
