@@ -52,6 +52,8 @@ PROXIMAL = 1e-7
 """Regularisation of two-sided rows."""
 RHO = 1e3
 """Weight of the rows in the method of multipliers."""
+LEAST = 1e-12
+"""Slacks, forces and their falls below this, of the load or of themselves, are taken as this."""
 ROUNDS, NEWTON = 6, 60
 """Steps of the method of multipliers, and of Newton's method in each, at most."""
 EXACT = 3e-12
@@ -189,18 +191,21 @@ def _interior(data: _Sorted) -> tuple[Array, Array, int]:
         if mu < GAP and worst < 1e-8:
             break
         try:
-            db, ds, df, length = _direction(data, s, f, rd, rp, mu)
-        except RuntimeError:  # singular to working precision
+            with np.errstate(over="raise", divide="raise", invalid="raise"):
+                db, ds, df, length = _direction(data, s, f, rd, rp, mu)
+        except (RuntimeError, FloatingPointError):  # singular to working precision
             break
         count += 1
         b, s, f = b + length * db, s + np.where(two, 0, length * ds), f + length * df
+        least = LEAST * LEAST * data.weight
+        s, f = np.where(two, s, np.maximum(s, least)), np.where(two, f, np.maximum(f, least))
         if length < 1e-8:
             break
     return *kept, count
 
 
 def _reach(v: Array, dv: Array) -> float:
-    down = dv < 0
+    down = dv < -LEAST * v
     return min(1.0, float((-v[down] / dv[down]).min(initial=np.inf)))
 
 
