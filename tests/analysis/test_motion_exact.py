@@ -199,7 +199,7 @@ def test_words_of_a_box_past_an_edge():
     box = block("box", [-0.4, -0.5, 0], [0.6, 0.5, 1])
     verdict = check(Assembly([table, box]))
     alpha = G * 0.1 / (1 / 6 + 0.01)
-    # the accelerated line of rest: under the centre the box keeps its height only at x = 0
+    # the only point of the line of rotation with no height of fall is over the edge, x = 0
     words = verdict.words(1)
     assert words.startswith("tips about +y through (0, 0, 0.5) at ")
     assert f"at {alpha:.4g} rad/s^2" in words

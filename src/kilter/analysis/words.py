@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["SENTENCES", "motion_summary", "motion_words"]
+__all__ = ["NAMED", "SENTENCES", "motion_summary", "motion_words"]
 
 Array = NDArray[np.float64]
 
