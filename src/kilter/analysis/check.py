@@ -29,13 +29,14 @@ from kilter.analysis.neutral import Neutral, find_neutral
 from kilter.analysis.remarks import loose_parts, remarks
 from kilter.analysis.sentences import verdict_sentence
 from kilter.analysis.stability import Judgement, judge
-from kilter.analysis.words import motion_words
+from kilter.analysis.words import NAMED, motion_summary, motion_words
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet, Tolerance, find_contacts
 from kilter.errors import some
 from kilter.mechanics.certificate import ForceProof, MotionProof
 from kilter.mechanics.program import POSSIBLE, TOLERANCE, Program, build_program
 from kilter.mechanics.proof import Evidence, make_proof
+from kilter.units import metres_per_unit
 
 __all__ = ["Verdict", "check"]
 
@@ -174,7 +175,23 @@ class Verdict:
         if self.assembly.parts[part].grounded:
             return "is held"
         relative = motion.relative[part] * (slow or motion.moves[part])
-        return motion_words(motion.acceleration[part], relative, self.assembly.down)
+        return motion_words(
+            motion.acceleration[part],
+            relative,
+            self.assembly.down,
+            center=self.program.center[part],
+            unit=metres_per_unit(self.program.units),
+        )
+
+    @property
+    def summary(self) -> str:
+        """The fastest parts and how they start to move, in one sentence."""
+        motion = self.motion
+        which = np.flatnonzero(motion.moves)
+        order = which[np.argsort(-motion.relative[which].max(axis=1), kind="stable")]
+        names = self.program.names
+        fastest = [f"{names[k]} {self.words(int(k))}" for k in order[:NAMED]]
+        return motion_summary(fastest, len(which))
 
     def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
         """The proof as data; `options`: how the assembly was read, for `verify`."""

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kilter.analysis.stability import judge
-from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces
+from kilter.mechanics.certificate import ForceProof, MotionProof
 from kilter.mechanics.cones import spread
 from kilter.mechanics.program import CONTACT, Program
 
@@ -25,7 +25,9 @@ Array = NDArray[np.float64]
 
 SMALLEST = 1e-7
 """Coefficients below this count as zero: any friction holds."""
-LARGEST = 1e4
+TRIED = (1.0, 30.0, 1e3)
+"""Coefficients tried for a first one that holds."""
+LARGEST = TRIED[-1]
 """Coefficients above this count as none that holds."""
 NEAR = 1e-8
 """Relative width of the enclosure at which the search ends."""
@@ -78,11 +80,20 @@ def find_least_friction(program: Program) -> LeastFriction | None:
         return LeastFriction(0.0, 0.0, True, smooth.forces, None, 1)
     if not (program.kind == CONTACT).any():
         return None
-    start = _sticking(program)
+    if not _sticks(program):
+        return None
+    start: ForceProof | None = None
+    lower, upper, mechanism = 0.0, LARGEST, smooth.motion
+    for upper in TRIED:
+        judged = judge(_with(program, upper))
+        if judged.stable:
+            start = judged.forces
+            break
+        lower = upper
     if start is None:
         return None
-    best, lower, mechanism = start, 0.0, smooth.motion
-    upper = min(LARGEST, _used(program, best))
+    best = start
+    upper = min(upper, _used(program, best))
     solved = 2
     for _ in range(STEPS):
         if upper <= SMALLEST:
@@ -111,19 +122,11 @@ def _with(program: Program, mu: float) -> Program:
     return program.with_rows(mu=np.where(program.kind == CONTACT, mu, 0.0))
 
 
-def _sticking(program: Program) -> ForceProof | None:
-    """Forces that balance where friction has no limit: a linear program; None: there are none."""
-    unlimited = _with(program, LARGEST)
-    wide = spread(unlimited)
-    rows = wide.problem.program.with_rows(
-        two_sided=wide.problem.program.two_sided
-        | (np.arange(len(wide.problem.program.part_a)) >= len(program.part_a))
-    )
-    judged = judge(rows)
-    if not judged.stable or judged.forces is None:
-        return None
-    proof = check_forces(unlimited, *wide.decoded(judged.forces.forces / wide.problem.unit))
-    return proof if proof.holds else None
+def _sticks(program: Program) -> bool:
+    """Whether forces balance where friction has no limit, not even without a push."""
+    wide = spread(_with(program, LARGEST)).problem.program
+    across = np.arange(len(wide.part_a)) >= len(program.part_a)
+    return bool(judge(wide.with_rows(two_sided=wide.two_sided | across)).stable)
 
 
 def _used(program: Program, proof: ForceProof) -> float:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kilter.analysis.motion import MOVES
+from kilter.analysis.words import NAMED
 from kilter.geometry import DEFAULT_DENSITY
 
 if TYPE_CHECKING:
@@ -60,7 +61,10 @@ def vector(v: Any, digits: int = 6) -> str:
 
 def check_text(verdict: Verdict) -> str:
     """The answer of `kilter check`."""
-    lines = [verdict.sentence, ""]
+    lines = [verdict.sentence]
+    if verdict.verdict == "unstable" and len(verdict.moving) > NAMED:
+        lines.append(f"Fastest: {plain(verdict.summary, 400)}.")
+    lines.append("")
     lines += moving_lines(verdict)
     lines += _facts(verdict)
     return "\n".join(lines)
