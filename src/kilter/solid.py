@@ -23,6 +23,7 @@ __all__ = [
     "height",
     "moved_solid",
     "moved_surface",
+    "outward",
     "scaled_solid",
 ]
 
@@ -157,7 +158,7 @@ def height(surface: Surface, points: Array) -> Array:
     return np.asarray(np.hypot(across - surface.radius, along) - surface.tube)
 
 
-def _outward(surface: Surface, points: Array) -> Array:
+def outward(surface: Surface, points: Array) -> Array:
     """Directions in which `height` grows, shape (n, 3), of any length."""
     relative = points - surface.point
     if surface.kind == "sphere":
@@ -186,7 +187,7 @@ def facing(surface: Surface, vertices: Array, triangles: Index) -> Surface:
         Turning left seen from outside of the material.
     """
     p, q, r = (vertices[triangles[:, k]] for k in range(3))
-    turn = float((cross(q - p, r - p) * _outward(surface, (p + q + r) / 3)).sum())
+    turn = float((cross(q - p, r - p) * outward(surface, (p + q + r) / 3)).sum())
     if surface.kind == "plane":
         return surface if turn >= 0 else replace(surface, axis=-surface.axis)
     return replace(surface, hollow=turn < 0)

@@ -87,7 +87,10 @@ def _exact_moments(shape: Any, about: Array) -> tuple[float, Array, Array]:
 
 @dataclass(slots=True, eq=False)
 class _Face:
-    """A face cut into triangles; `edges` are (edge, corners along it)."""
+    """A face cut into triangles; `edges` are (edge, corners along it).
+
+    `parameters` of the corners are there where the kind of surface must be found out.
+    """
 
     shape: Any
     nodes: Array
@@ -132,13 +135,13 @@ def _face(face: Any) -> _Face:
     if mesh is None:
         raise InputError("a face cannot be cut into triangles", hint="heal it where it was made")
     numbers = range(1, mesh.NbNodes() + 1)
-    points = map(mesh.Node, numbers)
-    nodes = np.array([(p.X(), p.Y(), p.Z()) for p in points]).reshape(-1, 3)
+    nodes = np.array([mesh.Node(k).Coord() for k in numbers]).reshape(-1, 3)
     if not place.IsIdentity():
         move = place.Transformation()
         matrix = np.array([[move.Value(i, j) for j in range(1, 5)] for i in range(1, 4)])
         nodes = nodes @ matrix[:, :3].T + matrix[:, 3]
-    pairs = map(mesh.UVNode, numbers) if mesh.HasUVNodes() else ()
+    hidden = mesh.HasUVNodes() and not is_plain(face)
+    pairs = [mesh.UVNode(k).Coord() for k in numbers] if hidden else []
     corners = [mesh.Triangle(k).Get() for k in range(1, mesh.NbTriangles() + 1)]
     triangles = np.array(corners, dtype=np.int64).reshape(-1, 3) - 1
     if face.Orientation() == TopAbs_Orientation.TopAbs_REVERSED:
@@ -147,11 +150,9 @@ def _face(face: Any) -> _Face:
     for edge in map(TopoDS.Edge, _inside(face, TopAbs_ShapeEnum.TopAbs_EDGE)):
         polygon = BRep_Tool.PolygonOnTriangulation_s(edge, mesh, place)
         if polygon is not None:
-            count = polygon.NbNodes()
-            rows = [polygon.Node(k) for k in range(1, count + 1)]
+            rows = [polygon.Node(k) for k in range(1, polygon.NbNodes() + 1)]
             edges.append((edge, np.array(rows, dtype=np.int64) - 1))
-    parameters = np.array([(p.X(), p.Y()) for p in pairs]).reshape(-1, 2)
-    return _Face(face, nodes, parameters, triangles, edges)
+    return _Face(face, nodes, np.array(pairs).reshape(-1, 2), triangles, edges)
 
 
 def _welded(faces: list[_Face]) -> tuple[Array, Index, Index]:
@@ -233,7 +234,7 @@ def _surfaces(
 def _one_surface(face: _Face, corners: Array) -> tuple[Surface | None, float]:
     """The surface of a face, and the greatest distance of its triangles from it."""
     amid = np.empty((0, 3))
-    if len(face.parameters) and not is_plain(face.shape):
+    if len(face.parameters):
         amid = points_of_face(face.shape, face.parameters[face.triangles].mean(axis=1))
     surface = face_surface(face.shape, face.nodes, amid)
     if surface is not None:
