@@ -78,7 +78,9 @@ def facet_graph(vertices: Array, triangles: Index, accuracy: float) -> FacetGrap
     near = facet[pairs]
     near = near[near[:, 0] != near[:, 1]]
     near = near[(unit[near[:, 0]] * unit[near[:, 1]]).sum(axis=1) > np.cos(STEEPEST)]
-    both = np.unique(np.vstack([near, near[:, ::-1]]), axis=0)
+    key = np.sort(np.concatenate([near @ [count, 1], near @ [1, count]]))
+    key = key[np.diff(key, prepend=-1) > 0]
+    both = np.column_stack([key // max(count, 1), key % max(count, 1)])
     first = np.concatenate([[0], np.cumsum(np.bincount(both[:, 0], minlength=count))])
     region = _components(near, count)
     area = np.bincount(facet, double / 2, count)

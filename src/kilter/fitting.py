@@ -64,9 +64,7 @@ def fit_sphere(points: Array, normals: Array, weights: Array) -> Surface | None:
     square = float(solution[3] + solution[:3] @ solution[:3])
     if rank < 4 or not 0 < square < LARGEST_RATIO**2:
         return None
-    return Surface(
-        "sphere", middle + solution[:3] * size, radius=float(np.sqrt(square)) * size
-    )
+    return Surface("sphere", middle + solution[:3] * size, radius=float(np.sqrt(square)) * size)
 
 
 def fit_cylinder(points: Array, normals: Array, weights: Array) -> Surface | None:
@@ -176,21 +174,20 @@ def _split(p: Array, axis: Array) -> tuple[Array, Array, Array]:
 def _cone_start(p: Array, axis: Array) -> tuple[Array, Array, float] | None:
     """Apex, axis and half angle from a direction of the axis.
 
-    Points of a cone obey |across - c| = (along - h) tan w: with q = tan^2 w the square of it
-    is linear in c, q and products that are taken as unknowns of their own.
+    Points of a cone obey |across - c|^2 = (along - h)^2 tan^2 w, which is linear in c, the
+    foot of the axis, beside unknowns that are not needed; then |across - c| is linear in along.
     """
     u, v = _across(axis)
     x, y, z = p @ u, p @ v, p @ axis
     matrix = np.column_stack([2 * x, 2 * y, z * z, z, np.ones(len(p))])
-    solution, *_ = np.linalg.lstsq(matrix, x * x + y * y, rcond=1e-12)
-    square = float(solution[2])
-    if square <= NARROWEST**2:
+    solution, *_ = np.linalg.lstsq(matrix, x * x + y * y, rcond=1e-10)
+    across = np.hypot(x - solution[0], y - solution[1])
+    line = np.column_stack([z, np.ones(len(z))])
+    (slope, offset), *_ = np.linalg.lstsq(line, across, rcond=1e-10)
+    if abs(slope) < NARROWEST:
         return None
-    h = -float(solution[3]) / (2 * square)
-    if float((z - h).mean()) < 0:
-        axis, h, (u, v) = -axis, -h, (u, v)
-    apex = solution[0] * u + solution[1] * v + h * axis
-    return apex, axis, float(np.arctan(np.sqrt(square)))
+    apex = solution[0] * u + solution[1] * v - offset / slope * axis
+    return apex, axis * np.sign(slope), float(np.arctan(abs(slope)))
 
 
 def _gauss_newton(
@@ -198,18 +195,22 @@ def _gauss_newton(
     change: Callable[[tuple[Array, Array, float]], tuple[Array, Array]],
     moved: Callable[[tuple[Array, Array, float], Array], tuple[Array, Array, float]],
 ) -> tuple[Array, Array, float]:
-    """The state of least squares near a first one; steps that make it worse are not taken."""
+    """The state of least squares near a first one; steps that make it worse are not taken.
+
+    By normal equations: what they lose in a step the next one makes good. It ends where a step
+    no longer halves the sum of squares: at rounding, or where the points fit no such surface.
+    """
     residual, jacobian = change(state)
     best = float(residual @ residual)
     for _ in range(STEPS):
-        step, *_ = np.linalg.lstsq(jacobian, -residual, rcond=1e-13)
+        step, *_ = np.linalg.lstsq(jacobian.T @ jacobian, -jacobian.T @ residual, rcond=1e-14)
         trial = moved(state, step)
         residual, jacobian = change(trial)
         now = float(residual @ residual)
         if not now < best:
             break
-        done = now > 0.25 * best
+        slow = now > 0.5 * best
         state, best = trial, now
-        if done and float(np.abs(step).max()) < 1e-14:
+        if slow:
             break
     return state

@@ -15,7 +15,9 @@ a rule must choose. A region is taken for round only if
 - no facet is more than twice as wide as most are: the flat of a shaft stays a flat;
 - it turns by 15 degrees or more, or is bounded by sharp edges all around: a short piece of some
   other curve passes for an arc of a circle;
-- it leaves its best plane by far more than the corners leave the surface.
+- it leaves its best plane by far more than the corners leave the surface;
+- as a cylinder or cone, it is not one of three or more bands of like width that bend into each
+  other: such bands are slices of something that is curved both ways (a torus, an ellipsoid).
 
 Corners of one band of facets lie on a cylinder or cone and on a sphere as well; the first is
 taken. Whatever is not round is planes, one a facet.
@@ -28,7 +30,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kilter.facet_graph import FacetGraph, facet_graph, gathered
+from kilter.facet_graph import STEEPEST, FacetGraph, facet_graph, gathered
 from kilter.fitting import FITS
 from kilter.solid import Surface, facing, height, outward
 
@@ -51,6 +53,10 @@ ALIKE = np.radians(25)
 """Between the normal of a facet and that of the surface at its middle [rad]."""
 PATIENCE = 60
 """Seeds without success after which the rest of a region is left flat."""
+SAMPLE = 1000
+"""Facets of a region that are looked at first."""
+MOST_NEIGHBOURS = 12
+"""Neighbours of a seed that are looked at."""
 LOOSE = 30.0
 """Times the tolerance that corners may be off while a surface grows from a few facets."""
 
@@ -107,7 +113,12 @@ class _Mesh:
 
     def points(self, facets: Index) -> Array:
         """Corners of facets, each once."""
-        return self.vertices[np.unique(self.triangles[self.corners(facets)[0]])]
+        rows = self.triangles[self.corners(facets)[0]].reshape(-1)
+        if len(rows) < len(self.vertices) / 8:
+            return self.vertices[np.unique(rows)]
+        used = np.zeros(len(self.vertices), dtype=bool)  # quicker where there are many
+        used[rows] = True
+        return self.vertices[used]
 
 
 _Found = list[tuple[Surface, Index]]
@@ -129,7 +140,12 @@ def _round_surfaces(mesh: _Mesh) -> _Found:
 
 def _whole(mesh: _Mesh, facets: Index) -> Surface | None:
     """The one surface of all facets of a region."""
+    some = facets[:: max(1, len(facets) // SAMPLE)]
+    tolerance = _tolerance(mesh, mesh.points(facets))
     for kind in FITS:
+        rough = _fitted(mesh, some, kind)
+        if rough is None or _off(mesh, some, rough).max() > LOOSE * tolerance:
+            continue
         surface = _fitted(mesh, facets, kind)
         if surface is not None and _accepted(mesh, facets, surface, whole=True):
             return surface
@@ -199,8 +215,17 @@ def _accepted(mesh: _Mesh, facets: Index, surface: Surface, *, whole: bool) -> b
     leaves = np.linalg.svd(centered, full_matrices=False)[2][2]
     if float(np.ptp(centered @ leaves)) < EVIDENCE * tolerance:
         return False
+    if not whole and surface.kind != "sphere" and _is_slice(mesh, facets):
+        return False
     sagitta = _sagitta(mesh, facets, surface)
-    return bool(sagitta.max() <= WIDEST * np.quantile(sagitta, 0.75) + tolerance)
+    if surface.kind == "sphere" and sagitta.max() > (1 - np.cos(STEEPEST)) * surface.radius:
+        return False
+    return bool(sagitta.max() <= _most(sagitta) + tolerance)
+
+
+def _most(sagitta: Array) -> float:
+    """The greatest sagitta that a facet among such may have."""
+    return WIDEST * float(np.quantile(sagitta, 0.75))
 
 
 def _enough(mesh: _Mesh, facets: Index, surface: Surface, whole: bool) -> bool:
@@ -220,6 +245,21 @@ def _enough(mesh: _Mesh, facets: Index, surface: Surface, whole: bool) -> bool:
     return steps >= FEWEST_FACETS and (whole or turn >= LEAST_TURN)
 
 
+def _is_slice(mesh: _Mesh, facets: Index) -> bool:
+    """Whether facets are one of several bands of like width, side by side."""
+    graph = mesh.graph
+    usual = float(np.median(graph.area[facets]))
+
+    def beside(these: Index, apart: Index) -> Index:
+        near = np.unique(gathered(these, graph.first, graph.neighbours))
+        near = near[~np.isin(near, apart)]
+        return near[(graph.area[near] > usual / 2) & (graph.area[near] < usual * 2)]
+
+    next_to = beside(facets, facets)
+    after = beside(next_to, np.concatenate([facets, next_to]))
+    return len(next_to) > 1.5 * len(facets) or min(len(next_to), len(after)) > len(facets) / 2
+
+
 # growing --------------------------------------------------------------------------------
 
 
@@ -227,12 +267,16 @@ def _grown(mesh: _Mesh, facets: Index) -> _Found:
     """Surfaces grown from seeds within a region that is not one surface."""
     free = np.zeros(len(mesh.graph.area), dtype=bool)
     free[facets] = True
+    fresh = free.copy()
     found: _Found = []
     misses = 0
     for seed in _seeds(mesh, facets).tolist():
-        if not free[seed] or misses > PATIENCE:
+        if misses > PATIENCE:
+            break
+        if not free[seed] or not fresh[seed]:
             continue
         surface, grown = _from_seed(mesh, seed, free)
+        fresh[grown] = False
         if surface is None:
             misses += 1
             continue
@@ -253,36 +297,42 @@ def _seeds(mesh: _Mesh, facets: Index) -> Index:
 
 
 def _from_seed(mesh: _Mesh, seed: int, free: NDArray[np.bool_]) -> tuple[Surface | None, Index]:
+    """The surface with the most facets that grows from a seed; of equals the plainest.
+
+    Where none is accepted, the facets are those of the largest that grew: not to be tried again.
+    """
+    none = np.empty(0, dtype=np.int64)
+    best: tuple[Surface | None, Index] = (None, none)
+    refused = none
     for kind, start in _starts(mesh, seed, free):
         surface, grown = _grow(mesh, start, kind, free)
-        if surface is not None and _accepted(mesh, grown, surface, whole=False):
-            return surface, grown
-    return None, np.empty(0, dtype=np.int64)
+        if surface is None or len(grown) <= len(best[1]):
+            continue
+        if _accepted(mesh, grown, surface, whole=False):
+            best = surface, grown
+        elif len(grown) > len(refused):
+            refused = grown
+    return best if best[0] is not None else (None, refused)
 
 
 def _starts(mesh: _Mesh, seed: int, free: NDArray[np.bool_]) -> list[tuple[str, Index]]:
-    """Kinds and first facets: the seed with two neighbours on either side, or with all."""
+    """Kinds and first facets: the seed between two neighbours, with a third for a sphere."""
     graph = mesh.graph
     near = graph.neighbours[graph.first[seed] : graph.first[seed + 1]]
-    near = near[free[near]]
-    if len(near) < 2:
-        return []
-    normal = graph.normal
-    pairs = []
-    for a in range(len(near)):
-        for b in range(a + 1, len(near)):
-            g, h = normal[near[a]] - normal[seed], normal[near[b]] - normal[seed]
-            if g @ h < 0:
-                bend = abs(float(np.cross(g, h) @ normal[seed]))
-                pairs.append((bend / float(np.linalg.norm(g) * np.linalg.norm(h)), a, b))
-        if len(pairs) > 20:
-            break
+    near = near[free[near]][:MOST_NEIGHBOURS]
+    bend = graph.normal[near] - graph.normal[seed]
+    bend /= np.maximum(np.linalg.norm(bend, axis=1), np.finfo(float).tiny)[:, None]
+    # neighbours on either side along a band bend opposite ways in one plane with the seed
+    out_of_plane = np.abs(np.cross(bend[:, None], bend[None]) @ graph.normal[seed])
+    a, b = np.nonzero(np.triu(bend @ bend.T < 0, 1))
+    order = np.argsort(out_of_plane[a, b], kind="stable")[:2]
     starts = []
-    for _, a, b in sorted(pairs)[:2]:
-        three = np.sort(np.array([seed, near[a], near[b]]))
+    for g, h in zip(a[order].tolist(), b[order].tolist(), strict=True):
+        three = np.array([seed, near[g], near[h]])
         starts += [("cylinder", three), ("cone", three)]
-    ring = np.unique(np.append(near, seed))
-    return [*starts, ("cylinder", ring), ("cone", ring), ("sphere", ring)]
+        others = [k for k in range(len(near)) if k not in (g, h)][:2]
+        starts += [("sphere", np.append(three, near[k])) for k in others]
+    return starts
 
 
 def _grow(
@@ -299,7 +349,7 @@ def _grow(
     while len(front):
         near = np.unique(gathered(front, graph.first, graph.neighbours))
         near = near[free[near] & ~inside[near]]
-        if not len(near):
+        if not len(near) or not len(chosen):
             break
         within = _tolerance(mesh, mesh.points(chosen))
         front = near[_off(mesh, near, surface) <= LOOSE * within]
@@ -309,9 +359,12 @@ def _grow(
             surface, chosen, front = _refitted(mesh, chosen, front, kind, surface)
             inside[:] = False
             inside[chosen] = True
-            fitted_to = len(chosen)
+            fitted_to = max(len(chosen), 1)
     surface, chosen, _ = _refitted(mesh, chosen, front, kind, surface)
-    return (surface, chosen) if len(chosen) >= FEWEST_FACETS else (None, none)
+    if len(chosen) < FEWEST_FACETS:
+        return None, none
+    sagitta = _sagitta(mesh, chosen, surface)
+    return surface, chosen[sagitta <= _most(sagitta) + mesh.graph.tolerance]
 
 
 def _refitted(
@@ -319,6 +372,8 @@ def _refitted(
 ) -> tuple[Surface, Index, Index]:
     """The surface of the chosen facets, without those that then are off it."""
     for _ in range(3):
+        if len(chosen) < 3:
+            break
         again = _fitted(mesh, chosen, kind)
         surface = surface if again is None else again
         off = _off(mesh, chosen, surface)
@@ -329,8 +384,6 @@ def _refitted(
         # the worst go first: they pull the surface away from the rest
         limit = max(within, 0.3 * float(off[np.isfinite(off)].max(initial=0.0)))
         chosen = chosen[off <= limit]
-        if len(chosen) < 3:
-            break
     return surface, chosen, front[np.isin(front, chosen)]
 
 
@@ -350,7 +403,7 @@ def _result(mesh: _Mesh, found: _Found) -> tuple[tuple[Surface, ...], Index, Arr
     flat = np.flatnonzero(of_facet < 0)
     of_facet[flat] = len(surfaces) + np.arange(len(flat))
     points = mesh.vertices[mesh.triangles[graph.triangles_of[graph.start[flat]], 0]]
-    surfaces += [_plane(x, n) for x, n in zip(points, graph.normal[flat], strict=True)]
+    surfaces += _planes(points, graph.normal[flat])
     return tuple(surfaces), of_facet[graph.facet], np.append(sagitta, _flat_off(mesh, flat, points))
 
 
@@ -365,5 +418,20 @@ def _flat_off(mesh: _Mesh, flat: Index, points: Array) -> Array:
     return off
 
 
-def _plane(point: Array, normal: Array) -> Surface:
-    return Surface("plane", point, normal)
+def _planes(points: Array, normals: Array) -> list[Surface]:
+    """Planes by a point and a unit normal each.
+
+    Made without the checks of `Surface`, which hold by themselves: a mesh of no round face has
+    one plane a triangle, and the checks would take ten times as long as all the rest.
+    """
+    points.flags.writeable = normals.flags.writeable = False
+    plain = {"kind": "plane", "radius": 0.0, "tube": 0.0, "half_angle": 0.0, "hollow": False}
+    planes = []
+    for point, normal in zip(points, normals, strict=True):
+        plane = object.__new__(Surface)
+        for name, value in plain.items():
+            object.__setattr__(plane, name, value)
+        object.__setattr__(plane, "point", point)
+        object.__setattr__(plane, "axis", normal)
+        planes.append(plane)
+    return planes
