@@ -8,11 +8,11 @@ from collections import Counter
 import numpy as np
 import pytest
 import trimesh
-from round_meshes import Mesh, bar, circle, moved, revolved, rounded_bar
 
 from kilter.recognition import recognise
 from kilter.shapes import Box, Cylinder, Sphere, surface
 from kilter.solid import Surface, height, outward
+from round_meshes import Mesh, bar, circle, moved, revolved, rounded_bar
 
 ARC = np.linspace(0, np.pi / 2, 13)[1:-1]
 COUNTERSUNK = [(2, 0), (6, 0), (6, 4), (3, 4), (2, 3)]
@@ -108,6 +108,7 @@ def test_nothing_gives_nothing() -> None:
 
 # what is found -------------------------------------------------------------------------
 
+PAN = [(0, -3.5), (4, -3.5), (4, 0), (3, 0), *((3 * np.cos(t), -3 * np.sin(t)) for t in ARC)]
 PARTS = {
     "tube": (revolved([(2, 0), (6, 0), (6, 4), (2, 4)], 48), ["cylinder", "hollow cylinder"]),
     "countersunk": (revolved(COUNTERSUNK, 48), ["cylinder", "hollow cone", "hollow cylinder"]),
@@ -116,8 +117,8 @@ PARTS = {
     "dome": (revolved(DOME, 40), ["sphere"]),
     "capsule": (revolved(CAPSULE, 40), ["cylinder", "sphere", "sphere"]),
     "ball": (surface(Sphere(2)), ["sphere"]),
-    "pan": (revolved([(0, -3.5), (4, -3.5), (4, 0), (3, 0), *((3 * np.cos(t), -3 * np.sin(t)) for t in ARC), (0, -3)], 40), ["cylinder", "hollow sphere"]),
-}  # fmt: skip
+    "pan": (revolved([*PAN, (0, -3)], 40), ["cylinder", "hollow sphere"]),
+}
 
 
 @pytest.mark.parametrize("single", [False, True], ids=["double", "single"])

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from kilter.rigid import cross
 
-__all__ = ["FacetGraph", "STEEPEST", "facet_graph", "gathered"]
+__all__ = ["STEEPEST", "FacetGraph", "facet_graph", "gathered"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -83,7 +83,7 @@ def facet_graph(vertices: Array, triangles: Index, accuracy: float) -> FacetGrap
     both = np.column_stack([key // max(count, 1), key % max(count, 1)])
     first = np.concatenate([[0], np.cumsum(np.bincount(both[:, 0], minlength=count))])
     region = _components(near, count)
-    area = np.bincount(facet, double / 2, count)
+    area: Array = np.bincount(facet, double / 2, count).astype(np.float64)
     return FacetGraph(
         facet, order, start, unit, area, both[:, 1], first.astype(np.int64), region, tolerance
     )
@@ -100,7 +100,8 @@ def gathered(rows: Index, start: Index, values: Index) -> Index:
     length = start[rows + 1] - start[rows]
     ends = np.cumsum(length)
     offset = np.repeat(start[rows] - ends + length, length)
-    return values[np.arange(ends[-1] if len(ends) else 0) + offset]
+    found: Index = values[np.arange(ends[-1] if len(ends) else 0) + offset]
+    return found
 
 
 def _welded(vertices: Array, triangles: Index) -> Index:

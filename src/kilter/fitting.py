@@ -94,8 +94,9 @@ def fit_cylinder(points: Array, normals: Array, weights: Array) -> Surface | Non
     def moved(state: tuple[Array, Array, float], step: Array) -> tuple[Array, Array, float]:
         center, axis, radius = state
         u, v = _across(axis)
-        axis = axis + step[2] * u + step[3] * v
-        return center + step[0] * u + step[1] * v, axis / np.linalg.norm(axis), radius + step[4]
+        turned = axis + step[2] * u + step[3] * v
+        shift = step[0] * u + step[1] * v
+        return center + shift, turned / float(np.linalg.norm(turned)), radius + step[4]
 
     center, axis, radius = _gauss_newton((center, axis, radius), change, moved)
     if not 0 < radius < LARGEST_RATIO:
@@ -133,7 +134,7 @@ def fit_cone(points: Array, normals: Array, weights: Array) -> Surface | None:
         u, v = _across(axis)
         turned = axis + step[3] * u + step[4] * v
         shift = step[0] * u + step[1] * v + step[2] * axis
-        return apex + shift, turned / np.linalg.norm(turned), angle + step[5]
+        return apex + shift, turned / float(np.linalg.norm(turned)), angle + step[5]
 
     apex, axis, angle = _gauss_newton(start, change, moved)
     if not NARROWEST < angle < WIDEST or float(np.abs(apex).max()) > LARGEST_RATIO:
@@ -203,8 +204,8 @@ def _gauss_newton(
     residual, jacobian = change(state)
     best = float(residual @ residual)
     for _ in range(STEPS):
-        step, *_ = np.linalg.lstsq(jacobian.T @ jacobian, -jacobian.T @ residual, rcond=1e-14)
-        trial = moved(state, step)
+        found = np.linalg.lstsq(jacobian.T @ jacobian, -jacobian.T @ residual, rcond=1e-14)[0]
+        trial = moved(state, np.asarray(found, dtype=np.float64))
         residual, jacobian = change(trial)
         now = float(residual @ residual)
         if not now < best:

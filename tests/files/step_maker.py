@@ -43,6 +43,17 @@ def as_splines(shape: Any) -> Any:
     return BRepBuilderAPI_NurbsConvert(shape, True).Shape()
 
 
+def compound(shapes: Sequence[Any]) -> Any:
+    from OCP.BRep import BRep_Builder
+    from OCP.TopoDS import TopoDS_Compound
+
+    made, builder = TopoDS_Compound(), BRep_Builder()
+    builder.MakeCompound(made)
+    for shape in shapes:
+        builder.Add(made, shape)
+    return made
+
+
 def moved(shape: Any, move: Any) -> Any:
     return BRepBuilderAPI_Transform(shape, move, True).Shape()
 

@@ -7,6 +7,7 @@ the file is kept. A solid that is used in several places is read once and shared
 from __future__ import annotations
 
 import importlib.util
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,6 +21,7 @@ __all__ = ["SUFFIXES", "StepSolids", "load_step", "read_step"]
 
 SUFFIXES = (".step", ".stp")
 """Endings of STEP files, lower case."""
+_TEXTS = re.compile(rb"'[^']*'|/\*.*?\*/", re.DOTALL)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,7 +100,7 @@ def read_step(path: Path) -> StepSolids:
         or one that is not closed.
     """
     try:
-        _check_frame(read_bytes(path))
+        _check_text(read_bytes(path))
         if importlib.util.find_spec("OCP") is None:
             raise InputError(
                 "STEP files need OCCT, which is not installed",
@@ -109,8 +111,11 @@ def read_step(path: Path) -> StepSolids:
         raise error.located(file=str(path)) from None
 
 
-def _check_frame(data: bytes) -> None:
-    """Refuse what does not begin and end as a STEP file does."""
+def _check_text(data: bytes) -> None:
+    """Refuse what does not begin and end as a STEP file does, or names what it does not define.
+
+    OCCT breaks down, and Python with it, over references to entities that are not there.
+    """
     start = data[:4096].lstrip(b"\xef\xbb\xbf \t\r\n\0")
     if not start.startswith((b"ISO-10303-21", b"/*")):
         raise InputError(
@@ -120,6 +125,15 @@ def _check_frame(data: bytes) -> None:
     if b"END-ISO-10303-21" not in data[-4096:]:
         raise InputError(
             "damaged STEP: cut short, it does not end with END-ISO-10303-21",
+            hint="copy or export it again",
+        )
+    plain = _TEXTS.sub(b"", data)
+    named = set(re.findall(rb"#(\d+)", plain))
+    missing = named.difference(re.findall(rb"#(\d+)\s*=", plain))
+    if missing:
+        first = min(int(number) for number in missing)
+        raise InputError(
+            f"damaged STEP: {len(missing)} entities are named but not there, the first is #{first}",
             hint="copy or export it again",
         )
 
