@@ -189,6 +189,23 @@ def test_a_soup_of_triangles_is_welded_where_corners_are_equal() -> None:
     assert kinds(soup) == {"cylinder": 1, "plane": 2}
 
 
+def test_faces_of_no_area_do_no_harm() -> None:
+    vertices, triangles = surface(Cylinder(2, 5))
+    with_flat = np.vstack([triangles, [[0, 0, 1], [5, 5, 5]]])
+    surfaces, which, _ = recognise(vertices, with_flat)
+    assert all(np.linalg.norm(s.axis) == pytest.approx(1) for s in surfaces)
+    assert which[-2:].tolist() == [-1, -1]
+    assert Counter(s.kind for s in surfaces)["cylinder"] == 1
+
+
+def test_a_box_with_chamfers_in_two_steps_stays_flat() -> None:
+    corners = []
+    for x, z, start in ((3, 2, 0), (-3, 2, 90), (-3, -2, 180), (3, -2, 270)):
+        for t in np.radians(start + np.array([0, 45, 90])):
+            corners.append([x + np.cos(t), z + np.sin(t)])
+    assert kinds(bar(np.array(corners))) == {"plane": 14}
+
+
 def test_one_corner_off_the_circle_leaves_its_facets_flat() -> None:
     vertices, triangles = bar(circle(60))
     for step, others in ((1e-12, 0), (1e-4, 4)):

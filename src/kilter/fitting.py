@@ -22,9 +22,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from kilter.rigid import cross
 from kilter.solid import Surface
 
-__all__ = ["FITS", "fit_cone", "fit_cylinder", "fit_sphere"]
+__all__ = ["FITS", "fit_cone", "fit_cylinder", "fit_sphere", "perpendicular"]
 
 Array = NDArray[np.float64]
 
@@ -75,7 +76,7 @@ def fit_cylinder(points: Array, normals: Array, weights: Array) -> Surface | Non
     if len(points) < 5 or size == 0.0:
         return None
     p = (points - middle) / size
-    u, v = _across(axis)
+    u, v = perpendicular(axis)
     matrix = np.column_stack([2 * p @ u, 2 * p @ v, np.ones(len(p))])
     flat = p - (p @ axis)[:, None] * axis
     solution, _, rank, _ = np.linalg.lstsq(matrix, (flat * flat).sum(axis=1), rcond=1e-10)
@@ -86,14 +87,14 @@ def fit_cylinder(points: Array, normals: Array, weights: Array) -> Surface | Non
 
     def change(state: tuple[Array, Array, float]) -> tuple[Array, Array]:
         center, axis, radius = state
-        u, v = _across(axis)
+        u, v = perpendicular(axis)
         along, across, e = _split(p - center, axis)
         eu, ev = e @ u, e @ v
         return across - radius, np.column_stack([-eu, -ev, -eu * along, -ev * along, -1 + 0 * eu])
 
     def moved(state: tuple[Array, Array, float], step: Array) -> tuple[Array, Array, float]:
         center, axis, radius = state
-        u, v = _across(axis)
+        u, v = perpendicular(axis)
         turned = axis + step[2] * u + step[3] * v
         shift = step[0] * u + step[1] * v
         return center + shift, turned / float(np.linalg.norm(turned)), radius + step[4]
@@ -121,7 +122,7 @@ def fit_cone(points: Array, normals: Array, weights: Array) -> Surface | None:
 
     def change(state: tuple[Array, Array, float]) -> tuple[Array, Array]:
         apex, axis, angle = state
-        u, v = _across(axis)
+        u, v = perpendicular(axis)
         along, across, e = _split(p - apex, axis)
         cos, sin = np.cos(angle), np.sin(angle)
         eu, ev = e @ u, e @ v
@@ -131,7 +132,7 @@ def fit_cone(points: Array, normals: Array, weights: Array) -> Surface | None:
 
     def moved(state: tuple[Array, Array, float], step: Array) -> tuple[Array, Array, float]:
         apex, axis, angle = state
-        u, v = _across(axis)
+        u, v = perpendicular(axis)
         turned = axis + step[3] * u + step[4] * v
         shift = step[0] * u + step[1] * v + step[2] * axis
         return apex + shift, turned / float(np.linalg.norm(turned)), angle + step[5]
@@ -157,11 +158,11 @@ def _middle_and_size(points: Array) -> tuple[Array, float]:
     return middle, float(np.abs(points - middle).max())
 
 
-def _across(axis: Array) -> tuple[Array, Array]:
+def perpendicular(axis: Array) -> tuple[Array, Array]:
     """Two unit vectors perpendicular to the axis and to each other."""
-    u = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    u = cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
     u /= np.linalg.norm(u)
-    return u, np.cross(axis, u)
+    return u, cross(axis, u)
 
 
 def _split(p: Array, axis: Array) -> tuple[Array, Array, Array]:
@@ -178,7 +179,7 @@ def _cone_start(p: Array, axis: Array) -> tuple[Array, Array, float] | None:
     Points of a cone obey |across - c|^2 = (along - h)^2 tan^2 w, which is linear in c, the
     foot of the axis, beside unknowns that are not needed; then |across - c| is linear in along.
     """
-    u, v = _across(axis)
+    u, v = perpendicular(axis)
     x, y, z = p @ u, p @ v, p @ axis
     matrix = np.column_stack([2 * x, 2 * y, z * z, z, np.ones(len(p))])
     solution, *_ = np.linalg.lstsq(matrix, x * x + y * y, rcond=1e-10)

@@ -31,7 +31,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kilter.facet_graph import STEEPEST, FacetGraph, facet_graph, gathered
-from kilter.fitting import FITS
+from kilter.fitting import FITS, perpendicular
+from kilter.rigid import cross
 from kilter.solid import Surface, facing, height, outward
 
 __all__ = ["recognise"]
@@ -79,6 +80,7 @@ def recognise(
     surfaces : tuple of Surface
         Round ones first, by the order of their first triangle; then planes.
     triangle_surface : ndarray, shape (T,)
+        -1 for triangles of no area that lie in no facet.
     sagitta : ndarray, shape (S,)
         The greatest distance of a triangle of each surface from it, at the middles of
         triangles and edges [length unit].
@@ -235,9 +237,8 @@ def _enough(mesh: _Mesh, facets: Index, surface: Surface, whole: bool) -> bool:
         mean = normal.mean(axis=0)
         turn = 2 * float(np.arccos(np.clip(normal @ mean / np.linalg.norm(mean), -1, 1)).max())
         return whole or turn >= LEAST_TURN
-    u = np.cross(surface.axis, np.eye(3)[np.argmin(np.abs(surface.axis))])
-    v = np.cross(surface.axis, u)
-    angle = np.sort(np.arctan2(normal @ v, normal @ (u * np.linalg.norm(v) / np.linalg.norm(u))))
+    u, v = perpendicular(surface.axis)
+    angle = np.sort(np.arctan2(normal @ v, normal @ u))
     gap = np.diff(np.append(angle, angle[0] + 2 * np.pi))
     turn = 2 * np.pi - float(gap.max())
     # facets of one strip differ by rounding only, next to what neighbouring strips do
@@ -297,22 +298,20 @@ def _seeds(mesh: _Mesh, facets: Index) -> Index:
 
 
 def _from_seed(mesh: _Mesh, seed: int, free: NDArray[np.bool_]) -> tuple[Surface | None, Index]:
-    """The surface with the most facets that grows from a seed; of equals the plainest.
+    """The first surface that grows from a seed and is accepted, plain kinds first.
 
-    Where none is accepted, the facets are those of the largest that grew: not to be tried again.
+    Where none is, the facets are those of the largest that grew: not to be tried again.
     """
-    none = np.empty(0, dtype=np.int64)
-    best: tuple[Surface | None, Index] = (None, none)
-    refused = none
+    refused = np.empty(0, dtype=np.int64)
     for kind, start in _starts(mesh, seed, free):
         surface, grown = _grow(mesh, start, kind, free)
-        if surface is None or len(grown) <= len(best[1]):
+        if surface is None:
             continue
         if _accepted(mesh, grown, surface, whole=False):
-            best = surface, grown
-        elif len(grown) > len(refused):
+            return surface, grown
+        if len(grown) > len(refused):
             refused = grown
-    return best if best[0] is not None else (None, refused)
+    return None, refused
 
 
 def _starts(mesh: _Mesh, seed: int, free: NDArray[np.bool_]) -> list[tuple[str, Index]]:
@@ -323,7 +322,7 @@ def _starts(mesh: _Mesh, seed: int, free: NDArray[np.bool_]) -> list[tuple[str, 
     bend = graph.normal[near] - graph.normal[seed]
     bend /= np.maximum(np.linalg.norm(bend, axis=1), np.finfo(float).tiny)[:, None]
     # neighbours on either side along a band bend opposite ways in one plane with the seed
-    out_of_plane = np.abs(np.cross(bend[:, None], bend[None]) @ graph.normal[seed])
+    out_of_plane = np.abs(cross(bend[:, None], bend[None]) @ graph.normal[seed])
     a, b = np.nonzero(np.triu(bend @ bend.T < 0, 1))
     order = np.argsort(out_of_plane[a, b], kind="stable")[:2]
     starts = []
@@ -400,7 +399,7 @@ def _result(mesh: _Mesh, found: _Found) -> tuple[tuple[Surface, ...], Index, Arr
         rows, _ = mesh.corners(facets)
         surfaces.append(facing(surface, mesh.vertices, mesh.triangles[rows]))
         sagitta.append(float(_depth(mesh, rows, surface).max()))
-    flat = np.flatnonzero(of_facet < 0)
+    flat = np.flatnonzero((of_facet < 0) & graph.normal.any(axis=1))
     of_facet[flat] = len(surfaces) + np.arange(len(flat))
     points = mesh.vertices[mesh.triangles[graph.triangles_of[graph.start[flat]], 0]]
     surfaces += _planes(points, graph.normal[flat])
