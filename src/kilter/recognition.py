@@ -25,33 +25,30 @@ taken. Whatever is not round is planes, one a facet.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kilter.facet_graph import STEEPEST, FacetGraph, facet_graph, gathered
-from kilter.fitting import FITS, perpendicular
+from kilter.facet_graph import facet_graph, gathered
+from kilter.fitting import FITS
 from kilter.rigid import cross
-from kilter.solid import Surface, facing, height, outward
+from kilter.round_region import (
+    FEWEST_FACETS,
+    FacetMesh,
+    accepted,
+    depth,
+    deviation,
+    fitted,
+    most_sagitta,
+    sagitta_of,
+    tolerance_of,
+)
+from kilter.solid import Surface, facing
 
 __all__ = ["recognise"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-FEWEST_FACETS = 5
-"""Facets of a round region."""
-WIDEST = 4.0
-"""Times the sagitta of most facets (three quarters of them) that one may have: twice as wide."""
-LEAST_TURN = np.radians(15)
-"""Turn of a round region that goes on without an edge into another face [rad]."""
-EVIDENCE = 20.0
-"""Times the tolerance by which a round region leaves its best plane."""
-RELATIVE = 1e-7
-"""Corners are this close to a surface, in sizes of the region, whatever their accuracy."""
-ALIKE = np.radians(25)
-"""Between the normal of a facet and that of the surface at its middle [rad]."""
 PATIENCE = 60
 """Seeds without success after which the rest of a region is left flat."""
 SAMPLE = 1000
@@ -96,37 +93,15 @@ def recognise(
     triangles = np.asarray(triangles, dtype=np.int64).reshape(-1, 3)
     if not len(triangles):
         return (), np.empty(0, dtype=np.int64), np.empty(0)
-    mesh = _Mesh(vertices, triangles, facet_graph(vertices, triangles, accuracy))
+    mesh = FacetMesh(vertices, triangles, facet_graph(vertices, triangles, accuracy))
     found = _round_surfaces(mesh)
     return _result(mesh, found)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Mesh:
-    vertices: Array
-    triangles: Index
-    graph: FacetGraph
-
-    def corners(self, facets: Index) -> tuple[Index, Index]:
-        """Triangles of facets, and the place of each one's facet in the list."""
-        graph = self.graph
-        rows = gathered(facets, graph.start, graph.triangles_of)
-        return rows, np.repeat(np.arange(len(facets)), np.diff(graph.start)[facets])
-
-    def points(self, facets: Index) -> Array:
-        """Corners of facets, each once."""
-        rows = self.triangles[self.corners(facets)[0]].reshape(-1)
-        if len(rows) < len(self.vertices) / 8:
-            return self.vertices[np.unique(rows)]
-        used = np.zeros(len(self.vertices), dtype=bool)  # quicker where there are many
-        used[rows] = True
-        return self.vertices[used]
 
 
 _Found = list[tuple[Surface, Index]]
 
 
-def _round_surfaces(mesh: _Mesh) -> _Found:
+def _round_surfaces(mesh: FacetMesh) -> _Found:
     """Round surfaces and the facets of each."""
     region = mesh.graph.region
     order = np.argsort(region, kind="stable")
@@ -140,131 +115,24 @@ def _round_surfaces(mesh: _Mesh) -> _Found:
     return found
 
 
-def _whole(mesh: _Mesh, facets: Index) -> Surface | None:
+def _whole(mesh: FacetMesh, facets: Index) -> Surface | None:
     """The one surface of all facets of a region."""
     some = facets[:: max(1, len(facets) // SAMPLE)]
-    tolerance = _tolerance(mesh, mesh.points(facets))
+    tolerance = tolerance_of(mesh, mesh.points(facets))
     for kind in FITS:
-        rough = _fitted(mesh, some, kind)
-        if rough is None or _off(mesh, some, rough).max() > LOOSE * tolerance:
+        rough = fitted(mesh, some, kind)
+        if rough is None or deviation(mesh, some, rough).max() > LOOSE * tolerance:
             continue
-        surface = _fitted(mesh, facets, kind)
-        if surface is not None and _accepted(mesh, facets, surface, whole=True):
+        surface = fitted(mesh, facets, kind)
+        if surface is not None and accepted(mesh, facets, surface, whole=True):
             return surface
     return None
-
-
-def _fitted(mesh: _Mesh, facets: Index, kind: str) -> Surface | None:
-    graph = mesh.graph
-    return FITS[kind](mesh.points(facets), graph.normal[facets], graph.area[facets])
-
-
-def _tolerance(mesh: _Mesh, points: Array) -> float:
-    return max(mesh.graph.tolerance, RELATIVE * float(np.ptp(points, axis=0).max()))
-
-
-def _off(mesh: _Mesh, facets: Index, surface: Surface) -> Array:
-    """How far the corners of each facet are off; infinite where it faces another way."""
-    rows, owner = mesh.corners(facets)
-    corners = mesh.vertices[mesh.triangles[rows]]
-    distance = np.abs(height(surface, corners.reshape(-1, 3))).reshape(-1, 3).max(axis=1)
-    off = np.zeros(len(facets))
-    np.maximum.at(off, owner, distance)
-    off[np.abs(_agreement(mesh, facets, surface)) < np.cos(ALIKE)] = np.inf
-    return off
-
-
-def _agreement(mesh: _Mesh, facets: Index, surface: Surface) -> Array:
-    """Cosine between the normal of each facet and the surface's, at the facet's middle."""
-    rows, owner = mesh.corners(facets)
-    middles = mesh.vertices[mesh.triangles[rows]].mean(axis=1)
-    count = np.bincount(owner, minlength=len(facets))[:, None]
-    mean = np.column_stack([np.bincount(owner, middles[:, k], len(facets)) for k in range(3)])
-    away = outward(surface, mean / count)
-    length = np.maximum(np.linalg.norm(away, axis=1), np.finfo(float).tiny)
-    return np.asarray((mesh.graph.normal[facets] * away).sum(axis=1) / length)
-
-
-def _sagitta(mesh: _Mesh, facets: Index, surface: Surface) -> Array:
-    """Distance of each facet from the surface, at middles of edges and triangles."""
-    rows, owner = mesh.corners(facets)
-    sagitta = np.zeros(len(facets))
-    np.maximum.at(sagitta, owner, _depth(mesh, rows, surface))
-    return sagitta
-
-
-def _depth(mesh: _Mesh, rows: Index, surface: Surface) -> Array:
-    p, q, r = (mesh.vertices[mesh.triangles[rows, k]] for k in range(3))
-    places = ((p + q) / 2, (q + r) / 2, (r + p) / 2, (p + q + r) / 3)
-    return np.asarray(np.max([np.abs(height(surface, place)) for place in places], axis=0))
-
-
-# judging --------------------------------------------------------------------------------
-
-
-def _accepted(mesh: _Mesh, facets: Index, surface: Surface, *, whole: bool) -> bool:
-    """Whether facets are a piece of a surface, by the rules of the module's first lines."""
-    points = mesh.points(facets)
-    tolerance = _tolerance(mesh, points)
-    if len(facets) < FEWEST_FACETS or float(np.abs(height(surface, points)).max()) > tolerance:
-        return False
-    agreement = _agreement(mesh, facets, surface)
-    if float(np.abs(agreement).min()) < np.cos(ALIKE) or np.ptp(np.sign(agreement)) > 0:
-        return False
-    if not _enough(mesh, facets, surface, whole):
-        return False
-    centered = points - points.mean(axis=0)
-    leaves = np.linalg.svd(centered, full_matrices=False)[2][2]
-    if float(np.ptp(centered @ leaves)) < EVIDENCE * tolerance:
-        return False
-    if not whole and surface.kind != "sphere" and _is_slice(mesh, facets):
-        return False
-    sagitta = _sagitta(mesh, facets, surface)
-    if surface.kind == "sphere" and sagitta.max() > (1 - np.cos(STEEPEST)) * surface.radius:
-        return False
-    return bool(sagitta.max() <= _most(sagitta) + tolerance)
-
-
-def _most(sagitta: Array) -> float:
-    """The greatest sagitta that a facet among such may have."""
-    return WIDEST * float(np.quantile(sagitta, 0.75))
-
-
-def _enough(mesh: _Mesh, facets: Index, surface: Surface, whole: bool) -> bool:
-    """Facets of enough directions, and enough turn between them."""
-    normal = mesh.graph.normal[facets]
-    if surface.kind == "sphere":
-        mean = normal.mean(axis=0)
-        turn = 2 * float(np.arccos(np.clip(normal @ mean / np.linalg.norm(mean), -1, 1)).max())
-        return whole or turn >= LEAST_TURN
-    u, v = perpendicular(surface.axis)
-    angle = np.sort(np.arctan2(normal @ v, normal @ u))
-    gap = np.diff(np.append(angle, angle[0] + 2 * np.pi))
-    turn = 2 * np.pi - float(gap.max())
-    # facets of one strip differ by rounding only, next to what neighbouring strips do
-    steps = int((gap > 1e-3 * gap[gap < gap.max()].max(initial=0.0)).sum())
-    return steps >= FEWEST_FACETS and (whole or turn >= LEAST_TURN)
-
-
-def _is_slice(mesh: _Mesh, facets: Index) -> bool:
-    """Whether facets are one of several bands of like width, side by side."""
-    graph = mesh.graph
-    usual = float(np.median(graph.area[facets]))
-
-    def beside(these: Index, apart: Index) -> Index:
-        near = np.unique(gathered(these, graph.first, graph.neighbours))
-        near = near[~np.isin(near, apart)]
-        return near[(graph.area[near] > usual / 2) & (graph.area[near] < usual * 2)]
-
-    next_to = beside(facets, facets)
-    after = beside(next_to, np.concatenate([facets, next_to]))
-    return len(next_to) > 1.5 * len(facets) or min(len(next_to), len(after)) > len(facets) / 2
 
 
 # growing --------------------------------------------------------------------------------
 
 
-def _grown(mesh: _Mesh, facets: Index) -> _Found:
+def _grown(mesh: FacetMesh, facets: Index) -> _Found:
     """Surfaces grown from seeds within a region that is not one surface."""
     free = np.zeros(len(mesh.graph.area), dtype=bool)
     free[facets] = True
@@ -287,7 +155,7 @@ def _grown(mesh: _Mesh, facets: Index) -> _Found:
     return found
 
 
-def _seeds(mesh: _Mesh, facets: Index) -> Index:
+def _seeds(mesh: FacetMesh, facets: Index) -> Index:
     """Facets by how many neighbours are about as large as they, most first."""
     graph = mesh.graph
     near = gathered(facets, graph.first, graph.neighbours)
@@ -297,7 +165,7 @@ def _seeds(mesh: _Mesh, facets: Index) -> Index:
     return facets[np.argsort(-np.minimum(alike, 2), kind="stable")]
 
 
-def _from_seed(mesh: _Mesh, seed: int, free: NDArray[np.bool_]) -> tuple[Surface | None, Index]:
+def _from_seed(mesh: FacetMesh, seed: int, free: NDArray[np.bool_]) -> tuple[Surface | None, Index]:
     """The first surface that grows from a seed and is accepted, plain kinds first.
 
     Where none is, the facets are those of the largest that grew: not to be tried again.
@@ -307,14 +175,14 @@ def _from_seed(mesh: _Mesh, seed: int, free: NDArray[np.bool_]) -> tuple[Surface
         surface, grown = _grow(mesh, start, kind, free)
         if surface is None:
             continue
-        if _accepted(mesh, grown, surface, whole=False):
+        if accepted(mesh, grown, surface, whole=False):
             return surface, grown
         if len(grown) > len(refused):
             refused = grown
     return None, refused
 
 
-def _starts(mesh: _Mesh, seed: int, free: NDArray[np.bool_]) -> list[tuple[str, Index]]:
+def _starts(mesh: FacetMesh, seed: int, free: NDArray[np.bool_]) -> list[tuple[str, Index]]:
     """Kinds and first facets: the seed between two neighbours, with a third for a sphere."""
     graph = mesh.graph
     near = graph.neighbours[graph.first[seed] : graph.first[seed + 1]]
@@ -335,12 +203,14 @@ def _starts(mesh: _Mesh, seed: int, free: NDArray[np.bool_]) -> list[tuple[str, 
 
 
 def _grow(
-    mesh: _Mesh, start: Index, kind: str, free: NDArray[np.bool_]
+    mesh: FacetMesh, start: Index, kind: str, free: NDArray[np.bool_]
 ) -> tuple[Surface | None, Index]:
     """A surface that starts with a few facets takes in neighbours while all lie on it."""
     graph, none = mesh.graph, np.empty(0, dtype=np.int64)
-    surface, chosen = _fitted(mesh, start, kind), start
-    if surface is None or _off(mesh, start, surface).max() > _tolerance(mesh, mesh.points(start)):
+    surface, chosen = fitted(mesh, start, kind), start
+    if surface is None or deviation(mesh, start, surface).max() > tolerance_of(
+        mesh, mesh.points(start)
+    ):
         return None, none
     inside = np.zeros(len(free), dtype=bool)
     inside[start] = True
@@ -350,8 +220,8 @@ def _grow(
         near = near[free[near] & ~inside[near]]
         if not len(near) or not len(chosen):
             break
-        within = _tolerance(mesh, mesh.points(chosen))
-        front = near[_off(mesh, near, surface) <= LOOSE * within]
+        within = tolerance_of(mesh, mesh.points(chosen))
+        front = near[deviation(mesh, near, surface) <= LOOSE * within]
         inside[front] = True
         chosen = np.concatenate([chosen, front])
         if len(chosen) > 1.3 * fitted_to:
@@ -362,21 +232,21 @@ def _grow(
     surface, chosen, _ = _refitted(mesh, chosen, front, kind, surface)
     if len(chosen) < FEWEST_FACETS:
         return None, none
-    sagitta = _sagitta(mesh, chosen, surface)
-    return surface, chosen[sagitta <= _most(sagitta) + mesh.graph.tolerance]
+    sagitta = sagitta_of(mesh, chosen, surface)
+    return surface, chosen[sagitta <= most_sagitta(sagitta) + mesh.graph.tolerance]
 
 
 def _refitted(
-    mesh: _Mesh, chosen: Index, front: Index, kind: str, surface: Surface
+    mesh: FacetMesh, chosen: Index, front: Index, kind: str, surface: Surface
 ) -> tuple[Surface, Index, Index]:
     """The surface of the chosen facets, without those that then are off it."""
     for _ in range(3):
         if len(chosen) < 3:
             break
-        again = _fitted(mesh, chosen, kind)
+        again = fitted(mesh, chosen, kind)
         surface = surface if again is None else again
-        off = _off(mesh, chosen, surface)
-        within = _tolerance(mesh, mesh.points(chosen))
+        off = deviation(mesh, chosen, surface)
+        within = tolerance_of(mesh, mesh.points(chosen))
         kept = off <= within
         if kept.all():
             break
@@ -389,7 +259,7 @@ def _refitted(
 # the answer -----------------------------------------------------------------------------
 
 
-def _result(mesh: _Mesh, found: _Found) -> tuple[tuple[Surface, ...], Index, Array]:
+def _result(mesh: FacetMesh, found: _Found) -> tuple[tuple[Surface, ...], Index, Array]:
     graph = mesh.graph
     found = sorted(found, key=lambda one: int(graph.start[one[1].min()]))
     of_facet = np.full(len(graph.area), -1)
@@ -398,7 +268,7 @@ def _result(mesh: _Mesh, found: _Found) -> tuple[tuple[Surface, ...], Index, Arr
         of_facet[facets] = k
         rows, _ = mesh.corners(facets)
         surfaces.append(facing(surface, mesh.vertices, mesh.triangles[rows]))
-        sagitta.append(float(_depth(mesh, rows, surface).max()))
+        sagitta.append(float(depth(mesh, rows, surface).max()))
     flat = np.flatnonzero((of_facet < 0) & graph.normal.any(axis=1))
     of_facet[flat] = len(surfaces) + np.arange(len(flat))
     points = mesh.vertices[mesh.triangles[graph.triangles_of[graph.start[flat]], 0]]
@@ -406,7 +276,7 @@ def _result(mesh: _Mesh, found: _Found) -> tuple[tuple[Surface, ...], Index, Arr
     return tuple(surfaces), of_facet[graph.facet], np.append(sagitta, _flat_off(mesh, flat, points))
 
 
-def _flat_off(mesh: _Mesh, flat: Index, points: Array) -> Array:
+def _flat_off(mesh: FacetMesh, flat: Index, points: Array) -> Array:
     """How far the corners of flat facets are off their planes."""
     rows, owner = mesh.corners(flat)
     off = np.zeros(len(flat))
