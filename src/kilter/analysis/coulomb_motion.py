@@ -24,11 +24,12 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
+from kilter.analysis.coulomb_modes import by_modes
 from kilter.analysis.coulomb_polish import Candidate, polished
 from kilter.analysis.seating import find_seating
 from kilter.mechanics.bipotential import Bipotential, bipotential
 from kilter.mechanics.coulomb import POWER, LawProof, check_law
-from kilter.mechanics.frictional import Frictional, frictional
+from kilter.mechanics.frictional import frictional
 from kilter.mechanics.program import Program
 
 __all__ = ["EXACTLY", "CoulombMotion", "find_coulomb_motion"]
@@ -42,6 +43,16 @@ STARTS = 8
 """Starts of De Saxce's iteration."""
 ITERATIONS = 40
 """Steps of one start."""
+FEW = 3
+"""Steps from a candidate of branch and bound."""
+NODES = 300
+"""Nodes of branch and bound."""
+MOST_POINTS = 150
+"""Contact points above which 300 nodes decide too little to be worth their time."""
+BY_MODES = "contact modes"
+"""How a motion was found."""
+SHARP = 1e-11
+"""Tolerance of the conic programs: an interior point's x is good to its root only."""
 GONE = 1e-5
 """A start whose |x| falls below this has come to rest."""
 STEADY = 1e-7
@@ -98,13 +109,17 @@ class _Search:
         found = self.best is not None and self.best.exact
         return found or perf_counter() > self.end
 
+    @property
+    def left(self) -> float:
+        """Time that is left, at least a little [s]."""
+        return max(self.end - perf_counter(), 0.05)
+
     def solve(self, shift: Array, lubricated: Mask) -> Candidate | None:
         """One step of De Saxce's iteration; None where the solver broke down."""
         from kilter.solvers.conic import solve_conic
 
-        left = max(self.end - perf_counter(), 0.05)
         answer = solve_conic(
-            self.family.program(shift, lubricated), tolerance=1e-11, seconds=left
+            self.family.program(shift, lubricated), tolerance=SHARP, seconds=self.left
         )
         self.programs += 1
         if answer.outcome == "infeasible" or not np.isfinite(answer.x).all():
@@ -185,8 +200,9 @@ def _starts(
     yield "cones without sliding", search.solve(zero, np.zeros(len(law.mu), dtype=bool))
     for start in range(2, STARTS):
         slippery = rng.random(patches) < rng.uniform(0.2, 0.8)
-        yield f"contacts lubricated at random, start {start}", search.solve(
-            zero, slippery[law.patch]
+        yield (
+            f"contacts lubricated at random, start {start}",
+            search.solve(zero, slippery[law.patch]),
         )
     search.tell("looking for a motion: where the weight does not seat the parts")
     if runaway is None:
@@ -196,13 +212,17 @@ def _starts(
         x = x * (law.load @ x) / max(float(x @ x), 1e-300)
         yield "run-away from its seat", Candidate(x, np.zeros((len(law.mu), 3)))
     search.tell("looking for a motion: contact modes")
+    if len(law.mu) <= MOST_POINTS:
+        for candidate in by_modes(law, nodes=NODES, seconds=search.left):
+            search.programs += 1
+            yield BY_MODES, candidate
 
 
 def _iterate(search: _Search, candidate: Candidate, found: str) -> None:
     """De Saxce's iteration from a first candidate."""
     none = np.zeros(len(search.law.mu), dtype=bool)
     shift = search.shift(candidate.x)
-    for step in range(ITERATIONS):
+    for step in range(FEW if found == BY_MODES else ITERATIONS):
         if step in TRIES:
             search.offer(candidate, found)
         size = float(np.linalg.norm(candidate.x))

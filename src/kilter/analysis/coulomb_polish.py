@@ -15,10 +15,11 @@ near those of the candidate.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import block_array, coo_array, csc_array, csr_array, diags_array, eye_array
+from scipy.sparse import block_array, csr_array, diags_array, eye_array, vstack
 
 from kilter.mechanics.frictional import Frictional
 
@@ -33,6 +34,8 @@ SOFT = 1e-9
 """Regularisation of the equations, whose terms are near 1."""
 STEPS = 40
 """Newton steps in one mode."""
+HALF, PATIENCE = 0.5, 5
+"""Newton steps that may pass without the residual halving."""
 MODES = 8
 """Modes tried for one candidate."""
 DONE = 1e-14
@@ -99,38 +102,105 @@ def _solve(law: Frictional, mode: Index, start: Candidate) -> Candidate | None:
     slide, stick = np.flatnonzero(mode == SLIDE), np.flatnonzero(mode == STICK)
     held = stick[~law.tied[stick]]
     rows = np.concatenate([3 * slide, 3 * stick, 3 * held + 1, 3 * held + 2])
-    active = csr_array(law.matrix[rows])
-    across = csr_array(law.matrix[(3 * slide[:, None] + [1, 2]).reshape(-1)])
-    mu = law.mu[slide]
-    x = start.x.copy()
+    lines = law.matrix
+    active, across = lines[rows], lines[(3 * slide[:, None] + [1, 2]).reshape(-1)]
+    full = len(rows) + len(law.load) <= DENSE
+    if full:
+        active, across = active.toarray(), across.toarray()
+    mode_of = _Mode(law.load, law.mu[slide], active, across, full)
     flat = start.forces.reshape(-1)
     g = np.concatenate([np.maximum(flat[3 * slide], 0.0), flat[rows[len(slide) :]]])
-    e = _directions(across @ x, -start.forces[slide, 1:])
-    best, least = None, np.inf
-    for _ in range(STEPS):
-        e = _directions(across @ x, e)
-        drag = csr_array(_spread(mu[:, None] * e) @ across)
-        push = active - _padded(drag, active.shape[0])
-        first = x - law.load - push.T @ g
-        second = active @ x
-        size = max(float(np.abs(first).max(initial=0)), float(np.abs(second).max(initial=0)))
-        if size < least:
-            best, least = (x.copy(), g.copy(), e.copy()), size
-        if size <= DONE or not np.isfinite(size):
-            break
-        bend = _bending(across, mu * np.maximum(g[: len(slide)], 0.0), e, across @ x)
-        step = _step(bend, push, active, np.concatenate([-first, -second]))
-        if step is None:
-            break
-        x, g = x + step[: len(x)], g + step[len(x) :]
+    best = mode_of.solve(start.x, g, -start.forces[slide, 1:])
     if best is None:
         return None
     x, g, e = best
     forces = np.zeros(len(flat))
     forces[rows] = g
-    full = forces.reshape(-1, 3)
-    full[slide, 1:] = -(mu * g[: len(slide)])[:, None] * e
-    return Candidate(x, full)
+    points = forces.reshape(-1, 3)
+    points[slide, 1:] = -(law.mu[slide] * g[: len(slide)])[:, None] * e
+    return Candidate(x, points)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Mode:
+    """The equations of one mode: lines of H whose speed is 0, and across which points slide."""
+
+    load: Array
+    mu: Array
+    active: Any
+    across: Any
+    full: bool
+
+    def solve(self, x: Array, g: Array, e: Array) -> tuple[Array, Array, Array] | None:
+        """Unknowns x, forces g along the active lines and directions e, by Newton's method."""
+        best, least, since = None, np.inf, 0
+        for _ in range(STEPS):
+            e = _directions(self.across @ x, e)
+            push = self._push(e)
+            first, second = x - self.load - push.T @ g, self.active @ x
+            size = max(float(np.abs(first).max(initial=0)), float(np.abs(second).max(initial=0)))
+            since = 0 if size < HALF * least else since + 1
+            if size < least:
+                best, least = (x, g, e), size
+            if size <= DONE or since > PATIENCE or not np.isfinite(size):
+                break
+            step = self._step(self._bending(x, g, e), push, np.concatenate([-first, -second]))
+            if step is None:
+                break
+            x, g = x + step[: len(x)], g + step[len(x) :]
+        return best
+
+    def _push(self, e: Array) -> Any:
+        """What the forces g push along: the active lines, less friction where points slide."""
+        drag = self._combined(self.mu[:, None] * e)
+        count = len(self.mu)
+        if self.full:
+            push = self.active.copy()
+            push[:count] -= drag
+            return push
+        return vstack([self.active[:count] - drag, self.active[count:]], format="csr")
+
+    def _combined(self, weights: Array) -> Any:
+        """One line a sliding point: the two lines across it with weights, shape (S, 2)."""
+        count = len(weights)
+        if self.full:
+            lines = self.across.reshape(count, 2, self.across.shape[1])
+            return np.einsum("si,sij->sj", weights, lines)
+        rows = np.repeat(np.arange(count), 2)
+        places = (rows, np.arange(2 * count))
+        return csr_array((weights.reshape(-1), places), shape=(count, 2 * count)) @ self.across
+
+    def _bending(self, x: Array, g: Array, e: Array) -> Any:
+        """Sum of mu f_n H_t^T (1 - e e^T) H_t / |u_t|: how x turns the friction."""
+        limit = self.mu * np.maximum(g[: len(self.mu)], 0.0)
+        size = np.linalg.norm((self.across @ x).reshape(-1, 2), axis=1)
+        turn = self._combined(np.column_stack([-e[:, 1], e[:, 0]]))
+        weight = np.where(size > DONE, limit / np.maximum(size, DONE), 0.0)
+        if self.full:
+            return turn.T @ (weight[:, None] * turn)
+        return turn.T @ (diags_array(weight) @ turn)
+
+    def _step(self, bend: Any, push: Any, right: Array) -> Array | None:
+        """The Newton step of (x, g)."""
+        from scipy.sparse.linalg import splu
+
+        count, held = len(self.load), self.active.shape[0]
+        step: Array
+        try:
+            if self.full:
+                system = np.zeros((count + held, count + held))
+                system[:count, :count] = bend + np.eye(count)
+                system[:count, count:] = -push.T
+                system[count:, :count] = self.active
+                system[range(count, count + held), range(count, count + held)] = SOFT
+                step = np.asarray(np.linalg.solve(system, right), np.float64)
+            else:
+                top = [bend + eye_array(count), -push.T]
+                blocks = [top, [self.active, SOFT * eye_array(held)]]
+                step = splu(block_array(blocks, format="csc")).solve(right)
+        except (RuntimeError, np.linalg.LinAlgError):  # singular
+            return None
+        return step if np.isfinite(step).all() else None
 
 
 def _directions(speeds: Array, otherwise: Array) -> Array:
@@ -139,45 +209,5 @@ def _directions(speeds: Array, otherwise: Array) -> Array:
     size = np.linalg.norm(u, axis=1)
     size_otherwise = np.linalg.norm(otherwise, axis=1)
     other = otherwise / np.maximum(size_otherwise, 1e-300)[:, None]
-    return np.where((size > DONE)[:, None], u / np.maximum(size, 1e-300)[:, None], other)
-
-
-def _spread(values: Array) -> csr_array:
-    """A matrix with row p holding values[p] in columns 2 p and 2 p + 1."""
-    count = len(values)
-    rows = np.repeat(np.arange(count), 2)
-    return csr_array((values.reshape(-1), (rows, np.arange(2 * count))), shape=(count, 2 * count))
-
-
-def _padded(top: csr_array, rows: int) -> csr_array:
-    """`top` with rows of zeros below."""
-    full = coo_array(top)
-    return csr_array((full.data, (full.row, full.col)), shape=(rows, top.shape[1]))
-
-
-def _bending(across: csr_array, limit: Array, e: Array, speeds: Array) -> csr_array:
-    """Sum of mu f_n H_t^T (1 - e e^T) H_t / |u_t|: how x turns the friction."""
-    size = np.linalg.norm(speeds.reshape(-1, 2), axis=1)
-    turn = _spread(np.column_stack([-e[:, 1], e[:, 0]])) @ across
-    weight = np.where(size > DONE, limit / np.maximum(size, DONE), 0.0)
-    return csr_array(turn.T @ (diags_array(weight) @ turn))
-
-
-def _step(bend: csr_array, push: csr_array, active: csr_array, right: Array) -> Array | None:
-    """The Newton step of (x, g)."""
-    from scipy.sparse.linalg import splu
-
-    count, held = bend.shape[0], active.shape[0]
-    top = bend + eye_array(count)
-    if not held:
-        system = csc_array(top)
-    else:
-        system = block_array([[top, -push.T], [active, SOFT * eye_array(held)]], format="csc")
-    try:
-        if len(right) <= DENSE:
-            step = np.linalg.solve(system.toarray(), right)
-        else:
-            step = splu(system).solve(right)
-    except (RuntimeError, np.linalg.LinAlgError):  # singular
-        return None
-    return step if np.isfinite(step).all() else None
+    unit: Array = np.where((size > DONE)[:, None], u / np.maximum(size, 1e-300)[:, None], other)
+    return unit
