@@ -196,9 +196,10 @@ def _starts(
     law = search.law
     zero, patches = np.zeros(len(law.mu)), int(law.patch.max(initial=-1)) + 1
     search.tell("looking for a motion: some contacts lubricated")
+    yield "falling freely", Candidate(law.load, np.zeros((len(law.mu), 3)))
     yield "all contacts lubricated", search.solve(zero, np.ones(len(law.mu), dtype=bool))
     yield "cones without sliding", search.solve(zero, np.zeros(len(law.mu), dtype=bool))
-    for start in range(2, STARTS):
+    for start in range(3, STARTS):
         slippery = rng.random(patches) < rng.uniform(0.2, 0.8)
         yield (
             f"contacts lubricated at random, start {start}",

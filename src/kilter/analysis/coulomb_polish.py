@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import nnls
 from scipy.sparse import block_array, csr_array, diags_array, eye_array, vstack
 
 from kilter.mechanics.frictional import Frictional
@@ -34,6 +35,12 @@ SOFT = 1e-9
 """Regularisation of the equations, whose terms are near 1."""
 STEPS = 40
 """Newton steps in one mode."""
+CLEAR = 1e-4
+"""Forces below this are taken for none, at first."""
+NEAR = 1e-4
+"""How near a force is to its cone, over its size, to be taken for one on it."""
+MOST_RAYS = 1000
+"""Rays above which forces at the limit of friction are not sought."""
 HALF, PATIENCE = 0.5, 5
 """Newton steps that may pass without the residual halving."""
 MODES = 8
@@ -56,7 +63,14 @@ class Candidate:
 
 def polished(law: Frictional, start: Candidate) -> list[Candidate]:
     """Candidates that solve the equations of modes near `start`, the last the most so."""
-    mode = _modes(law, start)
+    found: list[Candidate] = []
+    for least in (CLEAR, SLACK):
+        found += _followed(law, _modes(law, start, least), start)
+    return found
+
+
+def _followed(law: Frictional, mode: Index, start: Candidate) -> list[Candidate]:
+    """Solutions of a mode and of those it leads to."""
     found: list[Candidate] = []
     seen = set()
     candidate = start
@@ -68,7 +82,7 @@ def polished(law: Frictional, start: Candidate) -> list[Candidate]:
         if solved is None:
             break
         candidate = solved
-        found.append(candidate)
+        found += [candidate, *_at_the_limit(law, mode, candidate)]
         changed = _changed(law, mode, candidate)
         if (changed == mode).all():
             break
@@ -76,10 +90,10 @@ def polished(law: Frictional, start: Candidate) -> list[Candidate]:
     return found
 
 
-def _modes(law: Frictional, start: Candidate) -> Index:
-    """The mode of each row that speeds and forces are nearest to."""
+def _modes(law: Frictional, start: Candidate, least: float) -> Index:
+    """The mode of each row that speeds and forces are nearest to; below `least` none push."""
     u, f = (law.matrix @ start.x).reshape(-1, 3), start.forces
-    touches = law.tied | (f[:, 0] > np.maximum(u[:, 0], SLACK))
+    touches = law.tied | (f[:, 0] > np.maximum(u[:, 0], least))
     room = law.mu * f[:, 0] - np.linalg.norm(f[:, 1:], axis=1)
     slides = (law.mu <= 0) | (np.linalg.norm(u[:, 1:], axis=1) > room)
     return np.where(~touches, PART, np.where(slides & ~law.tied, SLIDE, STICK))
@@ -201,6 +215,49 @@ class _Mode:
         except (RuntimeError, np.linalg.LinAlgError):  # singular
             return None
         return step if np.isfinite(step).all() else None
+
+
+def _at_the_limit(law: Frictional, mode: Index, now: Candidate) -> list[Candidate]:
+    """The same motion where points that stick at the limit of friction push along its slides.
+
+    Where a stack slides as one, its inner joints stick with forces that just reach their
+    cones; the forces of several points sum up to that only if they are all parallel.
+    """
+    u, f = (law.matrix @ now.x).reshape(-1, 3), now.forces
+    drag, slides = np.linalg.norm(f[:, 1:], axis=1), mode == SLIDE
+    full = law.mu * np.maximum(f[:, 0], 0.0)
+    limit = np.flatnonzero((mode == STICK) & (law.mu > 0) & (drag > (1 - NEAR) * full))
+    along = np.einsum("ki,kij->kj", u[:, 1:], law.basis[:, 1:])[slides & (law.mu > 0)]
+    speed = np.linalg.norm(along, axis=1)
+    along = along[speed > NEAR] / speed[speed > NEAR][:, None]
+    if not len(limit) or not len(along):
+        return []
+    own = -np.einsum("ki,kij->kj", f[limit, 1:], law.basis[limit, 1:])
+    signs = np.concatenate([along, -along])
+    chosen = signs[(own @ signs.T).argmax(axis=1)]
+    e = _directions(u[:, 1:], -f[:, 1:])
+    e[limit] = _directions(np.einsum("kj,kij->ki", chosen, law.basis[limit, 1:]), e[limit])
+    ray = slides.copy()
+    ray[limit] = True
+    ways = np.zeros((len(law.mu), 3))
+    ways[:, 0], ways[:, 1:] = 1.0, -law.mu[:, None] * e
+    rays = np.flatnonzero(ray)
+    others = np.flatnonzero((mode == STICK) & ~ray)
+    free = np.concatenate([3 * others, *(3 * others[~law.tied[others]] + k for k in (1, 2))])
+    count, lines = len(rays), law.matrix
+    where = (np.repeat(np.arange(count), 3), (3 * rays[:, None] + np.arange(3)).reshape(-1))
+    combine = csr_array((ways[rays].reshape(-1), where), shape=(count, lines.shape[0]))
+    if count + 2 * len(free) > MOST_RAYS:
+        return []
+    push = vstack([combine @ lines, lines[free], -lines[free]]).toarray().T
+    try:
+        g, _ = nnls(push, now.x - law.load)
+    except RuntimeError:  # too many steps
+        return []
+    flat = np.zeros(lines.shape[0])
+    flat[free] = g[count : count + len(free)] - g[count + len(free) :]
+    flat += combine.T @ g[:count]
+    return [Candidate(now.x, flat.reshape(-1, 3))]
 
 
 def _directions(speeds: Array, otherwise: Array) -> Array:

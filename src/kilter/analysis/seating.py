@@ -136,8 +136,6 @@ def find_seating(
     iterations = 0
     for start in range(1, max(starts, 1) + 1):
         if start > 1:
-            if budget is not None and perf_counter() - begun > budget:
-                break
             stiffness, first = _beginning(law, rng)
         state, steps = _settle(_Springs(law, stiffness), first)
         iterations += steps
@@ -148,6 +146,8 @@ def find_seating(
         if best is None or residual < best.residual:
             away = state.x / max(float(np.linalg.norm(state.x)), 1e-300)
             best = Seating(False, forces, residual, start, iterations, law.acceleration(away))
+        if budget is not None and perf_counter() - begun > budget:
+            break
     assert best is not None  # there is at least one start
     return Seating(False, best.forces, best.residual, start, iterations, best.runaway)
 
