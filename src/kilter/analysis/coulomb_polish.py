@@ -226,38 +226,47 @@ def _at_the_limit(law: Frictional, mode: Index, now: Candidate) -> list[Candidat
     u, f = (law.matrix @ now.x).reshape(-1, 3), now.forces
     drag, slides = np.linalg.norm(f[:, 1:], axis=1), mode == SLIDE
     full = law.mu * np.maximum(f[:, 0], 0.0)
-    limit = np.flatnonzero((mode == STICK) & (law.mu > 0) & (drag > (1 - NEAR) * full))
+    limit = np.flatnonzero((mode == STICK) & (full > NEAR) & (drag > (1 - NEAR) * full))
     along = np.einsum("ki,kij->kj", u[:, 1:], law.basis[:, 1:])[slides & (law.mu > 0)]
     speed = np.linalg.norm(along, axis=1)
     along = along[speed > NEAR] / speed[speed > NEAR][:, None]
     if not len(limit) or not len(along):
         return []
-    own = -np.einsum("ki,kij->kj", f[limit, 1:], law.basis[limit, 1:])
     signs = np.concatenate([along, -along])
+    own = -np.einsum("ki,kij->kj", f[limit, 1:], law.basis[limit, 1:])
     chosen = signs[(own @ signs.T).argmax(axis=1)]
     e = _directions(u[:, 1:], -f[:, 1:])
     e[limit] = _directions(np.einsum("kj,kij->ki", chosen, law.basis[limit, 1:]), e[limit])
     ray = slides.copy()
     ray[limit] = True
-    ways = np.zeros((len(law.mu), 3))
-    ways[:, 0], ways[:, 1:] = 1.0, -law.mu[:, None] * e
-    rays = np.flatnonzero(ray)
-    others = np.flatnonzero((mode == STICK) & ~ray)
-    free = np.concatenate([3 * others, *(3 * others[~law.tied[others]] + k for k in (1, 2))])
-    count, lines = len(rays), law.matrix
-    where = (np.repeat(np.arange(count), 3), (3 * rays[:, None] + np.arange(3)).reshape(-1))
-    combine = csr_array((ways[rays].reshape(-1), where), shape=(count, lines.shape[0]))
-    if count + 2 * len(free) > MOST_RAYS:
-        return []
-    push = vstack([combine @ lines, lines[free], -lines[free]]).toarray().T
+    forces = _on_rays(law, np.flatnonzero(ray), e, np.flatnonzero((mode == STICK) & ~ray), now.x)
+    return [] if forces is None else [Candidate(now.x, forces)]
+
+
+def _on_rays(law: Frictional, rays: Index, e: Array, others: Index, x: Array) -> Array | None:
+    """Forces (n, u, v) of the motion x: along -e on the cones of `rays`, within those of others.
+
+    The cones of the others by eight rays each, so that all is nonnegative least squares.
+    """
+    count, tied, rough = len(rays), others[law.tied[others]], others[~law.tied[others]]
+    if count + 8 * len(others) > MOST_RAYS:
+        return None
+    angle = np.arange(8) * np.pi / 4
+    around = np.column_stack([np.cos(angle), np.sin(angle)])
+    rows = np.concatenate([rays, np.repeat(rough, 8), tied, tied])
+    across = np.concatenate(
+        [-e[rays], np.tile(around, (len(rough), 1)), np.zeros((2 * len(tied), 2))]
+    )
+    ways = np.column_stack([np.ones(len(rows)), law.mu[rows][:, None] * across])
+    ways[len(rows) - len(tied) :] *= -1.0
+    where = (np.repeat(np.arange(len(rows)), 3), (3 * rows[:, None] + np.arange(3)).reshape(-1))
+    combine = csr_array((ways.reshape(-1), where), shape=(len(rows), law.matrix.shape[0]))
     try:
-        g, _ = nnls(push, now.x - law.load)
+        g, _ = nnls((combine @ law.matrix).toarray().T, x - law.load)
     except RuntimeError:  # too many steps
-        return []
-    flat = np.zeros(lines.shape[0])
-    flat[free] = g[count : count + len(free)] - g[count + len(free) :]
-    flat += combine.T @ g[:count]
-    return [Candidate(now.x, flat.reshape(-1, 3))]
+        return None
+    forces: Array = (combine.T @ g).reshape(-1, 3)
+    return forces
 
 
 def _directions(speeds: Array, otherwise: Array) -> Array:
