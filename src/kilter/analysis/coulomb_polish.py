@@ -39,6 +39,8 @@ CLEAR = 1e-4
 """Forces below this are taken for none, at first."""
 NEAR = 1e-4
 """How near a force is to its cone, over its size, to be taken for one on it."""
+CREEP = 1e-7
+"""Points that slide slower than this may as well stick."""
 MOST_RAYS = 1000
 """Rays above which forces at the limit of friction are not sought."""
 HALF, PATIENCE = 0.5, 5
@@ -224,12 +226,14 @@ def _at_the_limit(law: Frictional, mode: Index, now: Candidate) -> list[Candidat
     cones; the forces of several points sum up to that only if they are all parallel.
     """
     u, f = (law.matrix @ now.x).reshape(-1, 3), now.forces
-    drag, slides = np.linalg.norm(f[:, 1:], axis=1), mode == SLIDE
-    full = law.mu * np.maximum(f[:, 0], 0.0)
-    limit = np.flatnonzero((mode == STICK) & (full > NEAR) & (drag > (1 - NEAR) * full))
-    along = np.einsum("ki,kij->kj", u[:, 1:], law.basis[:, 1:])[slides & (law.mu > 0)]
-    speed = np.linalg.norm(along, axis=1)
-    along = along[speed > NEAR] / speed[speed > NEAR][:, None]
+    drag, slip = np.linalg.norm(f[:, 1:], axis=1), np.linalg.norm(u[:, 1:], axis=1)
+    full, rough = law.mu * np.maximum(f[:, 0], 0.0), law.mu > 0
+    held = (full > NEAR) & (drag > (1 - NEAR) * full)
+    creeps = (mode == SLIDE) & rough & (slip <= CREEP)
+    limit = np.flatnonzero(((mode == STICK) & held) | (creeps & held))
+    slides = (mode == SLIDE) & ~creeps
+    fast = slides & rough & (slip > NEAR)
+    along = np.einsum("ki,kij->kj", u[fast, 1:] / slip[fast, None], law.basis[fast, 1:])
     if not len(limit) or not len(along):
         return []
     signs = np.concatenate([along, -along])
@@ -239,7 +243,9 @@ def _at_the_limit(law: Frictional, mode: Index, now: Candidate) -> list[Candidat
     e[limit] = _directions(np.einsum("kj,kij->ki", chosen, law.basis[limit, 1:]), e[limit])
     ray = slides.copy()
     ray[limit] = True
-    forces = _on_rays(law, np.flatnonzero(ray), e, np.flatnonzero((mode == STICK) & ~ray), now.x)
+    forces = _on_rays(
+        law, np.flatnonzero(ray), e, np.flatnonzero(((mode == STICK) | creeps) & ~ray), now.x
+    )
     return [] if forces is None else [Candidate(now.x, forces)]
 
 
