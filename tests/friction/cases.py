@@ -48,7 +48,7 @@ def cylinders(between, ground):
         normal = center[b] - center[a] if a else np.array([0.0, 0.0, 1.0])
         normal = normal * [1, 0, 1] / np.linalg.norm(normal * [1, 0, 1])
         middle = center[b] - normal
-        points = [middle + [0, y, 0] for y in (-0.4, 0.4)]
+        points = [middle + np.array([0.0, y, 0.0]) for y in (-0.4, 0.4)]
         mu = between if a else ground
         contacts.append(GivenContact((names[a], names[b]), points, normal, mu=mu))
     return pile._replace(contacts=contacts)

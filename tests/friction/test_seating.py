@@ -131,13 +131,13 @@ def test_what_rests_is_seated(assembly):
 def test_seated_implies_equilibrium_for_blocks_at_random():
     rng = np.random.default_rng(5)
     counts = {True: 0, False: 0}
-    for _ in range(30):
+    for _ in range(20):
         assembly = random_block(rng, 3).with_down([rng.normal(), 0, -1])
         built = program(assembly)
         seated = find_seating(built).seated
         counts[seated] += 1
         assert equilibrium(built) or not seated
-    assert min(counts.values()) >= 5
+    assert min(counts.values()) >= 4
 
 
 def test_no_size_place_or_unit_changes_it():

@@ -57,7 +57,7 @@ GONE = 1e-5
 """A start whose |x| falls below this has come to rest."""
 STEADY = 1e-7
 """Change of s, over |x|, at which a start has converged."""
-TRIES = (0, 1, 3, 7, 15, 39)
+TRIES = (0, 1, 3, 10)
 """Steps after which a candidate is made exact, besides the last."""
 
 
