@@ -18,7 +18,7 @@ from kilter.analysis.coulomb_motion import find_coulomb_motion
 from kilter.analysis.motion import find_motion
 from kilter.analysis.seating import find_seating
 from kilter.mechanics.coulomb import check_law
-from kilter.scenes import friction, motion, stacks, walls
+from kilter.scenes import friction, motion, stacks, traps, walls
 from kilter.scenes.transform import scaled
 
 G = 9.81
@@ -144,13 +144,20 @@ def test_what_cannot_hold_moves_exactly(assembly):
     assert not equilibrium(built)
 
 
+def test_nothing_touches_and_all_falls():
+    built, witness = found_and_checked(traps.floating_block(1, count=2).without(["floor"]))
+    assert not len(built.part_a)
+    assert not find_seating(built).seated
+    assert witness.law.power == pytest.approx(1)
+
+
 # against every mode, one by one --------------------------------------------------------------
 
 
 def test_planar_blocks_at_random_by_every_mode():
     rng = np.random.default_rng(2)
     counts = {"moves": 0, "rests": 0, "both": 0}
-    for _ in range(18):
+    for _ in range(24):
         assembly = random_block(rng, int(rng.integers(2, 4)))
         built = program(assembly.with_down([0.7 * rng.normal(), 0, -1]))
         power = greatest_power(built)

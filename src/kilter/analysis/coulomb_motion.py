@@ -43,7 +43,7 @@ STARTS = 8
 """Starts of De Saxce's iteration."""
 ITERATIONS = 40
 """Steps of one start."""
-FEW = 3
+FEW = 2
 """Steps from a candidate of branch and bound."""
 NODES = 300
 """Nodes of branch and bound."""
@@ -51,6 +51,8 @@ MOST_POINTS = 150
 """Contact points above which 300 nodes decide too little to be worth their time."""
 BY_MODES = "contact modes"
 """How a motion was found."""
+CLOSE = 0.01
+"""Residual over |a|^2 / |w|^2 of the nearest motion beyond which it tells nothing."""
 SHARP = 1e-11
 """Tolerance of the conic programs: an interior point's x is good to its root only."""
 GONE = 1e-5
@@ -101,13 +103,18 @@ class _Search:
         self.end = perf_counter() + budget
         self.tell = tell or (lambda _: None)
         self.programs = 0
+        self.seen: set[bytes] = set()
         self.best: CoulombMotion | None = None
 
     @property
     def over(self) -> bool:
         """Whether there is nothing more to do."""
         found = self.best is not None and self.best.exact
-        return found or perf_counter() > self.end
+        return found or self.late()
+
+    def late(self) -> bool:
+        """Whether the time is over."""
+        return perf_counter() > self.end
 
     @property
     def left(self) -> float:
@@ -134,7 +141,8 @@ class _Search:
 
     def offer(self, candidate: Candidate, found: str) -> None:
         """Make a candidate exact, judge it, keep the best."""
-        for one in [candidate, *polished(self.law, candidate)]:
+        seen = self.seen if found == BY_MODES else set()
+        for one in [candidate, *polished(self.law, candidate, seen, self.late)]:
             acceleration, forces = self.law.acceleration(one.x), self.law.forces(one.forces)
             law = check_law(self.program, acceleration, forces)
             if law.power > POWER and (self.best is None or _merit(law) < _merit(self.best.law)):
@@ -184,9 +192,10 @@ def find_coulomb_motion(
         if search.over:
             break
     best = search.best
-    if best is not None and (best.law.holds or nearest):
+    if best is None or best.law.holds:
         return best
-    return None
+    close = best.law.residual <= CLOSE * best.law.size
+    return best if nearest and close else None
 
 
 def _starts(
@@ -207,7 +216,7 @@ def _starts(
         )
     search.tell("looking for a motion: where the weight does not seat the parts")
     if runaway is None:
-        runaway = find_seating(search.program, starts=2, budget=0.0).runaway
+        runaway = find_seating(search.program, starts=1, budget=search.left).runaway
     if runaway is not None:
         x = law.columns(runaway)
         x = x * (law.load @ x) / max(float(x @ x), 1e-300)
@@ -224,7 +233,7 @@ def _iterate(search: _Search, candidate: Candidate, found: str) -> None:
     none = np.zeros(len(search.law.mu), dtype=bool)
     shift = search.shift(candidate.x)
     for step in range(FEW if found == BY_MODES else ITERATIONS):
-        if step in TRIES:
+        if step in TRIES[: 1 if found == BY_MODES else None]:
             search.offer(candidate, found)
         size = float(np.linalg.norm(candidate.x))
         if search.over or size < GONE:

@@ -14,12 +14,12 @@ near those of the candidate.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import nnls
 from scipy.sparse import block_array, csr_array, diags_array, eye_array, vstack
 
 from kilter.mechanics.frictional import Frictional
@@ -63,24 +63,37 @@ class Candidate:
     forces: Array
 
 
-def polished(law: Frictional, start: Candidate) -> list[Candidate]:
-    """Candidates that solve the equations of modes near `start`, the last the most so."""
+def polished(
+    law: Frictional, start: Candidate, seen: set[bytes], late: Callable[[], bool]
+) -> list[Candidate]:
+    """Candidates that solve the equations of modes near `start`.
+
+    Parameters
+    ----------
+    law : Frictional
+    start : Candidate
+    seen : set of bytes
+        Modes that are not to be solved again; those solved are added.
+    late : callable
+        Whether to end, with what was found.
+    """
     found: list[Candidate] = []
     for least in (CLEAR, SLACK):
-        found += _followed(law, _modes(law, start, least), start)
+        found += _followed(law, _modes(law, start, least), start, seen, late)
     return found
 
 
-def _followed(law: Frictional, mode: Index, start: Candidate) -> list[Candidate]:
+def _followed(
+    law: Frictional, mode: Index, start: Candidate, seen: set[bytes], late: Callable[[], bool]
+) -> list[Candidate]:
     """Solutions of a mode and of those it leads to."""
     found: list[Candidate] = []
-    seen = set()
     candidate = start
     for _ in range(MODES):
-        if mode.tobytes() in seen:
+        if mode.tobytes() in seen or late():
             break
         seen.add(mode.tobytes())
-        solved = _solve(law, mode, candidate)
+        solved = _solve(law, mode, candidate, late)
         if solved is None:
             break
         candidate = solved
@@ -113,7 +126,9 @@ def _changed(law: Frictional, mode: Index, now: Candidate) -> Index:
     return new
 
 
-def _solve(law: Frictional, mode: Index, start: Candidate) -> Candidate | None:
+def _solve(
+    law: Frictional, mode: Index, start: Candidate, late: Callable[[], bool]
+) -> Candidate | None:
     """The solution of the equations of a mode nearest to `start`; None where they break down."""
     slide, stick = np.flatnonzero(mode == SLIDE), np.flatnonzero(mode == STICK)
     held = stick[~law.tied[stick]]
@@ -126,7 +141,7 @@ def _solve(law: Frictional, mode: Index, start: Candidate) -> Candidate | None:
     mode_of = _Mode(law.load, law.mu[slide], active, across, full)
     flat = start.forces.reshape(-1)
     g = np.concatenate([np.maximum(flat[3 * slide], 0.0), flat[rows[len(slide) :]]])
-    best = mode_of.solve(start.x, g, -start.forces[slide, 1:])
+    best = mode_of.solve(start.x, g, -start.forces[slide, 1:], late)
     if best is None:
         return None
     x, g, e = best
@@ -147,7 +162,9 @@ class _Mode:
     across: Any
     full: bool
 
-    def solve(self, x: Array, g: Array, e: Array) -> tuple[Array, Array, Array] | None:
+    def solve(
+        self, x: Array, g: Array, e: Array, late: Callable[[], bool]
+    ) -> tuple[Array, Array, Array] | None:
         """Unknowns x, forces g along the active lines and directions e, by Newton's method."""
         best, least, since = None, np.inf, 0
         for _ in range(STEPS):
@@ -158,7 +175,7 @@ class _Mode:
             since = 0 if size < HALF * least else since + 1
             if size < least:
                 best, least = (x, g, e), size
-            if size <= DONE or since > PATIENCE or not np.isfinite(size):
+            if size <= DONE or since > PATIENCE or not np.isfinite(size) or late():
                 break
             step = self._step(self._bending(x, g, e), push, np.concatenate([-first, -second]))
             if step is None:
@@ -254,6 +271,8 @@ def _on_rays(law: Frictional, rays: Index, e: Array, others: Index, x: Array) ->
 
     The cones of the others by eight rays each, so that all is nonnegative least squares.
     """
+    from scipy.optimize import nnls
+
     count, tied, rough = len(rays), others[law.tied[others]], others[~law.tied[others]]
     if count + 8 * len(others) > MOST_RAYS:
         return None
