@@ -3,10 +3,11 @@
     python benchmarks/walls.py                    1,000 and 10,000 bricks
     python benchmarks/walls.py 1000 10000 100000
 
-Each row is a process of its own, so that its peak memory is its own. `factor` is one sparse
-factorisation of the normal matrix J^T J (nested dissection by the centres of the parts,
-SuperLU): the price of one step of an interior point, as a yardstick of the machine. The
-machine may be shared: compare ratios within one run.
+`motion` finds the accelerations of an unstable wall; `residual` is how far they are from the
+conditions of Gauss's principle, in units of g. Each row is a process of its own, so that its
+peak memory is its own. `factor` is one sparse factorisation of the normal matrix J^T J (nested
+dissection by the centres of the parts, SuperLU): the price of one step of an interior point,
+as a yardstick of the machine. The machine may be shared: compare ratios within one run.
 """
 
 from __future__ import annotations
@@ -28,10 +29,12 @@ IMPORTED = (
     "scipy.sparse.csgraph",
     "scipy.sparse.linalg",
     "scipy.spatial",
+    "kilter.solvers.least_constraint",
     "kilter.solvers.linear",
+    "kilter.solvers.quadratic",
 )
 KINDS = ("stable", "unstable", "hanging")
-STAGES = ("build", "geometry", "contacts", "program", "solve", "certificate", "factor")
+STAGES = ("build", "geometry", "contacts", "program", "solve", "certificate", "motion", "factor")
 
 
 def build(kind: str, bricks: int) -> Any:
@@ -52,6 +55,7 @@ def measured(kind: str, bricks: int, *, factor: bool) -> dict[str, Any]:
     for module in IMPORTED:  # imports are no part of a stage
         importlib.import_module(module)
 
+    from kilter.analysis.motion import find_motion
     from kilter.analysis.stability import judge
     from kilter.contact import find_contacts
     from kilter.mechanics.certificate import check_forces, check_motion
@@ -74,6 +78,9 @@ def measured(kind: str, bricks: int, *, factor: bool) -> dict[str, Any]:
         timed("certificate", lambda: check_forces(program, judgement.forces.forces))
     elif judgement.motion is not None:
         timed("certificate", lambda: check_motion(program, judgement.motion.motion))
+    residual = None
+    if judgement.stable is False:
+        residual = timed("motion", lambda: find_motion(program)).residual
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
     if factor:
         timed("factor", lambda: factorise(program))
@@ -82,6 +89,7 @@ def measured(kind: str, bricks: int, *, factor: bool) -> dict[str, Any]:
         "bricks": len(assembly.parts) - 1,
         "patches": len(contacts),
         "verdict": {True: "stable", False: "unstable", None: "undecided"}[judgement.stable],
+        "residual": residual,
         "peak_gib": peak,
         "seconds": seconds,
         "solvers": list(judgement.solvers),
@@ -150,7 +158,7 @@ def main() -> None:
         return
     if not chosen.json:
         print(f"{'wall':9s} {'bricks':>7s} {'verdict':>9s}", end=" ")
-        print(*(f"{stage:>11s}" for stage in STAGES), f"{'peak GiB':>9s}")
+        print(*(f"{stage:>11s}" for stage in STAGES), f"{'residual':>9s}", f"{'peak GiB':>9s}")
     for bricks in chosen.bricks:
         for kind in chosen.kinds:
             words = [sys.executable, __file__, "--row", kind, str(bricks)]
@@ -163,7 +171,8 @@ def row_text(row: dict[str, Any]) -> str:
     """One row of the table."""
     figures = [f"{row['seconds'].get(stage, float('nan')):11.4f}" for stage in STAGES]
     head = f"{row['kind']:9s} {row['bricks']:7d} {row['verdict']:>9s}"
-    return " ".join([head, *figures, f"{row['peak_gib']:9.2f}"])
+    residual = "-" if row["residual"] is None else f"{row['residual']:.1e}"
+    return " ".join([head, *figures, f"{residual:>9s}", f"{row['peak_gib']:9.2f}"])
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from kilter.contact import ContactSet, Tolerance, find_contacts
     from kilter.errors import InputError, KilterError, SolverError
     from kilter.files import dump, load
-    from kilter.mechanics.proof import verify_proof
+    from kilter.mechanics.verification import verify_proof
     from kilter.rigid import Pose
     from kilter.scenes import scene
     from kilter.shapes import Box, Cylinder, Mesh, Prism, Sphere
@@ -58,7 +58,7 @@ _HOMES = {
     "load": "kilter.files",
     "orient": "kilter.analysis.orientation",
     "scene": "kilter.scenes",
-    "verify_proof": "kilter.mechanics.proof",
+    "verify_proof": "kilter.mechanics.verification",
 }
 
 __all__ = [

@@ -52,7 +52,9 @@ def imbalance(proof: dict[str, Any]) -> float:
     for point, force in zip(proof["points"], np.array(proof["forces"]).reshape(-1, 3), strict=True):
         size = float(force @ point["normal"])
         assert size >= 0.0
-        assert np.linalg.norm(force - size * np.array(point["normal"])) <= 1e-9 * max(size, 1e-9)
+        mu = point["mu"] if "friction" in proof else 0.0
+        aside = float(np.linalg.norm(force - size * np.array(point["normal"])))
+        assert aside <= mu * size + 1e-9 * max(size, 1e-9)
         for name, sign in zip(point["parts"], (-1, 1), strict=True):
             _push(parts[name], sign * force, point["x"])
             parts[name]["sum"] += size
@@ -74,7 +76,10 @@ def imbalance(proof: dict[str, Any]) -> float:
 
 
 def opening_and_power(proof: dict[str, Any]) -> tuple[float, float]:
-    """Least opening of a contact or joint, and the power, of the motion of a proof."""
+    """Least opening of a contact or joint, and the power, of the motion of a proof.
+
+    With friction the opening of a contact is u_n - mu |u_t|: the dual of Coulomb's cone.
+    """
     parts = _parts(proof)
     _load(parts, proof)
     motion = {name: np.zeros(6) for name in [*parts, "ground"]}
@@ -87,7 +92,8 @@ def opening_and_power(proof: dict[str, Any]) -> tuple[float, float]:
     openings = [0.0]
     for point in proof["points"]:
         a, b = point["parts"]
-        openings.append(float((at(b, point["x"]) - at(a, point["x"])) @ point["normal"]))
+        u, n = at(b, point["x"]) - at(a, point["x"]), np.array(point["normal"])
+        openings.append(float(u @ n - point["mu"] * np.linalg.norm(u - (u @ n) * n)))
     for joint in proof["joints"]:
         a, b = joint["parts"]
         slip = at(b, joint["point"]) - at(a, joint["point"])

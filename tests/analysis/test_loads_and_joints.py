@@ -234,18 +234,19 @@ def test_without_detection_only_given_contacts_count():
 
 
 def test_friction_is_the_contacts_own_else_the_pairs_else_the_assemblys():
-    slope = stacks.block_on_slope(20.0, friction=0.3)
-    pair = FrictionPair(("block", "slope"), 0.0)
-    assert judged(slope).verdict == "undecided"
+    # tan 20 degrees is .364
+    slope = stacks.block_on_slope(20.0, friction=0.4)
+    pair = FrictionPair(("block", "slope"), 0.3)
+    assert judged(slope).verdict == "stable"
     assert judged(dataclasses.replace(slope, friction_pairs=[pair])).verdict == "unstable"
     rough = FrictionPair(("slope", "block"), 0.4)
     smooth = dataclasses.replace(slope, friction=0.0)
     assert judged(smooth).verdict == "unstable"
-    assert judged(dataclasses.replace(smooth, friction_pairs=[rough])).verdict == "undecided"
+    assert judged(dataclasses.replace(smooth, friction_pairs=[rough])).verdict == "stable"
     points = judged(slope).contacts.points
     normal = judged(slope).contacts.patch_normal[0]
     parts = [slope.names[k] for k in judged(slope).contacts.patch_parts[0]]
-    for mu, answer in ((0.0, "unstable"), (0.2, "undecided")):
+    for mu, answer in ((0.0, "unstable"), (0.36, "unstable"), (0.37, "stable")):
         own = GivenContact(tuple(parts), points, normal, mu=mu)
         case = dataclasses.replace(slope, contacts=[own], friction_pairs=[rough])
         assert judged(case).verdict == answer

@@ -17,7 +17,7 @@ from builders import (
 from judged import judged, reloaded, verified
 
 from kilter import InputError, find_contacts, verify_proof
-from kilter.mechanics import proof as proofs
+from kilter.mechanics.proof import digest_of
 from kilter.scenes import paper, stacks
 
 CASES = {
@@ -67,7 +67,7 @@ def changed(proof, path, *, fit):
     old = place[path[-1]]
     place[path[-1]] = old * (1 + 1e-3) if abs(old) > 1e-6 else old + 1e-3
     if fit:
-        other["digest"] = proofs._digest(other)
+        other["digest"] = digest_of(other)
     return other
 
 
@@ -165,7 +165,7 @@ def test_changed_word_is_refused_although_the_digest_fits(proven, flip):
     assembly, contacts, proof = proven
     other = copy.deepcopy(proof)
     FLIPS[flip](other)
-    other["digest"] = proofs._digest(other)
+    other["digest"] = digest_of(other)
     assert not verify_proof(assembly, contacts, other).holds
 
 
@@ -174,7 +174,7 @@ def test_all_forces_scaled_are_refused(scale):
     assembly = rough_staircase()
     proof = judged(assembly).proof()
     proof["forces"] = (scale * np.array(proof["forces"])).tolist()
-    proof["digest"] = proofs._digest(proof)
+    proof["digest"] = digest_of(proof)
     assert not verified(assembly, proof).holds
 
 
@@ -183,7 +183,7 @@ def test_pulling_force_is_refused():
     proof = judged(assembly).proof()
     proof["forces"][0] = [-x for x in proof["forces"][0]]
     proof["forces"] = [[0.0, 0.0, -9.81e3 / 4]] * len(proof["forces"])
-    proof["digest"] = proofs._digest(proof)
+    proof["digest"] = digest_of(proof)
     answer = verified(assembly, proof)
     assert any("pulls" in reason for reason in answer.reasons)
 
@@ -193,7 +193,7 @@ def test_motion_backwards_is_refused():
     proof = judged(assembly).proof()
     proof["motion"] = {n: [-x for x in six] for n, six in proof["motion"].items()}
     proof["certificate"]["power"] *= -1
-    proof["digest"] = proofs._digest(proof)
+    proof["digest"] = digest_of(proof)
     assert not verified(assembly, proof).holds
 
 
@@ -202,7 +202,7 @@ def test_motion_of_nothing_is_refused():
     proof = judged(assembly).proof()
     proof["motion"] = {n: [0.0] * 6 for n in proof["motion"]}
     proof["certificate"]["power"] = 0.0
-    proof["digest"] = proofs._digest(proof)
+    proof["digest"] = digest_of(proof)
     assert not verified(assembly, proof).holds
 
 
@@ -216,7 +216,7 @@ def test_proof_with_a_key_missing_is_refused_in_words(damage):
     assembly = paper.figure_8()
     proof = judged(assembly).proof()
     del proof[damage]
-    proof["digest"] = proofs._digest(proof)
+    proof["digest"] = digest_of(proof)
     with pytest.raises(InputError, match="make it anew"):
         verified(assembly, proof)
 

@@ -193,6 +193,20 @@ def test_no_unit_changes_the_motion():
     assert other.law.power == pytest.approx(one.law.power)
 
 
+def test_radians_and_metres_whatever_the_unit_of_the_file():
+    metres = friction.ladder(45.0, planar=False)
+    small = scaled(metres, 1000.0)._replace(units="mm")
+    _, one = found_and_checked(metres)
+    built = program(small)
+    other = find_coulomb_motion(built, budget=30.0)
+    assert other.exact
+    assert np.abs(one.acceleration[:, 3:]).max() > 0.1
+    assert other.acceleration == pytest.approx(one.acceleration, abs=1e-7)
+    assert np.linalg.norm(other.forces.sum(axis=0)) == pytest.approx(
+        np.linalg.norm(one.forces.sum(axis=0))
+    )
+
+
 def test_tells_what_it_does_keeps_to_its_budget_and_repeats_itself():
     said = []
     built = program(slope(10))

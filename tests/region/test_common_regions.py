@@ -9,7 +9,7 @@ from cones import BUILDERS, directions, region_of, same_rays
 from kilter.analysis.region import common_region, find_region
 from kilter.contact import find_contacts
 from kilter.errors import InputError
-from kilter.mechanics.proof import verify_proof
+from kilter.mechanics.verification import verify_proof
 from kilter.scenes import paper, rails, stacks, wedges
 from kilter.scenes.transform import as_single, moved
 

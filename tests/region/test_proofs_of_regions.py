@@ -9,7 +9,7 @@ from cones import KINDS, MORE, region_of
 from kilter.analysis.region import find_region
 from kilter.contact import find_contacts
 from kilter.files import from_dict, to_dict
-from kilter.mechanics.proof import proof_tolerance, verify_proof
+from kilter.mechanics.verification import proof_tolerance, verify_proof
 from kilter.scenes import rails, wedges
 
 

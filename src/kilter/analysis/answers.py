@@ -10,6 +10,7 @@ from kilter.mechanics.certificate import ForceProof
 
 if TYPE_CHECKING:
     from kilter.analysis.check import Verdict
+    from kilter.analysis.contact_forces import ContactForces
     from kilter.assembly import Assembly
     from kilter.contact import ContactSet
 
@@ -26,7 +27,7 @@ def check_answer(verdict: Verdict) -> dict[str, Any]:
     return {
         "verdict": verdict.verdict,
         "guarantee": verdict.guarantee,
-        "seated": None,
+        "seated": verdict.seated,
         "sentence": verdict.sentence,
         "neutral": None
         if neutral is None
@@ -51,6 +52,8 @@ def check_answer(verdict: Verdict) -> dict[str, Any]:
             "residual": None if forces is None else forces.residual,
             "power": None if motion is None else motion.power,
         },
+        "friction": _friction(verdict),
+        "forces": None if verdict.forces is None else _forces(verdict, verdict.forces),
         "tolerance": {
             "gap": contacts.gap,
             "angle_deg": float(np.degrees(contacts.tolerance.angle)),
@@ -73,6 +76,56 @@ def _part(verdict: Verdict, k: int) -> dict[str, Any]:
         "moves": bool(verdict.motion.moves[k]),
         "motion": verdict.words(k),
     }
+
+
+def _friction(verdict: Verdict) -> dict[str, Any] | None:
+    """How the guarantee came about, where the verdict rests on friction."""
+    answer = verdict.friction
+    if answer is None:
+        return None
+    witness, seating, exclusion = answer.witness, answer.seating, answer.exclusion
+    return {
+        "witness": None
+        if witness is None
+        else {"power": witness.law.power, "residual": witness.law.residual, "found": witness.found},
+        "seating": {"seated": answer.seated, "residual": seating.residual},
+        "exclusion": None
+        if exclusion is None
+        else {
+            "proved": exclusion.proved,
+            "kind": exclusion.kind,
+            "programs": exclusion.programs,
+            "bound": exclusion.bound,
+            "assumes": exclusion.assumes,
+        },
+        "budget": verdict.budget,
+        "seconds": answer.seconds,
+    }
+
+
+def _forces(verdict: Verdict, found: ContactForces) -> dict[str, Any]:
+    """Forces of equilibrium, on the second part of each patch."""
+    contacts, names = verdict.contacts, verdict.assembly.names
+    rows = np.argsort(found.patch_of, kind="stable")
+    ends = np.cumsum(np.bincount(found.patch_of, minlength=len(found.patch)))
+    points = verdict.program.point[found.rows]
+    patches = []
+    for k, own in enumerate(np.split(rows, ends[:-1])):
+        patch = found.patch[k]
+        presses, rubs = np.isfinite(found.center[k]).all(), np.isfinite(found.utilisation[k])
+        patches.append(
+            {
+                "parts": [names[i] for i in contacts.patch_parts[patch]],
+                "kind": str(contacts.patch_kind[patch]),
+                "resultant": found.resultant[k].tolist(),
+                "normal_force": float(found.normal_force[k]),
+                "center": found.center[k].tolist() if presses else None,
+                "utilisation": float(found.utilisation[k]) if rubs else None,
+                "points": points[own].tolist(),
+                "forces": (found.force[own] + 0.0).tolist(),
+            }
+        )
+    return {"least": found.least, "residual": found.residual, "patches": patches}
 
 
 def contacts_answer(assembly: Assembly, contacts: ContactSet) -> dict[str, Any]:

@@ -76,7 +76,7 @@ def common_proofs(
     proofs = []
     for k, (assembly, own) in enumerate(zip(assemblies, contacts, strict=True)):
         for about, vector, down in stable:
-            judged = judge(build_program(assembly.with_down(down), own)).forces
+            judged = judge(build_program(assembly.with_down(down), own).frictionless).forces
             if judged is not None:
                 proofs.append((Proof(about, vector, down, judged), k))
     beyond = [("facet", q, -q, cone.rays[np.abs(cone.rays @ q) <= cone.blur]) for q in cone.facets]
@@ -102,7 +102,7 @@ def _unstable(
         down = base + angle * outward
         down = down / np.linalg.norm(down)
         for k, (assembly, own) in enumerate(zip(assemblies, contacts, strict=True)):
-            judged = judge(build_program(assembly.with_down(down), own))
+            judged = judge(build_program(assembly.with_down(down), own).frictionless)
             if judged.stable is False and judged.motion is not None:
                 return [(Proof(about, vector, down, judged.motion), k)]
     return []

@@ -21,16 +21,25 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kilter.mechanics.formulations import impending_motion, scaled
+from kilter.mechanics.formulations import scaled
+from kilter.mechanics.least_constraint import LeastConstraint, halved, least_constraint
 from kilter.mechanics.program import Program
 from kilter.units import metres_per_unit
 
-__all__ = ["MOVES", "ImpendingMotion", "find_motion", "still"]
+__all__ = ["MOVES", "ImpendingMotion", "find_motion", "optimality", "still"]
 
 Array = NDArray[np.float64]
 
 MOVES = 1e-6
 """A part moves where its linear, or radius x angular, acceleration is above this [g]."""
+GOOD = 1e-10
+"""Residual that ends the search [g]."""
+ENOUGH = 1e-7
+"""The same for programs with more than `MANY` unknowns [g]."""
+SMALL = 400
+"""Unknowns up to which Clarabel is asked first."""
+MANY = 8000
+"""Unknowns, about 1,300 parts, above which accelerations are asked for to fewer digits."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,7 +56,7 @@ class ImpendingMotion:
     instability : float
         kappa [-].
     residual : float
-        Of the optimality conditions, in units of g [-].
+        Of the optimality conditions, as `optimality` finds it, in units of g [-].
     """
 
     acceleration: Array
@@ -70,14 +79,9 @@ def find_motion(program: Program) -> ImpendingMotion:
     >>> np.round(motion.acceleration[motion.moves][0, :3], 6) + 0.0
     array([ 0.  ,  0.  , -9.81])
     """
-    from kilter.solvers.quadratic import solve_quadratic
-
     if not program.free.any():
         return still(program)
-    problem = scaled(program)
-    answer = solve_quadratic(impending_motion(problem))
-    # x is (a, radius x alpha) over gravity, in the frame of the problem
-    motion = problem.motion(answer.x)
+    motion, residual = _least_constrained(program)
     size = float(np.linalg.norm(program.gravity))
     relative = np.column_stack(
         [
@@ -94,7 +98,89 @@ def find_motion(program: Program) -> ImpendingMotion:
     acceleration = motion * size
     acceleration[:, 3:] /= metres_per_unit(program.units)
     kappa = min(float(np.sqrt(max(energy, 0.0) / free_mass)), 1.0)
-    return ImpendingMotion(acceleration, relative, moves, kappa, answer.residual)
+    return ImpendingMotion(acceleration, relative, moves, kappa, residual)
+
+
+def _least_constrained(program: Program) -> tuple[Array, float]:
+    """The motion over the size of gravity, shape (N, 6), and its residual.
+
+    A small program by Clarabel first; any whose conditions are then not met to `GOOD` by the
+    interior point of `kilter.solvers.least_constraint`, within a plane of reflection where
+    there is one. The best by the residual, which is recomputed from the rows.
+    """
+    from kilter.errors import SolverError
+    from kilter.solvers.least_constraint import solve_least_constraint
+    from kilter.solvers.quadratic import solve_quadratic
+
+    problem = scaled(program)
+    whole = least_constraint(problem)
+    found: list[tuple[Array, float]] = []
+
+    def tried(one: LeastConstraint, unknowns: Array, multipliers: Array) -> float:
+        motion = problem.motion(one.accelerations(unknowns))
+        residual = optimality(program, motion, one.forces(multipliers) * _heaviest(program))
+        found.append((motion, residual))
+        return residual
+
+    if len(whole.load) <= SMALL:
+        answer = solve_quadratic(whole.quadratic)
+        if tried(whole, answer.x, answer.multipliers) <= GOOD:
+            return found[-1]
+    many = len(whole.load) > MANY
+    smaller = halved(whole, problem)
+    for one in (whole,) if smaller is None else (smaller, whole):
+        try:
+            solution = solve_least_constraint(one, exact=not many)
+        except RuntimeError:  # a matrix that is singular to rounding
+            continue
+        good = ENOUGH if many else GOOD
+        if tried(one, solution.unknowns, solution.multipliers) <= good:
+            return found[-1]
+    if not found:
+        raise SolverError("no solver finished the motion", status="singular")
+    return min(found, key=lambda pair: pair[1])
+
+
+def optimality(program: Program, motion: Array, forces: Array) -> float:
+    """Worst residual of the conditions that make a motion the true one, in units of g.
+
+        M a = w + J^T f,   J a >= 0,   f >= 0,   f . J a = 0
+
+    each part's over its own weight (and loads), each row's over the lightest part it touches,
+    torques over the radius too.
+
+    Parameters
+    ----------
+    motion : ndarray, shape (N, 6)
+        Accelerations over the size of gravity.
+    forces : ndarray, shape (K,)
+        Of the rows [N].
+    """
+    gravity = float(np.linalg.norm(program.gravity))
+    rest = -program.wrenches(forces) - program.load
+    rest[:, :3] += program.mass[:, None] * motion[:, :3] * gravity
+    rest[:, 3:] += np.einsum("nij,nj->ni", program.inertia, motion[:, 3:]) * gravity
+    rest[:, 3:] /= program.radius[:, None]
+    rest = (rest / program.weight[:, None])[np.ix_(program.free, program.freedoms)]
+    heavy = np.append(np.where(program.free, program.mass, np.inf), np.inf)
+    light = np.where(heavy[program.part_a] < heavy[program.part_b], program.part_a, program.part_b)
+    length = np.where(program.angular, program.radius[light], 1.0)
+    size = program.weight[light] / (program.mass[light] * gravity)
+    slack = program.velocities(motion) * length / size
+    push = forces / (program.weight[light] * length)
+    one = ~program.two_sided
+    worst = (
+        np.abs(rest),
+        np.abs(slack[~one]),
+        np.maximum(-slack[one], 0.0),
+        np.maximum(-push[one], 0.0),
+        np.minimum(np.abs(slack[one]), np.abs(push[one])),
+    )
+    return float(max(part.max(initial=0.0) for part in worst))
+
+
+def _heaviest(program: Program) -> float:
+    return float(program.mass[program.free].max() * np.linalg.norm(program.gravity))
 
 
 def still(program: Program) -> ImpendingMotion:

@@ -155,7 +155,7 @@ def orient(
     _require_turnable(assembly, method)
     if contacts is None:
         contacts = find_contacts(assembly, tolerance=tolerance, progress=progress)
-    program = build_program(assembly, contacts)
+    program = build_program(assembly, contacts).frictionless
     tell("stable region")
     region = find_region(assembly, contacts=contacts)
     tell("orientation")
@@ -289,7 +289,7 @@ def _open_questions(
             "the numbers carry neither a proof that a direction is stable nor that none is "
             f"(best z = {best.z:.2g} of a mass of {float(program.mass[program.free].sum()):.2g} kg)"
         ]
-    outer = build_program(assembly, contacts, possible=True, sticking=True)
+    outer = build_program(assembly, contacts, possible=True, sticking=True).frictionless
     if len(outer.part_a) == len(program.part_a):
         return []
     if _none_is_stable(outer, joint(outer, every=True)):

@@ -46,7 +46,7 @@ class RegionProof:
         With gravity along the direction that is proved: the ray, either sign of the line, or
         a direction just outside.
     data : dict
-        For `kilter.mechanics.proof.verify_proof`.
+        For `kilter.mechanics.verification.verify_proof`.
     """
 
     about: str
@@ -162,7 +162,7 @@ class Region:
             turned, contacts = self.assemblies[k].with_down(proof.down), self.contacts[k]
             certificate = _certified(turned, contacts, proof)
             if certificate.holds:
-                program = build_program(turned, contacts)
+                program = build_program(turned, contacts).frictionless
                 data = make_proof(turned, contacts, program, certificate, options or {})
                 proofs.append(RegionProof(proof.about, proof.vector, turned, data))
         return proofs
@@ -186,8 +186,8 @@ class Region:
 def _certified(turned: Assembly, contacts: ContactSet, proof: Proof) -> ForceProof | MotionProof:
     """A certificate judged again, on the program that a stranger will build."""
     if isinstance(proof.certificate, ForceProof):
-        return check_forces(build_program(turned, contacts), proof.certificate.forces)
-    outer = build_program(turned, contacts, possible=True, sticking=True)
+        return check_forces(build_program(turned, contacts).frictionless, proof.certificate.forces)
+    outer = build_program(turned, contacts, possible=True, sticking=True).frictionless
     return check_motion(outer, proof.certificate.motion)
 
 
@@ -229,7 +229,7 @@ def find_region(
     started = time.perf_counter()
     if contacts is None:
         contacts = find_contacts(assembly, tolerance=tolerance, progress=progress)
-    program = build_program(assembly, contacts)
+    program = build_program(assembly, contacts).frictionless
     between = time.perf_counter()
     found = stable_cone(program, progress=progress)
     seconds = {"contacts": between - started, "solve": time.perf_counter() - between}

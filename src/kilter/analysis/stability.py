@@ -1,13 +1,15 @@
-"""Problem 1: is the assembly stable? Solve, then judge; never believe a solver.
+"""Problem 1: is there an equilibrium? Solve, then judge; never believe a solver.
 
-An order that ends where exactly one certificate passes:
+Without friction an equilibrium is all that stability needs. An order that ends where exactly
+one certificate passes:
 
 1. the load factor by simplex (small), or equilibrium by interior point (large);
 2. the load factor by the other method;
 3. the least imbalance, which gives the strongest of both proofs, where the data are coarse;
 4. tighter, without presolve.
 
-Then `undecided`, with the two figures.
+Then `undecided`, with the two figures. Programs with friction go by
+`kilter.analysis.equilibrium`.
 """
 
 from __future__ import annotations
@@ -19,6 +21,8 @@ from typing import TYPE_CHECKING, TypedDict, Unpack
 import numpy as np
 from numpy.typing import NDArray
 
+from kilter.analysis.candidates import Candidate
+from kilter.analysis.equilibrium import in_cones
 from kilter.errors import SolverError
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
 from kilter.mechanics.formulations import (
@@ -51,7 +55,7 @@ class Judgement:
     Attributes
     ----------
     stable : bool or None
-        None: the numbers do not carry a proof.
+        There are forces of equilibrium; None: the numbers do not carry a proof.
     forces : ForceProof or None
         The best forces found; they prove it where `stable` is True.
     motion : MotionProof or None
@@ -91,10 +95,11 @@ def judge(program: Program) -> Judgement:
     tried: list[str] = []
     if not program.free.any():
         return Judgement(True, check_forces(program, np.zeros(len(program.part_a))), None, ())
-    for word, forces, motion in _candidates(program):
+    candidates = in_cones(program) if program.mu.any() else _candidates(program)
+    for word, forces, friction, motion in candidates:
         tried.append(word)
         if forces is not None:
-            proof = check_forces(program, forces)
+            proof = check_forces(program, forces, friction)
             if best_forces is None or proof.residual < best_forces.residual:
                 best_forces = proof
         if motion is not None:
@@ -112,7 +117,7 @@ def _better(one: MotionProof, other: MotionProof) -> bool:
     return (one.holds, one.ratio) > (other.holds, other.ratio)
 
 
-def _candidates(program: Program) -> Iterator[tuple[str, Array | None, Array | None]]:
+def _candidates(program: Program) -> Iterator[Candidate]:
     """Candidate forces and motions, the cheapest way first."""
     problem = scaled(program)
     small = len(problem.right) <= SIMPLEX_ROWS
@@ -144,31 +149,27 @@ def _solved(
     return answer, f"{word}: {answer.solver}, {answer.iterations} iterations, {answer.outcome}"
 
 
-def _by_equilibrium(problem: Scaled) -> Iterator[tuple[str, Array | None, Array | None]]:
+def _by_equilibrium(problem: Scaled) -> Iterator[Candidate]:
     answer, word = _solved(equilibrium(problem), "equilibrium", method="interior", forces_only=True)
     if answer is not None and len(answer.x):
-        yield word, problem.forces(answer.x), None
+        yield Candidate(word, problem.forces(answer.x))
 
 
-def _by_load_factor(
-    problem: Scaled, **options: Unpack[_Options]
-) -> Iterator[tuple[str, Array | None, Array | None]]:
+def _by_load_factor(problem: Scaled, **options: Unpack[_Options]) -> Iterator[Candidate]:
     answer, word = _solved(load_factor(problem), "load factor", **options)
     if answer is None or not len(answer.x):
         return
     factor = float(answer.x[-1])
     forces = problem.forces(answer.x[:-1]) / factor if factor > 0.5 else None
     motion = problem.motion(problem.over_weight(-answer.multipliers)) if factor < 0.5 else None
-    yield word, forces, motion
+    yield Candidate(word, forces, motion=motion)
 
 
-def _by_least_imbalance(
-    problem: Scaled, **options: Unpack[_Options]
-) -> Iterator[tuple[str, Array | None, Array | None]]:
+def _by_least_imbalance(problem: Scaled, **options: Unpack[_Options]) -> Iterator[Candidate]:
     answer, word = _solved(least_imbalance(problem), "least imbalance", **options)
     if answer is None or not len(answer.x):
         return
     rows = len(problem.right)
     multipliers = answer.multipliers[:rows] + answer.multipliers[rows:]
     motion = problem.motion(problem.over_weight(-multipliers))
-    yield word, problem.forces(answer.x[:-1]), motion
+    yield Candidate(word, problem.forces(answer.x[:-1]), motion=motion)

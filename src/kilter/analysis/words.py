@@ -2,33 +2,37 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["SENTENCES", "motion_words"]
+__all__ = ["NAMED", "motion_summary", "motion_words"]
 
 Array = NDArray[np.float64]
 
-SENTENCES = {
-    ("stable", False): "Stable: it cannot start to move, however slippery the parts.",
-    ("stable", True): (
-        "Stable within the accuracy of the data: it cannot start to move, however slippery "
-        "the parts."
-    ),
-    ("unstable", False): "Unstable: no contact forces can hold it; here is how it starts to move.",
-    ("unstable", True): (
-        "Unstable beyond the accuracy of the data: no contact forces can hold it; here is how "
-        "it starts to move."
-    ),
-}
-"""Sentence for a verdict, and whether the data are coarser than float64."""
-
 SMALL = 1e-3
 """A component below this part of a motion is left out of the words."""
+ALONG = 1e-6
+"""A direction this near to an axis, or to gravity, is called by its name."""
+NAMED = 2
+"""Parts that `motion_summary` describes, the fastest."""
 
 
-def motion_words(acceleration: Array, relative: Array, down: Array) -> str:
+def motion_words(
+    acceleration: Array,
+    relative: Array,
+    down: Array,
+    *,
+    center: Array | None = None,
+    unit: float = 1.0,
+) -> str:
     """How a part starts to move, from its accelerations.
+
+    A part that turns about a line that stays is said to turn about that line; any other
+    rotation is told about the centre of mass, with the acceleration of the centre. It *tips*
+    where the line is level, and *turns* elsewhere. What *slides* has a level or oblique
+    acceleration, what *drops* or *rises* a vertical one.
 
     Parameters
     ----------
@@ -37,6 +41,10 @@ def motion_words(acceleration: Array, relative: Array, down: Array) -> str:
     relative : ndarray, shape (2,)
         Linear, and radius x angular, over gravity [-].
     down : ndarray, shape (3,)
+    center : ndarray, shape (3,), optional
+        Centre of mass [length unit], for the point that a line of rotation goes through.
+    unit : float
+        Metres of the length unit.
 
     Examples
     --------
@@ -45,38 +53,82 @@ def motion_words(acceleration: Array, relative: Array, down: Array) -> str:
     'falls freely at 1 g'
     >>> motion_words(np.array([4.9, 0, 0, 0, 0, 0]), np.array([0.4995, 0]), down)
     'slides +x at 0.4995 g'
+    >>> motion_words(np.array([4.9, 0, -4.9, 0, 0, 0]), np.array([0.7064, 0]), down)
+    'slides down along (0.707, 0, -0.707) at 0.7064 g'
+    >>> tipping = np.array([0, 0, -3.0, 0, 6.0, 0])
+    >>> motion_words(tipping, np.array([0.3058, 0.5]), down, center=np.array([0.5, 0, 1]))
+    'tips about +y through (0, 0, 1) at 6 rad/s^2, its centre drops at 0.3058 g'
     >>> motion_words(np.zeros(6), np.zeros(2), down)
     'stays'
     """
     linear, angular = float(relative[0]), float(relative[1])
     if max(linear, angular) == 0.0:
         return "stays"
-    words = []
-    if linear > SMALL * angular:
-        words.append(_translation(acceleration[:3], linear, down))
-    if angular > SMALL * linear:
-        speed = float(np.linalg.norm(acceleration[3:]))
-        words.append(f"turns about {_direction(acceleration[3:])} at {speed:.4g} rad/s^2")
-    return " and ".join(words)
+    if angular <= SMALL * linear:
+        return _translation(acceleration[:3], linear, down)
+    spin = acceleration[3:]
+    speed = float(np.linalg.norm(spin))
+    verb = "tips" if abs(float(spin @ down)) < ALONG * speed else "turns"
+    about, at = f"{verb} about {_direction(spin)}", f" at {speed:.4g} rad/s^2"
+    if linear <= SMALL * angular:
+        return about + at
+    fixed = abs(float(spin @ acceleration[:3])) < ALONG * speed * np.linalg.norm(acceleration[:3])
+    if fixed and center is not None:
+        arm = np.cross(spin, acceleration[:3]) / (speed**2 * unit)
+        about += f" through {_point(center + arm)}"
+    return f"{about}{at}, its centre {_translation(acceleration[:3], linear, down)}"
+
+
+def motion_summary(phrases: Sequence[str], total: int) -> str:
+    """The fastest parts in one sentence.
+
+    Parameters
+    ----------
+    phrases : sequence of str
+        Name and words of the fastest parts, the fastest first; more than `NAMED` are counted.
+    total : int
+        Parts that move.
+
+    Examples
+    --------
+    >>> motion_summary(["C3 slides +x at 0.43 g", "C2 drops at 0.25 g"], 5)
+    'C3 slides +x at 0.43 g, C2 drops at 0.25 g and 3 more'
+    >>> motion_summary(["C3 slides +x at 0.43 g", "C2 drops at 0.25 g"], 2)
+    'C3 slides +x at 0.43 g and C2 drops at 0.25 g'
+    >>> motion_summary([], 0)
+    'nothing moves'
+    """
+    named = list(phrases[:NAMED])
+    if not named:
+        return "nothing moves"
+    if total > len(named):
+        return f"{', '.join(named)} and {total - len(named)} more"
+    return " and ".join([", ".join(named[:-1]), named[-1]] if len(named) > 1 else named)
 
 
 def _translation(linear: Array, size: float, down: Array) -> str:
     direction = linear / np.linalg.norm(linear)
     fall = float(direction @ down)
-    if fall > 1 - 1e-9:
-        verb = "falls freely" if abs(size - 1) < 1e-9 else "drops"
+    level = float(np.linalg.norm(direction - fall * down))
+    if level < ALONG:
+        verb = "rises" if fall < 0 else "falls freely" if abs(size - 1) < 1e-9 else "drops"
         return f"{verb} at {size:.4g} g"
-    if fall < -1 + 1e-9:
-        return f"rises at {size:.4g} g"
-    verb = "slides" if abs(fall) < 1e-9 else "moves"
-    return f"{verb} {_direction(linear)} at {size:.4g} g"
+    toward = "" if abs(fall) < ALONG else " down" if fall > 0 else " up"
+    name = _direction(linear)
+    along = name if name[0] in "+-" else f"along {name}"
+    return f"slides{toward} {along} at {size:.4g} g"
 
 
 def _direction(vector: Array) -> str:
     """An axis by name where the vector lies along it, else its unit vector."""
     unit = vector / np.linalg.norm(vector)
     axis = int(np.abs(unit).argmax())
-    if abs(unit[axis]) > 1 - 1e-9:
+    if np.linalg.norm(np.delete(unit, axis)) < ALONG:
         return ("+" if unit[axis] > 0 else "-") + "xyz"[axis]
-    x, y, z = (round(float(c), 3) + 0.0 for c in unit)
-    return f"({x:g}, {y:g}, {z:g})"
+    return _point(unit)
+
+
+def _point(point: Array) -> str:
+    """A point to 3 decimals of its largest coordinate."""
+    digits = 3 - max(0, int(np.ceil(np.log10(max(float(np.abs(point).max()), 1e-6)))))
+    return "(" + ", ".join(f"{round(float(c), digits) + 0.0:g}" for c in point) + ")"

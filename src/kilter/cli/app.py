@@ -12,6 +12,7 @@ import typer
 
 from kilter.cli.options import (
     Angle,
+    Budget,
     Density,
     Down,
     File,
@@ -26,6 +27,7 @@ from kilter.cli.options import (
     Units,
     Without,
 )
+from kilter.cli.margins import margin
 from kilter.cli.output import (
     Progress,
     as_json,
@@ -144,19 +146,31 @@ def check(
             show_default=False,
         ),
     ] = None,
+    budget: Budget = 10.0,
+    forces: Annotated[
+        bool,
+        typer.Option(
+            "--forces",
+            help="List the contact forces of equilibrium, the greatest first.",
+            rich_help_panel="Form of the answer",
+        ),
+    ] = False,
     json: Json = False,
     output: Output = None,
     quiet: Quiet = False,
 ) -> int:
     """Does it stay together under gravity; if not, what moves, and how?
 
-    Exit 0 stable, 1 unstable, 4 undecided. All of it is of first order.
+    Exit 0 stable, 1 unstable, 3 potentially stable (friction can hold it, but need not), 4
+    undecided. All of it is of first order.
 
     Displacements of LP (9) are given for up to 300 free parts, neutral motions for up to 100.
     """
     from kilter.analysis.check import check as decide
 
     keep_apart(file, proof, output)
+    if not (math.isfinite(budget) and budget >= 0):
+        raise InputError(f"--budget is {budget}", hint="give seconds, 0 or more")
     reading = reading_of(ground, floor, without, down, friction, units, density)
     with Progress(quiet) as progress:
         started = time.perf_counter()
@@ -165,10 +179,13 @@ def check(
         _ = assembly.geometry
         read = time.perf_counter() - started
         verdict = decide(
-            assembly, tolerance=contact_tolerance(gap, angle, loose), progress=progress
+            assembly,
+            tolerance=contact_tolerance(gap, angle, loose),
+            budget=budget,
+            progress=progress,
         )
         progress("motion")
-        _ = verdict.motion, verdict.displacement, verdict.neutral
+        _ = verdict.motion, verdict.displacement, verdict.neutral, verdict.forces
     total = time.perf_counter() - started
     verdict.seconds.update({"read": read, "total": total})
     if proof is not None and verdict.certificate is not None:
@@ -180,9 +197,9 @@ def check(
     if json:
         emit(as_json(verdict.to_dict()), output)
     else:
-        from kilter.cli.text import check_text
+        from kilter.cli.text import check_text, force_lines
 
-        text = check_text(verdict)
+        text = "\n".join([check_text(verdict), *(force_lines(verdict) if forces else [])])
         if proof is not None:
             written = f"written to {proof}" if verdict.certificate else "none to write"
             text += f"\nproof file   {written}"
@@ -192,6 +209,7 @@ def check(
 
 app.command()(orient)
 app.command()(region)
+app.command()(margin)
 
 
 @app.command()
@@ -251,7 +269,7 @@ def verify(
     the answer names these conditions.
     """
     from kilter.contact import find_contacts
-    from kilter.mechanics.proof import proof_tolerance, verify_proof
+    from kilter.mechanics.verification import proof_tolerance, verify_proof
 
     keep_apart(file, output)
     data = read_json(proof, "proof file")
@@ -274,6 +292,7 @@ def verify(
             "residual": result.residual,
             "power": result.power,
             "reasons": list(result.reasons),
+            "notes": list(result.notes),
             "options": reading.options(),
             "tolerance": data["tolerance"],
         }
@@ -298,6 +317,7 @@ def _verified(assembly: Any, result: Any, reading: Reading, tolerance: Any) -> s
     options = reading.options()
     lines = [
         f"The proof holds: {result.verdict}; {figure}.",
+        *(f"  {note}" for note in result.notes),
         f"  held: {held or 'joints to the ground'}; gravity {assembly.gravity.tolist()} m/s^2",
     ]
     if options:

@@ -9,6 +9,7 @@ import typer
 
 __all__ = [
     "Angle",
+    "Budget",
     "Density",
     "Down",
     "File",
@@ -133,6 +134,16 @@ Loose = Annotated[
         "--loose",
         help="For scanned or rounded data: gaps to 1e-3 of a part, tilts to 1.15 degrees.",
         rich_help_panel=TOUCH,
+    ),
+]
+Budget = Annotated[
+    float,
+    typer.Option(
+        "--budget",
+        metavar="SECONDS",
+        help="With friction: seconds for the search of a motion and for the proof that there is "
+        "none; past it the guarantee is open.",
+        rich_help_panel=FORM,
     ),
 ]
 Json = Annotated[

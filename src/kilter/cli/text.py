@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kilter.analysis.motion import MOVES
+from kilter.analysis.words import NAMED
 from kilter.geometry import DEFAULT_DENSITY
 
 if TYPE_CHECKING:
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
     from kilter.assembly import Assembly
     from kilter.contact import ContactSet
 
-__all__ = ["check_text", "contacts_text", "moving_lines", "plain", "table", "vector"]
+__all__ = ["check_text", "contacts_text", "force_lines", "moving_lines", "plain", "table", "vector"]
 
 LISTED = 20
 """Rows of a list that are shown; --json gives all."""
@@ -60,7 +61,10 @@ def vector(v: Any, digits: int = 6) -> str:
 
 def check_text(verdict: Verdict) -> str:
     """The answer of `kilter check`."""
-    lines = [verdict.sentence, ""]
+    lines = [verdict.sentence]
+    if verdict.verdict == "unstable" and len(verdict.moving) > NAMED:
+        lines.append(f"Fastest: {plain(verdict.summary, 400)}.")
+    lines.append("")
     lines += moving_lines(verdict)
     lines += _facts(verdict)
     return "\n".join(lines)
@@ -73,11 +77,14 @@ def moving_lines(verdict: Verdict) -> list[str]:
     speed = verdict.motion.relative.max(axis=1)
     which = np.flatnonzero(verdict.motion.moves)
     free = int(verdict.program.free.sum())
-    left_out = bool(verdict.contacts.unsupported) or bool((verdict.contacts.patch_mu > 0).any())
+    if verdict.verdict == "potentially-stable" and verdict.guarantee != "refuted":
+        return []
+    left_out = bool(verdict.contacts.unsupported)
     if verdict.verdict == "undecided" or (left_out and len(which)):
-        head = (
-            f"By its modelled, frictionless contacts alone, {len(which)} of {free} free parts move:"
-        )
+        by = "modelled contacts" if left_out else "modelled, frictionless contacts"
+        head = f"By its {by} alone, {len(which)} of {free} free parts move:"
+    elif verdict.verdict == "potentially-stable":
+        head = f"{len(which)} of {free} free parts could move:"
     elif len(which):
         head = f"{len(which)} of {free} free parts move:"
     else:
@@ -105,6 +112,7 @@ def _facts(verdict: Verdict) -> list[str]:
         ["contacts", _touching(contacts)],
         ["proof", _proof_words(verdict)],
     ]
+    rows += _friction_rows(verdict)
     if verdict.verdict != "stable":
         z = f"z = {verdict.displacement.z:.6g} (LP (9): kg, {assembly.units}, gravity 1)"
         kappa = (
@@ -119,6 +127,74 @@ def _facts(verdict: Verdict) -> list[str]:
     seconds = ", ".join(f"{key} {value:.2g}" for key, value in verdict.seconds.items())
     rows.append(["seconds", seconds])
     return table(rows, indent="")
+
+
+def _friction_rows(verdict: Verdict) -> list[list[str]]:
+    """What friction guarantees and how that is known, and the greatest contact force."""
+    rows, answer = [], verdict.friction
+    if answer is not None:
+        words = {
+            "proved": "proved: no other motion obeys Coulomb's law",
+            "refuted": "refuted: another motion obeys Coulomb's law",
+            "open": f"open after {answer.seconds:.2g} s (--budget SECONDS for a longer search)",
+        }[answer.guarantee]
+        exclusion, witness = answer.exclusion, answer.witness
+        if exclusion is not None and exclusion.proved:
+            words += f" ({exclusion.kind}, {exclusion.programs} programs)"
+        if witness is not None:
+            words += f" (to {witness.law.residual:.1e})"
+        rows.append(["guarantee", words])
+    if verdict.seated is not None:
+        seated = "by its own weight" if verdict.seated else "no: its own weight does not hold it"
+        rows.append(["seated", seated])
+    forces = verdict.forces
+    if forces is not None and len(forces.patch):
+        rows.append(["forces", _force_words(verdict)])
+    return rows
+
+
+def _force_words(verdict: Verdict) -> str:
+    """The greatest contact force, and where most of the friction is used."""
+    forces, names = verdict.forces, verdict.assembly.names
+    assert forces is not None
+    size = np.linalg.norm(forces.resultant, axis=1)
+    k = int(size.argmax())
+
+    def pair(row: int) -> str:
+        a, b = verdict.contacts.patch_parts[forces.patch[row]]
+        return f"{plain(names[a])} on {plain(names[b])}"
+
+    words = f"up to {size[k]:.4g} N, {pair(k)}"
+    used = np.nan_to_num(forces.utilisation, nan=-1.0)
+    if (used > 0).any():
+        k = int(used.argmax())
+        words += f"; friction used up to {100 * used[k]:.3g} %, {pair(k)}"
+    return words + " (--forces lists them)"
+
+
+def force_lines(verdict: Verdict) -> list[str]:
+    """The contact forces of an equilibrium, the greatest first."""
+    forces, names = verdict.forces, verdict.assembly.names
+    if forces is None:
+        return ["no contact forces: there is no equilibrium"]
+    unit = verdict.assembly.units
+    size = np.linalg.norm(forces.resultant, axis=1)
+    rows = [["part", "on part", "force N", f"at {unit}", "friction used"]]
+    for k in np.argsort(-size, kind="stable")[:LISTED]:
+        a, b = verdict.contacts.patch_parts[forces.patch[k]]
+        used = forces.utilisation[k]
+        rows.append(
+            [
+                plain(names[a]),
+                plain(names[b]),
+                vector(forces.resultant[k], 4),
+                vector(forces.center[k], 4) if np.isfinite(forces.center[k]).all() else "-",
+                f"{100 * used:.3g} %" if np.isfinite(used) else "-",
+            ]
+        )
+    which = "least sum of squares" if forces.least else "as the verdict's proof has them"
+    head = f"Contact forces of equilibrium ({which}; one of many):"
+    return ["", head, *table(rows), *_more(len(size))]
 
 
 def _density_words(assembly: Assembly) -> str:

@@ -100,7 +100,8 @@ def _in_cones(program: Program, forces: Array, friction: Array | None) -> tuple[
             given[:, 1] = 0.0
         size = np.linalg.norm(given, axis=1)
         most = program.mu[rows] * forces[rows]
-        shrink = np.where(size > most, most / np.maximum(size, 1e-300), 1.0)
+        shrink = np.minimum(most / np.maximum(np.maximum(size, most), np.finfo(float).tiny), 1.0)
+        shrink = np.where(size > most, shrink, 1.0)
         aside[rows] = given * shrink[:, None]
     return forces, aside
 

@@ -6,6 +6,8 @@ cone has two rays. Everything else is as in `kilter.mechanics.formulations`: the
 unknowns, the same load.
 
     load factor        max lambda:  A f = lambda b,  0 <= lambda <= 1,  f in K        0 or 1
+    largest load       max t:  A f = b + t d,  t <= T,  f in K
+    nearest load       min 1/2 |t - t0|^2:  A f = D t,  f in K
     least forces       min 1/2 |f|^2:  A f = b,  f in K          unique, inside the cones
 
 A pyramid replaces each cone by rays, so that the program is linear: with rays on the cone it
@@ -19,7 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array, eye_array, hstack, vstack
+from scipy.sparse import csc_array, diags_array, eye_array, hstack, vstack
 
 from kilter.mechanics.formulations import Scaled, scaled
 from kilter.mechanics.program import Program, tangents
@@ -29,8 +31,10 @@ __all__ = [
     "ConicProgram",
     "Spread",
     "gathered",
+    "largest_load",
     "least_forces",
     "load_factor_in_cones",
+    "nearest_load",
     "pyramid",
     "spread",
 ]
@@ -149,6 +153,57 @@ def load_factor_in_cones(wide: Spread) -> ConicProgram:
     cost[-1] = -1.0
     nothing = csc_array((total + 1, total + 1))
     return ConicProgram(nothing, cost, matrix, bound, len(problem.right), positive + 2, sizes)
+
+
+def largest_load(wide: Spread, wrench: Array, most: float) -> ConicProgram:
+    """The largest share t, up to `most`, of further wrenches that contacts hold. x = (f, t).
+
+    Parameters
+    ----------
+    wrench : ndarray, shape (N, 6)
+        Force [N] and torque about the centre of mass [N x length unit] on each part.
+
+    Notes
+    -----
+    The multipliers y of its first rows give the mechanism that starts at the limit: a motion
+    in the dual cone, without power of all loads at the limit.
+    """
+    problem = wide.problem
+    total = problem.matrix.shape[1]
+    cone, positive, sizes = wide.cone_rows()
+    along = problem.scaled_load(wrench)
+    balance = hstack([problem.matrix, csc_array(-along[:, None])])
+    end = csc_array((np.array([1.0]), ([0], [total])), shape=(1, total + 1))
+    inside = hstack([-cone, csc_array((cone.shape[0], 1))])
+    matrix = vstack([balance, end, inside], format="csc")
+    bound = np.concatenate([problem.right, [most], np.zeros(cone.shape[0])])
+    cost = np.zeros(total + 1)
+    cost[-1] = -1.0
+    nothing = csc_array((total + 1, total + 1))
+    return ConicProgram(nothing, cost, matrix, bound, len(problem.right), positive + 1, sizes)
+
+
+def nearest_load(wide: Spread, wrenches: Array, start: Array) -> ConicProgram:
+    """Shares t nearest to `start` of some wrenches with which contacts are in balance. x = (f, t).
+
+    Parameters
+    ----------
+    wrenches : ndarray, shape (d, N, 6)
+        They replace the load of the program.
+    start : ndarray, shape (d,)
+    """
+    problem = wide.problem
+    total, count = problem.matrix.shape[1], len(start)
+    cone, positive, sizes = wide.cone_rows()
+    columns = np.column_stack([problem.scaled_load(wrench) for wrench in wrenches])
+    balance = hstack([problem.matrix, csc_array(-columns)])
+    inside = hstack([-cone, csc_array((cone.shape[0], count))])
+    matrix = vstack([balance, inside], format="csc")
+    diagonal = np.concatenate([np.zeros(total), np.ones(count)])
+    cost = np.concatenate([np.zeros(total), -start])
+    bound = np.zeros(matrix.shape[0])
+    quadratic = csc_array(diags_array(diagonal))
+    return ConicProgram(quadratic, cost, matrix, bound, len(problem.right), positive, sizes)
 
 
 def least_forces(wide: Spread) -> ConicProgram:

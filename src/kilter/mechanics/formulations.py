@@ -108,6 +108,10 @@ class Scaled:
         weight = self.program.weight[self.program.free]
         return -self.right * np.repeat(weight, len(self.program.freedoms))
 
+    def scaled_load(self, wrench: Array) -> Array:
+        """A wrench on each part, shape (N, 6), as `right` has it: -S times it."""
+        return _over_weight(self.program, self.frame, wrench)
+
     def over_weight(self, columns: Array) -> Array:
         """`columns` divided by the weight of their parts: multipliers of A's rows as a motion."""
         program = self.program
@@ -140,10 +144,16 @@ def scaled(program: Program) -> Scaled:
         (flat_data[used], flat_index[used], start),
         shape=(per * int(program.free.sum()), len(data)),
     )
-    load = program.load[program.free].reshape(-1, 2, 3) @ frame.T
-    load[:, 1] /= program.radius[program.free][:, None]
-    right = load.reshape(-1, 6)[:, program.freedoms] / weight[program.free][:, None]
-    return Scaled(program, frame, unit, matrix, -right.reshape(-1))
+    right = _over_weight(program, frame, program.load)
+    return Scaled(program, frame, unit, matrix, right)
+
+
+def _over_weight(program: Program, frame: Array, wrench: Array) -> Array:
+    """Minus the wrenches of the free parts in the frame, torques / radius, over the weights."""
+    turned = wrench[program.free].reshape(-1, 2, 3) @ frame.T
+    turned[:, 1] /= program.radius[program.free][:, None]
+    weight = program.weight[program.free][:, None]
+    return -(turned.reshape(-1, 6)[:, program.freedoms] / weight).reshape(-1)
 
 
 def _frame(normals: Array) -> Array:

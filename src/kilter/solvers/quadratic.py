@@ -69,6 +69,7 @@ def solve_quadratic(
 def _interior(program: QuadraticProgram, tolerance: float) -> QuadraticSolution:
     settings = clarabel.DefaultSettings()
     settings.verbose = False
+    settings.direct_solve_method = "qdldl"  # twenty times as fast here as the default, faer
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance
     rows = program.matrix.shape[0]
     cones = [

@@ -1,0 +1,137 @@
+"""Contact forces: what presses where, and how much of the friction is used.
+
+Forces of equilibrium are not unique: four legs of a rigid table share its weight in many
+ways. The ones shown are those of the least sum of squares, a point inside the set of all
+equilibria and not one of its corners: equal contacts take equal shares. Resultants of a
+patch, and the point where it presses, follow from the forces at its points.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.errors import SolverError
+from kilter.mechanics.certificate import ForceProof, check_forces
+from kilter.mechanics.cones import least_forces, spread
+from kilter.mechanics.program import CONTACT, Program
+
+__all__ = ["LIMIT", "ContactForces", "find_contact_forces"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+LIMIT = 20_000
+"""Contact points above which the forces of the verdict's proof are shown as they are."""
+PRESSES = 1e-9
+"""Normal forces below this part of the largest weight have no pressure centre."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ContactForces:
+    """Forces of equilibrium at contact points and patches; world frame, on the second part.
+
+    Attributes
+    ----------
+    rows : ndarray of int, shape (C,)
+        Contact rows of the program.
+    force : ndarray, shape (C, 3)
+        At each point [N].
+    patch : ndarray of int, shape (P,)
+        Patches, by position in the contact set.
+    patch_of : ndarray of int, shape (C,)
+        Row of `patch` of each point.
+    resultant : ndarray, shape (P, 3)
+        Sum of the forces of each patch [N].
+    normal_force : ndarray, shape (P,)
+        Sum of the forces along the normals [N].
+    center : ndarray, shape (P, 3)
+        Where it presses: the mean of its points, weighted by normal force; NaN where
+        nothing presses.
+    utilisation : ndarray, shape (P,)
+        Friction over what Coulomb's law allows, of the resultant [-]; NaN without friction.
+    residual : float
+        Worst imbalance of a part over its weight [-].
+    least : bool
+        True for the forces of the least sum of squares.
+    """
+
+    rows: Index
+    force: Array
+    patch: Index
+    patch_of: Index
+    resultant: Array
+    normal_force: Array
+    center: Array
+    utilisation: Array
+    residual: float
+    least: bool
+
+
+def find_contact_forces(program: Program, proof: ForceProof) -> ContactForces:
+    """The forces to show for an equilibrium that `proof` has established.
+
+    Examples
+    --------
+    >>> from kilter.scenes import scene
+    >>> from kilter.analysis.check import check
+    >>> verdict = check(scene("tower"))
+    >>> found = find_contact_forces(verdict.program, verdict.judgement.forces)
+    >>> bool(np.allclose(found.force, found.force[0]) or len(set(found.patch_of)) > 1)
+    True
+    """
+    least = _least(program) if len(program.part_a) <= LIMIT else None
+    used = proof if least is None else least
+    rows = np.flatnonzero(program.kind == CONTACT)
+    along, across = used.forces[rows], used.friction[rows]
+    force = along[:, None] * program.normal[rows] + across
+    patch, patch_of = np.unique(program.source[rows], return_inverse=True)
+    count = len(patch)
+    normal_force = np.bincount(patch_of, along, minlength=count).astype(np.float64)
+    weighted = np.column_stack(
+        [np.bincount(patch_of, along * x, minlength=count) for x in program.point[rows].T]
+    )
+    presses = normal_force > PRESSES * float(program.weight.max(initial=0.0))
+    center = np.full((count, 3), np.nan)
+    center[presses] = weighted[presses] / normal_force[presses][:, None]
+    mu = np.zeros(count)
+    mu[patch_of] = program.mu[rows]
+    aside = np.linalg.norm(_sums(patch_of, across, count), axis=1)
+    utilisation = np.full(count, np.nan)
+    rubs = presses & (mu > 0)
+    utilisation[rubs] = aside[rubs] / (mu[rubs] * normal_force[rubs])
+    return ContactForces(
+        rows=rows,
+        force=force,
+        patch=patch,
+        patch_of=patch_of,
+        resultant=_sums(patch_of, force, count),
+        normal_force=normal_force,
+        center=center,
+        utilisation=utilisation,
+        residual=used.residual,
+        least=least is not None,
+    )
+
+
+def _sums(group: Index, vectors: Array, count: int) -> Array:
+    return np.column_stack([np.bincount(group, x, minlength=count) for x in vectors.T])
+
+
+def _least(program: Program) -> ForceProof | None:
+    """Forces of the least sum of squares, where they pass as a proof."""
+    from kilter.solvers.conic import solve_conic
+
+    if not program.free.any():
+        return None
+    wide = spread(program)
+    try:
+        answer = solve_conic(least_forces(wide))
+    except SolverError:
+        return None
+    if not np.isfinite(answer.x).all():
+        return None
+    judged = check_forces(program, *wide.decoded(answer.x))
+    return judged if judged.holds else None

@@ -1,0 +1,126 @@
+"""The guarantee: no motion that obeys Coulomb's contact law can start.
+
+    a = M^-1 (w + J^T f),  un >= 0,  f in Coulomb's cone,  fn un = 0,  ft.ut = -mu fn |ut|
+
+has a = 0 alone as its accelerations, whatever the contact forces: then friction of this size
+holds the assembly, and no squeeze beforehand can change that. Proved by linear programs that
+contain all solutions (`kilter.mechanics.relaxation`), with bounds that do not trust the
+solver. What is not proved is open: that is no refutation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.analysis.contraction import Clock, Search, forces_bounded
+from kilter.analysis.sectors import branch
+from kilter.mechanics.contact_law import contact_law, refusal
+from kilter.mechanics.enclosure import first_enclosure
+from kilter.mechanics.program import TOLERANCE, Program
+from kilter.mechanics.relaxation import POOL, Relaxation
+
+__all__ = ["Guarantee", "prove_no_motion"]
+
+Array = NDArray[np.float64]
+
+FORCE = 1000.0
+"""Largest force of a contact point that is thought of, over the weight of the free parts."""
+FIRST = 0.4
+"""Part of the budget for branching before anything is contracted."""
+SECOND = 0.4
+"""Part of what is left then for contraction."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Guarantee:
+    """Whether it is proved that no motion can start.
+
+    Attributes
+    ----------
+    proved : bool
+    kind : {"contraction", "modes", "sectors", None}
+        How: by bounds alone; by the modes of contacts in the plane; by sectors of sliding.
+    programs, nodes : int
+        Linear programs solved; cases that were bounded.
+    bound : float
+        Largest power w.a of a motion that is not excluded, in units of |w|^2 in the metric of
+        the masses [-]: 1 is free fall.
+    assumes : str
+        What the proof supposes, or "".
+    open_motion : ndarray or None, shape (N, 6)
+        Accelerations of the relaxed motion with the largest power, over the size of the load
+        in the metric of the masses: a hint where to look for a motion, no more.
+    seconds : float
+    why : str
+        Why nothing could be asked, or "".
+    """
+
+    proved: bool
+    kind: Literal["contraction", "modes", "sectors"] | None
+    programs: int
+    nodes: int
+    bound: float
+    assumes: str
+    open_motion: Array | None
+    seconds: float
+    why: str = ""
+
+
+def prove_no_motion(
+    program: Program, *, budget: float = 10.0, tell: Callable[[str], None] | None = None
+) -> Guarantee:
+    """Try to prove that no motion obeying Coulomb's contact law can start.
+
+    Parameters
+    ----------
+    program : Program
+        With modelled contacts only: possible rows are refused.
+    budget : float
+        Seconds.
+    tell : callable, optional
+        Called with a word of progress about once a second.
+
+    Examples
+    --------
+    >>> from kilter.contact import find_contacts
+    >>> from kilter.mechanics.program import build_program
+    >>> from kilter.scenes.stacks import block_on_slope
+    >>> for friction in (0.5, 0.3):
+    ...     slope = block_on_slope(20.0, friction=friction)
+    ...     prove_no_motion(build_program(slope, find_contacts(slope))).proved
+    True
+    False
+    """
+    clock = Clock(budget, tell)
+    if not program.free.any() or not program.load[program.free].any():
+        return Guarantee(True, "contraction", 0, 0, 0.0, "", None, clock.spent)
+    why = refusal(program)
+    if why:
+        return Guarantee(False, None, 0, 0, 1.0, "", None, clock.spent, why)
+    law = contact_law(program)
+    relaxation = Relaxation(law)
+    from kilter.solvers.bounded import BoundedSolver
+
+    tolerance = max(TOLERANCE, float(program.tolerance[program.free].max()))
+    search = Search(law, relaxation, BoundedSolver(), clock, tolerance)
+    bounds = first_enclosure(law, relaxation.reach, FORCE, POOL)
+    bounded = forces_bounded(search, bounds)
+    bounds = replace(bounds, cuts=True)
+    out = branch(search, bounds)
+    proved = out.power <= tolerance
+    kind: Literal["contraction", "modes", "sectors"] | None = None
+    if proved:
+        kind = "modes" if law.directions == 1 else "sectors"
+    assumes = "" if bounded else f"contact forces up to {FORCE:g} times the weight"
+    motion = None
+    if out.motion is not None:
+        motion = program.full(np.asarray(law.back @ out.motion).ravel())
+    return Guarantee(
+        proved, kind, search.solver.programs, out.nodes, out.power, assumes if proved else "",
+        motion, clock.spent,
+    )  # fmt: skip

@@ -1,0 +1,103 @@
+"""The answer of `kilter margin` as JSON data."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kilter.mechanics.certificate import MotionProof
+from kilter.mechanics.program import Program
+
+if TYPE_CHECKING:
+    from kilter.analysis.load_limit import Limit
+    from kilter.analysis.margin import Margin
+
+__all__ = ["margin_answer", "starting"]
+
+MOVES = 1e-6
+"""A part moves in a mechanism where it is faster than this part of the fastest."""
+
+
+def margin_answer(margin: Margin) -> dict[str, Any]:
+    """The answer of `kilter margin --json`."""
+    program, friction = margin.program, margin.friction
+    factor = margin.load_factor
+    about = margin.about
+    return {
+        "verdict": margin.verdict.verdict,
+        "guarantee": margin.verdict.guarantee,
+        "units": margin.assembly.units,
+        "down": margin.assembly.down.tolist(),
+        "tilt_deg": margin.tilt_deg,
+        "tilt_lower_deg": None if margin.tilt is None else float(np.degrees(margin.tilt.lower)),
+        "tilt_down": None if margin.tilt_down is None else margin.tilt_down.tolist(),
+        "tilt_limit": None if margin.tilt is None else _limit(program, margin.tilt.limit),
+        "about": None
+        if about is None
+        else {
+            "tilt_deg": float(np.degrees(about[0])) if np.isfinite(about[0]) else None,
+            "limit": _limit(program, about[1]),
+        },
+        "friction": None if friction is None else float(friction.value),
+        "friction_limit": None
+        if friction is None
+        else {
+            "lower": float(friction.lower),
+            "attained": friction.attained,
+            "residual": friction.forces.residual,
+            "moves": starting(program, friction.mechanism),
+        },
+        "load_factor": None if factor is None else _interval(factor),
+        "load_limits": None if factor is None else [_limit(program, f) for f in factor],
+        "pushes": [
+            {
+                "part": push.part,
+                "direction": push.direction.tolist(),
+                "force": float(push.force) if np.isfinite(push.force) else None,
+                "lower": float(push.lower) if np.isfinite(push.lower) else None,
+                "limit": _limit(program, push.limit),
+            }
+            for push in margin.pushes
+        ],
+        "warnings": list(margin.warnings),
+        "seconds": margin.seconds,
+    }
+
+
+def _interval(factor: tuple[Limit | None, Limit | None]) -> list[float | None] | None:
+    least, greatest = factor
+    if least is None or greatest is None:
+        return None
+    ends = (-least.value, greatest.value)
+    return [float(end) + 0.0 if np.isfinite(end) else None for end in ends]
+
+
+def _limit(program: Program, limit: Limit | None) -> dict[str, Any] | None:
+    """Evidence at a limit: how well forces balance, the mechanism, and what lies between."""
+    if limit is None:
+        return None
+    return {
+        "residual": limit.forces.residual,
+        "gap": float(limit.gap) if np.isfinite(limit.gap) else None,
+        "moves": starting(program, limit.mechanism),
+        "mechanism": None
+        if limit.mechanism is None
+        else {
+            name: (limit.mechanism.motion[k] + 0.0).tolist()
+            for k, name in enumerate(program.names)
+            if program.free[k]
+        },
+    }
+
+
+def starting(program: Program, mechanism: MotionProof | None) -> list[str]:
+    """Names of the parts that move in a mechanism."""
+    if mechanism is None:
+        return []
+    motion = mechanism.motion
+    size = np.linalg.norm(motion[:, :3], axis=1) + program.radius * np.linalg.norm(
+        motion[:, 3:], axis=1
+    )
+    fast = size > MOVES * float(size.max(initial=0.0))
+    return [n for n, moves in zip(program.names, fast & program.free, strict=True) if moves]

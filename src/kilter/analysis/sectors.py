@@ -1,0 +1,110 @@
+"""Branch and bound over contact modes, and in space over sectors of sliding.
+
+Every case is a linear program whose optimum bounds the power of all motions in it (from
+above: the relaxation contains them), and the bound is proved apart from the solver. A case
+is closed when the power in it is nothing; if all are, no motion can start. The case with the
+greatest power is divided first, so that the greatest open power falls, and a relaxed motion
+that obeys the law, which ends the search, is met early.
+
+A sector of half width h lets the friction turn by h: near a limit of sliding, cases of
+relative width about 1 - cos h stay open however many are tried.
+"""
+
+from __future__ import annotations
+
+import heapq
+from dataclasses import dataclass
+from itertools import count
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.analysis.contact_modes import Breach, breach, cases
+from kilter.analysis.contraction import Search, power_bound
+from kilter.mechanics.enclosure import Enclosure, rescaled
+from kilter.solvers.bounded import BoundedSolution
+
+__all__ = ["Branched", "branch"]
+
+Array = NDArray[np.float64]
+
+OBEYS = 1e-9
+"""A relaxed motion that gains less than this part of its power beyond the law obeys it."""
+AGAIN = 0.5
+"""A power below this part of the scale is bounded again, at its own scale."""
+MOST = 200_000
+"""Open cases that are kept."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Branched:
+    """How the search ended.
+
+    Attributes
+    ----------
+    power : float
+        Greatest power w.a that is not excluded; at most the tolerance where all is closed.
+    nodes : int
+        Cases that were bounded.
+    motion : ndarray or None
+        b of the case with the greatest power.
+    """
+
+    power: float
+    nodes: int
+    motion: Array | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Case:
+    bounds: Enclosure
+    power: float
+    answer: BoundedSolution
+    where: Breach
+
+
+def branch(search: Search, bounds: Enclosure) -> Branched:
+    """Divide the solutions within the bounds until every case is closed or time is over."""
+    number = count()
+    nodes = 1
+    heap: list[tuple[float, int, _Case]] = []
+    _push(search, heap, next(number), _bounded(search, bounds, None))
+    while heap:
+        _, _, case = heap[0]
+        gained = case.where.total <= OBEYS * max(case.power / case.bounds.scale, 1e-300)
+        if gained or case.where.largest <= 0.0 or search.clock.over or len(heap) > MOST:
+            motion = case.answer.x[search.relaxation.columns["motion"]]
+            return Branched(case.power, nodes, motion if len(motion) else None)
+        heapq.heappop(heap)
+        for child in cases(search.law, case.bounds, case.where):
+            nodes += 1
+            _push(search, heap, next(number), _bounded(search, child, case))
+        search.clock.tell(f"{nodes} cases, {len(heap)} open, power up to {case.power:.1e}")
+    return Branched(search.tolerance, nodes, None)
+
+
+def _push(
+    search: Search, heap: list[tuple[float, int, _Case]], number: int, case: _Case | None
+) -> None:
+    if case is not None:
+        heapq.heappush(heap, (-case.power, number, case))
+
+
+def _bounded(search: Search, bounds: Enclosure, parent: _Case | None) -> _Case | None:
+    """A case with its greatest power; None if it is closed."""
+    basis = parent.answer.basis if parent is not None else None
+    while True:
+        bounds, power, answer = power_bound(search, bounds, basis)
+        if search.closed(bounds, power):
+            return None
+        worth = bounds.scale * power
+        again = power < AGAIN * bounds.scale
+        bounds_after = rescaled(search.relaxation.reach, bounds, power)
+        if not again or search.clock.over:
+            break
+        bounds, basis = bounds_after, answer.basis
+    if parent is not None:
+        worth = min(worth, parent.power)
+    if not len(answer.x):
+        return _Case(bounds, worth, answer, Breach(-1, -1, 0.0, np.inf))
+    return _Case(bounds, worth, answer, breach(search.law, search.relaxation, bounds, answer.x))

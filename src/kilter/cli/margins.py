@@ -1,0 +1,184 @@
+"""The command about margins: by how much does it hold?"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+import typer
+
+from kilter.cli.options import (
+    Angle,
+    Budget,
+    Density,
+    Down,
+    File,
+    Floor,
+    Friction,
+    Gap,
+    Ground,
+    Json,
+    Loose,
+    Output,
+    Quiet,
+    Units,
+    Without,
+)
+from kilter.cli.output import Progress, as_json, emit, keep_apart, tell_warnings
+from kilter.cli.reading import contact_tolerance, read_assembly, reading_of
+from kilter.cli.text import LISTED, plain, table, vector
+
+if TYPE_CHECKING:
+    from kilter.analysis.margin import Margin
+
+__all__ = ["margin", "margin_text"]
+
+ASKED = "Which margins"
+
+
+def margin(
+    file: File,
+    ground: Ground = None,
+    floor: Floor = None,
+    without: Without = None,
+    down: Down = None,
+    friction: Friction = None,
+    units: Units = None,
+    density: Density = None,
+    gap: Gap = None,
+    angle: Angle = None,
+    loose: Loose = False,
+    push: Annotated[
+        tuple[float, float, float] | None,
+        typer.Option(
+            "--push",
+            metavar="X Y Z",
+            help="The load factor of a body force in this direction, in units of each part's "
+            "weight; else that of the given loads.",
+            rich_help_panel=ASKED,
+            show_default=False,
+        ),
+    ] = None,
+    about: Annotated[
+        tuple[float, float, float] | None,
+        typer.Option(
+            "--about",
+            metavar="X Y Z",
+            help="Also how far gravity may turn about this axis, across gravity.",
+            rich_help_panel=ASKED,
+            show_default=False,
+        ),
+    ] = None,
+    part: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--part",
+            metavar="NAME",
+            help="The weakest push of this part; repeatable. All parts where not given, up to 20.",
+            rich_help_panel=ASKED,
+            show_default=False,
+        ),
+    ] = None,
+    budget: Budget = 1.0,
+    json: Json = False,
+    output: Output = None,
+    quiet: Quiet = False,
+) -> int:
+    """By how much does it hold: tilt, least friction, load factor, the push each part resists.
+
+    Limits are those of equilibrium forces: above them nothing holds, and the mechanism that
+    starts there is named. Exit 0.
+    """
+    from kilter.analysis.margin import find_margin
+
+    keep_apart(file, output)
+    reading = reading_of(ground, floor, without, down, friction, units, density)
+    with Progress(quiet) as progress:
+        progress("reading")
+        assembly = read_assembly(file, reading)
+        found = find_margin(
+            assembly,
+            push=push,
+            about=about,
+            pushed=part,
+            tolerance=contact_tolerance(gap, angle, loose),
+            budget=budget,
+            progress=progress,
+        )
+    tell_warnings(found.warnings, quiet or json)
+    emit(as_json(found.to_dict()) if json else margin_text(found), output)
+    return 0
+
+
+def margin_text(margin: Margin) -> str:
+    """The answer of `kilter margin`."""
+    rows = [["tilt", _tilt_words(margin)]]
+    if margin.about is not None:
+        turn, limit = margin.about
+        words = f"{np.degrees(turn):.6g} deg" if np.isfinite(turn) else "a full turn is held"
+        rows.append(["about axis", words + _moving(margin, None if limit is None else limit)])
+    rows.append(["friction", _friction_words(margin)])
+    if margin.load_factor is not None:
+        rows.append(["load factor", _factor_words(margin)])
+    lines = [margin.verdict.sentence, "", *table(rows, indent="")]
+    if margin.pushes:
+        listed = sorted(margin.pushes, key=lambda push: push.force)[:LISTED]
+        lines += ["", "Weakest push at the centre of mass:"]
+        lines += table(
+            [
+                [
+                    plain(push.part),
+                    f"{push.force:.5g} N" if np.isfinite(push.force) else "unlimited",
+                    f"along {vector(push.direction, 3)}" if np.isfinite(push.force) else "",
+                ]
+                for push in listed
+            ]
+        )
+    return "\n".join(lines)
+
+
+def _moving(margin: Margin, limit: object) -> str:
+    from kilter.analysis.load_limit import Limit
+    from kilter.analysis.margin_answers import starting
+    from kilter.errors import some
+
+    if not isinstance(limit, Limit) or limit.mechanism is None:
+        return ""
+    names = [plain(name) for name in starting(margin.program, limit.mechanism)]
+    return f"; then {some(names)} start{'s' if len(names) == 1 else ''} to move"
+
+
+def _tilt_words(margin: Margin) -> str:
+    if margin.tilt_deg is None:
+        return "none: no direction within a right angle is held, or loads do not turn"
+    if margin.tilt is None:
+        return (
+            f"{margin.tilt_deg:.6g} deg: outside; the nearest held direction is "
+            f"{vector(margin.tilt_down)}"
+        )
+    words = f"{margin.tilt_deg:.6g} deg to the nearest direction that fails"
+    lower = float(np.degrees(margin.tilt.lower))
+    if margin.tilt_deg - lower > 1e-6 * max(margin.tilt_deg, 1e-12):
+        words += f" (at least {lower:.6g})"
+    return f"{words}, down = {vector(margin.tilt_down)}{_moving(margin, margin.tilt.limit)}"
+
+
+def _friction_words(margin: Margin) -> str:
+    least = margin.friction
+    if least is None:
+        return "none is enough"
+    if least.value == 0.0:
+        return "none is needed" if least.attained else "any above zero holds, by squeeze"
+    return f"mu >= {least.value:.6g}, the same at every contact"
+
+
+def _factor_words(margin: Margin) -> str:
+    assert margin.load_factor is not None
+    least, greatest = margin.load_factor
+    if least is None or greatest is None:
+        return "no factor is held"
+    ends = [
+        f"{end + 0.0:.6g}" if np.isfinite(end) else "unlimited"
+        for end in (-least.value, greatest.value)
+    ]
+    return f"{ends[0]} to {ends[1]}{_moving(margin, greatest)}"

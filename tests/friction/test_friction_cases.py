@@ -1,0 +1,187 @@
+"""Known answers with friction, on both sides of every limit; each verdict rechecked."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from judged import judged
+
+from kilter.scenes import friction, rounds, stacks, wedges
+from kilter.scenes.arches import arch_with_held_ends
+from kilter.scenes.transform import tilted
+from kilter.scenes.walls import wall
+
+SIDES = (0.98, 1.02)
+
+
+def guaranteed(verdict):
+    return verdict.verdict == "stable" and verdict.guarantee == "proved"
+
+
+def planar(assembly):
+    return dataclasses.replace(assembly, planar=True)
+
+
+@pytest.mark.parametrize(("mu", "ratio"), [(0.5, 2.0), (0.9, 0.5), (0.2, 1.0)])
+def test_s1_block_on_an_incline_slides_or_tips(mu, ratio):
+    limit = np.degrees(np.arctan(min(mu, ratio)))
+    below, above = (
+        judged(stacks.block_on_slope(limit * side, width=ratio, friction=mu)) for side in SIDES
+    )
+    assert guaranteed(below)
+    assert above.verdict == "unstable"
+
+
+@pytest.mark.parametrize("azimuth", [0.0, 22.5, 45.0])
+@pytest.mark.parametrize(("angle", "word"), [(28.0, "unstable"), (26.0, "stable")])
+def test_w4_w5_slope_to_every_side(angle, word, azimuth):
+    slope = stacks.block_on_slope(angle, azimuth=azimuth, friction=0.5)
+    assert judged(slope).verdict == word
+
+
+@pytest.mark.parametrize(("mu_wall", "limit"), [(0.0, 51.3402), (0.3, 47.7263)])
+def test_s4_ladder(mu_wall, limit):
+    exact = np.degrees(np.arctan((1 - 0.4 * mu_wall) / 0.8))
+    assert exact == pytest.approx(limit, abs=1e-4)
+    # steeper is safer; 0.98 of the limit in the tangent of the angle
+    for side, word in ((1 / 0.98, "stable"), (1 / 1.02, "unstable")):
+        angle = np.degrees(np.arctan(np.tan(np.radians(exact)) * side))
+        verdict = judged(friction.ladder(angle, friction_wall=mu_wall))
+        assert verdict.verdict == word
+
+
+def test_s5_bracket_is_refuted_and_seated_above_its_limit():
+    limit = 1.0 / (2 * 0.6)
+    assert judged(friction.bracket(0.98 * limit, friction=0.6)).verdict == "unstable"
+    above = judged(friction.bracket(1.1 * limit, friction=0.6))
+    assert (above.verdict, above.guarantee, above.seated) == ("potentially-stable", "refuted", True)
+
+
+@pytest.mark.parametrize(("count", "thickness"), [(4, 0.05), (12, 0.25)])
+def test_s6_books_need_their_press(count, thickness):
+    # few books slip, many sag
+    weight, height, mu = 9.81, 0.25, 0.5
+    slips, sags = count * weight / (2 * mu), count**2 * weight * thickness / (8 * height)
+    assert (slips > sags) == (count == 4)
+    for side, word in ((1.02, "potentially-stable"), (0.98, "unstable")):
+        row = friction.books(
+            count, force=side * max(slips, sags), friction=mu, thickness=thickness, height=height
+        )
+        assert judged(row, budget=1.0).verdict == word
+
+
+@pytest.mark.parametrize("planar", [False, True])
+def test_i1_block_between_walls_is_held_by_squeeze_only(planar):
+    verdict = judged(friction.h_block(friction=0.01, planar=planar))
+    assert (verdict.verdict, verdict.guarantee) == ("potentially-stable", "refuted")
+    assert verdict.seated is False
+    assert "squeeze" in verdict.sentence
+    assert verdict.moving == ["block"]
+
+
+@pytest.mark.parametrize("angle", [5.0, 10.0, 20.0])
+def test_i2_trapezoid_between_plates_that_lean_inwards(angle):
+    limit = np.tan(np.radians(angle))
+    assert judged(friction.a_block(angle, friction=0.98 * limit)).verdict == "unstable"
+    held = judged(friction.a_block(angle, friction=1.02 * limit))
+    assert (held.verdict, held.guarantee, held.seated) == ("potentially-stable", "refuted", False)
+    for mu in (0.0, 0.3, 1.0):
+        assert guaranteed(judged(friction.v_block(angle, friction=mu)))
+
+
+def test_i3_trough_is_guaranteed_only_below_where_it_slips():
+    static, true = 47.961, 44.126
+    cosine = np.cos(np.radians(30.0))
+    assert np.degrees(np.arctan(0.84 / cosine)) == pytest.approx(true, abs=1e-3)
+    assert np.degrees(np.arctan(0.84 / np.sqrt(cosine**2 - 0.84**2 / 4))) == pytest.approx(
+        static, abs=1e-3
+    )
+    for angle in (20.0, 35.0):
+        assert guaranteed(judged(friction.trough(30.0, tilt=angle, friction=0.84)))
+    for angle in (true + 0.05, 46.0, static - 0.05):
+        verdict = judged(friction.trough(30.0, tilt=angle, friction=0.84))
+        assert (verdict.verdict, verdict.guarantee) == ("potentially-stable", "refuted")
+        assert verdict.seated is False
+    near = judged(friction.trough(30.0, tilt=true - 0.05, friction=0.84), budget=1.0)
+    assert near.guarantee != "refuted"
+    assert near.verdict == "stable" or near.seated
+    assert judged(friction.trough(30.0, tilt=static + 0.05, friction=0.84)).verdict == "unstable"
+
+
+@pytest.mark.parametrize(
+    ("count", "thickness"), [(12, 0.5), (12, 1.0), (12, 2.0), (20, 0.5), (20, 2.0), (6, 2.0)]
+)
+def test_w6_arches_have_an_equilibrium(count, thickness):
+    arch = arch_with_held_ends(count, thickness=thickness, friction=0.7)
+    assert judged(arch, budget=0.5).verdict in ("stable", "potentially-stable")
+
+
+@pytest.mark.parametrize("count", [3, 10])
+def test_s2_stack_topples_as_one(count):
+    limit = np.degrees(np.arctan(1 / count))
+    for side, words in ((0.98, ("stable", "potentially-stable")), (1.02, ("unstable",))):
+        stack = tilted(stacks.tower(count), [0, 1, 0], limit * side)
+        assert judged(planar(stack.with_friction(0.9)), budget=5.0).verdict in words
+
+
+@pytest.mark.parametrize("side", [0.5, 1.0])
+def test_upright_walls_need_no_friction(side):
+    upright = judged(wall(20, 20, friction=0.6 * side))
+    assert guaranteed(upright)
+    assert upright.friction is None
+
+
+def test_stable_without_friction_is_stable_for_every_mu():
+    for build in (stacks.tower, wedges.corner_boxes, wall):
+        for mu in (0.0, 0.1, 0.5, 2.0):
+            assert guaranteed(judged(build().with_friction(mu)))
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 9.81, 1e3])
+def test_verdict_does_not_depend_on_the_size_of_gravity(size):
+    for build, word in (
+        (lambda: stacks.block_on_slope(26.0, friction=0.5), "stable"),
+        (lambda: stacks.block_on_slope(27.0, friction=0.5), "unstable"),
+        (friction.h_block, "potentially-stable"),
+    ):
+        assembly = build()
+        assembly = dataclasses.replace(assembly, gravity=assembly.down * size)
+        assert judged(assembly).verdict == word
+
+
+def test_raising_mu_never_takes_equilibrium_away():
+    words = [
+        judged(stacks.block_on_slope(20.0, friction=mu)).verdict
+        for mu in (0.1, 0.3, 0.36, 0.37, 0.5, 1.0, 3.0)
+    ]
+    assert words == ["unstable"] * 3 + ["stable"] * 4
+
+
+def test_mu_zero_on_one_contact_still_pushes_only():
+    # the ladder's wall has no friction: its force may not pull either
+    verdict = judged(friction.ladder(60.0, friction_wall=0.0))
+    assert verdict.verdict == "stable"
+    program = verdict.program
+    smooth = (program.kind == 0) & (program.mu == 0)
+    assert smooth.any()
+    assert (verdict.judgement.forces.forces[smooth] >= 0).all()
+    assert not verdict.judgement.forces.friction[smooth].any()
+    pulled = dataclasses.replace(friction.ladder(60.0), gravity=-friction.ladder(60.0).gravity)
+    assert judged(pulled).verdict == "unstable"
+
+
+@pytest.mark.parametrize(
+    ("build", "between", "ground"),
+    [
+        (rounds.three_cylinders, 2 - np.sqrt(3), (2 - np.sqrt(3)) / 3),
+        (rounds.four_spheres, np.sqrt(3) - np.sqrt(2), (np.sqrt(3) - np.sqrt(2)) / 4),
+    ],
+)
+def test_r1_r2_piles_of_round_parts(build, between, ground):
+    for side, words in ((1 / 0.98, ("stable",)), (0.98, ("unstable",))):
+        by_between = build(friction_between=between * side, friction_ground=2 * ground)
+        by_ground = build(friction_between=2 * between, friction_ground=ground * side)
+        assert judged(by_between).verdict in words
+        assert judged(by_ground).verdict in words
