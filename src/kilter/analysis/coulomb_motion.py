@@ -24,6 +24,7 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
+from kilter.analysis.coulomb_modes import by_modes
 from kilter.analysis.coulomb_polish import Candidate, polished
 from kilter.analysis.seating import find_seating
 from kilter.mechanics.bipotential import Bipotential, bipotential
@@ -42,11 +43,23 @@ STARTS = 8
 """Starts of De Saxce's iteration."""
 ITERATIONS = 40
 """Steps of one start."""
+FEW = 2
+"""Steps from a candidate of branch and bound."""
+NODES = 300
+"""Nodes of branch and bound."""
+MOST_POINTS = 150
+"""Contact points above which 300 nodes decide too little to be worth their time."""
+BY_MODES = "contact modes"
+"""How a motion was found."""
+CLOSE = 0.01
+"""Residual over |a|^2 / |w|^2 of the nearest motion beyond which it tells nothing."""
+SHARP = 1e-11
+"""Tolerance of the conic programs: an interior point's x is good to its root only."""
 GONE = 1e-5
 """A start whose |x| falls below this has come to rest."""
 STEADY = 1e-7
 """Change of s, over |x|, at which a start has converged."""
-TRIES = (0, 1, 3, 7, 15, 39)
+TRIES = (0, 1, 3, 10)
 """Steps after which a candidate is made exact, besides the last."""
 
 
@@ -90,20 +103,31 @@ class _Search:
         self.end = perf_counter() + budget
         self.tell = tell or (lambda _: None)
         self.programs = 0
+        self.seen: set[bytes] = set()
         self.best: CoulombMotion | None = None
 
     @property
     def over(self) -> bool:
         """Whether there is nothing more to do."""
         found = self.best is not None and self.best.exact
-        return found or perf_counter() > self.end
+        return found or self.late()
+
+    def late(self) -> bool:
+        """Whether the time is over."""
+        return perf_counter() > self.end
+
+    @property
+    def left(self) -> float:
+        """Time that is left, at least a little [s]."""
+        return max(self.end - perf_counter(), 0.05)
 
     def solve(self, shift: Array, lubricated: Mask) -> Candidate | None:
         """One step of De Saxce's iteration; None where the solver broke down."""
         from kilter.solvers.conic import solve_conic
 
-        left = max(self.end - perf_counter(), 0.05)
-        answer = solve_conic(self.family.program(shift, lubricated), tolerance=1e-11, seconds=left)
+        answer = solve_conic(
+            self.family.program(shift, lubricated), tolerance=SHARP, seconds=self.left
+        )
         self.programs += 1
         if answer.outcome == "infeasible" or not np.isfinite(answer.x).all():
             return None
@@ -117,7 +141,8 @@ class _Search:
 
     def offer(self, candidate: Candidate, found: str) -> None:
         """Make a candidate exact, judge it, keep the best."""
-        for one in [candidate, *polished(self.law, candidate)]:
+        seen = self.seen if found == BY_MODES else set()
+        for one in [candidate, *polished(self.law, candidate, seen, self.late)]:
             acceleration, forces = self.law.acceleration(one.x), self.law.forces(one.forces)
             law = check_law(self.program, acceleration, forces)
             if law.power > POWER and (self.best is None or _merit(law) < _merit(self.best.law)):
@@ -167,9 +192,10 @@ def find_coulomb_motion(
         if search.over:
             break
     best = search.best
-    if best is not None and (best.law.holds or nearest):
+    if best is None or best.law.holds:
         return best
-    return None
+    close = best.law.residual <= CLOSE * best.law.size
+    return best if nearest and close else None
 
 
 def _starts(
@@ -179,9 +205,10 @@ def _starts(
     law = search.law
     zero, patches = np.zeros(len(law.mu)), int(law.patch.max(initial=-1)) + 1
     search.tell("looking for a motion: some contacts lubricated")
+    yield "falling freely", Candidate(law.load, np.zeros((len(law.mu), 3)))
     yield "all contacts lubricated", search.solve(zero, np.ones(len(law.mu), dtype=bool))
     yield "cones without sliding", search.solve(zero, np.zeros(len(law.mu), dtype=bool))
-    for start in range(2, STARTS):
+    for start in range(3, STARTS):
         slippery = rng.random(patches) < rng.uniform(0.2, 0.8)
         yield (
             f"contacts lubricated at random, start {start}",
@@ -189,20 +216,24 @@ def _starts(
         )
     search.tell("looking for a motion: where the weight does not seat the parts")
     if runaway is None:
-        runaway = find_seating(search.program, starts=2, budget=0.0).runaway
+        runaway = find_seating(search.program, starts=1, budget=search.left).runaway
     if runaway is not None:
         x = law.columns(runaway)
         x = x * (law.load @ x) / max(float(x @ x), 1e-300)
         yield "run-away from its seat", Candidate(x, np.zeros((len(law.mu), 3)))
     search.tell("looking for a motion: contact modes")
+    if len(law.mu) <= MOST_POINTS:
+        for candidate in by_modes(law, nodes=NODES, seconds=search.left):
+            search.programs += 1
+            yield BY_MODES, candidate
 
 
 def _iterate(search: _Search, candidate: Candidate, found: str) -> None:
     """De Saxce's iteration from a first candidate."""
     none = np.zeros(len(search.law.mu), dtype=bool)
     shift = search.shift(candidate.x)
-    for step in range(ITERATIONS):
-        if step in TRIES:
+    for step in range(FEW if found == BY_MODES else ITERATIONS):
+        if step in TRIES[: 1 if found == BY_MODES else None]:
             search.offer(candidate, found)
         size = float(np.linalg.norm(candidate.x))
         if search.over or size < GONE:

@@ -113,7 +113,7 @@ def find_seating(
         Of the stiffnesses and first displacements of all starts but the first.
     starts : int
     budget : float, optional
-        Time after which no new start is made [s].
+        Time after which the search ends with what it has [s].
 
     Examples
     --------
@@ -130,16 +130,15 @@ def find_seating(
     if not len(law.load) or not law.strength:
         none = np.zeros((len(program.part_a), 3))
         return Seating(True, none, check_balance(program, none), 0, 0, None)
-    begun, rng = perf_counter(), np.random.default_rng(seed)
+    end = np.inf if budget is None else perf_counter() + budget
+    rng = np.random.default_rng(seed)
     best: Seating | None = None
     stiffness, first = np.ones(len(law.mu)), np.zeros(len(law.load))
     iterations = 0
     for start in range(1, max(starts, 1) + 1):
         if start > 1:
-            if budget is not None and perf_counter() - begun > budget:
-                break
             stiffness, first = _beginning(law, rng)
-        state, steps = _settle(_Springs(law, stiffness), first)
+        state, steps = _settle(_Springs(law, stiffness), first, end)
         iterations += steps
         forces = law.forces(state.forces)
         residual = check_balance(program, forces)
@@ -148,6 +147,8 @@ def find_seating(
         if best is None or residual < best.residual:
             away = state.x / max(float(np.linalg.norm(state.x)), 1e-300)
             best = Seating(False, forces, residual, start, iterations, law.acceleration(away))
+        if perf_counter() > end:
+            break
     assert best is not None  # there is at least one start
     return Seating(False, best.forces, best.residual, start, iterations, best.runaway)
 
@@ -230,10 +231,10 @@ class _Springs:
         return None, count
 
 
-def _settle(springs: _Springs, x: Array) -> tuple[_State, int]:
+def _settle(springs: _Springs, x: Array, end: float) -> tuple[_State, int]:
     """The state in which a start ends, and the steps of Newton's method it took."""
     state, step, steps = springs.at(x), 1.0, 0
-    while steps < STEPS and step > SHORTEST:
+    while steps < STEPS and step > SHORTEST and perf_counter() < end:
         new, count = springs.advance(state, step)
         steps += count
         if new is None:

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array, csr_array, diags_array, eye_array
+from scipy.sparse import csc_array, eye_array
 
 from kilter.mechanics.cones import ConicProgram
 from kilter.mechanics.frictional import Frictional
@@ -42,15 +42,17 @@ class Bipotential:
     law : Frictional
     tied, smooth, rough : ndarray of int
         Rows of joints, without friction, with friction.
-    lines : csr_array
+    lines : csc_array
         Rows of H in the order of the program: joints, smooth, (n, u, v) of each rough row.
+    identity : csc_array
     """
 
     law: Frictional
     tied: Index
     smooth: Index
     rough: Index
-    lines: csr_array
+    lines: csc_array
+    identity: csc_array
 
     def program(self, shift: Array, lubricated: Mask) -> ConicProgram:
         """The program for s = `shift`, shape (K,), and the rows that are lubricated."""
@@ -60,10 +62,12 @@ class Bipotential:
         scale[before + 1 :: 3] = friction
         scale[before + 2 :: 3] = friction
         bound[before::3] = np.where(lubricated, 0.0, shift)[self.rough]
+        lines = self.lines
+        entries = -lines.data * scale[lines.indices]
         return ConicProgram(
-            csc_array(eye_array(len(law.load))),
+            self.identity,
             -law.load,
-            csc_array(-(diags_array(scale) @ self.lines)),
+            csc_array((entries, lines.indices, lines.indptr), shape=lines.shape),
             bound,
             len(self.tied),
             len(self.smooth),
@@ -89,4 +93,5 @@ def bipotential(law: Frictional) -> Bipotential:
     rough = np.flatnonzero(~law.tied & (law.mu > 0))
     triples = (3 * rough[:, None] + np.arange(3)).reshape(-1)
     order = np.concatenate([3 * tied, 3 * smooth, triples])
-    return Bipotential(law, tied, smooth, rough, csr_array(law.matrix[order]))
+    identity = csc_array(eye_array(len(law.load)))
+    return Bipotential(law, tied, smooth, rough, csc_array(law.matrix[order]), identity)

@@ -72,7 +72,7 @@ class Frictional:
         """Accelerations [m/s^2], [rad/s^2] of all parts, shape (N, 6), of scaled unknowns x."""
         per = self.root.shape[1]
         own = columns.reshape(-1, per, 1) * self.strength
-        motion = np.linalg.solve(np.swapaxes(self.root, 1, 2), own)
+        motion = np.asarray(np.linalg.solve(np.swapaxes(self.root, 1, 2), own), np.float64)
         full = self.program.full(motion.reshape(-1))
         full[:, 3:] /= metres_per_unit(self.program.units)
         return full
@@ -88,7 +88,8 @@ class Frictional:
     def forces(self, scaled: Array) -> Array:
         """Forces on part b [N], world frame, shape (K, 3), of scaled ones along (n, u, v)."""
         own = scaled * (self.strength / self.sigma)[:, None]
-        return np.einsum("kij,ki->kj", self.basis, own)
+        world: Array = np.einsum("kij,ki->kj", self.basis, own)
+        return world
 
 
 def frictional(program: Program) -> Frictional:
@@ -98,9 +99,10 @@ def frictional(program: Program) -> Frictional:
     mass = np.zeros((len(free), 6, 6))
     mass[:, range(3), range(3)] = program.mass[free][:, None]
     mass[:, 3:, 3:] = program.inertia[free]
-    root = np.linalg.cholesky(mass[:, program.freedoms][:, :, program.freedoms])
+    mass = mass[:, program.freedoms][:, :, program.freedoms]
+    root = np.asarray(np.linalg.cholesky(mass), np.float64)
     load = program.load[free][:, program.freedoms]
-    load = np.linalg.solve(root, load[..., None])[..., 0].reshape(-1)
+    load = np.asarray(np.linalg.solve(root, load[..., None]), np.float64).reshape(-1)
     strength = float(np.linalg.norm(load))
     sigma = mobilities(program)
     basis = np.concatenate([program.normal[:, None], tangents(program.normal)], axis=1)

@@ -18,6 +18,7 @@ __all__ = [
     "bracket",
     "h_block",
     "ladder",
+    "squeezed_row",
     "trough",
     "v_block",
 ]
@@ -140,6 +141,43 @@ def books(
         friction_pairs=slides,
         loads=[Load("plate", force=[-force, 0, 0])],
     )
+
+
+def squeezed_row(
+    count: int = 8,
+    *,
+    friction: float = 0.5,
+    thickness: float = 0.05,
+    height: float = 0.25,
+    planar: bool = False,
+) -> Assembly:
+    """A row of blocks in the air between two held walls, all joints vertical.
+
+    Thin and high it is a row of books, thick and low a flat arch. Forces of equilibrium exist
+    for every friction above zero; falling freely obeys the contact law too.
+
+    Parameters
+    ----------
+    count : int
+    friction : float
+        [-]
+    thickness, height : float
+        Of a block along x and z [m].
+    planar : bool
+    """
+    end, depth = count * thickness, 0.2
+    wall = max(thickness, 0.1)
+    low, high = [-depth, -0.5 * height], [depth, 1.5 * height]
+    held = [
+        block(f"wall-{side}", [x, low[0], low[1]], [x + wall, high[0], high[1]], grounded=True)
+        for side, x in (("left", -wall), ("right", end))
+    ]
+    rows = [
+        block(f"block-{k}", [k * thickness, -depth / 2, 0],
+              [(k + 1) * thickness, depth / 2, height])
+        for k in range(count)
+    ]  # fmt: skip
+    return Assembly([*held, *rows], friction=friction, planar=planar)
 
 
 def _guides(start: float, stop: float, depth: float, height: float) -> list[Part]:

@@ -1,0 +1,162 @@
+"""The check of the contact law: what it accepts, and each way in which it refuses."""
+
+import numpy as np
+import pytest
+from cases import program, slope, worst_by_hand
+
+from kilter.assembly import Joint
+from kilter.mechanics.coulomb import check_law
+from kilter.mechanics.frictional import frictional
+from kilter.scenes import friction, stacks, traps
+from kilter.scenes.transform import scaled
+
+G = 9.81
+
+
+def sliding(tilt, mu):
+    """A block that slides down a slope, by hand: acceleration, and equal forces at its corners."""
+    built = program(stacks.block_on_slope(tilt, friction=mu))
+    t = np.radians(tilt)
+    n = built.normal[0] if built.part_b[0] == np.flatnonzero(built.free)[0] else -built.normal[0]
+    down = built.gravity - (built.gravity @ n) * n
+    down /= np.linalg.norm(down)
+    a = np.zeros((2, 6))
+    a[built.free, :3] = G * (np.sin(t) - mu * np.cos(t)) * down
+    (k,) = np.flatnonzero(built.free)
+    push = built.mass[k] * G * np.cos(t) * (n - mu * down)
+    # the same push at four corners, tilted so that its resultant goes through the centre
+    arms = built.point - built.center[k]
+    rows = np.vstack([np.ones(4), arms @ down, arms @ np.cross(n, down)])
+    lean = -mu * (arms[0] @ n)
+    share = np.linalg.pinv(rows) @ np.array([1.0, lean, 0.0])
+    side = 1.0 if built.part_b[0] == k else -1.0
+    return built, a, side * share[:, None] * push
+
+
+def test_a_block_that_slides_by_the_closed_form():
+    built, a, forces = sliding(40.0, 0.5)
+    law = check_law(built, a, forces)
+    assert law.holds
+    assert law.residual < 1e-14
+    expected = (np.sin(np.radians(40)) - 0.5 * np.cos(np.radians(40))) * np.sin(np.radians(40))
+    assert law.power == pytest.approx(expected)
+    assert worst_by_hand(built, a, forces) < 1e-14
+
+
+def test_rest_is_no_motion():
+    built, _, _ = sliding(20.0, 0.5)
+    law = check_law(built, np.zeros((2, 6)), np.zeros((4, 3)))
+    assert law.power == 0
+    assert not law.holds
+
+
+@pytest.mark.parametrize("tilt", [20.0, 26.0])
+def test_sliding_up_the_slope_of_its_friction_is_refused(tilt):
+    """Below the limit friction would drive the block upward: its power is negative."""
+    built, a, forces = sliding(tilt, 0.5)
+    assert check_law(built, a, forces).power < 0
+    assert not check_law(built, a, forces).holds
+
+
+def test_each_component_flipped_is_refused():
+    built, a, forces = sliding(40.0, 0.5)
+    for array in (a, forces):
+        for place in np.argwhere(np.abs(array) > 1e-3 * np.abs(array).max()):
+            before = array[tuple(place)]
+            array[tuple(place)] *= -1
+            assert not check_law(built, a, forces).holds
+            array[tuple(place)] = before
+    assert check_law(built, a, forces).holds
+
+
+def test_each_residual_speaks():
+    built, a, forces = sliding(40.0, 0.5)
+    (k,) = np.flatnonzero(built.free)
+    n, away = built.normal[0], np.sign((built.part_b[0] == k) - 0.5)
+
+    def law(motion=a, push=forces):
+        return check_law(built, motion, push)
+
+    lifted = a.copy()
+    lifted[k, :3] += 0.1 * G * away * n
+    assert law(lifted).normal > 1e-3
+    sunk = a.copy()
+    sunk[k, :3] -= 0.1 * G * away * n
+    assert law(sunk).opening > 1e-3
+    along = forces @ n
+    smooth = along[:, None] * n
+    assert law(push=smooth).stretch > 1e-3
+    assert law(push=smooth + 1.5 * (forces - smooth)).cone > 1e-3
+    assert law(push=smooth - (forces - smooth)).angle > 1e-3
+    assert law(push=-forces).cone > 1e-3
+    assert law(push=0 * forces).balance > 1e-3
+    for bad in (np.nan, np.inf):
+        wrong = a.copy()
+        wrong[k, 0] = bad
+        assert not law(wrong).holds
+    assert not check_law(built, a[:1], forces).holds
+
+
+@pytest.mark.parametrize("size", [3e-8, 1e-6, 1e-4])
+def test_almost_is_not_enough(size):
+    built, a, forces = sliding(40.0, 0.5)
+    assert not check_law(built, a * (1 + size), forces).holds
+    assert not check_law(built, a, forces * (1 + size)).holds
+
+
+def test_all_grows_with_gravity_and_no_unit_matters():
+    for factor in (1e-3, 1e3):
+        small = scaled(friction.h_block(), factor)
+        built = program(small)
+        fall = np.zeros((3, 6))
+        fall[built.free, :3] = built.gravity
+        law = check_law(built, fall, np.zeros((len(built.part_a), 3)))
+        assert law.holds
+        assert law.power == pytest.approx(1)
+        assert law.size == pytest.approx(1)
+
+
+def test_a_speck_that_falls_beside_a_mountain_counts():
+    tower = traps.floating_block(2)
+    mass = [1e-3 if name == tower.names[2] else 1e6 for name in tower.names]
+    parts = [
+        type(part)(part.name, part.shape, part.pose, grounded=part.grounded, mass=m)
+        for part, m in zip(tower.parts, mass, strict=True)
+    ]
+    built = program(tower._replace(parts=parts))
+    fall = np.zeros((len(mass), 6))
+    fall[2, :3] = built.gravity
+    law = frictional(built)
+    assert law.columns(fall) @ law.load < 1e-8
+    moving = check_law(built, fall, np.zeros((len(built.part_a), 3)))
+    assert moving.power == pytest.approx(1)
+
+
+def test_a_joint_pulls_but_does_not_open():
+    hung = traps.floating_block(1, count=2)
+    free = next(part.name for part in hung.parts if not part.grounded)
+    built = program(hung._replace(joints=[Joint(("ground", free))]))
+    fall = np.zeros((len(built.names), 6))
+    fall[built.free, :3] = built.gravity
+    law = check_law(built, fall, np.zeros((len(built.part_a), 3)))
+    assert law.opening > 0.1
+    assert not law.holds
+
+
+def test_scaled_unknowns_go_there_and_back():
+    built = program(scaled(friction.squeezed_row(3), 10.0))
+    law = frictional(built)
+    x = np.random.default_rng(0).normal(size=len(law.load))
+    assert law.columns(law.acceleration(x)) == pytest.approx(x, abs=1e-12)
+    assert np.linalg.norm(law.load) == pytest.approx(1)
+    assert law.load @ law.load == pytest.approx(law.columns(_free_fall(built)) @ law.load)
+
+
+def _free_fall(built):
+    fall = np.zeros((len(built.names), 6))
+    fall[built.free, :3] = built.gravity
+    return fall
+
+
+def test_slope_helper_is_the_scene():
+    assert program(slope(30)).mu[0] == 0.5

@@ -1,0 +1,181 @@
+"""Does the weight itself make the friction that holds? Measured and closed limits."""
+
+import numpy as np
+import pytest
+from cases import compas, cylinders, equilibrium, program, real_data, slope, thin_bracket
+from enumerated import random_block
+
+from kilter.analysis.seating import find_seating
+from kilter.assembly import Joint
+from kilter.mechanics.certificate import part_sizes
+from kilter.mechanics.coulomb import check_balance
+from kilter.scenes import arches, friction, stacks, traps, walls, wedges
+from kilter.scenes.transform import moved, scaled
+
+
+def in_cones_and_balanced(built, seating):
+    """Of the forces, with their formulas written out."""
+    along = (built.normal * seating.forces).sum(axis=1)
+    across = np.linalg.norm(seating.forces - along[:, None] * built.normal, axis=1)
+    inside = (along >= 0) & (across <= built.mu * along * (1 + 1e-12) + 1e-12 * along.max())
+    total = np.zeros((len(built.names), 6))
+    for part, sign in ((built.part_b, 1.0), (built.part_a, -1.0)):
+        torque = np.cross(built.point - built.center[part], seating.forces)
+        np.add.at(total, part, sign * np.hstack([seating.forces, torque]))
+    rest = part_sizes(built, total + built.load, per_radius=True)[built.free]
+    return bool(inside.all() and (rest <= 1e-9 * built.weight[built.free]).all())
+
+
+@pytest.mark.parametrize(
+    ("assembly", "seated"),
+    [
+        (slope(26.5), True),
+        (slope(26.6), False),  # atan 0.5 = 26.565
+        (friction.trough(30, tilt=44.10, friction=0.84), True),
+        (friction.trough(30, tilt=44.15, friction=0.84), False),
+        (friction.trough(60, tilt=59.2, friction=0.84), True),
+        (friction.trough(60, tilt=59.3, friction=0.84), False),
+        (thin_bracket(1.02), True),
+        (thin_bracket(1.1), True),
+        (thin_bracket(0.98), False),
+        (friction.ladder(51.36, planar=False), True),
+        (friction.ladder(51.32, planar=False), False),  # 51.3402
+        (friction.ladder(51.36), True),
+        (friction.ladder(51.32), False),
+        (cylinders(0.2681, 0.0895), True),
+        (cylinders(0.2678, 0.0895), False),  # 2 - sqrt 3 = 0.267949
+        (cylinders(0.2681, 0.0892), False),  # (2 - sqrt 3) / 3 = 0.089316
+    ],
+)
+def test_both_sides_of_a_limit(assembly, seated):
+    built = program(assembly)
+    seating = find_seating(built)
+    assert seating.seated == seated
+    assert (seating.residual <= 1e-9) == seated
+    assert (seating.runaway is None) == seated
+    assert in_cones_and_balanced(built, seating) == seated
+
+
+def test_limits_are_those_of_the_formula():
+    slips = np.degrees(np.arctan(0.84 / np.cos(np.radians([30, 60]))))
+    assert slips == pytest.approx([44.126, 59.237], abs=1e-3)
+
+
+@pytest.mark.parametrize("pad", [0.1, 0.3])
+def test_wide_pads_press_evenly_and_so_need_more(pad):
+    """Elastic pads from z = h/2 to h/2 + p press in proportion to z: the bracket is higher."""
+    ends = np.array([0.5, 0.5 + pad])
+    least = 2 * (ends**2).sum() / ends.sum() * 0.5 / 0.6
+    for factor, seated in ((1.02, True), (0.99, False)):
+        built = program(friction.bracket(factor * least, friction=0.6, pad=pad))
+        assert equilibrium(built)
+        assert find_seating(built, starts=12).seated == seated
+
+
+@pytest.mark.parametrize(
+    "assembly",
+    [
+        friction.h_block(),
+        friction.h_block(planar=True),
+        friction.a_block(),
+        friction.squeezed_row(4),
+        friction.squeezed_row(5, thickness=0.3, height=0.4, friction=0.7),
+    ],
+    ids=["H", "planar H", "A", "books", "flat arch"],
+)
+def test_held_by_squeeze_alone_is_not_seated(assembly):
+    built = program(assembly)
+    assert equilibrium(built)
+    seating = find_seating(built)
+    assert not seating.seated
+    assert seating.starts == 6
+    assert float((built.load * seating.runaway).sum()) > 0
+
+
+@real_data
+@pytest.mark.parametrize("name", ["A", "H"])
+def test_real_blocks_between_plates_are_not_seated(name):
+    built = program(compas(name))
+    assert equilibrium(built)
+    assert not find_seating(built).seated
+
+
+@real_data
+@pytest.mark.parametrize("name", ["type-a", "type-c", "bridge"])
+def test_real_wedges_and_a_bridge_are_seated(name):
+    assert find_seating(program(compas(name))).seated
+
+
+@pytest.mark.parametrize(
+    "assembly",
+    [
+        friction.v_block(),
+        friction.v_block(friction=0.5),
+        stacks.tower(10),
+        arches.arch(20, ratio=0.15, friction=0.7),
+        arches.arch(20, ratio=0.11, friction=0.7),
+        wedges.keystone(15, friction=0.1),
+        walls.wall(6, 6, friction=0.6),
+        walls.tilted_wall(5.0),
+        friction.books(4),
+    ],
+    ids=["V", "V rough", "tower", "arch", "thin arch", "keystone", "wall", "tilted", "pressed"],
+)
+def test_what_rests_is_seated(assembly):
+    built = program(assembly)
+    seating = find_seating(built)
+    assert seating.seated
+    assert in_cones_and_balanced(built, seating)
+
+
+def test_seated_implies_equilibrium_for_blocks_at_random():
+    rng = np.random.default_rng(5)
+    counts = {True: 0, False: 0}
+    for _ in range(20):
+        assembly = random_block(rng, 3).with_down([rng.normal(), 0, -1])
+        built = program(assembly)
+        seated = find_seating(built).seated
+        counts[seated] += 1
+        assert equilibrium(built) or not seated
+    assert min(counts.values()) >= 4
+
+
+def test_no_size_place_or_unit_changes_it():
+    for tilt, seated in ((44.10, True), (44.15, False)):
+        trough = friction.trough(30, tilt=tilt, friction=0.84)
+        for other in (scaled(trough, 1e-3), moved(trough, [0.8, 0.2, 0.4, 0.4], [30, -20, 10])):
+            assert find_seating(program(other)).seated == seated
+
+
+def test_a_joint_carries():
+    floating = traps.floating_block(2)
+    assert not find_seating(program(floating)).seated
+    loose = [part.name for part in floating.parts if not part.grounded]
+    tied = floating._replace(joints=[Joint(("ground", name)) for name in loose])
+    seating = find_seating(program(tied))
+    assert seating.seated
+    assert seating.starts == 1
+
+
+def test_one_force_flipped_does_not_balance():
+    built = program(slope(20))
+    seating = find_seating(built)
+    assert check_balance(built, seating.forces) <= 1e-9
+    most = np.abs(seating.forces).max()
+    for k, axis in np.argwhere(np.abs(seating.forces) > 1e-3 * most):
+        forces = seating.forces.copy()
+        forces[k, axis] *= -1
+        assert check_balance(built, forces) > 1e-3
+
+
+def test_same_seed_same_answer():
+    built = program(thin_bracket(1.02))
+    one, two = find_seating(built), find_seating(built)
+    assert one.starts > 1
+    assert np.array_equal(one.forces, two.forces)
+
+
+def test_nothing_free_is_seated_and_no_budget_leaves_one_start():
+    held = friction.h_block().with_grounded(["*"])
+    assert find_seating(program(held)).seated
+    assert find_seating(program(friction.h_block()), budget=1e-9).starts == 1

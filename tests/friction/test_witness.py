@@ -1,0 +1,221 @@
+"""Motions that obey Coulomb's law: found where there is one, exact, and never where none is."""
+
+import numpy as np
+import pytest
+from cases import (
+    compas,
+    cylinders,
+    equilibrium,
+    program,
+    real_data,
+    slope,
+    thin_bracket,
+    worst_by_hand,
+)
+from enumerated import greatest_power, random_block
+
+from kilter.analysis.coulomb_motion import find_coulomb_motion
+from kilter.analysis.motion import find_motion
+from kilter.analysis.seating import find_seating
+from kilter.mechanics.coulomb import check_law
+from kilter.scenes import friction, motion, stacks, traps, walls
+from kilter.scenes.transform import scaled
+
+G = 9.81
+
+
+def found_and_checked(assembly, budget=30.0):
+    """The motion, checked by hand too."""
+    built = program(assembly)
+    witness = find_coulomb_motion(built, budget=budget)
+    assert witness is not None
+    assert witness.exact
+    assert witness.law.residual <= 1e-9
+    assert worst_by_hand(built, witness.acceleration, witness.forces) < 1e-8
+    return built, witness
+
+
+@pytest.mark.parametrize(
+    "assembly",
+    [
+        friction.h_block(),
+        friction.h_block(planar=True),
+        friction.a_block(),
+        friction.squeezed_row(4),
+        friction.squeezed_row(5, thickness=0.3, height=0.4, friction=0.7),
+    ],
+    ids=["H", "planar H", "A", "books", "flat arch"],
+)
+def test_what_squeeze_alone_holds_can_fall_freely(assembly):
+    built, witness = found_and_checked(assembly)
+    assert equilibrium(built)
+    free = witness.acceleration[built.free]
+    assert free[:, :3] == pytest.approx(np.tile(built.gravity, (len(free), 1)), abs=1e-6)
+    assert free[:, 3:] == pytest.approx(0, abs=1e-6)
+
+
+@real_data
+@pytest.mark.parametrize("name", ["A", "H"])
+def test_real_blocks_between_plates_fall_freely(name):
+    built, witness = found_and_checked(compas(name))
+    assert equilibrium(built)
+    assert witness.law.power == pytest.approx(1)
+
+
+def test_a_bracket_is_seated_and_can_fall():
+    built, witness = found_and_checked(thin_bracket(1.1))
+    assert equilibrium(built)
+    assert find_seating(built).seated
+    assert witness.law.power == pytest.approx(1)
+
+
+@pytest.mark.parametrize(("tilt", "tips"), [(40.0, False), (41.5, True), (50.0, True)])
+def test_a_wedge_in_a_steep_v_tips_out_past_its_corner(tilt, tips):
+    """The V of 60 degrees holds by wedging; the prism tips where its centre passes its corner.
+
+    The centre is 2/3 of the rise above the lowest edge, whose end is half a length away.
+    """
+    limit = np.degrees(np.arctan(1.0 / (2 / 3 * np.tan(np.radians(60)))))
+    assert limit == pytest.approx(40.893, abs=1e-3)
+    wedge = friction.trough(60, tilt=tilt, friction=0.84, length=2.0)
+    assert equilibrium(program(wedge))
+    if tips:
+        _, witness = found_and_checked(wedge)
+        assert witness.found == "contact modes"
+        assert abs(witness.acceleration[1, 3]) > 1e-3 * G
+    else:
+        assert find_coulomb_motion(program(wedge), budget=1.5) is None
+
+
+@pytest.mark.parametrize(
+    "assembly",
+    [
+        slope(26.5),
+        friction.ladder(51.5, planar=False),
+        friction.v_block(friction=0.5),
+        stacks.tower(6),
+        cylinders(0.3, 0.1),
+    ],
+    ids=["slope", "ladder", "V", "tower", "cylinders"],
+)
+def test_what_must_hold_has_no_motion(assembly):
+    assert find_coulomb_motion(program(assembly), budget=0.7) is None
+
+
+# where no equilibrium exists, the motion is the impending one -------------------------------
+
+
+@pytest.mark.parametrize("tilt", [26.6, 30.0, 60.0])
+def test_a_block_slides_with_the_closed_form(tilt):
+    built, witness = found_and_checked(slope(tilt))
+    t = np.radians(tilt)
+    speed = np.linalg.norm(witness.acceleration[built.free][0, :3])
+    assert speed == pytest.approx(G * (np.sin(t) - 0.5 * np.cos(t)), abs=1e-9)
+
+
+@pytest.mark.parametrize("tilt", [44.15, 47.0])
+def test_a_prism_slides_down_its_trough(tilt):
+    built, witness = found_and_checked(friction.trough(30, tilt=tilt, friction=0.84))
+    t = np.radians(tilt)
+    along = G * (np.sin(t) - 0.84 / np.cos(np.radians(30)) * np.cos(t))
+    assert equilibrium(built)  # to 47.961 degrees
+    assert witness.acceleration[1, 1] == pytest.approx(along, abs=1e-8)
+
+
+def test_without_friction_it_is_gauss():
+    built = program(motion.wedge_on_wedge(30))
+    _, witness = found_and_checked(motion.wedge_on_wedge(30))
+    assert witness.acceleration == pytest.approx(find_motion(built).acceleration, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    "assembly",
+    [
+        friction.ladder(51.0),
+        friction.ladder(45.0, friction_wall=0.3, planar=False),
+        friction.a_block(friction=0.1),
+        friction.books(4, force=30.0),
+        walls.tilted_wall(12.0, courses=4, per_course=3, friction=0.15),
+    ],
+    ids=["ladder", "rough ladder", "A", "books", "wall"],
+)
+def test_what_cannot_hold_moves_exactly(assembly):
+    built, _ = found_and_checked(assembly)
+    assert not equilibrium(built)
+
+
+def test_nothing_touches_and_all_falls():
+    built, witness = found_and_checked(traps.floating_block(1, count=2).without(["floor"]))
+    assert not len(built.part_a)
+    assert not find_seating(built).seated
+    assert witness.law.power == pytest.approx(1)
+
+
+# against every mode, one by one --------------------------------------------------------------
+
+
+def test_planar_blocks_at_random_by_every_mode():
+    rng = np.random.default_rng(2)
+    counts = {"moves": 0, "rests": 0, "both": 0}
+    for _ in range(24):
+        assembly = random_block(rng, int(rng.integers(2, 4)))
+        built = program(assembly.with_down([0.7 * rng.normal(), 0, -1]))
+        power = greatest_power(built)
+        witness = find_coulomb_motion(built, budget=10.0 if power > 1e-6 else 0.2)
+        assert (witness is not None) == (power > 1e-6)
+        if witness is not None:
+            assert witness.law.power <= power * (1 + 1e-6)
+        word = "rests" if witness is None else "both" if equilibrium(built) else "moves"
+        counts[word] += 1
+    assert min(counts.values()) >= 2
+
+
+# what must be refused ---------------------------------------------------------------------------
+
+
+def test_a_witness_perturbed_or_flipped_is_refused():
+    built, witness = found_and_checked(slope(35))
+    assert check_law(built, witness.acceleration, witness.forces).holds
+    rng = np.random.default_rng(0)
+    for size in (1e-6, 1e-3):
+        noise = rng.normal(size=witness.acceleration.shape) * size * G
+        assert not check_law(built, witness.acceleration + noise, witness.forces).holds
+    most = np.abs(witness.forces).max()
+    for k, axis in np.argwhere(np.abs(witness.forces) > 1e-3 * most):
+        forces = witness.forces.copy()
+        forces[k, axis] *= -1
+        assert not check_law(built, witness.acceleration, forces).holds
+
+
+def test_no_unit_changes_the_motion():
+    _, one = found_and_checked(friction.ladder(45.0, planar=False))
+    _, other = found_and_checked(scaled(friction.ladder(45.0, planar=False), 0.1))
+    assert other.law.power == pytest.approx(one.law.power)
+
+
+def test_radians_and_metres_whatever_the_unit_of_the_file():
+    metres = friction.ladder(45.0, planar=False)
+    small = scaled(metres, 1000.0)._replace(units="mm")
+    _, one = found_and_checked(metres)
+    built = program(small)
+    other = find_coulomb_motion(built, budget=30.0)
+    assert other.exact
+    assert np.abs(one.acceleration[:, 3:]).max() > 0.1
+    assert other.acceleration == pytest.approx(one.acceleration, abs=1e-7)
+    assert np.linalg.norm(other.forces.sum(axis=0)) == pytest.approx(
+        np.linalg.norm(one.forces.sum(axis=0))
+    )
+
+
+def test_tells_what_it_does_keeps_to_its_budget_and_repeats_itself():
+    said = []
+    built = program(slope(10))
+    assert find_coulomb_motion(built, budget=0.3, tell=said.append) is None
+    assert len(said) >= 1
+    assert all(isinstance(line, str) for line in said)
+    nearest = find_coulomb_motion(built, budget=0.3, nearest=True)
+    assert nearest is None or not nearest.law.holds
+    assert find_coulomb_motion(program(slope(10).with_grounded(["*"])), budget=1.0) is None
+    built = program(friction.a_block())
+    one, two = (find_coulomb_motion(built, budget=5.0, seed=3) for _ in range(2))
+    assert np.array_equal(one.acceleration, two.acceleration)
