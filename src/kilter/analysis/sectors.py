@@ -47,12 +47,15 @@ class Branched:
     nodes : int
         Cases that were bounded.
     motion : ndarray or None
-        b of the case with the greatest power.
+        The relaxed a of the case with the greatest power.
+    ended : bool
+        Whether more time would change nothing: all is closed, or that motion obeys the law.
     """
 
     power: float
     nodes: int
     motion: Array | None
+    ended: bool
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,24 +66,35 @@ class _Case:
     where: Breach
 
 
-def branch(search: Search, bounds: Enclosure) -> Branched:
-    """Divide the solutions within the bounds until every case is closed or time is over."""
+def branch(search: Search, bounds: Enclosure, until: float = np.inf) -> Branched:
+    """Divide the solutions within the bounds until every case is closed.
+
+    Stops at `until` [s of the clock], at the end of the budget, at a relaxed motion that
+    obeys the law, and where nothing is left to divide.
+    """
     number = count()
     nodes = 1
     heap: list[tuple[float, int, _Case]] = []
     _push(search, heap, next(number), _bounded(search, bounds, None))
     while heap:
         _, _, case = heap[0]
-        gained = case.where.total <= OBEYS * max(case.power / case.bounds.scale, 1e-300)
-        if gained or case.where.largest <= 0.0 or search.clock.over or len(heap) > MOST:
-            motion = case.answer.x[search.relaxation.columns["motion"]]
-            return Branched(case.power, nodes, motion if len(motion) else None)
+        obeys = case.where.total <= OBEYS * max(case.power / case.bounds.scale, 1e-300)
+        late = search.clock.over or search.clock.spent > until or len(heap) > MOST
+        if obeys or late or case.where.largest <= 0.0:
+            motion = _motion(search, case)
+            return Branched(case.power, nodes, motion, not late)
         heapq.heappop(heap)
         for child in cases(search.law, case.bounds, case.where):
             nodes += 1
             _push(search, heap, next(number), _bounded(search, child, case))
         search.clock.tell(f"{nodes} cases, {len(heap)} open, power up to {case.power:.1e}")
-    return Branched(search.tolerance, nodes, None)
+    return Branched(search.tolerance, nodes, None, True)
+
+
+def _motion(search: Search, case: _Case) -> Array | None:
+    """The relaxed motion of a case, a."""
+    motion = case.answer.x[search.relaxation.columns["motion"]]
+    return case.bounds.scale * motion if len(motion) else None
 
 
 def _push(
