@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from kilter.analysis.contraction import Clock, Search, contract, forces_bounded
 from kilter.analysis.sectors import Branched, branch
 from kilter.mechanics.contact_law import contact_law, refusal
-from kilter.mechanics.enclosure import first_enclosure
+from kilter.mechanics.enclosure import Enclosure, first_enclosure
 from kilter.mechanics.program import TOLERANCE, Program
 from kilter.mechanics.relaxation import POOL, Relaxation
 
@@ -128,9 +128,14 @@ def make_search(program: Program, clock: Clock, tolerance: float) -> Search:
 
 
 def _tried(search: Search, bounds: Enclosure) -> tuple[Kind, Branched]:
-    """Branching for a while; then contraction; then branching within its bounds."""
+    """Branching for a while; then contraction; then branching within its bounds.
+
+    In space contraction takes longer than it saves: there it is branching alone.
+    """
     clock = search.clock
-    modes: Kind = "modes" if search.law.directions == 1 else "sectors"
+    if search.law.directions == 2:
+        return "sectors", branch(search, bounds)
+    modes: Kind = "modes"
     first = branch(search, bounds, FIRST * clock.budget)
     if first.ended or clock.over:
         return modes, first

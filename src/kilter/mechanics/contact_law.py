@@ -215,7 +215,7 @@ def _groups(
     along = normal[:, 2] * point[:, 0] - normal[:, 0] * point[:, 2]
     kept, group, first = [], [], []
     for members in _members(label):
-        ends = members[[along[members].argmin(), along[members].argmax()]]
+        ends = np.sort(members[[along[members].argmin(), along[members].argmax()]])
         size = FLAT * float(program.radius.max(initial=1.0))
         ends = ends[:1] if np.ptp(along[members]) <= size else ends
         rough = program.mu[contact[ends[0]]] > 0
