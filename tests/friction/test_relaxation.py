@@ -44,7 +44,9 @@ def point_of(search, found, scale):
     x[at["fn"]], x[at["un"]], x[at["ft"]] = fn, law.normal @ b, ft.ravel()
     x[at["ut"]], x[at["slip"]], x[at["loss"]] = ut.ravel(), slip, fn_group * slip
     x[at["total"]] = fn_group
-    x[at["rest"]] = (law.mu * fn_group)[:, None].repeat(len(search.relaxation.directions), 1).ravel()
+    x[at["rest"]] = (
+        (law.mu * fn_group)[:, None].repeat(len(search.relaxation.directions), 1).ravel()
+    )
     x[at["rest"]] += (ft @ search.relaxation.directions.T).ravel()
     for columns, rows in zip(search.relaxation._twist_columns, law.twist, strict=True):
         x[columns] = rows @ b

@@ -45,6 +45,7 @@ def bare(rng, parts, points, *, planar):
 
 def openings(program, motion):
     """Velocity of part b relative to a at each contact row, (K, 3), by the cross product."""
+
     def velocity(part):
         arm = program.point - program.center[part]
         v = motion[part, :3] + np.cross(motion[part, 3:], arm)
@@ -122,8 +123,11 @@ def witnessed(seed, *, planar=False, parts=2, patches=3, corners=1):
     opening = (speed * program.normal).sum(axis=1)
     if (opening < -1e-12).any():
         flip = opening < -1e-12  # a contact from the other side
-        bad = [(flip[program.source == s].any() and not flip[program.source == s].all())
-               and (opening[program.source == s] > 1e-12).any() for s in set(program.source)]
+        bad = [
+            (flip[program.source == s].any() and not flip[program.source == s].all())
+            and (opening[program.source == s] > 1e-12).any()
+            for s in set(program.source)
+        ]
         if any(bad):
             return None
         turned = np.array([flip[program.source == s].any() for s in program.source])
@@ -137,9 +141,10 @@ def witnessed(seed, *, planar=False, parts=2, patches=3, corners=1):
     push = np.where(closed, rng.uniform(0.0, 3.0, size) * (rng.random(size) < 0.9), 0.0)
     forces = push[:, None] * program.normal
     pace = np.linalg.norm(across, axis=1, keepdims=True)
-    forces -= np.where(slides[:, None], across / np.maximum(pace, 1e-300), 0.0) * (
-        program.mu * push
-    )[:, None]
+    forces -= (
+        np.where(slides[:, None], across / np.maximum(pace, 1e-300), 0.0)
+        * (program.mu * push)[:, None]
+    )
     stick = closed & ~slides
     side = rng.normal(size=(size, 3)) * [1, 0 if planar else 1, 1]
     side -= (side * program.normal).sum(axis=1, keepdims=True) * program.normal
@@ -157,6 +162,7 @@ def witnessed(seed, *, planar=False, parts=2, patches=3, corners=1):
 
 def jointed(program, a, b, at):
     """The program with a fixed joint of two parts."""
+
     def more(old, new):
         return np.concatenate([old, new])
 

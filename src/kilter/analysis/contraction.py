@@ -109,9 +109,7 @@ def power_bound(
     return bounds, power, answer
 
 
-def contract(
-    search: Search, bounds: Enclosure, until: float = np.inf
-) -> tuple[Enclosure, float]:
+def contract(search: Search, bounds: Enclosure, until: float = np.inf) -> tuple[Enclosure, float]:
     """Shrink bounds until the power is excluded, they hardly move, or the time is over.
 
     Returns

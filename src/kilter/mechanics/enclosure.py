@@ -16,7 +16,16 @@ from numpy.typing import NDArray
 from kilter.mechanics.contact_law import ContactLaw
 from kilter.mechanics.twist_cones import Cone
 
-__all__ = ["Enclosure", "Reach", "apart", "first_enclosure", "in_cone", "reach", "rescaled", "touching"]
+__all__ = [
+    "Enclosure",
+    "Reach",
+    "apart",
+    "first_enclosure",
+    "in_cone",
+    "reach",
+    "rescaled",
+    "touching",
+]
 
 Array = NDArray[np.float64]
 

@@ -1,0 +1,70 @@
+"""Programs whose truth is known, from scenes: near their limits, planar or in space."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from kilter.assembly import GivenContact
+from kilter.contact import find_contacts
+from kilter.mechanics.program import build_program
+from kilter.scenes import rounds, stacks, walls
+
+__all__ = ["cylinders", "planar", "program", "slope", "spheres", "tilted"]
+
+
+def program(assembly):
+    return build_program(assembly, find_contacts(assembly))
+
+
+def planar(assembly):
+    return dataclasses.replace(assembly, planar=True)
+
+
+def slope(share, mu, height):
+    """Case S1 at a share of its limit, tan = min(mu, width / height)."""
+    angle = float(np.degrees(np.arctan(share * min(mu, 1.0 / height))))
+    return stacks.block_on_incline(angle=angle, friction=mu, height=height)
+
+
+def tilted(courses, bricks, degrees, mu=0.6):
+    """A running bond in its plane, gravity leaning along it."""
+    angle = np.radians(degrees)
+    down = [9.81 * np.sin(angle), 0.0, -9.81 * np.cos(angle)]
+    return walls.wall(courses, bricks, gravity=down, friction=mu, planar=True)
+
+
+def _with_points(assembly):
+    """Round parts of radius 1: one given point between each pair that touches."""
+    centers = [np.array(part.pose.position) for part in assembly.parts]
+    friction = {tuple(sorted(pair.parts)): pair.mu for pair in assembly.friction_pairs}
+    names, found = assembly.names, []
+    for i in range(1, len(names)):
+        x, _, z = centers[i]
+        if abs(z - 1) < 1e-9:
+            foot = [x, centers[i][1], 0.0]
+            found.append(
+                GivenContact((names[0], names[i]), [foot], [0, 0, 1], mu=assembly.friction)
+            )
+        for j in range(i + 1, len(names)):
+            half = (centers[j] - centers[i]) / 2
+            if abs(np.linalg.norm(half) - 1) < 1e-9:
+                mu = friction[tuple(sorted((names[i], names[j])))]
+                at = centers[i] + half
+                found.append(GivenContact((names[i], names[j]), [at], half, mu=mu))
+    return dataclasses.replace(assembly, contacts=found, detect=False)
+
+
+def cylinders(share):
+    """Case R1 in the plane, both coefficients 1 / share of their limits."""
+    between = (2 - np.sqrt(3)) / share
+    return planar(
+        _with_points(rounds.three_cylinders(friction_between=between, friction_ground=between / 3))
+    )
+
+
+def spheres(share):
+    """Case R2, both coefficients 1 / share of their limits."""
+    between = (np.sqrt(3) - np.sqrt(2)) / share
+    return _with_points(rounds.four_spheres(friction_between=between, friction_ground=between / 4))
