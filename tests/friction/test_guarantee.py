@@ -174,6 +174,17 @@ def test_refuses_what_is_not_modelled():
     assert "not modelled" in answer.why
 
 
+@pytest.mark.parametrize("ratio", [1.0, 1e-3, 1e-6])
+def test_a_pebble_does_not_vanish(ratio):
+    """The upper of two cubes, however light, slips where its friction is too low."""
+    cubes = program(planar(stacks.tower(2, tilt=10.0, friction=0.5)))
+    share = np.where(np.arange(3) == 2, ratio, 1.0)
+    light = cubes.with_rows(mass=cubes.mass * share, inertia=cubes.inertia * share[:, None, None])
+    assert ratio < 1e-3 or prove_no_motion(light).proved  # a lighter one may stay open
+    smooth = light.with_rows(mu=np.where(light.part_b == 2, 0.17, light.mu))
+    assert not prove_no_motion(smooth, budget=2.0).proved  # tan 10 deg = 0.176
+
+
 def test_nothing_to_move_is_proved():
     bare = program(stacks.tower(1, tilt=10.0, friction=0.5))
     nothing = bare.with_rows(gravity=np.zeros(3))

@@ -6,6 +6,9 @@ has a = 0 alone as its accelerations, whatever the contact forces: then friction
 holds the assembly, and no squeeze beforehand can change that. Proved by linear programs that
 contain all solutions (`kilter.mechanics.relaxation`), with bounds that do not trust the
 solver. What is not proved is open: that is no refutation.
+
+A power counts as none if it is below 1e-9 (coarser for coarse data) of that of the lightest
+part in free fall, so that no small part vanishes beside large ones.
 """
 
 from __future__ import annotations
@@ -31,6 +34,8 @@ Kind = Literal["contraction", "modes", "sectors"]
 
 FORCE = 1000.0
 """Largest force of a contact point that is thought of, over the weight of the free parts."""
+COARSEST = 1e-6
+"""Power that is never taken for none, over that of the part in free fall."""
 FIRST = 0.2
 """Part of the budget for branching before anything is contracted."""
 SECOND = 0.4
@@ -103,7 +108,7 @@ def prove_no_motion(
     why = refusal(program)
     if why:
         return Guarantee(False, None, 0, 0, 1.0, "", None, clock.spent, why)
-    tolerance = max(TOLERANCE, float(program.tolerance[program.free].max()))
+    tolerance = _tolerance(program)
     search = make_search(program, clock, tolerance)
     bounds = first_enclosure(search.law, search.relaxation.reach, FORCE, POOL)
     bounded = forces_bounded(search, bounds)
@@ -117,6 +122,13 @@ def prove_no_motion(
         proved, kind if proved else None, search.solver.programs, out.nodes, out.power, assumes,
         motion, clock.spent,
     )  # fmt: skip
+
+
+def _tolerance(program: Program) -> float:
+    """The power that counts as none: that of the data, for the lightest part on its own."""
+    mass = program.mass[program.free]
+    coarse = min(max(TOLERANCE, float(program.tolerance[program.free].max())), COARSEST)
+    return coarse * float(mass.min() / mass.sum())
 
 
 def make_search(program: Program, clock: Clock, tolerance: float) -> Search:

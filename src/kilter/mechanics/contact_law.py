@@ -205,10 +205,10 @@ def _groups(program: Program, contact: Index, label: Index) -> tuple[Index, Inde
     """
     if not program.planar:
         rough = np.flatnonzero(program.mu[contact] > 0)
-        group = np.full(len(contact), -1)
-        group[rough] = np.arange(len(rough))
+        own = np.full(len(contact), -1)
+        own[rough] = np.arange(len(rough))
         patch = np.unique(label[rough], return_inverse=True)[1].reshape(-1)
-        return np.arange(len(contact)), group, patch, rough
+        return np.arange(len(contact)), own, patch, rough
     normal, point = program.normal[contact], program.point[contact]
     along = normal[:, 2] * point[:, 0] - normal[:, 0] * point[:, 2]
     kept: list[Index] = []
@@ -246,7 +246,7 @@ def _twists(
     back: csr_array,
     unit: float,
 ) -> tuple[tuple[csr_array, ...], Array]:
-    """t of each patch and L of each group."""
+    """The twist t of each patch and L of each group."""
     count = across.shape[1]
     lever = np.zeros((len(rows), count, 3))
     lever[:, range(count), range(count)] = 1.0

@@ -333,8 +333,7 @@ class Relaxation:
                 values[f"cone {patch}"] = np.zeros((size, size))
                 continue
             cone = widened(cone)
-            inverse: Array = np.linalg.inv(cone)
-            values[f"cone {patch}"] = inverse
+            values[f"cone {patch}"] = np.asarray(np.linalg.inv(cone), dtype=np.float64)
             for group in np.flatnonzero(self.law.patch == patch):
                 found = sector(cone, self.law.lever[group])
                 if found is not None:
