@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from cases import (
+from held_or_not import (
     compas,
     cylinders,
     equilibrium,
