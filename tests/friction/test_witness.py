@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from enumerated import greatest_power, random_block
 from held_or_not import (
     compas,
     cylinders,
@@ -12,7 +13,6 @@ from held_or_not import (
     thin_bracket,
     worst_by_hand,
 )
-from enumerated import greatest_power, random_block
 
 from kilter.analysis.coulomb_motion import find_coulomb_motion
 from kilter.analysis.motion import find_motion
