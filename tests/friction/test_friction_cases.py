@@ -53,9 +53,11 @@ def test_s4_ladder(mu_wall, limit):
 
 
 def test_s5_bracket_is_refuted_and_seated_above_its_limit():
+    # thin pads: their pressure has no height of its own
     limit = 1.0 / (2 * 0.6)
-    assert judged(friction.bracket(0.98 * limit, friction=0.6)).verdict == "unstable"
-    above = judged(friction.bracket(1.1 * limit, friction=0.6))
+    below = judged(friction.bracket(0.98 * limit, friction=0.6, pad=1e-3))
+    assert below.verdict == "unstable"
+    above = judged(friction.bracket(1.1 * limit, friction=0.6, pad=1e-3))
     assert (above.verdict, above.guarantee, above.seated) == ("potentially-stable", "refuted", True)
 
 
