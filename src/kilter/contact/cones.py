@@ -35,6 +35,9 @@ WIDE = -0.8
 FLAT = 0.9
 """Corners whose normals all come so close to their mean (cosine) give a direction inwards."""
 
+ASKEW = 0.381966
+"""Share of the way between two directions: off the planes of symmetry of most parts."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cones:
@@ -304,7 +307,8 @@ def _samples(planes: Array) -> Array:
         traces = cross(planes[through], np.tile(line, (len(through), 1)))
         angle = np.arctan2(traces @ v, traces @ u)
         angle = np.sort(np.concatenate([angle, angle + np.pi]) % (2 * np.pi))
-        angle = (angle + np.append(angle[1:], angle[0] + 2 * np.pi)) / 2
+        following = np.append(angle[1:], angle[0] + 2 * np.pi)
+        angle = (1 - ASKEW) * angle + ASKEW * following
         found.append(line + step * (np.outer(np.cos(angle), u) + np.outer(np.sin(angle), v)))
     return np.concatenate(found)
 
@@ -312,14 +316,20 @@ def _samples(planes: Array) -> Array:
 def inside(sectors: Sectors, directions: Array) -> Mask:
     """Which directions, shape (n, 3), point into the part.
 
-    Those to which the first facet on a straight way from there to the surface shows its back.
+    Those to which the first facet on a straight way from there to the surface shows its
+    back, by a majority of ways: one that passes through an edge says nothing.
     """
-    middle = sectors.middle
-    target = middle[0]
+    targets = _unit(_unit(sectors.first + ASKEW * sectors.middle) + ASKEW * sectors.middle)
+    votes = [_shows_its_back(sectors, directions, target) for target in targets]
+    result: Mask = np.mean(votes, axis=0) > 0.5
+    return result
+
+
+def _shows_its_back(sectors: Sectors, directions: Array, target: Array) -> Mask:
     result = np.zeros(len(directions), dtype=bool)
     nearest = np.full(len(directions), np.inf)
     for normal, first, last, half in zip(
-        sectors.normal, sectors.first, sectors.last, middle, strict=True
+        sectors.normal, sectors.first, sectors.last, sectors.middle, strict=True
     ):
         here, there = directions @ normal, float(target @ normal)
         if np.abs(there) < EXACT:

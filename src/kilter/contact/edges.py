@@ -33,6 +33,8 @@ class Edges:
         The facet left of the edge and the one right of it, seen from outside (-1: none).
     ray_start, ray_edge : ndarray of int
         Edges that end in vertex v: ``ray_edge[ray_start[v]:ray_start[v + 1]]``.
+    doubled : bool
+        Some edges lie on others: facets of no width lay between them.
     """
 
     start: Index
@@ -40,6 +42,7 @@ class Edges:
     facet: Index
     ray_start: Index
     ray_edge: Index
+    doubled: bool
 
     def ends(self, geometry: Geometry, which: Index) -> tuple[Array, Array]:
         """Both ends of edges, shape (n, 3) each."""
@@ -69,13 +72,16 @@ class Edges:
     def behind(
         self, facets: Facets, geometry: Geometry, which: Index, normal: Array, slack: float
     ) -> Mask:
-        """Edges whose two facets lie behind the plane with this normal."""
-        fits = np.ones(len(which), dtype=bool)
+        """Edges whose two facets, and the part between, lie behind the plane with this normal."""
+        fits = (self.facet[which] >= 0).all(axis=1)
         along = self.direction(geometry, which)
+        inward = np.zeros((len(which), 3))
         for side, turn in ((0, 1.0), (1, -1.0)):
-            facet = self.facet[which, side]
-            into = turn * cross(facets.normal[facet], along)
-            fits &= (facet < 0) | (np.einsum("ij,ij->i", into, normal) <= slack)
+            outward = facets.normal[self.facet[which, side]]
+            into = turn * cross(outward, along)
+            fits &= np.einsum("ij,ij->i", into, normal) <= slack
+            inward += into - outward
+        fits &= np.einsum("ij,ij->i", inward, normal) <= slack
         return fits
 
     def reflex(self, facets: Facets, geometry: Geometry, which: Index, slack: float) -> Mask:
@@ -91,14 +97,11 @@ class Edges:
         owner, row = ragged(self.ray_start, vertex)
         edge = self.ray_edge[row]
         away = self.ends_of[edge, 0] == vertex[owner]
+        direction = np.where(away, 1.0, -1.0)[:, None] * self.direction(geometry, edge)
         left, right = self.facet[edge].T
-        return Rays(
-            owner=owner,
-            edge=edge,
-            direction=np.where(away, 1.0, -1.0)[:, None] * self.direction(geometry, edge),
-            left=np.where(away, left, right),
-            right=np.where(away, right, left),
-        )
+        left, right = np.where(away, left, right), np.where(away, right, left)
+        rays = Rays(owner, edge, direction, left, right)
+        return rays.once() if self.doubled else rays
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,6 +116,18 @@ class Rays:
     direction: Array
     left: Index
     right: Index
+
+    def once(self) -> Rays:
+        """Each direction between the same two facets once, those inside of a facet never."""
+        place = np.round(self.direction / SAME_WAY).astype(np.int64)
+        names = np.column_stack([self.owner, self.left, self.right, place])
+        keep = np.unique(names, axis=0, return_index=True)[1]
+        keep = np.sort(keep[self.left[keep] != self.right[keep]])
+        return Rays(*(getattr(self, name)[keep] for name in self.__slots__))
+
+
+SAME_WAY = 1e-3
+"""Edges between the same two facets that leave a corner closer than this are one [rad]."""
 
 
 def ragged(start: Index, which: Index) -> tuple[Index, Index]:
@@ -149,15 +164,85 @@ def find_edges(geometry: Geometry, facets: Facets, parts: Index) -> Edges:
     part = geometry.vertex_part[ends[:, 0]]
     order = np.argsort(part, kind="stable")
     ends, sides = ends[order], sides[order]
+    sides, split = _across_open(geometry, ends, sides)
+    ends, sides, doubled = _without_slivers(facets, ends, sides)
+    part = geometry.vertex_part[ends[:, 0]]
     both = ends.T.reshape(-1)
     at = np.argsort(both, kind="stable")
     return Edges(
-        start=np.searchsorted(part[order], np.arange(len(geometry.mass) + 1)),
+        start=np.searchsorted(part, np.arange(len(geometry.mass) + 1)),
         ends_of=ends,
         facet=sides,
         ray_start=np.searchsorted(both[at], np.arange(len(geometry.vertices) + 1)),
         ray_edge=at % max(1, len(ends)),
+        doubled=doubled or split,
     )
+
+
+ON_LINE = 1e-7
+"""A vertex this part of the size from an edge splits it."""
+OPEN = 4000
+"""Up to this many edges of a part with a facet on one side only are matched."""
+
+
+def _across_open(geometry: Geometry, ends: Index, sides: Index) -> tuple[Index, bool]:
+    """Sides of edges that vertices of the neighbours split: the facet of the piece opposite."""
+    lonely = np.flatnonzero((sides < 0).any(axis=1))
+    if not len(lonely):
+        return sides, False
+    sides = sides.copy()
+    part = geometry.vertex_part[ends[lonely, 0]]
+    known = sides[lonely].max(axis=1)
+    for k in np.unique(part).tolist():
+        mine = lonely[part == k]
+        if len(mine) > OPEN:
+            continue
+        start, end = geometry.vertices[ends[mine]].transpose(1, 0, 2)
+        along = (end - start) / np.linalg.norm(end - start, axis=1)[:, None]
+        length = np.linalg.norm(end - start, axis=1)
+        for row, edge in enumerate(mine.tolist()):
+            away = (start[row] + end[row]) / 2 - start
+            at = np.einsum("ij,ij->i", away, along)
+            off = np.linalg.norm(away - at[:, None] * along, axis=1)
+            near = (off <= ON_LINE * geometry.size[k]) & (at >= 0) & (at <= length)
+            # the longer of the two holds the middle of the shorter
+            away = (start + end) / 2 - start[row]
+            at = away @ along[row]
+            off = np.linalg.norm(away - np.outer(at, along[row]), axis=1)
+            near |= (off <= ON_LINE * geometry.size[k]) & (at >= 0) & (at <= length[row])
+            own = sides[edge].max()
+            other = np.setdiff1d(known[part == k][near], [own])
+            if len(other):
+                sides[edge, int(np.argmin(sides[edge]))] = other[0]
+    return sides, True
+
+
+def _without_slivers(facets: Facets, ends: Index, sides: Index) -> tuple[Index, Index, bool]:
+    """Edges with the facets beyond slivers (of no direction) in place of these."""
+    sliver = np.linalg.norm(facets.normal, axis=1) < 0.5
+    touched = sliver[sides] & (sides >= 0)
+    if not touched.any():
+        return ends, sides, False
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    inner = touched.all(axis=1)
+    joins = np.ones(int(inner.sum()), dtype=np.int8), tuple(sides[inner].T)
+    graph = coo_array(joins, shape=(len(sliver), len(sliver)))
+    label = connected_components(graph, directed=False)[1]
+    beyond: dict[int, set[int]] = {}
+    rim = np.flatnonzero(touched.any(axis=1) & ~inner)
+    for row in rim:
+        side = int(touched[row, 1])
+        beyond.setdefault(int(label[sides[row, side]]), set()).add(int(sides[row, 1 - side]))
+    sides = sides.copy()
+    for row in rim:
+        side = int(touched[row, 1])
+        own = int(sides[row, 1 - side])
+        others = sorted(beyond[int(label[sides[row, side]])] - {own, -1})
+        sides[row, side] = others[0] if others else own
+    keep = ~inner & (sides[:, 0] != sides[:, 1])
+    return ends[keep], sides[keep], True
 
 
 def _boundary(facets: Facets, which: Index) -> tuple[Index, Index, Index]:

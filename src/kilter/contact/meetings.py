@@ -90,6 +90,7 @@ class Block:
         """Flat facets of ``part[k]`` in box k: pairs (k, facet)."""
         owner, facet = facets_in(self.facets, self.boxes, part, self.low, self.high)
         flat = ~self.facets.curved[facet]
+        flat &= (self.facets.normal[facet] != 0).any(axis=1)  # a sliver has no direction
         return owner[flat], facet[flat]
 
     def edges_near(self, part: Index) -> _Side:

@@ -144,7 +144,8 @@ def _snapped(
 ) -> tuple[Array, Mask]:
     """Normals as those of facets at the points where these agree; and whose they are."""
     of_facet = np.zeros((len(rows), 2), dtype=bool)
-    total = np.zeros((len(rows), 3))
+    result = normals.copy()
+    nearest = np.full(len(rows), SNAP)
     for side, sign in ((0, 1.0), (1, -1.0)):
         kind, feature = met.kind[rows, side], met.feature[rows, side]
         owner, facet = _facets_at(edges, kind, feature)
@@ -153,11 +154,9 @@ def _snapped(
         first = order[np.unique(owner[order], return_index=True)[1]]
         first = first[apart[first] <= SNAP]
         of_facet[owner[first], side] = True
-        total[owner[first]] += sign * facets.normal[facet[first]]
-    size = np.linalg.norm(total, axis=1)
-    some = size > 0
-    result = normals.copy()
-    result[some] = total[some] / size[some, None]
+        first = first[apart[first] < nearest[owner[first]]]
+        nearest[owner[first]] = apart[first]
+        result[owner[first]] = sign * facets.normal[facet[first]]
     return result, of_facet
 
 
