@@ -18,6 +18,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from kilter.analysis.degenerate import decide_degenerate
 from kilter.analysis.displacement import LIMIT as DISPLACEMENT_LIMIT
 from kilter.analysis.displacement import Displacement, find_displacement
 from kilter.analysis.motion import ImpendingMotion, find_motion, still
@@ -221,7 +222,11 @@ def _decide(assembly: Assembly, contacts: ContactSet) -> tuple[Word, Program, Ju
     bound = judge(outer)
     if bound.stable is False:
         return "unstable", outer, bound, []
-    return "undecided", program, judgement, _open_questions(assembly, contacts)
+    sharp = decide_degenerate(assembly, contacts)
+    if sharp.program is not None and sharp.judgement is not None:
+        return "unstable", sharp.program, sharp.judgement, []
+    why = _open_questions(assembly, contacts) + sharp.words
+    return "undecided", program, judgement, why
 
 
 def _figures(judgement: Judgement) -> str:

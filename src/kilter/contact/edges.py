@@ -73,7 +73,8 @@ class Edges:
         self, facets: Facets, geometry: Geometry, which: Index, normal: Array, slack: float
     ) -> Mask:
         """Edges whose two facets, and the part between, lie behind the plane with this normal."""
-        fits = (self.facet[which] >= 0).all(axis=1)
+        fits: Mask = np.ones(len(which), dtype=bool)
+        fits[(self.facet[which] < 0).any(axis=1)] = False
         along = self.direction(geometry, which)
         inward = np.zeros((len(which), 3))
         for side, turn in ((0, 1.0), (1, -1.0)):
