@@ -4,6 +4,10 @@ The corners of an area of contact are corners of one part on the other, and cros
 edges; for rigid parts no other point is needed (the paper, section 2.1). A corner that
 comes within tolerance of a corner is no longer asked about edges, one on an edge no longer
 about facets, and a crossing lies inside both of its edges: each point is found once.
+
+An edge that comes within tolerance of a facet, and is tilted by less than the angle that
+counts as flat, lies on it with all its length there, as a face on a face does: the ends of
+that length are given although they are further apart.
 """
 
 from __future__ import annotations
@@ -124,6 +128,7 @@ def meetings(block: Block) -> list[Meetings]:
     found, free = _corners_on_corners(block, corners[0], corners[1])
     facets = [block.facets_near(block.b), block.facets_near(block.a)]
     for side in (0, 1):
+        found += _edges_along_facets(block, near[side], around[side], facets[side], side)
         mine = tuple(rows[free[side]] for rows in corners[side])
         there, loose = _corners_on_edges(block, mine, near[1 - side], around[1 - side], side)
         mine = tuple(rows[loose] for rows in mine)
@@ -213,6 +218,73 @@ def _corners_on_facets(
         features, points = [v[k], facet[k]][::turn], [p[k], foot][::turn]
         found.append(_made(block, pair[k], (CORNER, FACE)[::turn], features, points))
     return found
+
+
+def _edges_along_facets(
+    block: Block, near: _Side, around: tuple[Array, Array], near_facets: _Side, side: int
+) -> list[Meetings]:
+    """Both ends of slightly tilted edges of one part over facets of the other."""
+    geometry, facets, boxes = block.geometry, block.facets, block.boxes
+    there = boxes.facet_low[near_facets[1]], boxes.facet_high[near_facets[1]]
+    turn = 1 if side == 0 else -1
+    found = []
+    for pair, x, y in joins(near[0], around, near_facets[0], there, block.tolerance):
+        edge, facet = near[1][x], near_facets[1][y]
+        start, end = block.edges.ends(geometry, edge)
+        normal, origin = facets.normal[facet], facets.origin[facet]
+        off = [np.einsum("ij,ij->i", p - origin, normal) for p in (start, end)]
+        far = np.maximum(np.abs(off[0]), np.abs(off[1])) > block.tolerance[pair]
+        k = np.flatnonzero(far & _touch(off, block.tolerance[pair]))
+        length = np.linalg.norm((end - start)[k], axis=1)
+        flat = np.abs(off[1][k] - off[0][k]) <= NEAR_PARALLEL * length
+        k, length = k[flat], length[flat]
+        low, high = _over(facets, geometry, start[k], end[k], facet[k])
+        ends = [off[0][k] + t * (off[1] - off[0])[k] for t in (low, high)]
+        keep = (high - low) * length > 4 * block.tolerance[pair[k]]
+        keep &= _touch(ends, block.tolerance[pair[k]])
+        for t, gap in zip((low, high), ends, strict=True):
+            j = k[keep]
+            p = start[j] + t[keep, None] * (end - start)[j]
+            foot = p - gap[keep, None] * normal[j]
+            features, points = [edge[j], facet[j]][::turn], [p, foot][::turn]
+            found.append(_made(block, pair[j], (EDGE, FACE)[::turn], features, points))
+    return found
+
+
+def _touch(gaps: list[Array], tolerance: Array) -> Mask:
+    """Whether gaps that change from one end to the other come within tolerance."""
+    near: Mask = np.minimum(*gaps) <= tolerance
+    near &= np.maximum(*gaps) >= -tolerance
+    return near
+
+
+def _over(
+    facets: Facets, geometry: Geometry, start: Array, end: Array, facet: Index
+) -> tuple[Array, Array]:
+    """Where along segments, 0 to 1, they begin and cease to lie over their facets."""
+    row, piece, _ = _triangles_of(facets, (np.arange(len(facet)), facet))
+    triangle = geometry.vertices[facets.corners[piece]]
+    low, high = _within(start[row], end[row], triangle, facets.normal[facet[row]])
+    some = low < high
+    least, most = np.ones(len(facet)), np.zeros(len(facet))
+    np.minimum.at(least, row[some], low[some])
+    np.maximum.at(most, row[some], high[some])
+    return least, most
+
+
+def _within(start: Array, end: Array, triangle: Array, normal: Array) -> tuple[Array, Array]:
+    """Where along segments, 0 to 1, they lie over a triangle; nowhere: least above most."""
+    low, high = np.zeros(len(start)), np.ones(len(start))
+    for k in range(3):
+        corner = triangle[:, k]
+        inwards = cross(normal, triangle[:, (k + 1) % 3] - corner)
+        here, there = (np.einsum("ij,ij->i", p - corner, inwards) for p in (start, end))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            at = here / (here - there)
+        low = np.where((here < 0) & (there >= 0), np.maximum(low, at), low)
+        high = np.where((here >= 0) & (there < 0), np.minimum(high, at), high)
+        high = np.where((here < 0) & (there < 0), -1.0, high)
+    return low, high
 
 
 def _triangles_of(facets: Facets, near: _Side) -> tuple[Index, Index, Index]:

@@ -172,7 +172,7 @@ def _on_patches(met: Meetings, rows: Index, normal: Array, touching: Touching) -
     tolerance = 2 * touching.tolerance[patches.pair[patch]]
     p = met.middle[rows[owner]]
     level = (p - patches.points[patches.start[patch]]) * patches.normal[patch]
-    inside = np.abs(level.sum(axis=1)) <= tolerance
+    inside = np.abs(level.sum(axis=1)) <= tolerance + np.abs(patches.gap[patch]).max(axis=1)
     along = patches.points[following] - patches.points[corner]
     length = np.maximum(np.linalg.norm(along, axis=1), np.finfo(float).tiny)
     arm = cross(along, p[which] - patches.points[corner]) / length[:, None]

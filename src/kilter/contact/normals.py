@@ -111,13 +111,17 @@ def normals_of(
 def _in_facets(
     geometry: Geometry, facets: Facets, edges: Edges, met: Meetings, rows: Index
 ) -> tuple[Index, Array]:
-    """Corners in facets: accepted if all edges of the corner lie in front of the facet."""
+    """Corners and edges in facets: accepted if they bend away from the facet there."""
     side = (met.kind[rows, 1] == FACE).astype(np.int64)
     normal = facets.normal[met.feature[rows, side]]
-    rays = edges.rays(geometry, met.feature[rows, 1 - side])
-    rise = np.einsum("ij,ij->i", rays.direction, normal[rays.owner])
+    other = met.feature[rows, 1 - side]
     fits = np.ones(len(rows), dtype=bool)
-    fits[rays.owner[rise < -SLACK]] = False
+    corner = np.flatnonzero(met.kind[rows, 1 - side] == CORNER)
+    rays = edges.rays(geometry, other[corner])
+    rise = np.einsum("ij,ij->i", rays.direction, normal[corner[rays.owner]])
+    fits[corner[rays.owner[rise < -SLACK]]] = False
+    edge = np.flatnonzero(met.kind[rows, 1 - side] == EDGE)
+    fits[edge] = edges.behind(facets, geometry, other[edge], -normal[edge], SLACK)
     sign = np.where(side == 0, 1.0, -1.0)[:, None]
     return rows[fits], (sign * normal)[fits]
 

@@ -24,8 +24,8 @@ __all__ = ["Touches", "no_touches", "touches"]
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-COLLINEAR = 1e-9
-"""Points of an edge leave its line by less than this part of its length."""
+COLLINEAR = 2e-3
+"""Points of an edge, which may be tilted, leave its line by less than this part of its length."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
