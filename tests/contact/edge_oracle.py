@@ -1,6 +1,6 @@
-"""Brute-force oracle for convex polyhedra: every corner against every facet, every edge
-against every edge, one by one; and pairs that touch by construction.
+"""Brute-force oracle for convex polyhedra, and pairs that touch by construction.
 
+Every corner against every facet, every edge against every edge and facet, one by one.
 Shares nothing with `kilter.contact`: facets and edges come from the hull's planes.
 """
 

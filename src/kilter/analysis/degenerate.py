@@ -12,7 +12,8 @@ is stable iff no allowed motion has power w.dp > 0, so
 Both are exact to first order at points. Along a line of degenerate points (a ridge on a
 ridge) the choice may change from point to point of the line, so a branch of its ends is only
 an outer bound: good for "stable"; for "unstable" the motion is asked along the whole line,
-and where it enters, that point of the line is branched on too.
+and where it enters, that point of the line is branched on too (which says nothing of
+"stable": the parts need not touch all along).
 
 Branches are opened where they are needed only: a program without some of the points whose
 motion enters nowhere, or that is stable, settles all branches below it. (The number of
@@ -126,6 +127,7 @@ class _Branches:
         self.assembly = assembly
         self.contacts = contacts
         self.programs = 0
+        self.inner = False
         self.program: Program | None = None
         self.judgement: Judgement | None = None
         points = contacts.degenerate
@@ -153,19 +155,22 @@ class _Branches:
             if entered is None:
                 return self._kept(judgement, motion)
             stack += [with_pushes(program, push) for push in entered]
-        return True
+        return None if self.inner else True
 
     def _entered(self, program: Program, motion: Array) -> list[PossibleContacts] | None:
         """The pushes of the point that a motion enters most; None: it enters nowhere."""
-        clauses = self.clauses + [
+        between_them = [
             [_row(pushes, row) for row in range(len(pushes))]
-            for pushes, whole in between(program, self.contacts, motion)
-            if whole
+            for pushes in between(program, self.contacts, motion)
         ]
+        clauses = self.clauses + between_them
         opening = [max(float(openings(program, p, motion)[0]) for p in c) for c in clauses]
         if min(opening, default=0.0) >= -ENTERS:
             return None
-        return clauses[int(np.argmin(opening))]
+        worst = int(np.argmin(opening[: len(self.clauses)]))
+        if opening[worst] >= -ENTERS:
+            worst, self.inner = int(np.argmin(opening)), True
+        return clauses[worst]
 
     def _kept(self, judgement: Judgement, motion: Array) -> bool | None:
         """False if the motion is allowed: then it is the proof."""

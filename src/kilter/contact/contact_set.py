@@ -136,6 +136,9 @@ class Degenerate:
     exact : ndarray of bool, shape (n,)
         False where the parts meet like this only within tolerance: coordinates taken at
         their word might give a normal.
+    held_parts, held_points, held_normals : ndarray, shape (h, 2), (h, 3) and (h, 3)
+        Points of the same pairs of parts that have a normal, also those that a patch holds:
+        lines of degenerate points may end there.
     """
 
     part_a: Index
@@ -144,6 +147,9 @@ class Degenerate:
     start: Index
     normals: Array
     exact: NDArray[np.bool_]
+    held_parts: Index
+    held_points: Array
+    held_normals: Array
 
     def __len__(self) -> int:
         return len(self.part_a)
@@ -152,7 +158,8 @@ class Degenerate:
     def none(cls) -> Degenerate:
         """No such point."""
         empty, index = np.empty((0, 3)), np.empty(0, dtype=np.int64)
-        return cls(index, index, empty, np.zeros(1, np.int64), empty, np.empty(0, dtype=bool))
+        no, pairs = np.empty(0, dtype=bool), np.empty((0, 2), dtype=np.int64)
+        return cls(index, index, empty, np.zeros(1, np.int64), empty, no, pairs, empty, empty)
 
     @property
     def owner(self) -> Index:

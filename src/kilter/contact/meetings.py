@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kilter.contact.broad import Boxes, facets_in, joins
-from kilter.contact.edges import Edges, segment_distance
+from kilter.contact.edges import Edges, ragged, segment_distance
 from kilter.contact.facets import Facets
 from kilter.geometry import Geometry
 from kilter.rigid import cross
@@ -242,6 +242,9 @@ def _edges_along_facets(
         ends = [off[0][k] + t * (off[1] - off[0])[k] for t in (low, high)]
         keep = (high - low) * length > 4 * block.tolerance[pair[k]]
         keep &= _touch(ends, block.tolerance[pair[k]])
+        keep[keep] = ~_beside_rim(
+            block, edge[k[keep]], facet[k[keep]], block.tolerance[pair][k][keep]
+        )
         for t, gap in zip((low, high), ends, strict=True):
             j = k[keep]
             p = start[j] + t[keep, None] * (end - start)[j]
@@ -249,6 +252,28 @@ def _edges_along_facets(
             features, points = [edge[j], facet[j]][::turn], [p, foot][::turn]
             found.append(_made(block, pair[j], (EDGE, FACE)[::turn], features, points))
     return found
+
+
+def _beside_rim(block: Block, edge: Index, facet: Index, tolerance: Array) -> Mask:
+    """Whether edges run along an edge of their facet: they may lie on either side of it."""
+    geometry, edges = block.geometry, block.edges
+    owner, rim = ragged(edges.start, block.facets.part[facet])
+    mine = (edges.facet[rim] == facet[owner][:, None]).any(axis=1)
+    owner, rim = owner[mine], rim[mine]
+    first, second = edges.direction(geometry, edge[owner]), edges.direction(geometry, rim)
+    along = np.linalg.norm(cross(first, second), axis=1) < NEAR_PARALLEL
+    owner, rim = owner[along], rim[along]
+    ends = [*edges.ends(geometry, edge[owner]), *edges.ends(geometry, rim)]
+    distance = segment_distance(*ends)[0]
+    for p, start, end in ((0, 2, 3), (1, 2, 3), (2, 0, 1), (3, 0, 1)):
+        reach = ends[end] - ends[start]
+        size = np.maximum(np.einsum("ij,ij->i", reach, reach), np.finfo(float).tiny)
+        t = np.clip(np.einsum("ij,ij->i", ends[p] - ends[start], reach) / size, 0, 1)
+        off = np.linalg.norm(ends[p] - ends[start] - t[:, None] * reach, axis=1)
+        distance = np.minimum(distance, off)
+    beside = np.zeros(len(edge), dtype=bool)
+    beside[owner[distance <= tolerance[owner]]] = True
+    return beside
 
 
 def _touch(gaps: list[Array], tolerance: Array) -> Mask:

@@ -106,9 +106,10 @@ def near_contacts(
         flat = ~round_pair[sharp.met.pair]
         pushes = sharp.pushes.take(np.flatnonzero(flat[sharp.pushes.meeting]))
         clauses = sharp.clauses.take(np.flatnonzero(flat[sharp.clauses.meeting]))
+        every = pushes
         pushes, clauses = _unexplained(sharp.met, pushes, clauses, touching)
         made = touches(geometry, facets, sharp.edges, sharp.met, pushes)
-        degenerate = _degenerate(touching, sharp.met, clauses)
+        degenerate = _degenerate(touching, sharp.met, clauses, every)
     rounds = round_contacts(
         geometry, touching.pairs, touching.tolerance, rows[round_pair[rows]], rims
     )
@@ -186,7 +187,10 @@ def _on_patches(met: Meetings, rows: Index, normal: Array, touching: Touching) -
     return held
 
 
-def _degenerate(touching: Touching, met: Meetings, clauses: Clauses) -> Degenerate:
+def _degenerate(touching: Touching, met: Meetings, clauses: Clauses, every: Pushes) -> Degenerate:
+    some = np.zeros(len(touching.pairs), dtype=bool)
+    some[met.pair[clauses.meeting]] = True
+    held = every.take(np.flatnonzero(some[met.pair[every.meeting]]))
     order = np.argsort(met.pair[clauses.meeting], kind="stable")
     clauses = clauses.take(order)
     part_a, part_b = touching.pairs[met.pair[clauses.meeting]].T
@@ -197,6 +201,9 @@ def _degenerate(touching: Touching, met: Meetings, clauses: Clauses) -> Degenera
         start=clauses.start,
         normals=clauses.normal,
         exact=clauses.exact,
+        held_parts=touching.pairs[met.pair[held.meeting]],
+        held_points=met.middle[held.meeting],
+        held_normals=held.normal,
     )
 
 

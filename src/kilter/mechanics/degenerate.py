@@ -75,37 +75,41 @@ def openings(program: Program, pushes: PossibleContacts, motion: Array) -> Array
     return opening
 
 
-def between(
-    program: Program, contacts: ContactSet, motion: Array
-) -> list[tuple[PossibleContacts, bool]]:
-    """Points between degenerate points of one line where a motion might enter.
+def between(program: Program, contacts: ContactSet, motion: Array) -> list[PossibleContacts]:
+    """Points between a degenerate point and the ends of its lines where a motion might enter.
 
-    Returns
-    -------
-    list of (PossibleContacts, bool)
-        A push along each normal there; whether both ends have the same normals, so that
-        these are all there are.
+    Wherever two points of a pair lie across all normals of one of them, a line of contact is
+    thought between. At each point found: a push along each normal of either end.
     """
     points = contacts.degenerate
-    found: list[tuple[PossibleContacts, bool]] = []
-    pairs = np.column_stack([points.part_a, points.part_b])
-    for i, j in combinations(np.flatnonzero(points.exact).tolist(), 2):
-        if (pairs[i] != pairs[j]).any():
-            continue
-        mine, other = (points.normals[points.start[k] : points.start[k + 1]] for k in (i, j))
-        shared = np.linalg.norm(mine[:, None] - other[None], axis=2) <= SAME
-        along = points.points[j] - points.points[i]
-        level = np.abs(mine @ along) <= SAME * np.linalg.norm(along)
-        if int((shared.any(axis=1) & level).sum()) < 2:
-            continue
-        normals = np.concatenate([mine, other[~shared.any(axis=0)]])
-        ends = [openings(program, _at(pairs[i], points.points[k], normals), motion) for k in (i, j)]
-        whole = bool(shared.any(axis=1).all() and shared.any(axis=0).all())
-        for k, m in combinations(range(len(normals)), 2):
-            apart = ends[0][k] - ends[0][m], ends[1][k] - ends[1][m]
-            if apart[0] * apart[1] < 0:
-                share = apart[0] / (apart[0] - apart[1])
-                found.append((_at(pairs[i], points.points[i] + share * along, normals), whole))
+    own = np.column_stack([points.part_a, points.part_b])
+    pairs = np.concatenate([own[points.owner], points.held_parts])
+    ends = np.concatenate([points.points[points.owner], points.held_points])
+    normals = np.concatenate([points.normals, points.held_normals])
+    found: list[PossibleContacts] = []
+    for k in np.flatnonzero(points.exact).tolist():
+        here, mine = points.points[k], points.normals[points.start[k] : points.start[k + 1]]
+        along = ends - here
+        length = np.linalg.norm(along, axis=1)
+        level = np.abs(along @ mine.T).max(axis=1) <= SAME * length
+        level &= (pairs == own[k]).all(axis=1) & (length > 0)
+        for end in np.unique(ends[level], axis=0):
+            there = normals[level & (ends == end).all(axis=1)]
+            found += _where_equal(program, own[k], (here, end), np.vstack([mine, there]), motion)
+    return found
+
+
+def _where_equal(
+    program: Program, pair: Index, ends: tuple[Array, Array], normals: Array, motion: Array
+) -> list[PossibleContacts]:
+    """Points of a line where a motion opens as much along one normal as along another."""
+    opening = [openings(program, _at(pair, end, normals), motion) for end in ends]
+    found = []
+    for k, m in combinations(range(len(normals)), 2):
+        apart = opening[0][k] - opening[0][m], opening[1][k] - opening[1][m]
+        if apart[0] * apart[1] < 0:
+            share = apart[0] / (apart[0] - apart[1])
+            found.append(_at(pair, ends[0] + share * (ends[1] - ends[0]), normals))
     return found
 
 
@@ -136,7 +140,7 @@ def allowed_program(assembly: Assembly, contacts: ContactSet, motion: Array) -> 
         if exact
     ]
     program = with_pushes(program, _rows(pushes, np.array(rows, dtype=np.int64)))
-    for some, _ in between(program, contacts, motion):
+    for some in between(program, contacts, motion):
         best = int(openings(program, some, motion).argmax())
         program = with_pushes(program, _rows(some, np.array([best])))
     return program
