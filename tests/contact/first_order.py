@@ -187,6 +187,7 @@ def pairs_of_cubes(seed: int) -> Iterator[tuple[Body, Body]]:
 def tips_on_cubes(seed: int) -> Iterator[tuple[Body, Body]]:
     """A convex body with a corner or an edge at a lattice point or line of a union of cubes."""
     rng = np.random.default_rng(seed)
+    wanted = 4
     while True:
         below = cubes(polycube(rng, int(rng.integers(2, 7))))
         at = below.vertices[rng.integers(len(below.vertices))].copy()
@@ -197,9 +198,13 @@ def tips_on_cubes(seed: int) -> Iterator[tuple[Body, Body]]:
                              at + rng.choice([0.3, 1.0]) * np.eye(3)[axis]])  # fmt: skip
         else:
             ends = at[None]
-        away = rng.normal(size=3)
+        octants = np.array(list(product((-0.1, 0.1), repeat=3)))
+        filled = [any((c[:, :3] @ (at + o) < c[:, 3]).all() for c in below.cells) for o in octants]
+        if sum(filled) < wanted:  # ridges and corners, facets, notches, in turn
+            continue
+        away = -10 * octants[filled].mean(axis=0) + 0.4 * rng.normal(size=3)
         away /= np.linalg.norm(away)
-        beyond = at + 0.7 * away + 0.4 * rng.normal(size=(5, 3))
+        beyond = at + 0.7 * away + 0.25 * rng.normal(size=(5, 3))
         try:
             above = hull(np.vstack([ends, beyond]))
         except Exception:
@@ -207,4 +212,5 @@ def tips_on_cubes(seed: int) -> Iterator[tuple[Body, Body]]:
         corners = np.unique(above.triangles)
         if len(corners) < len(above.vertices) or overlap(below, above, at) > 1e-9:
             continue
+        wanted = 5 - wanted
         yield below, above
