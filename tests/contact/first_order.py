@@ -200,7 +200,7 @@ def tips_on_cubes(seed: int) -> Iterator[tuple[Body, Body]]:
             ends = at[None]
         octants = np.array(list(product((-0.1, 0.1), repeat=3)))
         filled = [any((c[:, :3] @ (at + o) < c[:, 3]).all() for c in below.cells) for o in octants]
-        if sum(filled) < wanted:  # ridges and corners, facets, notches, in turn
+        if sum(filled) < wanted:  # ridges and corners, then facets and notches
             continue
         away = -10 * octants[filled].mean(axis=0) + 0.4 * rng.normal(size=3)
         away /= np.linalg.norm(away)
