@@ -62,11 +62,30 @@ def test_friction_may_hold_a_ball_on_a_slope_and_a_cylinder_on_a_strip():
     assert judged(across).verdict == "undecided"
 
 
-@pytest.mark.parametrize("angle", [0, 2e-5, 1e-4, 3e-4, 9e-4, 2e-3])
-def test_ridges_that_nearly_run_side_by_side_still_cross(angle):
-    top = Prism([[0, 0], [1, 2], [-1, 2]], 2)
-    upper = Part("top", top, Pose([0, 0, 0], turn([0, 0, 1], np.degrees(angle))))
-    assert judged(Assembly([RIDGE, upper])).verdict == "undecided"
+TOP = Prism([[0, 0], [1, 2], [-1, 2]], 2)
+
+
+@pytest.mark.parametrize("angle", [2e-5, 1e-4, 3e-4, 9e-4])
+def test_ridges_that_nearly_run_side_by_side_may_cross_or_not(angle):
+    upper = Part("top", TOP, Pose([0, 0, 0], turn([0, 0, 1], np.degrees(angle))))
+    verdict = judged(Assembly([RIDGE, upper]))
+    assert verdict.verdict == "undecided"
+    assert "with the paper's planar approximation it would be stable" in verdict.sentence
+
+
+def test_ridges_side_by_side_slide_off_each_other():
+    # it slides down either slope: to first order nothing stops it
+    verdict = judged(Assembly([RIDGE, Part("top", TOP)]))
+    assert verdict.verdict == "unstable"
+    motion = verdict.certificate.motion[1]
+    assert abs(motion[0]) == pytest.approx(-motion[2], rel=1e-6)
+
+
+def test_ridges_that_cross_balance():
+    upper = Part("top", TOP, Pose([0, 0, 0], turn([0, 0, 1], np.degrees(2e-3))))
+    verdict = judged(Assembly([RIDGE, upper]))
+    assert verdict.verdict == "stable"
+    assert verdict.contacts.patch_kind.tolist() == ["edge-edge"]
 
 
 def test_the_true_circle_reaches_beyond_the_side_of_its_polygon():

@@ -1,4 +1,4 @@
-"""Edges, corners and round faces: listed, and bounded from both sides; never a guess."""
+"""Edges and corners have verdicts; round faces are bounded from both sides, never guessed."""
 
 import numpy as np
 import pytest
@@ -53,17 +53,19 @@ def crossed_prisms():
 
 
 STANDING = {
-    "edge": ([FLOOR, on_edge()], "edge"),
-    "corner": ([FLOOR, on_corner()], "vertex"),
-    "tetrahedron": ([FLOOR, tetrahedron()], "vertex"),
+    "edge": ([FLOOR, on_edge()], "edge-face"),
+    "corner": ([FLOOR, on_corner()], "vertex-face"),
+    "tetrahedron": ([FLOOR, tetrahedron()], "vertex-face"),
     "cylinder": ([FLOOR, lying_cylinder()], "curved"),
     "ball": ([FLOOR, ball()], "curved"),
-    "crossed": (crossed_prisms(), "vertex"),
+    "crossed": (crossed_prisms(), "edge-edge"),
 }
 EACH = pytest.mark.parametrize("name", STANDING)
+ROUND = pytest.mark.parametrize("name", ["cylinder", "ball"])
+SHARP = pytest.mark.parametrize("name", ["edge", "corner", "tetrahedron", "crossed"])
 
 
-@EACH
+@ROUND
 def test_contact_that_could_hold_it_is_listed_and_undecided(name):
     parts, kind = STANDING[name]
     verdict = judged(Assembly(parts))
@@ -74,6 +76,35 @@ def test_contact_that_could_hold_it_is_listed_and_undecided(name):
     assert "not modelled yet" in verdict.sentence
     assert "'cube'" in verdict.sentence
     assert kind in verdict.sentence
+
+
+@SHARP
+def test_what_balances_on_an_edge_or_corner_is_stable_and_neutral(name):
+    parts, kind = STANDING[name]
+    verdict = judged(Assembly(parts))
+    assert verdict.verdict == "stable"
+    assert verdict.contacts.unsupported == ()
+    assert verdict.contacts.patch_kind.tolist() == [kind]
+    assert verdict.contacts.patch_area.tolist() == [0.0]
+    points = 2 if kind == "edge-face" else 1
+    assert len(verdict.contacts.points) == points
+    assert verdict.contacts.normals == pytest.approx(np.tile(UP, (points, 1)))
+    # it may slide two ways and spin; on an edge it rolls about it, on a point also across it
+    assert verdict.neutral.two_sided == (4 if points == 2 else 5)
+
+
+@SHARP
+@pytest.mark.parametrize("past", [1e-3, 1e-6, 1e-7])
+def test_what_stands_past_its_edge_or_corner_is_unstable(name, past):
+    parts, _ = STANDING[name]
+    cube = parts[1]
+    shape = cube.shape
+    own = np.zeros(3) if isinstance(shape, Box) else np.array(Assembly(parts).geometry.center[1])
+    if name == "crossed":
+        own = np.array([0, 0, 2 / 3])
+    moved = own + past * np.array([1.0, 0, 0])
+    moved = Part("cube", shape, cube.pose, center_of_mass=moved)
+    assert judged(Assembly([parts[0], moved])).verdict == "unstable"
 
 
 @EACH
@@ -110,27 +141,34 @@ def test_contact_that_pushes_up_cannot_hold_when_gravity_points_away(name):
     assert verdict.verdict == ("undecided" if kind == "curved" else "unstable")
 
 
-def test_wedge_on_its_edge_between_two_walls_is_undecided_or_held():
+def test_wedge_on_its_edge_between_two_walls_is_held():
     wedge = prism("cube", [[0, 0], [1, 2], [-1, 2]], 1.0)
     left = prism("left", [[0, 0], [-1, 2], [-2, 2], [-2, 0]], 1.0, grounded=True)
     right = prism("right", [[0, 0], [2, 0], [2, 2], [1, 2]], 1.0, grounded=True)
-    verdict = judged(Assembly([FLOOR, left, right, wedge]))
-    assert verdict.verdict == "stable"
+    assert judged(Assembly([FLOOR, left, right, wedge])).verdict == "stable"
+    # on the floor by its edge, with a wall on one side only: it tips away or slides out
     one_sided = judged(Assembly([FLOOR, left, wedge]))
-    assert one_sided.verdict == "undecided"
-    assert any(u.kind == "edge" for u in one_sided.contacts.unsupported)
+    assert one_sided.contacts.unsupported == ()
+    assert "edge-face" in one_sided.contacts.patch_kind
+    assert one_sided.verdict == "stable"  # upright over its edge: neutral
+    center = [1e-6, 0, 4 / 3]
+    leaning = Part("cube", wedge.shape, wedge.pose, center_of_mass=center)
+    assert judged(Assembly([FLOOR, left, leaning])).verdict == "unstable"
+    against = Part("cube", wedge.shape, wedge.pose, center_of_mass=[-1e-6, 0, 4 / 3])
+    # it leans on the wall, whose push away nothing takes up: its edge slides out
+    assert judged(Assembly([FLOOR, left, against])).verdict == "unstable"
 
 
 def test_wedge_on_an_edge_between_upright_walls():
-    # walls at x = -1 and 1 touch its upper corners' edges only; it stands on its lower edge
+    # walls at x = -1 and 1 touch its two upright sides; it stands on its lower edge
     wedge = prism("cube", [[0, 0], [1, 1], [1, 2], [-1, 2], [-1, 1]], 1.0)
     walls = [
         block("left", [-2, -1, 0], [-1, 1, 3], grounded=True),
         block("right", [1, -1, 0], [2, 1, 3], grounded=True),
     ]
     verdict = judged(Assembly([FLOOR, *walls, wedge]))
-    assert verdict.verdict == "undecided"
-    assert [u.kind for u in verdict.contacts.unsupported] == ["edge"]
+    assert verdict.verdict == "stable"
+    assert sorted(verdict.contacts.patch_kind) == ["edge-face", "plane", "plane"]
     without_floor = judged(Assembly([*walls, wedge]))
     assert without_floor.verdict == "unstable"
 
@@ -141,14 +179,15 @@ def test_box_on_a_table_that_also_touches_an_edge_of_a_wall_is_stable():
     knife = prism("knife", [[1, 0.5], [2, 0.2], [2, 0.8]], 4.0, grounded=True)
     verdict = judged(Assembly([FLOOR, box, knife]))
     assert verdict.verdict == "stable"
-    assert [u.kind for u in verdict.contacts.unsupported] == ["edge"]
+    assert verdict.contacts.unsupported == ()
+    assert sorted(verdict.contacts.patch_kind) == ["edge-face", "plane"]
 
 
 def test_edge_that_pushes_the_wrong_way_leaves_it_unstable():
     # a box that hangs over the table's edge; a knife touches its far side: it cannot lift it
     table = floor([-3, -1], [0, 1], name="table")
     box = block("cube", [-0.4, -0.5, 0], [0.6, 0.5, 1])
-    for z, word in ((0.5, "unstable"), (0.0, "undecided")):
+    for z, word in ((0.5, "unstable"), (0.0, "stable")):
         if z:
             knife = prism("knife", [[0.6, z], [2, 0.2], [2, 0.8]], 4.0, grounded=True)
         else:  # from below, under the overhang: it could
@@ -233,8 +272,8 @@ def test_two_round_parts_on_their_ends_stack():
 
 
 def test_proof_with_possible_contacts_counts_them():
-    # unstable although an edge may push: the motion obeys that edge too
-    verdict = judged(Assembly([FLOOR, on_edge(), SPARE]))
+    # unstable although a ball may push: the motion obeys that push too
+    verdict = judged(Assembly([FLOOR, ball(), SPARE]))
     assert (verdict.program.kind == 1).any()
     moves = verdict.program.velocities(verdict.certificate.motion)
     assert moves.min() >= -1e-9

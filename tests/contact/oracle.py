@@ -449,6 +449,8 @@ def _found(contacts: ContactSet) -> list[tuple[tuple[int, int], Array, float, Ar
     """Pair, normal, area, gap and points of each patch, parts in ascending order."""
     result = []
     for k, (a, b) in enumerate(contacts.patch_parts.tolist()):
+        if contacts.patch_kind[k] != "plane":
+            continue  # edges and corners have an oracle of their own
         sign = 1.0 if a < b else -1.0
         points = contacts.points[contacts.patch_start[k] : contacts.patch_start[k + 1]]
         pair = (min(a, b), max(a, b))

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kilter.analysis.contact_forces import ContactForces, find_contact_forces
+from kilter.analysis.degenerate import decide_degenerate
 from kilter.analysis.displacement import LIMIT as DISPLACEMENT_LIMIT
 from kilter.analysis.displacement import Displacement, find_displacement
 from kilter.analysis.friction import BUDGET, FrictionAnswer, ask_friction
@@ -346,7 +347,10 @@ def _decide(
     bound = judge(outer)
     if bound.stable is False:
         return _Decision("unstable", outer, bound)
-    why = tuple(_open_questions(assembly, contacts))
+    sharp = decide_degenerate(assembly, contacts)
+    if sharp.program is not None and sharp.judgement is not None:
+        return _Decision("unstable", sharp.program, sharp.judgement)
+    why = (*_open_questions(assembly, contacts), *sharp.words)
     return _Decision("undecided", program, judgement, why=why)
 
 

@@ -8,13 +8,14 @@ section 2.1 and Figure 3), so nothing is lost for the equilibrium of rigid parts
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
     "ContactSet",
+    "Degenerate",
     "Overlap",
     "PossibleContacts",
     "Rejected",
@@ -119,6 +120,103 @@ def joined(first: PossibleContacts, second: PossibleContacts) -> PossibleContact
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Degenerate:
+    """Points of contact without one normal: a ridge on a ridge, a corner on an edge.
+
+    A motion is allowed at point k where its opening along at least one of the point's
+    normals is not below zero.
+
+    Attributes
+    ----------
+    part_a, part_b : ndarray of int, shape (n,)
+    points : ndarray, shape (n, 3)
+    start, normals : ndarray, shape (n + 1,) and (m, 3)
+        Extreme normals of the cone of planes that separate the parts at point k, unit, from
+        a to b: rows ``start[k]`` to ``start[k + 1]``.
+    exact : ndarray of bool, shape (n,)
+        False where the parts meet like this only within tolerance: coordinates taken at
+        their word might give a normal.
+    held_parts, held_points, held_normals : ndarray, shape (h, 2), (h, 3) and (h, 3)
+        Points of the same pairs of parts that have a normal, also those that a patch holds:
+        lines of degenerate points may end there.
+    """
+
+    part_a: Index
+    part_b: Index
+    points: Array
+    start: Index
+    normals: Array
+    exact: NDArray[np.bool_]
+    held_parts: Index
+    held_points: Array
+    held_normals: Array
+
+    def __len__(self) -> int:
+        return len(self.part_a)
+
+    @classmethod
+    def none(cls) -> Degenerate:
+        """No such point."""
+        empty, index = np.empty((0, 3)), np.empty(0, dtype=np.int64)
+        no, pairs = np.empty(0, dtype=bool), np.empty((0, 2), dtype=np.int64)
+        return cls(index, index, empty, np.zeros(1, np.int64), empty, no, pairs, empty, empty)
+
+    @property
+    def owner(self) -> Index:
+        """The point of each normal, shape (m,)."""
+        return np.repeat(np.arange(len(self)), np.diff(self.start))
+
+    @property
+    def centers(self) -> Array:
+        """The centre of each point's cone of normals: the paper's planar approximation, (n, 3).
+
+        The bisector of two; of more, the centroid of the polygon that they span on the
+        sphere, sum of angle(m, n) (m x n) / |m x n| / 2 over its sides.
+
+        References
+        ----------
+        The paper, section 2.1, Figure 3 (d).
+        """
+        centers = np.zeros((len(self), 3))
+        for k in range(len(self)):
+            centers[k] = _center(self.normals[self.start[k] : self.start[k + 1]])
+        return centers
+
+    def pushes(self) -> PossibleContacts:
+        """A push along every normal."""
+        owner = self.owner
+        none = np.zeros(len(owner))
+        return PossibleContacts(
+            self.part_a[owner],
+            self.part_b[owner],
+            self.points[owner],
+            self.normals,
+            none > 0,
+            none,
+        )
+
+
+def _center(normals: Array) -> Array:
+    """The centre of the convex cone that unit normals span, unit."""
+    mean = normals.sum(axis=0)
+    mean = mean / max(float(np.linalg.norm(mean)), np.finfo(float).tiny)
+    if len(normals) > 2:
+        u = np.cross(np.eye(3)[np.abs(mean).argmin()], mean)
+        order = np.argsort(np.arctan2(normals @ np.cross(mean, u), normals @ u))
+        around = normals[order]
+        following = np.roll(around, -1, axis=0)
+        across = np.cross(around, following)
+        sine = np.linalg.norm(across, axis=1)
+        angle = np.arctan2(sine, np.einsum("ij,ij->i", around, following))
+        total = (angle / np.maximum(sine, np.finfo(float).tiny)) @ across
+        size = float(np.linalg.norm(total))
+        if size > 1e-9:
+            mean = total / size
+    result: Array = mean
+    return result
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class ContactSet:
     """Contact patches between parts, struct of arrays; world frame, length unit of the file.
 
@@ -129,7 +227,8 @@ class ContactSet:
     patch_normal : ndarray, shape (P, 3)
         Unit normal from a to b; of a curved patch, the mean of those of its points.
     patch_area : ndarray, shape (P,)
-        Area of contact [length unit^2] (not of its hull); 0 for given contacts.
+        Area of contact [length unit^2] (not of its hull); 0 for edges, corners and given
+        contacts.
     patch_gap : ndarray, shape (P, 2)
         Least and greatest gap over the patch [length unit]; negative = penetration.
     patch_mu : ndarray, shape (P,)
@@ -147,6 +246,7 @@ class ContactSet:
         Unit normal from a to b at each point; that of its patch where the patch is flat.
     unsupported : tuple of Unsupported
     possible : PossibleContacts
+        Its first rows are the normals of `degenerate`, in order.
     rejected : tuple of Rejected
     overlaps : tuple of Overlap
     gap_edges, gap_counts : ndarray, shape (n + 1,) and (n,)
@@ -155,6 +255,8 @@ class ContactSet:
     gap : float
         The largest gap tolerance that was applied to a pair [length unit].
     warnings : tuple of str
+    degenerate : Degenerate
+        Points of contact without one normal; also listed in `unsupported`.
     """
 
     patch_parts: Index
@@ -176,9 +278,22 @@ class ContactSet:
     tolerance: Tolerance
     gap: float
     warnings: tuple[str, ...]
+    degenerate: Degenerate = field(default_factory=Degenerate.none)
 
     def __len__(self) -> int:
         return len(self.patch_area)
+
+    @property
+    def approximate(self) -> PossibleContacts:
+        """The paper's planar approximation: a push at each degenerate point.
+
+        It is along the centre of the cone of normals there (section 2.1, Figure 3 (d)).
+        """
+        points = self.degenerate
+        none = np.zeros(len(points))
+        return PossibleContacts(
+            points.part_a, points.part_b, points.points, points.centers, none > 0, none
+        )
 
     @property
     def point_patch(self) -> Index:

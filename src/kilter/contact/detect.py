@@ -292,23 +292,32 @@ def _contact_set(
     parts = facets.part[facet]
     width = (facets.area[facet] / facets.reach[facet]).min(axis=1)
     accuracy = geometry.accuracy[parts].sum(axis=1) / width if len(parts) else np.empty(0)
-    given = assembly.contacts
+    given, touches = assembly.contacts, near.touches
     given_parts = np.array([[assembly.index_of(n) for n in c.parts] for c in given], dtype=np.int64)
     counts = np.array([len(c.points) for c in given], dtype=np.int64)
-    start = np.concatenate([patches.start, patches.start[-1] + np.cumsum(counts)])
-    parts = np.concatenate([parts, given_parts.reshape(-1, 2)])
-    normal = np.concatenate([patches.normal, np.array([c.normal for c in given]).reshape(-1, 3)])
-    points = np.concatenate([patches.points, *(c.points for c in given)])
+    start = np.concatenate([patches.start, patches.start[-1] + touches.start[1:]])
+    start = np.concatenate([start, start[-1] + np.cumsum(counts)])
+    sharp_parts = found.touching.pairs[touches.pair]
+    parts = np.concatenate([parts, sharp_parts, given_parts.reshape(-1, 2)])
+    given_normal = np.array([c.normal for c in given]).reshape(-1, 3)
+    normal = np.concatenate([patches.normal, touches.normals[touches.start[:-1]], given_normal])
+    points = np.concatenate([patches.points, touches.points, *(c.points for c in given)])
     normals = np.repeat(normal, np.diff(start), axis=0)
+    first = patches.start[-1]
+    normals[first : first + len(touches.normals)] = touches.normals
     rims = rim_contacts(geometry, parts[: len(patches.pair)], normal, start, points)
+    none = np.zeros(len(given))
     return ContactSet(
         patch_parts=parts,
         patch_normal=normal,
-        patch_area=np.concatenate([patches.area, np.zeros(len(given))]),
-        patch_gap=np.concatenate([patches.gap, np.zeros((len(given), 2))]),
+        patch_area=np.concatenate([patches.area, np.zeros(len(touches.pair)), none]),
+        patch_gap=np.concatenate([patches.gap, touches.gap, np.zeros((len(given), 2))]),
         patch_mu=_friction(assembly, parts, [c.mu for c in given]),
-        patch_kind=np.array(["plane"] * len(patches.pair) + ["given"] * len(given), dtype="<U11"),
-        patch_accuracy=np.concatenate([accuracy, np.zeros(len(given))]),
+        patch_kind=np.array(
+            ["plane"] * len(patches.pair) + touches.kind.tolist() + ["given"] * len(given),
+            dtype="<U11",
+        ),
+        patch_accuracy=np.concatenate([accuracy, touches.accuracy, none]),
         patch_start=start,
         points=points,
         normals=normals,
@@ -321,6 +330,7 @@ def _contact_set(
         tolerance=tolerance,
         gap=float(limits.gap.max(initial=0.0)),
         warnings=(*found.warnings, *warnings),
+        degenerate=near.degenerate,
     )
 
 

@@ -12,7 +12,7 @@ from kilter.contact.facets import Facets
 from kilter.geometry import Geometry
 from kilter.rigid import cross
 
-__all__ = ["Edges", "find_edges", "segment_distance"]
+__all__ = ["Edges", "Rays", "find_edges", "ragged", "segment_distance"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -31,17 +31,18 @@ class Edges:
         Vertices.
     facet : ndarray of int, shape (E, 2)
         The facet left of the edge and the one right of it, seen from outside (-1: none).
-    fan_start, fan : ndarray of int
-        Vertices joined to vertex v by the side of a triangle, within facets too:
-        ``fan[fan_start[v]:fan_start[v + 1]]``. They span the cone of the part at v, also
-        where v lies on a straight edge.
+    ray_start, ray_edge : ndarray of int
+        Edges that end in vertex v: ``ray_edge[ray_start[v]:ray_start[v + 1]]``.
+    doubled : bool
+        Some edges lie on others: facets of no width lay between them.
     """
 
     start: Index
     ends_of: Index
     facet: Index
-    fan_start: Index
-    fan: Index
+    ray_start: Index
+    ray_edge: Index
+    doubled: bool
 
     def ends(self, geometry: Geometry, which: Index) -> tuple[Array, Array]:
         """Both ends of edges, shape (n, 3) each."""
@@ -58,10 +59,7 @@ class Edges:
         self, geometry: Geometry, boxes: Boxes, part: Index, box: tuple[Array, Array]
     ) -> tuple[Index, Index]:
         """Edges of ``part[k]`` whose box meets box k: pairs (k, edge), ordered by k."""
-        count = self.start[part + 1] - self.start[part]
-        owner = np.repeat(np.arange(len(part)), count)
-        shift = self.start[part] - (np.cumsum(count) - count)
-        edge = np.arange(len(owner)) + np.repeat(shift, count)
+        owner, edge = ragged(self.start, part)
         low, high = self.boxes(geometry, boxes.frame, edge)
         meets = (low <= box[1][owner]).all(axis=1) & (high >= box[0][owner]).all(axis=1)
         return owner[meets], edge[meets]
@@ -74,27 +72,77 @@ class Edges:
     def behind(
         self, facets: Facets, geometry: Geometry, which: Index, normal: Array, slack: float
     ) -> Mask:
-        """Edges whose two facets lie behind the plane with this normal."""
-        fits = np.ones(len(which), dtype=bool)
+        """Edges whose two facets, and the part between, lie behind the plane with this normal."""
+        fits: Mask = np.ones(len(which), dtype=bool)
+        fits[(self.facet[which] < 0).any(axis=1)] = False
         along = self.direction(geometry, which)
+        inward = np.zeros((len(which), 3))
         for side, turn in ((0, 1.0), (1, -1.0)):
-            facet = self.facet[which, side]
-            into = turn * cross(facets.normal[facet], along)
-            fits &= (facet < 0) | (np.einsum("ij,ij->i", into, normal) <= slack)
+            outward = facets.normal[self.facet[which, side]]
+            into = turn * cross(outward, along)
+            fits &= np.einsum("ij,ij->i", into, normal) <= slack
+            inward += into - outward
+        fits &= np.einsum("ij,ij->i", inward, normal) <= slack
         return fits
 
-    def in_front(self, geometry: Geometry, vertex: Index, normal: Array, slack: float) -> Mask:
-        """Vertices at which the part lies in front of the plane with this normal."""
-        count = self.fan_start[vertex + 1] - self.fan_start[vertex]
-        owner = np.repeat(np.arange(len(vertex)), count)
-        shift = self.fan_start[vertex] - (np.cumsum(count) - count)
-        other = self.fan[np.arange(len(owner)) + np.repeat(shift, count)]
-        step = geometry.vertices[other] - geometry.vertices[vertex][owner]
-        length = np.maximum(np.linalg.norm(step, axis=1), 1e-300)
-        rise = np.einsum("ij,ij->i", step, normal[owner]) / length
-        fits = np.ones(len(vertex), dtype=bool)
-        fits[owner[rise < -slack]] = False
-        return fits
+    def reflex(self, facets: Facets, geometry: Geometry, which: Index, slack: float) -> Mask:
+        """Edges at which the part bends inwards."""
+        left, right = self.facet[which].T
+        into_left = cross(facets.normal[left], self.direction(geometry, which))
+        rise = np.einsum("ij,ij->i", into_left, facets.normal[right])
+        bent: Mask = (left >= 0) & (right >= 0) & (rise > slack)
+        return bent
+
+    def rays(self, geometry: Geometry, vertex: Index) -> Rays:
+        """What leaves some vertices: one row an edge that ends there."""
+        owner, row = ragged(self.ray_start, vertex)
+        edge = self.ray_edge[row]
+        away = self.ends_of[edge, 0] == vertex[owner]
+        direction = np.where(away, 1.0, -1.0)[:, None] * self.direction(geometry, edge)
+        left, right = self.facet[edge].T
+        left, right = np.where(away, left, right), np.where(away, right, left)
+        rays = Rays(owner, edge, direction, left, right)
+        return rays.once() if self.doubled else rays
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rays:
+    """Edges that leave vertices, seen from there: row of the vertex, unit direction.
+
+    `left`, `right`: the facets on either side, seen from outside (-1: none).
+    """
+
+    owner: Index
+    edge: Index
+    direction: Array
+    left: Index
+    right: Index
+
+    def once(self) -> Rays:
+        """Each direction between the same two facets once, those inside of a facet never."""
+        place = np.round(self.direction / SAME_WAY).astype(np.int64)
+        names = np.column_stack([self.owner, self.left, self.right, place])
+        keep = np.unique(names, axis=0, return_index=True)[1]
+        keep = np.sort(keep[self.left[keep] != self.right[keep]])
+        return Rays(*(getattr(self, name)[keep] for name in self.__slots__))
+
+
+SAME_WAY = 1e-3
+"""Edges between the same two facets that leave a corner closer than this are one [rad]."""
+
+
+def ragged(start: Index, which: Index) -> tuple[Index, Index]:
+    """Rows ``start[w]`` to ``start[w + 1]`` of each w of `which`: (place in `which`, row).
+
+    Examples
+    --------
+    >>> ragged(np.array([0, 2, 3]), np.array([1, 0]))
+    (array([0, 1, 1]), array([2, 0, 1]))
+    """
+    count = start[which + 1] - start[which]
+    owner = np.repeat(np.arange(len(which)), count)
+    shift = start[which] - (np.cumsum(count) - count)
+    return owner, np.arange(len(owner)) + np.repeat(shift, count)
 
 
 def find_edges(geometry: Geometry, facets: Facets, parts: Index) -> Edges:
@@ -116,16 +164,86 @@ def find_edges(geometry: Geometry, facets: Facets, parts: Index) -> Edges:
     ends = np.column_stack([low[first], high[first]])
     part = geometry.vertex_part[ends[:, 0]]
     order = np.argsort(part, kind="stable")
-    corners = geometry.triangles[chosen[geometry.triangle_part]]
-    both = np.concatenate([corners[:, [k, j]] for k in range(3) for j in range(3) if j != k])
-    both = both[np.argsort(both[:, 0], kind="stable")]
+    ends, sides = ends[order], sides[order]
+    sides, split = _across_open(geometry, ends, sides)
+    ends, sides, doubled = _without_slivers(facets, ends, sides)
+    part = geometry.vertex_part[ends[:, 0]]
+    both = ends.T.reshape(-1)
+    at = np.argsort(both, kind="stable")
     return Edges(
-        start=np.searchsorted(part[order], np.arange(len(geometry.mass) + 1)),
-        ends_of=ends[order],
-        facet=sides[order],
-        fan_start=np.searchsorted(both[:, 0], np.arange(len(geometry.vertices) + 1)),
-        fan=both[:, 1],
+        start=np.searchsorted(part, np.arange(len(geometry.mass) + 1)),
+        ends_of=ends,
+        facet=sides,
+        ray_start=np.searchsorted(both[at], np.arange(len(geometry.vertices) + 1)),
+        ray_edge=at % max(1, len(ends)),
+        doubled=doubled or split,
     )
+
+
+ON_LINE = 1e-7
+"""A vertex this part of the size from an edge splits it."""
+OPEN = 4000
+"""Up to this many edges of a part with a facet on one side only are matched."""
+
+
+def _across_open(geometry: Geometry, ends: Index, sides: Index) -> tuple[Index, bool]:
+    """Sides of edges that vertices of the neighbours split: the facet of the piece opposite."""
+    lonely = np.flatnonzero((sides < 0).any(axis=1))
+    if not len(lonely):
+        return sides, False
+    sides = sides.copy()
+    part = geometry.vertex_part[ends[lonely, 0]]
+    known = sides[lonely].max(axis=1)
+    for k in np.unique(part).tolist():
+        mine = lonely[part == k]
+        if len(mine) > OPEN:
+            continue
+        start, end = geometry.vertices[ends[mine]].transpose(1, 0, 2)
+        along = (end - start) / np.linalg.norm(end - start, axis=1)[:, None]
+        length = np.linalg.norm(end - start, axis=1)
+        for row, edge in enumerate(mine.tolist()):
+            away = (start[row] + end[row]) / 2 - start
+            at = np.einsum("ij,ij->i", away, along)
+            off = np.linalg.norm(away - at[:, None] * along, axis=1)
+            near = (off <= ON_LINE * geometry.size[k]) & (at >= 0) & (at <= length)
+            # the longer of the two holds the middle of the shorter
+            away = (start + end) / 2 - start[row]
+            at = away @ along[row]
+            off = np.linalg.norm(away - np.outer(at, along[row]), axis=1)
+            near |= (off <= ON_LINE * geometry.size[k]) & (at >= 0) & (at <= length[row])
+            own = sides[edge].max()
+            other = np.setdiff1d(known[part == k][near], [own])
+            if len(other):
+                sides[edge, int(np.argmin(sides[edge]))] = other[0]
+    return sides, True
+
+
+def _without_slivers(facets: Facets, ends: Index, sides: Index) -> tuple[Index, Index, bool]:
+    """Edges with the facets beyond slivers (of no direction) in place of these."""
+    sliver = np.linalg.norm(facets.normal, axis=1) < 0.5
+    touched = sliver[sides] & (sides >= 0)
+    if not touched.any():
+        return ends, sides, False
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    inner = touched.all(axis=1)
+    joins = np.ones(int(inner.sum()), dtype=np.int8), tuple(sides[inner].T)
+    graph = coo_array(joins, shape=(len(sliver), len(sliver)))
+    label = connected_components(graph, directed=False)[1]
+    beyond: dict[int, set[int]] = {}
+    rim = np.flatnonzero(touched.any(axis=1) & ~inner)
+    for row in rim:
+        side = int(touched[row, 1])
+        beyond.setdefault(int(label[sides[row, side]]), set()).add(int(sides[row, 1 - side]))
+    sides = sides.copy()
+    for row in rim:
+        side = int(touched[row, 1])
+        own = int(sides[row, 1 - side])
+        others = sorted(beyond[int(label[sides[row, side]])] - {own, -1})
+        sides[row, side] = others[0] if others else own
+    keep = ~inner & (sides[:, 0] != sides[:, 1])
+    return ends[keep], sides[keep], True
 
 
 def _boundary(facets: Facets, which: Index) -> tuple[Index, Index, Index]:
@@ -148,14 +266,14 @@ def _boundary(facets: Facets, which: Index) -> tuple[Index, Index, Index]:
     return begin, end, owner
 
 
-def segment_distance(p1: Array, q1: Array, p2: Array, q2: Array) -> tuple[Array, Array]:
-    """Distance of segments that are not parallel, and the point half-way; shape (n,), (n, 3).
+def segment_distance(p1: Array, q1: Array, p2: Array, q2: Array) -> tuple[Array, Array, Array]:
+    """Distance (n,) of segments that are not parallel, and the nearest points (n, 3) of both.
 
     Examples
     --------
     >>> segment_distance(*(np.array([x], dtype=float) for x in
     ...                    ([-1, 0, 0], [1, 0, 0], [0, -1, 1], [0, 1, 1])))
-    (array([1.]), array([[0. , 0. , 0.5]]))
+    (array([1.]), array([[0., 0., 0.]]), array([[0., 0., 1.]]))
     """
     d1, d2, r = q1 - p1, q2 - p2, p1 - p2
     a, e, b = (np.einsum("ij,ij->i", x, y) for x, y in ((d1, d1), (d2, d2), (d1, d2)))
@@ -175,4 +293,4 @@ def segment_distance(p1: Array, q1: Array, p2: Array, q2: Array) -> tuple[Array,
     s = np.where(clipped == t, s, np.clip((b * clipped - c) / a, 0, 1))
     t = clipped
     x, y = p1 + s[:, None] * d1, p2 + t[:, None] * d2
-    return np.linalg.norm(x - y, axis=1), (x + y) / 2
+    return np.linalg.norm(x - y, axis=1), x, y

@@ -18,6 +18,7 @@ from kilter.contact.contact_set import ContactSet, Tolerance
 from kilter.errors import InputError
 from kilter.mechanics.certificate import check_forces, check_motion, part_sizes
 from kilter.mechanics.coulomb import LawProof, check_law
+from kilter.mechanics.degenerate import allowed_program
 from kilter.mechanics.program import CONTACT, JOINT, Program, build_program
 from kilter.mechanics.proof import FORMAT, digest_of, joints_of
 
@@ -284,6 +285,10 @@ def _recheck_motion(
         motion[assembly.index[name]] = six
     outer = build_program(assembly, contacts, possible=True)
     judged = check_motion(outer, motion)
+    if not judged.holds and len(contacts.degenerate):
+        # it may enter along some of the normals of a degenerate point, not along all of them
+        outer = allowed_program(assembly, contacts, motion) or outer
+        judged = check_motion(outer, motion)
     reasons = []
     if not judged.holds:
         reasons.append(

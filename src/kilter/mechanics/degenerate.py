@@ -1,0 +1,150 @@
+"""Degenerate points in a program: which pushes a given motion must be held against.
+
+At a degenerate point p (a ridge on a ridge, a corner on an edge) a velocity v of part b
+relative to part a makes them enter each other to first order iff v.m < 0 for every extreme
+normal m of the planes that separate them there (`kilter.contact.spanning`). So a motion is
+allowed at p iff its opening along at least one m is not below zero, and the allowed motions
+are a union of cones, one a choice of m at every point.
+
+Along a line of such points from p to q the planes that separate the parts include those of
+both ends, and the opening along each m is linear: the greatest of them is convex, so that
+it is enough to ask where two of them are equal.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.assembly import Assembly
+from kilter.contact.contact_set import ContactSet, PossibleContacts
+from kilter.mechanics.program import CONTACT, POSSIBLE, Program, build_program
+from kilter.rigid import cross
+
+__all__ = ["MOST", "allowed_program", "between", "openings", "with_pushes", "without_degenerate"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+MOST = 64
+"""With more degenerate points than this their pushes are all counted, none is chosen."""
+SAME = 1e-6
+"""Normals closer than this are one [rad]."""
+
+
+def with_pushes(program: Program, pushes: PossibleContacts) -> Program:
+    """The program with further rows that push, of kind POSSIBLE."""
+    count = len(pushes)
+    none = np.zeros(count, dtype=bool)
+    more = {
+        "part_a": pushes.part_a,
+        "part_b": pushes.part_b,
+        "point": pushes.points,
+        "normal": pushes.normals,
+        "kind": np.full(count, POSSIBLE),
+        "two_sided": none,
+        "angular": none,
+        "mu": np.zeros(count),
+        "source": np.full(count, -1),
+    }
+    both = {key: np.concatenate([getattr(program, key), rows]) for key, rows in more.items()}
+    return program.with_rows(**both)
+
+
+def without_degenerate(assembly: Assembly, contacts: ContactSet) -> Program:
+    """Every force there may be but those at degenerate points that are so exactly."""
+    outer = build_program(assembly, contacts, possible=True, sticking=True).frictionless
+    points = contacts.degenerate
+    keep = np.ones(len(outer.part_a), dtype=bool)
+    first = int((outer.kind == CONTACT).sum())
+    keep[first : first + len(points.normals)] = ~points.exact[points.owner]
+    rows = np.flatnonzero(keep)
+    names = ("part_a", "part_b", "point", "normal", "kind", "two_sided", "angular", "mu", "source")
+    return outer.with_rows(**{name: getattr(outer, name)[rows] for name in names})
+
+
+def openings(program: Program, pushes: PossibleContacts, motion: Array) -> Array:
+    """Opening of each push for a motion of all parts, shape (n,)."""
+    velocity = np.zeros((len(pushes), 3))
+    for part, sign in ((pushes.part_b, 1.0), (pushes.part_a, -1.0)):
+        arm = pushes.points - program.center[part]
+        velocity += sign * (motion[part, :3] + cross(motion[part, 3:], arm))
+    opening: Array = np.einsum("ij,ij->i", velocity, pushes.normals)
+    return opening
+
+
+def between(program: Program, contacts: ContactSet, motion: Array) -> list[PossibleContacts]:
+    """Points between a degenerate point and the ends of its lines where a motion might enter.
+
+    Wherever two points of a pair lie across all normals of one of them, a line of contact is
+    thought between. At each point found: a push along each normal of either end.
+    """
+    points = contacts.degenerate
+    own = np.column_stack([points.part_a, points.part_b])
+    pairs = np.concatenate([own[points.owner], points.held_parts])
+    ends = np.concatenate([points.points[points.owner], points.held_points])
+    normals = np.concatenate([points.normals, points.held_normals])
+    found: list[PossibleContacts] = []
+    for k in np.flatnonzero(points.exact).tolist():
+        here, mine = points.points[k], points.normals[points.start[k] : points.start[k + 1]]
+        along = ends - here
+        length = np.linalg.norm(along, axis=1)
+        level = np.abs(along @ mine.T).max(axis=1) <= SAME * length
+        level &= (pairs == own[k]).all(axis=1) & (length > 0)
+        for end in np.unique(ends[level], axis=0):
+            there = normals[level & (ends == end).all(axis=1)]
+            found += _where_equal(program, own[k], (here, end), np.vstack([mine, there]), motion)
+    return found
+
+
+def _where_equal(
+    program: Program, pair: Index, ends: tuple[Array, Array], normals: Array, motion: Array
+) -> list[PossibleContacts]:
+    """Points of a line where a motion opens as much along one normal as along another."""
+    opening = [openings(program, _at(pair, end, normals), motion) for end in ends]
+    found = []
+    for k, m in combinations(range(len(normals)), 2):
+        apart = opening[0][k] - opening[0][m], opening[1][k] - opening[1][m]
+        if apart[0] * apart[1] < 0:
+            share = apart[0] / (apart[0] - apart[1])
+            found.append(_at(pair, ends[0] + share * (ends[1] - ends[0]), normals))
+    return found
+
+
+def _at(pair: Index, point: Array, normals: Array) -> PossibleContacts:
+    count = len(normals)
+    none = np.zeros(count)
+    where = np.tile(point, (count, 1))
+    return PossibleContacts(
+        np.full(count, pair[0]), np.full(count, pair[1]), where, normals, none > 0, none
+    )
+
+
+def allowed_program(assembly: Assembly, contacts: ContactSet, motion: Array) -> Program | None:
+    """The pushes that a motion, shape (N, 6), must be held against; None: too many points.
+
+    At each degenerate point, and between those of a line, the one of its normals along
+    which the motion opens most: if it enters along none of these rows, it is allowed.
+    """
+    points = contacts.degenerate
+    if len(points) > MOST:
+        return None
+    program = without_degenerate(assembly, contacts)
+    pushes = points.pushes()
+    opening = openings(program, pushes, motion)
+    rows = [
+        int(start + opening[start:end].argmax())
+        for start, end, exact in zip(points.start[:-1], points.start[1:], points.exact, strict=True)
+        if exact
+    ]
+    program = with_pushes(program, _rows(pushes, np.array(rows, dtype=np.int64)))
+    for some in between(program, contacts, motion):
+        best = int(openings(program, some, motion).argmax())
+        program = with_pushes(program, _rows(some, np.array([best])))
+    return program
+
+
+def _rows(pushes: PossibleContacts, rows: Index) -> PossibleContacts:
+    return PossibleContacts(*(getattr(pushes, name)[rows] for name in PossibleContacts.__slots__))
