@@ -45,6 +45,7 @@ class Part:
 
     Examples
     --------
+    >>> from kilter.shapes import Box
     >>> Part("C2", Box([1, 1, 1]), Pose([0, 0, 0.5]), density=7850).mass is None
     True
     """

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from cases import program, slope, worst_by_hand
+from held_or_not import program, slope, worst_by_hand
 
 from kilter.assembly import Joint
 from kilter.mechanics.coulomb import check_law

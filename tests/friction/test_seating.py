@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from cases import compas, cylinders, equilibrium, program, real_data, slope, thin_bracket
 from enumerated import random_block
+from held_or_not import compas, cylinders, equilibrium, program, real_data, slope, thin_bracket
 
 from kilter.analysis.seating import find_seating
 from kilter.assembly import Joint

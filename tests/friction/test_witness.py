@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from cases import (
+from enumerated import greatest_power, random_block
+from held_or_not import (
     compas,
     cylinders,
     equilibrium,
@@ -12,7 +13,6 @@ from cases import (
     thin_bracket,
     worst_by_hand,
 )
-from enumerated import greatest_power, random_block
 
 from kilter.analysis.coulomb_motion import find_coulomb_motion
 from kilter.analysis.motion import find_motion

@@ -22,14 +22,13 @@ from kilter.mechanics.enclosure import Enclosure, rescaled
 from kilter.mechanics.relaxation import Relaxation
 from kilter.solvers.bounded import BoundedSolution, BoundedSolver
 
-__all__ = ["Clock", "Search", "contract", "forces_bounded", "power_bound"]
+__all__ = ["Clock", "Search", "contract", "forces_bounded", "power_bound", "shrunk"]
 
 Array = NDArray[np.float64]
 
-DEBUG = False
 SEEN = 0.95
 """A quantity that reached this part of its bound in some solution is not asked about."""
-STALLED = 0.03
+STALLED = 0.1
 """Mean relative progress of the bounds in a round below which contraction stops."""
 CURVED = 1e-2
 """Scale below which the kinetic term is too small for its tangents to matter."""
@@ -110,13 +109,13 @@ def power_bound(
     return bounds, power, answer
 
 
-def contract(search: Search, bounds: Enclosure) -> tuple[Enclosure, float, BoundedSolution]:
-    """Shrink bounds until the power is excluded, nothing moves, or the time is over.
+def contract(search: Search, bounds: Enclosure, until: float = np.inf) -> tuple[Enclosure, float]:
+    """Shrink bounds until the power is excluded, they hardly move, or the time is over.
 
     Returns
     -------
-    (Enclosure, float, BoundedSolution)
-        The bounds, the greatest power w.b in units of their scale, the last solution.
+    (Enclosure, float)
+        The bounds, and the greatest power w.a that they leave.
     """
     relaxation = search.relaxation
     while True:
@@ -124,27 +123,16 @@ def contract(search: Search, bounds: Enclosure) -> tuple[Enclosure, float, Bound
         for _ in range(30):
             bounds, power, answer = power_bound(search, bounds)
             if search.closed(bounds, power) or search.clock.over:
-                return bounds, power, answer
+                return bounds, bounds.scale * power
             old = bounds.scale
             bounds = rescaled(relaxation.reach, bounds, power)
             if bounds.scale > 0.95 * old:
                 break
         search.clock.tell(f"motions up to {bounds.scale:.1e} of free fall are not excluded")
-        bounds = _round(search, bounds, answer)
-        if DEBUG:
-            print(
-                round(search.clock.spent, 1),
-                search.solver.programs,
-                bounds.scale,
-                _progress(before, bounds),
-                (bounds.least > 0).sum(),
-                bounds.fn.mean(),
-                bounds.most.mean(),
-                bounds.un.mean(),
-                bounds.ut.mean(),
-            )
-        if search.clock.over or _progress(before, bounds) < STALLED:
-            return bounds, min(power, bounds.scale), answer
+        bounds = shrunk(search, bounds, answer)
+        late = search.clock.over or search.clock.spent > until
+        if late or _progress(before, bounds) < STALLED:
+            return bounds, bounds.scale**2
 
 
 def _progress(before: Enclosure, after: Enclosure) -> float:
@@ -196,7 +184,7 @@ def _quantities(relaxation: Relaxation, b: Enclosure) -> _Quantities:
     )
 
 
-def _round(search: Search, bounds: Enclosure, start: BoundedSolution) -> Enclosure:
+def shrunk(search: Search, bounds: Enclosure, start: BoundedSolution) -> Enclosure:
     """Every quantity once, over the relaxation of the bounds at the start of the round."""
     relaxation = search.relaxation
     kinds = ("un", "fn", "ut", "rest", "least", "most")

@@ -6,6 +6,9 @@ has a = 0 alone as its accelerations, whatever the contact forces: then friction
 holds the assembly, and no squeeze beforehand can change that. Proved by linear programs that
 contain all solutions (`kilter.mechanics.relaxation`), with bounds that do not trust the
 solver. What is not proved is open: that is no refutation.
+
+A power counts as none if it is below 1e-9 (coarser for coarse data) of that of the lightest
+part in free fall, so that no small part vanishes beside large ones.
 """
 
 from __future__ import annotations
@@ -17,20 +20,23 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from kilter.analysis.contraction import Clock, Search, forces_bounded
-from kilter.analysis.sectors import branch
+from kilter.analysis.contraction import Clock, Search, contract, forces_bounded
+from kilter.analysis.sectors import Branched, branch
 from kilter.mechanics.contact_law import contact_law, refusal
-from kilter.mechanics.enclosure import first_enclosure
+from kilter.mechanics.enclosure import Enclosure, first_enclosure
 from kilter.mechanics.program import TOLERANCE, Program
 from kilter.mechanics.relaxation import POOL, Relaxation
 
 __all__ = ["Guarantee", "prove_no_motion"]
 
 Array = NDArray[np.float64]
+Kind = Literal["contraction", "modes", "sectors"]
 
 FORCE = 1000.0
 """Largest force of a contact point that is thought of, over the weight of the free parts."""
-FIRST = 0.4
+COARSEST = 1e-6
+"""Power that is never taken for none, over that of the part in free fall."""
+FIRST = 0.2
 """Part of the budget for branching before anything is contracted."""
 SECOND = 0.4
 """Part of what is left then for contraction."""
@@ -61,7 +67,7 @@ class Guarantee:
     """
 
     proved: bool
-    kind: Literal["contraction", "modes", "sectors"] | None
+    kind: Kind | None
     programs: int
     nodes: int
     bound: float
@@ -102,25 +108,55 @@ def prove_no_motion(
     why = refusal(program)
     if why:
         return Guarantee(False, None, 0, 0, 1.0, "", None, clock.spent, why)
-    law = contact_law(program)
-    relaxation = Relaxation(law)
-    from kilter.solvers.bounded import BoundedSolver
-
-    tolerance = max(TOLERANCE, float(program.tolerance[program.free].max()))
-    search = Search(law, relaxation, BoundedSolver(), clock, tolerance)
-    bounds = first_enclosure(law, relaxation.reach, FORCE, POOL)
+    tolerance = _tolerance(program)
+    search = make_search(program, clock, tolerance)
+    bounds = first_enclosure(search.law, search.relaxation.reach, FORCE, POOL)
     bounded = forces_bounded(search, bounds)
-    bounds = replace(bounds, cuts=True)
-    out = branch(search, bounds)
+    kind, out = _tried(search, replace(bounds, cuts=True))
     proved = out.power <= tolerance
-    kind: Literal["contraction", "modes", "sectors"] | None = None
-    if proved:
-        kind = "modes" if law.directions == 1 else "sectors"
-    assumes = "" if bounded else f"contact forces up to {FORCE:g} times the weight"
     motion = None
     if out.motion is not None:
-        motion = program.full(np.asarray(law.back @ out.motion).ravel())
+        motion = program.full(np.asarray(search.law.back @ out.motion).ravel())
+    assumes = "" if bounded or not proved else f"contact forces up to {FORCE:g} times the weight"
     return Guarantee(
-        proved, kind, search.solver.programs, out.nodes, out.power, assumes if proved else "",
+        proved, kind if proved else None, search.solver.programs, out.nodes, out.power, assumes,
         motion, clock.spent,
     )  # fmt: skip
+
+
+def _tolerance(program: Program) -> float:
+    """The power that counts as none: that of the data, for the lightest part on its own."""
+    mass = program.mass[program.free]
+    coarse = min(max(TOLERANCE, float(program.tolerance[program.free].max())), COARSEST)
+    return coarse * float(mass.min() / mass.sum())
+
+
+def make_search(program: Program, clock: Clock, tolerance: float) -> Search:
+    """Law, relaxation and solver of a program."""
+    from kilter.solvers.bounded import BoundedSolver
+
+    law = contact_law(program)
+    return Search(law, Relaxation(law), BoundedSolver(), clock, tolerance)
+
+
+def _tried(search: Search, bounds: Enclosure) -> tuple[Kind, Branched]:
+    """Branching for a while; then contraction; then branching within its bounds.
+
+    In space contraction takes longer than it saves: there it is branching alone.
+    """
+    clock = search.clock
+    if search.law.directions == 2:
+        return "sectors", branch(search, bounds)
+    modes: Kind = "modes"
+    first = branch(search, bounds, FIRST * clock.budget)
+    if first.ended or clock.over:
+        return modes, first
+    tight, power = contract(search, bounds, clock.spent + SECOND * clock.left)
+    if power <= search.tolerance:
+        return "contraction", replace(first, power=power, motion=None)
+    if clock.over:
+        return modes, replace(first, power=min(first.power, power))
+    last = branch(search, tight)
+    nodes = first.nodes + last.nodes
+    best = last if last.power <= first.power else first
+    return modes, replace(best, nodes=nodes)

@@ -1,9 +1,8 @@
 """The least friction coefficient, the same at every contact, with which forces hold it.
 
 Equilibrium with mu implies equilibrium with more, so the least one is enclosed from both sides:
-forces in the cones of `upper`, a motion in the dual cones of `lower`. Forces found say how
-much friction they use, a motion how much it would take to forbid it, so that the enclosure
-shrinks faster than by halves. Where the least is approached but not attained (a block squeezed
+forces in the cones of `upper`, a motion in the dual cones of `lower`; forces found also say
+how much friction they use. Where the least is approached but not attained (a block squeezed
 between two walls), it tends to zero as forces grow without bound.
 """
 
@@ -109,9 +108,7 @@ def find_least_friction(program: Program) -> LeastFriction | None:
             best = judged.forces
             upper = min(middle, _used(program, best))
         elif judged.stable is False and judged.motion is not None:
-            mechanism = judged.motion
-            lower = max(middle, _forbidding(program, judged.motion.motion))
-            lower = min(lower, upper)
+            mechanism, lower = judged.motion, middle
         else:
             break
     return LeastFriction(upper, lower, True, best, mechanism, solved)
@@ -135,13 +132,3 @@ def _used(program: Program, proof: ForceProof) -> float:
     along, across = proof.forces[rows], np.linalg.norm(proof.friction[rows], axis=1)
     rubs = across > 0
     return float((across[rubs] / along[rubs]).max(initial=0.0))
-
-
-def _forbidding(program: Program, motion: Array) -> float:
-    """The least mu with which some contact forbids a motion: u_n = mu |u_t| there."""
-    rows = np.flatnonzero(program.kind == CONTACT)
-    slip = np.linalg.norm(program.slips(motion, rows), axis=1)
-    opening = program.velocities(motion)[rows]
-    size = float(np.linalg.norm(motion, axis=1).max(initial=0.0))
-    slides = slip > np.finfo(float).eps * size
-    return float((opening[slides] / slip[slides]).min(initial=LARGEST))

@@ -22,7 +22,6 @@ from numpy.typing import NDArray
 from kilter.analysis.contact_modes import Breach, breach, cases
 from kilter.analysis.contraction import Search, power_bound
 from kilter.mechanics.enclosure import Enclosure, rescaled
-from kilter.solvers.bounded import BoundedSolution
 
 __all__ = ["Branched", "branch"]
 
@@ -47,64 +46,71 @@ class Branched:
     nodes : int
         Cases that were bounded.
     motion : ndarray or None
-        b of the case with the greatest power.
+        The relaxed a of the case with the greatest power.
+    ended : bool
+        Whether more time would change nothing: all is closed, or that motion obeys the law.
     """
 
     power: float
     nodes: int
     motion: Array | None
+    ended: bool
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Case:
+    """A case that is open: `bounds` in units of what its power leaves, `motion` a."""
+
     bounds: Enclosure
     power: float
-    answer: BoundedSolution
     where: Breach
+    obeys: bool
+    motion: Array | None
+    basis: object
 
 
-def branch(search: Search, bounds: Enclosure) -> Branched:
-    """Divide the solutions within the bounds until every case is closed or time is over."""
-    number = count()
-    nodes = 1
+def branch(search: Search, bounds: Enclosure, until: float = np.inf) -> Branched:
+    """Divide the solutions within the bounds until every case is closed.
+
+    Stops at `until` [s of the clock], at the end of the budget, at a relaxed motion that
+    obeys the law, and where nothing is left to divide.
+    """
+    number, nodes = count(), 1
     heap: list[tuple[float, int, _Case]] = []
-    _push(search, heap, next(number), _bounded(search, bounds, None))
+    _push(heap, next(number), _bounded(search, bounds, None))
     while heap:
         _, _, case = heap[0]
-        gained = case.where.total <= OBEYS * max(case.power / case.bounds.scale, 1e-300)
-        if gained or case.where.largest <= 0.0 or search.clock.over or len(heap) > MOST:
-            motion = case.answer.x[search.relaxation.columns["motion"]]
-            return Branched(case.power, nodes, motion if len(motion) else None)
+        late = search.clock.over or search.clock.spent > until or len(heap) > MOST
+        if case.obeys or late or case.where.largest <= 0.0:
+            return Branched(case.power, nodes, case.motion, not late)
         heapq.heappop(heap)
         for child in cases(search.law, case.bounds, case.where):
             nodes += 1
-            _push(search, heap, next(number), _bounded(search, child, case))
+            _push(heap, next(number), _bounded(search, child, case))
         search.clock.tell(f"{nodes} cases, {len(heap)} open, power up to {case.power:.1e}")
-    return Branched(search.tolerance, nodes, None)
+    return Branched(search.tolerance, nodes, None, True)
 
 
-def _push(
-    search: Search, heap: list[tuple[float, int, _Case]], number: int, case: _Case | None
-) -> None:
+def _push(heap: list[tuple[float, int, _Case]], number: int, case: _Case | None) -> None:
     if case is not None:
         heapq.heappush(heap, (-case.power, number, case))
 
 
 def _bounded(search: Search, bounds: Enclosure, parent: _Case | None) -> _Case | None:
     """A case with its greatest power; None if it is closed."""
-    basis = parent.answer.basis if parent is not None else None
+    relaxation = search.relaxation
+    basis = parent.basis if parent is not None else None
     while True:
         bounds, power, answer = power_bound(search, bounds, basis)
         if search.closed(bounds, power):
             return None
-        worth = bounds.scale * power
-        again = power < AGAIN * bounds.scale
-        bounds_after = rescaled(search.relaxation.reach, bounds, power)
-        if not again or search.clock.over:
+        old, bounds, basis = bounds, rescaled(relaxation.reach, bounds, power), answer.basis
+        if power >= AGAIN * old.scale or search.clock.over:
             break
-        bounds, basis = bounds_after, answer.basis
-    if parent is not None:
-        worth = min(worth, parent.power)
+    worth = old.scale * power
+    worth = min(worth, parent.power) if parent is not None else worth
     if not len(answer.x):
-        return _Case(bounds, worth, answer, Breach(-1, -1, 0.0, np.inf))
-    return _Case(bounds, worth, answer, breach(search.law, search.relaxation, bounds, answer.x))
+        return _Case(bounds, worth, Breach(-1, -1, 0.0, np.inf), False, None, basis)
+    where = breach(search.law, relaxation, old, answer.x)
+    motion = old.scale * answer.x[relaxation.columns["motion"]]
+    return _Case(bounds, worth, where, where.total <= OBEYS * power, motion, basis)

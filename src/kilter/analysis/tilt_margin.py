@@ -152,7 +152,8 @@ def _across(program: Program, start: Array) -> Array:
     """Directions across gravity, shape (1, 3) where planar, else (2, 3)."""
     if program.planar:
         return cross(start, np.array([0.0, 1.0, 0.0]))[None]
-    return tangents(start[None])[0]
+    both: Array = tangents(start[None])[0]
+    return both
 
 
 def _first(dimension: int) -> Array:

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
+from kilter.cli.margins import margin
 from kilter.cli.options import (
     Angle,
     Budget,
@@ -27,7 +28,6 @@ from kilter.cli.options import (
     Units,
     Without,
 )
-from kilter.cli.margins import margin
 from kilter.cli.output import (
     Progress,
     as_json,

@@ -78,7 +78,7 @@ class ContactLaw:
     @property
     def directions(self) -> int:
         """T: directions across a normal that count."""
-        return self.lever.shape[1]
+        return int(self.lever.shape[1])
 
 
 def refusal(program: Program) -> str:
@@ -142,9 +142,7 @@ def _some_rows(program: Program, rows: Index, point: Array, normal: Array) -> di
 
 
 def _some(program: Program, rows: Index) -> Program:
-    return program.with_rows(
-        **_some_rows(program, rows, program.point[rows], program.normal[rows])
-    )
+    return program.with_rows(**_some_rows(program, rows, program.point[rows], program.normal[rows]))
 
 
 def _root(program: Program) -> csr_array:
@@ -183,7 +181,9 @@ def _patches(program: Program, rows: Index) -> Index:
     along = np.einsum("ki,ki->k", program.normal[rows], program.point[rows])
     exact = np.column_stack([program.source, program.part_a, program.part_b, program.mu])[rows]
     _, label = np.unique(exact, axis=0, return_inverse=True)
-    label = np.where(program.source[rows] < 0, label.max(initial=-1) + 1 + np.arange(len(rows)), label)
+    label = np.where(
+        program.source[rows] < 0, label.max(initial=-1) + 1 + np.arange(len(rows)), label
+    )
     order = np.argsort(label, kind="stable")
     starts = np.unique(label[order], return_index=True)[1]
     for members in np.split(order, starts[1:]):
@@ -196,9 +196,7 @@ def _patches(program: Program, rows: Index) -> Index:
     return np.unique(label, return_inverse=True)[1].reshape(-1).astype(np.int64)
 
 
-def _groups(
-    program: Program, contact: Index, label: Index
-) -> tuple[Index, Index, Index, Index]:
+def _groups(program: Program, contact: Index, label: Index) -> tuple[Index, Index, Index, Index]:
     """Points kept, group of each (-1 without friction), patch of each group, its first row.
 
     In the plane only the two ends of a straight patch are kept: the forces of points between
@@ -207,27 +205,29 @@ def _groups(
     """
     if not program.planar:
         rough = np.flatnonzero(program.mu[contact] > 0)
-        group = np.full(len(contact), -1)
-        group[rough] = np.arange(len(rough))
+        own = np.full(len(contact), -1)
+        own[rough] = np.arange(len(rough))
         patch = np.unique(label[rough], return_inverse=True)[1].reshape(-1)
-        return np.arange(len(contact)), group, patch, rough
+        return np.arange(len(contact)), own, patch, rough
     normal, point = program.normal[contact], program.point[contact]
     along = normal[:, 2] * point[:, 0] - normal[:, 0] * point[:, 2]
-    kept, group, first = [], [], []
+    kept: list[Index] = []
+    group: list[Index] = []
+    ends_of: list[int] = []
     for members in _members(label):
-        ends = members[[along[members].argmin(), along[members].argmax()]]
+        ends = np.sort(members[[along[members].argmin(), along[members].argmax()]])
         size = FLAT * float(program.radius.max(initial=1.0))
         ends = ends[:1] if np.ptp(along[members]) <= size else ends
         rough = program.mu[contact[ends[0]]] > 0
         kept.append(ends)
-        group.append(np.full(len(ends), len(first) if rough else -1))
-        first += [ends[0]] if rough else []
+        group.append(np.full(len(ends), len(ends_of) if rough else -1))
+        ends_of += [int(ends[0])] if rough else []
     empty = [np.empty(0, dtype=np.int64)]
     return (
         np.concatenate(kept or empty),
         np.concatenate(group or empty),
-        np.arange(len(first)),
-        np.array(first, dtype=np.int64),
+        np.arange(len(ends_of)),
+        np.array(ends_of, dtype=np.int64),
     )
 
 
@@ -246,7 +246,7 @@ def _twists(
     back: csr_array,
     unit: float,
 ) -> tuple[tuple[csr_array, ...], Array]:
-    """t of each patch and L of each group."""
+    """The twist t of each patch and L of each group."""
     count = across.shape[1]
     lever = np.zeros((len(rows), count, 3))
     lever[:, range(count), range(count)] = 1.0

@@ -1,9 +1,9 @@
 """What is known of every solution of the contact law that is asked about: bounds and modes.
 
-All bounds hold for the solutions with |a| <= scale and w.a <= scale * power; motions are in
-units of the scale, b = a / scale, and forces in those of `kilter.mechanics.contact_law`. A mode narrows
-them: a point touches (un = 0) or is without force (fn = 0); the twist of a patch is 0 or lies
-in a cone. The children of a mode cover it, so that every solution is in one of them.
+All bounds hold for the solutions with |a| <= scale and w.a <= scale^2; motions are in units
+of the scale, b = a / scale, and forces in those of `kilter.mechanics.contact_law`. A mode
+narrows them: a point touches (un = 0) or is without force (fn = 0); the twist of a patch is 0
+or lies in a cone. The children of a mode cover it, so that every solution is in one of them.
 """
 
 from __future__ import annotations
@@ -16,7 +16,16 @@ from numpy.typing import NDArray
 from kilter.mechanics.contact_law import ContactLaw
 from kilter.mechanics.twist_cones import Cone
 
-__all__ = ["Enclosure", "Reach", "apart", "first_enclosure", "in_cone", "reach", "rescaled", "touching"]
+__all__ = [
+    "Enclosure",
+    "Reach",
+    "apart",
+    "first_enclosure",
+    "in_cone",
+    "reach",
+    "rescaled",
+    "touching",
+]
 
 Array = NDArray[np.float64]
 

@@ -197,6 +197,7 @@ def joints_of(
 
 
 def digest_of(proof: dict[str, Any]) -> str:
+    """The hash of all that a proof says but itself."""
     body = {key: value for key, value in proof.items() if key != "digest"}
     text = json.dumps(body, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()

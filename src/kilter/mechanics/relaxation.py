@@ -111,7 +111,10 @@ class Relaxation:
         self.reach = reach(law, self.directions)
         own = [np.sqrt(np.asarray(rows.multiply(rows).sum(axis=1)).ravel()) for rows in law.twist]
         self._twist_reach = np.concatenate(
-            [np.empty(0), *(far for far, (same, _) in zip(own, self._twist_at, strict=True) if not same)]
+            [
+                np.empty(0),
+                *(far for far, (same, _) in zip(own, self._twist_at, strict=True) if not same),
+            ]
         )
 
     def _of(self, name: str) -> Index:
@@ -319,14 +322,18 @@ class Relaxation:
     def _sector_numbers(self, b: Enclosure) -> dict[str, Array | float]:
         groups = len(self.law.mu)
         values: dict[str, Array | float] = {}
-        segment, total, along = np.zeros((groups, 6, 2)), np.zeros((groups, 6)), np.zeros((groups, 2))
+        segment, total, along = (
+            np.zeros((groups, 6, 2)),
+            np.zeros((groups, 6)),
+            np.zeros((groups, 2)),
+        )
         for patch, cone in enumerate(b.cones):
             size = len(self._twist_columns[patch])
             if cone is None or not cone.size:
                 values[f"cone {patch}"] = np.zeros((size, size))
                 continue
             cone = widened(cone)
-            values[f"cone {patch}"] = np.linalg.inv(cone)
+            values[f"cone {patch}"] = np.asarray(np.linalg.inv(cone), dtype=np.float64)
             for group in np.flatnonzero(self.law.patch == patch):
                 found = sector(cone, self.law.lever[group])
                 if found is not None:
@@ -340,7 +347,7 @@ class Relaxation:
         """Bounds of the columns."""
         lower, upper = np.zeros(self.width), np.zeros(self.width)
         at = self.columns
-        _, _, groups, wide, _ = self.sizes
+        wide = self.sizes[3]
         lower[at["motion"]], upper[at["motion"]] = -1.0, 1.0
         upper[at["one"]] = upper[at["square"]] = 1.0
         upper[at["fn"]], upper[at["un"]] = b.fn, b.un
@@ -375,8 +382,5 @@ def _segment(middle: Array, half: float) -> tuple[Array, Array, Array]:
     turn = np.array([[np.cos(half), -np.sin(half)], [np.sin(half), np.cos(half)]])
     left, right = turn @ middle, turn.T @ middle
     # -ft = mu N d: d.middle >= cos(half); d right of `left`, left of `right`; d.x <= 1
-    rows = np.array(
-        [middle, [left[1], -left[0]], [-right[1], right[0]], -middle, -left, -right]
-    )
+    rows = np.array([middle, [left[1], -left[0]], [-right[1], right[0]], -middle, -left, -right])
     return rows, np.array([np.cos(half), 0.0, 0.0, -1.0, -1.0, -1.0]), middle
-

@@ -58,7 +58,8 @@ def halves(cone: Cone) -> list[Cone]:
 def widened(cone: Cone) -> Cone:
     """A cone a little wider than this one, so that rounding leaves no gap between two."""
     middle = cone.mean(axis=1, keepdims=True)
-    return cone + ROUNDING * (cone - middle)
+    wider: Cone = cone + ROUNDING * (cone - middle)
+    return wider
 
 
 def sector(cone: Cone, lever: Array) -> tuple[Array, float] | None:

@@ -1,0 +1,210 @@
+"""What must be proved is proved, what can move is not; both sides of closed limits."""
+
+import time
+
+import numpy as np
+import pytest
+from cases import cylinders, planar, program, slope, spheres, tilted
+from modes_oracle import found_in_space, greatest_power, standing
+from witnessed import jointed, witnessed
+
+from kilter.analysis.guarantee import prove_no_motion
+from kilter.mechanics.program import POSSIBLE
+from kilter.scenes import arches, friction, stacks
+
+LADDER, LADDER_WALL = 1.25, (1 - 0.4 * 0.3) / 0.8  # tan of the least angle
+LEAN = float(np.degrees(np.arctan(0.1)))  # of ten cubes, at their limit
+
+
+def steep(tangent):
+    return float(np.degrees(np.arctan(tangent)))
+
+
+def asked(assembly, budget=20.0):
+    return prove_no_motion(program(assembly), budget=budget)
+
+
+PROVED = {
+    "slope, slides": lambda: slope(0.98, 0.5, 1.0),
+    "slope, tips": lambda: slope(0.98, 0.8, 2.0),
+    "slope in the plane": lambda: planar(slope(0.98, 0.5, 1.0)),
+    "ladder": lambda: friction.ladder(steep(LADDER / 0.98)),
+    "ladder, rough wall": lambda: friction.ladder(steep(LADDER_WALL / 0.98), friction_wall=0.3),
+    "ladder in space": lambda: friction.ladder(steep(LADDER / 0.98), planar=False),
+    "cylinders": lambda: cylinders(0.98),
+    "ten cubes": lambda: planar(stacks.tower(10, tilt=0.98 * LEAN, friction=0.7)),
+    "arch of 7": lambda: arches.arch(7),
+    "arch of 12": lambda: arches.arch(12),
+    "two cubes": lambda: stacks.tower(2, tilt=10.0, friction=0.5),
+    "trough": lambda: friction.trough(tilt=20.0),
+}
+
+REFUTED = {
+    "slope, slides": lambda: slope(1.02, 0.5, 1.0),
+    "slope, tips": lambda: slope(1.02, 0.8, 2.0),
+    "ladder": lambda: friction.ladder(steep(LADDER * 0.98)),
+    "cylinders": lambda: cylinders(1.02),
+    "spheres": lambda: spheres(1.02),
+    "ten cubes": lambda: planar(stacks.tower(10, tilt=1.02 * LEAN, friction=0.7)),
+    "thin arch": lambda: arches.arch(20, ratio=0.106),
+    "H": lambda: friction.h_block(),
+    "H in the plane": lambda: friction.h_block(planar=True),
+    "A": lambda: friction.a_block(),
+    "A in the plane": lambda: friction.a_block(planar=True),
+    "bracket": lambda: friction.bracket(1.1 / 1.2),
+    "trough past its limit": lambda: friction.trough(tilt=44.2),
+    "trough, forces exist": lambda: friction.trough(tilt=47.0),
+}
+
+
+@pytest.mark.parametrize("name", PROVED)
+def test_proved(name):
+    answer = asked(PROVED[name]())
+    assert answer.proved
+    assert answer.bound <= 1e-9
+    assert answer.assumes == ""
+    assert answer.kind is not None
+
+
+@pytest.mark.parametrize("name", REFUTED)
+def test_never_proved(name):
+    answer = asked(REFUTED[name](), budget=1.0)
+    assert not answer.proved
+    assert answer.kind is None
+    assert answer.bound > 1e-9
+    assert answer.open_motion is not None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("count", range(8, 21))
+def test_arches(count):
+    assert asked(arches.arch(count)).proved
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("courses", "bricks"), [(2, 2), (2, 3)])
+def test_walls_at_half_their_critical_tilt(courses, bricks):
+    half = float(np.degrees(np.arctan(0.6))) / 2
+    assert asked(tilted(courses, bricks, half), budget=60.0).proved
+
+
+@pytest.mark.slow
+def test_four_spheres():
+    assert asked(spheres(0.98), budget=150.0).proved
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("tilt", [20.0, 35.0])
+def test_trough(tilt):
+    assert asked(friction.trough(tilt=tilt), budget=60.0).proved
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("tilt", [44.2, 45.0, 46.0, 47.5])
+def test_trough_past_its_limit(tilt):
+    assert not asked(friction.trough(tilt=tilt), budget=15.0).proved
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("count", "tilt"), [(2, 20.0), (2, 26.0), (3, 9.0)])
+def test_cubes_in_space(count, tilt):
+    answer = asked(stacks.tower(count, tilt=tilt, friction=0.5), budget=60.0)
+    assert answer.proved == (tilt < 26.0)  # 26.57 is the limit of two, tan = 1/2, of both kinds
+
+
+@pytest.mark.slow
+def test_books():
+    assert not asked(friction.books(4, force=300.0), budget=20.0).proved
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_against_all_modes_in_the_plane(seed):
+    one = standing(seed, planar=True, parts=1 + seed % 2, points=3)
+    power = greatest_power(one)
+    assert power < 1e-9 or power > 1e-5
+    assert prove_no_motion(one, budget=5.0).proved == (power < 1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(8, 80))
+def test_against_all_modes_in_the_plane_more(seed):
+    one = standing(seed, planar=True, parts=1 + seed % 2, points=3 + (seed % 3 == 0))
+    assert prove_no_motion(one, budget=10.0).proved == (greatest_power(one) < 1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(10))
+def test_against_motions_found_in_space(seed):
+    one = standing(seed, planar=False, parts=1 + seed % 2, points=2 + seed % 2)
+    power = found_in_space(one, np.random.default_rng(seed), starts=2)
+    assert not (prove_no_motion(one, budget=5.0).proved and power > 1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("options", [
+    {"planar": True, "corners": 2, "patches": 4, "parts": 3}, {"patches": 4},
+    {"corners": 4, "patches": 2}, {"corners": 3, "patches": 3, "parts": 1},
+])  # fmt: skip
+def test_motions_built_in(options):
+    for seed in range(200, 260):
+        found = witnessed(seed, **options)
+        assert found is None or not prove_no_motion(found.program, budget=1.0).proved
+
+
+def test_size_changes_nothing():
+    for size in (1e-3, 1e3):
+        assert asked(stacks.tower(2, tilt=10.0, friction=0.5, size=size)).proved
+    assert not asked(stacks.tower(2, tilt=28.0, friction=0.9, size=1e-3), budget=1.0).proved
+
+
+def test_joined_parts_are_one():
+    """Two cubes side by side on a slope; the joint carries one that has no friction."""
+    cubes = program(stacks.tower(2, tilt=10.0, friction=0.5))
+    top = cubes.part_b == 2
+    slippery = cubes.with_rows(mu=np.where(top, 0.0, cubes.mu))
+    assert not prove_no_motion(slippery, budget=1.0).proved
+    held = jointed(slippery, 1, 2, [0.0, 0.0, 1.0])
+    assert prove_no_motion(held, budget=10.0).proved
+
+
+def test_refuses_what_is_not_modelled():
+    cubes = program(stacks.tower(1, tilt=10.0, friction=0.5))
+    answer = prove_no_motion(cubes.with_rows(kind=np.full(len(cubes.kind), POSSIBLE)))
+    assert not answer.proved
+    assert "not modelled" in answer.why
+
+
+@pytest.mark.parametrize("ratio", [1.0, 1e-3, 1e-6])
+def test_a_pebble_does_not_vanish(ratio):
+    """The upper of two cubes, however light, slips where its friction is too low."""
+    cubes = program(planar(stacks.tower(2, tilt=10.0, friction=0.5)))
+    share = np.where(np.arange(3) == 2, ratio, 1.0)
+    light = cubes.with_rows(mass=cubes.mass * share, inertia=cubes.inertia * share[:, None, None])
+    assert ratio < 1e-3 or prove_no_motion(light).proved  # a lighter one may stay open
+    smooth = light.with_rows(mu=np.where(light.part_b == 2, 0.17, light.mu))
+    assert not prove_no_motion(smooth, budget=2.0).proved  # tan 10 deg = 0.176
+
+
+def test_nothing_to_move_is_proved():
+    bare = program(stacks.tower(1, tilt=10.0, friction=0.5))
+    nothing = bare.with_rows(gravity=np.zeros(3))
+    assert prove_no_motion(nothing).proved
+
+
+def test_budget_is_kept_and_progress_told():
+    words = []
+    start = time.perf_counter()
+    answer = prove_no_motion(
+        program(stacks.tower(6, tilt=3.0, friction=0.5)), budget=2.5, tell=words.append
+    )
+    assert not answer.proved
+    assert time.perf_counter() - start < 1.2 * 2.5
+    assert 1 <= len(words) <= 4
+    assert answer.seconds >= 2.5
+
+
+def test_one_number_flips_it():
+    assembly = planar(slope(0.98, 0.5, 1.0))
+    one = program(assembly)
+    assert prove_no_motion(one).proved
+    assert not prove_no_motion(one.with_rows(mu=0.96 * one.mu)).proved

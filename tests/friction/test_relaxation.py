@@ -1,0 +1,133 @@
+"""Every motion that obeys the law satisfies every row, at the root and in some case."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from witnessed import witnessed
+
+from kilter.analysis.contact_modes import breach, cases
+from kilter.analysis.contraction import Clock, contract, power_bound, shrunk
+from kilter.analysis.guarantee import FORCE, make_search, prove_no_motion
+from kilter.mechanics.enclosure import first_enclosure, rescaled
+from kilter.mechanics.program import tangents
+from kilter.mechanics.relaxation import POOL
+
+ROUNDING = 1e-7
+
+
+def point_of(search, found, scale):
+    """The columns of the true solution (a, f)."""
+    law, program = search.law, found.program
+    at = search.relaxation.columns
+    cells = np.ix_(program.free, program.freedoms)
+    load, acceleration = program.load[cells].ravel(), found.motion[cells].ravel()
+    size = np.linalg.norm(law.back.T @ load)
+    unit = np.sqrt(program.mass[program.free].sum())
+    b = np.linalg.lstsq(law.back.toarray(), acceleration, rcond=None)[0] / size / scale
+    x = np.zeros(search.relaxation.width)
+    fn = (found.forces * program.normal).sum(axis=1) / size / unit
+    rough = np.flatnonzero(program.mu > 0)
+    across = tangents(program.normal[rough])
+    if program.planar:
+        n = program.normal[rough]
+        across = np.stack([n[:, 2], 0 * n[:, 0], -n[:, 0]], axis=1)[:, None]
+    ft = np.einsum("gij,gj->gi", across, found.forces[rough]) / size / unit
+    if program.planar:  # the points of a patch share it
+        fn_group = np.bincount(law.group[rough], fn[rough], minlength=len(law.mu))
+        ft = np.bincount(law.group[rough], ft[:, 0], minlength=len(law.mu))[:, None]
+    else:
+        fn_group = fn[rough]
+    ut = (law.tangent @ b).reshape(-1, law.directions)
+    slip = np.linalg.norm(ut, axis=1)
+    x[at["motion"]], x[at["one"]], x[at["square"]] = b, 1.0, b @ b
+    x[at["fn"]], x[at["un"]], x[at["ft"]] = fn, law.normal @ b, ft.ravel()
+    x[at["ut"]], x[at["slip"]], x[at["loss"]] = ut.ravel(), slip, fn_group * slip
+    x[at["total"]] = fn_group
+    x[at["rest"]] = (
+        (law.mu * fn_group)[:, None].repeat(len(search.relaxation.directions), 1).ravel()
+    )
+    x[at["rest"]] += (ft @ search.relaxation.directions.T).ravel()
+    for columns, rows in zip(search.relaxation._twist_columns, law.twist, strict=True):
+        x[columns] = rows @ b
+    return x
+
+
+def outside(search, bounds, found):
+    """The worst violation of a row or bound by the true solution."""
+    x = point_of(search, found, bounds.scale)
+    program = search.relaxation.program(bounds)
+    rows = program.matrix @ x
+    worst = [program.row_lower - rows, rows - program.row_upper]
+    worst += [program.lower - x, x - program.upper]
+    return max(float(one.max(initial=0.0)) for one in worst)
+
+
+def searched(program):
+    search = make_search(program, Clock(5.0, None), 1e-9)
+    return search, first_enclosure(search.law, search.relaxation.reach, FORCE, POOL)
+
+
+KINDS = {
+    "plane": {"planar": True},
+    "plane, patches": {"planar": True, "corners": 2},
+    "points": {},
+    "one part": {"parts": 1, "patches": 4},
+    "edges": {"corners": 2},
+    "faces": {"corners": 4, "patches": 2},
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_true_motions_are_contained_and_never_excluded(kind):
+    tried = moved = 0
+    for seed in range(12):
+        found = witnessed(seed, **KINDS[kind])
+        if found is None:
+            continue
+        search, bounds = searched(found.program)
+        tried += 1
+        assert outside(search, bounds, found) < ROUNDING
+        bounds = dataclasses.replace(bounds, cuts=True)
+        assert outside(search, bounds, found) < ROUNDING
+        bounds, power, answer = power_bound(search, bounds)
+        bounds = rescaled(search.relaxation.reach, bounds, power)
+        assert outside(search, bounds, found) < ROUNDING
+        tight = shrunk(search, bounds, answer)
+        moved += bool((tight.un < 0.99 * bounds.un).any())
+        assert outside(search, tight, found) < ROUNDING
+        for _ in range(25):  # down the tree, always in a case that contains it
+            tight, power, answer = power_bound(search, tight)
+            where = breach(search.law, search.relaxation, tight, answer.x)
+            if where.largest <= 0.0:
+                break
+            kept = [
+                case
+                for case in cases(search.law, tight, where)
+                if outside(search, case, found) < ROUNDING
+            ]
+            assert kept
+            tight = kept[0]
+        else:
+            power = np.inf
+        assert not search.closed(tight, power)
+    assert tried >= 6
+    assert moved
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_never_a_proof_where_a_motion_is_built_in(kind):
+    for seed in range(100, 115):
+        found = witnessed(seed, **KINDS[kind])
+        if found is not None:
+            answer = prove_no_motion(found.program, budget=0.5)
+            assert not answer.proved
+            assert answer.bound > 1e-9
+
+
+def test_contraction_keeps_the_motion():
+    found = witnessed(3, planar=True, corners=2)
+    search, bounds = searched(found.program)
+    bounds, power = contract(search, dataclasses.replace(bounds, cuts=True))
+    assert power > 1e-9
+    assert outside(search, bounds, found) < ROUNDING

@@ -1,0 +1,59 @@
+"""Meshes of round parts: solids of revolution, bars with rounded edges."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.shapes import Prism, surface
+
+Array = NDArray[np.float64]
+Mesh = tuple[Array, NDArray[np.int64]]
+
+
+def revolved(profile: Sequence[tuple[float, float]], sides: int, phase: float = 0.0) -> Mesh:
+    """A closed outline of (radius, z), turning left, turned about z."""
+    angle = phase + np.arange(sides) * (2 * np.pi / sides)
+    vertices: list[list[float]] = []
+    rows = []
+    for radius, z in profile:
+        count = sides if radius else 1
+        rows.append([len(vertices) + k % count for k in range(sides)])
+        vertices += [[radius * np.cos(t), radius * np.sin(t), z] for t in angle[:count]]
+    faces = []
+    for k, low in enumerate(rows):
+        high = rows[(k + 1) % len(rows)]
+        for i in range(sides):
+            j = (i + 1) % sides
+            faces += [[low[i], low[j], high[j]], [low[i], high[j], high[i]]]
+    return np.array(vertices), np.array([f for f in faces if len(set(f)) == 3])
+
+
+def bar(corners: Array, length: float = 3.0) -> Mesh:
+    """A polygon extruded."""
+    return surface(Prism(corners, length))
+
+
+def circle(sides: int, radius: float = 1.0) -> Array:
+    angle = np.arange(sides) * (2 * np.pi / sides)
+    return radius * np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+def rounded_bar(pieces: int, radius: float = 1.0) -> Mesh:
+    """A bar of 4 flats, its edges rounded in so many pieces."""
+    corners = []
+    for x, z, start in ((3, 2, 0), (-3, 2, 90), (-3, -2, 180), (3, -2, 270)):
+        for t in np.radians(start + np.linspace(0, 90, pieces + 1)):
+            corners.append([x + radius * np.cos(t), z + radius * np.sin(t)])
+    return bar(np.array(corners))
+
+
+def moved(mesh: Mesh, seed: int, scale: float = 1.0, single: bool = False) -> Mesh:
+    """A mesh turned and moved at random, as float32 where `single`."""
+    rng = np.random.default_rng(seed)
+    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    turn *= np.sign(np.linalg.det(turn))
+    vertices = (mesh[0] @ turn.T + rng.normal(size=3) * 5) * scale
+    return (vertices.astype(np.float32).astype(float) if single else vertices), mesh[1]
