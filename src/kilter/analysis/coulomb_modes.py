@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import block_array, csc_array, csr_array, eye_array, vstack
+from scipy.sparse import csc_array
 
 from kilter.analysis.coulomb_polish import Candidate
 from kilter.mechanics.cones import ConicProgram
@@ -62,7 +62,7 @@ def by_modes(law: Frictional, *, nodes: int, seconds: float) -> Iterator[Candida
     seconds : float
         Time limit of one relaxation.
     """
-    count = len(law.mu)
+    count, lines = len(law.mu), law.matrix.toarray()
     start = _Node(np.full(count, OPEN), np.zeros(count), np.zeros(count), 0)
     heap: list[tuple[float, int, _Node, Candidate]] = []
     asked = 0
@@ -72,7 +72,7 @@ def by_modes(law: Frictional, *, nodes: int, seconds: float) -> Iterator[Candida
             if asked >= nodes:
                 return
             asked += 1
-            candidate = _relaxed(law, node, seconds)
+            candidate = _relaxed(law, lines, node, seconds)
             power = float(law.load @ candidate.x) if candidate else 0.0
             if candidate is None or power < POWER:
                 continue
@@ -115,21 +115,20 @@ def _decided(node: _Node, p: int, mode: int, middle: float = 0.0, half: float = 
     return replace(node, mode=modes, middle=middles, half=halves, depth=node.depth + 1)
 
 
-def _relaxed(law: Frictional, node: _Node, seconds: float) -> Candidate | None:
+def _relaxed(law: Frictional, lines: Array, node: _Node, seconds: float) -> Candidate | None:
     """The optimum of a node's relaxation; None where it is empty or the solver broke down."""
     from kilter.solvers.conic import solve_conic
 
-    answer = solve_conic(_relaxation(law, node), tolerance=1e-8, seconds=seconds)
+    answer = solve_conic(_relaxation(law, lines, node), tolerance=1e-8, seconds=seconds)
     if answer.outcome == "infeasible" or not np.isfinite(answer.x).all():
         return None
     count = len(law.load)
     return Candidate(answer.x[:count], answer.x[count:].reshape(-1, 3))
 
 
-def _relaxation(law: Frictional, node: _Node) -> ConicProgram:
-    """The convex program of a node, in (x, f)."""
+def _relaxation(law: Frictional, lines: Array, node: _Node) -> ConicProgram:
+    """The convex program of a node, in (x, f); `lines` is H in full."""
     count, total = len(law.load), len(law.load) + 3 * len(law.mu)
-    forces = csr_array(eye_array(3 * len(law.mu)))
     slide, stick = node.mode == SLIDE, (node.mode == STICK) & ~law.tied
     part, free = node.mode == PART, ~law.tied
     idle = np.flatnonzero(law.mu <= 0)
@@ -139,43 +138,39 @@ def _relaxation(law: Frictional, node: _Node) -> ConicProgram:
     pushing = 3 * np.flatnonzero(free & (law.mu <= 0) & ~part)
     rough = _points(free & (law.mu > 0) & ~part)
     sector_u, sector_f = _sectors(law, node, np.flatnonzero(slide & (law.mu > 0)))
-    weights = np.ones(len(rough))
-    weights[::3] = law.mu[rough[::3] // 3]
-    ball = vstack([csr_array((1, count)), -eye_array(count)])
+    weights = np.where(rough % 3 == 0, law.mu[rough // 3], 1.0)
+    forces = np.eye(total - count)
     blocks = [
-        [eye_array(count), -law.matrix.T],
-        [law.matrix[still], None],
-        [None, forces[none]],
-        [-law.matrix[above], None],
-        [None, -forces[pushing]],
-        [-(sector_u @ law.matrix), None],
-        [None, -sector_f],
-        [None, -(_diagonal(weights) @ forces[rough])],
-        [ball, None],
+        (np.eye(count), -lines.T),
+        (lines[still], None),
+        (None, forces[none]),
+        (-lines[above], None),
+        (None, -forces[pushing]),
+        (-(sector_u @ lines), None),
+        (None, -sector_f),
+        (None, -weights[:, None] * forces[rough]),
+        (np.vstack([np.zeros(count), -np.eye(count)]), None),
     ]
-    blocks = [row for row in blocks if _height(row)]
-    matrix = block_array([[*blocks[0]], *blocks[1:]], format="csc")
-    bound = np.zeros(matrix.shape[0])
+    heights = [next(len(side) for side in pair if side is not None) for pair in blocks]
+    full, row = np.zeros((sum(heights), total)), 0
+    for (of_x, of_f), height in zip(blocks, heights, strict=True):
+        if of_x is not None:
+            full[row : row + height, :count] = of_x
+        if of_f is not None:
+            full[row : row + height, count:] = of_f
+        row += height
+    bound = np.zeros(len(full))
     bound[:count] = law.load
     bound[-count - 1 :] = 0.5 * np.concatenate([[1.0], -law.load])
     return ConicProgram(
         csc_array((total, total)),
         np.concatenate([-law.load, np.zeros(total - count)]),
-        matrix,
+        csc_array(full),
         bound,
         count + len(still) + len(none),
-        len(above) + len(pushing) + sector_u.shape[0] + sector_f.shape[0],
+        len(above) + len(pushing) + len(sector_u) + len(sector_f),
         np.concatenate([np.full(len(rough) // 3, 3), [count + 1]]),
     )
-
-
-def _height(row: list[csr_array | None]) -> int:
-    return max(int(block.shape[0]) for block in row if block is not None)
-
-
-def _diagonal(values: Array) -> csr_array:
-    span = np.arange(len(values))
-    return csr_array((values, (span, span)), shape=(len(values), len(values)))
 
 
 def _points(chosen: NDArray[np.bool_]) -> Index:
@@ -184,7 +179,7 @@ def _points(chosen: NDArray[np.bool_]) -> Index:
     return rows
 
 
-def _sectors(law: Frictional, node: _Node, rows: Index) -> tuple[csr_array, csr_array]:
+def _sectors(law: Frictional, node: _Node, rows: Index) -> tuple[Array, Array]:
     """Lines that are not negative: of speeds in their sectors, of forces against them."""
     total, low = 3 * len(law.mu), node.middle[rows] - node.half[rows]
     high, middle = node.middle[rows] + node.half[rows], node.middle[rows]
@@ -203,6 +198,8 @@ def _sectors(law: Frictional, node: _Node, rows: Index) -> tuple[csr_array, csr_
     return speeds, forces
 
 
-def _lines(rows: Index, values: Array, total: int) -> csr_array:
-    where = (np.repeat(np.arange(len(rows)), 3), (3 * rows[:, None] + np.arange(3)).reshape(-1))
-    return csr_array((values.reshape(-1), where), shape=(len(rows), total))
+def _lines(rows: Index, values: Array, total: int) -> Array:
+    """Lines with three values each, at the columns of a row's point."""
+    lines = np.zeros((len(rows), total))
+    lines[np.arange(len(rows))[:, None], 3 * rows[:, None] + np.arange(3)] = values
+    return lines

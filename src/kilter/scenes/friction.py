@@ -67,7 +67,7 @@ def ladder(
 
 
 def bracket(
-    offset: float = 1.0, *, height: float = 1.0, friction: float = 0.6, pad: float = 0.1
+    offset: float = 1.0, *, height: float = 1.0, friction: float = 0.6, pad: float = 0.01
 ) -> Assembly:
     """Case S5: a bracket on a thin post; forces hold it if offset >= height / (2 friction).
 
