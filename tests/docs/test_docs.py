@@ -52,7 +52,8 @@ def test_shell_of_a_page_runs(
     for block in blocks(page, "sh"):
         for line in block.splitlines():
             if line.startswith("kilter "):
-                assert main(shlex.split(line)[1:]) in (0, 1), capsys.readouterr().err
+                # every answer is one; wrong usage and faults are not
+                assert main(shlex.split(line)[1:]) in (0, 1, 3, 4), capsys.readouterr().err
 
 
 def test_links_between_pages_lead_somewhere() -> None:
