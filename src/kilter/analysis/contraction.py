@@ -10,7 +10,7 @@ Every bound is that of `kilter.solvers.bounded`, so that each step errs on the s
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,10 +22,14 @@ from kilter.mechanics.enclosure import Enclosure, rescaled
 from kilter.mechanics.relaxation import Relaxation
 from kilter.solvers.bounded import BoundedSolution, BoundedSolver
 
-__all__ = ["Clock", "Search", "contract", "forces_bounded", "power_bound", "shrunk"]
+__all__ = ["FORCES", "Clock", "Search", "contract", "forces_bounded", "power_bound", "shrunk"]
 
 Array = NDArray[np.float64]
 
+ALL = ("un", "fn", "most", "least", "ut", "rest")
+"""Bounds that are shrunk."""
+FORCES = ("fn", "least")
+"""Those of forces; in space that of N is that of fn."""
 SEEN = 0.95
 """A quantity that reached this part of its bound in some solution is not asked about."""
 STALLED = 0.1
@@ -129,7 +133,7 @@ def contract(search: Search, bounds: Enclosure, until: float = np.inf) -> tuple[
             if bounds.scale > 0.95 * old:
                 break
         search.clock.tell(f"motions up to {bounds.scale:.1e} of free fall are not excluded")
-        bounds = shrunk(search, bounds, answer)
+        bounds = shrunk(search, bounds, answer, until=until)
         late = search.clock.over or search.clock.spent > until
         if late or _progress(before, bounds) < STALLED:
             return bounds, bounds.scale**2
@@ -184,11 +188,19 @@ def _quantities(relaxation: Relaxation, b: Enclosure) -> _Quantities:
     )
 
 
-def shrunk(search: Search, bounds: Enclosure, start: BoundedSolution) -> Enclosure:
-    """Every quantity once, over the relaxation of the bounds at the start of the round."""
+def shrunk(
+    search: Search,
+    bounds: Enclosure,
+    start: BoundedSolution,
+    kinds: Sequence[str] = ALL,
+    until: float = np.inf,
+) -> Enclosure:
+    """Every quantity of some kinds once, over the relaxation of the bounds at the start.
+
+    What is not asked until `until` [s of the clock] keeps its bound.
+    """
     relaxation = search.relaxation
-    kinds = ("un", "fn", "ut", "rest", "least", "most")
-    new = {name: getattr(bounds, name).copy() for name in kinds}
+    new = {name: getattr(bounds, name).copy() for name in ALL}
     program = relaxation.program(bounds)
     program.lower[relaxation.columns["one"]] = 1.0  # else no force has a least value but 0
     search.solver.load(program, start.basis)
@@ -197,8 +209,10 @@ def shrunk(search: Search, bounds: Enclosure, start: BoundedSolution) -> Enclosu
     enough = np.where(asked.limits > 0, SEEN * asked.limits, asked.limits / SEEN)
     fixed = np.array([name != "least" for name in asked.names]) & (asked.limits <= 0)
     for number, (name, place) in enumerate(zip(asked.names, asked.places, strict=True)):
-        if search.clock.over:
+        if search.clock.over or search.clock.spent > until:
             break
+        if name not in kinds:
+            continue
         if fixed[number] or (best[number] >= enough[number] and enough[number] != 0):
             continue
         cost = -asked.weights[[number]].toarray()[0]

@@ -20,7 +20,15 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from kilter.analysis.contraction import Clock, Search, contract, forces_bounded
+from kilter.analysis.contraction import (
+    FORCES,
+    Clock,
+    Search,
+    contract,
+    forces_bounded,
+    power_bound,
+    shrunk,
+)
 from kilter.analysis.sectors import Branched, branch
 from kilter.mechanics.contact_law import contact_law, refusal
 from kilter.mechanics.enclosure import Enclosure, first_enclosure
@@ -36,8 +44,8 @@ FORCE = 1000.0
 """Largest force of a contact point that is thought of, over the weight of the free parts."""
 COARSEST = 1e-6
 """Power that is never taken for none, over that of the part in free fall."""
-FIRST = 0.2
-"""Part of the budget for branching before anything is contracted."""
+FIRST = 0.1
+"""Part of the budget for branching before anything is contracted; in space, for the forces."""
 SECOND = 0.4
 """Part of what is left then for contraction."""
 
@@ -142,10 +150,12 @@ def make_search(program: Program, clock: Clock, tolerance: float) -> Search:
 def _tried(search: Search, bounds: Enclosure) -> tuple[Kind, Branched]:
     """Branching for a while; then contraction; then branching within its bounds.
 
-    In space contraction takes longer than it saves: there it is branching alone.
+    In space contraction takes longer than it saves, but for that of the forces.
     """
     clock = search.clock
     if search.law.directions == 2:
+        _, _, answer = power_bound(search, bounds)
+        bounds = shrunk(search, bounds, answer, FORCES, FIRST * clock.budget)
         return "sectors", branch(search, bounds)
     modes: Kind = "modes"
     first = branch(search, bounds, FIRST * clock.budget)
