@@ -203,6 +203,13 @@ def test_budget_is_kept_and_progress_told():
     assert answer.seconds >= 2.5
 
 
+def test_says_what_it_assumes_where_parts_can_be_squeezed():
+    """A wedge in a V may be pressed in by any force: those that were thought of are named."""
+    answer = asked(friction.v_block(friction=0.5, planar=True))
+    assert answer.proved
+    assert "1000 times the weight" in answer.assumes
+
+
 def test_one_number_flips_it():
     assembly = planar(slope(0.98, 0.5, 1.0))
     one = program(assembly)

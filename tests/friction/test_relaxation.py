@@ -81,7 +81,7 @@ KINDS = {
 @pytest.mark.parametrize("kind", KINDS)
 def test_true_motions_are_contained_and_never_excluded(kind):
     tried = moved = 0
-    for seed in range(12):
+    for seed in range(9):
         found = witnessed(seed, **KINDS[kind])
         if found is None:
             continue
@@ -111,16 +111,16 @@ def test_true_motions_are_contained_and_never_excluded(kind):
         else:
             power = np.inf
         assert not search.closed(tight, power)
-    assert tried >= 6
+    assert tried >= 4
     assert moved
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_never_a_proof_where_a_motion_is_built_in(kind):
-    for seed in range(100, 115):
+    for seed in range(100, 112):
         found = witnessed(seed, **KINDS[kind])
         if found is not None:
-            answer = prove_no_motion(found.program, budget=0.5)
+            answer = prove_no_motion(found.program, budget=0.3)
             assert not answer.proved
             assert answer.bound > 1e-9
 

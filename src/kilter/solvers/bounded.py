@@ -70,7 +70,7 @@ def safe_bound(program: LinearProgram, multipliers: Array) -> float:
     >>> from scipy.sparse import csc_array
     >>> one = np.ones(1)
     >>> line = LinearProgram(one, csc_array(np.eye(1)), one, np.inf * one, 0 * one, 5 * one)
-    >>> round(safe_bound(line, one), 12), round(safe_bound(line, -one), 12)
+    >>> round(safe_bound(line, one), 12), abs(round(safe_bound(line, -one), 12))
     (1.0, 0.0)
     """
     if len(multipliers) != len(program.row_lower) or not np.isfinite(multipliers).all():
