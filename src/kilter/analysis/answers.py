@@ -35,7 +35,7 @@ def check_answer(verdict: Verdict) -> dict[str, Any]:
         "down": assembly.down.tolist(),
         "gravity": assembly.gravity.tolist(),
         "units": assembly.units,
-        "instability": None if assembly.loads else verdict.motion.instability,
+        "instability": verdict.instability,
         "z": found.z,
         "parts": [_part(verdict, k) for k in range(len(assembly.parts))],
         "contacts": {

@@ -138,6 +138,12 @@ class Verdict:
         found = find_motion_with_friction(self.modelled, self.budget)
         return find_motion(self.modelled) if found is None else found
 
+    @property
+    def instability(self) -> float | None:
+        """Kappa of the motion [-]; None with loads, or where no motion is known."""
+        unknown = self.verdict == "potentially-stable" and self.guarantee == "open"
+        return None if self.assembly.loads or unknown else self.motion.instability
+
     @cached_property
     def forces(self) -> ContactForces | None:
         """Contact forces of the equilibrium; None where there is none."""

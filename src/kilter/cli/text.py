@@ -115,11 +115,8 @@ def _facts(verdict: Verdict) -> list[str]:
     rows += _friction_rows(verdict)
     if verdict.verdict != "stable":
         z = f"z = {verdict.displacement.z:.6g} (LP (9): kg, {assembly.units}, gravity 1)"
-        kappa = (
-            ""
-            if assembly.loads
-            else f", kappa = {verdict.motion.instability:.6g} (0 stable, 1 free fall)"
-        )
+        known = verdict.instability
+        kappa = "" if known is None else f", kappa = {known:.6g} (0 stable, 1 free fall)"
         rows.append(["instability", z + kappa])
     neutral = verdict.neutral
     if neutral is not None:
@@ -229,7 +226,7 @@ def _touching(contacts: ContactSet) -> str:
 
 def _proof_words(verdict: Verdict) -> str:
     forces, motion = verdict.judgement.forces, verdict.judgement.motion
-    if verdict.verdict == "stable" and forces is not None:
+    if verdict.verdict in ("stable", "potentially-stable") and forces is not None:
         return (
             f"contact forces that balance every part to {forces.residual:.1e} of its weight "
             f"(tolerance {verdict.tolerance:.0e}), recomputed apart from the solver"
