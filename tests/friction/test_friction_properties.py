@@ -1,0 +1,96 @@
+"""What holds for every assembly with friction, on random ones."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from judged import judged
+
+from kilter import check, find_contacts
+from kilter.analysis.guarantee import prove_no_motion
+from kilter.analysis.seating import find_seating
+from kilter.assembly import FrictionPair
+from kilter.mechanics.program import build_program
+from kilter.scenes.frictional import FAMILIES, random_assembly
+from kilter.scenes.pieces import turn
+from kilter.scenes.transform import moved, scaled
+
+SEEDS = range(40)
+BUDGET = 0.3
+
+
+def rougher(assembly, factor):
+    """The assembly with every coefficient raised."""
+    pairs = [FrictionPair(pair.parts, factor * pair.mu) for pair in assembly.friction_pairs]
+    contacts = [
+        dataclasses.replace(c, mu=None if c.mu is None else factor * c.mu)
+        for c in assembly.contacts
+    ]
+    return dataclasses.replace(
+        assembly,
+        friction=factor * assembly.friction,
+        friction_pairs=pairs,
+        contacts=contacts,
+    )
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_verdict_and_its_opposite_never_both(seed):
+    _, assembly = random_assembly(seed)
+    verdict = judged(assembly, budget=BUDGET)
+    assert verdict.verdict != "undecided"
+    if verdict.friction is None:
+        return
+    if verdict.guarantee == "proved":
+        assert find_seating(verdict.program).seated
+    if verdict.guarantee == "refuted":
+        witness = verdict.friction.witness
+        assert witness.law.holds
+        # a.M a <= w.a for every solution of the law, in units of |w|^2 of the parts that move
+        assert witness.law.size <= witness.law.power * (1 + 1e-6) + 1e-9
+        assert not prove_no_motion(verdict.program, budget=BUDGET).proved
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_more_friction_never_takes_equilibrium_away(seed):
+    _, assembly = random_assembly(seed)
+    words = [check(rougher(assembly, f), budget=0.0).verdict for f in (0.0, 0.5, 1.0, 2.0)]
+    held = [word in ("stable", "potentially-stable") for word in words]
+    assert held == sorted(held)
+    if words[0] == "stable":
+        assert set(words) == {"stable"}
+
+
+@pytest.mark.parametrize("seed", SEEDS[:15])
+def test_units_and_pose_change_no_verdict(seed):
+    _, assembly = random_assembly(seed)
+    word = check(assembly, budget=0.0).verdict
+    assert check(scaled(assembly, 1e-3), budget=0.0).verdict == word
+    about = [0, 1, 0] if assembly.planar else [1, 2, 3]
+    other = moved(assembly, turn(about, 40.0), [30, 0, -20])
+    assert check(other, budget=0.0).verdict == word
+
+
+def test_every_family_is_drawn():
+    drawn = {random_assembly(seed)[0] for seed in range(60)}
+    assert drawn == set(FAMILIES)
+
+
+def test_forces_shown_balance_and_stay_in_their_cones():
+    for seed in SEEDS[:20]:
+        _, assembly = random_assembly(seed)
+        verdict = check(assembly, budget=0.0)
+        found = verdict.forces
+        if found is None:
+            continue
+        program = build_program(assembly, find_contacts(assembly))
+        mu = verdict.program.mu[found.rows]
+        normal = verdict.program.normal[found.rows]
+        push = np.einsum("ij,ij->i", found.force, normal)
+        aside = np.linalg.norm(found.force - push[:, None] * normal, axis=1)
+        assert (push >= 0).all()
+        assert (aside <= mu * push + 1e-9 * np.abs(push) + 1e-12).all()
+        assert found.residual <= float(program.tolerance.max())
+        assert np.nanmax(found.utilisation, initial=0.0) <= 1 + 1e-6
