@@ -23,7 +23,7 @@ __all__ = ["LIMIT", "ContactForces", "find_contact_forces"]
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-LIMIT = 20_000
+LIMIT = 3_000
 """Contact points above which the forces of the verdict's proof are shown as they are."""
 PRESSES = 1e-9
 """Normal forces below this part of the largest weight have no pressure centre."""
