@@ -1,0 +1,160 @@
+// The picture: camera, light, and the assembly turned so that gravity points down.
+
+import {
+  Color,
+  ColorManagement,
+  Group,
+  LinearSRGBColorSpace,
+  Matrix4,
+  PerspectiveCamera,
+  Quaternion,
+  Scene,
+  Spherical,
+  Vector3,
+  WebGLRenderTarget,
+  WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { Arrows } from "./arrows.js";
+import { Parts } from "./parts.js";
+import { sphereView } from "./sphere.js";
+import { scaled, unit } from "./vector.js";
+
+const OPENING = (30 * Math.PI) / 180; // of the view, upright
+const DOWN = new Vector3(0, -1, 0);
+
+ColorManagement.enabled = false; // colours are those of the style, as they stand
+
+export class Stage {
+  constructor(canvas, page) {
+    this.canvas = canvas;
+    this.page = page;
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
+    this.renderer.outputColorSpace = LinearSRGBColorSpace;
+    this.renderer.setClearColor(new Color(0), 0);
+    this.camera = new PerspectiveCamera(30, 1, page.radius / 50, page.radius * 60);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.addEventListener("change", () => this.draw());
+    this.scene = new Scene();
+    this.root = new Group();
+    this.parts = new Parts(page);
+    this.motion = new Arrows();
+    this.forces = new Arrows();
+    this.loads = new Arrows();
+    this.root.add(this.parts.group, this.motion.group, this.forces.group, this.loads.group);
+    this.scene.add(this.root);
+    this.numbers = new WebGLRenderTarget(1, 1);
+    this.drawn = () => {};
+    this.upright = upright(page.given.down);
+    this.root.quaternion.copy(this.upright);
+    this.home();
+    new ResizeObserver(() => this.fit()).observe(canvas.parentElement);
+    this.fit();
+  }
+
+  /** The first view: from the right, in front and above. */
+  home() {
+    this.controls.target.set(0, 0, 0);
+    const planar = this.page.planar;
+    const place = new Spherical(this.reach(), planar ? 1.35 : 1.22, planar ? 0.25 : 0.55);
+    this.camera.position.setFromSpherical(place);
+    this.controls.update();
+    this.draw();
+  }
+
+  /** How far the camera must be for all to be seen. */
+  reach() {
+    const half = Math.min(OPENING / 2, Math.atan(Math.tan(OPENING / 2) * (this.camera.aspect || 1)));
+    return (1.04 * this.page.radius) / Math.sin(half);
+  }
+
+  fit() {
+    const { clientWidth: width, clientHeight: height } = this.canvas.parentElement;
+    if (!width || !height) return;
+    const dense = Math.min(window.devicePixelRatio || 1, 2);
+    this.renderer.setPixelRatio(dense);
+    this.renderer.setSize(width, height, false);
+    this.parts.shared.dense.value = dense;
+    const first = !this.size;
+    this.size = [width, height];
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    if (first) this.home();
+    this.draw();
+  }
+
+  /** Turn the assembly by the least turn that makes a direction point down on the screen. */
+  turnTo(direction, exactly = false) {
+    if (exactly) {
+      this.root.quaternion.copy(this.upright);
+    }
+    const now = new Vector3(...direction).applyQuaternion(this.root.quaternion).normalize();
+    const turn = new Quaternion().setFromUnitVectors(now, DOWN);
+    this.root.quaternion.premultiply(turn).normalize();
+    this.draw();
+  }
+
+  orbit(azimuth, polar, nearer = 1) {
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    const place = new Spherical().setFromVector3(offset);
+    place.theta += azimuth;
+    place.phi = Math.max(0.02, Math.min(Math.PI - 0.02, place.phi + polar));
+    place.radius *= nearer;
+    this.camera.position.setFromSpherical(place).add(this.controls.target);
+    this.controls.update();
+    this.draw();
+  }
+
+  /** The part under a point of the canvas [CSS pixels], -1 where there is none. */
+  pick(x, y) {
+    const { renderer, camera, parts } = this;
+    const [width, height] = this.size;
+    const dense = renderer.getPixelRatio();
+    camera.setViewOffset(width * dense, height * dense, x * dense, y * dense, 1, 1);
+    const hidden = [parts.edges, parts.patches, this.motion.group, this.forces.group, this.loads.group];
+    const were = hidden.map((one) => one.visible);
+    hidden.forEach((one) => (one.visible = false));
+    parts.faces.material = parts.material.number;
+    parts.material.number.side = parts.material.face.side;
+    renderer.setRenderTarget(this.numbers);
+    renderer.clear();
+    renderer.render(this.scene, camera);
+    const found = new Uint8Array(4);
+    renderer.readRenderTargetPixels(this.numbers, 0, 0, 1, 1, found);
+    renderer.setRenderTarget(null);
+    parts.faces.material = parts.material.face;
+    hidden.forEach((one, k) => (one.visible = were[k]));
+    camera.clearViewOffset();
+    return found[3] ? found[0] + 256 * (found[1] + 256 * found[2]) : -1;
+  }
+
+  /** Where a point of the assembly is on the canvas [CSS pixels]; null behind the camera. */
+  onScreen(point) {
+    const at = new Vector3(...point).applyMatrix4(this.root.matrixWorld).project(this.camera);
+    if (at.z > 1) return null;
+    return [((at.x + 1) / 2) * this.size[0], ((1 - at.y) / 2) * this.size[1]];
+  }
+
+  draw() {
+    if (this.waiting) return;
+    this.waiting = requestAnimationFrame(() => this.render());
+  }
+
+  /** Draw now. */
+  render() {
+    cancelAnimationFrame(this.waiting);
+    this.waiting = 0;
+    if (!this.size) return;
+    this.scene.updateMatrixWorld();
+    this.renderer.render(this.scene, this.camera);
+    this.drawn();
+  }
+}
+
+/** The turn that shows the assembly upright for a direction of gravity, x to the right. */
+function upright(down) {
+  const above = scaled(unit(down), -1);
+  const { right, front } = sphereView(above, 0, 0);
+  const axes = [right, above, front].map((v) => new Vector3(...v));
+  return new Quaternion().setFromRotationMatrix(new Matrix4().makeBasis(...axes)).invert();
+}
