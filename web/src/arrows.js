@@ -1,16 +1,20 @@
 // Arrows: forces and motions as instances of one shape each, drawn over the parts.
 
 import {
+  BackSide,
   BufferAttribute,
   BufferGeometry,
   Color,
+  FrontSide,
+  GLSL3,
   Group,
   InstancedMesh,
   Matrix4,
-  MeshBasicMaterial,
   Quaternion,
+  ShaderMaterial,
   Vector3,
 } from "three";
+import { arrow as arrowVertex, arrowFace } from "./shaders.js";
 
 const SIDES = 8;
 const UP = new Vector3(0, 1, 0);
@@ -77,13 +81,8 @@ function round() {
 /** Arrows of one colour, of which `set` shows a list. */
 export class Arrows {
   constructor() {
-    this.material = new MeshBasicMaterial({
-      color: new Color(),
-      depthTest: false,
-      transparent: true,
-      side: 2,
-    });
-    this.halo = new MeshBasicMaterial({ ...quiet, color: new Color() });
+    this.material = painted(false);
+    this.halo = painted(true);
     this.group = new Group();
     this.shapes = { straight: straight(), round: round() };
   }
@@ -99,14 +98,13 @@ export class Arrows {
     }
     for (const [name, list] of Object.entries(lists)) {
       if (!list.length) continue;
-      for (const [material, grow, order] of [
-        [this.halo, 1.5, 9],
-        [this.material, 1, 10],
+      for (const [material, grow] of [
+        [this.halo, 1.3],
+        [this.material, 1],
       ]) {
-        if (material === this.halo && (name === "round" || list.length > 400)) continue;
+        if (material === this.halo && list.length > 150) continue;
         const mesh = new InstancedMesh(this.shapes[name], material, list.length);
         mesh.frustumCulled = false;
-        mesh.renderOrder = order;
         list.forEach((arrow, k) => mesh.setMatrixAt(k, matrix(arrow, name, grow)));
         this.group.add(mesh);
       }
@@ -114,17 +112,26 @@ export class Arrows {
   }
 
   theme(colour, halo) {
-    this.material.color.set(colour);
-    this.halo.color.set(halo);
+    this.material.uniforms.ink.value.set(colour);
+    this.halo.uniforms.ink.value.set(halo);
   }
 }
 
-const quiet = { depthTest: false, depthWrite: false, transparent: true, opacity: 0.9, side: 2 };
+/** Colour lit a little, or the rim: the back faces of a thicker arrow, in one colour. */
+const painted = (plain) =>
+  new ShaderMaterial({
+    glslVersion: GLSL3,
+    vertexShader: arrowVertex,
+    fragmentShader: arrowFace,
+    uniforms: { ink: { value: new Color() }, plain: { value: plain } },
+    side: plain ? BackSide : FrontSide,
+  });
 
 function matrix({ at, along, size, wide }, name, grow) {
   const direction = new Vector3(...along).normalize();
   const turn = new Quaternion().setFromUnitVectors(UP, direction);
   const thick = (wide || size) * grow;
-  const scale = name === "round" ? [size, size, size] : [thick, size, thick];
+  const far = grow > 1 ? size + 0.02 * thick : size;
+  const scale = name === "round" ? [size, size * grow, size] : [thick, far, thick];
   return new Matrix4().compose(new Vector3(...at), turn, new Vector3(...scale));
 }

@@ -1,7 +1,7 @@
 // The gravity ball: the directions of gravity as a sphere, the stable ones on it, an arrow.
 // The ball lies in the frame of the assembly; the arrow shows where gravity pulls.
 
-import { along, arcs, isThin } from "./cone.js";
+import { along, arcs, contains, isThin } from "./cone.js";
 import { ramp, rgb, themeOf } from "./colours.js";
 import { deepest, farthest } from "./map.js";
 import { eyeFor, inPlane, onDisc, sphereView, underPoint } from "./sphere.js";
@@ -201,7 +201,8 @@ export class Ball {
     };
     return (n) => {
       let base = blank;
-      if (map) base = ramp(farthest(map.vertices, n)[1] / map.mass / this.most);
+      if (planar && region && contains(region, n)) base = stable;
+      else if (map) base = ramp(farthest(map.vertices, n)[1] / map.mass / this.most);
       const middle = outer.length ? cover(outer, n) : 0;
       const inner = solid ? cover(facets, n) : 0;
       for (let k = 0; k < 3; k += 1) {
@@ -253,36 +254,37 @@ export class Ball {
   /** The boundary of the stable region: exact arcs, dashed on the far side. */
   paintRegion(c, style) {
     if (!this.page.region) return;
-    for (const arc of arcs(this.page.region)) {
-      if (!arc.angle) {
-        this.dot(c, arc.u, style);
-        continue;
-      }
-      const count = Math.max(2, Math.ceil(arc.angle / 0.03));
-      const points = Array.from({ length: count + 1 }, (_, k) =>
+    const all = arcs(this.page.region);
+    const lines = all.filter((arc) => arc.angle).map((arc) => {
+      const count = Math.max(2, Math.ceil(arc.angle / 0.02));
+      return Array.from({ length: count + 1 }, (_, k) =>
         this.onCanvas(along(arc, (k * arc.angle) / count)),
       );
-      for (const front of [false, true]) {
-        for (const [colour, width] of [
-          [style("stable-edge"), front ? 5 : 0],
-          [style("stable"), front ? 3 : 1.5],
-        ]) {
-          if (!width) continue;
-          c.strokeStyle = colour;
-          c.lineWidth = width;
-          c.lineCap = "round";
-          c.setLineDash(front ? [] : [3, 5]);
-          c.beginPath();
-          for (let k = 0; k < count; k += 1) {
-            if (points[k][2] + points[k + 1][2] >= 0 !== front) continue;
-            c.moveTo(points[k][0], points[k][1]);
-            c.lineTo(points[k + 1][0], points[k + 1][1]);
-          }
-          c.stroke();
+    });
+    c.lineCap = "round";
+    c.lineJoin = "round";
+    for (const [colour, width, front] of [
+      [style("stable"), 1.5, false],
+      [style("stable-edge"), 5.5, true],
+      [style("stable"), 3, true],
+    ]) {
+      c.strokeStyle = colour;
+      c.lineWidth = width;
+      c.setLineDash(front ? [] : [3, 5]);
+      c.beginPath();
+      for (const points of lines) {
+        let drawing = false;
+        for (const [x, y, z] of points) {
+          const seen = front ? z >= -0.01 : z < 0.01;
+          if (seen && drawing) c.lineTo(x, y);
+          else if (seen) c.moveTo(x, y);
+          drawing = seen;
         }
       }
+      c.stroke();
     }
     c.setLineDash([]);
+    for (const arc of all) if (!arc.angle) this.dot(c, arc.u, style);
   }
 
   onCanvas(u) {
@@ -312,9 +314,9 @@ export class Ball {
     ]) {
       const known = this.page[name];
       const same = name === "recommended" && known && angleBetween(known.down, this.page.given.down);
-      if (!known || (name === "recommended" && same < 0.03)) continue;
+      if (!known || (name === "recommended" && same < 0.12)) continue;
       const [x, y, z] = this.onCanvas(known.down);
-      if (z < 0 || angleBetween(known.down, this.down) < 0.05) continue;
+      if (z < 0 || angleBetween(known.down, this.down) < 0.14) continue;
       c.font = "700 12px system-ui, sans-serif";
       halo(c, letter, x + 13, y - 11, style);
       c.strokeStyle = style("ink");
@@ -342,7 +344,7 @@ export class Ball {
     c.lineCap = "round";
     for (const [colour, width, size] of [
       [style("surface"), 7, 12],
-      [style("ink"), 3.5, 10],
+      [style("ink"), 3.5, 10.5],
     ]) {
       c.strokeStyle = colour;
       c.fillStyle = colour;
@@ -358,6 +360,10 @@ export class Ball {
     c.font = "700 12px system-ui, sans-serif";
     c.textAlign = "center";
     c.textBaseline = "middle";
+    c.fillStyle = style(this.tone || "soft");
+    c.beginPath();
+    c.arc(x, y, 8.5, 0, 2 * Math.PI);
+    c.fill();
     c.fillStyle = style("surface");
     c.fillText("g", x, y - 0.5);
   }

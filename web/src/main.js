@@ -5,6 +5,7 @@ import { Ball } from "./ball.js";
 import { themeOf } from "./colours.js";
 import { distance, isThin, nearest } from "./cone.js";
 import { pageData } from "./data.js";
+import { deepest } from "./map.js";
 import { Names, forceArrows, motionArrows } from "./overlay.js";
 import { reachOf } from "./pose.js";
 import { Stage } from "./stage.js";
@@ -17,6 +18,12 @@ const SIGNS = {
   unstable: "✕",
   undecided: "?",
   unknown: "?",
+};
+const TONES = {
+  stable: "stable",
+  "potentially-stable": "stable",
+  unstable: "unstable",
+  undecided: "undecided",
 };
 const SNAP = (3 * Math.PI) / 180; // a thin region draws the arrow in from so near
 const NAMED = 14; // up to so many parts bear their names from the start
@@ -70,6 +77,7 @@ class Page {
   turn(u, { exactly = false, follow = false } = {}) {
     this.down = u;
     this.found = answer(this.page, u);
+    this.ball.tone = TONES[this.found.verdict];
     this.ball.set(u, follow);
     if (this.stage) {
       this.stage.turnTo(u, exactly);
@@ -104,7 +112,9 @@ class Page {
     let label = found.forces ? "contact forces" : "contact forces: none to show here";
     const forces = found.forces && id("show-forces").checked;
     if (forces) {
-      const long = 0.55 * this.page.radius * Number(id("force-size").value);
+      // many arrows are drawn shorter
+      const share = found.forces.points.length > 300 ? 0.3 : 0.5;
+      const long = share * this.page.radius * Number(id("force-size").value);
       const { straight, most } = forceArrows(stage, found.forces, long);
       stage.forces.set({ straight });
       label = `contact forces, the longest ${number(most, 3)} N`;
@@ -134,7 +144,9 @@ class Page {
     banner.dataset.verdict = found.verdict;
     id("sign").textContent = SIGNS[found.verdict] || "?";
     id("verdict").textContent = VERDICTS[found.verdict] || found.verdict;
-    id("sentence").textContent = found.sentence || marginWords(page, found);
+    id("sentence").textContent = found.sentence
+      ? plainly(found.sentence)
+      : marginWords(page, found);
     const lines = [movingWords(page, found)];
     if (found.sentence) lines.unshift(marginWords(page, found));
     id("moving").textContent = lines.filter(Boolean).join("; ");
@@ -156,7 +168,7 @@ class Page {
     this.ball.canvas.setAttribute("aria-valuetext", label);
     id("motion").disabled = !found.motion;
     id("play").disabled = !found.motion;
-    id("motion-label").textContent = found.motion ? "impending motion" : "impending motion: none";
+    id("motion-label").textContent = found.motion ? "motion" : "motion: none";
     if (this.selected >= 0) this.showPart(this.selected);
   }
 
@@ -175,7 +187,7 @@ class Page {
     );
     id("go-nearest").disabled = !page.region || !page.region.dimension;
     id("no-map").hidden = Boolean(page.map) || !page.region;
-    id("ramp").hidden = !page.map;
+    id("ramp").hidden = !page.map || deepest(page.map) === 0;
     id("stable-key").hidden = !page.region || page.region.kind === "none";
     on("motion", "input", () => this.slide("amount", "motion"));
     on("explode", "input", () => this.slide("apart", "explode", 1.6));
@@ -412,6 +424,12 @@ class Page {
     this.turn(unit(direction_));
     return { verdict: id("verdict").textContent, margin: this.found.margin, moving: this.found.moving };
   }
+}
+
+/** A sentence without the verdict that it begins with: that stands above it. */
+function plainly(sentence) {
+  const rest = sentence.replace(/^(Potentially stable|Stable|Unstable|Undecided): /, "");
+  return rest.charAt(0).toUpperCase() + rest.slice(1);
 }
 
 /** The sum of the sizes of the forces on a part [N]. */

@@ -49,7 +49,7 @@ export function forceArrows(stage, forces, long) {
       at,
       along: f.subarray(3 * k, 3 * k + 3),
       size,
-      wide: Math.max(size, 0.35 * long),
+      wide: Math.max(0.8 * size, 0.15 * long),
     });
   }
   return { straight, most };

@@ -22,6 +22,7 @@ import { local, posed } from "./pose.js";
 import { TEXELS, edge, face, flatColour, number, spot, spotFace, vertex } from "./shaders.js";
 
 const ACROSS = 1024; // texels in a row of the texture
+const FEW = 8; // patches that shine through the parts
 
 export class Parts {
   constructor(page) {
@@ -86,11 +87,16 @@ export class Parts {
         { ink: colour(), strength: { value: 0.75 } },
         { transparent: true, depthWrite: false },
       ),
-      patch: make(vertex, flatColour, { ink: colour(), strength: { value: 0.26 } }, {
+      patch: make(vertex, flatColour, { ink: colour(), strength: { value: 0.4 } }, {
+        ...over,
+        depthTest: true,
+        side: DoubleSide,
+      }),
+      through: make(vertex, flatColour, { ink: colour(), strength: { value: 0.16 } }, {
         ...over,
         side: DoubleSide,
       }),
-      rim: make(vertex, flatColour, { ink: colour(), strength: { value: 0.95 } }, over),
+      rim: make(vertex, flatColour, { ink: colour(), strength: { value: 0.85 } }, over),
       spot: make(spot, spotFace, { ink: colour(), strength: { value: 0.95 } }, over),
       number: make(vertex, number, {}),
     };
@@ -160,7 +166,7 @@ export class Parts {
     set(this.shared.accent, "unstable");
     set(this.material.face.uniforms.hatch, "hatch");
     set(this.material.edge.uniforms.ink, "edge");
-    for (const name of ["patch", "rim", "spot"]) set(this.material[name].uniforms.ink, "patch");
+    for (const name of ["patch", "through", "rim", "spot"]) set(this.material[name].uniforms.ink, "patch");
   }
 }
 
@@ -227,8 +233,11 @@ function patches(page, material) {
     part: new BufferAttribute(new Float32Array(owner), 1),
   };
   const group = new Group();
+  const filled = geometry(attributes, new Uint32Array(triangles));
+  // many patches that shine through the parts would hide more than they show
+  if (start.length - 1 <= FEW) group.add(new Mesh(filled, material.through));
   group.add(
-    new Mesh(geometry(attributes, new Uint32Array(triangles)), material.patch),
+    new Mesh(filled, material.patch),
     new LineSegments(geometry(attributes, new Uint32Array(lines)), material.rim),
     new Points(geometry(attributes, new Uint32Array(spots)), material.spot),
   );

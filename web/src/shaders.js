@@ -43,7 +43,6 @@ void main() { place(); }
 
 export const face = `precision highp float;
 ${CUT}
-uniform vec3 accent;
 uniform vec3 hatch;
 uniform float opacity;
 uniform float dense;
@@ -61,16 +60,15 @@ void main() {
   if (cutAway()) discard;
   vec3 n = normalize(cross(dFdx(seen), dFdy(seen)));
   vec3 base = colour.rgb;
-  if (state.y > 0.5) base = mix(base, hatch, 0.55 * stripes(9.0));
-  if (state.z > 1.5) base = mix(base, accent, 0.30);
+  if (state.y > 0.5) base = mix(base, hatch, 0.6 * stripes(9.0));
   if (!gl_FrontFacing) {
     result = vec4(mix(base * 0.62, base, stripes(6.0)), opacity);
     return;
   }
   float key = max(dot(n, normalize(vec3(-0.35, 0.75, 0.55))), 0.0);
   float fill = max(dot(n, normalize(vec3(0.8, 0.1, 0.5))), 0.0);
-  vec3 lit = base * (0.56 + 0.44 * key + 0.16 * fill);
-  if (mod(state.z, 2.0) > 0.5) lit = mix(lit, vec3(1.0, 0.93, 0.45), 0.45);
+  vec3 lit = min(base * (0.68 + 0.36 * key + 0.14 * fill), vec3(1.0));
+  if (mod(state.z, 2.0) > 0.5) lit = mix(lit, vec3(1.0, 0.86, 0.0), 0.25 + 0.6 * stripes(7.0));
   result = vec4(lit, opacity);
 }
 `;
@@ -126,5 +124,26 @@ void main() {
   if (cutAway()) discard;
   int k = int(colour.a + 0.5);
   result = vec4(float(k & 255), float((k >> 8) & 255), float((k >> 16) & 255), 255.0) / 255.0;
+}
+`;
+
+export const arrow = `
+out vec3 seen;
+void main() {
+  vec4 view = modelViewMatrix * instanceMatrix * vec4(position, 1.0);
+  seen = view.xyz;
+  gl_Position = projectionMatrix * view;
+}
+`;
+
+export const arrowFace = `precision highp float;
+uniform vec3 ink;
+uniform bool plain;
+in vec3 seen;
+out vec4 result;
+void main() {
+  vec3 n = normalize(cross(dFdx(seen), dFdy(seen)));
+  float key = max(dot(n, normalize(vec3(-0.35, 0.75, 0.55))), 0.0);
+  result = vec4(plain ? ink : ink * (0.8 + 0.3 * key), 1.0);
 }
 `;

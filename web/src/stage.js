@@ -41,8 +41,14 @@ export class Stage {
     this.motion = new Arrows();
     this.forces = new Arrows();
     this.loads = new Arrows();
-    this.root.add(this.parts.group, this.motion.group, this.forces.group, this.loads.group);
+    this.root.add(this.parts.group);
     this.scene.add(this.root);
+    // arrows lie over the parts: drawn after, with a depth of their own
+    this.over = new Scene();
+    this.overRoot = new Group();
+    this.overRoot.add(this.motion.group, this.forces.group, this.loads.group);
+    this.over.add(this.overRoot);
+    this.renderer.autoClear = false;
     this.numbers = new WebGLRenderTarget(1, 1);
     this.drawn = () => {};
     this.upright = upright(page.given.down);
@@ -56,16 +62,26 @@ export class Stage {
   home() {
     this.controls.target.set(0, 0, 0);
     const planar = this.page.planar;
-    const place = new Spherical(this.reach(), planar ? 1.35 : 1.22, planar ? 0.25 : 0.55);
+    const place = new Spherical(1, planar ? 1.35 : 1.22, planar ? 0.25 : 0.55);
     this.camera.position.setFromSpherical(place);
+    this.camera.lookAt(0, 0, 0);
+    this.camera.position.setLength(this.reach());
     this.controls.update();
     this.draw();
   }
 
-  /** How far the camera must be for all to be seen. */
+  /** How far the camera must be for the box around the parts to be seen, as it is turned now. */
   reach() {
-    const half = Math.min(OPENING / 2, Math.atan(Math.tan(OPENING / 2) * (this.camera.aspect || 1)));
-    return (1.04 * this.page.radius) / Math.sin(half);
+    const tangent = Math.tan(OPENING / 2);
+    const back = this.camera.quaternion.clone().invert();
+    let far = (0.88 * this.page.radius) / Math.sin(OPENING / 2); // room to turn
+    for (let k = 0; k < 8; k += 1) {
+      const corner = new Vector3(...this.page.extent.map((e, i) => ((k >> i) & 1 ? e : -e)));
+      corner.applyQuaternion(this.root.quaternion).applyQuaternion(back);
+      const wide = Math.abs(corner.x) / (tangent * (this.camera.aspect || 1));
+      far = Math.max(far, corner.z + 1.1 * Math.max(wide, Math.abs(corner.y) / tangent));
+    }
+    return far;
   }
 
   fit() {
@@ -111,7 +127,7 @@ export class Stage {
     const [width, height] = this.size;
     const dense = renderer.getPixelRatio();
     camera.setViewOffset(width * dense, height * dense, x * dense, y * dense, 1, 1);
-    const hidden = [parts.edges, parts.patches, this.motion.group, this.forces.group, this.loads.group];
+    const hidden = [parts.edges, parts.patches];
     const were = hidden.map((one) => one.visible);
     hidden.forEach((one) => (one.visible = false));
     parts.faces.material = parts.material.number;
@@ -146,7 +162,11 @@ export class Stage {
     this.waiting = 0;
     if (!this.size) return;
     this.scene.updateMatrixWorld();
+    this.overRoot.quaternion.copy(this.root.quaternion);
+    this.renderer.clear();
     this.renderer.render(this.scene, this.camera);
+    this.renderer.clearDepth();
+    this.renderer.render(this.over, this.camera);
     this.drawn();
   }
 }

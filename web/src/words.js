@@ -22,18 +22,15 @@ export function marginWords(page, found) {
   if (region.kind === "none") return "no direction of gravity is stable";
   if (found.margin === null || found.margin === undefined) {
     if (found.away === undefined || found.away === null) return "";
-    return found.away
-      ? `${degrees(found.away)} away from the nearest direction that surely holds`
-      : "on the edge of the region that surely holds";
+    if (!found.away) return "on the edge of the region that surely holds";
+    const what = region.exact ? "stable direction" : "direction that surely holds";
+    return `${degrees(found.away)} away from the nearest ${what}`;
   }
   if (!region.facets.length && !region.equations.length) return "every direction holds";
   if (isThin(region, page.planar)) {
-    const within = region.facets.length
-      ? `${degrees(found.within)} within the ${region.kind}, `
-      : region.dimension > 1
-        ? `any turn within the ${region.kind}, `
-        : "";
-    return `margin ${within}none out of it: a knife edge`;
+    if (region.dimension < 2) return "margin 0°: it may not tilt at all (a knife edge)";
+    const within = region.facets.length ? degrees(found.within) : "any turn";
+    return `margin ${within} within the ${region.kind}, none out of it (a knife edge)`;
   }
   if (!region.facets.length) return "every direction in the plane holds";
   return `margin ${degrees(found.margin)}: it may tilt so far in any direction`;

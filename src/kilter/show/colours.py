@@ -26,7 +26,7 @@ PALETTE = (
     "#B7D17A",
 )
 """Of parts, in the order they are given out."""
-GROUND = "#A7ABB0"
+GROUND = "#C3C8CE"
 """Of grounded parts."""
 SHADES = (0.0, 0.10, -0.08, 0.05, -0.04, 0.13, -0.11)
 """Lighter (towards white) or darker: copies of one shape next to each other."""
@@ -40,7 +40,7 @@ def part_colours(shape: ArrayLike, grounded: ArrayLike) -> NDArray[np.uint8]:
     Examples
     --------
     >>> part_colours([0, 0, 1], [True, False, False])[0].tolist()
-    [167, 171, 176]
+    [195, 200, 206]
     """
     shape, grounded = np.asarray(shape, dtype=np.int64), np.asarray(grounded, dtype=bool)
     free = np.flatnonzero(~grounded)

@@ -43,7 +43,7 @@ def build_scene(answers: Answers) -> dict[str, Any]:
     ('base', 2, None)
     """
     assembly = answers.assembly
-    center, radius = _view(answers)
+    center, extent = _view(answers)
     names = [readable(name) for name in assembly.names]
     recommended = answers.recommended
     return {
@@ -51,7 +51,8 @@ def build_scene(answers: Answers) -> dict[str, Any]:
         "planar": assembly.planar,
         "gravity": float(np.linalg.norm(assembly.gravity)),
         "center": center.tolist(),
-        "radius": radius,
+        "extent": extent.tolist(),
+        "radius": float(np.linalg.norm(extent)),
         "shapes": _shapes(answers),
         "parts": _parts(answers, center, names),
         "patches": _patches(answers, center),
@@ -72,8 +73,8 @@ def build_scene(answers: Answers) -> dict[str, Any]:
     }
 
 
-def _view(answers: Answers) -> tuple[Array, float]:
-    """Middle and radius of what the first view must hold [length unit]."""
+def _view(answers: Answers) -> tuple[Array, Array]:
+    """Middle and half lengths of the box that the first view must hold [length unit]."""
     geometry = answers.assembly.geometry
     free = ~geometry.grounded[geometry.vertex_part]
     vertices = geometry.vertices
@@ -82,7 +83,7 @@ def _view(answers: Answers) -> tuple[Array, float]:
     reach = (HELD_IN_VIEW - 1) * float((high - low).max())
     low = np.maximum(vertices.min(axis=0), low - reach)
     high = np.minimum(vertices.max(axis=0), high + reach)
-    return (low + high) / 2, float(np.linalg.norm(high - low)) / 2
+    return (low + high) / 2, (high - low) / 2
 
 
 def _shapes(answers: Answers) -> list[dict[str, Any]]:
