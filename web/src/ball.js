@@ -156,8 +156,10 @@ export class Ball {
   /** The disc, pixel by pixel: inside the stable region, or coloured by instability. */
   paintLayer(dense, style) {
     const { side, middle, radius } = this.frame();
-    // half as fine while the ball is turned by hand
-    const fine = this.drag && !this.drag.holds ? dense / 2 : dense;
+    // half as fine while the ball is turned by hand, or where the map has many partitions:
+    // the arcs over it are exact at any size
+    const many = this.page.map && this.page.map.vertices.length > 180;
+    const fine = ((this.drag && !this.drag.holds) || many ? 0.5 : 1) * dense;
     const pixels = Math.round(side * fine);
     this.layer.width = pixels;
     this.layer.height = pixels;

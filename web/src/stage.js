@@ -21,6 +21,7 @@ import { sphereView } from "./sphere.js";
 import { scaled, unit } from "./vector.js";
 
 const OPENING = (30 * Math.PI) / 180; // of the view, upright
+const SLOW = 55; // milliseconds a picture
 const DOWN = new Vector3(0, -1, 0);
 
 ColorManagement.enabled = false; // colours are those of the style, as they stand
@@ -51,6 +52,9 @@ export class Stage {
     this.renderer.autoClear = false;
     this.numbers = new WebGLRenderTarget(1, 1);
     this.drawn = () => {};
+    this.isPlain = false;
+    this.last = -1e9;
+    this.pace = 20;
     this.upright = upright(page.given.down);
     this.root.quaternion.copy(this.upright);
     this.home();
@@ -87,12 +91,10 @@ export class Stage {
   fit() {
     const { clientWidth: width, clientHeight: height } = this.canvas.parentElement;
     if (!width || !height) return;
-    const dense = Math.min(window.devicePixelRatio || 1, 2);
-    this.renderer.setPixelRatio(dense);
-    this.renderer.setSize(width, height, false);
-    this.parts.shared.dense.value = dense;
     const first = !this.size;
+    if (!first && this.size[0] === width && this.size[1] === height) return;
     this.size = [width, height];
+    this.sharpen();
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     if (first) this.home();
@@ -153,7 +155,41 @@ export class Stage {
 
   draw() {
     if (this.waiting) return;
-    this.waiting = requestAnimationFrame(() => this.render());
+    this.waiting = requestAnimationFrame(() => {
+      this.keepPace();
+      this.render();
+    });
+  }
+
+  /** Where pictures come slowly while all moves, plainer ones are drawn until it rests. */
+  keepPace() {
+    const now = performance.now();
+    const since = now - this.last;
+    this.last = now;
+    if (since < 400) this.pace = 0.6 * this.pace + 0.4 * since;
+    if (since < 400 && this.pace > SLOW) this.plain(true);
+    clearTimeout(this.rest);
+    if (this.isPlain) {
+      this.rest = setTimeout(() => {
+        this.plain(false);
+        this.draw();
+      }, 250);
+    }
+  }
+
+  /** Plain pictures: coarser, and without edges. */
+  plain(on) {
+    if (this.isPlain === on) return;
+    this.isPlain = on;
+    this.parts.edges.visible = !on;
+    this.sharpen();
+  }
+
+  sharpen() {
+    const dense = Math.min(window.devicePixelRatio || 1, 2) * (this.isPlain ? 0.6 : 1);
+    this.renderer.setPixelRatio(dense);
+    this.renderer.setSize(...this.size, false);
+    this.parts.shared.dense.value = dense;
   }
 
   /** Draw now. */
