@@ -5,7 +5,7 @@ import { along, arcs, contains, isThin } from "./cone.js";
 import { ramp, rgb, themeOf } from "./colours.js";
 import { deepest, farthest } from "./map.js";
 import { eyeFor, inPlane, onDisc, sphereView, underPoint } from "./sphere.js";
-import { angleBetween, dot, scaled, turnedAbout, unit } from "./vector.js";
+import { angleBetween, cross, dot, norm, scaled, turnedAbout, unit, without } from "./vector.js";
 
 const EDGE = 30; // pixels around the disc
 const REACH = 24; // pixels around the knob that still take hold of it
@@ -100,20 +100,25 @@ export class Ball {
   }
 
   key(event) {
-    const { up, right } = this.view;
+    const { up, right, front } = this.view;
     const step = event.shiftKey ? STEP / 10 : STEP;
-    const turns = {
-      ArrowLeft: [up, -step],
-      ArrowRight: [up, step],
-      ArrowUp: [right, -step],
-      ArrowDown: [right, step],
+    const ways = {
+      ArrowLeft: scaled(right, -1),
+      ArrowRight: right,
+      ArrowUp: up,
+      ArrowDown: scaled(up, -1),
     };
-    const turn = turns[event.key];
-    if (!turn || event.ctrlKey || event.metaKey || event.altKey) return;
+    const way = ways[event.key];
+    if (!way || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();
-    const axis = this.page.planar ? [0, 1, 0] : turn[0];
-    const sign = this.page.planar && turn[0] === right ? -1 : 1;
-    this.turned(turnedAbout(this.down, axis, sign * turn[1]), "key", step);
+    // along the great circle that starts that way; at the edge, on round the back
+    let ahead = without(way, this.down);
+    if (this.page.planar) ahead = without(ahead, [0, 1, 0]);
+    if (norm(ahead) < 1e-3) ahead = without(scaled(front, -1), this.down);
+    if (this.page.planar && norm(without(ahead, [0, 1, 0])) < 1e-3) {
+      ahead = cross([0, 1, 0], this.down);
+    }
+    this.turned(turnedAbout(this.down, unit(cross(this.down, ahead)), step), "key", step);
   }
 
   draw() {

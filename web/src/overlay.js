@@ -65,6 +65,7 @@ export class Names {
   /** Names for these parts. */
   show(list) {
     this.element.replaceChildren();
+    this.element.hidden = !list.length;
     this.tags = new Map(
       list.map((k) => {
         const tag = document.createElement("span");

@@ -186,7 +186,7 @@ export class Stage {
   }
 
   sharpen() {
-    const dense = Math.min(window.devicePixelRatio || 1, 2) * (this.isPlain ? 0.6 : 1);
+    const dense = Math.min(window.devicePixelRatio || 1, 2) * (this.isPlain ? 0.5 : 1);
     this.renderer.setPixelRatio(dense);
     this.renderer.setSize(...this.size, false);
     this.parts.shared.dense.value = dense;

@@ -66,13 +66,14 @@ def gather(
     tell("motion")
     given = _answered(verdict)
     notes: list[str] = []
-    region, recommended = _turned(assembly, contacts, tell, notes)
+    region, recommended, none = _turned(assembly, contacts, tell, notes)
     return Answers(
         assembly=assembly,
         contacts=contacts,
         given=given,
         recommended=recommended,
         region=None if region is None else region.to_dict(),
+        none=none,
         rays=() if region is None else _rays(assembly, contacts, region),
         map=None if region is None else _map(assembly, contacts, tell, notes),
         notes=tuple(notes),
@@ -93,8 +94,8 @@ def _answered(verdict: Verdict, sentence: str = "") -> Orientation:
 
 def _turned(
     assembly: Assembly, contacts: ContactSet, tell: Tell, notes: list[str]
-) -> tuple[Region | None, Orientation | None]:
-    """The stable region, and the direction that is recommended."""
+) -> tuple[Region | None, Orientation | None, bool]:
+    """The stable region, the direction that is recommended, and whether none is, proved."""
     from kilter.analysis.check import check
     from kilter.analysis.orientation import orient
     from kilter.analysis.region import find_region
@@ -104,22 +105,22 @@ def _turned(
         if free <= NEAREST_PARTS:
             answer = orient(assembly, contacts, progress=tell)
             turned = check(assembly.with_down(answer.down), contacts=contacts)
-            return answer.region, _answered(turned, answer.sentence)
+            return answer.region, _answered(turned, answer.sentence), answer.verdict == "none"
         tell("stable region")
         region = find_region(assembly, contacts)
     except InputError as error:
         notes.append(f"other directions of gravity are not answered: {error.what}")
-        return None, None
+        return None, None, False
     center = region.center if region.center is not None else _first(region, assembly.down)
     if center is None:
         notes.append(
             f"the direction nearest to stable is looked for up to {NEAREST_PARTS} free parts; "
             "'kilter orient' looks at every size"
         )
-        return region, None
+        return region, None, False
     tell("recommended direction")
     turned = check(assembly.with_down(center), contacts=contacts)
-    return region, _answered(turned, turned.sentence)
+    return region, _answered(turned, turned.sentence), False
 
 
 def _first(region: Region, down: Array) -> Array | None:

@@ -103,6 +103,8 @@ class Answers:
     recommended : Orientation or None
     region : dict or None
         The answer of `kilter region --json`.
+    none : bool
+        It is proved that no direction is stable, whatever further forces there may be.
     rays : sequence of Balance
         Forces for each ray, and both signs of each line, of the region.
     map : MapAnswer or None
@@ -119,6 +121,7 @@ class Answers:
     given: Orientation
     recommended: Orientation | None = None
     region: dict[str, Any] | None = None
+    none: bool = False
     rays: Sequence[Balance] = ()
     map: MapAnswer | None = None
     notes: Sequence[str] = ()

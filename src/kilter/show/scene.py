@@ -187,14 +187,15 @@ def _region(answers: Answers) -> dict[str, Any] | None:
     keys = ("kind", "dimension", "lines", "rays", "equations", "facets", "center")
     rubs = bool((answers.contacts.patch_mu > 0).any())
     band = region.get("gap_deg") is not None
+    exact = region["exact"] or answers.none
     return {
         **{key: region[key] for key in keys},
         "half_angle_deg": region["half_angle_deg"],
-        "exact": region["exact"],
+        "exact": exact,
         "blur": float(np.radians(region.get("accuracy_deg") or 0.0)),
         "band": band,
         "inside": "potentially-stable" if band and rubs else "stable",
-        "outside": "unstable" if region["exact"] or band else "undecided",
+        "outside": "unstable" if exact or band else "undecided",
     }
 
 

@@ -159,7 +159,11 @@ def _turned(answers: Answers) -> list[tuple[str, str]]:
         region = answers.region
         half = region["half_angle_deg"]
         width = "" if half is None else f", half angle {_number(half, 6)}°"
-        exact = "" if region["exact"] else "; an inner one: further forces may make it larger"
+        exact = (
+            ""
+            if region["exact"] or answers.none
+            else "; an inner one: further forces may make it larger"
+        )
         rows.append(("stable directions", f"{text(region['kind'])}{width}{exact}"))
     if answers.recommended is not None:
         one = answers.recommended
