@@ -128,6 +128,13 @@ test("arrays are unpacked at any depth", () => {
   assert.deepEqual(found, { a: [new Float32Array([1])], type: "x", data: "y" });
 });
 
+test("words for one part that moves, and for motions that further forces may hold", () => {
+  const found = { verdict: "unstable", moving: [1] };
+  assert.equal(movingWords(page(), found), "1 of 1 free part moves: \u2068cube\u2069");
+  assert.match(movingWords(page(), { ...found, verdict: "undecided" }), /^by the frictionless/);
+  assert.equal(movingWords(page(), { verdict: "stable", moving: [] }), "no part moves");
+});
+
 test("words: angles, directions and names", () => {
   assert.equal(degrees(0), "0°");
   assert.equal(degrees(Math.PI / 4), "45.0°");
