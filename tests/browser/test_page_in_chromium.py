@@ -435,6 +435,11 @@ def test_view_turns_the_page_over_when_the_file_changes(chromium: Any) -> None:
         server.publish(render(gather(scene("hanging-brick")), "tower", live=True))
         page.wait_for_selector("#banner[data-verdict='unstable']")
         assert page.inner_text("#verdict") == "Unstable"
+        # where the user had turned it, it stays turned
+        page.evaluate("window.kilter.ask([0, 0.6, -0.8])")
+        server.publish(render(gather(scene("wall")), "tower", live=True))
+        page.wait_for_selector("button.link:has-text('brick-5-5')")
+        assert np.allclose(page.evaluate("window.kilter.down"), [0, 0.6, -0.8])
         assert all(url.startswith(server.url) for url in asked)
         page.close()
 

@@ -55,6 +55,29 @@ class Page {
       this.stage.render();
     }
     this.firstPicture = performance.now();
+    if (location.protocol === "http:") this.keepPlace();
+  }
+
+  /** The direction and the view outlive a page that `kilter view` makes anew. */
+  keepPlace() {
+    const camera = this.stage && this.stage.camera.position;
+    try {
+      const kept = JSON.parse(sessionStorage.getItem("kilter") || "null");
+      if (kept && kept.title === this.page.title) {
+        if (kept.down) this.turn(kept.down, { follow: true });
+        if (kept.camera && camera) {
+          camera.fromArray(kept.camera);
+          this.stage.controls.update();
+        }
+      }
+    } catch {
+      // what was kept cannot be read: the page starts anew
+    }
+    addEventListener("pagehide", () => {
+      const at = angleBetween(this.down, this.page.given.down) ? this.down : null;
+      const place = { title: this.page.title, down: at, camera: camera && camera.toArray() };
+      sessionStorage.setItem("kilter", JSON.stringify(place));
+    });
   }
 
   // gravity ---------------------------------------------------------------------------
@@ -167,6 +190,7 @@ class Page {
     id("go-recommended").setAttribute("aria-pressed", String(Boolean(at("recommended"))));
     const label = `gravity along ${direction(this.down, 2)}: ${VERDICTS[found.verdict]}`;
     this.ball.canvas.setAttribute("aria-valuetext", label);
+    this.ball.canvas.setAttribute("aria-valuenow", String(Math.round((away * 180) / Math.PI)));
     id("motion").disabled = !found.motion;
     id("play").disabled = !found.motion;
     id("motion-label").textContent = found.motion ? "motion" : "motion: none";

@@ -83,6 +83,23 @@ test("between inner rays and outer facets it is undecided", () => {
   assert.equal(verdictAt(region, [2, 0, -1]), "unstable");
 });
 
+test("between is judged by the rays and lines themselves where they make no hull", () => {
+  const region = withHull({
+    ...cones.wedge,
+    facets: [
+      [1, 0.2, 0],
+      [0.2, 1, 0],
+    ].map((v) => v.map((c) => c / Math.hypot(1, 0.2))),
+    band: true,
+    inside: "stable",
+    outside: "unstable",
+  });
+  assert.equal(region.hull, undefined);
+  assert.equal(verdictAt(region, [1, 0.01, -3]), "stable");
+  assert.equal(verdictAt(region, [1, -0.01, 3]), "undecided");
+  assert.equal(verdictAt(region, [1, -0.3, 0]), "unstable");
+});
+
 test("a thin region has no margin out of it, and says so", () => {
   const region = { ...cones.fan, inside: "stable", outside: "unstable", exact: true };
   const fan = page({ region, map: null });
