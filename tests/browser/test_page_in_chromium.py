@@ -395,7 +395,7 @@ def test_a_thousand_bricks_are_drawn_at_once_and_turn_smoothly(opened: Callable)
     assert page.text("verdict") == "Stable"
     assert page.js("window.kilter.firstPicture") < 3000
     turning = """what => new Promise(done => {
-        const many = 15; let count = 0, started = performance.now();
+        const many = 20; let count = 0, started = performance.now();
         const stage = window.kilter.stage;
         const next = () => {
             if (what === "all") stage.orbit(0.03, 0); else stage.renderer.clear();
