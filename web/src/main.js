@@ -179,6 +179,8 @@ class Page {
     const away = angleBetween(this.down, page.given.down);
     id("turned").textContent = away ? `turned by ${degrees(away)}` : "as given";
     const figure = found.instability ?? null;
+    id("figure").title =
+      found.verdict === "undecided" ? "of the frictionless contacts that are modelled" : "";
     id("figure").textContent =
       figure !== null
         ? `κ ${number(figure)}`
@@ -270,11 +272,14 @@ class Page {
     this.names.show(id("show-names").checked ? all.slice(0, 400) : []);
   }
 
+  /** Cut away one side of a plane: that of +x, −x and so on. */
   section() {
-    const axis = "xyz".indexOf(id("section-axis").value);
+    const side = id("section-axis").value;
+    const axis = "xyz".indexOf(side.charAt(side.length - 1) || " ");
+    const sign = side.startsWith("-") ? -1 : 1;
     id("section").disabled = axis < 0;
-    const normal = axis < 0 ? null : [0, 1, 2].map((k) => (k === axis ? 1 : 0));
-    this.stage.parts.section(normal, this.page.radius * Number(id("section").value));
+    const normal = axis < 0 ? null : [0, 1, 2].map((k) => (k === axis ? sign : 0));
+    this.stage.parts.section(normal, sign * this.page.radius * Number(id("section").value));
     this.stage.draw();
   }
 

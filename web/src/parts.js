@@ -151,6 +151,9 @@ export class Parts {
   section(normal, offset) {
     this.shared.cutting.value = Boolean(normal);
     this.material.face.side = normal ? DoubleSide : FrontSide;
+    // filled patches would stand for the cut
+    this.material.patch.visible = !normal;
+    this.material.through.visible = !normal;
     if (normal) this.shared.plane.value.set(...normal, offset);
   }
 

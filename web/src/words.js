@@ -19,7 +19,11 @@ export const direction = (u, digits = 4) =>
 export function marginWords(page, found) {
   const { region } = page;
   if (!region) return "no stable region is known for this assembly";
-  if (region.kind === "none") return "no direction of gravity is stable";
+  if (region.kind === "none") {
+    return region.exact
+      ? "no direction of gravity is stable"
+      : "no direction of gravity is held by the frictionless contacts alone; further forces might";
+  }
   if (found.margin === null || found.margin === undefined) {
     if (found.away === undefined || found.away === null) return "";
     if (!found.away) return "on the edge of the region that surely holds";
