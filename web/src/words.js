@@ -75,3 +75,9 @@ export function basis(page, found) {
   if (found.forces) return `${cone} Forces: those of the cone's rays, mixed as the direction is.`;
   return cone;
 }
+
+/** A sentence without the verdict that it begins with, where that stands above it. */
+export function plainly(sentence) {
+  const rest = sentence.replace(/^(Potentially stable|Stable|Unstable|Undecided): /, "");
+  return rest.charAt(0).toUpperCase() + rest.slice(1);
+}
