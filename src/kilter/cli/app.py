@@ -44,6 +44,7 @@ from kilter.cli.reading import (
     read_assembly,
     reading_of,
 )
+from kilter.cli.report import report, view
 from kilter.cli.turning import orient, region
 from kilter.errors import InputError
 
@@ -210,6 +211,8 @@ def check(
 app.command()(orient)
 app.command()(region)
 app.command()(margin)
+app.command()(report)
+app.command()(view)
 
 
 @app.command()

@@ -1,0 +1,1 @@
+"""Pictures of an assembly and its answers: arrays, colours, one offline HTML page; no physics."""

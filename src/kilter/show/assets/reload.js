@@ -1,0 +1,17 @@
+"use strict";
+(() => {
+  // asks the server that gave this page whether the file has changed
+  let known = null;
+  const ask = async () => {
+    try {
+      const answer = await fetch("/version", { cache: "no-store" });
+      const version = await answer.text();
+      if (answer.ok && known !== null && version !== known) location.reload();
+      if (answer.ok) known = version;
+    } catch {
+      // the server has ended; the page stays as it is
+    }
+  };
+  ask();
+  setInterval(ask, 700);
+})();

@@ -1,0 +1,67 @@
+"""Data inside a page: arrays as base64, JSON that cannot end the element it stands in."""
+
+from __future__ import annotations
+
+import base64
+import json
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike
+
+__all__ = ["as_json", "pack", "readable"]
+
+CODES = {"f4": "<f4", "f8": "<f8", "u1": "|u1", "u2": "<u2", "u4": "<u4"}
+"""Types of packed arrays, little-endian."""
+ESCAPED = {"<": "\\u003c", ">": "\\u003e", "&": "\\u0026"}
+
+
+def pack(values: ArrayLike, code: str = "f4") -> dict[str, Any]:
+    """An array as JSON data: its type, and its bytes in base64.
+
+    `code` is one of f4, f8, u1, u2, u4, or "index": the shortest of u2 and u4 that fits.
+
+    Raises
+    ------
+    KeyError
+        If there is no such type.
+
+    Examples
+    --------
+    >>> pack([1, 2], "index")
+    {'type': 'u2', 'data': 'AQACAA=='}
+    """
+    array = np.asarray(values)
+    if code == "index":
+        code = "u2" if array.max(initial=0) < 2**16 else "u4"
+    kind: DTypeLike = np.dtype(CODES[code])
+    data = np.ascontiguousarray(array, dtype=kind).tobytes()
+    return {"type": code, "data": base64.b64encode(data).decode("ascii")}
+
+
+def as_json(data: Any) -> str:
+    """JSON in ASCII without ``<``, ``>`` and ``&``: nothing in it can end a script element.
+
+    Examples
+    --------
+    >>> as_json({"name": "</script>"})
+    '{"name":"\\\\u003c/script\\\\u003e"}'
+    """
+    text = json.dumps(data, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
+    for sign, code in ESCAPED.items():
+        text = text.replace(sign, code)
+    return text
+
+
+def readable(name: str) -> str:
+    """A name as one line of characters that can be shown; others become U+FFFD.
+
+    Control characters, half surrogates and signs that turn the direction of the text about
+    are among the others.
+
+    Examples
+    --------
+    >>> readable("a\\u202eb") == "a\\ufffdb"
+    True
+    """
+    return "".join(c if c.isprintable() else "\ufffd" for c in name)

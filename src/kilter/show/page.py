@@ -1,0 +1,74 @@
+"""One offline page: template, style, program and data in one file that asks for nothing.
+
+The page forbids every connection by its own policy (Content-Security-Policy), and runs only
+the programs whose digests it names: words from a file cannot run even if they got that far.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import re
+from importlib import resources
+
+from kilter.show.answers import Answers
+from kilter.show.packing import as_json, readable
+from kilter.show.scene import build_scene
+from kilter.show.sections import sections, text
+
+__all__ = ["error_page", "render"]
+
+
+def render(answers: Answers, title: str, *, live: bool = False) -> str:
+    """The page of an assembly and its answers.
+
+    Parameters
+    ----------
+    answers : Answers
+    title : str
+        Shown above; usually the name of the file.
+    live : bool
+        For `kilter view`: the page asks its own server whether it has changed.
+    """
+    data = as_json({"title": readable(title), **build_scene(answers)})
+    return _filled(title, sections(answers), data, live=live)
+
+
+def error_page(message: str, title: str) -> str:
+    """What `kilter view` shows while the file cannot be judged; it waits for a change."""
+    body = f'<p class="problem" role="alert">{text(message)}</p>'
+    return _filled(title, body, "null", live=True)
+
+
+def _filled(title: str, body: str, data: str, *, live: bool) -> str:
+    style, program = _asset("page.css"), _asset("page.js")
+    scripts = [program, _asset("reload.js")] if live else [program]
+    policy = "; ".join(
+        [
+            "default-src 'none'",
+            "script-src " + " ".join(_digest(script) for script in scripts),
+            f"style-src {_digest(style)}",
+            "base-uri 'none'",
+            "form-action 'none'",
+            *(["connect-src 'self'"] if live else []),
+        ]
+    )
+    values = {
+        "policy": policy,
+        "title": text(title),
+        "style": style,
+        "body": body,
+        "data": data,
+        "program": "".join(f"<script>{script}</script>\n" for script in scripts),
+    }
+    # one pass: what is filled in is not looked at again
+    return re.sub(r"\{\{(\w+)\}\}", lambda found: values[found[1]], _asset("page.html"))
+
+
+def _digest(script: str) -> str:
+    digest = base64.b64encode(hashlib.sha256(script.encode("utf-8")).digest()).decode("ascii")
+    return f"'sha256-{digest}'"
+
+
+def _asset(name: str) -> str:
+    return (resources.files("kilter.show") / "assets" / name).read_text(encoding="utf-8")

@@ -1,0 +1,209 @@
+"""An assembly and its answers as arrays to draw, about the middle of the picture.
+
+Nothing is computed here that an answer does not hold: shapes are placed, motions and forces
+are laid out part by part and point by point. Positions are float32 about `center`, so that
+an assembly far from the origin keeps its digits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.show.answers import Answers, Balance, MapAnswer, Orientation
+from kilter.show.colours import part_colours
+from kilter.show.packing import pack, readable
+from kilter.show.shapes import placed
+from kilter.units import metres_per_unit
+
+__all__ = ["build_scene"]
+
+Array = NDArray[np.float64]
+
+HELD_IN_VIEW = 1.5
+"""Held parts reach at most this much farther than the free ones in the first view [-]."""
+
+
+def build_scene(answers: Answers) -> dict[str, Any]:
+    """What the page draws, as JSON data.
+
+    Examples
+    --------
+    >>> from kilter.contact import find_contacts
+    >>> from kilter.scenes import scene
+    >>> from kilter.show.answers import Answers, Orientation
+    >>> assembly = scene("tower")
+    >>> check = {"verdict": "stable", "sentence": "Stable.", "parts": []}
+    >>> given = Orientation(assembly.down, check, None)
+    >>> found = build_scene(Answers(assembly, find_contacts(assembly), given))
+    >>> found["parts"]["names"][0], len(found["shapes"]), found["region"]
+    ('base', 2, None)
+    """
+    assembly = answers.assembly
+    center, extent = _view(answers)
+    names = [readable(name) for name in assembly.names]
+    recommended = answers.recommended
+    return {
+        "units": assembly.units,
+        "planar": assembly.planar,
+        "gravity": float(np.linalg.norm(assembly.gravity)),
+        "center": center.tolist(),
+        "extent": extent.tolist(),
+        "radius": float(np.linalg.norm(extent)),
+        "shapes": _shapes(answers),
+        "parts": _parts(answers, center, names),
+        "patches": _patches(answers, center),
+        "given": _orientation(answers, answers.given, center),
+        "recommended": None if recommended is None else _orientation(answers, recommended, center),
+        "region": _region(answers),
+        "rays": _rays(answers.rays, center),
+        "map": _map(answers.map),
+        "loads": [
+            {
+                "part": assembly.index[load.part],
+                "point": None if load.point is None else (load.point - center).tolist(),
+                "force": load.force.tolist(),
+            }
+            for load in assembly.loads
+        ],
+        "notes": list(answers.notes),
+    }
+
+
+def _view(answers: Answers) -> tuple[Array, Array]:
+    """Middle and half lengths of the box that the first view must hold [length unit]."""
+    geometry = answers.assembly.geometry
+    free = ~geometry.grounded[geometry.vertex_part]
+    vertices = geometry.vertices
+    wanted = vertices[free] if free.any() else vertices
+    low, high = wanted.min(axis=0), wanted.max(axis=0)
+    reach = (HELD_IN_VIEW - 1) * float((high - low).max())
+    low = np.maximum(vertices.min(axis=0), low - reach)
+    high = np.minimum(vertices.max(axis=0), high + reach)
+    return (low + high) / 2, (high - low) / 2
+
+
+def _shapes(answers: Answers) -> list[dict[str, Any]]:
+    return [
+        {
+            "positions": pack(shape.positions),
+            "triangles": pack(shape.triangles, "index"),
+            "edges": pack(shape.edges, "index"),
+        }
+        for shape in placed(answers.assembly).shapes
+    ]
+
+
+def _parts(answers: Answers, center: Array, names: list[str]) -> dict[str, Any]:
+    geometry, places = answers.assembly.geometry, placed(answers.assembly)
+    return {
+        "names": names,
+        "shape": pack(places.shape, "index"),
+        "rotation": pack(places.rotation),
+        "position": pack(places.position - center),
+        "center": pack(geometry.center - center),
+        "radius": pack(geometry.radius),
+        "mass": pack(geometry.mass, "f8"),
+        "volume": pack(geometry.volume, "f8"),
+        "grounded": pack(geometry.grounded, "u1"),
+        "colour": pack(part_colours(places.shape, geometry.grounded), "u1"),
+    }
+
+
+def _patches(answers: Answers, center: Array) -> dict[str, Any]:
+    contacts = answers.contacts
+    kinds, kind = np.unique(contacts.patch_kind, return_inverse=True)
+    widest = np.abs(contacts.patch_gap).argmax(axis=1) if len(contacts) else np.zeros(0, int)
+    return {
+        "parts": pack(contacts.patch_parts, "index"),
+        "start": pack(contacts.patch_start, "index"),
+        "points": pack(contacts.points - center),
+        "normal": pack(contacts.patch_normal),
+        "area": pack(contacts.patch_area, "f8"),
+        "gap": pack(contacts.patch_gap[np.arange(len(contacts)), widest], "f8"),
+        "mu": pack(contacts.patch_mu, "f8"),
+        "kinds": [str(word) for word in kinds],
+        "kind": pack(kind, "index"),
+    }
+
+
+def _orientation(answers: Answers, one: Orientation, center: Array) -> dict[str, Any]:
+    """One direction of gravity: words and figures, motion a part, forces a point."""
+    check, units = one.check, answers.assembly.units
+    count = len(answers.assembly.parts)
+    motion = np.zeros((count, 6))
+    moves = np.zeros(count, dtype=bool)
+    words: dict[str, str] = {}
+    for k, part in enumerate(check["parts"]):
+        motion[k], moves[k] = part["acceleration"], part["moves"]
+        if part["moves"]:
+            words[str(k)] = readable(part["motion"])
+    motion[:, :3] /= metres_per_unit(units)
+    keys = ("verdict", "guarantee", "seated", "instability", "z")
+    return {
+        **{key: check.get(key) for key in keys},
+        "sentence": readable(check["sentence"]),
+        "why": one.sentence,
+        "down": one.down.tolist(),
+        "motion": pack(motion) if moves.any() else None,
+        "moves": pack(moves, "u1"),
+        "words": words,
+        "forces": None if one.balance is None else _balance(one.balance, center),
+    }
+
+
+def _balance(balance: Balance, center: Array) -> dict[str, Any]:
+    return {
+        "points": pack(balance.points - center),
+        "parts": pack(balance.parts, "index"),
+        "forces": pack(balance.forces),
+    }
+
+
+def _rays(rays: Sequence[Balance], center: Array) -> dict[str, Any] | None:
+    """Forces at the same points for several directions; None where there are none to show."""
+    if not rays or any(len(ray.points) != len(rays[0].points) for ray in rays):
+        return None
+    return {
+        "downs": [ray.down.tolist() for ray in rays],
+        "points": pack(rays[0].points - center),
+        "parts": pack(rays[0].parts, "index"),
+        "forces": pack(np.array([ray.forces for ray in rays])),
+    }
+
+
+def _region(answers: Answers) -> dict[str, Any] | None:
+    """The region, and what lies within, outside and between.
+
+    Where friction makes it round, `rays` span what surely holds and `facets` bound what may;
+    where it is exact but for forces that are not modelled, what lies outside is undecided.
+    """
+    region = answers.region
+    if region is None:
+        return None
+    keys = ("kind", "dimension", "lines", "rays", "equations", "facets", "center")
+    rubs = bool((answers.contacts.patch_mu > 0).any())
+    band = region.get("gap_deg") is not None
+    exact = region["exact"] or answers.none
+    return {
+        **{key: region[key] for key in keys},
+        "half_angle_deg": region["half_angle_deg"],
+        "exact": exact,
+        "blur": float(np.radians(region.get("accuracy_deg") or 0.0)),
+        "band": band,
+        "inside": "potentially-stable" if band and rubs else "stable",
+        "outside": "unstable" if exact or band else "undecided",
+    }
+
+
+def _map(found: MapAnswer | None) -> dict[str, Any] | None:
+    if found is None:
+        return None
+    return {
+        "vertices": pack(found.vertices, "f8"),
+        "mass": found.mass,
+        "motions": pack(found.motions),
+    }

@@ -1,0 +1,132 @@
+"""Shapes to draw: each once, about its own middle, with the edges that an eye would draw.
+
+Positions are float32 about the middle of the bounding box, rounded to `GRID` of the shape's
+size, so that copies of one shape which differ by rounding are one shape.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.rigid import quaternion_to_matrix
+from kilter.shapes import Box, surface
+
+if TYPE_CHECKING:
+    from kilter.assembly import Assembly
+
+__all__ = ["Drawn", "Placed", "drawn", "feature_edges", "placed"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+GRID = 2.0**-20
+"""Positions are rounded to this part of the size of the shape [-]."""
+CREASE = 25.0
+"""Faces that meet at more than this angle have an edge between them [deg]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Drawn:
+    """A shape: `positions` (n, 3) float32, `triangles` (m, 3), `edges` (k, 2)."""
+
+    positions: NDArray[np.float32]
+    triangles: Index
+    edges: Index
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Placed:
+    """Shapes, and where each part has which.
+
+    `shape` (N,): the shape of each part; `rotation` (N, 4): w, x, y, z; `position` (N, 3): of
+    the middle of its shape in the world [length unit].
+    """
+
+    shapes: tuple[Drawn, ...]
+    shape: Index
+    rotation: Array
+    position: Array
+
+
+def placed(assembly: Assembly) -> Placed:
+    """Every part of an assembly as a shape and a place.
+
+    Examples
+    --------
+    >>> from kilter.scenes import scene
+    >>> found = placed(scene("wall"))
+    >>> len(found.shapes), len(found.shape)
+    (3, 40)
+    """
+    known: dict[object, int] = {}
+    shapes: list[Drawn] = []
+    middles = np.zeros((len(assembly.parts), 3))
+    chosen = np.zeros(len(assembly.parts), dtype=np.int64)
+    for k, part in enumerate(assembly.parts):
+        # boxes are many and alike: named by their size, they are cut into triangles once
+        key: object = tuple(part.shape.size.tolist()) if isinstance(part.shape, Box) else None
+        if key is None:
+            shape, middles[k] = drawn(*surface(part.shape))
+            key = shape.positions.tobytes(), shape.triangles.tobytes()
+        elif key not in known:
+            shape, _ = drawn(*surface(part.shape))
+        if key not in known:
+            known[key] = len(shapes)
+            shapes.append(shape)
+        chosen[k] = known[key]
+    rotation = np.array([part.pose.rotation for part in assembly.parts])
+    position = np.array([part.pose.position for part in assembly.parts])
+    position = position + np.einsum("nij,nj->ni", quaternion_to_matrix(rotation), middles)
+    return Placed(tuple(shapes), chosen, rotation, position)
+
+
+def drawn(vertices: Array, triangles: Index) -> tuple[Drawn, Array]:
+    """A surface as a shape about its middle, and that middle, shape (3,)."""
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    middle = (low + high) / 2
+    step = GRID * max(float((high - low).max()), 1e-300)
+    positions, inverse = np.unique(
+        np.round((vertices - middle) / step), axis=0, return_inverse=True
+    )
+    corners = np.asarray(inverse).reshape(-1)[triangles]
+    edges = feature_edges(positions, corners)
+    return Drawn((positions * step).astype(np.float32), corners, edges), middle
+
+
+def feature_edges(vertices: Array, triangles: Index, crease: float = CREASE) -> Index:
+    """Edges where faces meet at an angle, or where there is but one face, shape (k, 2).
+
+    Parameters
+    ----------
+    vertices : ndarray, shape (n, 3)
+        Each place once.
+    triangles : ndarray of int, shape (m, 3)
+    crease : float
+        Least angle between the normals of the faces [deg].
+
+    Examples
+    --------
+    >>> from kilter.shapes import Box, surface
+    >>> len(feature_edges(*surface(Box([1, 2, 3]))))
+    12
+    """
+    p, q, r = (vertices[triangles[:, k]] for k in range(3))
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    flat = length[:, 0] > 0
+    normal = (normal / np.where(length > 0, length, 1.0))[flat]
+    edges = np.sort(triangles[flat][:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    face = np.repeat(np.arange(int(flat.sum())), 3)
+    key = edges[:, 0] * len(vertices) + edges[:, 1]
+    order = np.argsort(key, kind="stable")
+    found, start, count = np.unique(key[order], return_index=True, return_counts=True)
+    pair = count == 2
+    first, second = face[order[start[pair]]], face[order[start[pair] + 1]]
+    sharp = ~pair
+    sharp[pair] = (normal[first] * normal[second]).sum(axis=1) < np.cos(np.radians(crease))
+    kept = found[sharp]
+    return np.column_stack([kept // len(vertices), kept % len(vertices)])

@@ -1,0 +1,136 @@
+"""A real Chromium without a window, drawing in software, that is allowed to ask for nothing."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import kilter
+from kilter.cli.gather import gather
+from kilter.scenes import scene
+from kilter.show.page import render
+
+CHROMIUM = os.environ.get("KILTER_CHROMIUM") or shutil.which("chromium")
+ARGUMENTS = [
+    "--headless=new",
+    "--no-sandbox",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--enable-unsafe-swiftshader",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+]
+
+
+@pytest.fixture(scope="session")
+def chromium() -> Iterator[Any]:
+    """The browser of the system, driven by playwright."""
+    driver = pytest.importorskip(
+        "playwright.sync_api", reason="playwright is not here: pip install 'kilter[browser]'"
+    )
+    if CHROMIUM is None:
+        pytest.skip("chromium is not here: apt-get install chromium")
+    # playwright gives it a new, empty folder of its own
+    with driver.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
+        yield browser
+        browser.close()
+
+
+class Opened:
+    """A page in the browser, and all that it complained of or asked for."""
+
+    def __init__(self, page: Any) -> None:
+        self.page = page
+        self.faults: list[str] = []
+        self.asked: list[str] = []
+        page.on("pageerror", lambda error: self.faults.append(str(error)))
+        page.on(
+            "console",
+            lambda said: self.faults.append(said.text) if said.type != "log" else None,
+        )
+        page.on("request", lambda request: self.asked.append(request.url))
+        page.on("dialog", lambda dialog: self.faults.append(f"dialog {dialog.message}"))
+
+    def open(self, url: str) -> Opened:
+        self.page.goto(url)
+        return self.until("Boolean(window.kilter && window.kilter.firstPicture)")
+
+    def until(self, script: str, seconds: float = 30) -> Opened:
+        """Wait for something to be true; playwright's own way would need `unsafe-eval`."""
+        deadline = time.monotonic() + seconds
+        while not self.page.evaluate(script):
+            assert time.monotonic() < deadline, script
+            self.page.wait_for_timeout(30)
+        return self
+
+    def js(self, script: str, *values: Any) -> Any:
+        return self.page.evaluate(script, *values)
+
+    def text(self, name: str) -> str:
+        return self.page.inner_text(f"#{name}")
+
+    def down(self) -> list[float]:
+        return self.js("window.kilter.down")
+
+    def slide(self, name: str, value: float) -> None:
+        self.js(
+            "([name, value]) => { const one = document.getElementById(name); one.value = value;"
+            " one.dispatchEvent(new Event('input')); }",
+            [name, value],
+        )
+
+    def drawn(self) -> bytes:
+        """The picture, once it rests."""
+        self.page.wait_for_timeout(400)
+        return self.page.locator(".stage").screenshot()
+
+
+@pytest.fixture(scope="session")
+def pages(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """The page of a scene, written once."""
+    folder = tmp_path_factory.mktemp("pages")
+
+    def written(name: str) -> Path:
+        path = folder / f"{name}.html"
+        if not path.exists():
+            path.write_text(render(gather(scene(name)), name), encoding="utf-8")
+        return path
+
+    return written
+
+
+@pytest.fixture
+def opened(chromium: Any, pages: Callable[[str], Path]) -> Iterator[Callable[..., Opened]]:
+    """Opens the page of a scene, an assembly or a file; complaints fail the test at its end."""
+    contexts, all_ = [], []
+
+    def open_(what: Any, **options: Any) -> Opened:
+        options.setdefault("viewport", {"width": 1360, "height": 900})
+        context = chromium.new_context(**options)
+        contexts.append(context)
+        one = Opened(context.new_page())
+        all_.append(one)
+        if isinstance(what, kilter.Assembly):
+            path = pages("paper-figure-8").parent / f"assembly-{len(all_)}-{id(what)}.html"
+            path.write_text(render(gather(what), "an assembly"), encoding="utf-8")
+        else:
+            path = what if isinstance(what, Path) else pages(what)
+        return one.open(path.as_uri())
+
+    yield open_
+    for one in all_:
+        assert not one.faults
+        assert [url for url in one.asked if not url.startswith("file://")] == []
+        assert len(one.asked) == 1
+    for context in contexts:
+        context.close()

@@ -1,0 +1,271 @@
+"""The page: whole, offline, small, and deaf to what names try to be."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kilter
+from kilter import Assembly, Box, Part, Pose
+from kilter.cli.gather import gather
+from kilter.scenes import SCENES, scene
+from kilter.scenes.walls import wall_of
+from kilter.show.page import error_page, render
+
+HOSTILE = [
+    "</script><script>window.hit=1</script>",
+    "<img src=x onerror=window.hit=1>",
+    "\"'`><b onclick=alert(1)>&amp;&lt;",
+    "\u202etxt.exe\u2066",
+    "שלום עולם",
+    "<!--<script>",
+    "{{data}}{{program}}",
+    "a\nb\tc\x00d\u2028e",
+    "long " + "x" * 10_000,
+    "__proto__",
+]
+
+
+def data_of(page: str) -> dict:
+    found = re.search(r'<script id="data" type="application/json">(.*?)</script>', page, re.S)
+    assert found is not None
+    return json.loads(found[1])
+
+
+def unpacked(packed: dict) -> np.ndarray:
+    kinds = {"f4": "<f4", "f8": "<f8", "u1": "|u1", "u2": "<u2", "u4": "<u4"}
+    return np.frombuffer(base64.b64decode(packed["data"]), dtype=kinds[packed["type"]])
+
+
+class Tags(HTMLParser):
+    """Every element with its attributes, and the text outside of scripts."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__(convert_charrefs=True)
+        self.found: list[tuple[str, dict]] = []
+        self.text = ""
+        self.inside = ""
+        self.feed(page)
+        self.close()
+
+    def handle_starttag(self, tag: str, attrs: list) -> None:
+        self.found.append((tag, dict(attrs)))
+        self.inside = tag
+
+    def handle_data(self, data: str) -> None:
+        if self.inside not in ("script", "style"):
+            self.text += data
+
+    def handle_endtag(self, tag: str) -> None:
+        self.inside = ""
+
+
+def hostile() -> Assembly:
+    base = Part("base", Box([40, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
+    cubes = [
+        Part(name, Box([1, 1, 1]), Pose([2 * k - 10, 0, 0.5])) for k, name in enumerate(HOSTILE)
+    ]
+    return Assembly([base, *cubes])
+
+
+@pytest.fixture(scope="module")
+def bad() -> str:
+    return render(gather(hostile(), command="kilter report '<b>'"), "</title><script>x</script>")
+
+
+def test_names_are_text_and_nothing_else(bad: str) -> None:
+    plain = Tags(render(gather(scene("tower")), "tower"))
+    tags = Tags(bad)
+    kinds = lambda page: {tag for tag, _ in page.found}  # noqa: E731
+    assert kinds(tags) <= kinds(plain) | {"ul", "li", "p", "h3"}
+    scripts = [attrs for tag, attrs in tags.found if tag == "script"]
+    assert scripts == [{"id": "data", "type": "application/json"}, {}]
+    for tag, attrs in tags.found:
+        assert not any(key.startswith("on") or key == "style" for key in attrs), (tag, attrs)
+    assert HOSTILE[0] in tags.text
+    assert HOSTILE[6] in tags.text
+    assert "שלום עולם" in tags.text
+
+
+def test_signs_that_turn_text_about_or_control_it_are_replaced(bad: str) -> None:
+    for sign in "\u202e\u2066\x00\u2028":
+        assert sign not in bad
+    names = data_of(bad)["parts"]["names"]
+    assert names[4] == "\ufffdtxt.exe\ufffd"
+    assert names[8] == "a\ufffdb\ufffdc\ufffdd\ufffde"
+    assert len(names[9]) == 10_005
+    assert data_of(bad)["title"] == "</title><script>x</script>"
+
+
+def test_a_name_in_the_table_stands_apart_from_the_direction_of_its_line(bad: str) -> None:
+    assert '<bdi class="name">שלום עולם</bdi>' in bad
+
+
+@pytest.mark.parametrize("live", [False, True])
+def test_only_the_programs_of_the_page_may_run_and_nothing_may_be_asked_for(live: bool) -> None:
+    page = render(gather(scene("tower")), "tower", live=live)
+    policy = re.search(r'http-equiv="Content-Security-Policy" content="([^"]*)"', page)
+    assert policy is not None
+    rules = dict(rule.strip().split(" ", 1) for rule in policy[1].split(";"))
+    assert rules["default-src"] == "'none'"
+    assert rules.get("connect-src") == ("'self'" if live else None)
+    programs = re.findall(r"<script>(.*?)</script>", page, re.S)
+    digests = [
+        f"'sha256-{base64.b64encode(hashlib.sha256(p.encode()).digest()).decode()}'"
+        for p in programs
+    ]
+    assert rules["script-src"].split() == digests
+    assert len(programs) == (2 if live else 1)
+    style = re.findall(r"<style>(.*?)</style>", page, re.S)
+    digest = base64.b64encode(hashlib.sha256(style[0].encode()).digest()).decode()
+    assert rules["style-src"] == f"'sha256-{digest}'"
+    assert "unsafe" not in policy[1]
+
+
+def test_the_page_names_no_address() -> None:
+    page = render(gather(scene("paper-figure-8")), "f8")
+    found = set(re.findall(r"[a-z]+://[^\s\"'`<>)]+", page))
+    # the name of a kind of element, which is asked of nobody
+    assert found <= {"http://www.w3.org/1999/xhtml"}
+    for tag, attrs in Tags(page).found:
+        assert not {"src", "href", "srcset", "action", "data"} & set(attrs), tag
+
+
+def test_a_hundred_parts_take_less_than_a_megabyte_and_a_half() -> None:
+    page = render(gather(wall_of(100)), "wall")
+    assert len(page.encode()) < 1.5e6
+
+
+def test_the_page_is_the_same_each_time_but_for_the_seconds() -> None:
+    first, second = (render(gather(scene("paper-figure-8")), "f8") for _ in range(2))
+    seconds = re.compile(r"<dt>seconds</dt><dd>.*?</dd>")
+    assert seconds.sub("", first) == seconds.sub("", second)
+
+
+@pytest.mark.parametrize("name", list(SCENES))
+def test_what_is_drawn_is_what_was_answered(name: str) -> None:
+    assembly = scene(name)
+    answers = gather(assembly)
+    data = data_of(render(answers, name))
+    verdict = kilter.check(assembly)
+    assert data["given"]["verdict"] == verdict.verdict
+    assert data["given"]["sentence"] == verdict.sentence
+    assert unpacked(data["given"]["moves"]).astype(bool).tolist() == verdict.motion.moves.tolist()
+    center = np.array(data["center"])
+    middle = unpacked(data["parts"]["center"]).reshape(-1, 3) + center
+    assert np.allclose(middle, assembly.geometry.center, atol=1e-5 * data["radius"])
+    points = unpacked(data["patches"]["points"]).reshape(-1, 3) + center
+    assert np.allclose(points, answers.contacts.points, atol=1e-5 * data["radius"])
+    if data["given"]["motion"] is not None:
+        motion = unpacked(data["given"]["motion"]).reshape(-1, 6)
+        expected = verdict.motion.acceleration.copy()
+        expected[:, :3] /= kilter.units.metres_per_unit(assembly.units)
+        assert np.allclose(motion, expected, rtol=1e-5, atol=1e-7 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("name", ["tower", "corner-wedges", "paper-figure-10", "closed-frame"])
+def test_forces_of_the_rays_balance_every_part(name: str) -> None:
+    assembly = scene(name)
+    data = data_of(render(gather(assembly), name))
+    rays, center = data["rays"], np.array(data["center"])
+    count = len(rays["downs"])
+    forces = unpacked(rays["forces"]).reshape(count, -1, 3).astype(float)
+    points = unpacked(rays["points"]).reshape(-1, 3) + center
+    parts = unpacked(rays["parts"]).reshape(-1, 2)
+    geometry = assembly.geometry
+    size = np.linalg.norm(assembly.gravity)
+    for k, down in enumerate(rays["downs"]):
+        total = geometry.mass[:, None] * size * np.array(down)
+        torque = np.zeros_like(total)
+        for sign, side in ((1, 1), (-1, 0)):
+            np.add.at(total, parts[:, side], sign * forces[k])
+            arm = points - geometry.center[parts[:, side]]
+            np.add.at(torque, parts[:, side], sign * np.cross(arm, forces[k]))
+        free = ~geometry.grounded
+        most = np.abs(forces[k]).max()
+        assert np.abs(total[free]).max() < 1e-5 * most
+        assert np.abs(torque[free]).max() < 1e-5 * most * data["radius"]
+
+
+def test_the_map_of_the_page_gives_z_of_the_program() -> None:
+    from kilter.contact import find_contacts
+
+    assembly = scene("paper-figure-8")
+    data = data_of(render(gather(assembly), "f8"))
+    vertices = unpacked(data["map"]["vertices"]).reshape(-1, 3)
+    motions = unpacked(data["map"]["motions"]).reshape(len(vertices), -1, 6)
+    contacts = find_contacts(assembly)
+    rng = np.random.default_rng(3)
+    for down in rng.normal(size=(30, 3)):
+        down = down / np.linalg.norm(down)
+        verdict = kilter.check(assembly.with_down(down), contacts=contacts)
+        reach = vertices @ down
+        best = int(reach.argmax())
+        assert -reach[best] == pytest.approx(verdict.displacement.z, abs=1e-9)
+        assert np.allclose(motions[best], verdict.displacement.displacement, atol=1e-5)
+
+
+def test_what_is_left_out_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    import kilter.cli.gather as module
+
+    monkeypatch.setattr(module, "MAP_PARTS", 3)
+    monkeypatch.setattr(module, "NEAREST_PARTS", 3)
+    answers = gather(scene("hanging-brick"))
+    assert answers.map is None
+    assert answers.recommended is None
+    page = Tags(render(answers, "x")).text
+    assert "the stability map is found up to 3 free parts" in page
+    assert "'kilter orient' looks at every size" in page
+
+
+def test_a_map_that_needs_too_many_programs_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    import kilter.cli.gather as module
+
+    monkeypatch.setattr(module, "MAP_PROGRAMS", 20)
+    answers = gather(scene("corner-wedges"))
+    assert answers.map is None
+    assert any("more than 20 programs" in note for note in answers.notes)
+    assert answers.region is not None
+
+
+def test_loads_leave_the_given_direction_alone() -> None:
+    assembly = scene("tower")
+    load = kilter.Load("cube-5", [1.0, 0, 0])
+    loaded = Assembly(assembly.parts, loads=[load])
+    answers = gather(loaded)
+    assert answers.region is None
+    assert "does not turn" in answers.notes[0] or "loads" in answers.notes[0]
+    data = data_of(render(answers, "x"))
+    assert data["region"] is None
+    assert data["loads"][0]["force"] == [1.0, 0, 0]
+
+
+def test_everything_held_is_a_page_too() -> None:
+    frame = Assembly([Part("a", Box([1, 1, 1]), grounded=True)])
+    assert data_of(render(gather(frame), "x"))["given"]["verdict"] == "stable"
+
+
+def test_nothing_touching_is_a_page_too() -> None:
+    data = data_of(render(gather(scene("floating-block")), "x"))
+    assert data["given"]["verdict"] == "unstable"
+
+
+def test_the_page_of_a_fault_shows_it_as_text_and_waits() -> None:
+    page = error_page("part '<b>': is wrong", "x")
+    assert "&lt;b&gt;" in page
+    assert "connect-src 'self'" in page
+    assert '<script id="data" type="application/json">null</script>' in page
+
+
+def test_the_drawing_has_no_way_to_compute() -> None:
+    source = Path(kilter.__file__).parent / "show"
+    for path in source.glob("*.py"):
+        text = path.read_text(encoding="utf-8")
+        assert not re.search(r"kilter\.(analysis|solvers|mechanics)\b(?! ?\.proof`)", text), path

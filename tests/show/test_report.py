@@ -1,0 +1,213 @@
+"""The commands report and view: what they write, refuse, serve and see."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import time
+import urllib.error
+import urllib.request
+from pathlib import Path
+
+import pytest
+
+import kilter
+from kilter.cli import main
+from kilter.cli.watch import fingerprint
+from kilter.errors import InputError
+from kilter.scenes import scene
+from kilter.show.serve import PageServer
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    kilter.dump(scene("tower"), "tower.kilter.json")
+    return tmp_path
+
+
+def test_report_writes_one_page_and_says_so(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["report", "tower.kilter.json", "-o", "out.html"]) == 0
+    page = Path("out.html").read_text(encoding="utf-8")
+    assert page.startswith("<!doctype html>")
+    assert page.rstrip().endswith("</html>")
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert "out.html: stable" in said.err
+
+
+def test_report_exits_with_0_whatever_the_verdict_and_may_be_quiet(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    kilter.dump(scene("hanging-brick"), "h.json")
+    assert main(["report", "h.json", "-o", "h.html", "--quiet"]) == 0
+    assert capsys.readouterr() == ("", "")
+
+
+def test_the_command_on_the_page_makes_the_page_again() -> None:
+    words = ["report", "tower.kilter.json", "--down", "0.1", "0", "-1", "--without", "cube-5"]
+    words += ["--friction", "0.25", "--gap", "0.001", "-o", "a b.html", "--quiet"]
+    assert main(words) == 0
+    first = Path("a b.html").read_text(encoding="utf-8")
+    import html
+    import shlex
+
+    found = re.search(r"<dt>command</dt><dd><code>(.*?)</code>", first)
+    assert found is not None
+    again = shlex.split(html.unescape(found[1]))
+    assert again[0] == "kilter"
+    Path("a b.html").unlink()
+    assert main([*again[1:], "--quiet"]) == 0
+    seconds = re.compile(r"<dt>seconds</dt><dd>.*?</dd>")
+    second = Path("a b.html").read_text(encoding="utf-8")
+    assert seconds.sub("", second) == seconds.sub("", first)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ([], "-o out.html"),
+        (["-o", "tower.kilter.json"], "end it in .html"),
+        (["-o", "part.stl"], "end it in .html"),
+        (["-o", "nowhere/out.html"], "cannot be written"),
+        (["-o", "out.html", "--down", "0", "0", "0"], "down"),
+        (["-o", "out.html", "--ground", "nobody"], "nobody"),
+    ],
+)
+def test_report_refuses_with_one_sentence(
+    words: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = Path("tower.kilter.json").read_bytes()
+    assert main(["report", "tower.kilter.json", *words]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+    assert Path("tower.kilter.json").read_bytes() == before
+    assert not Path("out.html").exists()
+
+
+def test_an_input_that_is_named_like_a_page_is_not_written_over(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    Path("tower.kilter.json").rename("tower.html")
+    assert main(["report", "tower.html", "-o", "tower.html"]) == 2
+    assert "written over" in capsys.readouterr().err
+
+
+def test_a_page_that_was_there_is_replaced_whole() -> None:
+    Path("out.html").write_text("old")
+    assert main(["report", "tower.kilter.json", "-o", "out.html", "--quiet"]) == 0
+    assert Path("out.html").read_text(encoding="utf-8").startswith("<!doctype")
+    assert sorted(p.name for p in Path().iterdir()) == ["out.html", "tower.kilter.json"]
+
+
+def asked(url: str, **headers: str) -> tuple[int, str]:
+    request = urllib.request.Request(url, headers=headers)
+    try:
+        with urllib.request.urlopen(request, timeout=10) as answer:
+            return answer.status, answer.read().decode("utf-8")
+    except urllib.error.HTTPError as error:
+        with error:
+            return error.code, error.read().decode("utf-8")
+
+
+def test_the_server_gives_the_page_and_its_version_and_no_more() -> None:
+    with PageServer("first") as server:
+        assert server.url.startswith("http://127.0.0.1:")
+        assert asked(server.url) == (200, "first")
+        assert asked(server.url + "version") == (200, "1")
+        server.publish("second \u2713")
+        assert asked(server.url) == (200, "second \u2713")
+        assert asked(server.url + "version") == (200, "2")
+        assert asked(server.url + "../../etc/passwd")[0] == 404
+        assert asked(server.url + "?x")[0] == 404
+
+
+def test_the_server_listens_to_this_machine_alone() -> None:
+    with PageServer("page") as server:
+        assert server._server.server_address[0] == "127.0.0.1"
+        assert asked(server.url, Host="elsewhere.example")[0] == 403
+        assert asked(server.url, Host=f"localhost:{server.port}")[0] == 200
+
+
+def test_a_port_that_is_taken_is_named() -> None:
+    with (
+        PageServer("page") as server,
+        pytest.raises(InputError, match=f"port {server.port} cannot"),
+    ):
+        PageServer("other", server.port)
+
+
+def test_the_port_is_free_again_at_the_end() -> None:
+    with PageServer("page") as server:
+        port = server.port
+    with socket.socket() as probe:
+        assert probe.connect_ex(("127.0.0.1", port)) != 0
+
+
+@pytest.mark.parametrize(
+    ("words", "said"), [(["-"], "watched"), (["x", "--port", "70000"], "port")]
+)
+def test_view_refuses(words: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["view", *words]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_a_change_of_a_file_or_of_a_mesh_that_it_names_is_seen(tmp_path: Path) -> None:
+    first = fingerprint("tower.kilter.json")
+    assert fingerprint("tower.kilter.json") == first
+    data = json.loads(Path("tower.kilter.json").read_text())
+    data["parts"][0] = {"name": "base", "mesh": "base.stl"}
+    Path("tower.kilter.json").write_text(json.dumps(data))
+    second = fingerprint("tower.kilter.json")
+    assert second != first
+    Path("base.stl").write_text("solid")
+    third = fingerprint("tower.kilter.json")
+    assert third != second
+    os.utime("base.stl", ns=(1, 1))
+    assert fingerprint("tower.kilter.json") != third
+    folder = fingerprint(".")
+    Path("new.stl").write_text("solid")
+    assert fingerprint(".") != folder
+    assert fingerprint("gone.json") == ()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Ctrl-C is sent otherwise there")
+def test_view_serves_sees_changes_and_faults_and_ends_well(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "kilter", "view", "tower.kilter.json", "--no-browser"]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        try:
+            line = process.stdout.readline()
+            url = line.split()[0]
+            assert "stable" in line
+            assert "reload" not in asked(url)[1][:200]
+            assert '"verdict":"stable"' in asked(url)[1]
+            kilter.dump(scene("hanging-brick"), "tower.kilter.json")
+            wait_for(url, "2")
+            assert '"verdict":"unstable"' in asked(url)[1]
+            Path("tower.kilter.json").write_text('{"kilter": 1, "parts": [{"name": "<b>"}]}')
+            wait_for(url, "3")
+            assert "&lt;b&gt;" in asked(url)[1]
+            kilter.dump(scene("tower"), "tower.kilter.json")
+            wait_for(url, "4")
+            assert '"verdict":"stable"' in asked(url)[1]
+            process.send_signal(signal.SIGINT)
+            _, errors = process.communicate(timeout=20)
+            assert process.returncode == 0
+            assert errors.count("\n") == 3
+        finally:
+            process.kill()
+
+
+def wait_for(url: str, version: str) -> None:
+    deadline = time.monotonic() + 60
+    while asked(url + "version")[1] != version:
+        assert time.monotonic() < deadline, f"no version {version}"
+        time.sleep(0.1)

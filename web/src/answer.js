@@ -1,0 +1,99 @@
+// The answer for any direction of gravity, from what the page holds; nothing is solved here.
+
+import { contains, distance, hullOfRays, isThin, margin, shares } from "./cone.js";
+import { farthest, movers } from "./map.js";
+import { angleBetween } from "./vector.js";
+
+const SAME = 1e-9; // directions closer than this are one [rad]
+
+export const VERDICTS = {
+  stable: "Stable",
+  "potentially-stable": "Potentially stable",
+  unstable: "Unstable",
+  undecided: "Undecided",
+  unknown: "Not known",
+};
+
+/**
+ * Verdict, words, margin, motion and forces for a direction of gravity.
+ *
+ * `page` is the decoded data: `given` and `recommended` hold answers in full, `region` the cone,
+ * `map` the stability map, `rays` forces for the rays of the cone.
+ */
+export function answer(page, down) {
+  for (const name of ["given", "recommended"]) {
+    const known = page[name];
+    if (known && angleBetween(known.down, down) < SAME) return known_(page, name, known, down);
+  }
+  const { region } = page;
+  if (!region) return { verdict: "unknown", from: "none", margin: null, moving: null };
+  const verdict = verdictAt(region, down);
+  const held = verdict === region.inside;
+  const result = { verdict, from: "cone", ...marginAt(page, down, held), moving: null };
+  if (held) {
+    result.moving = [];
+    result.forces = balanceAt(page.rays, down);
+  } else if (page.map) {
+    const [vertex, reach] = farthest(page.map.vertices, down);
+    const count = page.parts.radius.length;
+    result.motion = page.map.motions.subarray(6 * count * vertex, 6 * count * (vertex + 1));
+    result.moving = movers(result.motion, page.parts.radius);
+    result.z = Math.min(0, -reach);
+    if (!result.moving.length) result.motion = null;
+  }
+  return result;
+}
+
+/** The verdict that the cone gives. */
+export function verdictAt(region, down) {
+  if (!region.band) return contains(region, down) ? region.inside : region.outside;
+  const inner = { ...region, facets: region.hull || region.facets };
+  if (contains(inner, down)) return region.inside;
+  return contains(region, down) ? "undecided" : region.outside;
+}
+
+function known_(page, name, known, down) {
+  const held = known.verdict === "stable" || known.verdict === "potentially-stable";
+  const moving = [];
+  known.moves.forEach((m, k) => m && moving.push(k));
+  const inCone = page.region ? marginAt(page, down, contains(page.region, down)) : { margin: null };
+  return {
+    ...inCone,
+    verdict: known.verdict,
+    from: name,
+    moving,
+    motion: known.motion,
+    z: known.z,
+    instability: known.instability,
+    sentence: known.sentence,
+    words: known.words,
+    forces: held ? known.forces : null,
+  };
+}
+
+/** Margin inside, angle to the region outside [rad]. */
+function marginAt(page, down, held) {
+  const { region } = page;
+  if (!held) return { margin: null, away: distance(region, down) };
+  const cone = region.band && region.hull ? { ...region, facets: region.hull } : region;
+  const within = margin(cone, down);
+  return { margin: isThin(region, page.planar) ? 0 : within, within, away: 0 };
+}
+
+/** Forces for a direction inside: the same mixture of the rays' forces as of the rays. */
+export function balanceAt(rays, down) {
+  const found = rays && shares(rays.downs, down);
+  if (!found) return null;
+  const size = rays.points.length;
+  const forces = new Float32Array(size);
+  for (const [k, share] of found) {
+    for (let i = 0; i < size; i += 1) forces[i] += share * rays.forces[k * size + i];
+  }
+  return { points: rays.points, parts: rays.parts, forces };
+}
+
+/** The region with the facets of its inner hull, where it has a round boundary. */
+export const withHull = (region) =>
+  region && region.band && region.kind === "cone" && region.rays.length > 2
+    ? { ...region, hull: hullOfRays(region.rays) }
+    : region;

@@ -1,0 +1,137 @@
+// Arrows: forces and motions as instances of one shape each, drawn over the parts.
+
+import {
+  BackSide,
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  FrontSide,
+  GLSL3,
+  Group,
+  InstancedMesh,
+  Matrix4,
+  Quaternion,
+  ShaderMaterial,
+  Vector3,
+} from "three";
+import { arrow as arrowVertex, arrowFace } from "./shaders.js";
+
+const SIDES = 8;
+const UP = new Vector3(0, 1, 0);
+
+/** Triangles of a body of revolution about y, from radii and heights, along `path`. */
+function lathe(profile) {
+  const [positions, index] = [[], []];
+  for (const [r, y] of profile) {
+    for (let k = 0; k < SIDES; k += 1) {
+      const a = (2 * Math.PI * k) / SIDES;
+      positions.push(r * Math.cos(a), y, r * Math.sin(a));
+    }
+  }
+  for (let row = 0; row + 1 < profile.length; row += 1) {
+    for (let k = 0; k < SIDES; k += 1) {
+      const [a, b] = [row * SIDES + k, row * SIDES + ((k + 1) % SIDES)];
+      index.push(a, a + SIDES, b, b, a + SIDES, b + SIDES);
+    }
+  }
+  return made(positions, index);
+}
+
+function made(positions, index) {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(new Float32Array(positions), 3));
+  geometry.setIndex(index);
+  return geometry;
+}
+
+/** An arrow of length 1 along y. */
+const straight = () =>
+  lathe([
+    [0, 0],
+    [0.035, 0],
+    [0.035, 0.7],
+    [0.1, 0.7],
+    [0, 1],
+  ]);
+
+/** Three quarters of a turn about y, at radius 1, with a head. */
+function round() {
+  const [positions, index] = [[], []];
+  const steps = 28;
+  const rings = Array.from({ length: steps + 1 }, (_, k) => [(1.5 * Math.PI * k) / steps, 0.045]);
+  const end = 1.5 * Math.PI;
+  rings.push([end, 0.13], [end + 0.36, 0]);
+  for (const [a, r] of rings) {
+    for (let k = 0; k < 6; k += 1) {
+      const b = (Math.PI * k) / 3;
+      const out = 1 + r * Math.cos(b);
+      // a rises from z towards x: a right-handed turn about y
+      positions.push(out * Math.sin(a), r * Math.sin(b), out * Math.cos(a));
+    }
+  }
+  for (let row = 0; row + 1 < rings.length; row += 1) {
+    for (let k = 0; k < 6; k += 1) {
+      const [a, b] = [row * 6 + k, row * 6 + ((k + 1) % 6)];
+      index.push(a, b, a + 6, b, b + 6, a + 6);
+    }
+  }
+  return made(positions, index);
+}
+
+/** Arrows of one colour, of which `set` shows a list. */
+export class Arrows {
+  constructor() {
+    this.material = painted(false);
+    this.halo = painted(true);
+    this.group = new Group();
+    this.shapes = { straight: straight(), round: round() };
+  }
+
+  /**
+   * Show arrows: `straight` and `round` are lists of {at, along, size, wide}; `along` need not
+   * be of length 1; `wide` is the size that gives its thickness.
+   */
+  set(lists) {
+    for (const child of [...this.group.children]) {
+      this.group.remove(child);
+      child.dispose();
+    }
+    for (const [name, list] of Object.entries(lists)) {
+      if (!list.length) continue;
+      for (const [material, grow] of [
+        [this.halo, 1.3],
+        [this.material, 1],
+      ]) {
+        if (material === this.halo && list.length > 150) continue;
+        const mesh = new InstancedMesh(this.shapes[name], material, list.length);
+        mesh.frustumCulled = false;
+        list.forEach((arrow, k) => mesh.setMatrixAt(k, matrix(arrow, name, grow)));
+        this.group.add(mesh);
+      }
+    }
+  }
+
+  theme(colour, halo) {
+    this.material.uniforms.ink.value.set(colour);
+    this.halo.uniforms.ink.value.set(halo);
+  }
+}
+
+/** Colour lit a little, or the rim: the back faces of a thicker arrow, in one colour. */
+const painted = (plain) =>
+  new ShaderMaterial({
+    glslVersion: GLSL3,
+    vertexShader: arrowVertex,
+    fragmentShader: arrowFace,
+    uniforms: { ink: { value: new Color() }, plain: { value: plain } },
+    side: plain ? BackSide : FrontSide,
+  });
+
+function matrix({ at, along, size, wide }, name, grow) {
+  const direction = new Vector3(...along).normalize();
+  const turn = new Quaternion().setFromUnitVectors(UP, direction);
+  const thick = (wide || size) * grow;
+  const far = grow > 1 ? size + 0.02 * thick : size;
+  const scale = name === "round" ? [size, size * grow, size] : [thick, far, thick];
+  return new Matrix4().compose(new Vector3(...at), turn, new Vector3(...scale));
+}

@@ -1,0 +1,388 @@
+// The gravity ball: the directions of gravity as a sphere, the stable ones on it, an arrow.
+// The ball lies in the frame of the assembly; the arrow shows where gravity pulls.
+
+import { along, arcs, contains, isThin } from "./cone.js";
+import { ramp, rgb, themeOf } from "./colours.js";
+import { deepest, farthest } from "./map.js";
+import { eyeFor, inPlane, onDisc, sphereView, underPoint } from "./sphere.js";
+import { angleBetween, cross, dot, norm, scaled, turnedAbout, unit, without } from "./vector.js";
+
+const EDGE = 30; // pixels around the disc
+const REACH = 24; // pixels around the knob that still take hold of it
+const STEP = Math.PI / 90; // of the arrow keys, 2 degrees; a tenth with shift
+
+export class Ball {
+  /** `turned(direction, how)` is called as the arrow is dragged, set or moved by keys. */
+  constructor(canvas, page, turned) {
+    Object.assign(this, { canvas, page, turned });
+    this.above = scaled(unit(page.given.down), -1);
+    this.eye = page.planar ? [0, 0] : [0.55, -0.42];
+    this.down = page.given.down;
+    this.most = page.map ? deepest(page.map) || 1 : 1;
+    this.layer = document.createElement("canvas");
+    canvas.addEventListener("pointerdown", (e) => this.press(e));
+    canvas.addEventListener("pointermove", (e) => this.move(e));
+    canvas.addEventListener("pointerup", (e) => this.release(e));
+    canvas.addEventListener("pointercancel", () => (this.drag = null));
+    canvas.addEventListener("keydown", (e) => this.key(e));
+  }
+
+  get view() {
+    return sphereView(this.above, ...this.eye);
+  }
+
+  /** The arrow at a direction; the ball turns to show it where `follow`. */
+  set(direction, follow = false) {
+    this.down = direction;
+    if (follow && !this.page.planar && dot(direction, this.view.front) < 0.12) {
+      this.eye = eyeFor(this.above, direction);
+      this.stale = true;
+    }
+    this.draw();
+  }
+
+  /** Where a direction lies on the page [CSS pixels from the canvas's corner]. */
+  place(direction) {
+    const [x, y, z] = onDisc(this.view, direction);
+    const { middle, radius } = this.frame();
+    return { x: middle + radius * x, y: middle - radius * y, front: z >= 0 };
+  }
+
+  frame() {
+    const side = this.canvas.clientWidth || 260;
+    return { side, middle: side / 2, radius: side / 2 - EDGE };
+  }
+
+  under(event) {
+    const box = this.canvas.getBoundingClientRect();
+    const { middle, radius } = this.frame();
+    const x = (event.clientX - box.left - middle) / radius;
+    const y = -(event.clientY - box.top - middle) / radius;
+    const direction = underPoint(this.view, x, y);
+    return { x, y, direction: this.page.planar ? inPlane(direction) : direction };
+  }
+
+  press(event) {
+    if (event.button) return;
+    this.canvas.focus({ preventScroll: true });
+    this.canvas.setPointerCapture(event.pointerId);
+    const box = this.canvas.getBoundingClientRect();
+    const knob = this.place(this.down);
+    const away = Math.hypot(event.clientX - box.left - knob.x, event.clientY - box.top - knob.y);
+    const holds = away < REACH && knob.front;
+    this.drag = { holds, at: [event.clientX, event.clientY], far: 0, eye: [...this.eye] };
+    event.preventDefault();
+  }
+
+  move(event) {
+    if (!this.drag) return;
+    const [x, y] = [event.clientX - this.drag.at[0], event.clientY - this.drag.at[1]];
+    this.drag.far = Math.max(this.drag.far, Math.hypot(x, y));
+    if (this.drag.holds) {
+      this.turned(this.under(event).direction, "pointer");
+    } else if (!this.page.planar && this.drag.far > 3) {
+      const { radius } = this.frame();
+      const lift = this.drag.eye[1] + y / radius;
+      this.eye = [this.drag.eye[0] - x / radius, Math.max(-1.5, Math.min(1.5, lift))];
+      this.stale = true;
+      this.draw();
+    }
+  }
+
+  release(event) {
+    if (!this.drag) return;
+    const clicked = !this.drag.holds && this.drag.far <= 3;
+    const held = this.drag.holds;
+    this.drag = null;
+    const { x, y, direction } = this.under(event);
+    if (clicked && Math.hypot(x, y) <= 1.05) this.turned(direction, "pointer");
+    else if (held) this.set(this.down, true);
+  }
+
+  key(event) {
+    const { up, right, front } = this.view;
+    const step = event.shiftKey ? STEP / 10 : STEP;
+    const ways = {
+      ArrowLeft: scaled(right, -1),
+      ArrowRight: right,
+      ArrowUp: up,
+      ArrowDown: scaled(up, -1),
+    };
+    const way = ways[event.key];
+    if (!way || event.ctrlKey || event.metaKey || event.altKey) return;
+    event.preventDefault();
+    // along the great circle that starts that way; at the edge, on round the back
+    let ahead = without(way, this.down);
+    if (this.page.planar) ahead = without(ahead, [0, 1, 0]);
+    if (norm(ahead) < 1e-3) ahead = without(scaled(front, -1), this.down);
+    if (this.page.planar && norm(without(ahead, [0, 1, 0])) < 1e-3) {
+      ahead = cross([0, 1, 0], this.down);
+    }
+    this.turned(turnedAbout(this.down, unit(cross(this.down, ahead)), step), "key", step);
+  }
+
+  draw() {
+    if (this.waiting) return;
+    this.waiting = requestAnimationFrame(() => {
+      this.waiting = 0;
+      this.paint();
+    });
+  }
+
+  paint() {
+    const { side } = this.frame();
+    const dense = Math.min(window.devicePixelRatio || 1, 2);
+    const pixels = Math.round(side * dense);
+    if (this.canvas.width !== pixels || this.canvas.height !== pixels) {
+      this.canvas.width = pixels;
+      this.canvas.height = pixels;
+      this.stale = true;
+    }
+    const style = themeOf(this.canvas);
+    const key = style("surface") + style("stable");
+    if (this.key_ !== key) {
+      this.key_ = key;
+      this.stale = true;
+    }
+    if (this.stale && !this.page.planar) this.paintLayer(dense, style);
+    this.stale = false;
+    const c = this.canvas.getContext("2d");
+    c.setTransform(dense, 0, 0, dense, 0, 0);
+    c.clearRect(0, 0, side, side);
+    this.paintArrow(c, style, false);
+    if (this.page.planar) this.paintRing(c, style);
+    else c.drawImage(this.layer, 0, 0, side, side);
+    this.paintAxes(c, style);
+    this.paintRegion(c, style);
+    this.paintMarks(c, style);
+    this.paintArrow(c, style, true);
+  }
+
+  /** The disc, pixel by pixel: inside the stable region, or coloured by instability. */
+  paintLayer(dense, style) {
+    const { side, middle, radius } = this.frame();
+    // half as fine while the ball is turned by hand, or where the map has many partitions:
+    // the arcs over it are exact at any size
+    const many = this.page.map && this.page.map.vertices.length > 180;
+    const fine = ((this.drag && !this.drag.holds) || many ? 0.5 : 1) * dense;
+    const pixels = Math.round(side * fine);
+    this.layer.width = pixels;
+    this.layer.height = pixels;
+    const c = this.layer.getContext("2d");
+    const image = c.createImageData(pixels, pixels);
+    const { right, up, front } = this.view;
+    const paint = this.painter(style, 1 / (radius * fine));
+    const n = [0, 0, 0];
+    for (let j = 0; j < pixels; j += 1) {
+      const y = -((j + 0.5) / fine - middle) / radius;
+      for (let i = 0; i < pixels; i += 1) {
+        const x = ((i + 0.5) / fine - middle) / radius;
+        const r = x * x + y * y;
+        if (r > 1.03) continue;
+        const z = Math.sqrt(Math.max(0, 1 - r));
+        for (let k = 0; k < 3; k += 1) n[k] = x * right[k] + y * up[k] + z * front[k];
+        const colour = paint(n);
+        const light = 0.8 + 0.2 * Math.min(1, 0.55 * z + 0.35 * y - 0.25 * x + 0.45);
+        const edge = Math.max(0, Math.min(1, (1 - Math.sqrt(r)) * radius * fine + 0.5));
+        const at = 4 * (j * pixels + i);
+        for (let k = 0; k < 3; k += 1) image.data[at + k] = colour[k] * light;
+        image.data[at + 3] = 244 * edge;
+      }
+    }
+    c.putImageData(image, 0, 0);
+  }
+
+  /** The colour of a direction; `pixel`: its size as an angle, for smooth edges. */
+  painter(style, pixel) {
+    const { region, map, planar } = this.page;
+    const [stable, blank] = [rgb(style("stable-fill")), rgb(style("blank"))];
+    const solid = region && region.dimension === 3 && !isThin(region, planar);
+    const facets = solid ? region.hull || region.facets : [];
+    const outer = solid && region.hull ? region.facets : [];
+    const between = rgb(style("undecided-fill"));
+    const out = [0, 0, 0];
+    const cover = (qs, n) => {
+      let least = Infinity;
+      for (const q of qs) least = Math.min(least, q[0] * n[0] + q[1] * n[1] + q[2] * n[2]);
+      return Math.max(0, Math.min(1, least / pixel + 0.5));
+    };
+    return (n) => {
+      let base = blank;
+      if (planar && region && contains(region, n)) base = stable;
+      else if (map) base = ramp(farthest(map.vertices, n)[1] / map.mass / this.most);
+      const middle = outer.length ? cover(outer, n) : 0;
+      const inner = solid ? cover(facets, n) : 0;
+      for (let k = 0; k < 3; k += 1) {
+        const under = base[k] + middle * (between[k] - base[k]);
+        out[k] = under + inner * (stable[k] - under);
+      }
+      return out;
+    };
+  }
+
+  /** A planar assembly's directions: a circle, coloured along its edge. */
+  paintRing(c, style) {
+    const { middle, radius } = this.frame();
+    const paint = this.painter(style, 1e-6);
+    c.lineWidth = 12;
+    for (let k = 0; k < 180; k += 1) {
+      const [a, b] = [(k * Math.PI) / 90, ((k + 1.1) * Math.PI) / 90];
+      const colour = paint([Math.cos(a), 0, Math.sin(a)]);
+      c.strokeStyle = `rgb(${colour.map(Math.round).join()})`;
+      c.beginPath();
+      c.arc(middle, middle, radius, -a, -b, true);
+      c.stroke();
+    }
+  }
+
+  paintAxes(c, style) {
+    const { middle, radius } = this.frame();
+    c.font = "600 12px system-ui, sans-serif";
+    c.textAlign = "center";
+    c.textBaseline = "middle";
+    "xyz".split("").forEach((name, k) => {
+      for (const sign of [1, -1]) {
+        const axis = [0, 0, 0];
+        axis[k] = sign;
+        const [x, y, z] = onDisc(this.view, axis);
+        if (z < -0.02 || (this.page.planar && k === 1)) continue;
+        const [px, py] = [middle + radius * x, middle - radius * y];
+        c.fillStyle = style("ink");
+        c.beginPath();
+        c.arc(px, py, 2, 0, 2 * Math.PI);
+        c.fill();
+        const out = 13 / Math.max(Math.hypot(x, y), 0.25);
+        const text = `${sign > 0 ? "+" : "−"}${name}`;
+        halo(c, text, px + out * x, py - out * y, style);
+      }
+    });
+  }
+
+  /** The boundary of the stable region: exact arcs, dashed on the far side. */
+  paintRegion(c, style) {
+    if (!this.page.region) return;
+    const all = arcs(this.page.region);
+    const lines = all.filter((arc) => arc.angle).map((arc) => {
+      const count = Math.max(2, Math.ceil(arc.angle / 0.02));
+      return Array.from({ length: count + 1 }, (_, k) =>
+        this.onCanvas(along(arc, (k * arc.angle) / count)),
+      );
+    });
+    c.lineCap = "round";
+    c.lineJoin = "round";
+    for (const [colour, width, front] of [
+      [style("stable"), 1.5, false],
+      [style("stable-edge"), 5.5, true],
+      [style("stable"), 3, true],
+    ]) {
+      c.strokeStyle = colour;
+      c.lineWidth = width;
+      c.setLineDash(front ? [] : [3, 5]);
+      c.beginPath();
+      for (const points of lines) {
+        let drawing = false;
+        for (const [x, y, z] of points) {
+          const seen = front ? z >= -0.01 : z < 0.01;
+          if (seen && drawing) c.lineTo(x, y);
+          else if (seen) c.moveTo(x, y);
+          drawing = seen;
+        }
+      }
+      c.stroke();
+    }
+    c.setLineDash([]);
+    for (const arc of all) if (!arc.angle) this.dot(c, arc.u, style);
+  }
+
+  onCanvas(u) {
+    const { middle, radius } = this.frame();
+    const [x, y, z] = onDisc(this.view, u);
+    return [middle + radius * x, middle - radius * y, z];
+  }
+
+  dot(c, u, style) {
+    const [x, y, z] = this.onCanvas(u);
+    c.fillStyle = z >= 0 ? style("stable") : "transparent";
+    c.strokeStyle = z >= 0 ? style("stable-edge") : style("stable");
+    c.lineWidth = 2;
+    c.setLineDash(z >= 0 ? [] : [2, 3]);
+    c.beginPath();
+    c.arc(x, y, 7, 0, 2 * Math.PI);
+    c.fill();
+    c.stroke();
+    c.setLineDash([]);
+  }
+
+  /** Small letters where the given and the recommended direction are. */
+  paintMarks(c, style) {
+    for (const [name, letter] of [
+      ["given", "G"],
+      ["recommended", "R"],
+    ]) {
+      const known = this.page[name];
+      const same = name === "recommended" && known && angleBetween(known.down, this.page.given.down);
+      if (!known || (name === "recommended" && same < 0.12)) continue;
+      const [x, y, z] = this.onCanvas(known.down);
+      if (z < 0 || angleBetween(known.down, this.down) < 0.14) continue;
+      c.font = "700 12px system-ui, sans-serif";
+      halo(c, letter, x + 13, y - 11, style);
+      c.strokeStyle = style("ink");
+      c.lineWidth = 1.5;
+      c.strokeRect(x - 4, y - 4, 8, 8);
+    }
+  }
+
+  /** The arrow of gravity; `above`: the part of it in front of the ball. */
+  paintArrow(c, style, above) {
+    const { middle } = this.frame();
+    const [x, y, z] = this.onCanvas(this.down);
+    if (z >= -0.001 !== above) {
+      if (!above) return;
+      // behind the ball: an outline shows through
+      c.strokeStyle = style("ink");
+      c.lineWidth = 1.5;
+      c.setLineDash([3, 3]);
+      c.beginPath();
+      c.arc(x, y, 9, 0, 2 * Math.PI);
+      c.stroke();
+      c.setLineDash([]);
+      return;
+    }
+    c.lineCap = "round";
+    for (const [colour, width, size] of [
+      [style("surface"), 7, 12],
+      [style("ink"), 3.5, 10.5],
+    ]) {
+      c.strokeStyle = colour;
+      c.fillStyle = colour;
+      c.lineWidth = width;
+      c.beginPath();
+      c.moveTo(middle, middle);
+      c.lineTo(x, y);
+      c.stroke();
+      c.beginPath();
+      c.arc(x, y, size, 0, 2 * Math.PI);
+      c.fill();
+    }
+    c.font = "700 12px system-ui, sans-serif";
+    c.textAlign = "center";
+    c.textBaseline = "middle";
+    c.fillStyle = style(this.tone || "soft");
+    c.beginPath();
+    c.arc(x, y, 8.5, 0, 2 * Math.PI);
+    c.fill();
+    c.fillStyle = style("surface");
+    c.fillText("g", x, y - 0.5);
+  }
+}
+
+function halo(c, text, x, y, style) {
+  c.textAlign = "center";
+  c.textBaseline = "middle";
+  c.lineJoin = "round";
+  c.lineWidth = 3;
+  c.strokeStyle = style("surface");
+  c.strokeText(text, x, y);
+  c.fillStyle = style("ink");
+  c.fillText(text, x, y);
+}

@@ -1,0 +1,152 @@
+// The cone of stable directions: C = {g : e.g = 0, q.g >= 0} = lines + sums of rays.
+// Directions nearer to the boundary than `blur` [rad] count as on it, as in kilter itself.
+
+import { across, add, angleBetween, cross, dot, norm, scaled, unit, without } from "./vector.js";
+
+/** Whether a direction lies in the span of the cone. */
+const inSpan = (cone, u) => cone.equations.every((e) => Math.abs(dot(e, u)) <= cone.blur);
+
+/** Whether a direction, of any length but zero, lies in the cone. */
+export function contains(cone, direction) {
+  const u = unit(direction);
+  if (norm(u) === 0 || cone.dimension === 0) return false;
+  return inSpan(cone, u) && cone.facets.every((q) => dot(q, u) >= -cone.blur);
+}
+
+/**
+ * The angle from a direction inside to the nearest facet, within the span [rad]; a half turn
+ * where there is no facet. The foot of a convex cone's nearest facet lies on the cone, so this
+ * is the distance to the boundary.
+ */
+export function margin(cone, direction) {
+  const u = unit(direction);
+  if (!cone.facets.length) return Math.PI;
+  const least = Math.min(...cone.facets.map((q) => dot(q, u)));
+  return Math.asin(Math.min(1, Math.max(0, least)));
+}
+
+/** Whether the cone is thinner than the space that gravity may turn in. */
+export const isThin = (cone, planar) => cone.dimension < (planar ? 2 : 3);
+
+/** The unit direction of the cone nearest to a direction; null where the cone is empty. */
+export function nearest(cone, direction) {
+  if (cone.dimension === 0) return null;
+  const u = unit(direction);
+  const flat = cone.equations.reduce((g, e) => without(g, e), u);
+  const faces = [flat, ...cone.facets.map((q) => without(flat, q))];
+  const onLines = cone.lines.reduce((g, l) => add(g, scaled(l, dot(l, u))), [0, 0, 0]);
+  for (const ray of cone.rays) faces.push(add(onLines, scaled(ray, Math.max(0, dot(ray, u)))));
+  const inside = faces.filter((p) => norm(p) > 1e-12 && contains(cone, p));
+  if (inside.length) {
+    return unit(inside.reduce((best, p) => (norm(p) > norm(best) ? p : best)));
+  }
+  // more than a right angle away from all of it: the ray, or sense of a line, least far
+  const ends = [...cone.rays, ...cone.lines, ...cone.lines.map((l) => scaled(l, -1))];
+  return ends.reduce((best, p) => (dot(p, u) > dot(best, u) ? p : best));
+}
+
+/** The angle from a direction to the cone [rad], 0 inside; null where the cone is empty. */
+export function distance(cone, direction) {
+  if (contains(cone, direction)) return 0;
+  const foot = nearest(cone, direction);
+  return foot && angleBetween(foot, direction);
+}
+
+/**
+ * The boundary on the unit sphere, exactly, as arcs of great circles: p(t) = cos(t) u + sin(t) v
+ * for t from 0 to `angle`. A ray is an arc of angle 0. Arcs of a solid cone close a loop.
+ */
+export function arcs(cone) {
+  const [l, m] = cone.lines;
+  const [r, s] = cone.rays;
+  switch (cone.kind) {
+    case "ray":
+      return [point(r)];
+    case "line":
+      return [point(l), point(scaled(l, -1))];
+    case "fan":
+      return [between(r, s)];
+    case "half-plane":
+      return [{ u: l, v: r, angle: Math.PI }];
+    case "plane":
+      return [{ u: l, v: m, angle: 2 * Math.PI }];
+    case "cone":
+      return cone.rays.map((ray, k) => between(ray, cone.rays[(k + 1) % cone.rays.length]));
+    case "wedge":
+      return [
+        { u: l, v: r, angle: Math.PI },
+        { u: scaled(l, -1), v: s, angle: Math.PI },
+      ];
+    case "half-space":
+      return [{ u: l, v: m, angle: 2 * Math.PI }];
+    default:
+      return [];
+  }
+}
+
+const point = (u) => ({ u, v: across(u), angle: 0 });
+
+/** The short arc from one unit vector to another. */
+export function between(a, b) {
+  const v = unit(without(b, a));
+  return { u: a, v: norm(v) ? v : across(a), angle: angleBetween(a, b) };
+}
+
+/** A point of an arc. */
+export const along = (arc, t) => add(scaled(arc.u, Math.cos(t)), scaled(arc.v, Math.sin(t)));
+
+/**
+ * The cone that rays, in order around it, span: its inward facets. Where friction makes the
+ * boundary round, what lies in it surely holds, and what lies outside `facets` does not.
+ */
+export function hullOfRays(rays) {
+  const middle = unit(rays.reduce(add, [0, 0, 0]));
+  return rays.map((ray, k) => {
+    const q = unit(cross(ray, rays[(k + 1) % rays.length]));
+    return dot(q, middle) >= 0 ? q : scaled(q, -1);
+  });
+}
+
+/**
+ * Shares s >= 0 with sum s_k d_k = direction, over directions d_k each of which holds; null
+ * where there are none. Three at most are used, the first that fit.
+ */
+export function shares(downs, direction) {
+  const u = unit(direction);
+  const fit = (chosen, found) => {
+    const sum = chosen.reduce((p, k, i) => add(p, scaled(downs[k], found[i])), [0, 0, 0]);
+    const off = norm(add(sum, scaled(u, -1)));
+    return found.every((s) => s >= -1e-9) && off < 1e-7
+      ? chosen.map((k, i) => [k, Math.max(0, found[i])])
+      : null;
+  };
+  const n = downs.length;
+  for (let i = 0; i < n; i += 1) {
+    const one = fit([i], [dot(downs[i], u)]);
+    if (one) return one;
+  }
+  for (let i = 0; i < n; i += 1) {
+    for (let j = i + 1; j < n; j += 1) {
+      const c = dot(downs[i], downs[j]);
+      const det = 1 - c * c;
+      if (det < 1e-12) continue;
+      const [a, b] = [dot(downs[i], u), dot(downs[j], u)];
+      const two = fit([i, j], [(a - c * b) / det, (b - c * a) / det]);
+      if (two) return two;
+    }
+  }
+  for (let i = 0; i < n; i += 1) {
+    for (let j = i + 1; j < n; j += 1) {
+      const w = cross(downs[i], downs[j]);
+      for (let k = j + 1; k < n; k += 1) {
+        const det = dot(w, downs[k]);
+        if (Math.abs(det) < 1e-9) continue;
+        const a = dot(cross(downs[j], downs[k]), u) / det;
+        const b = dot(cross(downs[k], downs[i]), u) / det;
+        const three = fit([i, j, k], [a, b, dot(w, u) / det]);
+        if (three) return three;
+      }
+    }
+  }
+  return null;
+}

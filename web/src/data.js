@@ -1,0 +1,33 @@
+// The data of the page: JSON with arrays in base64.
+
+import { withHull } from "./answer.js";
+
+const TYPES = {
+  f4: Float32Array,
+  f8: Float64Array,
+  u1: Uint8Array,
+  u2: Uint16Array,
+  u4: Uint32Array,
+};
+
+/** A packed array as a typed array. */
+export function unpack({ type, data }) {
+  const text = atob(data);
+  const bytes = new Uint8Array(text.length);
+  for (let k = 0; k < text.length; k += 1) bytes[k] = text.charCodeAt(k);
+  return new TYPES[type](bytes.buffer);
+}
+
+/** Data with every packed array unpacked, at any depth. */
+export function unpacked(value) {
+  if (Array.isArray(value)) return value.map(unpacked);
+  if (value === null || typeof value !== "object") return value;
+  if (typeof value.data === "string" && value.type in TYPES) return unpack(value);
+  return Object.fromEntries(Object.entries(value).map(([k, v]) => [k, unpacked(v)]));
+}
+
+/** The data of this page; null where there is nothing to draw. */
+export function pageData(text) {
+  const data = unpacked(JSON.parse(text));
+  return data && { ...data, region: withHull(data.region) };
+}

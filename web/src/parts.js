@@ -1,0 +1,246 @@
+// The parts as one mesh with edges, the contact patches on them, and the texture of states.
+
+import {
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  DataTexture,
+  DoubleSide,
+  FloatType,
+  FrontSide,
+  GLSL3,
+  Group,
+  LineSegments,
+  Mesh,
+  NearestFilter,
+  Points,
+  RGBAFormat,
+  ShaderMaterial,
+  Vector4,
+} from "three";
+import { local, posed } from "./pose.js";
+import { TEXELS, edge, face, flatColour, number, spot, spotFace, vertex } from "./shaders.js";
+
+const ACROSS = 1024; // texels in a row of the texture
+const FEW = 8; // patches that shine through the parts
+
+export class Parts {
+  constructor(page) {
+    this.page = page;
+    this.count = page.parts.names.length;
+    const rows = Math.ceil((this.count * TEXELS) / ACROSS);
+    this.data = new Float32Array(4 * ACROSS * rows);
+    this.texture = new DataTexture(this.data, ACROSS, rows, RGBAFormat, FloatType);
+    this.texture.minFilter = NearestFilter;
+    this.texture.magFilter = NearestFilter;
+    this.shared = {
+      parts: { value: this.texture },
+      across: { value: ACROSS },
+      plane: { value: new Vector4(0, 0, 1, 0) },
+      cutting: { value: false },
+      dense: { value: 1 },
+      accent: { value: new Color() },
+    };
+    this.visible = new Uint8Array(this.count).fill(1);
+    this.moving = new Uint8Array(this.count);
+    this.selected = -1;
+    this.group = new Group();
+    this.makeMaterials();
+    const [faces, edges] = merged(page);
+    this.faces = new Mesh(faces, this.material.face);
+    this.edges = new LineSegments(edges, this.material.edge);
+    this.patches = patches(page, this.material);
+    this.group.add(this.faces, this.edges, this.patches);
+    for (const child of [this.faces, this.edges, ...this.patches.children]) {
+      child.frustumCulled = false; // the texture moves what the bounds do not know of
+    }
+    for (let k = 0; k < this.count; k += 1) {
+      for (let i = 0; i < 3; i += 1) this.put(k, 2, i, page.parts.colour[3 * k + i] / 255);
+      this.put(k, 2, 3, k);
+      this.put(k, 3, 1, page.parts.grounded[k]);
+    }
+    this.pose(null, 0, 0);
+    this.states();
+  }
+
+  makeMaterials() {
+    const make = (vertexShader, fragmentShader, uniforms, more = {}) =>
+      new ShaderMaterial({
+        glslVersion: GLSL3,
+        vertexShader,
+        fragmentShader,
+        uniforms: { ...this.shared, ...uniforms },
+        ...more,
+      });
+    const colour = () => ({ value: new Color() });
+    const over = { transparent: true, depthWrite: false, depthTest: false };
+    this.material = {
+      face: make(
+        vertex,
+        face,
+        { hatch: colour(), opacity: { value: 1 } },
+        { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 },
+      ),
+      edge: make(
+        vertex,
+        edge,
+        { ink: colour(), strength: { value: 0.75 } },
+        { transparent: true, depthWrite: false },
+      ),
+      patch: make(vertex, flatColour, { ink: colour(), strength: { value: 0.4 } }, {
+        ...over,
+        depthTest: true,
+        side: DoubleSide,
+      }),
+      through: make(vertex, flatColour, { ink: colour(), strength: { value: 0.16 } }, {
+        ...over,
+        side: DoubleSide,
+      }),
+      rim: make(vertex, flatColour, { ink: colour(), strength: { value: 0.85 } }, over),
+      spot: make(spot, spotFace, { ink: colour(), strength: { value: 0.95 } }, over),
+      number: make(vertex, number, {}),
+    };
+  }
+
+  put(part, row, channel, value) {
+    this.data[4 * (TEXELS * part + row) + channel] = value;
+  }
+
+  /** Move the parts along a motion, and apart. */
+  pose(motion, amount, apart) {
+    for (let k = 0; k < this.count; k += 1) {
+      const [q, p] = posed(this.page.parts, k, motion, amount, apart);
+      const at = 4 * TEXELS * k;
+      this.data.set(q, at);
+      this.data.set(p, at + 4);
+    }
+    this.texture.needsUpdate = true;
+  }
+
+  /** Hidden, moving and selected parts, as they now are. */
+  states() {
+    for (let k = 0; k < this.count; k += 1) {
+      this.put(k, 3, 0, this.visible[k]);
+      this.put(k, 3, 2, (k === this.selected ? 1 : 0) + (this.moving[k] ? 2 : 0));
+    }
+    this.texture.needsUpdate = true;
+  }
+
+  /** Where a part's centre of mass now is, in the frame of the assembly. */
+  centre(k) {
+    const rest = this.page.parts.center.subarray(3 * k, 3 * k + 3);
+    return this.carried(k, local(this.page.parts, k, rest));
+  }
+
+  /** Where a point of a part's own frame now is, in the frame of the assembly. */
+  carried(k, point) {
+    const at = 4 * TEXELS * k;
+    const [x, y, z, w] = this.data.subarray(at, at + 4);
+    const [px, py, pz] = this.data.subarray(at + 4, at + 7);
+    const a = 2 * (y * point[2] - z * point[1]);
+    const b = 2 * (z * point[0] - x * point[2]);
+    const c = 2 * (x * point[1] - y * point[0]);
+    return [
+      point[0] + w * a + y * c - z * b + px,
+      point[1] + w * b + z * a - x * c + py,
+      point[2] + w * c + x * b - y * a + pz,
+    ];
+  }
+
+  /** Cut away what lies beyond a plane, n.x > offset; or nothing. */
+  section(normal, offset) {
+    this.shared.cutting.value = Boolean(normal);
+    this.material.face.side = normal ? DoubleSide : FrontSide;
+    if (normal) this.shared.plane.value.set(...normal, offset);
+  }
+
+  seeThrough(share) {
+    const { face: material } = this.material;
+    material.uniforms.opacity.value = 1 - share;
+    material.transparent = share > 0;
+    material.depthWrite = share === 0;
+  }
+
+  theme(style) {
+    const set = (uniform, name) => uniform.value.set(style(name));
+    set(this.shared.accent, "unstable");
+    set(this.material.face.uniforms.hatch, "hatch");
+    set(this.material.edge.uniforms.ink, "edge");
+    for (const name of ["patch", "through", "rim", "spot"]) set(this.material[name].uniforms.ink, "patch");
+  }
+}
+
+/** Faces and edges of all parts, each shape as often as there are parts of it. */
+function merged(page) {
+  const { shape } = page.parts;
+  const total = { vertex: 0, triangle: 0, edge: 0 };
+  for (const k of shape) {
+    total.vertex += page.shapes[k].positions.length;
+    total.triangle += page.shapes[k].triangles.length;
+    total.edge += page.shapes[k].edges.length;
+  }
+  const positions = new Float32Array(total.vertex);
+  const part = new Float32Array(total.vertex / 3);
+  const triangles = new Uint32Array(total.triangle);
+  const edges = new Uint32Array(total.edge);
+  let [v, t, e] = [0, 0, 0];
+  shape.forEach((which, k) => {
+    const one = page.shapes[which];
+    positions.set(one.positions, v);
+    part.fill(k, v / 3, (v + one.positions.length) / 3);
+    for (let i = 0; i < one.triangles.length; i += 1) triangles[t + i] = one.triangles[i] + v / 3;
+    for (let i = 0; i < one.edges.length; i += 1) edges[e + i] = one.edges[i] + v / 3;
+    v += one.positions.length;
+    t += one.triangles.length;
+    e += one.edges.length;
+  });
+  const attributes = {
+    position: new BufferAttribute(positions, 3),
+    part: new BufferAttribute(part, 1),
+  };
+  return [triangles, edges].map((index) => geometry(attributes, index));
+}
+
+function geometry(attributes, index) {
+  const made = new BufferGeometry();
+  for (const [name, attribute] of Object.entries(attributes)) made.setAttribute(name, attribute);
+  if (index) made.setIndex(new BufferAttribute(index, 1));
+  return made;
+}
+
+/** Contact patches, on both of their parts: filled and rimmed; lines and points as they are. */
+function patches(page, material) {
+  const { start, points, parts, kinds, kind } = page.patches;
+  const [positions, owner, triangles, lines, spots] = [[], [], [], [], []];
+  for (let p = 0; p + 1 < start.length; p += 1) {
+    const count = start[p + 1] - start[p];
+    const flat = count > 2 && ["plane", "given"].includes(kinds[kind[p]]);
+    for (const part of [parts[2 * p], parts[2 * p + 1]]) {
+      const first = owner.length;
+      for (let k = start[p]; k < start[p + 1]; k += 1) {
+        positions.push(...local(page.parts, part, points.subarray(3 * k, 3 * k + 3)));
+        owner.push(part);
+      }
+      for (let k = 0; k < count; k += 1) {
+        if (flat || (count === 2 && k === 0)) lines.push(first + k, first + ((k + 1) % count));
+        if (!flat) spots.push(first + k);
+        if (flat && k > 1) triangles.push(first, first + k - 1, first + k);
+      }
+    }
+  }
+  const attributes = {
+    position: new BufferAttribute(new Float32Array(positions), 3),
+    part: new BufferAttribute(new Float32Array(owner), 1),
+  };
+  const group = new Group();
+  const filled = geometry(attributes, new Uint32Array(triangles));
+  // many patches that shine through the parts would hide more than they show
+  if (start.length - 1 <= FEW) group.add(new Mesh(filled, material.through));
+  group.add(
+    new Mesh(filled, material.patch),
+    new LineSegments(geometry(attributes, new Uint32Array(lines)), material.rim),
+    new Points(geometry(attributes, new Uint32Array(spots)), material.spot),
+  );
+  group.children.forEach((child, k) => (child.renderOrder = 5 + k));
+  return group;
+}

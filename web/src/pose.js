@@ -1,0 +1,75 @@
+// Where each part is drawn: moved along its motion, pulled apart. Quaternions are x, y, z, w.
+
+import { size } from "./map.js";
+
+/** The quaternion of a turn by a rotation vector [rad]. */
+export function turn(x, y, z) {
+  const angle = Math.hypot(x, y, z);
+  if (angle === 0) return [0, 0, 0, 1];
+  const s = Math.sin(angle / 2) / angle;
+  return [x * s, y * s, z * s, Math.cos(angle / 2)];
+}
+
+/** The product of two quaternions: first b, then a. */
+export function times(a, b) {
+  return [
+    a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1],
+    a[3] * b[1] - a[0] * b[2] + a[1] * b[3] + a[2] * b[0],
+    a[3] * b[2] + a[0] * b[1] - a[1] * b[0] + a[2] * b[3],
+    a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2],
+  ];
+}
+
+/** A vector turned by a quaternion. */
+export function turned(q, v) {
+  const [x, y, z, w] = q;
+  const a = 2 * (y * v[2] - z * v[1]);
+  const b = 2 * (z * v[0] - x * v[2]);
+  const c = 2 * (x * v[1] - y * v[0]);
+  return [
+    v[0] + w * a + y * c - z * b,
+    v[1] + w * b + z * a - x * c,
+    v[2] + w * c + x * b - y * a,
+  ];
+}
+
+/**
+ * The factor that makes the largest motion go `reach` far. A motion is of first order: how far
+ * it is drawn is a matter of seeing, not of physics.
+ */
+export function reachOf(motion, radius, reach) {
+  let most = 0;
+  for (let k = 0; k < radius.length; k += 1) most = Math.max(most, size(motion, k, radius[k]));
+  return most > 0 ? reach / most : 0;
+}
+
+/**
+ * Quaternion and position of a part, moved by `amount` times its motion about its centre of
+ * mass and pulled `apart` times its distance from the middle.
+ */
+export function posed(parts, k, motion, amount, apart) {
+  const at = parts.position.subarray(3 * k, 3 * k + 3);
+  const center = parts.center.subarray(3 * k, 3 * k + 3);
+  const [w, x, y, z] = parts.rotation.subarray(4 * k, 4 * k + 4);
+  let q = [x, y, z, w];
+  const p = [0, 1, 2].map((i) => at[i] + apart * center[i]);
+  if (motion && amount) {
+    const m = motion.subarray(6 * k, 6 * k + 6);
+    if (m[3] || m[4] || m[5]) {
+      const r = turn(amount * m[3], amount * m[4], amount * m[5]);
+      const arm = [at[0] - center[0], at[1] - center[1], at[2] - center[2]];
+      const after = turned(r, arm);
+      q = times(r, q);
+      for (let i = 0; i < 3; i += 1) p[i] += after[i] - arm[i];
+    }
+    for (let i = 0; i < 3; i += 1) p[i] += amount * m[i];
+  }
+  return [q, p];
+}
+
+/** A point given in the world at rest, in the frame of a part's shape. */
+export function local(parts, k, point) {
+  const [w, x, y, z] = parts.rotation.subarray(4 * k, 4 * k + 4);
+  const at = parts.position.subarray(3 * k, 3 * k + 3);
+  return turned([-x, -y, -z, w], [point[0] - at[0], point[1] - at[1], point[2] - at[2]]);
+}

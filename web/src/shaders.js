@@ -1,0 +1,149 @@
+// All parts are one mesh: a texture holds, for each part, its quaternion, position, colour and
+// state in four texels, so that a thousand parts are drawn, moved and hidden in one call.
+
+export const TEXELS = 4;
+
+const PLACE = `
+uniform highp sampler2D parts;
+uniform int across;
+in float part;
+flat out vec4 colour;
+flat out vec4 state;
+out vec3 root;
+out vec3 seen;
+
+vec4 texel(int row) {
+  int k = int(part + 0.5) * ${TEXELS} + row;
+  return texelFetch(parts, ivec2(k % across, k / across), 0);
+}
+
+void place() {
+  vec4 q = texel(0);
+  vec3 twice = 2.0 * cross(q.xyz, position);
+  root = position + q.w * twice + cross(q.xyz, twice) + texel(1).xyz;
+  colour = texel(2);
+  state = texel(3);
+  vec4 view = modelViewMatrix * vec4(root, 1.0);
+  seen = view.xyz;
+  gl_Position = projectionMatrix * view;
+  if (state.x < 0.5) gl_Position = vec4(0.0, 0.0, 2.0, 1.0); // hidden: outside of the view
+}
+`;
+
+const CUT = `
+uniform vec4 plane;
+uniform bool cutting;
+in vec3 root;
+bool cutAway() { return cutting && dot(plane.xyz, root) > plane.w; }
+`;
+
+export const vertex = `${PLACE}
+void main() { place(); }
+`;
+
+export const face = `precision highp float;
+${CUT}
+uniform vec3 hatch;
+uniform float opacity;
+uniform float dense;
+flat in vec4 colour;
+flat in vec4 state;
+in vec3 seen;
+out vec4 result;
+
+float stripes(float width) {
+  float t = (gl_FragCoord.x + gl_FragCoord.y) / (width * dense);
+  return smoothstep(0.28, 0.34, abs(fract(t) - 0.5));
+}
+
+void main() {
+  if (cutAway()) discard;
+  vec3 n = normalize(cross(dFdx(seen), dFdy(seen)));
+  vec3 base = colour.rgb;
+  if (state.y > 0.5) base = mix(base, hatch, 0.6 * stripes(9.0));
+  if (!gl_FrontFacing) {
+    result = vec4(mix(base * 0.62, base, stripes(6.0)), opacity);
+    return;
+  }
+  float key = max(dot(n, normalize(vec3(-0.35, 0.75, 0.55))), 0.0);
+  float fill = max(dot(n, normalize(vec3(0.8, 0.1, 0.5))), 0.0);
+  vec3 lit = min(base * (0.68 + 0.36 * key + 0.14 * fill), vec3(1.0));
+  if (mod(state.z, 2.0) > 0.5) lit = mix(lit, vec3(1.0, 0.86, 0.0), 0.25 + 0.6 * stripes(7.0));
+  result = vec4(lit, opacity);
+}
+`;
+
+export const edge = `precision highp float;
+${CUT}
+uniform vec3 ink;
+uniform vec3 accent;
+uniform float strength;
+flat in vec4 state;
+out vec4 result;
+void main() {
+  if (cutAway()) discard;
+  bool moves = state.z > 1.5;
+  result = vec4(moves ? accent : ink, moves ? 1.0 : strength);
+}
+`;
+
+export const flatColour = `precision highp float;
+${CUT}
+uniform vec3 ink;
+uniform float strength;
+out vec4 result;
+void main() {
+  if (cutAway()) discard;
+  result = vec4(ink, strength);
+}
+`;
+
+export const spot = `${PLACE}
+uniform float dense;
+void main() { place(); gl_PointSize = 7.0 * dense; }
+`;
+
+export const spotFace = `precision highp float;
+${CUT}
+uniform vec3 ink;
+uniform float strength;
+out vec4 result;
+void main() {
+  if (cutAway() || length(gl_PointCoord - 0.5) > 0.5) discard;
+  result = vec4(ink, strength);
+}
+`;
+
+export const number = `precision highp float;
+${CUT}
+uniform float count;
+flat in vec4 colour;
+flat in vec4 state;
+out vec4 result;
+void main() {
+  if (cutAway()) discard;
+  int k = int(colour.a + 0.5);
+  result = vec4(float(k & 255), float((k >> 8) & 255), float((k >> 16) & 255), 255.0) / 255.0;
+}
+`;
+
+export const arrow = `
+out vec3 seen;
+void main() {
+  vec4 view = modelViewMatrix * instanceMatrix * vec4(position, 1.0);
+  seen = view.xyz;
+  gl_Position = projectionMatrix * view;
+}
+`;
+
+export const arrowFace = `precision highp float;
+uniform vec3 ink;
+uniform bool plain;
+in vec3 seen;
+out vec4 result;
+void main() {
+  vec3 n = normalize(cross(dFdx(seen), dFdy(seen)));
+  float key = max(dot(n, normalize(vec3(-0.35, 0.75, 0.55))), 0.0);
+  result = vec4(plain ? ink : ink * (0.8 + 0.3 * key), 1.0);
+}
+`;

@@ -1,0 +1,216 @@
+// The picture: camera, light, and the assembly turned so that gravity points down.
+
+import {
+  Color,
+  ColorManagement,
+  Group,
+  LinearSRGBColorSpace,
+  Matrix4,
+  PerspectiveCamera,
+  Quaternion,
+  Scene,
+  Spherical,
+  Vector3,
+  WebGLRenderTarget,
+  WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { Arrows } from "./arrows.js";
+import { Parts } from "./parts.js";
+import { sphereView } from "./sphere.js";
+import { scaled, unit } from "./vector.js";
+
+const OPENING = (30 * Math.PI) / 180; // of the view, upright
+const SLOW = 55; // milliseconds a picture
+const DOWN = new Vector3(0, -1, 0);
+
+ColorManagement.enabled = false; // colours are those of the style, as they stand
+
+export class Stage {
+  constructor(canvas, page) {
+    this.canvas = canvas;
+    this.page = page;
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
+    this.renderer.outputColorSpace = LinearSRGBColorSpace;
+    this.renderer.setClearColor(new Color(0), 0);
+    this.camera = new PerspectiveCamera(30, 1, page.radius / 50, page.radius * 60);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.addEventListener("change", () => this.draw());
+    this.scene = new Scene();
+    this.root = new Group();
+    this.parts = new Parts(page);
+    this.motion = new Arrows();
+    this.forces = new Arrows();
+    this.loads = new Arrows();
+    this.root.add(this.parts.group);
+    this.scene.add(this.root);
+    // arrows lie over the parts: drawn after, with a depth of their own
+    this.over = new Scene();
+    this.overRoot = new Group();
+    this.overRoot.add(this.motion.group, this.forces.group, this.loads.group);
+    this.over.add(this.overRoot);
+    this.renderer.autoClear = false;
+    this.numbers = new WebGLRenderTarget(1, 1);
+    this.drawn = () => {};
+    this.isPlain = false;
+    this.last = -1e9;
+    this.pace = 20;
+    this.upright = upright(page.given.down);
+    this.root.quaternion.copy(this.upright);
+    this.home();
+    new ResizeObserver(() => this.fit()).observe(canvas.parentElement);
+    this.fit();
+  }
+
+  /** The first view: from the right, in front and above. */
+  home() {
+    this.controls.target.set(0, 0, 0);
+    const planar = this.page.planar;
+    const place = new Spherical(1, planar ? 1.35 : 1.22, planar ? 0.25 : 0.55);
+    this.camera.position.setFromSpherical(place);
+    this.camera.lookAt(0, 0, 0);
+    this.camera.position.setLength(this.reach());
+    this.controls.update();
+    this.draw();
+  }
+
+  /** How far the camera must be for the box around the parts to be seen, as it is turned now. */
+  reach() {
+    const tangent = Math.tan(OPENING / 2);
+    const back = this.camera.quaternion.clone().invert();
+    let far = (0.88 * this.page.radius) / Math.sin(OPENING / 2); // room to turn
+    for (let k = 0; k < 8; k += 1) {
+      const corner = new Vector3(...this.page.extent.map((e, i) => ((k >> i) & 1 ? e : -e)));
+      corner.applyQuaternion(this.root.quaternion).applyQuaternion(back);
+      const wide = Math.abs(corner.x) / (tangent * (this.camera.aspect || 1));
+      far = Math.max(far, corner.z + 1.1 * Math.max(wide, Math.abs(corner.y) / tangent));
+    }
+    return far;
+  }
+
+  fit() {
+    const { clientWidth: width, clientHeight: height } = this.canvas.parentElement;
+    if (!width || !height) return;
+    const first = !this.size;
+    if (!first && this.size[0] === width && this.size[1] === height) return;
+    this.size = [width, height];
+    this.sharpen();
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    if (first) this.home();
+    this.draw();
+  }
+
+  /** Turn the assembly by the least turn that makes a direction point down on the screen. */
+  turnTo(direction, exactly = false) {
+    if (exactly) {
+      this.root.quaternion.copy(this.upright);
+    }
+    const now = new Vector3(...direction).applyQuaternion(this.root.quaternion).normalize();
+    const turn = new Quaternion().setFromUnitVectors(now, DOWN);
+    this.root.quaternion.premultiply(turn).normalize();
+    this.draw();
+  }
+
+  orbit(azimuth, polar, nearer = 1) {
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    const place = new Spherical().setFromVector3(offset);
+    place.theta += azimuth;
+    place.phi = Math.max(0.02, Math.min(Math.PI - 0.02, place.phi + polar));
+    place.radius *= nearer;
+    this.camera.position.setFromSpherical(place).add(this.controls.target);
+    this.controls.update();
+    this.draw();
+  }
+
+  /** The part under a point of the canvas [CSS pixels], -1 where there is none. */
+  pick(x, y) {
+    const { renderer, camera, parts } = this;
+    const [width, height] = this.size;
+    const dense = renderer.getPixelRatio();
+    camera.setViewOffset(width * dense, height * dense, x * dense, y * dense, 1, 1);
+    const hidden = [parts.edges, parts.patches];
+    const were = hidden.map((one) => one.visible);
+    hidden.forEach((one) => (one.visible = false));
+    parts.faces.material = parts.material.number;
+    parts.material.number.side = parts.material.face.side;
+    renderer.setRenderTarget(this.numbers);
+    renderer.clear();
+    renderer.render(this.scene, camera);
+    const found = new Uint8Array(4);
+    renderer.readRenderTargetPixels(this.numbers, 0, 0, 1, 1, found);
+    renderer.setRenderTarget(null);
+    parts.faces.material = parts.material.face;
+    hidden.forEach((one, k) => (one.visible = were[k]));
+    camera.clearViewOffset();
+    return found[3] ? found[0] + 256 * (found[1] + 256 * found[2]) : -1;
+  }
+
+  /** Where a point of the assembly is on the canvas [CSS pixels]; null behind the camera. */
+  onScreen(point) {
+    const at = new Vector3(...point).applyMatrix4(this.root.matrixWorld).project(this.camera);
+    if (at.z > 1) return null;
+    return [((at.x + 1) / 2) * this.size[0], ((1 - at.y) / 2) * this.size[1]];
+  }
+
+  draw() {
+    if (this.waiting) return;
+    this.waiting = requestAnimationFrame(() => {
+      this.keepPace();
+      this.render();
+    });
+  }
+
+  /** Where pictures come slowly while all moves, plainer ones are drawn until it rests. */
+  keepPace() {
+    const now = performance.now();
+    const since = now - this.last;
+    this.last = now;
+    if (since < 400) this.pace = 0.6 * this.pace + 0.4 * since;
+    if (since < 400 && this.pace > SLOW) this.plain(true);
+    clearTimeout(this.rest);
+    if (this.isPlain) {
+      this.rest = setTimeout(() => {
+        this.plain(false);
+        this.draw();
+      }, 250);
+    }
+  }
+
+  /** Plain pictures: coarser, and without edges. */
+  plain(on) {
+    if (this.isPlain === on) return;
+    this.isPlain = on;
+    this.parts.edges.visible = !on;
+    this.sharpen();
+  }
+
+  sharpen() {
+    const dense = Math.min(window.devicePixelRatio || 1, 2) * (this.isPlain ? 0.5 : 1);
+    this.renderer.setPixelRatio(dense);
+    this.renderer.setSize(...this.size, false);
+    this.parts.shared.dense.value = dense;
+  }
+
+  /** Draw now. */
+  render() {
+    cancelAnimationFrame(this.waiting);
+    this.waiting = 0;
+    if (!this.size) return;
+    this.scene.updateMatrixWorld();
+    this.overRoot.quaternion.copy(this.root.quaternion);
+    this.renderer.clear();
+    this.renderer.render(this.scene, this.camera);
+    this.renderer.clearDepth();
+    this.renderer.render(this.over, this.camera);
+    this.drawn();
+  }
+}
+
+/** The turn that shows the assembly upright for a direction of gravity, x to the right. */
+function upright(down) {
+  const above = scaled(unit(down), -1);
+  const { right, front } = sphereView(above, 0, 0);
+  const axes = [right, above, front].map((v) => new Vector3(...v));
+  return new Quaternion().setFromRotationMatrix(new Matrix4().makeBasis(...axes)).invert();
+}

@@ -1,0 +1,71 @@
+// Sentences for a live answer. Names come in as text and leave as text.
+
+import { isThin } from "./cone.js";
+
+/** An angle [rad] in degrees with sensible digits. */
+export function degrees(angle) {
+  const d = (angle * 180) / Math.PI;
+  return `${d === 0 ? "0" : d < 0.01 ? d.toExponential(1) : d < 10 ? d.toFixed(2) : d.toFixed(1)}°`;
+}
+
+export const number = (value, digits = 4) =>
+  Number.isFinite(value) ? String(Number(Number(value).toPrecision(digits))) : "–";
+
+/** A direction as text: (0, 0, −1). */
+export const direction = (u, digits = 4) =>
+  `(${u.map((c) => (Math.abs(c) < 5e-7 ? 0 : Number(c.toFixed(digits)))).join(", ")})`.replaceAll("-", "−");
+
+/** How far it may tilt, or how far it is from holding. */
+export function marginWords(page, found) {
+  const { region } = page;
+  if (!region) return "no stable region is known for this assembly";
+  if (region.kind === "none") return "no direction of gravity is stable";
+  if (found.margin === null || found.margin === undefined) {
+    if (found.away === undefined || found.away === null) return "";
+    if (!found.away) return "on the edge of the region that surely holds";
+    const what = region.exact ? "stable direction" : "direction that surely holds";
+    return `${degrees(found.away)} away from the nearest ${what}`;
+  }
+  if (!region.facets.length && !region.equations.length) return "every direction holds";
+  if (isThin(region, page.planar)) {
+    if (region.dimension < 2) return "margin 0°: it may not tilt at all (a knife edge)";
+    const within = region.facets.length ? degrees(found.within) : "any turn";
+    return `margin ${within} within the ${region.kind}, none out of it (a knife edge)`;
+  }
+  if (!region.facets.length) return "every direction in the plane holds";
+  return `margin ${degrees(found.margin)}: it may tilt so far in any direction`;
+}
+
+/** Which parts move, as text. */
+export function movingWords(page, found, limit = 8) {
+  const free = page.parts.grounded.filter((held) => !held).length;
+  if (found.moving === null || found.moving === undefined) {
+    return found.verdict === "unknown" ? "" : "which parts move is not known for this direction";
+  }
+  if (!found.moving.length) {
+    return found.verdict === "undecided" ? "" : "no part moves";
+  }
+  const names = found.moving.slice(0, limit).map((k) => short(page.parts.names[k]));
+  const more = found.moving.length > limit ? ` and ${found.moving.length - limit} more` : "";
+  return `${found.moving.length} of ${free} free parts move: ${names.join(", ")}${more}`;
+}
+
+/** A name cut to a length that fits a line; isolated, so that it turns no text around it. */
+export const short = (name, length = 40) =>
+  `\u2068${name.length > length ? `${name.slice(0, length - 1)}…` : name}\u2069`;
+
+/** What a live answer rests on. */
+export function basis(page, found) {
+  const { region } = page;
+  if (found.from === "given") return "Answered in full: gravity as given.";
+  if (found.from === "recommended") return "Answered in full: the recommended direction.";
+  if (!region) return "Only the given direction is answered.";
+  const cone = region.exact
+    ? "Live: by the exact cone of stable directions; margin = angle to its nearest facet."
+    : region.band
+      ? "Live: between an inner and an outer cone, since friction makes the boundary round; in between it is undecided."
+      : "Live: by the cone that holds without friction and without contacts that are not modelled; outside of it they may hold it, so it is undecided there.";
+  if (found.motion) return `${cone} Motion: displacement of LP (9), from the stability map.`;
+  if (found.forces) return `${cone} Forces: those of the cone's rays, mixed as the direction is.`;
+  return cone;
+}

@@ -1,0 +1,137 @@
+import assert from "node:assert/strict";
+import test from "node:test";
+import { answer, balanceAt, verdictAt, withHull } from "../src/answer.js";
+import { unpack, unpacked } from "../src/data.js";
+import { farthest, movers, zOverMass } from "../src/map.js";
+import { basis, degrees, direction, marginWords, movingWords, short } from "../src/words.js";
+import { cones, pyramid } from "./cones.js";
+
+const DOWN = [0, 0, -1];
+
+function page(more = {}) {
+  const region = { ...pyramid, inside: "stable", outside: "unstable", exact: true, band: false };
+  return {
+    planar: false,
+    given: {
+      down: DOWN,
+      verdict: "stable",
+      sentence: "Stable: it cannot start to move.",
+      moves: new Uint8Array(2),
+      motion: null,
+      words: {},
+      forces: null,
+      instability: 0,
+      z: 0,
+    },
+    recommended: null,
+    region,
+    rays: null,
+    map: {
+      vertices: new Float64Array([0, 0, 0, 2, 0, 0, -2, 0, 0]),
+      mass: 2,
+      motions: new Float32Array(36).fill(0, 0).map((_, k) => (k === 18 ? 1 : k === 30 ? -1 : 0)),
+    },
+    parts: { names: ["base", "cube"], radius: new Float32Array([1, 1]), grounded: [1, 0] },
+    ...more,
+  };
+}
+
+test("the given direction is answered in full, any other by the cone", () => {
+  assert.equal(answer(page(), DOWN).from, "given");
+  const inside = answer(page(), [0.5, 0, -1]);
+  assert.deepEqual([inside.verdict, inside.from, inside.moving], ["stable", "cone", []]);
+  const outside = answer(page(), [2, 0, -1]);
+  assert.equal(outside.verdict, "unstable");
+  assert.deepEqual(outside.moving, [1]);
+  assert.equal(outside.z, -4);
+});
+
+test("one number flips the verdict: just inside and just outside of a facet", () => {
+  assert.equal(answer(page(), [1 - 1e-6, 0, -1]).verdict, "stable");
+  assert.equal(answer(page(), [1 + 1e-6, 0, -1]).verdict, "unstable");
+});
+
+test("without a region nothing but the given direction is known", () => {
+  const loaded = page({ region: null, map: null });
+  assert.equal(answer(loaded, DOWN).verdict, "stable");
+  assert.equal(answer(loaded, [1, 0, -1]).verdict, "unknown");
+  assert.match(basis(loaded, answer(loaded, [1, 0, -1])), /Only the given/);
+});
+
+test("where the region is an inner one, outside of it is undecided", () => {
+  const region = { ...page().region, exact: false, outside: "undecided" };
+  assert.equal(answer(page({ region }), [3, 0, -1]).verdict, "undecided");
+  assert.match(basis(page({ region }), answer(page({ region }), [3, 0, -1])), /undecided there/);
+});
+
+test("between inner rays and outer facets it is undecided", () => {
+  const wide = pyramid.facets.map(([x, y, z]) => {
+    const v = [0.6 * x, 0.6 * y, z];
+    const n = Math.hypot(...v);
+    return v.map((c) => c / n);
+  });
+  const region = withHull({
+    ...pyramid,
+    facets: wide,
+    band: true,
+    exact: false,
+    inside: "potentially-stable",
+    outside: "unstable",
+  });
+  assert.equal(verdictAt(region, [0.9, 0, -1]), "potentially-stable");
+  assert.equal(verdictAt(region, [1.2, 0, -1]), "undecided");
+  assert.equal(verdictAt(region, [2, 0, -1]), "unstable");
+});
+
+test("a thin region has no margin out of it, and says so", () => {
+  const region = { ...cones.fan, inside: "stable", outside: "unstable", exact: true };
+  const fan = page({ region, map: null });
+  const found = answer(fan, [1, 0, 1]);
+  assert.equal(found.margin, 0);
+  assert.match(marginWords(fan, found), /45\.0° within the fan/);
+  const off = answer(fan, [1, 0.1, 1]);
+  assert.equal(off.verdict, "unstable");
+  assert.match(marginWords(fan, off), /4\.04° away/);
+  assert.match(movingWords(fan, off), /not known/);
+});
+
+test("forces for a direction inside are mixed as the direction is", () => {
+  const rays = {
+    downs: [
+      [1, 0, 0],
+      [0, 0, -1],
+    ],
+    points: new Float32Array(3),
+    parts: new Uint16Array([0, 1]),
+    forces: new Float32Array([1, 0, 0, 0, 0, 5]),
+  };
+  const { forces } = balanceAt(rays, [0.6, 0, -0.8]);
+  assert.deepEqual([...forces].map((f) => Number(f.toFixed(6))), [0.6, 0, 4]);
+  assert.equal(balanceAt(rays, [0, 0, 1]), null);
+  assert.equal(balanceAt(null, DOWN), null);
+});
+
+test("the farthest vertex decides z and who moves", () => {
+  const { map } = page();
+  assert.deepEqual(farthest(map.vertices, [-1, 0, 0]), [2, 2]);
+  assert.equal(zOverMass(map, [1, 0, 0]), -1);
+  assert.equal(zOverMass(map, [0, 0, 1]) + 0, 0);
+  const motion = new Float32Array(12);
+  motion[9] = 0.5; // the second part turns
+  assert.deepEqual(movers(motion, new Float32Array([1, 2])), [1]);
+  assert.deepEqual(movers(new Float32Array(12), new Float32Array([1, 2])), []);
+});
+
+test("arrays are unpacked at any depth", () => {
+  assert.deepEqual(unpack({ type: "u2", data: "AQACAA==" }), new Uint16Array([1, 2]));
+  const found = unpacked({ a: [{ type: "f4", data: "AACAPw==" }], type: "x", data: "y" });
+  assert.deepEqual(found, { a: [new Float32Array([1])], type: "x", data: "y" });
+});
+
+test("words: angles, directions and names", () => {
+  assert.equal(degrees(0), "0°");
+  assert.equal(degrees(Math.PI / 4), "45.0°");
+  assert.equal(direction([0, -1e-9, -1]), "(0, 0, −1)");
+  assert.equal(short("<script>"), "\u2068<script>\u2069");
+  assert.equal([...short("x".repeat(10000))].length, 42);
+});
