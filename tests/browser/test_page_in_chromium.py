@@ -395,7 +395,7 @@ def test_a_thousand_bricks_are_drawn_at_once_and_turn_smoothly(opened: Callable)
     assert page.text("verdict") == "Stable"
     assert page.js("window.kilter.firstPicture") < 3000
     turning = """what => new Promise(done => {
-        const many = 15; let count = 0, started = performance.now();
+        const many = 20; let count = 0, started = performance.now();
         const stage = window.kilter.stage;
         const next = () => {
             if (what === "all") stage.orbit(0.03, 0); else stage.renderer.clear();
@@ -408,8 +408,12 @@ def test_a_thousand_bricks_are_drawn_at_once_and_turn_smoothly(opened: Callable)
     empty = max(page.js(turning, "nothing") for _ in range(4))
     assert speed > 10 or (empty < 20 and speed > 0.35 * empty), (speed, empty)
     # at rest it is drawn in full again
+    page.js("window.kilter.stage.plain(true)")
+    page.js("window.kilter.stage.orbit(0.03, 0)")
     page.page.wait_for_timeout(700)
-    assert page.js("window.kilter.stage.parts.edges.visible")
+    for _ in range(8):
+        page.page.wait_for_timeout(100)
+        assert page.js("window.kilter.stage.parts.edges.visible")
     assert page.js("window.kilter.stage.renderer.info.render.calls") <= 12
 
 
@@ -431,6 +435,11 @@ def test_view_turns_the_page_over_when_the_file_changes(chromium: Any) -> None:
         server.publish(render(gather(scene("hanging-brick")), "tower", live=True))
         page.wait_for_selector("#banner[data-verdict='unstable']")
         assert page.inner_text("#verdict") == "Unstable"
+        # where the user had turned it, it stays turned
+        page.evaluate("window.kilter.ask([0, 0.6, -0.8])")
+        server.publish(render(gather(scene("wall")), "tower", live=True))
+        page.wait_for_selector("button.link:has-text('brick-5-5')")
+        assert np.allclose(page.evaluate("window.kilter.down"), [0, 0.6, -0.8])
         assert all(url.startswith(server.url) for url in asked)
         page.close()
 

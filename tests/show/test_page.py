@@ -225,6 +225,16 @@ def test_what_is_left_out_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "'kilter orient' looks at every size" in page
 
 
+def test_above_its_limit_the_region_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    import kilter.cli.gather as module
+
+    monkeypatch.setattr(module, "REGION_PARTS", 3)
+    answers = gather(scene("tower"))
+    assert answers.region is None
+    assert data_of(render(answers, "x"))["given"]["verdict"] == "stable"
+    assert any("up to 3 free parts" in note for note in answers.notes)
+
+
 def test_a_map_that_needs_too_many_programs_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     import kilter.cli.gather as module
 

@@ -2,7 +2,7 @@
 
 import { contains, distance, hullOfRays, isThin, margin, shares } from "./cone.js";
 import { farthest, movers } from "./map.js";
-import { angleBetween } from "./vector.js";
+import { angleBetween, scaled } from "./vector.js";
 
 const SAME = 1e-9; // directions closer than this are one [rad]
 
@@ -47,9 +47,15 @@ export function answer(page, down) {
 /** The verdict that the cone gives. */
 export function verdictAt(region, down) {
   if (!region.band) return contains(region, down) ? region.inside : region.outside;
-  const inner = { ...region, facets: region.hull || region.facets };
-  if (contains(inner, down)) return region.inside;
+  if (surely(region, down)) return region.inside;
   return contains(region, down) ? "undecided" : region.outside;
+}
+
+/** Whether a direction lies in what the rays and lines span, where the facets lie outside of it. */
+function surely(region, down) {
+  if (region.hull) return contains({ ...region, facets: region.hull }, down);
+  const back = region.lines.map((line) => scaled(line, -1));
+  return shares([...region.rays, ...region.lines, ...back], down) !== null;
 }
 
 function known_(page, name, known, down) {

@@ -195,7 +195,10 @@ export class Ball {
   /** The colour of a direction; `pixel`: its size as an angle, for smooth edges. */
   painter(style, pixel) {
     const { region, map, planar } = this.page;
-    const [stable, blank] = [rgb(style("stable-fill")), rgb(style("blank"))];
+    const stable = rgb(style("stable-fill"));
+    // without a map it is known that it moves, but not how much
+    const plain = region && region.outside === "unstable" ? "unstable-fill" : "blank";
+    const blank = rgb(style(plain));
     const solid = region && region.dimension === 3 && !isThin(region, planar);
     const facets = solid ? region.hull || region.facets : [];
     const outer = solid && region.hull ? region.facets : [];

@@ -55,6 +55,29 @@ class Page {
       this.stage.render();
     }
     this.firstPicture = performance.now();
+    if (location.protocol === "http:") this.keepPlace();
+  }
+
+  /** The direction and the view outlive a page that `kilter view` makes anew. */
+  keepPlace() {
+    const camera = this.stage && this.stage.camera.position;
+    try {
+      const kept = JSON.parse(sessionStorage.getItem("kilter") || "null");
+      if (kept && kept.title === this.page.title) {
+        if (kept.down) this.turn(kept.down, { follow: true });
+        if (kept.camera && camera) {
+          camera.fromArray(kept.camera);
+          this.stage.controls.update();
+        }
+      }
+    } catch {
+      // what was kept cannot be read: the page starts anew
+    }
+    addEventListener("pagehide", () => {
+      const at = angleBetween(this.down, this.page.given.down) ? this.down : null;
+      const place = { title: this.page.title, down: at, camera: camera && camera.toArray() };
+      sessionStorage.setItem("kilter", JSON.stringify(place));
+    });
   }
 
   // gravity ---------------------------------------------------------------------------
@@ -108,14 +131,15 @@ class Page {
   arrows() {
     const { stage, found } = this;
     const moving = found.motion && id("show-motion").checked ? found.moving : [];
-    stage.motion.set(moving.length ? motionArrows(stage, found.motion, moving, this.long) : {});
+    // many arrows are drawn shorter
+    const long = this.long * (moving.length > 20 ? 0.5 : 1);
+    stage.motion.set(moving.length ? motionArrows(stage, found.motion, moving, long) : {});
     let label = found.forces ? "contact forces" : "contact forces: none to show here";
     const forces = found.forces && id("show-forces").checked;
     if (forces) {
-      // many arrows are drawn shorter
       const share = found.forces.points.length > 300 ? 0.3 : 0.5;
-      const long = share * this.page.radius * Number(id("force-size").value);
-      const { straight, most } = forceArrows(stage, found.forces, long);
+      const size = share * this.page.radius * Number(id("force-size").value);
+      const { straight, most } = forceArrows(stage, found.forces, size);
       stage.forces.set({ straight });
       label = `contact forces, the longest ${number(most, 3)} N`;
     } else stage.forces.set({});
@@ -166,6 +190,7 @@ class Page {
     id("go-recommended").setAttribute("aria-pressed", String(Boolean(at("recommended"))));
     const label = `gravity along ${direction(this.down, 2)}: ${VERDICTS[found.verdict]}`;
     this.ball.canvas.setAttribute("aria-valuetext", label);
+    this.ball.canvas.setAttribute("aria-valuenow", String(Math.round((away * 180) / Math.PI)));
     id("motion").disabled = !found.motion;
     id("play").disabled = !found.motion;
     id("motion-label").textContent = found.motion ? "motion" : "motion: none";
@@ -186,7 +211,16 @@ class Page {
       this.turn(nearest(page.region, this.down), { follow: true }),
     );
     id("go-nearest").disabled = !page.region || !page.region.dimension;
-    id("no-map").hidden = Boolean(page.map) || !page.region;
+    const { region } = page;
+    const known = region && region.outside === "unstable";
+    id("no-map").hidden = Boolean(page.map) || !region || !region.equations.length + region.facets.length;
+    id("no-map").dataset.known = String(known);
+    id("no-map-words").textContent = known
+      ? "unstable; how much is not mapped at this size"
+      : "undecided: further forces may hold it";
+    id("ramp-words").textContent = known
+      ? "unstable, a little to much"
+      : "unstable by its frictionless contacts alone, a little to much";
     id("ramp").hidden = !page.map || deepest(page.map) === 0;
     id("stable-key").hidden = !page.region || page.region.kind === "none";
     on("motion", "input", () => this.slide("amount", "motion"));

@@ -235,7 +235,9 @@ function patches(page, material) {
   const group = new Group();
   const filled = geometry(attributes, new Uint32Array(triangles));
   // many patches that shine through the parts would hide more than they show
-  if (start.length - 1 <= FEW) group.add(new Mesh(filled, material.through));
+  const few = start.length - 1 <= FEW;
+  if (few) group.add(new Mesh(filled, material.through));
+  material.rim.depthTest = !few;
   group.add(
     new Mesh(filled, material.patch),
     new LineSegments(geometry(attributes, new Uint32Array(lines)), material.rim),

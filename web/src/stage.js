@@ -172,6 +172,7 @@ export class Stage {
     if (this.isPlain) {
       this.rest = setTimeout(() => {
         this.plain(false);
+        this.last = -1e9; // the picture at rest is no measure of the pace
         this.draw();
       }, 250);
     }

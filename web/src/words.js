@@ -47,7 +47,9 @@ export function movingWords(page, found, limit = 8) {
   }
   const names = found.moving.slice(0, limit).map((k) => short(page.parts.names[k]));
   const more = found.moving.length > limit ? ` and ${found.moving.length - limit} more` : "";
-  return `${found.moving.length} of ${free} free parts move: ${names.join(", ")}${more}`;
+  const alone = found.verdict === "undecided" ? "by the frictionless contacts alone " : "";
+  const count = `${found.moving.length} of ${free} free ${free === 1 ? "part moves" : "parts move"}`;
+  return `${alone}${count}: ${names.join(", ")}${more}`;
 }
 
 /** A name cut to a length that fits a line; isolated, so that it turns no text around it. */

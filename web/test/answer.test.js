@@ -83,6 +83,23 @@ test("between inner rays and outer facets it is undecided", () => {
   assert.equal(verdictAt(region, [2, 0, -1]), "unstable");
 });
 
+test("between is judged by the rays and lines themselves where they make no hull", () => {
+  const region = withHull({
+    ...cones.wedge,
+    facets: [
+      [1, 0.2, 0],
+      [0.2, 1, 0],
+    ].map((v) => v.map((c) => c / Math.hypot(1, 0.2))),
+    band: true,
+    inside: "stable",
+    outside: "unstable",
+  });
+  assert.equal(region.hull, undefined);
+  assert.equal(verdictAt(region, [1, 0.01, -3]), "stable");
+  assert.equal(verdictAt(region, [1, -0.01, 3]), "undecided");
+  assert.equal(verdictAt(region, [1, -0.3, 0]), "unstable");
+});
+
 test("a thin region has no margin out of it, and says so", () => {
   const region = { ...cones.fan, inside: "stable", outside: "unstable", exact: true };
   const fan = page({ region, map: null });
@@ -126,6 +143,13 @@ test("arrays are unpacked at any depth", () => {
   assert.deepEqual(unpack({ type: "u2", data: "AQACAA==" }), new Uint16Array([1, 2]));
   const found = unpacked({ a: [{ type: "f4", data: "AACAPw==" }], type: "x", data: "y" });
   assert.deepEqual(found, { a: [new Float32Array([1])], type: "x", data: "y" });
+});
+
+test("words for one part that moves, and for motions that further forces may hold", () => {
+  const found = { verdict: "unstable", moving: [1] };
+  assert.equal(movingWords(page(), found), "1 of 1 free part moves: \u2068cube\u2069");
+  assert.match(movingWords(page(), { ...found, verdict: "undecided" }), /^by the frictionless/);
+  assert.equal(movingWords(page(), { verdict: "stable", moving: [] }), "no part moves");
 });
 
 test("words: angles, directions and names", () => {

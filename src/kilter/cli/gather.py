@@ -28,6 +28,8 @@ __all__ = ["gather"]
 Array = NDArray[np.float64]
 Tell = Callable[[str], None]
 
+REGION_PARTS = 3000
+"""Up to this many free parts the stable region is looked for."""
 NEAREST_PARTS = 40
 """Up to this many free parts the nearest direction is looked for where none is stable."""
 MAP_PARTS = 40
@@ -101,6 +103,12 @@ def _turned(
     from kilter.analysis.region import find_region
 
     free = sum(not part.grounded for part in assembly.parts)
+    if free > REGION_PARTS:
+        notes.append(
+            f"the stable region is found up to {REGION_PARTS} free parts, so only the given "
+            "direction is answered; 'kilter region' looks at every size"
+        )
+        return None, None, False
     try:
         if free <= NEAREST_PARTS:
             answer = orient(assembly, contacts, progress=tell)

@@ -77,7 +77,7 @@ class _Job:
 
     @property
     def title(self) -> str:
-        """The name of the file alone: a page that is mailed tells nothing of the folders."""
+        """The name of the file, without its folders and endings."""
         if self.file == "-":
             return "standard input"
         name = Path(self.file).resolve().name

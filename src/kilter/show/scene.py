@@ -40,7 +40,7 @@ def build_scene(answers: Answers) -> dict[str, Any]:
     >>> given = Orientation(assembly.down, check, None)
     >>> found = build_scene(Answers(assembly, find_contacts(assembly), given))
     >>> found["parts"]["names"][0], len(found["shapes"]), found["region"]
-    ('base', 2, None)
+    ('base', 1, None)
     """
     assembly = answers.assembly
     center, extent = _view(answers)
