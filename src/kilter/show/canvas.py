@@ -18,7 +18,7 @@ from kilter.show.packing import readable
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["SUFFIXES", "blank", "label", "legend", "require", "rendered", "title"]
+__all__ = ["SUFFIXES", "blank", "label", "legend", "rendered", "require", "title"]
 
 SUFFIXES = (".svg", ".png", ".pdf")
 """What a figure can be written as."""

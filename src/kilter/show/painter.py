@@ -175,6 +175,8 @@ def _half(polygon: Polygon, height: Array) -> Polygon:
             drawn.append(bool(polygon.drawn[k]) and not (here == 0 and there < 0))
         if here * there < 0:
             share = here / (here - there)
-            corners.append(polygon.corners[k] + share * (polygon.corners[after] - polygon.corners[k]))
+            corners.append(
+                polygon.corners[k] + share * (polygon.corners[after] - polygon.corners[k])
+            )
             drawn.append(bool(polygon.drawn[k]) and here < 0)
     return Polygon(np.array(corners), polygon.normal, np.array(drawn, dtype=bool), polygon.part)

@@ -78,7 +78,9 @@ def draw_region(region: Region) -> Figure:
         _axes_of_frame(axes, camera)
         axes.text(0, -1.24, words, ha="center", va="top", fontsize=8.5, color="#6B7280")
     half = region.half_angle_deg
-    wide = "" if half is None or half in (0.0, 180.0) else f"; at best it bears a tilt of {half:.4g}°"
+    wide = (
+        "" if half is None or half in (0.0, 180.0) else f"; at best it bears a tilt of {half:.4g}°"
+    )
     inner = "" if region.exact else " (an inner region: more may be)"
     title(figure, f"{KINDS[region.kind]}{wide}{inner}.", "" if region.kind == "none" else "stable")
     legend(figure, [(sign, words) for words, sign in entries.items()], columns=3)
