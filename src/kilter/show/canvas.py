@@ -57,7 +57,7 @@ def blank(width: float, height: float) -> Figure:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    class Picture(Figure):
+    class Picture(Figure):  # type: ignore[misc, unused-ignore]
         """A figure that a notebook shows without any settings."""
 
         def _repr_png_(self) -> bytes:
@@ -82,17 +82,21 @@ def rendered(figure: Figure, suffix: str) -> bytes:
     if suffix not in SUFFIXES:
         kinds = ", ".join(SUFFIXES)
         raise InputError(f"{suffix or 'no ending'!r} is no kind of figure", hint=f"one of {kinds}")
-    metadata: dict[str, Any] = {
+    metadata: dict[str, dict[str, Any]] = {
         ".svg": {"Date": None, "Creator": "kilter"},
         ".pdf": {"CreationDate": None, "Creator": "kilter", "Producer": None},
         ".png": {"Software": "kilter"},
-    }[suffix]
-    settings = {"svg.fonttype": "none", "svg.hashsalt": "kilter", "pdf.fonttype": 42}
+    }
+    settings: dict[Any, Any] = {
+        "svg.fonttype": "none",
+        "svg.hashsalt": "kilter",
+        "pdf.fonttype": 42,
+    }
     target = io.BytesIO()
     with matplotlib.rc_context(settings), warnings.catch_warnings():
         # scripts that the font lacks are shown as boxes in a PNG, as themselves in an SVG
         warnings.filterwarnings("ignore", message=".*[Gg]lyph.*")
-        figure.savefig(target, format=suffix[1:], dpi=DOTS, metadata=metadata)
+        figure.savefig(target, format=suffix[1:], dpi=DOTS, metadata=metadata[suffix])
     return target.getvalue()
 
 

@@ -5,6 +5,7 @@ Arrows are in proportion to each other; the legend says how much the longest is.
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -37,6 +38,12 @@ GHOSTS = 60
 """Moving parts up to which it is shown where they go."""
 ARC = np.linspace(0.0, 1.5 * np.pi, 40)
 """Angles of the arrow of a rotation [rad]."""
+GRAVITY_AT = (0.052, 0.80)
+"""Where the arrow of gravity begins [size of the figure]."""
+FRAME_AT, FRAME = (30.0, 42.0), 24.0
+"""Where the axes of the frame meet, and their length [pt]."""
+PALE = "#6B7280"
+HEAD = "-|>,head_width={},head_length={}"
 CANDIDATES = 12
 """Faces of a part that are looked at for its name."""
 HALO = 2.6
@@ -50,11 +57,10 @@ def draw_patches(axes: Axes, verdict: Verdict, camera: Camera) -> list[tuple[Any
 
     contacts = verdict.contacts
     flat, starts = camera.flat(contacts.points), contacts.patch_start
-    ranges = zip(starts[:-1], starts[1:], strict=True)
-    outlines = [_around(flat[a:b]) for a, b in ranges if b > a + 1]
+    outlines = [_around(flat[a:b]) for a, b in pairwise(starts.tolist()) if b > a + 1]
     if not outlines:
         return []
-    style = {"facecolor": PATCH_FILL, "edgecolor": PATCH_EDGE, "linewidth": 0.9}
+    style: dict[str, Any] = {"facecolor": PATCH_FILL, "edgecolor": PATCH_EDGE, "linewidth": 0.9}
     axes.add_collection(PolyCollection(outlines, zorder=2, **style))
     count = len(contacts)
     return [(Patch(**style), f"{count} contact patch{'es' if count > 1 else ''}")]
@@ -222,20 +228,22 @@ def _within(point: Array, corners: Array) -> bool:
 
 def draw_gravity(axes: Axes, camera: Camera) -> None:
     """An arrow down with a g, and the axes of the assembly's frame."""
-    start = np.array([0.052, 0.80])
+    x, y = GRAVITY_AT
     place: dict[str, Any] = {"xycoords": "figure fraction", "textcoords": "figure fraction"}
-    bold = {"arrowstyle": "-|>,head_width=0.22,head_length=0.5", "color": GRAVITY, "lw": 1.6}
-    axes.annotate("", start - [0, 0.11], start, arrowprops={**bold, "shrinkA": 0}, **place)
-    axes.annotate("g", start + [0.022, -0.09], color=GRAVITY, **place)
-    middle = np.array([30.0, 42.0])
-    thin = {"arrowstyle": "-|>,head_width=0.12,head_length=0.3", "color": "#6B7280", "lw": 0.9}
-    style: dict[str, Any] = {"fontsize": 8, "color": "#6B7280", "ha": "center", "va": "center"}
-    points = {"xycoords": "figure points", "textcoords": "figure points", "annotation_clip": False}
+    bold: dict[str, Any] = {"arrowstyle": HEAD.format(0.22, 0.5), "lw": 1.6, "shrinkA": 0}
+    axes.annotate("", (x, y - 0.11), (x, y), arrowprops={**bold, "color": GRAVITY}, **place)
+    axes.annotate("g", (x + 0.022, y - 0.09), color=GRAVITY, **place)
+    points: dict[str, Any] = {"xycoords": "figure points", "textcoords": "figure points"}
+    thin: dict[str, Any] = {"arrowstyle": HEAD.format(0.12, 0.3), "lw": 0.9, "shrinkA": 0}
+    style: dict[str, Any] = {"fontsize": 8, "color": PALE, "ha": "center", "va": "center"}
+    x, y = FRAME_AT
     for name, axis in zip("xyz", np.eye(3), strict=True):
-        flat = camera.flat(axis) * 24.0
-        if np.linalg.norm(flat) > 5.0:
-            axes.annotate("", middle + flat, middle, arrowprops={**thin, "shrinkA": 0}, **points)
-            axes.annotate(name, middle + flat * 1.38, middle + flat * 1.38, **style, **points)
+        right, up = camera.flat(axis) * FRAME
+        if np.hypot(right, up) > FRAME / 5:
+            thin["color"] = PALE
+            axes.annotate("", (x + right, y + up), (x, y), arrowprops=dict(thin), **points)
+            end = (x + 1.38 * right, y + 1.38 * up)
+            axes.annotate(name, end, end, **style, **points)
 
 
 def _arrow(axes: Axes, ends: Array, colour: str) -> None:
@@ -285,7 +293,7 @@ def _turn(axes: Axes, camera: Camera, center: Array, angular: Array, radius: flo
     )
 
 
-def _sign(colour: str, line: str = "solid") -> Any:
+def _sign(colour: str, line: Any = "solid") -> Any:
     from matplotlib.lines import Line2D
 
     marker: dict[str, Any] = {"marker": ">", "markevery": [1], "markersize": 5}

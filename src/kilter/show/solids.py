@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["draw_parts"]
 
 Array = NDArray[np.float64]
-Colour = tuple[float, ...]
+Colour = tuple[float, float, float, float]
 
 LIGHT = np.array([0.22, -0.66, 0.72])
 """Where the light comes from, on the page (right, away from the eye, up)."""
@@ -69,7 +69,8 @@ def draw_parts(
     # a polygon, then its edges, so that what comes later hides both
     for polygon in ordered:
         shade = DARK + (1.06 - DARK) * max(float(polygon.normal @ light), 0.0)
-        colour = (*np.clip(base[polygon.part] * shade, 0.0, 1.0), 1.0)
+        red, green, blue = np.clip(base[polygon.part] * shade, 0.0, 1.0).tolist()
+        colour = (red, green, blue, 1.0)
         flat = camera.flat(polygon.corners)
         outlines.append(flat)
         fills.append(colour)
@@ -98,7 +99,7 @@ def draw_parts(
     if not grounded.any():
         return [], faces
     hatch = "/////" if striped else None
-    sign = Patch(facecolor=base[grounded][0], edgecolor=STRIPE[:3], hatch=hatch, linewidth=0.6)
+    sign = Patch(facecolor=base[grounded][0], edgecolor=STRIPE, hatch=hatch, linewidth=0.6)
     return [(sign, "held")], faces
 
 

@@ -171,7 +171,7 @@ def _arc(normal: Array, facets: Array) -> Array:
     ends = np.arctan2(-(facets @ first), facets @ second)
     angles = np.sort(np.concatenate([AROUND, ends % (2 * np.pi), (ends + np.pi) % (2 * np.pi)]))
     circle = np.outer(np.cos(angles), first) + np.outer(np.sin(angles), second)
-    allowed = (circle @ facets.T >= -ON).all(axis=1)
+    allowed: NDArray[np.bool_] = np.asarray((circle @ facets.T >= -ON).all(axis=1))
     return np.where(allowed[:, None], circle, np.nan)
 
 
@@ -216,4 +216,5 @@ def _axes_of_frame(axes: Axes, camera: Camera) -> None:
             style: dict[str, Any] = {"fontsize": 8.5, "color": INK, "ha": "center", "va": "center"}
             size = float(np.hypot(x, y))
             aside = np.array([x, y]) / size if size > 0.2 else np.array([0.0, 1.0])
-            axes.text(*([x, y] + 0.13 * aside), word, zorder=6, **style)
+            x, y = [x, y] + 0.13 * aside
+            axes.text(float(x), float(y), word, zorder=6, **style)
