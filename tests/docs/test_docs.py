@@ -20,7 +20,10 @@ def blocks(page: Path, language: str) -> list[str]:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
-def test_python_of_a_page_runs(page: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_python_of_a_page_runs(
+    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
     for block in blocks(page, "python"):
         exec(compile(block, str(page), "exec"), {})
 
@@ -45,14 +48,43 @@ def named_commands(line: str) -> list[list[str]]:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
-def test_shell_of_a_page_runs(
+def test_shell_of_a_page_runs_and_says_what_is_shown(
     page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    """Commands run in the order of the page; what a page shows of an answer is its beginning."""
     monkeypatch.chdir(tmp_path)
-    for block in blocks(page, "sh"):
-        for line in block.splitlines():
+    text = page.read_text(encoding="utf-8")
+    for kind, block in re.findall(r"```(sh|text)\n(.*?)```", text, flags=re.S):
+        first, *shown = block.rstrip().splitlines()
+        if kind == "text" and page.name != "README.md" and first.startswith("$ kilter "):
+            capsys.readouterr()
+            main(shlex.split(first)[2:])
+            assert capsys.readouterr().out.splitlines()[: len(shown)] == shown, first
+        for line in block.splitlines() if kind == "sh" else []:
             if line.startswith("kilter "):
-                assert main(shlex.split(line)[1:]) in (0, 1), capsys.readouterr().err
+                assert main(shlex.split(line)[1:]) in (0, 1, 3), capsys.readouterr().err
+
+
+def test_a_page_that_names_a_missing_flag_fails(tmp_path: Path) -> None:
+    page = tmp_path / "new.md"
+    for line in ("kilter draw FILE --colour red", "see `kilter draw FILE --colour red`"):
+        page.write_text(line + "\n", encoding="utf-8")
+        with pytest.raises(AssertionError, match="--colour"):
+            test_commands_of_a_page_exist_with_their_flags(page)
+    page.write_text("kilter paint FILE\n", encoding="utf-8")
+    with pytest.raises(AssertionError, match="no command 'paint'"):
+        test_commands_of_a_page_exist_with_their_flags(page)
+
+
+def test_every_page_is_in_the_site() -> None:
+    nav = re.findall(r"([\w/-]+\.md)", (ROOT / "mkdocs.yml").read_text(encoding="utf-8"))
+    docs = ROOT / "docs"
+    assert sorted(nav) == sorted(p.relative_to(docs).as_posix() for p in docs.rglob("*.md"))
+
+
+def test_a_picture_of_a_page_is_small() -> None:
+    for path in (ROOT / "docs" / "images").iterdir():
+        assert path.stat().st_size < 150_000, path.name
 
 
 def test_links_between_pages_lead_somewhere() -> None:
