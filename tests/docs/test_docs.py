@@ -65,6 +65,46 @@ def test_shell_of_a_page_runs_and_says_what_is_shown(
                 assert main(shlex.split(line)[1:]) in (0, 1, 3), capsys.readouterr().err
 
 
+SERVES = {"view"}
+"""Commands that do not end by themselves; `tests/show` runs them."""
+
+
+@pytest.fixture
+def assemblies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """What the README's list of commands is about: a wall, and a folder of meshes."""
+    from kilter.files import to_text
+    from kilter.scenes import scene
+
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "wall.kilter.json").write_text(to_text(scene("wall")), encoding="utf-8")
+    (tmp_path / "parts").mkdir()
+    for name, height in (("base", 0.0), ("block", 1.0)):
+        corners = [(x, y, height + z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+        faces = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
+        lines = [f"v {x} {y} {z}" for x, y, z in corners]
+        lines += ["f " + " ".join(map(str, face)) for face in faces]
+        (tmp_path / "parts" / f"{name}.obj").write_text("\n".join(lines), encoding="utf-8")
+    return tmp_path
+
+
+def test_every_command_that_the_readme_lists_runs(
+    assemblies: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    listed = [
+        line
+        for block in blocks(ROOT / "README.md", "text")
+        for line in block.splitlines()
+        if line.startswith("kilter ")
+    ]
+    assert len(listed) > 5
+    for line in listed:
+        [words] = named_commands(line)
+        if words[0] in SERVES:
+            continue
+        code = main(words)
+        assert code in (0, 1, 3), f"{line}: {capsys.readouterr().err}"
+
+
 def test_a_page_that_names_a_missing_flag_fails(tmp_path: Path) -> None:
     page = tmp_path / "new.md"
     for line in ("kilter draw FILE --colour red", "see `kilter draw FILE --colour red`"):

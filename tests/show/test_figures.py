@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import re
+import subprocess
+import sys
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
@@ -218,6 +220,16 @@ def test_answers_show_themselves_in_a_notebook() -> None:
 def test_a_label_is_short() -> None:
     assert len(label("x" * 10_000)) <= 24
     assert label("a\tb") == "a\ufffdb"
+
+
+def test_import_stays_light_and_pyplot_is_never_touched() -> None:
+    code = (
+        "import sys, kilter; assert 'matplotlib' not in sys.modules\n"
+        "v = kilter.check(kilter.scene('tower')); v._repr_html_()\n"
+        "assert 'matplotlib' not in sys.modules and 'kilter.show' not in sys.modules\n"
+        "kilter.draw_assembly(v); assert 'matplotlib.pyplot' not in sys.modules\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=120)
 
 
 # --- the command ---------------------------------------------------------------------------
