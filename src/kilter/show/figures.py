@@ -34,7 +34,9 @@ FRONT = (0.0, 0.0)
 """Of planar assemblies: x to the right, z up."""
 WIDTH, HEIGHT = 7.0, 5.6
 """Of the figure [inch]."""
-MARGIN = 0.09
+SPACE = (0.89, 0.76)
+"""Width and height of the picture in the figure [size of the figure]."""
+MARGIN = 0.06
 """Around the assembly [size of the picture]."""
 HELD_IN_VIEW = 0.35
 """Held parts are shown this much farther than the free ones reach [size of the free ones]."""
@@ -42,8 +44,6 @@ ARROW = 0.24
 """Length of the longest arrow, and of the farthest ghost [size of the picture]."""
 NAMED = 14
 """Parts up to which names are written."""
-MANY = 0.5
-"""How much shorter the forces of many patches are drawn [-]."""
 PATCHES = 30
 """Patches up to which contacts are drawn."""
 
@@ -81,7 +81,7 @@ def draw_assembly(
     names = len(assembly.parts) <= NAMED if names is None else names
     contacts = len(verdict.contacts) <= PATCHES if contacts is None else contacts
     figure = blank(WIDTH, HEIGHT)
-    axes = figure.add_axes((0.09, 0.11, 0.89, 0.80))
+    axes = figure.add_axes((0.09, 0.11, *SPACE))
     axes.set_axis_off()
     camera = _camera(assembly, view)
     low, high = _limits(assembly, camera, figure)
@@ -93,8 +93,9 @@ def draw_assembly(
     if verdict.moving:
         entries += draw_motion(axes, verdict, camera, ARROW * size)
     elif verdict.forces is not None:
-        shorter = MANY if len(verdict.contacts) > NAMED else 1.0
-        entries += draw_forces(axes, verdict, camera, shorter * ARROW * size)
+        radius = assembly.geometry.radius[verdict.program.free]
+        longest = min(ARROW * size, 2 * float(radius.max(initial=0.0)) or ARROW * size)
+        entries += draw_forces(axes, verdict, camera, longest)
     if names:
         draw_names(axes, assembly, faces)
     draw_gravity(axes, camera)
@@ -123,6 +124,6 @@ def _limits(assembly: Assembly, camera: Camera, figure: Figure) -> tuple[Array, 
     low = np.maximum(flat.min(axis=0), low - reach)
     high = np.minimum(flat.max(axis=0), high + reach)
     middle, half = (low + high) / 2, (high - low) / 2 * (1 + 2 * MARGIN)
-    shape = np.array([0.89 * figure.get_figwidth(), 0.8 * figure.get_figheight()])
+    shape = np.array(SPACE) * figure.get_size_inches()
     half = shape * max(float((half / shape).max()), 1e-300)
     return middle - half, middle + half

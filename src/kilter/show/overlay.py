@@ -43,9 +43,15 @@ GRAVITY_AT = (0.052, 0.80)
 FRAME_AT, FRAME = (30.0, 42.0), 24.0
 """Where the axes of the frame meet, and their length [pt]."""
 PALE = "#6B7280"
+PLATE = (1.0, 1.0, 1.0, 0.68)
+"""Behind a name."""
 HEAD = "-|>,head_width={},head_length={}"
 CANDIDATES = 12
 """Faces of a part that are looked at for its name."""
+HEAD_SIZE = 11.0
+"""Of an arrow [pt]; smaller for short ones."""
+KIND = {"potentially-stable": "a possible ", "undecided": "by modelled contacts alone: "}
+"""What the motion of a verdict is that does not say "it moves so"."""
 HALO = 2.6
 """White around an arrow [pt]."""
 
@@ -83,11 +89,12 @@ def draw_motion(
     shown = np.flatnonzero(motion.moves & (sizes > SHOWN * most))
     for k in shown[np.argsort(-sizes[shown], kind="stable")][:ARROWS]:
         start = geometry.center[k]
-        _arrow(axes, camera.flat(np.array([start, start + linear[k] * longest / most])), MOTION)
+        ends = camera.flat(np.array([start, start + linear[k] * longest / most]))
+        _arrow(axes, ends, MOTION, float(sizes[k] / most))
     gravity = float(np.linalg.norm(verdict.assembly.gravity))
     entries = []
     if len(shown):
-        words = f"first acceleration of the centre, longest {most / gravity:.3g} g"
+        words = f"{KIND.get(verdict.verdict, '')}first acceleration, longest {most / gravity:.3g} g"
         entries.append((_sign(MOTION), words))
     turning = motion.relative[:, 1]
     turns = np.flatnonzero(motion.moves & (turning > 0.1 * float(motion.relative.max())))
@@ -174,15 +181,14 @@ def newtons(force: float) -> str:
 
 def draw_names(axes: Axes, assembly: Assembly, faces: list[tuple[int, Array]]) -> None:
     """Names on the faces that are seen of the parts, as text and nothing else."""
-    from matplotlib.patheffects import withStroke
-
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     style: dict[str, Any] = {"fontsize": 8.5, "color": INK, "ha": "center", "va": "center"}
     for k, place in name_places(faces, len(assembly.parts)).items():
         x, y = np.clip(place, [left, bottom], [right, top])
         text = axes.text(float(x), float(y), label(assembly.names[k]), zorder=6, **style)
         text.set_parse_math(False)
-        text.set_path_effects([withStroke(linewidth=2.4, foreground=(1, 1, 1, 0.85))])
+        # no outline: an outlined text would be a path in an SVG
+        text.set_bbox({"boxstyle": "round,pad=0.12", "facecolor": PLATE, "edgecolor": "none"})
 
 
 def name_places(faces: list[tuple[int, Array]], count: int) -> dict[int, Array]:
@@ -246,7 +252,8 @@ def draw_gravity(axes: Axes, camera: Camera) -> None:
             axes.annotate(name, end, end, **style, **points)
 
 
-def _arrow(axes: Axes, ends: Array, colour: str) -> None:
+def _arrow(axes: Axes, ends: Array, colour: str, share: float) -> None:
+    """An arrow; `share`: its length over that of the longest, for the size of its head."""
     from matplotlib.patches import FancyArrowPatch
     from matplotlib.patheffects import Normal, withStroke
 
@@ -255,7 +262,7 @@ def _arrow(axes: Axes, ends: Array, colour: str) -> None:
             tuple(ends[0]),
             tuple(ends[1]),
             arrowstyle="-|>",
-            mutation_scale=11,
+            mutation_scale=HEAD_SIZE * min(max(share / 0.3, 0.35), 1.0),
             shrinkA=0,
             shrinkB=0,
             linewidth=1.9,
