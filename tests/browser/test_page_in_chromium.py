@@ -249,6 +249,7 @@ def test_section_see_through_contacts_and_force_size_change_the_picture(opened: 
     page.page.select_option("#section-axis", "x")
     for act in (
         lambda: page.slide("section", 0.3),
+        lambda: page.page.select_option("#section-axis", "-x"),
         lambda: page.slide("see-through", 0.6),
         lambda: page.page.click("#show-contacts"),
         lambda: page.slide("force-size", 2),

@@ -45,7 +45,7 @@ function made(positions, index) {
 }
 
 /** An arrow of length 1 along y. */
-const straight = () =>
+export const straight = () =>
   lathe([
     [0, 0],
     [0.035, 0],
@@ -55,7 +55,7 @@ const straight = () =>
   ]);
 
 /** Three quarters of a turn about y, at radius 1, with a head. */
-function round() {
+export function round() {
   const [positions, index] = [[], []];
   const steps = 28;
   const rings = Array.from({ length: steps + 1 }, (_, k) => [(1.5 * Math.PI * k) / steps, 0.045]);
@@ -72,7 +72,7 @@ function round() {
   for (let row = 0; row + 1 < rings.length; row += 1) {
     for (let k = 0; k < 6; k += 1) {
       const [a, b] = [row * 6 + k, row * 6 + ((k + 1) % 6)];
-      index.push(a, b, a + 6, b, b + 6, a + 6);
+      index.push(a, a + 6, b, b, a + 6, b + 6);
     }
   }
   return made(positions, index);

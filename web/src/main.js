@@ -3,14 +3,16 @@
 import { VERDICTS, answer } from "./answer.js";
 import { Ball } from "./ball.js";
 import { themeOf } from "./colours.js";
+import { factsOf } from "./card.js";
 import { distance, isThin, nearest } from "./cone.js";
 import { pageData } from "./data.js";
 import { deepest } from "./map.js";
 import { Names, forceArrows, motionArrows } from "./overlay.js";
+import { keepPlace } from "./place.js";
 import { reachOf } from "./pose.js";
 import { Stage } from "./stage.js";
 import { angleBetween, unit } from "./vector.js";
-import { basis, degrees, direction, marginWords, movingWords, number, short } from "./words.js";
+import { basis, degrees, direction, marginWords, movingWords, number, plainly } from "./words.js";
 
 const SIGNS = {
   stable: "✓",
@@ -55,29 +57,7 @@ class Page {
       this.stage.render();
     }
     this.firstPicture = performance.now();
-    if (location.protocol === "http:") this.keepPlace();
-  }
-
-  /** The direction and the view outlive a page that `kilter view` makes anew. */
-  keepPlace() {
-    const camera = this.stage && this.stage.camera.position;
-    try {
-      const kept = JSON.parse(sessionStorage.getItem("kilter") || "null");
-      if (kept && kept.title === this.page.title) {
-        if (kept.down) this.turn(kept.down, { follow: true });
-        if (kept.camera && camera) {
-          camera.fromArray(kept.camera);
-          this.stage.controls.update();
-        }
-      }
-    } catch {
-      // what was kept cannot be read: the page starts anew
-    }
-    addEventListener("pagehide", () => {
-      const at = angleBetween(this.down, this.page.given.down) ? this.down : null;
-      const place = { title: this.page.title, down: at, camera: camera && camera.toArray() };
-      sessionStorage.setItem("kilter", JSON.stringify(place));
-    });
+    if (location.protocol === "http:") keepPlace(this);
   }
 
   // gravity ---------------------------------------------------------------------------
@@ -179,6 +159,8 @@ class Page {
     const away = angleBetween(this.down, page.given.down);
     id("turned").textContent = away ? `turned by ${degrees(away)}` : "as given";
     const figure = found.instability ?? null;
+    id("figure").title =
+      found.verdict === "undecided" ? "of the frictionless contacts that are modelled" : "";
     id("figure").textContent =
       figure !== null
         ? `κ ${number(figure)}`
@@ -270,11 +252,14 @@ class Page {
     this.names.show(id("show-names").checked ? all.slice(0, 400) : []);
   }
 
+  /** Cut away one side of a plane: that of +x, −x and so on. */
   section() {
-    const axis = "xyz".indexOf(id("section-axis").value);
+    const side = id("section-axis").value;
+    const axis = "xyz".indexOf(side.charAt(side.length - 1) || " ");
+    const sign = side.startsWith("-") ? -1 : 1;
     id("section").disabled = axis < 0;
-    const normal = axis < 0 ? null : [0, 1, 2].map((k) => (k === axis ? 1 : 0));
-    this.stage.parts.section(normal, this.page.radius * Number(id("section").value));
+    const normal = axis < 0 ? null : [0, 1, 2].map((k) => (k === axis ? sign : 0));
+    this.stage.parts.section(normal, sign * this.page.radius * Number(id("section").value));
     this.stage.draw();
   }
 
@@ -350,32 +335,9 @@ class Page {
   }
 
   showPart(k) {
-    const { parts, units, patches, center } = this.page;
-    const { found } = this;
-    id("part-name").textContent = parts.names[k];
-    const touching = new Set();
-    for (let p = 0; p < patches.parts.length; p += 2) {
-      if (patches.parts[p] === k) touching.add(patches.parts[p + 1]);
-      if (patches.parts[p + 1] === k) touching.add(patches.parts[p]);
-    }
-    const at = [0, 1, 2].map((i) => parts.center[3 * k + i] + center[i]);
-    const moves = found.moving && found.moving.includes(k);
-    const rows = [
-      ["mass", `${number(parts.mass[k], 6)} kg`],
-      ["volume", `${number(parts.volume[k], 6)} ${units}³`],
-      ["centre", `${direction(at)} ${units}`],
-      ["touches", [...touching].slice(0, 12).map((j) => short(parts.names[j])).join(", ") || "nothing"],
-      ["state", parts.grounded[k] ? "held" : moves ? "moves" : found.moving ? "stays" : "not known"],
-    ];
-    if (moves && found.words) rows.push(["how", found.words[k]]);
-    else if (moves && found.motion) {
-      const m = found.motion.subarray(6 * k, 6 * k + 6);
-      rows.push(["dr", `${direction([...m.subarray(0, 3)])} ${units}`]);
-      rows.push(["dθ", `${direction([...m.subarray(3, 6)])} rad`]);
-    }
-    if (found.forces) rows.push(["pressed", `${number(pressed(found.forces, k), 4)} N in all`]);
+    id("part-name").textContent = this.page.parts.names[k];
     id("part-facts").replaceChildren(
-      ...rows.flatMap(([term, value]) => {
+      ...factsOf(this.page, this.found, k).flatMap(([term, value]) => {
         const [dt, dd] = [document.createElement("dt"), document.createElement("dd")];
         dt.textContent = term;
         dd.textContent = value;
@@ -458,23 +420,6 @@ class Page {
     this.turn(unit(direction_));
     return { verdict: id("verdict").textContent, margin: this.found.margin, moving: this.found.moving };
   }
-}
-
-/** A sentence without the verdict that it begins with: that stands above it. */
-function plainly(sentence) {
-  const rest = sentence.replace(/^(Potentially stable|Stable|Unstable|Undecided): /, "");
-  return rest.charAt(0).toUpperCase() + rest.slice(1);
-}
-
-/** The sum of the sizes of the forces on a part [N]. */
-function pressed({ parts, forces }, k) {
-  let sum = 0;
-  for (let p = 0; p < parts.length / 2; p += 1) {
-    if (parts[2 * p] === k || parts[2 * p + 1] === k) {
-      sum += Math.hypot(forces[3 * p], forces[3 * p + 1], forces[3 * p + 2]);
-    }
-  }
-  return sum;
 }
 
 const page = pageData(id("data").textContent);

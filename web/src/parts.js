@@ -1,25 +1,43 @@
 // The parts as one mesh with edges, the contact patches on them, and the texture of states.
 
 import {
+  AlwaysStencilFunc,
+  BackSide,
   BufferAttribute,
   BufferGeometry,
   Color,
   DataTexture,
+  DecrementWrapStencilOp,
   DoubleSide,
   FloatType,
   FrontSide,
   GLSL3,
   Group,
+  IncrementWrapStencilOp,
+  KeepStencilOp,
   LineSegments,
   Mesh,
   NearestFilter,
+  NotEqualStencilFunc,
   Points,
   RGBAFormat,
   ShaderMaterial,
+  Vector3,
   Vector4,
 } from "three";
 import { local, posed } from "./pose.js";
-import { TEXELS, edge, face, flatColour, number, spot, spotFace, vertex } from "./shaders.js";
+import {
+  TEXELS,
+  cap,
+  edge,
+  face,
+  flatColour,
+  nothing,
+  number,
+  spot,
+  spotFace,
+  vertex,
+} from "./shaders.js";
 
 const ACROSS = 1024; // texels in a row of the texture
 const FEW = 8; // patches that shine through the parts
@@ -50,8 +68,15 @@ export class Parts {
     this.faces = new Mesh(faces, this.material.face);
     this.edges = new LineSegments(edges, this.material.edge);
     this.patches = patches(page, this.material);
-    this.group.add(this.faces, this.edges, this.patches);
-    for (const child of [this.faces, this.edges, ...this.patches.children]) {
+    this.cut = new Group();
+    ["back", "front", "cap"].forEach((name, k) => {
+      const mesh = new Mesh(faces, this.material[name]);
+      mesh.renderOrder = k - 3; // before all else: the faces behind a cut are then hidden by it
+      this.cut.add(mesh);
+    });
+    this.cut.visible = false;
+    this.group.add(this.faces, this.edges, this.patches, this.cut);
+    for (const child of [this.faces, this.edges, ...this.patches.children, ...this.cut.children]) {
       child.frustumCulled = false; // the texture moves what the bounds do not know of
     }
     for (let k = 0; k < this.count; k += 1) {
@@ -99,6 +124,15 @@ export class Parts {
       rim: make(vertex, flatColour, { ink: colour(), strength: { value: 0.85 } }, over),
       spot: make(spot, spotFace, { ink: colour(), strength: { value: 0.95 } }, over),
       number: make(vertex, number, {}),
+      back: make(vertex, nothing, {}, counting(BackSide, IncrementWrapStencilOp)),
+      front: make(vertex, nothing, {}, counting(FrontSide, DecrementWrapStencilOp)),
+      cap: make(vertex, cap, { eye: { value: new Vector3() } }, {
+        side: BackSide,
+        stencilWrite: true,
+        stencilFunc: NotEqualStencilFunc,
+        stencilRef: 0,
+        stencilZPass: KeepStencilOp,
+      }),
     };
   }
 
@@ -150,7 +184,11 @@ export class Parts {
   /** Cut away what lies beyond a plane, n.x > offset; or nothing. */
   section(normal, offset) {
     this.shared.cutting.value = Boolean(normal);
-    this.material.face.side = normal ? DoubleSide : FrontSide;
+    this.cut.visible = Boolean(normal);
+    this.material.number.side = normal ? DoubleSide : FrontSide;
+    // filled patches would stand for the cut
+    this.material.patch.visible = !normal;
+    this.material.through.visible = !normal;
     if (normal) this.shared.plane.value.set(...normal, offset);
   }
 
@@ -169,6 +207,17 @@ export class Parts {
     for (const name of ["patch", "through", "rim", "spot"]) set(this.material[name].uniforms.ink, "patch");
   }
 }
+
+/** A material that draws nothing and counts its faces in the stencil. */
+const counting = (side, op) => ({
+  side,
+  colorWrite: false,
+  depthTest: false,
+  depthWrite: false,
+  stencilWrite: true,
+  stencilFunc: AlwaysStencilFunc,
+  stencilZPass: op,
+});
 
 /** Faces and edges of all parts, each shape as often as there are parts of it. */
 function merged(page) {

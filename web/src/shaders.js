@@ -61,15 +61,48 @@ void main() {
   vec3 n = normalize(cross(dFdx(seen), dFdy(seen)));
   vec3 base = colour.rgb;
   if (state.y > 0.5) base = mix(base, hatch, 0.6 * stripes(9.0));
-  if (!gl_FrontFacing) {
-    result = vec4(mix(base * 0.62, base, stripes(6.0)), opacity);
-    return;
-  }
   float key = max(dot(n, normalize(vec3(-0.35, 0.75, 0.55))), 0.0);
   float fill = max(dot(n, normalize(vec3(0.8, 0.1, 0.5))), 0.0);
   vec3 lit = min(base * (0.68 + 0.36 * key + 0.14 * fill), vec3(1.0));
   if (mod(state.z, 2.0) > 0.5) lit = mix(lit, vec3(1.0, 0.86, 0.0), 0.25 + 0.6 * stripes(7.0));
   result = vec4(lit, opacity);
+}
+`;
+
+/**
+ * The cut itself. Where the line of sight is inside a part at the plane (counted in the stencil:
+ * one more back face than front faces beyond it), the nearest back face is that part's; it is
+ * drawn half way between the plane and itself, before all that lies beyond and nearest first.
+ */
+export const cap = `precision highp float;
+${CUT}
+uniform highp mat4 projectionMatrix;
+uniform highp mat4 modelViewMatrix;
+uniform vec3 eye;
+uniform float dense;
+flat in vec4 colour;
+flat in vec4 state;
+in vec3 seen;
+out vec4 result;
+void main() {
+  if (cutAway()) discard;
+  vec3 ray = root - eye;
+  float t = (plane.w - dot(plane.xyz, eye)) / dot(plane.xyz, ray);
+  vec4 at = projectionMatrix * modelViewMatrix * vec4(eye + t * ray, 1.0);
+  float depth = 0.5 + 0.5 * at.z / at.w;
+  gl_FragDepth = mix(depth, gl_FragCoord.z, 0.5);
+  float stripe = smoothstep(0.36, 0.42, abs(fract((gl_FragCoord.x - gl_FragCoord.y) / (8.0 * dense)) - 0.5));
+  result = vec4(colour.rgb * mix(0.92, 0.66, stripe), 1.0);
+}
+`;
+
+/** Nothing is drawn: for counting in the stencil. */
+export const nothing = `precision highp float;
+${CUT}
+out vec4 result;
+void main() {
+  if (cutAway()) discard;
+  result = vec4(0.0);
 }
 `;
 

@@ -30,7 +30,7 @@ export class Stage {
   constructor(canvas, page) {
     this.canvas = canvas;
     this.page = page;
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, stencil: true });
     this.renderer.outputColorSpace = LinearSRGBColorSpace;
     this.renderer.setClearColor(new Color(0), 0);
     this.camera = new PerspectiveCamera(30, 1, page.radius / 50, page.radius * 60);
@@ -129,11 +129,10 @@ export class Stage {
     const [width, height] = this.size;
     const dense = renderer.getPixelRatio();
     camera.setViewOffset(width * dense, height * dense, x * dense, y * dense, 1, 1);
-    const hidden = [parts.edges, parts.patches];
+    const hidden = [parts.edges, parts.patches, parts.cut];
     const were = hidden.map((one) => one.visible);
     hidden.forEach((one) => (one.visible = false));
     parts.faces.material = parts.material.number;
-    parts.material.number.side = parts.material.face.side;
     renderer.setRenderTarget(this.numbers);
     renderer.clear();
     renderer.render(this.scene, camera);
@@ -200,6 +199,8 @@ export class Stage {
     if (!this.size) return;
     this.scene.updateMatrixWorld();
     this.overRoot.quaternion.copy(this.root.quaternion);
+    const { eye } = this.parts.material.cap.uniforms;
+    this.root.worldToLocal(eye.value.copy(this.camera.position));
     this.renderer.clear();
     this.renderer.render(this.scene, this.camera);
     this.renderer.clearDepth();

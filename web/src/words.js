@@ -19,7 +19,11 @@ export const direction = (u, digits = 4) =>
 export function marginWords(page, found) {
   const { region } = page;
   if (!region) return "no stable region is known for this assembly";
-  if (region.kind === "none") return "no direction of gravity is stable";
+  if (region.kind === "none") {
+    return region.exact
+      ? "no direction of gravity is stable"
+      : "no direction of gravity is held by the frictionless contacts alone; further forces might";
+  }
   if (found.margin === null || found.margin === undefined) {
     if (found.away === undefined || found.away === null) return "";
     if (!found.away) return "on the edge of the region that surely holds";
@@ -70,4 +74,10 @@ export function basis(page, found) {
   if (found.motion) return `${cone} Motion: displacement of LP (9), from the stability map.`;
   if (found.forces) return `${cone} Forces: those of the cone's rays, mixed as the direction is.`;
   return cone;
+}
+
+/** A sentence without the verdict that it begins with, where that stands above it. */
+export function plainly(sentence) {
+  const rest = sentence.replace(/^(Potentially stable|Stable|Unstable|Undecided): /, "");
+  return rest.charAt(0).toUpperCase() + rest.slice(1);
 }

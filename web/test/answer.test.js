@@ -152,6 +152,14 @@ test("words for one part that moves, and for motions that further forces may hol
   assert.equal(movingWords(page(), { verdict: "stable", moving: [] }), "no part moves");
 });
 
+test("that no direction holds is said of all forces only where it is known of all", () => {
+  const region = { ...cones.none, exact: true, inside: "stable", outside: "unstable" };
+  const found = answer(page({ region }), [1, 0, 0]);
+  assert.equal(marginWords(page({ region }), found), "no direction of gravity is stable");
+  const open = { ...region, exact: false, outside: "undecided" };
+  assert.match(marginWords(page({ region: open }), found), /further forces might/);
+});
+
 test("words: angles, directions and names", () => {
   assert.equal(degrees(0), "0°");
   assert.equal(degrees(Math.PI / 4), "45.0°");

@@ -1,0 +1,52 @@
+// The numbers of one part, for the direction of gravity that is shown.
+
+import { direction, number, short } from "./words.js";
+
+const LISTED = 12; // parts that it touches
+
+/** Terms and their values, as text. */
+export function factsOf(page, found, k) {
+  const { parts, units, center } = page;
+  const at = [0, 1, 2].map((i) => parts.center[3 * k + i] + center[i]);
+  const moves = Boolean(found.moving && found.moving.includes(k));
+  const state = moves ? "moves" : found.moving ? "stays" : "not known";
+  const near = touching(page.patches.parts, k);
+  const names = near.slice(0, LISTED).map((j) => short(parts.names[j]));
+  if (near.length > LISTED) names.push(`${near.length - LISTED} more`);
+  const rows = [
+    ["mass", `${number(parts.mass[k], 6)} kg`],
+    ["volume", `${number(parts.volume[k], 6)} ${units}³`],
+    ["centre", `${direction(at)} ${units}`],
+    ["touches", names.join(", ") || "nothing"],
+    ["state", parts.grounded[k] ? "held" : state],
+  ];
+  if (moves && found.words) rows.push(["how", found.words[k]]);
+  else if (moves && found.motion) {
+    const m = found.motion.subarray(6 * k, 6 * k + 6);
+    rows.push(["dr", `${direction([...m.subarray(0, 3)])} ${units}`]);
+    rows.push(["dθ", `${direction([...m.subarray(3, 6)])} rad`]);
+  }
+  if (found.forces) rows.push(["pressed", `${number(pressed(found.forces, k), 4)} N in all`]);
+  return rows;
+}
+
+/** The parts that a part has patches with. */
+export function touching(pairs, k) {
+  const found = new Set();
+  for (let p = 0; p < pairs.length; p += 2) {
+    if (pairs[p] === k) found.add(pairs[p + 1]);
+    if (pairs[p + 1] === k) found.add(pairs[p]);
+  }
+  return [...found];
+}
+
+/** The sum of the sizes of the forces on a part [N]. */
+export function pressed({ parts, forces }, k) {
+  let sum = 0;
+  for (let p = 0; p < parts.length / 2; p += 1) {
+    if (parts[2 * p] === k || parts[2 * p + 1] === k) {
+      sum += Math.hypot(forces[3 * p], forces[3 * p + 1], forces[3 * p + 2]);
+    }
+  }
+  return sum;
+}
