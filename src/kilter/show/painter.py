@@ -1,8 +1,9 @@
 """Polygons in the order in which a painter lays them on: what is behind comes first.
 
 A binary space partition orders polygons without error where they do not cross each other, and
-cuts those that another one's plane passes through. Above `EXACT` polygons their order is that
-of their middles, which is right for small and wrong for large neighbours.
+cuts those that another one's plane passes through. The largest polygons part the others first;
+once `WORK` is done, what is left in one place is ordered by its middles, which is right for
+small polygons, and those are what is left.
 
 References
 ----------
@@ -22,8 +23,10 @@ __all__ = ["Camera", "Polygon", "back_to_front", "visible_triangles"]
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-EXACT = 3000
-"""Polygons up to which the order is exact."""
+WORK = 400_000
+"""Looks at a polygon after which the order is no longer exact: some thousand polygons."""
+MANY = 200
+"""Polygons above which the largest are tried as planes, and not some from all over."""
 THICK = 1e-6
 """Corners closer than this to a plane lie in it [size of the scene]."""
 TRIED = 5
@@ -103,9 +106,7 @@ def back_to_front(polygons: list[Polygon], camera: Camera) -> list[Polygon]:
         return []
     points = np.concatenate([p.corners for p in facing])
     thick = THICK * max(float(np.ptp(points, axis=0).max()), 1e-300)
-    if len(facing) > EXACT:
-        depth = [float((p.corners @ camera.towards).mean()) for p in facing]
-        return [facing[k] for k in np.argsort(depth, kind="stable")]
+    facing.sort(key=lambda p: -_area(p))
     return _ordered(facing, camera.towards, thick)
 
 
@@ -113,10 +114,15 @@ def _ordered(polygons: list[Polygon], towards: Array, thick: float) -> list[Poly
     """By partition, without recursion: a stack of sets that are yet to be laid on."""
     result: list[Polygon] = []
     waiting: list[tuple[list[Polygon], bool]] = [(polygons, False)]
+    work = 0
     while waiting:
         group, done = waiting.pop()
         if done or len(group) == 1:
             result += group
+            continue
+        work += len(group)
+        if work > WORK:
+            result += sorted(group, key=lambda p: float(p.corners.mean(axis=0) @ towards))
             continue
         behind, within, front = _parted(group, thick)
         # every polygon faces the eye, so the eye is in front of every plane
@@ -134,7 +140,8 @@ def _parted(
     starts = np.concatenate([[0], np.cumsum(sizes)[:-1]])
     points = np.concatenate([p.corners for p in group])
     best: tuple[float, Array, Array, Array] | None = None
-    for k in np.unique(np.linspace(0, len(group) - 1, TRIED).astype(int)):
+    last = TRIED - 1 if len(group) > MANY else len(group) - 1
+    for k in np.unique(np.linspace(0, last, TRIED).astype(int)):
         plane = group[k]
         height = (points - plane.corners[0]) @ plane.normal
         low, high = np.minimum.reduceat(height, starts), np.maximum.reduceat(height, starts)
@@ -160,6 +167,12 @@ def _parted(
             behind.append(_half(polygon, -own))
             front.append(_half(polygon, own))
     return behind, within, front
+
+
+def _area(polygon: Polygon) -> float:
+    around = polygon.corners - polygon.corners[0]
+    crossed = np.cross(around[1:-1], around[2:]).sum(axis=0)
+    return float(np.linalg.norm(crossed)) / 2
 
 
 def _half(polygon: Polygon, height: Array) -> Polygon:
