@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from kilter.rigid import Pose
     from kilter.scenes import scene
     from kilter.shapes import Box, Cylinder, Mesh, Prism, Sphere
+    from kilter.show.figures import draw_assembly, draw_region
 
 __version__ = "0.1.0"
 
@@ -52,6 +53,8 @@ _HOMES = {
     "Verdict": "kilter.analysis.check",
     "check": "kilter.analysis.check",
     "common_region": "kilter.analysis.region",
+    "draw_assembly": "kilter.show.figures",
+    "draw_region": "kilter.show.figures",
     "dump": "kilter.files",
     "find_contacts": "kilter.contact",
     "find_region": "kilter.analysis.region",
@@ -84,6 +87,8 @@ __all__ = [
     "Verdict",
     "check",
     "common_region",
+    "draw_assembly",
+    "draw_region",
     "dump",
     "find_contacts",
     "find_region",

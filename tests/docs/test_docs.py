@@ -20,7 +20,10 @@ def blocks(page: Path, language: str) -> list[str]:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
-def test_python_of_a_page_runs(page: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_python_of_a_page_runs(
+    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
     for block in blocks(page, "python"):
         exec(compile(block, str(page), "exec"), {})
 
@@ -45,15 +48,84 @@ def named_commands(line: str) -> list[list[str]]:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
-def test_shell_of_a_page_runs(
+def test_shell_of_a_page_runs_and_says_what_is_shown(
     page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    """Commands run in the order of the page; what a page shows of an answer is its beginning."""
     monkeypatch.chdir(tmp_path)
-    for block in blocks(page, "sh"):
-        for line in block.splitlines():
+    text = page.read_text(encoding="utf-8")
+    for kind, block in re.findall(r"```(sh|text)\n(.*?)```", text, flags=re.S):
+        first, *shown = block.rstrip().splitlines()
+        if kind == "text" and page.name != "README.md" and first.startswith("$ kilter "):
+            capsys.readouterr()
+            main(shlex.split(first)[2:])
+            assert capsys.readouterr().out.splitlines()[: len(shown)] == shown, first
+        for line in block.splitlines() if kind == "sh" else []:
             if line.startswith("kilter "):
                 # every answer is one; wrong usage and faults are not
                 assert main(shlex.split(line)[1:]) in (0, 1, 3, 4), capsys.readouterr().err
+
+
+SERVES = {"view"}
+"""Commands that do not end by themselves; `tests/show` runs them."""
+
+
+@pytest.fixture
+def assemblies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """What the README's list of commands is about: a wall, and a folder of meshes."""
+    from kilter.files import to_text
+    from kilter.scenes import scene
+
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "wall.kilter.json").write_text(to_text(scene("wall")), encoding="utf-8")
+    (tmp_path / "parts").mkdir()
+    for name, height in (("base", 0.0), ("block", 1.0)):
+        corners = [(x, y, height + z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+        faces = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
+        lines = [f"v {x} {y} {z}" for x, y, z in corners]
+        lines += ["f " + " ".join(map(str, face)) for face in faces]
+        (tmp_path / "parts" / f"{name}.obj").write_text("\n".join(lines), encoding="utf-8")
+    return tmp_path
+
+
+def test_every_command_that_the_readme_lists_runs(
+    assemblies: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    listed = [
+        line
+        for block in blocks(ROOT / "README.md", "text")
+        for line in block.splitlines()
+        if line.startswith("kilter ")
+    ]
+    assert len(listed) > 5
+    for line in listed:
+        [words] = named_commands(line)
+        if words[0] in SERVES:
+            continue
+        code = main(words)
+        assert code in (0, 1, 3), f"{line}: {capsys.readouterr().err}"
+
+
+def test_a_page_that_names_a_missing_flag_fails(tmp_path: Path) -> None:
+    page = tmp_path / "new.md"
+    for line in ("kilter draw FILE --colour red", "see `kilter draw FILE --colour red`"):
+        page.write_text(line + "\n", encoding="utf-8")
+        with pytest.raises(AssertionError, match="--colour"):
+            test_commands_of_a_page_exist_with_their_flags(page)
+    page.write_text("kilter paint FILE\n", encoding="utf-8")
+    with pytest.raises(AssertionError, match="no command 'paint'"):
+        test_commands_of_a_page_exist_with_their_flags(page)
+
+
+def test_every_page_is_in_the_site() -> None:
+    nav = re.findall(r"([\w/-]+\.md)", (ROOT / "mkdocs.yml").read_text(encoding="utf-8"))
+    docs = ROOT / "docs"
+    assert sorted(nav) == sorted(p.relative_to(docs).as_posix() for p in docs.rglob("*.md"))
+
+
+def test_a_picture_of_a_page_is_small() -> None:
+    for path in (ROOT / "docs" / "images").iterdir():
+        assert path.stat().st_size < 150_000, path.name
 
 
 def test_links_between_pages_lead_somewhere() -> None:

@@ -235,6 +235,12 @@ class Verdict:
 
         return check_answer(self)
 
+    def _repr_html_(self) -> str:
+        """What a notebook shows."""
+        from kilter.analysis.notebook import verdict_html
+
+        return verdict_html(self)
+
     def __str__(self) -> str:
         return self.sentence
 

@@ -110,6 +110,12 @@ class Orientation:
         """The answer as JSON data."""
         return orient_answer(self)
 
+    def _repr_html_(self) -> str:
+        """What a notebook shows."""
+        from kilter.analysis.notebook import orientation_html
+
+        return orientation_html(self)
+
     def __str__(self) -> str:
         return self.sentence
 

@@ -177,6 +177,12 @@ class Region:
         """The answer as JSON data."""
         return region_answer(self)
 
+    def _repr_html_(self) -> str:
+        """What a notebook shows."""
+        from kilter.analysis.notebook import region_html
+
+        return region_html(self)
+
     def __str__(self) -> str:
         half = self.cone.half_angle_deg
         width = "" if half is None else f", half angle {half:.6g} deg"

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
+from kilter.cli.draw import draw
 from kilter.cli.margins import margin
 from kilter.cli.options import (
     Angle,
@@ -213,6 +214,7 @@ app.command()(region)
 app.command()(margin)
 app.command()(report)
 app.command()(view)
+app.command()(draw)
 
 
 @app.command()

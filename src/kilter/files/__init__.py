@@ -7,6 +7,15 @@ kilter's own JSON. Every fault of a file is one `InputError` that names file and
 
 from kilter.files.kilter_json import from_dict, schema, to_dict
 from kilter.files.reading import load
-from kilter.files.writing import dump, to_text, write_text
+from kilter.files.writing import dump, to_text, write_bytes, write_text
 
-__all__ = ["dump", "from_dict", "load", "schema", "to_dict", "to_text", "write_text"]
+__all__ = [
+    "dump",
+    "from_dict",
+    "load",
+    "schema",
+    "to_dict",
+    "to_text",
+    "write_bytes",
+    "write_text",
+]

@@ -13,7 +13,7 @@ from kilter.assembly import Assembly
 from kilter.errors import InputError
 from kilter.files.kilter_json import to_dict
 
-__all__ = ["dump", "to_text", "write_text"]
+__all__ = ["dump", "to_text", "write_bytes", "write_text"]
 
 
 def dump(assembly: Assembly, path: str | Path) -> None:
@@ -59,15 +59,28 @@ def write_text(path: str | Path, text: str) -> None:
     InputError
         If the file cannot be written.
     """
-    target = Path(os.path.realpath(path))  # a link stays a link to the new file
     try:
-        _replace(target, text.encode("utf-8"))
+        data = text.encode("utf-8")
     except UnicodeEncodeError as error:
         raise InputError(
             f"cannot be written: {error}"[:120],
             file=str(path),
             hint="give names of valid characters",
         ) from None
+    write_bytes(path, data)
+
+
+def write_bytes(path: str | Path, data: bytes) -> None:
+    """A file written in full or not at all.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    target = Path(os.path.realpath(path))  # a link stays a link to the new file
+    try:
+        _replace(target, data)
     except OSError as error:
         raise InputError(
             f"cannot be written: {error.strerror or error}",

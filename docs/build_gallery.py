@@ -1,0 +1,60 @@
+"""A hook of mkdocs: the gallery, made from the library of scenes each time the site is built.
+
+Nothing it makes is kept in the repository. ``KILTER_GALLERY=3`` builds the first three scenes
+only, for a quick look.
+"""
+
+from __future__ import annotations
+
+import html
+import os
+from typing import Any
+
+PAGE = "gallery.md"
+BUDGET = 2.0
+"""Seconds for what friction guarantees, a scene; what is open then says so."""
+WORDS = {
+    "stable": "Stable",
+    "potentially-stable": "Potentially stable",
+    "unstable": "Unstable",
+    "undecided": "Undecided",
+}
+
+
+def chosen() -> list[Any]:
+    """The scenes of the gallery, in the order of the library."""
+    from kilter.scenes import SCENES
+
+    limit = os.environ.get("KILTER_GALLERY")
+    return list(SCENES.values())[: int(limit) if limit else None]
+
+
+def drawn(scene: Any) -> tuple[bytes, str]:
+    """The picture of a scene, and what to say of it."""
+    import kilter
+    from kilter.show.canvas import rendered
+
+    verdict = kilter.check(scene.build(), budget=BUDGET)
+    picture = rendered(kilter.draw_assembly(verdict), ".png")
+    entry = (
+        f"\n## {scene.name}\n\n"
+        f"{html.escape(scene.title)} ({html.escape(scene.source)}).\n\n"
+        f"**{WORDS[verdict.verdict]}.** {html.escape(verdict.summary)}\n\n"
+        f"![{scene.name}: {WORDS[verdict.verdict]}](gallery/{scene.name}.png){{ loading=lazy }}\n"
+    )
+    return picture, entry
+
+
+def on_files(files: Any, *, config: Any) -> Any:
+    """Add the pictures, and the page with them in place of the one that only introduces it."""
+    from mkdocs.structure.files import File
+
+    page = files.get_file_from_path(PAGE)
+    parts = [page.content_string]
+    for scene in chosen():
+        picture, entry = drawn(scene)
+        files.append(File.generated(config, f"gallery/{scene.name}.png", content=picture))
+        parts.append(entry)
+    files.remove(page)
+    files.append(File.generated(config, PAGE, content="".join(parts)))
+    return files

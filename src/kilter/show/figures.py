@@ -1,0 +1,129 @@
+"""Figures of answers: the assembly with its motion or forces, the stable region on the sphere.
+
+Each function takes an answer and gives a matplotlib figure, which a notebook shows by itself.
+All that is drawn stands in the answer; gravity points down on the page.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.rigid import quaternion_to_matrix, rotation_between
+from kilter.show.canvas import blank, legend, title
+from kilter.show.overlay import draw_forces, draw_gravity, draw_motion, draw_names, draw_patches
+from kilter.show.painter import Camera
+from kilter.show.solids import draw_parts
+from kilter.show.sphere import draw_region
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from kilter.analysis.check import Verdict
+    from kilter.assembly import Assembly
+
+__all__ = ["VIEW", "draw_assembly", "draw_region"]
+
+Array = NDArray[np.float64]
+
+VIEW = (-32.0, 22.0)
+"""Azimuth and elevation of the eye [deg]."""
+FRONT = (0.0, 0.0)
+"""Of planar assemblies: x to the right, z up."""
+WIDTH, HEIGHT = 7.0, 5.6
+"""Of the figure [inch]."""
+SPACE = (0.89, 0.76)
+"""Width and height of the picture in the figure [size of the figure]."""
+MARGIN = 0.06
+"""Around the assembly [size of the picture]."""
+HELD_IN_VIEW = 0.35
+"""Held parts are shown this much farther than the free ones reach [size of the free ones]."""
+ARROW = 0.24
+"""Length of the longest arrow, and of the farthest ghost [size of the picture]."""
+NAMED = 14
+"""Parts up to which names are written."""
+PATCHES = 30
+"""Patches up to which contacts are drawn."""
+
+
+def draw_assembly(
+    verdict: Verdict,
+    *,
+    view: tuple[float, float] | None = None,
+    names: bool | None = None,
+    contacts: bool | None = None,
+) -> Figure:
+    """The parts, and how they start to move, or the contact forces that balance them.
+
+    Parameters
+    ----------
+    verdict : Verdict
+        What `kilter.check` found.
+    view : (float, float), optional
+        Azimuth (to the right of -y) and elevation of the eye [deg], with gravity down.
+    names : bool, optional
+        Write names; where not given, for up to `NAMED` parts.
+    contacts : bool, optional
+        Show contact patches; where not given, for up to `PATCHES`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    InputError
+        If matplotlib is not installed.
+    """
+    assembly = verdict.assembly
+    names = len(assembly.parts) <= NAMED if names is None else names
+    contacts = len(verdict.contacts) <= PATCHES if contacts is None else contacts
+    figure = blank(WIDTH, HEIGHT)
+    axes = figure.add_axes((0.09, 0.11, *SPACE))
+    axes.set_axis_off()
+    camera = _camera(assembly, view)
+    low, high = _limits(assembly, camera, figure)
+    size = float((high - low).max())
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+    entries, faces = draw_parts(axes, assembly, camera, size)
+    if contacts:
+        entries += draw_patches(axes, verdict, camera)
+    if verdict.moving:
+        entries += draw_motion(axes, verdict, camera, ARROW * size)
+    elif verdict.forces is not None:
+        radius = assembly.geometry.radius[verdict.program.free]
+        longest = min(ARROW * size, 2 * float(radius.max(initial=0.0)) or ARROW * size)
+        entries += draw_forces(axes, verdict, camera, longest)
+    if names:
+        draw_names(axes, assembly, faces)
+    draw_gravity(axes, camera)
+    title(figure, verdict.sentence, verdict.verdict)
+    legend(figure, entries)
+    return figure
+
+
+def _camera(assembly: Assembly, view: tuple[float, float] | None) -> Camera:
+    """The eye; the assembly is turned so that gravity points down on the page."""
+    azimuth, elevation = view or (FRONT if assembly.planar else VIEW)
+    turn = quaternion_to_matrix(rotation_between(assembly.down, [0.0, 0.0, -1.0]))
+    if np.allclose(assembly.down[:2], 0.0) and assembly.down[2] > 0:
+        turn = np.diag([-1.0, 1.0, -1.0])  # upside down: about the axis of sight
+    return Camera.at(azimuth, elevation, turn)
+
+
+def _limits(assembly: Assembly, camera: Camera, figure: Figure) -> tuple[Array, Array]:
+    """Corners of the picture on the page: the free parts, and what is near of the held ones."""
+    geometry = assembly.geometry
+    flat = camera.flat(geometry.vertices)
+    free = ~geometry.grounded[geometry.vertex_part]
+    wanted = flat[free] if free.any() else flat
+    low, high = wanted.min(axis=0), wanted.max(axis=0)
+    reach = HELD_IN_VIEW * float((high - low).max())
+    low = np.maximum(flat.min(axis=0), low - reach)
+    high = np.minimum(flat.max(axis=0), high + reach)
+    middle, half = (low + high) / 2, (high - low) / 2 * (1 + 2 * MARGIN)
+    shape = np.array(SPACE) * figure.get_size_inches()
+    half = shape * max(float((half / shape).max()), 1e-300)
+    return middle - half, middle + half

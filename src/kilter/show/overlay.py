@@ -1,0 +1,307 @@
+"""What lies over the parts: contact patches, arrows of motion and of forces, names, gravity.
+
+Arrows are in proportion to each other; the legend says how much the longest is.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.rigid import quaternion_to_matrix
+from kilter.show.canvas import INK, label
+from kilter.show.painter import Camera
+from kilter.show.shapes import placed
+from kilter.units import metres_per_unit
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from kilter.analysis.check import Verdict
+    from kilter.assembly import Assembly
+
+__all__ = ["draw_forces", "draw_gravity", "draw_motion", "draw_names", "draw_patches"]
+
+Array = NDArray[np.float64]
+
+MOTION, FORCE, PATCH, GRAVITY = "#C2410C", "#1D4ED8", "#0F766E", "#374151"
+PATCH_FILL = (0.06, 0.46, 0.43, 0.15)
+PATCH_EDGE = (0.06, 0.46, 0.43, 0.7)
+SHOWN = 0.02
+"""Arrows shorter than this part of the longest are left out [-]."""
+ARROWS = 400
+"""The longest arrows that are drawn."""
+GHOSTS = 60
+"""Moving parts up to which it is shown where they go."""
+ARC = np.linspace(0.0, 1.5 * np.pi, 40)
+"""Angles of the arrow of a rotation [rad]."""
+GRAVITY_AT = (0.052, 0.80)
+"""Where the arrow of gravity begins [size of the figure]."""
+FRAME_AT, FRAME = (30.0, 42.0), 24.0
+"""Where the axes of the frame meet, and their length [pt]."""
+PALE = "#6B7280"
+PLATE = (1.0, 1.0, 1.0, 0.68)
+"""Behind a name."""
+HEAD = "-|>,head_width={},head_length={}"
+CANDIDATES = 12
+"""Faces of a part that are looked at for its name."""
+HEAD_SIZE = 11.0
+"""Of an arrow [pt]; smaller for short ones."""
+KIND = {"potentially-stable": "a possible ", "undecided": "by modelled contacts alone: "}
+"""What the motion of a verdict is that does not say "it moves so"."""
+HALO = 2.6
+"""White around an arrow [pt]."""
+
+
+def draw_patches(axes: Axes, verdict: Verdict, camera: Camera) -> list[tuple[Any, str]]:
+    """Where parts touch, seen through them."""
+    from matplotlib.collections import PolyCollection
+    from matplotlib.patches import Patch
+
+    contacts = verdict.contacts
+    flat, starts = camera.flat(contacts.points), contacts.patch_start
+    outlines = [_around(flat[a:b]) for a, b in pairwise(starts.tolist()) if b > a + 1]
+    if not outlines:
+        return []
+    style: dict[str, Any] = {"facecolor": PATCH_FILL, "edgecolor": PATCH_EDGE, "linewidth": 0.9}
+    axes.add_collection(PolyCollection(outlines, zorder=2, **style))
+    count = len(contacts)
+    return [(Patch(**style), f"{count} contact patch{'es' if count > 1 else ''}")]
+
+
+def _around(flat: Array) -> Array:
+    """Corners of a convex patch, in order around it on the page."""
+    apart = flat - flat.mean(axis=0)
+    return flat[np.argsort(np.arctan2(apart[:, 1], apart[:, 0]), kind="stable")]
+
+
+def draw_motion(
+    axes: Axes, verdict: Verdict, camera: Camera, longest: float
+) -> list[tuple[Any, str]]:
+    """Arrows of the first accelerations; outlines of where they lead, much enlarged."""
+    motion, geometry = verdict.motion, verdict.assembly.geometry
+    linear = motion.acceleration[:, :3]
+    sizes = np.linalg.norm(linear, axis=1)
+    most = float(sizes.max())
+    shown = np.flatnonzero(motion.moves & (sizes > SHOWN * most))
+    for k in shown[np.argsort(-sizes[shown], kind="stable")][:ARROWS]:
+        start = geometry.center[k]
+        ends = camera.flat(np.array([start, start + linear[k] * longest / most]))
+        _arrow(axes, ends, MOTION, float(sizes[k] / most))
+    gravity = float(np.linalg.norm(verdict.assembly.gravity))
+    entries = []
+    if len(shown):
+        words = f"{KIND.get(verdict.verdict, '')}first acceleration, longest {most / gravity:.3g} g"
+        entries.append((_sign(MOTION), words))
+    turning = motion.relative[:, 1]
+    turns = np.flatnonzero(motion.moves & (turning > 0.1 * float(motion.relative.max())))
+    for k in turns[np.argsort(-turning[turns], kind="stable")][:ARROWS]:
+        _turn(axes, camera, geometry.center[k], motion.acceleration[k, 3:], geometry.radius[k])
+    if len(turns):
+        fastest = float(np.linalg.norm(motion.acceleration[turns, 3:], axis=1).max())
+        entries.append((_sign(MOTION, "dotted"), f"it turns, fastest {fastest:.3g} rad/s²"))
+    return entries + _ghosts(axes, verdict, camera, 0.6 * longest)
+
+
+def _ghosts(axes: Axes, verdict: Verdict, camera: Camera, farthest: float) -> list[tuple[Any, str]]:
+    """Edges of the moving parts, moved along their first accelerations."""
+    from matplotlib.collections import LineCollection
+    from matplotlib.lines import Line2D
+
+    motion, assembly = verdict.motion, verdict.assembly
+    moving = np.flatnonzero(motion.moves)
+    if len(moving) > GHOSTS:
+        return []
+    places, center = placed(assembly), assembly.geometry.center
+    matrices = quaternion_to_matrix(places.rotation)
+    unit = metres_per_unit(assembly.units)
+    edges, paths = [], []
+    for k in moving:
+        shape = places.shapes[places.shape[k]]
+        corners = shape.positions.astype(np.float64) @ matrices[k].T + places.position[k]
+        angular = motion.acceleration[k, 3:] * unit
+        path = motion.acceleration[k, :3] + np.cross(angular, corners - center[k])
+        edges.append(corners[shape.edges])
+        paths.append(path[shape.edges])
+    start, path = np.concatenate(edges), np.concatenate(paths)
+    most = float(np.linalg.norm(path, axis=-1).max())
+    lines = camera.flat(start + path * farthest / most)
+    style: dict[str, Any] = {"linewidths": 0.9, "linestyles": (0, (4, 2.4)), "alpha": 0.75}
+    axes.add_collection(LineCollection(list(lines), colors=MOTION, zorder=3, **style))
+    sign = Line2D([], [], color=MOTION, linewidth=0.9, linestyle=(0, (4, 2.4)), alpha=0.75)
+    return [(sign, "where that leads, enlarged")]
+
+
+def draw_forces(
+    axes: Axes, verdict: Verdict, camera: Camera, longest: float
+) -> list[tuple[Any, str]]:
+    """Resultants of the patches, as lines through the points where they press."""
+    from matplotlib.collections import LineCollection
+    from matplotlib.lines import Line2D
+
+    forces = verdict.forces
+    if forces is None:
+        return []
+    sizes = np.linalg.norm(forces.resultant, axis=1)
+    most = float(sizes.max(initial=0.0))
+    shown = np.isfinite(forces.center).all(axis=1) & (sizes > SHOWN * most)
+    if not shown.any():
+        return []
+    half = forces.resultant[shown] / most * longest / 2
+    middle = forces.center[shown]
+    order = np.argsort(-sizes[shown], kind="stable")[:ARROWS]
+    lines = list(camera.flat(np.stack([middle - half, middle + half], axis=1)[order]))
+    style: dict[str, Any] = {"capstyle": "round"}
+    halo = LineCollection(lines, colors="white", linewidths=1.9 + HALO, zorder=4, **style)
+    axes.add_collection(halo)
+    axes.add_collection(LineCollection(lines, colors=FORCE, linewidths=1.9, zorder=5, **style))
+    dot: dict[str, Any] = {"marker": "o", "markersize": 5.2, "markeredgecolor": "white"}
+    x, y = camera.flat(middle[order]).T
+    axes.plot(x, y, linestyle="none", color=FORCE, zorder=5, **dot)
+    words = f"contact force, one possible set: greatest {newtons(most)}"
+    return [(Line2D([], [], color=FORCE, linewidth=1.9, **dot), words)]
+
+
+def newtons(force: float) -> str:
+    """A force with a unit that suits its size.
+
+    Examples
+    --------
+    >>> newtons(9.81), newtons(246_000), newtons(0.00123)
+    ('9.81 N', '246 kN', '1.23 mN')
+    """
+    for size, unit in ((1e6, "MN"), (1e3, "kN"), (1.0, "N"), (1e-3, "mN")):
+        if force >= size:
+            return f"{force / size:.3g} {unit}"
+    return f"{force:.3g} N"
+
+
+def draw_names(axes: Axes, assembly: Assembly, faces: list[tuple[int, Array]]) -> None:
+    """Names on the faces that are seen of the parts, as text and nothing else."""
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    style: dict[str, Any] = {"fontsize": 8.5, "color": INK, "ha": "center", "va": "center"}
+    for k, place in name_places(faces, len(assembly.parts)).items():
+        x, y = np.clip(place, [left, bottom], [right, top])
+        text = axes.text(float(x), float(y), label(assembly.names[k]), zorder=6, **style)
+        text.set_parse_math(False)
+        # no outline: an outlined text would be a path in an SVG
+        text.set_bbox({"boxstyle": "round,pad=0.12", "facecolor": PLATE, "edgecolor": "none"})
+
+
+def name_places(faces: list[tuple[int, Array]], count: int) -> dict[int, Array]:
+    """The middle of the largest face of each part whose middle nothing hides; none if all are.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
+    >>> name_places([(0, 2 * square), (0, square + 5), (1, 2 * square)], 2)
+    {0: array([5.5, 5.5]), 1: array([1., 1.])}
+    """
+    if not faces:
+        return {}
+    part = np.array([k for k, _ in faces])
+    middle = np.array([corners.mean(axis=0) for _, corners in faces])
+    area = np.array([abs(_area(corners)) for _, corners in faces])
+    low = np.array([corners.min(axis=0) for _, corners in faces])
+    high = np.array([corners.max(axis=0) for _, corners in faces])
+    places = {}
+    for k in range(count):
+        own = np.flatnonzero(part == k)
+        own = own[np.argsort(-area[own], kind="stable")][:CANDIDATES]
+        for face in own:
+            near = (low[face + 1 :] < middle[face]) & (high[face + 1 :] > middle[face])
+            over = face + 1 + np.flatnonzero(near.all(axis=1))
+            if not any(_within(middle[face], faces[j][1]) for j in over):
+                places[k] = middle[face]
+                break
+    return places
+
+
+def _area(corners: Array) -> float:
+    x, y = corners.T
+    return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
+
+
+def _within(point: Array, corners: Array) -> bool:
+    side = np.roll(corners, -1, axis=0) - corners
+    to = point - corners
+    turn = side[:, 0] * to[:, 1] - side[:, 1] * to[:, 0]
+    return bool((turn > 0).all() or (turn < 0).all())
+
+
+def draw_gravity(axes: Axes, camera: Camera) -> None:
+    """An arrow down with a g, and the axes of the assembly's frame."""
+    x, y = GRAVITY_AT
+    place: dict[str, Any] = {"xycoords": "figure fraction", "textcoords": "figure fraction"}
+    bold: dict[str, Any] = {"arrowstyle": HEAD.format(0.22, 0.5), "lw": 1.6, "shrinkA": 0}
+    axes.annotate("", (x, y - 0.11), (x, y), arrowprops={**bold, "color": GRAVITY}, **place)
+    axes.annotate("g", (x + 0.022, y - 0.09), color=GRAVITY, **place)
+    points: dict[str, Any] = {"xycoords": "figure points", "textcoords": "figure points"}
+    thin: dict[str, Any] = {"arrowstyle": HEAD.format(0.12, 0.3), "lw": 0.9, "shrinkA": 0}
+    style: dict[str, Any] = {"fontsize": 8, "color": PALE, "ha": "center", "va": "center"}
+    x, y = FRAME_AT
+    for name, axis in zip("xyz", np.eye(3), strict=True):
+        right, up = camera.flat(axis) * FRAME
+        if np.hypot(right, up) > FRAME / 5:
+            thin["color"] = PALE
+            axes.annotate("", (x + right, y + up), (x, y), arrowprops=dict(thin), **points)
+            end = (x + 1.38 * right, y + 1.38 * up)
+            axes.annotate(name, end, end, **style, **points)
+
+
+def _arrow(axes: Axes, ends: Array, colour: str, share: float) -> None:
+    """An arrow; `share`: its length over that of the longest, for the size of its head."""
+    from matplotlib.patches import FancyArrowPatch
+    from matplotlib.patheffects import Normal, withStroke
+
+    axes.add_patch(
+        FancyArrowPatch(
+            tuple(ends[0]),
+            tuple(ends[1]),
+            arrowstyle="-|>",
+            mutation_scale=HEAD_SIZE * min(max(share / 0.3, 0.35), 1.0),
+            shrinkA=0,
+            shrinkB=0,
+            linewidth=1.9,
+            color=colour,
+            zorder=5,
+            path_effects=[withStroke(linewidth=1.9 + HALO, foreground="white"), Normal()],
+        )
+    )
+
+
+def _turn(axes: Axes, camera: Camera, center: Array, angular: Array, radius: float) -> None:
+    """Three quarters of a circle about the axis of a rotation, with a head."""
+    from matplotlib.patches import FancyArrowPatch
+    from matplotlib.path import Path
+    from matplotlib.patheffects import Normal, withStroke
+
+    axis = angular / np.linalg.norm(angular)
+    first = np.cross(axis, np.eye(3)[np.abs(axis).argmin()])
+    first /= np.linalg.norm(first)
+    second = np.cross(axis, first)
+    circle = np.outer(np.cos(ARC), first) + np.outer(np.sin(ARC), second)
+    flat = camera.flat(center + 0.38 * radius * circle)
+    axes.add_patch(
+        FancyArrowPatch(
+            path=Path(flat),
+            arrowstyle="-|>",
+            mutation_scale=9,
+            linewidth=1.4,
+            linestyle=(0, (1.2, 1.0)),
+            color=MOTION,
+            fill=False,
+            zorder=5,
+            path_effects=[withStroke(linewidth=1.4 + HALO, foreground="white"), Normal()],
+        )
+    )
+
+
+def _sign(colour: str, line: Any = "solid") -> Any:
+    from matplotlib.lines import Line2D
+
+    marker: dict[str, Any] = {"marker": ">", "markevery": [1], "markersize": 5}
+    return Line2D([0, 1], [0, 0], color=colour, linewidth=1.9, linestyle=line, **marker)

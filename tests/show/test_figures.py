@@ -1,0 +1,305 @@
+"""Figures: what is drawn stands where the answer says; names are text; files are as asked for."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kilter
+from kilter import Assembly, Box, Part, Pose
+from kilter.cli import main
+from kilter.files import to_text
+from kilter.scenes import scene
+from kilter.show.painter import Camera, Polygon, back_to_front, visible_triangles
+
+pytest.importorskip("matplotlib")
+
+from kilter.show.canvas import label, rendered
+from kilter.show.figures import draw_assembly, draw_region
+
+HOSTILE = [
+    "<script>alert(1)</script>",
+    "a\"b'c&d",
+    "x" * 10_000,
+    "\u202egnp.exe",
+    "اسم القطعة",
+    "$\\frac{1}{0}$ $",
+    "line\nbreak\x00",
+    "日本語",
+]
+
+
+def words(figure: object) -> list[str]:
+    from matplotlib.text import Text
+
+    return [t.get_text() for t in figure.findobj(Text) if t.get_text()]  # type: ignore[attr-defined]
+
+
+def lines(figure: object, kind: str) -> list[object]:
+    return [a for a in figure.axes[0].get_children() if type(a).__name__ == kind]  # type: ignore[attr-defined]
+
+
+def named(names: list[str]) -> Assembly:
+    table = Part("table", Box([30, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
+    row = [Part(n, Box([1, 1, 1]), Pose([2.0 * k - 8, 0, 0.5])) for k, n in enumerate(names)]
+    return Assembly([table, *row])
+
+
+# --- the order of painting -----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["tower", "paper-figure-8", "keystone", "ladder"])
+@pytest.mark.parametrize("angles", [(-32, 22), (140, 60), (75, -35)])
+def test_nothing_is_painted_over_what_lies_in_front_of_it(
+    name: str, angles: tuple[float, float]
+) -> None:
+    # a second method: rays from the eye, and the depth of every triangle that they meet
+    geometry, camera = scene(name).geometry, Camera.at(*angles)
+    polygons: list[Polygon] = []
+    starts = geometry.triangle_start
+    for k in range(len(geometry.mass)):
+        own = geometry.triangles[starts[k] : starts[k + 1]]
+        polygons += visible_triangles(geometry.vertices, own, np.zeros((0, 2), int), k)
+    ordered = back_to_front(polygons, camera)
+    flat = camera.flat(geometry.vertices)
+    size = float(np.ptp(flat, axis=0).max())
+    rng = np.random.default_rng(3)
+    met = 0
+    for point in rng.uniform(flat.min(axis=0), flat.max(axis=0), (60, 2)):
+        depths = [d for p in polygons if (d := depth(p, point, camera)) is not None]
+        painted = [d for p in ordered if (d := depth(p, point, camera)) is not None]
+        if depths and painted:
+            met += 1
+            assert painted[-1] == pytest.approx(max(depths), abs=1e-6 * size)
+    assert met > 5
+
+
+def depth(polygon: Polygon, point: np.ndarray, camera: Camera) -> float | None:
+    """Of the polygon at a point of the page, towards the eye; None where it is not there."""
+    facing = float(polygon.normal @ camera.towards)
+    if facing <= 1e-6:
+        return None
+    corners = camera.flat(polygon.corners)
+    side, to = np.roll(corners, -1, axis=0) - corners, point - corners
+    if (side[:, 0] * to[:, 1] - side[:, 1] * to[:, 0] < 0).any():
+        return None
+    ray = point[0] * camera.right + point[1] * camera.up
+    return float((polygon.corners[0] - ray) @ polygon.normal) / facing
+
+
+def test_polygons_that_cross_each_other_are_cut() -> None:
+    def square(tilt: float) -> np.ndarray:
+        return np.array([[-1, -1, -tilt], [1, -1, tilt], [1, 1, tilt], [-1, 1, -tilt]], float)
+
+    def polygon(tilt: float, part: int) -> Polygon:
+        normal = np.array([-tilt, 0.0, 1.0]) / np.hypot(tilt, 1.0)
+        return Polygon(square(tilt), normal, np.ones(4, dtype=bool), part)
+
+    camera = Camera.at(0, 90)
+    ordered = back_to_front([polygon(0.5, 0), polygon(-0.5, 1)], camera)
+    assert len(ordered) == 3
+    for x, wanted in ((-0.5, 1), (0.5, 0)):
+        at = [p.part for p in ordered if depth(p, np.array([x, 0.1]), camera) is not None]
+        assert at[-1] == wanted
+    # a cut is no edge of the part
+    assert sum(int(p.drawn.sum()) for p in ordered) == 4 + 4 + 2
+
+
+# --- what the figures show -----------------------------------------------------------------
+
+
+def test_arrows_are_the_accelerations_of_the_answer() -> None:
+    verdict = kilter.check(scene("paper-figure-8"))
+    figure = draw_assembly(verdict, view=(0.0, 0.0))
+    arrows = [a for a in lines(figure, "FancyArrowPatch") if a.get_zorder() == 5]
+    assert len(arrows) == len(verdict.moving) == 2
+    ends = np.array([a._posA_posB for a in arrows])
+    drawn = ends[:, 1] - ends[:, 0]
+    moves = np.flatnonzero(verdict.motion.moves)
+    told = verdict.motion.acceleration[moves][:, [0, 2]]
+    told = told[np.argsort(-np.linalg.norm(told, axis=1))]
+    scale = np.linalg.norm(drawn[0]) / np.linalg.norm(told[0])
+    assert drawn == pytest.approx(scale * told, abs=1e-9)
+    assert any("0.75 g" in text for text in words(figure))
+
+
+def test_a_stable_assembly_has_forces_and_no_motion() -> None:
+    verdict = kilter.check(scene("tower"))
+    figure = draw_assembly(verdict)
+    assert not [a for a in lines(figure, "FancyArrowPatch") if a.get_zorder() == 5]
+    greatest = np.linalg.norm(verdict.forces.resultant, axis=1).max()
+    assert any(f"{greatest / 1e3:.3g} kN" in text for text in words(figure))
+
+
+@pytest.mark.parametrize("down", [[0, 0, 1], [1, 0, 0], [0.3, -0.5, 0.2]])
+def test_gravity_points_down_on_the_page(down: list[float]) -> None:
+    block = Part("held", Box([1, 1, 1]), Pose([0, 0, 5]), grounded=True)
+    falling = Part("falling", Box([1, 1, 1]))
+    verdict = kilter.check(Assembly([block, falling]).with_down(down))
+    [arrow] = [a for a in lines(draw_assembly(verdict), "FancyArrowPatch") if a.get_zorder() == 5]
+    (x0, y0), (x1, y1) = arrow._posA_posB
+    assert y1 < y0
+    assert x1 == pytest.approx(x0, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", ["floating-block", "closed-frame", "corner-wedges", "channel",
+                                  "paper-figure-10", "paper-figure-11", "tower"])  # fmt: skip
+def test_the_region_on_the_sphere_is_the_region(name: str) -> None:
+    region = kilter.find_region(scene(name))
+    figure = draw_region(region)
+    for axes, k in zip(figure.axes, (0, 1), strict=True):
+        assert axes.get_xlim()[0] < -1, k
+    if region.dimension in (2, 3) and len(region.facets):
+        from kilter.show.sphere import _arc
+
+        for normal in region.facets if region.dimension == 3 else region.equations:
+            arc = _arc(normal, region.facets)
+            arc = arc[np.isfinite(arc[:, 0])]
+            assert region.contains(arc).all()
+            # both ends are extreme rays (or signs of a line)
+            corners = np.vstack([region.rays, region.lines, -region.lines])
+            for end in (arc[0], arc[-1]):
+                near = float((corners @ end).max())
+                assert near > 1 - 1e-9 or np.allclose(arc[0], arc[-1]) or len(arc) > 600
+    assert rendered(figure, ".png").startswith(b"\x89PNG")
+
+
+# --- names ---------------------------------------------------------------------------------
+
+
+def test_hostile_names_are_text(recwarn: pytest.WarningsRecorder) -> None:
+    verdict = kilter.check(named(HOSTILE))
+    figure = draw_assembly(verdict)
+    svg = rendered(figure, ".svg").decode("utf-8")
+    root = ET.fromstring(svg)
+    assert not [e for e in root.iter() if e.tag.rsplit("}")[-1] in ("script", "foreignObject")]
+    assert not re.search(r"<script|onload|xlink:href=\"http", svg)
+    shown = "".join(root.itertext())
+    assert "<script>alert(1)</" in shown
+    assert "a\"b'c&d" in shown
+    assert "\u202e" not in shown
+    assert "x" * 40 not in shown
+    assert "اسم القطعة" in shown
+    assert "$\\frac{1}{0}$ $" in shown
+    for suffix in (".png", ".pdf"):
+        assert len(rendered(figure, suffix)) > 1000
+    assert not recwarn.list
+
+
+def test_a_notebook_shows_hostile_names_as_text() -> None:
+    verdict = kilter.check(named(HOSTILE).with_down([1, 0, -1]))
+    text = verdict._repr_html_()
+    assert "<script" not in text
+    assert "&lt;script&gt;" in text
+    assert "\u202e" not in text
+    assert len(text) < 8000
+    told = dataclasses.replace(verdict, sentence="<img src=x onerror=alert(1)>", warnings=("<b>",))
+    assert "<img" not in told._repr_html_()
+    assert "<b>" not in told._repr_html_()
+
+
+def test_answers_show_themselves_in_a_notebook() -> None:
+    region = kilter.find_region(scene("paper-figure-10"))
+    assert "fan" in region._repr_html_()
+    assert "45°" in region._repr_html_()
+    answer = kilter.orient(scene("paper-figure-11"))
+    assert f"{answer.tilt_margin_deg:.6g}°" in answer._repr_html_()
+    for text in (region._repr_html_(), answer._repr_html_()):
+        ET.fromstring(text)
+    figure = kilter.draw_region(region)
+    assert figure._repr_png_().startswith(b"\x89PNG")
+
+
+def test_a_label_is_short() -> None:
+    assert len(label("x" * 10_000)) <= 24
+    assert label("a\tb") == "a\ufffdb"
+
+
+def test_import_stays_light_and_pyplot_is_never_touched() -> None:
+    code = (
+        "import sys, kilter; assert 'matplotlib' not in sys.modules\n"
+        "v = kilter.check(kilter.scene('tower')); v._repr_html_()\n"
+        "assert 'matplotlib' not in sys.modules and 'kilter.show' not in sys.modules\n"
+        "kilter.draw_assembly(v); assert 'matplotlib.pyplot' not in sys.modules\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=120)
+
+
+# --- the command ---------------------------------------------------------------------------
+
+
+@pytest.fixture
+def wall(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "tower.kilter.json"
+    path.write_text(to_text(scene("tower")), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("suffix", "start"), [("svg", b"<?xml"), ("png", b"\x89PNG"), ("PDF", b"%PDF")]
+)
+def test_draw_writes_each_kind_of_figure(
+    wall: Path, suffix: str, start: bytes, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = wall.parent / f"f.{suffix}"
+    assert main(["draw", str(wall), "-o", str(out)]) == 0
+    assert out.read_bytes().startswith(start)
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert "stable" in captured.err
+    first = out.read_bytes()
+    assert main(["draw", str(wall), "-o", str(out), "--quiet"]) == 0
+    assert out.read_bytes() == first
+
+
+def test_draw_what_region(wall: Path) -> None:
+    assert main(["draw", str(wall), "--what", "region", "-o", "r.svg", "--quiet"]) == 0
+    assert "One direction of gravity is stable" in Path("r.svg").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ([], "no figure is named"),
+        (["-o", "f.jpg"], "no name of a figure"),
+        (["-o", "tower.kilter.json"], "no name of a figure"),
+        (["-o", "f.png", "--view", "nan", "0"], "--view"),
+        (["-o", "no/such/folder/f.png"], "cannot be written"),
+        (["-o", "f.png", "--what", "sphere"], "sphere"),
+    ],
+)
+def test_draw_refuses(
+    wall: Path, options: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = wall.read_bytes()
+    assert main(["draw", str(wall), *options]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+    assert wall.read_bytes() == before
+
+
+def test_an_input_is_never_written_over(wall: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    odd = wall.rename(wall.with_name("input.svg"))
+    before = odd.read_bytes()
+    assert main(["draw", str(odd), "-o", "./input.svg"]) == 2
+    assert "written over" in capsys.readouterr().err
+    assert odd.read_bytes() == before
+
+
+def test_draw_says_what_to_install(
+    wall: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from kilter.show import canvas
+
+    monkeypatch.setattr(canvas.importlib.util, "find_spec", lambda name: None)
+    assert main(["draw", str(wall), "-o", "f.png"]) == 2
+    assert "pip install 'kilter[figures]'" in capsys.readouterr().err
