@@ -13,7 +13,12 @@ from kilter.analysis.least_friction import find_least_friction
 from kilter.analysis.load_limit import find_limit, with_more
 from kilter.analysis.pushes import find_weakest_push
 from kilter.analysis.stability import judge
-from kilter.analysis.tilt_margin import find_tilt_margin, gravity_wrench, tilt_about
+from kilter.analysis.tilt_margin import (
+    find_nearest_held,
+    find_tilt_margin,
+    gravity_wrench,
+    tilt_about,
+)
 from kilter.assembly import Load
 from kilter.scenes import arches, friction, rounds, stacks, walls
 
@@ -244,3 +249,15 @@ def test_a_body_force_in_the_file_is_the_same_as_one_that_is_asked_about():
     assert factor(tower) == pytest.approx(0.5, abs=1e-8)
     assert judged(loaded(tower, X, 0.4999), budget=0.1).verdict in HOLDS
     assert judged(loaded(tower, X, 0.5001), budget=0.1).verdict == "unstable"
+
+
+@pytest.mark.parametrize("planar", [False, True])
+def test_what_is_not_held_as_given_has_no_tilt_margin_but_a_way_back(planar):
+    """A block past its edge: the distance to the nearest held direction, negative."""
+    slope = dataclasses.replace(stacks.block_on_slope(50.0, friction=3.0), planar=planar)
+    program = program_of(slope)
+    assert find_tilt_margin(program) is None
+    assert find_weakest_push(program, 1) is None
+    turn, down = find_nearest_held(program)
+    assert np.degrees(turn) == pytest.approx(5.0, abs=1e-5)
+    assert judge(program.with_rows(gravity=9.81 * down)).stable is not False

@@ -25,12 +25,14 @@ from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, 
 from kilter.mechanics.cones import Spread, largest_load, spread
 from kilter.mechanics.program import Program
 
-__all__ = ["UNLIMITED", "Limit", "find_limit", "with_more"]
+__all__ = ["OUTSIDE", "UNLIMITED", "Limit", "find_limit", "with_more"]
 
 Array = NDArray[np.float64]
 
 UNLIMITED = 1e6
 """Shares of a load above this count as unlimited."""
+OUTSIDE = -1e-7
+"""A largest share below this says that none of a load is too little: it is not held as given."""
 STEPS = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5)
 """How far above the limit a mechanism is proved, relative to it: the first that passes."""
 
@@ -42,7 +44,7 @@ class Limit:
     Attributes
     ----------
     value : float
-        t; infinite where unlimited.
+        t; infinite where unlimited, negative where only shares below 0 are held.
     forces : ForceProof
         Forces at the limit.
     mechanism : MotionProof or None
@@ -67,6 +69,9 @@ def find_limit(
     program: Program, wrench: Array, *, wide: Spread | None = None, most: float = UNLIMITED
 ) -> Limit | None:
     """The largest share of further wrenches that contacts can hold; None: no share is held.
+
+    It may be negative, and where it is not, a share of 0 need not be held: the shares that are
+    held are an interval, of which this is the upper end.
 
     Parameters
     ----------
