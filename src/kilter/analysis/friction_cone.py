@@ -65,6 +65,10 @@ PULLED = (0.0, 1e-8, 1e-7, 1e-6, 1e-5)
 """Rays are moved inwards by so much until forces prove them."""
 BEYOND = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4)
 """Angles beyond a facet at which its motion is asked to prove it [rad]."""
+FARTHER = (1e-4, 3e-4, 6e-4)
+"""The same for a motion that is sought anew [rad]."""
+SHARP = 1e-12
+"""Gap and feasibility asked for: a motion proves a facet as near as its violation is small."""
 SHARES = (0.5, 0.25, 0.1)
 """Parts of the gap that extreme rays of the outer cone may be away, in turn."""
 PROGRAMS = 600
@@ -236,7 +240,7 @@ class _Search:
         self.programs += 1
         if self.progress is not None:
             self.progress(f"directions that are held: conic program {self.programs}")
-        answer = solve_conic(nearest_load(self.wide, self.axes, direction))
+        answer = solve_conic(nearest_load(self.wide, self.axes, direction), tolerance=SHARP)
         nearest = answer.x[-3:]
         size = float(np.linalg.norm(nearest))
         if not np.isfinite(answer.x).all():
@@ -257,10 +261,7 @@ class _Search:
         if proof.holds:
             self.rays.append((down, proof))
             return down
-        if not self.rays:
-            middle = down
-        else:
-            middle = np.sum([ray for ray, _ in self.rays], axis=0)
+        middle = np.sum([ray for ray, _ in self.rays] or [down], axis=0)
         for pull in PULLED[1 if self.rays else 0 :]:
             moved = down + pull * middle
             moved = moved / float(np.linalg.norm(moved))
@@ -287,6 +288,20 @@ class _Search:
             if proof.holds:
                 self.slack = max(self.slack, angle if on.any() else 0.0)
                 return normal, proof
+        return self._facet_anew(on, normal)
+
+    def _facet_anew(self, on: Array, normal: Array) -> tuple[Array, MotionProof] | None:
+        """The facet of a motion that proves a direction a little farther out."""
+        program = self.program
+        for angle in FARTHER:
+            down = np.cos(angle) * on + np.sin(angle) * normal if on.any() else normal
+            proof = judge(_toward(program, down)).motion
+            if proof is None or not proof.holds:
+                continue
+            other = (program.mass * program.free) @ proof.motion[:, :3]
+            other = other / float(np.linalg.norm(other))
+            self.slack = max(self.slack, float(np.arcsin(min(other @ down, 1.0))) * on.any())
+            return other, proof
         return None
 
     def _distance(self, direction: Array, rays: Array) -> float:
