@@ -261,9 +261,9 @@ class _Search:
         if proof.holds:
             self.rays.append((down, proof))
             return down
-        middle = np.sum([ray for ray, _ in self.rays] or [down], axis=0)
+        middle: Array = np.sum([ray for ray, _ in self.rays] or [down], axis=0)
         for pull in PULLED[1 if self.rays else 0 :]:
-            moved = down + pull * middle
+            moved: Array = down + pull * middle
             moved = moved / float(np.linalg.norm(moved))
             judged = judge(_toward(self.program, moved))
             if judged.stable and judged.forces is not None:
@@ -300,7 +300,8 @@ class _Search:
                 continue
             other = (program.mass * program.free) @ proof.motion[:, :3]
             other = other / float(np.linalg.norm(other))
-            self.slack = max(self.slack, float(np.arcsin(min(other @ down, 1.0))) * on.any())
+            beyond = float(np.arcsin(min(float(other @ down), 1.0)))
+            self.slack = max(self.slack, beyond if on.any() else 0.0)
             return other, proof
         return None
 
@@ -310,7 +311,7 @@ class _Search:
         if k is not None and self.angle[k] <= np.pi / 2:
             return float(self.angle[k]) + INSIDE
         near = np.linalg.norm(rays - direction, axis=1).min(initial=2.0)
-        return float(2 * np.arcsin(min(near / 2, 1.0)))
+        return float(2 * np.arcsin(min(float(near) / 2, 1.0)))
 
     def answer(self) -> FrictionCone:
         """The cone between what was found."""
@@ -322,7 +323,7 @@ class _Search:
         widest = float(distance.max(initial=0.0))
         for first, second, half in edges_of(normals, outer):
             sine = max(np.sin(min(distance[k], np.pi / 2)) for k in (first, second))
-            widest = max(widest, float(np.arcsin(min(sine / np.cos(half), 1.0))))
+            widest = max(widest, float(np.arcsin(min(float(sine / np.cos(half)), 1.0))))
         gap = 0.0 if not len(outer) else min(widest + self.slack, np.pi)
         return FrictionCone(
             inner,
@@ -338,4 +339,4 @@ class _Search:
 
 def _between(one: Array, other: Array) -> float:
     """Angle between two unit vectors [rad]."""
-    return float(2 * np.arcsin(min(np.linalg.norm(one - other) / 2, 1.0)))
+    return float(2 * np.arcsin(min(float(np.linalg.norm(one - other)) / 2, 1.0)))

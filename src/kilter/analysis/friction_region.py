@@ -109,7 +109,8 @@ class FrictionRegion:
     @property
     def proved(self) -> bool:
         """Whether every ray and facet has a proof that holds."""
-        return all(proof.holds for _, proof in (*self.found.forces, *self.found.motions))
+        forces = all(proof.holds for _, proof in self.found.forces)
+        return forces and all(proof.holds for _, proof in self.found.motions)
 
     @property
     def none(self) -> bool:

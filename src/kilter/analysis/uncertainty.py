@@ -235,7 +235,7 @@ def _by_corners(program: Program, ranges: Ranges, push: Array | None, kind: Kind
 def _corners(program: Program, ranges: Ranges) -> Iterator[tuple[Array, Array]]:
     """Mass factors and shifts of the centres at each corner of the box."""
     factors = sorted(set(ranges.mass))
-    signs = [(0.0,)] * 3 if ranges.center == 0 else [(-1.0, 1.0)] * 3
+    signs: list[tuple[float, ...]] = [(0.0,) if ranges.center == 0 else (-1.0, 1.0)] * 3
     if program.planar:
         signs[1] = (0.0,)
     shifts = [ranges.center * np.array(s) for s in itertools.product(*signs)]
