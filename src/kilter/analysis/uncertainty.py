@@ -20,7 +20,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +40,9 @@ from kilter.mechanics.formulations import Scaled, scaled
 from kilter.mechanics.program import CONTACT, Program
 from kilter.rigid import cross
 
+if TYPE_CHECKING:
+    from kilter.solvers.linear import Method
+
 __all__ = ["CORNERS", "Ranges", "Uncertainty", "corner", "find_uncertainty", "weakened"]
 
 Array = NDArray[np.float64]
@@ -57,6 +60,10 @@ CLOSER = 1e-3
 """The search ends where the least distance grows by less than this part."""
 BALANCED = 1e-8
 """Imbalance over the weight of a part that forces which follow may leave."""
+SIMPLEX = 30_000
+"""Entries of the linear program up to which simplex is tried first, else interior point."""
+SECONDS = 30.0
+"""For each linear program of forces that follow; where it is not enough, nothing is shown."""
 LARGEST = 2_000_000
 """Entries of the linear program of forces that follow above which none is sought."""
 
@@ -342,13 +349,19 @@ class _Following:
         from kilter.solvers.linear import solve_linear
 
         program = affine_forces(self.problem, load, min(most, STEEP))
-        answer = solve_linear(program)
-        if answer.outcome != "solved" or not len(answer.x):
-            return None
-        if affine_imbalance(self.problem, load, answer.x) > BALANCED:
-            return None
-        share = float(answer.x[0])
-        return np.inf if most > STEEP and share >= STEEP else share
+        methods: tuple[Method, ...] = ("simplex", "interior")
+        if program.matrix.nnz > SIMPLEX:
+            methods = ("interior", "simplex")
+        for method in methods:
+            answer = solve_linear(program, method=method, seconds=SECONDS)
+            if answer.outcome == "infeasible":
+                return None
+            if answer.outcome != "solved" or not len(answer.x):
+                continue
+            if affine_imbalance(self.problem, load, answer.x) <= BALANCED:
+                share = float(answer.x[0])
+                return np.inf if most > STEEP and share >= STEEP * (1 - CLOSER) else share
+        return None
 
     def tilt(self) -> float | None:
         """A turn of gravity [rad] up to which every direction is held for all."""
