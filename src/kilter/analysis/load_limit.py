@@ -29,6 +29,8 @@ __all__ = ["OUTSIDE", "UNLIMITED", "Limit", "find_limit", "with_more"]
 
 Array = NDArray[np.float64]
 
+TOLERANCES = (1e-10, 1e-12)
+"""Of the solver: the second where the mechanism of the first is too coarse to prove itself."""
 UNLIMITED = 1e6
 """Shares of a load above this count as unlimited."""
 OUTSIDE = -1e-7
@@ -96,11 +98,25 @@ def find_limit(
     >>> round(find_limit(program, aside).value, 9)
     0.5
     """
+    wide = wide or spread(program)
+    best: Limit | None = None
+    for tolerance in TOLERANCES:
+        found = _limit_at(program, wide, wrench, most, tolerance)
+        if found is not None and (best is None or found.gap < best.gap):
+            best = found
+        if found is None or found.gap < np.inf:
+            break
+    return best
+
+
+def _limit_at(
+    program: Program, wide: Spread, wrench: Array, most: float, tolerance: float
+) -> Limit | None:
+    """The limit that the solver finds at one tolerance, judged."""
     from kilter.solvers.conic import solve_conic
 
-    wide = wide or spread(program)
     problem = wide.problem
-    answer = solve_conic(largest_load(wide, wrench, most))
+    answer = solve_conic(largest_load(wide, wrench, most), tolerance=tolerance)
     if answer.outcome == "infeasible" or not np.isfinite(answer.x).all():
         return None
     value = float(answer.x[-1])
