@@ -60,9 +60,13 @@ def test_where_nothing_is_stable_the_nearest_is_given_with_what_moves(
     assert "No orientation is stable" in capsys.readouterr().out
 
 
-def test_friction_that_could_hold_it_is_undecided(capsys: pytest.CaptureFixture[str]) -> None:
+def test_friction_that_can_hold_it_is_found_and_said_to_be_no_guarantee(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     code, answer = answered(capsys, "orient", written("arch"), "--method", "walk")
-    assert (code, answer["verdict"], answer["method"]) == (4, "undecided", "walk")
+    assert (code, answer["verdict"], answer["method"]) == (0, "found", "walk")
+    assert answer["sentence"].startswith("Forces that hold it exist")
+    assert "kilter check --down" in answer["sentence"]
 
 
 @pytest.mark.parametrize(

@@ -25,12 +25,16 @@ from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, 
 from kilter.mechanics.cones import Spread, largest_load, spread
 from kilter.mechanics.program import Program
 
-__all__ = ["UNLIMITED", "Limit", "find_limit", "with_more"]
+__all__ = ["OUTSIDE", "UNLIMITED", "Limit", "find_limit", "with_more"]
 
 Array = NDArray[np.float64]
 
+TOLERANCES = (1e-10, 1e-12)
+"""Of the solver: the second where the mechanism of the first is too coarse to prove itself."""
 UNLIMITED = 1e6
 """Shares of a load above this count as unlimited."""
+OUTSIDE = -1e-7
+"""A largest share below this says that none of a load is too little: it is not held as given."""
 STEPS = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5)
 """How far above the limit a mechanism is proved, relative to it: the first that passes."""
 
@@ -42,7 +46,7 @@ class Limit:
     Attributes
     ----------
     value : float
-        t; infinite where unlimited.
+        t; infinite where unlimited, negative where only shares below 0 are held.
     forces : ForceProof
         Forces at the limit.
     mechanism : MotionProof or None
@@ -68,6 +72,9 @@ def find_limit(
 ) -> Limit | None:
     """The largest share of further wrenches that contacts can hold; None: no share is held.
 
+    It may be negative, and where it is not, a share of 0 need not be held: the shares that are
+    held are an interval, of which this is the upper end.
+
     Parameters
     ----------
     program : Program
@@ -91,11 +98,25 @@ def find_limit(
     >>> round(find_limit(program, aside).value, 9)
     0.5
     """
+    wide = wide or spread(program)
+    best: Limit | None = None
+    for tolerance in TOLERANCES:
+        found = _limit_at(program, wide, wrench, most, tolerance)
+        if found is not None and (best is None or found.gap < best.gap):
+            best = found
+        if found is None or found.gap < np.inf:
+            break
+    return best
+
+
+def _limit_at(
+    program: Program, wide: Spread, wrench: Array, most: float, tolerance: float
+) -> Limit | None:
+    """The limit that the solver finds at one tolerance, judged."""
     from kilter.solvers.conic import solve_conic
 
-    wide = wide or spread(program)
     problem = wide.problem
-    answer = solve_conic(largest_load(wide, wrench, most))
+    answer = solve_conic(largest_load(wide, wrench, most), tolerance=tolerance)
     if answer.outcome == "infeasible" or not np.isfinite(answer.x).all():
         return None
     value = float(answer.x[-1])

@@ -26,6 +26,8 @@ from kilter.analysis.tilt_margin import (
     gravity_wrench,
     tilt_about,
 )
+from kilter.analysis.uncertainty import Ranges, Uncertainty, find_uncertainty
+from kilter.analysis.what_helps import Help, what_helps
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet, Tolerance
 from kilter.errors import InputError
@@ -66,6 +68,10 @@ class Margin:
     load_factor : tuple of Limit or None, or None
         Least and greatest; None where no loads were asked about.
     pushes : tuple of Push
+    uncertainty : Uncertainty or None
+        The worst case over `ranges`; None where none were given, or it is too large.
+    helps : tuple of Help
+        What would raise the tilt margin, or else the greatest load factor, most.
     warnings : tuple of str
     seconds : dict
     """
@@ -81,6 +87,8 @@ class Margin:
     friction: LeastFriction | None
     load_factor: tuple[Limit | None, Limit | None] | None
     pushes: tuple[Push, ...]
+    uncertainty: Uncertainty | None
+    helps: tuple[Help, ...]
     warnings: tuple[str, ...]
     seconds: dict[str, float]
 
@@ -98,6 +106,7 @@ def find_margin(
     push: Any = None,
     about: Any = None,
     pushed: list[str] | None = None,
+    ranges: Ranges | None = None,
     tolerance: Tolerance | None = None,
     budget: float = 1.0,
     progress: Callable[[str], None] | None = None,
@@ -115,6 +124,8 @@ def find_margin(
         Also the tilt about this axis, across gravity, by the right-hand rule.
     pushed : list of str, optional
         Parts whose weakest push is sought; where not given all, up to `PUSHED` free parts.
+    ranges : Ranges, optional
+        Also the worst tilt margin and load factor over these intervals.
     tolerance : Tolerance, optional
         When faces count as touching.
     budget : float
@@ -125,7 +136,7 @@ def find_margin(
     ------
     InputError
         If a direction is of length zero, the axis is not across gravity, or a part is held or
-        unknown.
+        unknown, also one that a load pulls on.
 
     Examples
     --------
@@ -138,6 +149,7 @@ def find_margin(
     direction = None if push is None else unit(push, "push")
     axis = None if about is None else _axis(assembly, about)
     parts = _pushed(assembly, pushed)
+    _require_loads_on_free_parts(assembly)
     verdict = check(
         assembly, contacts=contacts, tolerance=tolerance, budget=budget, progress=progress
     )
@@ -155,6 +167,9 @@ def find_margin(
     tell("pushes")
     wide = spread(program)
     found = [find_weakest_push(program, part, wide=wide) for part in parts]
+    worst = _worst(program, ranges, direction, warnings, tell)
+    greatest = None if factor is None else factor[1]
+    helps = what_helps(program, tilt, greatest, direction)
     seconds = {**verdict.seconds, "total": time.perf_counter() - started}
     return Margin(
         assembly=assembly,
@@ -168,6 +183,8 @@ def find_margin(
         friction=friction,
         load_factor=factor,
         pushes=tuple(p for p in found if p is not None),
+        uncertainty=worst,
+        helps=helps,
         warnings=tuple(warnings),
         seconds=seconds,
     )
@@ -195,6 +212,33 @@ def _pushed(assembly: Assembly, names: list[str] | None) -> list[int]:
             raise InputError("it is held: no push moves it", part=name, hint="name a free part")
         chosen.append(k)
     return chosen
+
+
+def _require_loads_on_free_parts(assembly: Assembly) -> None:
+    for load in assembly.loads:
+        if assembly.parts[assembly.index_of(load.part)].grounded:
+            raise InputError(
+                "a load on it is without effect: it is held",
+                part=load.part,
+                hint="give the load to a free part",
+            )
+
+
+def _worst(
+    program: Program,
+    ranges: Ranges | None,
+    push: Array | None,
+    warnings: list[str],
+    tell: Callable[[str], None],
+) -> Uncertainty | None:
+    """The worst case over the intervals, with a warning where it is none."""
+    if ranges is None:
+        return None
+    tell("uncertainty")
+    worst = find_uncertainty(program, ranges, push=push)
+    if worst is None:
+        warnings.append("too many parts and contacts for masses or centres within intervals")
+    return worst
 
 
 def _tilt(

@@ -12,6 +12,7 @@ from kilter.mechanics.program import Program
 if TYPE_CHECKING:
     from kilter.analysis.load_limit import Limit
     from kilter.analysis.margin import Margin
+    from kilter.analysis.uncertainty import Uncertainty
 
 __all__ = ["margin_answer", "starting"]
 
@@ -60,6 +61,17 @@ def margin_answer(margin: Margin) -> dict[str, Any]:
             }
             for push in margin.pushes
         ],
+        "uncertainty": _uncertainty(program, margin.uncertainty),
+        "helps": [
+            {
+                "of": one.of,
+                "what": one.what,
+                "parts": list(one.parts),
+                "gain": float(one.gain) if np.isfinite(one.gain) else None,
+                "sentence": one.sentence,
+            }
+            for one in margin.helps
+        ],
         "warnings": list(margin.warnings),
         "seconds": margin.seconds,
     }
@@ -71,6 +83,36 @@ def _interval(factor: tuple[Limit | None, Limit | None]) -> list[float | None] |
         return None
     ends = (-least.value, greatest.value)
     return [float(end) + 0.0 if np.isfinite(end) else None for end in ends]
+
+
+def _uncertainty(program: Program, worst: Uncertainty | None) -> dict[str, Any] | None:
+    """The worst case over intervals, and where it is."""
+    if worst is None:
+        return None
+    ranges = worst.ranges
+    ends = worst.load_factor
+    at = None
+    if worst.worst is not None:
+        mass, shift = worst.worst
+        at = {
+            name: {"mass_factor": float(mass[k]), "shift": (shift[k] + 0.0).tolist()}
+            for k, name in enumerate(program.names)
+            if program.free[k]
+        }
+    return {
+        "mass": list(ranges.mass),
+        "com": ranges.center,
+        "mu": list(ranges.mu),
+        "normal_deg": ranges.normal_deg,
+        "kind": worst.kind,
+        "held": worst.held,
+        "tilt_deg": worst.tilt_deg,
+        "load_factor": None
+        if ends is None
+        else [float(end) + 0.0 if np.isfinite(end) else None for end in ends],
+        "corners": worst.corners,
+        "worst": at,
+    }
 
 
 def _limit(program: Program, limit: Limit | None) -> dict[str, Any] | None:

@@ -35,9 +35,18 @@ from kilter.mechanics.program import Program, build_program
 from kilter.rigid import rotation_between
 
 if TYPE_CHECKING:
+    from kilter.analysis.friction_region import FrictionRegion
     from kilter.analysis.region import Region
 
-__all__ = ["Orientation", "orient", "orient_answer"]
+__all__ = [
+    "Orientation",
+    "candidate_directions",
+    "least_turn",
+    "orient",
+    "orient_answer",
+    "require_turnable",
+    "tilt_margin_deg",
+]
 
 Array = NDArray[np.float64]
 Word = Literal["found", "none", "undecided"]
@@ -93,7 +102,7 @@ class Orientation:
     programs: int
     judgement: Judgement
     check: Verdict | None
-    region: Region
+    region: Region | FrictionRegion
     warnings: tuple[str, ...]
 
     @property
@@ -158,14 +167,14 @@ def orient(
     from kilter.analysis.region import find_region
 
     tell = progress or (lambda stage: None)
-    _require_turnable(assembly, method)
+    require_turnable(assembly, method)
     if contacts is None:
         contacts = find_contacts(assembly, tolerance=tolerance, progress=progress)
     program = build_program(assembly, contacts).frictionless
     tell("stable region")
     region = find_region(assembly, contacts=contacts)
     tell("orientation")
-    for direction in _candidates(program, region):
+    for direction in candidate_directions(program, region):
         judgement = judge(turned(program, direction))
         if judgement.stable:
             return _found(assembly, program, region, direction, judgement, method)
@@ -179,7 +188,8 @@ def orient(
     return _not_found(assembly, contacts, region, judgement, near, method, why)
 
 
-def _require_turnable(assembly: Assembly, method: str) -> None:
+def require_turnable(assembly: Assembly, method: str) -> None:
+    """Refuse what is not held, or has loads, which do not turn."""
     if method not in ("joint", "walk"):
         raise InputError(f"there is no method {method!r}", hint="give 'joint' or 'walk'")
     assembly.require_grounded()
@@ -192,7 +202,7 @@ def _require_turnable(assembly: Assembly, method: str) -> None:
         )
 
 
-def _candidates(program: Program, region: Region) -> Iterator[Array]:
+def candidate_directions(program: Program, region: Region | FrictionRegion) -> Iterator[Array]:
     """Directions that the region holds for stable, the one with the widest margin first."""
     down = program.gravity / float(np.linalg.norm(program.gravity))
     if region.center is not None:
@@ -216,14 +226,14 @@ def _found(
     method: Method,
 ) -> Orientation:
     down = direction / float(np.linalg.norm(direction)) + 0.0
-    margin = _margin(program, region, down)
+    margin = tilt_margin_deg(program, region, down)
     return Orientation(
         verdict="found",
         sentence=f"Stable with gravity along {_words(down)} of the assembly's frame: "
         f"{_tilt_words(margin, region)}.",
         assembly=assembly,
         down=down,
-        rotation=_rotation(assembly, down),
+        rotation=least_turn(assembly, down),
         tilt_margin_deg=margin,
         z=0.0,
         instability=0.0,
@@ -237,13 +247,13 @@ def _found(
     )
 
 
-def _margin(program: Program, region: Region, down: Array) -> float:
+def tilt_margin_deg(program: Program, region: Region | FrictionRegion, down: Array) -> float:
     """Angle from `down` to the boundary of the region [deg]; 0 where the region is thin."""
     if region.dimension < (2 if program.planar else 3):
         return 0.0
-    if not len(region.facets):
+    if not len(region.cone.facets):
         return 180.0
-    return float(np.degrees(np.arcsin(np.clip((region.facets @ down).min(), 0.0, 1.0))))
+    return float(np.degrees(np.arcsin(np.clip((region.cone.facets @ down).min(), 0.0, 1.0))))
 
 
 def _not_found(
@@ -272,7 +282,7 @@ def _not_found(
         sentence=sentence,
         assembly=assembly,
         down=down,
-        rotation=_rotation(assembly, down),
+        rotation=least_turn(assembly, down),
         tilt_margin_deg=None,
         z=verdict.displacement.z,
         instability=verdict.motion.instability,
@@ -319,7 +329,7 @@ def _none_is_stable(program: Program, best: Joint) -> bool:
     return True
 
 
-def _rotation(assembly: Assembly, down: Array) -> Array:
+def least_turn(assembly: Assembly, down: Array) -> Array:
     """The least turn that takes `down` to the gravity of the file, shape (4,)."""
     opposite = float(np.linalg.norm(down + assembly.down)) < OPPOSITE
     if assembly.planar and opposite:

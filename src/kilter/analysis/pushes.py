@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kilter.analysis.load_limit import Limit, find_limit
+from kilter.analysis.load_limit import OUTSIDE, Limit, find_limit
 from kilter.mechanics.cones import Spread, spread
 from kilter.mechanics.program import Program
 
@@ -73,7 +73,7 @@ def find_push(
     weight = float(program.weight[program.free].sum())
     wrench[part, :3] = weight * direction
     limit = find_limit(program, wrench, wide=wide, most=UNLIMITED)
-    if limit is None:
+    if limit is None or limit.value < OUTSIDE:
         return None
     force = max(limit.value, 0.0) * weight
     return Push(program.names[part], direction, force, force, limit, 1)

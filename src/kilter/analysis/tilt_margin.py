@@ -21,12 +21,21 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kilter.analysis.load_limit import Limit, find_limit
+from kilter.analysis.load_limit import OUTSIDE, Limit, find_limit
 from kilter.mechanics.cones import Spread, nearest_load, spread
 from kilter.mechanics.program import Program, tangents
 from kilter.rigid import cross
 
-__all__ = ["TiltMargin", "find_nearest_held", "find_tilt_margin", "gravity_wrench", "tilt_about"]
+__all__ = [
+    "TiltMargin",
+    "across_gravity",
+    "find_nearest_held",
+    "find_tilt_margin",
+    "first_directions",
+    "gravity_wrench",
+    "nearest_edge",
+    "tilt_about",
+]
 
 Array = NDArray[np.float64]
 
@@ -116,9 +125,9 @@ def find_tilt_margin(program: Program) -> TiltMargin | None:
     if program.applied.any():
         raise ValueError("given loads do not turn with gravity")
     start = program.gravity / float(np.linalg.norm(program.gravity))
-    across = _across(program, start)
+    across = across_gravity(program, start)
     region = _Region(program, start, across)
-    for direction in _first(len(across)):
+    for direction in first_directions(len(across)):
         if not region.shoot(direction):
             return None
     while region.programs < PROGRAMS:
@@ -148,7 +157,7 @@ def find_nearest_held(program: Program) -> tuple[float, Array] | None:
     return turn, found / size
 
 
-def _across(program: Program, start: Array) -> Array:
+def across_gravity(program: Program, start: Array) -> Array:
     """Directions across gravity, shape (1, 3) where planar, else (2, 3)."""
     if program.planar:
         return cross(start, np.array([0.0, 1.0, 0.0]))[None]
@@ -156,11 +165,34 @@ def _across(program: Program, start: Array) -> Array:
     return both
 
 
-def _first(dimension: int) -> Array:
+def first_directions(dimension: int) -> Array:
+    """Unit directions of the plane looked at first, shape (n, dimension)."""
     if dimension == 1:
         return np.array([[1.0], [-1.0]])
     angle = 2 * np.pi * np.arange(FIRST) / FIRST
     return np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+def nearest_edge(points: Array) -> tuple[float, Array]:
+    """Least distance from 0 of the edges of a convex polygon around it, and the normal there.
+
+    In one dimension, points (n, 1): the nearest point and its direction.
+    """
+    if points.shape[1] == 1:
+        k = int(np.abs(points[:, 0]).argmin())
+        return float(abs(points[k, 0])), np.sign(points[k])
+    order = np.argsort(np.arctan2(points[:, 1], points[:, 0]), kind="stable")
+    corner, following = points[order], np.roll(points[order], -1, axis=0)
+    edge = following - corner
+    length = np.maximum(np.linalg.norm(edge, axis=1), np.finfo(float).tiny)
+    normal = np.column_stack([edge[:, 1], -edge[:, 0]]) / length[:, None]
+    distance = np.abs(np.einsum("ij,ij->i", normal, corner))
+    away = np.einsum("ij,ij->i", normal, corner) < 0
+    normal[away] *= -1
+    real = length > SAME * np.linalg.norm(points, axis=1).max()
+    distance[~real] = np.inf
+    k = int(distance.argmin())
+    return float(distance[k]), normal[k]
 
 
 class _Region:
@@ -180,7 +212,7 @@ class _Region:
         wrench = gravity_wrench(self.program, direction @ self.across)
         limit = find_limit(self.program, wrench, wide=self.wide, most=STEEPEST)
         self.programs += 1
-        if limit is None:
+        if limit is None or limit.value < OUTSIDE:
             return False
         reach = min(limit.value, STEEPEST)
         self.points.append(max(reach, 0.0) * direction)
@@ -210,18 +242,7 @@ class _Region:
         points = np.array(self.points)
         if points.shape[1] == 1:
             return self.nearest, points[0]
-        order = np.argsort(np.arctan2(points[:, 1], points[:, 0]), kind="stable")
-        corner, following = points[order], np.roll(points[order], -1, axis=0)
-        edge = following - corner
-        length = np.maximum(np.linalg.norm(edge, axis=1), np.finfo(float).tiny)
-        normal = np.column_stack([edge[:, 1], -edge[:, 0]]) / length[:, None]
-        distance = np.abs(np.einsum("ij,ij->i", normal, corner))
-        away = np.einsum("ij,ij->i", normal, corner) < 0
-        normal[away] *= -1
-        real = length > SAME * np.linalg.norm(points, axis=1).max()
-        distance[~real] = np.inf
-        k = int(distance.argmin())
-        return float(distance[k]), normal[k]
+        return nearest_edge(points)
 
     def answer(self) -> TiltMargin | None:
         """The margin found."""

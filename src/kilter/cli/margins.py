@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
@@ -27,13 +28,16 @@ from kilter.cli.options import (
 from kilter.cli.output import Progress, as_json, emit, keep_apart, tell_warnings
 from kilter.cli.reading import contact_tolerance, read_assembly, reading_of
 from kilter.cli.text import LISTED, plain, table, vector
+from kilter.errors import InputError
 
 if TYPE_CHECKING:
     from kilter.analysis.margin import Margin
+    from kilter.analysis.uncertainty import Ranges
 
 __all__ = ["margin", "margin_text"]
 
 ASKED = "Which margins"
+UNSURE = "The worst case of tilt and load factor, where data are not exact"
 
 
 def margin(
@@ -79,6 +83,46 @@ def margin(
             show_default=False,
         ),
     ] = None,
+    mass_range: Annotated[
+        tuple[float, float] | None,
+        typer.Option(
+            "--mass-range",
+            metavar="LOW HIGH",
+            help="The mass of every free part by itself within these factors, as 0.9 1.1.",
+            rich_help_panel=UNSURE,
+            show_default=False,
+        ),
+    ] = None,
+    com_range: Annotated[
+        float | None,
+        typer.Option(
+            "--com-range",
+            metavar="LENGTH",
+            help="Every coordinate of every centre of mass plus or minus this.",
+            rich_help_panel=UNSURE,
+            show_default=False,
+        ),
+    ] = None,
+    mu_range: Annotated[
+        tuple[float, float] | None,
+        typer.Option(
+            "--mu-range",
+            metavar="LOW HIGH",
+            help="Every friction coefficient within these factors.",
+            rich_help_panel=UNSURE,
+            show_default=False,
+        ),
+    ] = None,
+    normal_tilt: Annotated[
+        float | None,
+        typer.Option(
+            "--normal-tilt",
+            metavar="DEG",
+            help="Every normal tilted by up to this, any way.",
+            rich_help_panel=UNSURE,
+            show_default=False,
+        ),
+    ] = None,
     budget: Budget = 1.0,
     json: Json = False,
     output: Output = None,
@@ -92,6 +136,9 @@ def margin(
     from kilter.analysis.margin import find_margin
 
     keep_apart(file, output)
+    if not (math.isfinite(budget) and budget >= 0):
+        raise InputError(f"--budget is {budget}", hint="give seconds, 0 or more")
+    ranges = _ranges(mass_range, com_range, mu_range, normal_tilt)
     reading = reading_of(ground, floor, without, down, friction, units, density)
     with Progress(quiet) as progress:
         progress("reading")
@@ -101,6 +148,7 @@ def margin(
             push=push,
             about=about,
             pushed=part,
+            ranges=ranges,
             tolerance=contact_tolerance(gap, angle, loose),
             budget=budget,
             progress=progress,
@@ -108,6 +156,25 @@ def margin(
     tell_warnings(found.warnings, quiet or json)
     emit(as_json(found.to_dict()) if json else margin_text(found), output)
     return 0
+
+
+def _ranges(
+    mass: tuple[float, float] | None,
+    com: float | None,
+    mu: tuple[float, float] | None,
+    normal_deg: float | None,
+) -> Ranges | None:
+    """The intervals that were asked about; None where none were."""
+    from kilter.analysis.uncertainty import Ranges
+
+    if mass is None and com is None and mu is None and normal_deg is None:
+        return None
+    return Ranges(
+        mass=mass or (1.0, 1.0),
+        center=com or 0.0,
+        mu=mu or (1.0, 1.0),
+        normal_deg=normal_deg or 0.0,
+    )
 
 
 def margin_text(margin: Margin) -> str:
@@ -120,6 +187,8 @@ def margin_text(margin: Margin) -> str:
     rows.append(["friction", _friction_words(margin)])
     if margin.load_factor is not None:
         rows.append(["load factor", _factor_words(margin)])
+    rows += _worst_rows(margin)
+    rows += [["helps" if k == 0 else "", one.sentence] for k, one in enumerate(margin.helps)]
     lines = [margin.verdict.sentence, "", *table(rows, indent="")]
     if margin.pushes:
         listed = sorted(margin.pushes, key=lambda push: push.force)[:LISTED]
@@ -135,6 +204,26 @@ def margin_text(margin: Margin) -> str:
             ]
         )
     return "\n".join(lines)
+
+
+def _worst_rows(margin: Margin) -> list[list[str]]:
+    """The worst case over intervals."""
+    worst = margin.uncertainty
+    if worst is None:
+        return []
+    exact = worst.kind == "exact"
+    if not worst.held:
+        words = "some are not held as given" if exact else "not shown that all are held as given"
+        rows = [["worst case", words]]
+    else:
+        words = "all are held as given" if worst.tilt_deg is None else f"{worst.tilt_deg:.6g} deg"
+        rows = [["worst case", f"{words} ({'exact' if exact else 'inner: at least that'})"]]
+    if worst.load_factor is not None:
+        ends = [
+            f"{end + 0.0:.6g}" if np.isfinite(end) else "unlimited" for end in worst.load_factor
+        ]
+        rows.append(["", f"load factor {ends[0]} to {ends[1]}"])
+    return rows
 
 
 def _moving(margin: Margin, limit: object) -> str:

@@ -13,6 +13,7 @@ from kilter.cli.options import (
     Down,
     File,
     Floor,
+    Friction,
     Gap,
     Ground,
     Json,
@@ -42,6 +43,7 @@ def orient(
     floor: Floor = None,
     without: Without = None,
     down: Down = None,
+    friction: Friction = None,
     units: Units = None,
     density: Density = None,
     gap: Gap = None,
@@ -61,12 +63,15 @@ def orient(
 ) -> int:
     """How could it be turned so that it stays: the stable orientation with the widest margin.
 
+    With friction: the middle of the directions for which forces that hold it exist; 'kilter
+    check --down' tells what is guaranteed there.
+
     Exit 0 found, 1 none exists (then the nearest to stable, and what moves there), 4 undecided.
     """
-    from kilter.analysis.orientation import orient as find
+    from kilter.analysis.friction_orientation import orient_with_friction as find
 
     keep_apart(file, output)
-    reading = reading_of(ground, floor, without, down, None, units, density)
+    reading = reading_of(ground, floor, without, down, friction, units, density)
     with Progress(quiet) as progress:
         progress("reading")
         assembly = read_assembly(file, reading)
@@ -101,6 +106,7 @@ def region(
     floor: Floor = None,
     without: Without = None,
     down: Down = None,
+    friction: Friction = None,
     units: Units = None,
     density: Density = None,
     gap: Gap = None,
@@ -110,22 +116,28 @@ def region(
     output: Output = None,
     quiet: Quiet = False,
 ) -> int:
-    """Every direction of gravity for which it stays: exactly, with a proof for each boundary."""
-    from kilter.analysis.region import common_region, find_region
+    """Every direction of gravity for which it stays: exactly, with a proof for each boundary.
+
+    With friction, those for which forces that hold it exist, between rays inside and facets
+    outside; --common leaves friction out.
+    """
+    from kilter.analysis.friction_region import find_region_with_friction
+    from kilter.analysis.region import common_region
 
     if len(files) > 1 and not common:
         raise InputError(f"{len(files)} files are given", hint="add --common, or give one")
     for file in files:
         keep_apart(file, output)
-    reading = reading_of(ground, floor, without, down, None, units, density)
+    reading = reading_of(ground, floor, without, down, friction, units, density)
     tolerance = contact_tolerance(gap, angle, loose)
     with Progress(quiet) as progress:
         progress("reading")
         assemblies = [read_assembly(file, reading) for file in files]
-        if common:
-            answer = common_region(assemblies, tolerance=tolerance, progress=progress)
-        else:
-            answer = find_region(assemblies[0], tolerance=tolerance, progress=progress)
+        answer = (
+            common_region(assemblies, tolerance=tolerance, progress=progress)
+            if common
+            else find_region_with_friction(assemblies[0], tolerance=tolerance, progress=progress)
+        )
     tell_warnings(answer.warnings, quiet or json)
     if json:
         emit(as_json(answer.to_dict()), output)

@@ -9,6 +9,7 @@ import numpy as np
 from kilter.cli.text import LISTED, moving_lines, table, vector
 
 if TYPE_CHECKING:
+    from kilter.analysis.friction_region import FrictionRegion
     from kilter.analysis.orientation import Orientation
     from kilter.analysis.region import Region
 
@@ -26,6 +27,8 @@ KINDS = {
     "half-space": "The stable directions of gravity are a half-space.",
     "all": "Every direction of gravity is stable: it is locked.",
 }
+
+HELD = "With friction, where forces that hold it exist ('kilter check --down' tells the rest):"
 
 
 def orient_text(answer: Orientation) -> str:
@@ -71,10 +74,15 @@ def _nearest(answer: Orientation) -> list[list[str]]:
     ]
 
 
-def region_text(region: Region) -> str:
+def region_text(region: Region | FrictionRegion) -> str:
     """The answer of `kilter region`."""
+    from kilter.analysis.friction_region import FrictionRegion
+
     head = KINDS[region.kind]
-    if not region.exact:
+    rubs = isinstance(region, FrictionRegion)
+    if rubs:
+        head = f"{HELD} {head.replace('stable', 'held')}"
+    elif not region.exact:
         head = f"Without friction and contacts not modelled: {head[0].lower()}{head[1:]}"
     lines = [head, ""]
     rows = [["kind", f"{region.kind}, dimension {region.dimension}"]]
@@ -83,6 +91,10 @@ def region_text(region: Region) -> str:
         rows.append(["center", f"{vector(region.center)}: the direction with the widest margin"])
     if half is not None:
         rows.append(["half angle", f"{half:.6g} deg, of the widest circular cone inside"])
+    if isinstance(region, FrictionRegion) and region.gap_deg is not None:
+        rows.append(
+            ["gap", f"{region.gap_deg:.3g} deg at most between rays inside, facets outside"]
+        )
     for name, what, vectors in (
         ("lines", "both senses stable", region.lines),
         ("rays", "extreme directions", region.rays),

@@ -1,0 +1,199 @@
+"""Directions that friction can hold: closed forms, `judge` on both sides, and limits."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+from margins import program_of, small_assembly
+
+import kilter
+from kilter.analysis.friction_cone import friction_cone
+from kilter.analysis.friction_orientation import orient_with_friction
+from kilter.analysis.friction_region import find_region_with_friction
+from kilter.analysis.region import find_region
+from kilter.analysis.stability import judge
+from kilter.analysis.stable_cone import stable_cone
+from kilter.cli import main
+from kilter.errors import InputError
+from kilter.scenes import friction, paper, stacks, walls
+from kilter.scenes.pieces import block, floor
+
+
+def table(mu: float, **options) -> kilter.Assembly:
+    """A flat block on a table."""
+    parts = [floor([-5, -5], [5, 5]), block("slab", [-2, -2, 0], [2, 2, 0.5])]
+    return kilter.Assembly(parts, friction=mu, **options)
+
+
+@pytest.mark.parametrize("mu", [0.05, 0.5, 1.5])
+def test_a_block_on_a_table_has_a_circular_cone(mu):
+    found = friction_cone(program_of(table(mu)))
+    half = np.degrees(np.arctan(mu))
+    assert not found.exact
+    assert np.degrees(found.gap) <= 0.1
+    assert half - 0.1 <= found.inner.half_angle_deg <= half + 1e-6
+    assert found.inner.center == pytest.approx([0, 0, -1], abs=1e-3)
+    # every ray inside, every facet outside the circle
+    assert (-found.inner.rays[:, 2] >= np.cos(np.radians(half)) - 1e-9).all()
+    sine = found.facets @ [0, 0, -1.0]
+    assert (np.degrees(np.arcsin(sine)) >= half - np.degrees(found.slack) - 1e-6).all()
+    assert all(proof.holds for _, proof in (*found.forces, *found.motions))
+
+
+@pytest.mark.parametrize("gap", [2.0, 0.5, 0.02])
+def test_the_gap_is_what_was_asked_for(gap):
+    found = friction_cone(program_of(table(0.5)), gap_deg=gap)
+    assert np.degrees(found.gap) <= gap
+
+
+@pytest.mark.parametrize("mu", [0.2, 0.7])
+def test_in_a_plane_it_is_exact(mu):
+    found = friction_cone(program_of(table(mu, planar=True)))
+    assert found.exact
+    assert found.gap == 0.0
+    assert found.inner.kind == "fan"
+    assert found.inner.half_angle_deg == pytest.approx(np.degrees(np.arctan(mu)), abs=1e-7)
+    assert all(proof.holds for _, proof in (*found.forces, *found.motions))
+
+
+def agrees_with_judge(assembly, count, seed=0):
+    """Directions all around, and near the boundary; those within the gap are left out."""
+    program = program_of(assembly)
+    found = friction_cone(program, gap_deg=0.3)
+    size = float(np.linalg.norm(program.gravity))
+    random = np.random.default_rng(seed)
+    directions = random.normal(size=(count, 3))
+    rays = np.array([ray for ray, _ in found.forces])
+    near = rays[random.integers(0, len(rays), size=count)]
+    scatter = random.uniform(0, 0.2, size=(count, 1))
+    directions = np.where(random.random((count, 1)) < 0.7, near + scatter * directions, directions)
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    held, excluded = found.held(directions), found.excluded(directions)
+    assert not (held & excluded).any()
+    for down, inside, outside in zip(directions, held, excluded, strict=True):
+        if inside or outside:
+            assert judge(program.with_rows(gravity=size * down)).stable is bool(inside)
+    return held, excluded
+
+
+SCENES = {
+    "table": lambda: table(0.4),
+    "tower": lambda: stacks.tower(2, friction=0.7),
+    "trough": lambda: friction.trough(),
+    "pile": lambda: small_assembly(4),
+    "leaning-plates": lambda: friction.a_block(20.0, friction=0.3),
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_membership_agrees_with_judge(name):
+    held, excluded = agrees_with_judge(SCENES[name](), 60)
+    assert (held | excluded).mean() > 0.8
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SCENES)
+def test_membership_agrees_with_judge_on_many_directions(name):
+    agrees_with_judge(SCENES[name](), 1000, seed=1)
+
+
+def test_the_cone_grows_with_friction():
+    """The rays held with less friction are not excluded with more; some beyond are new."""
+    before = None
+    for mu in (0.1, 0.3, 0.6):
+        found = friction_cone(program_of(stacks.tower(2, friction=mu)))
+        if before is not None:
+            rays = before.inner.rays
+            assert not found.excluded(rays).any()
+            assert found.inner.half_angle_deg > before.inner.half_angle_deg
+        before = found
+
+
+def test_without_friction_it_is_the_polyhedral_cone_and_near_it_with_little():
+    """Three boxes in a corner: a cone with a tip; friction 1e-3 widens it by about 0.057 deg."""
+    from kilter.scenes import wedges
+
+    program = program_of(wedges.corner_boxes(1))
+    exact = stable_cone(program).cone
+    assert friction_cone(program).inner.rays == pytest.approx(exact.rays)
+    rough = program.with_rows(mu=np.full(len(program.mu), 1e-3))
+    found = friction_cone(rough, gap_deg=0.02)
+    assert not found.excluded(exact.rays).any()
+    sine = (found.inner.rays @ exact.facets.T).min()
+    assert -3e-3 < sine < 0
+    assert exact.half_angle_deg < found.inner.half_angle_deg < exact.half_angle_deg + 0.2
+
+
+def test_kinds_wider_than_a_cone():
+    """Squeezed between walls any direction is held; a free block none."""
+    assert friction_cone(program_of(friction.h_block(friction=0.5))).inner.kind == "all"
+    loose = kilter.Assembly(
+        [
+            floor([-1, -1], [1, 1]),
+            block("a", [0, 0, 2], [1, 1, 3]),
+            block("b", [0, 0, 3], [1, 1, 4]),
+        ],
+        friction=0.5,
+    )
+    region = find_region_with_friction(loose)
+    assert region.kind == "none"
+    assert region.none
+    assert orient_with_friction(loose).verdict == "none"
+
+
+def test_loads_are_refused():
+    program = program_of(table(0.5))
+    applied = program.applied.copy()
+    applied[1, 0] = 1.0
+    with pytest.raises(InputError, match="no cone"):
+        friction_cone(program.with_rows(applied=applied))
+
+
+def test_where_no_contact_has_friction_nothing_changes():
+    smooth = paper.figure_11()
+    region, same = find_region_with_friction(smooth), find_region(smooth)
+    assert type(region) is type(same)
+    one, other = region.to_dict(), same.to_dict()
+    one.pop("seconds")
+    other.pop("seconds")
+    assert one == other
+
+
+def test_orient_takes_the_middle_and_says_what_it_promises():
+    answer = orient_with_friction(stacks.block_on_slope(35.0, friction=0.5))
+    assert answer.found
+    normal = -np.array([np.sin(np.radians(35)), 0, np.cos(np.radians(35))])
+    assert answer.down == pytest.approx(normal, abs=2e-3)
+    assert answer.tilt_margin_deg == pytest.approx(np.degrees(np.arctan(0.5)), abs=0.1)
+    assert "Forces that hold it exist" in answer.sentence
+
+
+def test_a_wall_of_a_few_bricks_leans_as_far_as_its_margin():
+    from kilter.analysis.tilt_margin import find_tilt_margin
+
+    wall = walls.wall(3, 2, friction=0.5)
+    program = program_of(wall)
+    found = friction_cone(program, gap_deg=0.2)
+    margin = np.degrees(find_tilt_margin(program).angle)
+    nearest = np.degrees(np.arcsin((found.inner.facets @ wall.down).min()))
+    assert margin - 0.2 <= nearest <= margin + 1e-6
+
+
+def test_commands_take_friction(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    kilter.dump(dataclasses.replace(table(0.0)), "slab.json")
+    assert main(["region", "slab.json", "--friction", "0.5", "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["exact"] is False
+    assert 0 < answer["gap_deg"] <= 0.1
+    assert answer["kind"] == "cone"
+    assert answer["proved"]
+    assert main(["orient", "slab.json", "--friction", "0.5", "--quiet"]) == 0
+    assert "Forces that hold it exist" in capsys.readouterr().out
+    assert main(["region", "slab.json", "--friction", "0.5", "--quiet"]) == 0
+    assert "deg at most between rays inside, facets outside" in capsys.readouterr().out
+    assert main(["region", "slab.json", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["exact"] is True

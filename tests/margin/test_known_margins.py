@@ -1,0 +1,263 @@
+"""Margins with closed forms or published values, and disturbances on both sides of them."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from judged import judged
+from margins import by_points, force_of, leaning, loaded, program_of, small_assembly
+
+from kilter.analysis.least_friction import find_least_friction
+from kilter.analysis.load_limit import find_limit, with_more
+from kilter.analysis.pushes import find_weakest_push
+from kilter.analysis.stability import judge
+from kilter.analysis.tilt_margin import (
+    find_nearest_held,
+    find_tilt_margin,
+    gravity_wrench,
+    tilt_about,
+)
+from kilter.assembly import Load
+from kilter.scenes import arches, friction, rounds, stacks, walls
+
+HOLDS = ("stable", "potentially-stable")
+X = np.array([1.0, 0.0, 0.0])
+
+
+def factor(assembly, along=X) -> float:
+    """The greatest body force in a direction, in weights."""
+    program = program_of(assembly)
+    limit = find_limit(program, gravity_wrench(program, np.asarray(along, dtype=float)))
+    assert limit is not None
+    assert limit.forces.holds
+    assert limit.mechanism is not None
+    assert limit.mechanism.holds
+    return limit.value
+
+
+@pytest.mark.parametrize(
+    ("number", "published"),
+    [
+        (1, 0.64286),
+        (2, 0.58000),
+        (3, 0.40369),
+        (4, 0.33195),
+        (5, 0.23964),
+        pytest.param(6, 0.34782, marks=pytest.mark.slow),
+    ],
+)
+def test_load_factor_of_the_walls_of_ferris_and_tin_loi(number, published):
+    assert factor(walls.ferris_tin_loi(number)) == pytest.approx(published, abs=6e-6)
+
+
+@pytest.mark.parametrize(
+    ("count", "sectors", "known"),
+    [
+        (7, True, 0.370010),
+        (13, True, 0.358076),
+        (28, True, 0.354686),
+        (7, False, 0.373612),
+        (13, False, 0.358857),
+        (28, False, 0.354868),
+        pytest.param(100, True, 0.353489, marks=pytest.mark.slow),
+        pytest.param(100, False, 0.353503, marks=pytest.mark.slow),
+    ],
+)
+def test_load_factor_of_the_arch_of_oppenheim(count, sectors, known):
+    assert factor(arches.oppenheim_arch(count, sectors=sectors)) == pytest.approx(known, abs=6e-7)
+
+
+@pytest.mark.parametrize(
+    ("count", "ratio", "sectors", "known"),
+    [
+        (27, 0.15, True, 0.145104),
+        (27, 0.15, False, 0.145338),
+        pytest.param(100, 0.2, True, 0.283792, marks=pytest.mark.slow),
+        pytest.param(100, 0.2, False, 0.283809, marks=pytest.mark.slow),
+    ],
+)
+def test_load_factor_of_a_semicircle(count, ratio, sectors, known):
+    arch = arches.arch(count, ratio=ratio, sectors=sectors, friction=10.0)
+    assert factor(arch) == pytest.approx(known, abs=6e-7)
+
+
+@pytest.mark.parametrize(("sectors", "least"), [(True, 0.10746), (False, 0.10735)])
+def test_least_thickness_of_a_semicircle(sectors, least):
+    """Held just above the least thickness, with nothing left for a push; not held below."""
+    below, above = (
+        program_of(arches.arch(20, ratio=least + step, sectors=sectors)) for step in (-2e-5, 2e-5)
+    )
+    assert judge(below).stable is False
+    assert judge(above).stable is True
+    assert find_limit(below, gravity_wrench(below, X)) is None
+    spare = find_limit(above, gravity_wrench(above, X))
+    assert spare is not None
+    assert 0.0 < spare.value < 1e-3
+
+
+@pytest.mark.parametrize("count", [1, 2, 5])
+def test_a_tower_topples_at_one_over_its_height(count):
+    tower = stacks.tower(count, friction=2.0)
+    found = find_tilt_margin(program_of(tower))
+    assert np.tan(found.angle) == pytest.approx(1 / count, rel=1e-8)
+    assert found.lower == pytest.approx(found.angle, rel=1e-8)
+    aside = found.down - (found.down @ tower.down) * tower.down
+    aside = aside / np.linalg.norm(aside)
+    degrees = float(np.degrees(found.angle))
+    assert judged(leaning(tower, aside, degrees - 0.01), budget=0.1).verdict in HOLDS
+    assert judged(leaning(tower, aside, degrees + 0.01), budget=0.1).verdict == "unstable"
+
+
+@pytest.mark.parametrize("count", [2, 4])
+def test_a_staircase_is_at_its_limit_where_nothing_is_left_to_lean(count):
+    """Case S3: held up to an offset of 1 / (n + 1), and there the margin ends."""
+    limit = 1 / (count + 1)
+    program = program_of(dataclasses.replace(stacks.staircase(count, offset=limit), friction=2.0))
+    at = find_limit(program, gravity_wrench(program, X))
+    assert at is not None
+    assert at.value == pytest.approx(0.0, abs=1e-7)
+    share = 0.9
+    inside = dataclasses.replace(stacks.staircase(count, offset=share * limit), friction=2.0)
+    # the pile of n cubes leans on the edge of the base: arm of its centre over its height
+    arm = 0.5 - share * limit * (count + 1) / 2
+    assert factor(inside) == pytest.approx(arm / (count / 2), abs=1e-7)
+
+
+@pytest.mark.parametrize("mu", [0.15, 0.6])
+def test_books_are_held_from_a_least_force(mu):
+    """Case S6, as a load factor of the force on the end plate: sliding, then opening joints."""
+    n, weight, thickness, height = 6, 9.81, 0.05, 0.25
+    least = max(n * weight / (2 * mu), n**2 * weight * thickness / (8 * height))
+    row = friction.books(n, force=2 * least, friction=mu)
+    program = program_of(row)
+    base = program.with_rows(applied=np.zeros_like(program.applied))
+    # how much of the force may be taken away
+    found = find_limit(program, -program.applied)
+    assert found is not None
+    assert found.value == pytest.approx(0.5, abs=1e-7)
+    assert find_limit(base, 0.0 * program.applied) is None  # it is not held without
+    for share, verdicts in ((1.001, HOLDS), (0.999, ("unstable",))):
+        given = friction.books(n, force=share * least, friction=mu)
+        assert judged(given, budget=0.1).verdict in verdicts
+
+
+@pytest.mark.parametrize(("mu", "degrees"), [(0.6, 10.4915), (0.15, 8.5308)])
+def test_a_wall_leans_out_of_its_plane(mu, degrees):
+    wall = walls.tilted_wall(0.0, friction=mu, courses=9, per_course=3)
+    turned, limit = tilt_about(program_of(wall), np.array([1.0, 0.0, 0.0]))
+    assert np.degrees(turned) == pytest.approx(degrees, abs=5e-5)
+    assert limit.mechanism.holds
+    for step, verdicts in ((-0.01, HOLDS), (0.01, ("unstable",))):
+        tilted = walls.tilted_wall(degrees + step, friction=mu, courses=9, per_course=3)
+        assert judged(tilted, budget=0.1).verdict in verdicts
+
+
+@pytest.mark.parametrize("courses", [10, pytest.param(32, marks=pytest.mark.slow)])
+def test_tilt_margin_of_a_wall_is_that_of_its_depth(courses):
+    wall = walls.wall(courses, 3, friction=0.7)
+    depth, height = 0.1, courses * 0.06
+    found = find_tilt_margin(program_of(wall))
+    assert found.angle == pytest.approx(np.arctan(depth / height), abs=1e-8)
+    assert found.lower == pytest.approx(found.angle, abs=1e-8)
+    assert abs(found.down[1]) == pytest.approx(np.sin(found.angle), abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("pile", "least"),
+    [
+        (rounds.three_cylinders(), 2 - np.sqrt(3)),
+        (rounds.four_spheres(), np.sqrt(3) - np.sqrt(2)),
+    ],
+    ids=["three-cylinders", "four-spheres"],
+)
+def test_least_friction_of_piles_of_round_things(pile, least):
+    found = find_least_friction(program_of(by_points(pile)))
+    assert found.value == pytest.approx(least, abs=1e-6)
+    assert found.lower == pytest.approx(least, abs=1e-6)
+    assert found.forces.holds
+    assert found.mechanism.holds
+
+
+def test_least_friction_of_a_squeezed_block_is_any_above_zero():
+    found = find_least_friction(program_of(friction.h_block()))
+    assert (found.value, found.attained) == (0.0, False)
+    assert find_least_friction(program_of(friction.v_block())).attained
+
+
+@pytest.mark.parametrize("degrees", [5.0, 15.0])
+def test_least_friction_between_leaning_plates(degrees):
+    least = np.tan(np.radians(degrees))
+    found = find_least_friction(program_of(friction.a_block(degrees, planar=True)))
+    assert found.value == pytest.approx(least, abs=1e-6)
+    for share, verdicts in ((1.001, HOLDS), (0.999, ("unstable",))):
+        block = friction.a_block(degrees, friction=share * least)
+        assert judged(block, budget=0.1).verdict in verdicts
+
+
+def test_a_push_a_little_less_is_held_and_a_little_more_is_not():
+    """The enclosure of the weakest push is a percent wide where the limits are round."""
+    tower = stacks.tower(2, friction=0.3)
+    for part in (1, 2):
+        push = find_weakest_push(program_of(tower), part)
+        assert 0.99 * push.force <= push.lower <= push.force
+        assert push.force < force_of(tower, tower.names[part])
+        for force, verdicts in ((0.999 * push.lower, HOLDS), (1.001 * push.force, ("unstable",))):
+            load = Load(tower.names[part], force=force * push.direction)
+            pushed = dataclasses.replace(tower, loads=[load])
+            assert judged(pushed, budget=0.1).verdict in verdicts
+
+
+@pytest.mark.parametrize("number", [1, 5])
+def test_a_load_a_little_less_is_held_and_a_little_more_is_not(number):
+    wall = walls.ferris_tin_loi(number)
+    limit = factor(wall)
+    program = program_of(wall)
+    for step, stable in ((-1e-4, True), (1e-4, False)):
+        more = with_more(program, gravity_wrench(program, X), limit + step)
+        assert judge(more).stable is stable
+
+
+@pytest.mark.parametrize("seed", range(50))
+def test_the_conic_limit_is_where_the_verdict_changes(seed):
+    """`judge` on both sides of it, and by bisection from far away."""
+    program = program_of(small_assembly(seed))
+    random = np.random.default_rng(seed)
+    along = random.normal(size=3) * [1, 1, 0.3]
+    wrench = gravity_wrench(program, along / np.linalg.norm(along))
+    limit = find_limit(program, wrench)
+    if judge(program).stable is False:
+        assert limit is None
+        return
+    low, high = 0.0, 4.0
+    if judge(with_more(program, wrench, high)).stable:  # pressed down more than aside
+        assert limit.value > high
+        return
+    while high - low > 1e-4:
+        middle = 0.5 * (low + high)
+        verdict = judge(with_more(program, wrench, middle)).stable
+        assert verdict is not None
+        low, high = (middle, high) if verdict else (low, middle)
+    assert low - 1e-6 <= limit.value <= high + 1e-6
+    for step, stable in ((-1e-6, True), (1e-6, False)):
+        assert judge(with_more(program, wrench, limit.value + step)).stable is stable
+
+
+def test_a_body_force_in_the_file_is_the_same_as_one_that_is_asked_about():
+    tower = stacks.tower(2, friction=2.0)
+    assert factor(tower) == pytest.approx(0.5, abs=1e-8)
+    assert judged(loaded(tower, X, 0.4999), budget=0.1).verdict in HOLDS
+    assert judged(loaded(tower, X, 0.5001), budget=0.1).verdict == "unstable"
+
+
+@pytest.mark.parametrize("planar", [False, True])
+def test_what_is_not_held_as_given_has_no_tilt_margin_but_a_way_back(planar):
+    """A block past its edge: the distance to the nearest held direction, negative."""
+    slope = dataclasses.replace(stacks.block_on_slope(50.0, friction=3.0), planar=planar)
+    program = program_of(slope)
+    assert find_tilt_margin(program) is None
+    assert find_weakest_push(program, 1) is None
+    turn, down = find_nearest_held(program)
+    assert np.degrees(turn) == pytest.approx(5.0, abs=1e-5)
+    assert judge(program.with_rows(gravity=9.81 * down)).stable is not False

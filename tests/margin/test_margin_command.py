@@ -1,0 +1,94 @@
+"""`kilter margin`: keys of its JSON, its words, and what it refuses."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kilter
+from kilter.cli import main
+from kilter.scenes import stacks
+
+KEYS = {
+    "verdict", "guarantee", "units", "down", "tilt_deg", "tilt_lower_deg", "tilt_down",
+    "tilt_limit", "about", "friction", "friction_limit", "load_factor", "load_limits", "pushes",
+    "uncertainty", "helps", "warnings", "seconds",
+}  # fmt: skip
+
+
+@pytest.fixture
+def tower(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    monkeypatch.chdir(tmp_path)
+    kilter.dump(stacks.tower(2, friction=0.6), "tower.json")
+    return "tower.json"
+
+
+def answered(capsys: pytest.CaptureFixture[str], *words: str) -> dict:
+    capsys.readouterr()
+    assert main([*words, "--json"]) == 0
+    out, error = capsys.readouterr()
+    assert error == ""
+    return json.loads(out)
+
+
+def test_json_has_all_keys_and_the_numbers_of_a_tower(tower, capsys):
+    answer = answered(
+        capsys, "margin", tower, "--push", "1", "0", "0", "--about", "0", "1", "0",
+        "--part", "cube-2", "--budget", "0.1",
+    )  # fmt: skip
+    assert set(answer) == KEYS
+    assert answer["tilt_deg"] == pytest.approx(np.degrees(np.arctan(0.5)), abs=1e-7)
+    assert answer["about"]["tilt_deg"] == pytest.approx(np.degrees(np.arctan(0.5)), abs=1e-7)
+    assert answer["load_factor"] == pytest.approx([-0.5, 0.5], abs=1e-7)
+    assert answer["friction"] == 0.0
+    assert [push["part"] for push in answer["pushes"]] == ["cube-2"]
+    assert np.linalg.norm(answer["tilt_down"]) == pytest.approx(1.0)
+
+
+def test_the_text_says_what_starts_to_move(tower, capsys):
+    assert main(["margin", tower, "--quiet", "--budget", "0.1"]) == 0
+    text = capsys.readouterr().out
+    assert "26.5651 deg to the nearest direction that fails" in text
+    assert "start to move" in text
+    assert "none is needed" in text
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--part", "base"], "held"),
+        (["--part", "cube-9"], "cube-9"),
+        (["--push", "0", "0", "0"], "push"),
+        (["--push", "nan", "0", "0"], "push"),
+        (["--about", "0", "0", "1"], "not across gravity"),
+        (["--about", "0", "0", "0"], "axis"),
+        (["--mass-range", "1.1", "0.9"], "empty"),
+        (["--mass-range", "0", "1"], "mass range"),
+        (["--mu-range", "1.2", "1.1"], "empty"),
+        (["--mu-range", "-0.1", "1"], "mu range"),
+        (["--com-range", "-0.1"], "com range"),
+        (["--com-range", "inf"], "com range"),
+        (["--normal-tilt", "-1"], "normal tilt"),
+        (["--normal-tilt", "90"], "normal tilt"),
+        (["--budget", "-1"], "--budget"),
+    ],
+)
+def test_wrong_input_is_refused_in_one_line(tower, capsys, words, said):
+    capsys.readouterr()
+    assert main(["margin", tower, *words]) == 2
+    out, error = capsys.readouterr()
+    assert out == ""
+    assert error.count("\n") == 1
+    assert said in error
+
+
+@pytest.mark.parametrize("part", ["base", "nobody"])
+def test_a_load_on_a_held_or_unknown_part_is_refused(tower, capsys, part):
+    data = json.loads(Path(tower).read_text())
+    data["loads"] = [{"part": part, "force": [1, 0, 0]}]
+    Path(tower).write_text(json.dumps(data))
+    assert main(["margin", tower]) == 2
+    assert part in capsys.readouterr().err
