@@ -36,17 +36,20 @@ def find_overlaps(
     """Pairs that share volume, and warnings that name them."""
     a, b = touching.pairs.T
     both_convex = facets.convex_part[a] & facets.convex_part[b]
-    grow = touching.tolerance[:, None]
+    # tessellations of curved faces enter each other by their sagittas
+    tolerance = touching.tolerance + geometry.slack[a] + geometry.slack[b]
+    grow = tolerance[:, None]
     deep = (boxes.part_high[a] - boxes.part_low[b] > grow).all(axis=1)
     deep &= (boxes.part_high[b] - boxes.part_low[a] > grow).all(axis=1)
     rows = np.flatnonzero(deep & ~(both_convex & touching.has_patch))
-    found = []
+    found = list({overlap.parts: overlap for overlap in touching.curved.overlaps}.values())
+    known = {overlap.parts for overlap in found}
     for row in rows:
         one, other = (int(k) for k in touching.pairs[row])
         overlap = _overlap(
-            geometry, facets, one, other, float(touching.tolerance[row]), bool(both_convex[row])
+            geometry, facets, one, other, float(tolerance[row]), bool(both_convex[row])
         )
-        if overlap is not None:
+        if overlap is not None and overlap.parts not in known:
             found.append(overlap)
     names = assembly.names
     warnings = []
