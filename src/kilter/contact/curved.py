@@ -365,6 +365,8 @@ def _place(
     zone = limit + float(np.sqrt(2 * form.bend[0] * (limit + 2 * slack)))
     names = (i, -1) if plane else (i, j)
     turned = bool(pairs.turned[row])
+    if what == SAME and surfaces.hollow[i]:  # the normals of a socket are those of the ball
+        names, turned = (j, i), not turned
     _keep(scene, made, pair, names, (low, high), limit, spots, zone, turned)
 
 

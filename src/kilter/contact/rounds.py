@@ -28,7 +28,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kilter.contact.clip import clip_convex, polygon_area
+from kilter.contact.clip import clip_convex, polygon_area, tidy
+from kilter.contact.outline import convex_hull
 from kilter.contact.trim import TURN, frame_of
 
 __all__ = [
@@ -57,6 +58,8 @@ HALVINGS = 30
 """Halvings that find the end of an arc."""
 LEANS = 1e-9
 """Normals that lean on the axis less than this lie across it [-]."""
+SAME = 1e-7
+"""Corners of a cone of directions closer than this part of its width are one."""
 FLAT = 1e-9
 """A face of a hull closer to the centre than this passes through it [-]."""
 
@@ -279,6 +282,7 @@ def _extreme(corners: Array, mean: Array, blur: float) -> tuple[Array, Array]:
     lowest = float((rays @ middle).min())
     if lowest <= FLAT * 10:  # half of the sphere
         return np.vstack([_spread(rays), middle]), _NONE
+    rays = _corners_of(rays, middle)
     circle = _as_circle(rays)
     if circle is not None:
         axis, lean = circle
@@ -286,6 +290,18 @@ def _extreme(corners: Array, mean: Array, blur: float) -> tuple[Array, Array]:
         return np.vstack([made.normals, axis]), made.outer_normals
     tilted = rays + blur * (rays - (rays @ middle)[:, None] * middle)
     return np.vstack([rays, middle]), tilted / np.linalg.norm(tilted, axis=1)[:, None]
+
+
+def _corners_of(rays: Array, middle: Array) -> Array:
+    """Rays without those between two others, about a middle one."""
+    u, v = (x[0] for x in frame_of(middle[None]))
+    depth = rays @ middle
+    hull = convex_hull(np.column_stack([rays @ u / depth, rays @ v / depth]))
+    size = float(np.ptp(hull, axis=0).max())
+    tidied, count = tidy(hull[None], np.array([len(hull)]), np.array([SAME * size]))
+    flat = tidied[0, : count[0]]
+    corners = middle + flat[:, :1] * u + flat[:, 1:] * v
+    return corners / np.linalg.norm(corners, axis=1)[:, None]
 
 
 def _spread(corners: Array) -> Array:
