@@ -352,7 +352,13 @@ def _boundaries(
     first = np.searchsorted(group, np.arange(count))
     loops, length, whole = _loops(triangles, group, count, inner)
     normal, _, _ = _planes(vertices[triangles], group, count)
-    convex = whole & _turning_left(vertices, loops, length, normal, tolerance[first])
+    convex = whole.copy()
+    for low, high in ((2, 4), (4, 12), (12, 48), (48, 1 << 62)):  # little padding each
+        k = np.flatnonzero(whole & (length > low) & (length <= high))
+        width = int(length[k].max(initial=3))
+        convex[k] = _turning_left(
+            vertices, loops[k, :width], length[k], normal[k], tolerance[first[k]]
+        )
     blocks: list[Block] = []
     for size in np.unique(length[convex]):
         chosen = np.flatnonzero(convex & (length == size))

@@ -7,6 +7,7 @@ decides; it also tells apart parts that only an edge against an edge separates.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 from kilter.contact.broad import Boxes
 from kilter.contact.contact_set import Overlap
 from kilter.contact.facets import Facets
+from kilter.contact.round import in_patch
 from kilter.geometry import Geometry
 
 if TYPE_CHECKING:
@@ -25,6 +27,8 @@ __all__ = ["find_overlaps"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
+
+Settled = Callable[[Array], NDArray[np.bool_]]
 
 PROBES = 300
 """Corners of a part that is not convex that are looked for inside another."""
@@ -47,8 +51,11 @@ def find_overlaps(
     for row in rows:
         one, other = (int(k) for k in touching.pairs[row])
         overlap = _overlap(
-            geometry, facets, one, other, float(tolerance[row]), bool(both_convex[row])
-        )
+            geometry, facets, (one, other), float(tolerance[row]), bool(both_convex[row]),
+            lambda probes, row=row, slack=2 * tolerance[row]: in_patch(
+                geometry, touching.curved, row, probes, slack
+            ),
+        )  # fmt: skip
         if overlap is not None and overlap.parts not in known:
             found.append(overlap)
     names = assembly.names
@@ -66,14 +73,20 @@ def find_overlaps(
 
 
 def _overlap(
-    geometry: Geometry, facets: Facets, a: int, b: int, tolerance: float, convex: bool
+    geometry: Geometry,
+    facets: Facets,
+    parts: tuple[int, int],
+    tolerance: float,
+    convex: bool,
+    settled: Settled,
 ) -> Overlap | None:
+    a, b = parts
     if _identical(geometry, a, b):
         volume = float(geometry.volume[a])
         return Overlap((a, b), volume, float(min(geometry.size[[a, b]])), "are the same body twice")
     if convex:
         return _convex_overlap(geometry, facets, a, b, tolerance)
-    depth = max(_depth(geometry, a, b, tolerance), _depth(geometry, b, a, tolerance))
+    depth = max(_depth(geometry, a, b, settled), _depth(geometry, b, a, settled))
     if depth <= tolerance:
         return None
     return Overlap((a, b), None, depth, "overlap")
@@ -142,8 +155,11 @@ def _ball(
     return Overlap(parts, volume, depth, "overlap")
 
 
-def _depth(geometry: Geometry, a: int, b: int, tolerance: float) -> float:
-    """How deep a corner or edge middle of part a lies inside part b."""
+def _depth(geometry: Geometry, a: int, b: int, settled: Settled) -> float:
+    """How deep a corner or edge middle of part a lies inside part b.
+
+    Points that are `settled` lie on a curved face that touches.
+    """
     corners = _corners(geometry, a)
     span = slice(geometry.triangle_start[a], geometry.triangle_start[a + 1])
     own = geometry.vertices[geometry.triangles[span]]
@@ -153,6 +169,7 @@ def _depth(geometry: Geometry, a: int, b: int, tolerance: float) -> float:
     other = _corners(geometry, b)
     low, high = other.min(axis=0), other.max(axis=0)
     probes = probes[((probes > low) & (probes < high)).all(axis=1)]
+    probes = probes[~settled(probes)]
     if len(probes) > PROBES:
         probes = probes[:: len(probes) // PROBES + 1]
     if not len(probes):

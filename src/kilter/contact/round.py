@@ -25,7 +25,7 @@ from kilter.geometry import Geometry
 from kilter.rigid import cross
 from kilter.surfaces import CONE, CYLINDER, FREE, SPHERE, TORUS, Surfaces
 
-__all__ = ["RoundContacts", "beside_curved", "explained", "no_round_contacts", "rim_contacts", "round_contacts"]
+__all__ = ["RoundContacts", "beside_curved", "explained", "in_patch", "no_round_contacts", "rim_contacts", "round_contacts"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -89,6 +89,18 @@ def explained(
     for patch in range(int(first), int(last)):
         corners = patches.points[patches.start[patch] : patches.start[patch + 1]]
         held |= on_flat(points, corners, patches.normal[patch], slack)
+    return held
+
+
+def in_patch(
+    geometry: Geometry, curved: CurvedContacts, pair: int, points: Array, slack: float
+) -> Mask:
+    """Points, shape (n, 3), on a curved face that touches all over."""
+    held = np.zeros(len(points), dtype=bool)
+    first, last = np.searchsorted(curved.pair, [pair, pair + 1])
+    for patch in range(int(first), int(last)):
+        if curved.area[patch] > 0:
+            held |= _on_curved(geometry, curved, patch, points, slack)
     return held
 
 
