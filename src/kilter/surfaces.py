@@ -204,12 +204,10 @@ def _may_be_curved(vertices: Array, triangles: Index) -> bool:
 
 
 def _recognised(vertices: Array, triangles: Index, accuracy: float) -> PartSurfaces | None:
-    try:
-        from kilter.recognition import recognise  # type: ignore[import-not-found, unused-ignore]
-    except ImportError:
-        return None
-    surfaces, label, sagitta = recognise(vertices, triangles, accuracy=accuracy)
-    return _curved_only(surfaces, np.asarray(label, dtype=np.int64), sagitta, exact=False)
+    from kilter.recognition import recognise
+
+    surfaces, label, _ = recognise(vertices, triangles, accuracy=accuracy)
+    return _curved_only(surfaces, label, 0.0, exact=False)
 
 
 def join_surfaces(
