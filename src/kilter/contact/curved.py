@@ -362,7 +362,8 @@ def _place(
         return
     if not plane and what in (SAME, CIRCLE):
         low, high = _gaps(scene, i, j, spots.points, float(form.swing[0]), limit)
-    zone = limit + float(np.sqrt(2 * form.bend[0] * (limit + 2 * slack)))
+    bend = float(form.bend[0]) or float(scene.geometry.size[scene.pairs[pair]].min())
+    zone = limit + float(np.sqrt(2 * bend * (limit + 2 * slack)))
     names = (i, -1) if plane else (i, j)
     turned = bool(pairs.turned[row])
     if what == SAME and surfaces.hollow[i]:  # the normals of a socket are those of the ball
@@ -440,7 +441,8 @@ def _keep(
         made.gap.append(gap)
         made.zone.append(zone)
         radius = float(scene.geometry.surfaces.radius[names[0]])
-        made.size.append(max(radius, float(np.ptp(spots.points, axis=0).max())))
+        size = max(radius, float(np.ptp(spots.points, axis=0).max()))
+        made.size.append(size or float(scene.geometry.radius[[a, b]].min()))
         made.spots.append(spots)
         made.turned.append(turned)
     elif low > 0:

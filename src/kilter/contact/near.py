@@ -32,6 +32,7 @@ from kilter.contact.round import (
     RoundContacts,
     beside_curved,
     no_round_contacts,
+    rims_clear,
     round_contacts,
 )
 from kilter.geometry import Geometry
@@ -245,6 +246,8 @@ def _corners(
             tolerance[near],
         )
         near = near[inside]
+        exact = block.touching.tolerance[rows[pair[near]]]
+        near = near[~rims_clear(geometry, vertex[near], normal[near], off[near], exact)]
         if not len(near):
             continue
         names = np.column_stack([pair[near], vertex[near], facet[near]])

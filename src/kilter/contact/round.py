@@ -23,9 +23,9 @@ from kilter.contact.patches import Patches
 from kilter.contact.trim import covered
 from kilter.geometry import Geometry
 from kilter.rigid import cross
-from kilter.surfaces import CONE, CYLINDER, FREE, SPHERE, TORUS, Surfaces
+from kilter.surfaces import CONE, CYLINDER, FREE, SPHERE, Surfaces
 
-__all__ = ["RoundContacts", "beside_curved", "explained", "in_patch", "no_round_contacts", "rim_contacts", "round_contacts"]
+__all__ = ["RoundContacts", "beside_curved", "explained", "in_patch", "no_round_contacts", "rim_contacts", "rims_clear", "round_contacts"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -36,8 +36,6 @@ SHARP = 0.02
 """Faces that meet at less than this pass smoothly into each other [rad]."""
 FACETED = 0.35
 """The same for faces known by their triangles only [rad]."""
-HALVINGS = 60
-"""Steps of the search for the point of an edge nearest to a round face."""
 LEVEL = 1e-6
 """A face counts as lying across an axis up to this angle [rad]."""
 
@@ -67,6 +65,30 @@ def beside_curved(geometry: Geometry, parts: Index, points: Array, slack: Array)
         near = (off <= slack[owner]) | (s.kind[row] == FREE)
         found[owner[near]] = True
     return found
+
+
+def rims_clear(
+    geometry: Geometry, vertex: Index, normal: Array, off: Array, tolerance: Array
+) -> Mask:
+    """Corners on a round rim that as a whole stays in front of a plane, shape (n,).
+
+    A corner v of the rim of a cylinder or cone lies `off` in front of a plane with unit
+    `normal` n; the lowest point of the circle about c, of radius rho, across the axis, by
+    (v - c).n + rho |n across the axis| lower.
+    """
+    s = geometry.surfaces
+    if not len(s):
+        return np.zeros(len(vertex), dtype=bool)
+    of = np.full(len(geometry.vertices), -1)
+    round_ = np.flatnonzero(geometry.triangle_surface >= 0)
+    of[geometry.triangles[round_]] = geometry.triangle_surface[round_, None]
+    surface = of[vertex]
+    exact = (surface >= 0) & np.isin(s.kind[surface], (CYLINDER, CONE)) & (s.doubt[surface] == 0)
+    _, rho, away = s.polar(surface, geometry.vertices[vertex])
+    across = normal - np.einsum("ij,ij->i", normal, s.axis[surface])[:, None] * s.axis[surface]
+    drop = rho * (np.einsum("ij,ij->i", away, normal) + np.linalg.norm(across, axis=1))
+    clear: Mask = exact & (off - drop > tolerance)
+    return clear
 
 
 # what a patch explains ----------------------------------------------------------------
@@ -166,6 +188,8 @@ def round_contacts(
     for turn in (False, True):
         note(*_edges_on_faces(geometry, facets, boxes, edges, pairs, tolerance, rows, curved, turn))
     chosen = curved.unknown[np.isin(curved.unknown[:, 0], rows)]
+    known = {(int(k), *s) for k, s in zip(curved.pair, curved.surface.tolist(), strict=True)}
+    chosen = chosen[[tuple(row) not in known for row in chosen.tolist()]]
     for pair, i, j in chosen.tolist():
         point = _free_touch(geometry, facets, pairs[pair], (i, j), float(tolerance[pair]))
         note(np.full(len(point), pair), point, np.full(len(point), -1))
@@ -267,8 +291,10 @@ def _edges_on_faces(
         p, q = edges.ends(geometry, line)
         limit = grow[k] + s.doubt[surface]
         there = ~_on_patch(curved, rows[k], surface, s, p, q, limit)
-        k, surface, p, q, limit = k[there], surface[there], p[there], q[there], limit[there]
-        point, off = _nearest(s, surface, p, q, limit)
+        k, surface, line, p, q = k[there], surface[there], line[there], p[there], q[there]
+        exact, middle = _true_middle(geometry, facets, edges, line, p, q)
+        limit = np.where(exact, tolerance[rows][k] + s.doubt[surface], limit[there])
+        point, off = _nearest(s, surface, (p, middle, q), limit)
         near = np.flatnonzero(np.abs(off) <= limit)
         near = near[_on_face(geometry, surface[near], point[near], limit[near])]
         found.append((rows[k[near]], point[near], surface[near]))
@@ -327,35 +353,58 @@ def _on_patch(
     return held & (np.abs(s.distance(surface, q)) <= limit)
 
 
-def _nearest(s: Surfaces, face: Index, p: Array, q: Array, limit: Array) -> tuple[Array, Array]:
-    """Point of each edge that is nearest to a face, and its signed distance.
+def _true_middle(
+    geometry: Geometry, facets: Facets, edges: Edges, line: Index, p: Array, q: Array
+) -> tuple[Mask, Array]:
+    """Whether the true edge is known, and its middle: on the curved surface beside it."""
+    s = geometry.surfaces
+    middle, exact = (p + q) / 2, np.ones(len(line), dtype=bool)
+    for facet in edges.facet[line].T:
+        surface = facets.surface[facet]
+        curved = np.flatnonzero((surface >= 0) & (facet >= 0))
+        known = curved[s.kind[surface[curved]] != FREE]
+        exact[curved] = (s.kind[surface[curved]] != FREE) & (s.doubt[surface[curved]] == 0)
+        row = surface[known]
+        # out along the plane of the rim, which the flat neighbour and the chord lie in
+        out = _across_axis(s, row, middle[known])
+        for _ in range(3):
+            off = s.distance(row, middle[known])
+            steep = np.einsum("ij,ij->i", s.outward(row, middle[known]), out)
+            step = off / np.where(np.abs(steep) > SHARP, steep, np.inf)
+            middle[known] -= step[:, None] * out
+    return exact, middle
 
-    The distance from a solid cylinder, sphere or cone is convex along an edge; to a hollow
-    one an edge comes nearest at its ends.
+
+def _across_axis(s: Surfaces, row: Index, points: Array) -> Array:
+    """Unit directions away from the axis of surfaces; from the centre of a sphere."""
+    away: Array = s.polar(row, points)[2]
+    return away
+
+
+def _nearest(
+    s: Surfaces, face: Index, edge: tuple[Array, Array, Array], limit: Array
+) -> tuple[Array, Array]:
+    """Point of each edge (start, middle, end) nearest to a face, and its signed distance.
+
+    The distance is taken for the parabola through its three values; where it changes its
+    sign the edge passes through the face.
     """
-    at_p, at_q = s.distance(face, p), s.distance(face, q)
-    best = np.where((at_p <= at_q)[:, None], p, q)
-    off = np.minimum(at_p, at_q)
-    length = np.linalg.norm(q - p, axis=1)
-    inner = ~s.hollow[face] & ((at_p + at_q - length) / 2 <= limit)
-    rows = np.flatnonzero(inner)
-    torus = s.kind[face[rows]] == TORUS
-    for part in range(8):
-        some = rows if part == 0 else rows[torus]
-        low = np.full(len(some), part / 8.0)
-        high = np.where(s.kind[face[some]] == TORUS, (part + 1) / 8.0, 1.0)
-        for _ in range(HALVINGS):
-            third = (high - low) / 3
-            one, other = (
-                s.distance(face[some], p[some] + t[:, None] * (q[some] - p[some]))
-                for t in (low + third, high - third)
-            )
-            left = one <= other
-            low, high = np.where(left, low, low + third), np.where(left, high - third, high)
-        point = p[some] + ((low + high) / 2)[:, None] * (q[some] - p[some])
-        value = s.distance(face[some], point)
-        better = value < off[some]
-        best[some[better]], off[some[better]] = point[better], value[better]
+    values = np.stack([s.distance(face, x) for x in edge], axis=1)
+    order = np.argmin(values, axis=1)
+    rows = np.arange(len(face))
+    best, off = np.stack(edge, axis=1)[rows, order].copy(), values[rows, order].copy()
+    f0, f1, f2 = values.T
+    bend = 2 * (f0 - 2 * f1 + f2)
+    t = np.clip((3 * f0 - 4 * f1 + f2) / np.where(bend > 0, 2 * bend, np.inf), 0, 1)
+    weight = np.stack([(1 - t) * (1 - 2 * t), 4 * t * (1 - t), t * (2 * t - 1)], axis=1)
+    there = np.einsum("nk,nki->ni", weight, np.stack(edge, axis=1))
+    value = s.distance(face, there)
+    better = (value < off) & (bend > 0)
+    best[better], off[better] = there[better], value[better]
+    through = (values.min(axis=1) < -limit) & (values.max(axis=1) > limit)
+    share = (f0 / np.where(f0 != f2, f0 - f2, 1.0)).clip(0, 1)
+    best[through] = edge[0][through] + share[through, None] * (edge[2] - edge[0])[through]
+    off[through] = 0.0
     return best, off
 
 
@@ -426,9 +475,23 @@ def _triangles_apart(one: Array, other: Array) -> tuple[Array, Array]:
                     inside &= np.einsum("ij,ij->i", cross(edge, foot - its[:, m]), normal) >= 0
                 better(np.where(inside, np.abs(up), np.inf), (at + foot) / 2)
             for m in range(3):
-                value, point = segment_distance(p, q, its[:, m], its[:, (m + 1) % 3])
+                start, end = its[:, m], its[:, (m + 1) % 3]
+                better(*_point_edge(p, start, end))
+                across = np.linalg.norm(cross(q - p, end - start), axis=1)
+                size = np.linalg.norm(q - p, axis=1) * np.linalg.norm(end - start, axis=1)
+                k = np.flatnonzero(across > LEVEL * size)
+                value, point = np.full(len(p), np.inf), p.copy()
+                value[k], point[k] = segment_distance(p[k], q[k], start[k], end[k])
                 better(value, point)
     return off, best
+
+
+def _point_edge(x: Array, start: Array, end: Array) -> tuple[Array, Array]:
+    """Distance of points from edges, and the point half-way."""
+    along = end - start
+    t = np.einsum("ij,ij->i", x - start, along) / np.maximum((along**2).sum(axis=1), 1e-300)
+    foot = start + np.clip(t, 0, 1)[:, None] * along
+    return np.linalg.norm(x - foot, axis=1), (x + foot) / 2
 
 
 # rims of flat faces -------------------------------------------------------------------

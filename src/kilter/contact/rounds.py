@@ -31,6 +31,7 @@ from numpy.typing import NDArray
 from kilter.contact.clip import clip_convex, polygon_area, tidy
 from kilter.contact.outline import convex_hull
 from kilter.contact.trim import TURN, frame_of
+from kilter.rigid import cross
 
 __all__ = [
     "AROUND",
@@ -234,7 +235,25 @@ def _overlap(one: Array, other: Array) -> tuple[Array, Array]:
     solid = points[real]
     corners = middle[row] + solid[:, :1] * u[row] + solid[:, 1:] * v[row]
     corners /= np.linalg.norm(corners, axis=1)[:, None]
-    return corners, area[:, None] * middle[keep]
+    return corners, _solid_angles(corners, count)[:, None] * middle[keep]
+
+
+def _solid_angles(corners: Array, count: Index) -> Array:
+    """Solid angles of polygons on the unit sphere, corners one after the other, shape (n,).
+
+    References
+    ----------
+    A. van Oosterom, J. Strackee, The solid angle of a plane triangle, 1983, equation 8.
+    """
+    first = np.cumsum(count) - count
+    fan = count - 2
+    owner = np.repeat(np.arange(len(count)), fan)
+    k = np.arange(len(owner)) - np.repeat(np.cumsum(fan) - fan, fan)
+    a, b, c = (corners[first[owner] + step] for step in (0 * k, k + 1, k + 2))
+    top = np.einsum("ij,ij->i", a, cross(b, c))
+    bottom = 1 + sum(np.einsum("ij,ij->i", p, q) for p, q in ((a, b), (b, c), (c, a)))
+    angle = 2 * np.arctan2(top, bottom)
+    return np.abs(np.bincount(owner, angle, minlength=len(count)))
 
 
 def _box_pairs(one: Array, other: Array) -> tuple[Index, Index]:

@@ -254,6 +254,7 @@ def meeting(
             )
     unknown |= _unmodelled(s, first, second, inside, outside, socket)
     forms = _together(found)
+    unknown[forms.row] = False  # a kernel spoke of them
     turned = swap[forms.row][:, None]
     return _with_normal(forms, np.where(turned, -forms.normal, forms.normal)), unknown
 
