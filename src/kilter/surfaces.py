@@ -237,22 +237,22 @@ def join_surfaces(
         span = slice(triangle_start[part], triangle_start[part + 1])
         label[span] = np.where(local >= 0, names[local] + len(rows), -1)
         rows += [(part, surface, mine.exact, mine.sagitta) for surface in kept]
-    part = np.array([row[0] for row in rows], dtype=np.int64)
+    owner = np.array([row[0] for row in rows], dtype=np.int64)
     given = [surface or Surface("sphere", np.zeros(3)) for _, surface, _, _ in rows]
     kind = np.array(
         [FREE if s is None else KINDS.index(s.kind) for _, s, _, _ in rows], dtype=np.int64
     )
     count = len(rows)
-    turn = rotation[part]
+    turn = rotation[owner]
     point = np.array([s.point for s in given]).reshape(count, 3)
     axis = np.array([s.axis for s in given]).reshape(count, 3)
     order = np.argsort(label, kind="stable")
     order = order[np.searchsorted(label[order], 0) :]
     surfaces = Surfaces(
-        part=part,
-        start=np.searchsorted(part, np.arange(len(position) + 1)),
+        part=owner,
+        start=np.searchsorted(owner, np.arange(len(position) + 1)),
         kind=kind,
-        point=np.einsum("nij,nj->ni", turn, point) + position[part],
+        point=np.einsum("nij,nj->ni", turn, point) + position[owner],
         axis=np.einsum("nij,nj->ni", turn, axis),
         radius=np.array([s.radius for s in given]),
         tube=np.array([s.tube for s in given]),

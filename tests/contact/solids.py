@@ -64,7 +64,7 @@ def revolved(profile, sides=48, phase=0.0):
         surface = _turned(corners[k], corners[m], center)
         if surface is None:
             continue
-        key = (k if center is None else ("arc", center, surface.hollow))
+        key = k if center is None else ("arc", center, surface.hollow)
         if key not in names:
             names[key] = len(surfaces)
             surfaces.append(surface)
@@ -112,7 +112,10 @@ def extruded(profile, depth):
     vertices = [(x, y, z) for y in (-half, half) for x, z in corners]
     pieces = shapely.get_parts(shapely.constrained_delaunay_triangles(shapely.Polygon(corners)))
     where = {tuple(p): k for k, p in enumerate(corners.tolist())}
-    surfaces = [Surface("plane", (0, -half, 0), (0, -1, 0)), Surface("plane", (0, half, 0), (0, 1, 0))]
+    surfaces = [
+        Surface("plane", (0, -half, 0), (0, -1, 0)),
+        Surface("plane", (0, half, 0), (0, 1, 0)),
+    ]
     triangles, labels, names = [], [], {}
     for piece in pieces:
         a, b, c = (where[tuple(p)] for p in shapely.get_coordinates(piece)[:3].tolist())
@@ -144,7 +147,9 @@ def extruded(profile, depth):
 
 def _solid(vertices, triangles, surfaces, labels):
     vertices, triangles = np.array(vertices, dtype=float), np.array(triangles)
-    volume, center, second, _ = polyhedron_moments(vertices, triangles, np.array([0, len(triangles)]))
+    volume, center, second, _ = polyhedron_moments(
+        vertices, triangles, np.array([0, len(triangles)])
+    )
     if volume[0] < 0:
         triangles, volume, second = triangles[:, ::-1], -volume, -second
     return Solid(vertices, triangles, surfaces, labels, volume[0], center[0], second[0])
@@ -158,7 +163,15 @@ def mesh_of(solid):
 def with_scale(solid, scale):
     """A solid grown or shrunk about its origin."""
     surfaces = [
-        Surface(s.kind, s.point * scale, s.axis, s.radius * scale, s.tube * scale, s.half_angle, s.hollow)
+        Surface(
+            s.kind,
+            s.point * scale,
+            s.axis,
+            s.radius * scale,
+            s.tube * scale,
+            s.half_angle,
+            s.hollow,
+        )
         for s in solid.surfaces
     ]
     return Solid(
@@ -183,7 +196,8 @@ def bore(radius=1.0, outer=3.0, low=-1.0, high=1.0, sides=48, phase=0.0):
 def bolt(radius=1.0, head=1.5, length=3.0, thick=0.5, sides=48):
     """A shank below z = 0 and a head above."""
     return revolved(
-        line((0, -length), (radius, -length), (radius, 0), (head, 0), (head, thick), (0, thick)), sides
+        line((0, -length), (radius, -length), (radius, 0), (head, 0), (head, thick), (0, thick)),
+        sides,
     )
 
 
@@ -214,7 +228,9 @@ def cone_frustum(half_angle=0.4, low=1.0, high=3.0, sides=48, phase=0.0):
 def cone_socket(half_angle=0.4, low=0.5, high=3.0, outer=4.0, sides=48, phase=0.0):
     """A block with a conical hole through it, apex at the origin, opening upwards."""
     t = np.tan(half_angle)
-    return revolved(line((low * t, low), (outer, low), (outer, high), (high * t, high)), sides, phase)
+    return revolved(
+        line((low * t, low), (outer, low), (outer, high), (high * t, high)), sides, phase
+    )
 
 
 def torus(radius=2.0, tube=0.5, sides=48, pieces=24):

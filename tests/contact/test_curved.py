@@ -332,7 +332,9 @@ def test_cone_in_its_socket_only_spins(exact):
     if exact:  # from the base to the plug
         away = contacts.points * [1, 1, 0]
         away /= np.linalg.norm(away, axis=1)[:, None]
-        assert contacts.normals == pytest.approx(np.array([0, 0, np.sin(alpha)]) - np.cos(alpha) * away)
+        assert contacts.normals == pytest.approx(
+            np.array([0, 0, np.sin(alpha)]) - np.cos(alpha) * away
+        )
 
 
 def test_cone_lies_on_a_plane_along_a_line():
@@ -425,9 +427,15 @@ def test_bolt_hangs_by_its_head(sides):
 def test_disc_of_few_sides_is_undecided_only_inside_its_circle(sides):
     inner = np.cos(np.pi / sides)
     middle = np.pi / sides
-    for reach, word in ((inner - 1e-6, "stable"), (0.5 + inner / 2, "undecided"), (1 / inner + 1e-6, "unstable")):
+    for reach, word in (
+        (inner - 1e-6, "stable"),
+        (0.5 + inner / 2, "undecided"),
+        (1 / inner + 1e-6, "unstable"),
+    ):
         at = [reach * np.cos(middle), reach * np.sin(middle), 0]
-        disc = Part("disc", peg(1.0, -0.5, 0.5, sides=sides), Pose([0, 0, 0.5]), mass=1.0, center_of_mass=at)
+        disc = Part(
+            "disc", peg(1.0, -0.5, 0.5, sides=sides), Pose([0, 0, 0.5]), mass=1.0, center_of_mass=at
+        )
         assert check(Assembly([FLOOR, disc])).verdict == word
 
 

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from kilter.assembly import Assembly
 from kilter.contact.broad import Boxes, facet_pairs, make_boxes, part_pairs
-from kilter.contact.curved import CurvedContacts, find_curved, without_repeats
 from kilter.contact.contact_set import (
     ContactSet,
     Overlap,
@@ -20,12 +19,14 @@ from kilter.contact.contact_set import (
     Tolerance,
     joined,
 )
+from kilter.contact.curved import find_curved
+from kilter.contact.curved_patches import CurvedContacts, without_repeats
 from kilter.contact.facets import Facets, find_facets
 from kilter.contact.near import NearContacts, Touching, near_contacts
 from kilter.contact.overlap import find_overlaps
 from kilter.contact.patches import Patches, merge
 from kilter.contact.planes import FacetFrame, Pieces, facet_frames, overlaps_of
-from kilter.contact.round import rim_contacts
+from kilter.contact.rims import rim_contacts
 from kilter.errors import InputError
 from kilter.geometry import Geometry
 
@@ -94,9 +95,7 @@ def find_contacts(
     pairs = _pairs_to_detect(assembly, boxes, tolerance)
     limits = _limits(geometry, facets, pairs, tolerance)
     tell("faces")
-    curved = find_curved(
-        geometry, facets, boxes, pairs, limits.gap, limits.margin, tolerance.angle
-    )
+    curved = find_curved(geometry, facets, boxes, pairs, limits.gap, limits.margin, tolerance.angle)
     found = _planar(geometry, facets, boxes, pairs, limits, tolerance, curved)
     tell("edges and corners")
     near = near_contacts(geometry, facets, boxes, found.touching)
@@ -302,29 +301,29 @@ def _contact_set(
     rims = rim_contacts(geometry, parts, patches.normal, patches.start, patches.points)
     given = assembly.contacts
     given_parts = np.array([[assembly.index_of(n) for n in c.parts] for c in given], dtype=np.int64)
-    counts = [np.diff(patches.start), np.diff(curved.start), [len(c.points) for c in given]]
-    count = np.concatenate(counts).astype(np.int64)
+    own = np.array([len(c.points) for c in given], dtype=np.int64)
+    count = np.concatenate([np.diff(patches.start), np.diff(curved.start), own])
     parts = np.concatenate([parts, touching.pairs[curved.pair], given_parts.reshape(-1, 2)])
     flat = [patches.normal, np.array([c.normal for c in given]).reshape(-1, 3)]
     normal = np.concatenate([flat[0], curved.normal, flat[1]])
-    normals = [np.repeat(n, c, axis=0) for n, c in zip(flat, counts[::2], strict=True)]
+    first, last = (
+        np.repeat(n, c, axis=0) for n, c in zip(flat, (np.diff(patches.start), own), strict=True)
+    )
     none = np.zeros(len(given))
-    kinds = [["plane"] * len(patches.pair), curved.kind, ["given"] * len(given)]
+    kinds = ["plane"] * len(patches.pair) + curved.kind.tolist() + ["given"] * len(given)
     return ContactSet(
         patch_parts=parts,
         patch_normal=normal,
         patch_area=np.concatenate([patches.area, curved.area, none]),
         patch_gap=np.concatenate([patches.gap, curved.gap, np.zeros((len(given), 2))]),
         patch_mu=_friction(assembly, parts, [c.mu for c in given]),
-        patch_kind=np.concatenate(kinds).astype("<U11"),
+        patch_kind=np.array(kinds, dtype="<U11"),
         patch_accuracy=np.concatenate([accuracy, curved.accuracy, none]),
         patch_start=np.concatenate([[0], np.cumsum(count)]),
         points=np.concatenate([patches.points, curved.points, *(c.points for c in given)]),
-        normals=np.concatenate([normals[0], curved.normals, normals[1]]),
+        normals=np.concatenate([first, curved.normals, last]),
         unsupported=near.unsupported,
-        possible=_with_friction(
-            assembly, joined(joined(near.possible, rims), curved.possible)
-        ),
+        possible=_with_friction(assembly, joined(joined(near.possible, rims), curved.possible)),
         rejected=tuple(found.rejected),
         overlaps=overlaps,
         gap_edges=GAP_EDGES,

@@ -200,9 +200,7 @@ def _grouped(geometry: Geometry, parts: Index, convex_part: Mask) -> list[Block]
     convex = _convex_parts(geometry.vertices, triangles, part, tolerance, rounding, first, second)
     convex_part[parts] = convex[parts]
     alike = curved[first] == curved[second]
-    group = _coplanar_groups(
-        geometry.vertices, triangles, tolerance, first[alike], second[alike]
-    )
+    group = _coplanar_groups(geometry.vertices, triangles, tolerance, first[alike], second[alike])
     inner = np.zeros(triangles.size, dtype=bool)
     within = group[first] == group[second]
     inner[edges[0][within]] = inner[edges[1][within]] = True

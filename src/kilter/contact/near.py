@@ -24,15 +24,15 @@ from numpy.typing import NDArray
 
 from kilter.contact.broad import Boxes, facets_in, joins
 from kilter.contact.contact_set import PossibleContacts, Unsupported, joined
-from kilter.contact.curved import CurvedContacts
+from kilter.contact.curved_patches import CurvedContacts
 from kilter.contact.edges import Edges, find_edges, segment_distance
 from kilter.contact.facets import Facets
 from kilter.contact.patches import Patches
+from kilter.contact.rims import rims_clear
 from kilter.contact.round import (
     RoundContacts,
     beside_curved,
     no_round_contacts,
-    rims_clear,
     round_contacts,
 )
 from kilter.geometry import Geometry
@@ -156,7 +156,8 @@ def _apart_from_curved(
 ) -> tuple[_Points, RoundContacts]:
     """Candidates away from curved faces, and what touches beside or on curved faces."""
     round_part = np.diff(geometry.surfaces.start) > 0
-    round_pair = round_part[touching.pairs].any(axis=1)
+    a, b = touching.pairs.T
+    round_pair = round_part[a] | round_part[b]
     parts = touching.pairs[found.pair]
     slack = touching.tolerance[found.pair] + 2 * geometry.slack[parts].max(axis=1, initial=0.0)
     beside = np.zeros(len(parts), dtype=bool)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from kilter.contact.broad import Boxes
 from kilter.contact.contact_set import Overlap
+from kilter.contact.curved_patches import CurvedContacts
 from kilter.contact.facets import Facets
 from kilter.contact.round import in_patch
 from kilter.geometry import Geometry
@@ -50,12 +51,9 @@ def find_overlaps(
     known = {overlap.parts for overlap in found}
     for row in rows:
         one, other = (int(k) for k in touching.pairs[row])
-        overlap = _overlap(
-            geometry, facets, (one, other), float(tolerance[row]), bool(both_convex[row]),
-            lambda probes, row=row, slack=2 * tolerance[row]: in_patch(
-                geometry, touching.curved, row, probes, slack
-            ),
-        )  # fmt: skip
+        settled = _settled(geometry, touching.curved, int(row), 2 * float(tolerance[row]))
+        convex = bool(both_convex[row])
+        overlap = _overlap(geometry, facets, (one, other), float(tolerance[row]), convex, settled)
         if overlap is not None and overlap.parts not in known:
             found.append(overlap)
     names = assembly.names
@@ -70,6 +68,15 @@ def find_overlaps(
     if len(found) > 20:
         warnings.append(f"{len(found) - 20} more pairs overlap")
     return tuple(found), warnings
+
+
+def _settled(geometry: Geometry, curved: CurvedContacts, row: int, slack: float) -> Settled:
+    """Whether points lie on curved faces of a pair that touch all over."""
+
+    def settled(points: Array) -> NDArray[np.bool_]:
+        return in_patch(geometry, curved, row, points, slack)
+
+    return settled
 
 
 def _overlap(

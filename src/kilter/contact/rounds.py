@@ -89,15 +89,16 @@ def angles_between(begin: float, width: float, step: float) -> Array:
     """
     if width >= TURN - 1e-6:
         count = int(np.ceil(TURN / step - 1e-9))
-        return begin + np.arange(count) * (TURN / count)
+        around: Array = begin + np.arange(count, dtype=np.float64) * (TURN / count)
+        return around
     count = max(1, int(np.ceil(width / step - 1e-9)))
-    result: Array = begin + np.linspace(0.0, width, count + 1)
+    result: Array = begin + np.arange(count + 1, dtype=np.float64) * (width / count)
     return result
 
 
 def arcs_of(inside: Callable[[Array], Mask]) -> list[tuple[float, float]]:
     """Arcs (begin, width) of a circle where `inside` holds."""
-    angle = np.arange(PROBES) * (TURN / PROBES)
+    angle = np.arange(PROBES, dtype=np.float64) * (TURN / PROBES)
     held = inside(angle)
     if held.all():
         return [(0.0, TURN)]
@@ -196,9 +197,7 @@ def shell(
 # sphere in sphere ---------------------------------------------------------------------
 
 
-def socket(
-    center: Array, radius: float, one: Array, other: Array, sagitta: float
-) -> Spots | None:
+def socket(center: Array, radius: float, one: Array, other: Array, sagitta: float) -> Spots | None:
     """Points where two faces of one sphere, triangles (m, 3, 3), lie on each other.
 
     Forces from the centre outwards; None where the faces do not overlap.
@@ -320,14 +319,16 @@ def _corners_of(rays: Array, middle: Array) -> Array:
     tidied, count = tidy(hull[None], np.array([len(hull)]), np.array([SAME * size]))
     flat = tidied[0, : count[0]]
     corners = middle + flat[:, :1] * u + flat[:, 1:] * v
-    return corners / np.linalg.norm(corners, axis=1)[:, None]
+    unit: Array = corners / np.linalg.norm(corners, axis=1)[:, None]
+    return unit
 
 
 def _spread(corners: Array) -> Array:
     """Some of the directions, spread over all."""
     axes = np.array([[x, y, z] for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1)])
     wanted = axes[np.abs(axes).sum(axis=1) > 0].astype(float)
-    return corners[np.unique(np.argmax(corners @ wanted.T, axis=0))]
+    chosen: Array = corners[np.unique(np.argmax(corners @ wanted.T, axis=0))]
+    return chosen
 
 
 def _as_circle(rays: Array) -> tuple[Array, tuple[float, float]] | None:
@@ -354,7 +355,7 @@ def _as_circle(rays: Array) -> tuple[Array, tuple[float, float]] | None:
 def unrolled_overlap(
     one: tuple[Array, Array], other: tuple[Array, Array], scale: float
 ) -> tuple[Array, Array, float]:
-    """Angles and heights of the corners of the common part of faces unrolled, and its area [rad x length].
+    """Angles, heights of corners of the common part of faces unrolled; its area [rad x length].
 
     Each face: angles and heights of its triangles, shape (m, 3).
     """
@@ -370,7 +371,11 @@ def unrolled_overlap(
     owners = [np.zeros(len(p), dtype=np.int64) for p in (flat_one, flat_other)]
     corners, area = [np.empty((0, 2))], 0.0
     for _, i, j in joins(
-        owners[0], (boxes3[0][0], boxes3[0][1]), owners[1], (boxes3[1][0], boxes3[1][1]), np.zeros(1)
+        owners[0],
+        (boxes3[0][0], boxes3[0][1]),
+        owners[1],
+        (boxes3[1][0], boxes3[1][1]),
+        np.zeros(1),
     ):
         three = np.full(len(i), 3)
         points, count = clip_convex(_left(flat_one[i]), three, _left(flat_other[j]), three)

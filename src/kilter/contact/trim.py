@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from kilter.geometry import Geometry
 from kilter.rigid import cross
-from kilter.surfaces import CONE, Surfaces
+from kilter.surfaces import CONE
 
 __all__ = ["Bands", "bands_of", "common_spans", "covered", "frame_of", "slices", "unrolled"]
 
@@ -76,9 +76,7 @@ def _near(triangles: Array, points: Array, margin: float) -> Mask:
     return meets
 
 
-def slices(
-    triangles: Array, line: tuple[Array, Array, Array], reach: float, grow: float
-) -> Array:
+def slices(triangles: Array, line: tuple[Array, Array, Array], reach: float, grow: float) -> Array:
     """Stretches of a line on a face, shape (k, 2), as they follow along the line, merged.
 
     Parameters
