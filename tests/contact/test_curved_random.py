@@ -6,6 +6,9 @@ cone of forces compared with that of some thousand points of the true region of 
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scipy.optimize import nnls
@@ -24,7 +27,7 @@ from solids import (
     with_scale,
 )
 
-from kilter import Assembly, Box, Part, Pose, Tolerance, find_contacts
+from kilter import Assembly, Box, Part, Pose, Tolerance, find_contacts, load
 from kilter.shapes import Mesh
 from kilter.solid import Solid
 
@@ -326,4 +329,35 @@ def test_interrupted_face_reaches_as_far_as_its_pieces():
     assert np.ptp(contacts.points[:, 2]) == pytest.approx(2.0)
 
 
-CURVED = Path(__file__).parents[3].parent / "shared/data/compas_cra/cube-curve-short.json"
+DATA = Path(__file__).resolve().parents[3] / "shared" / "data" / "compas_cra"
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason="real data is not here")
+def test_faceted_curved_interface_is_found_from_end_to_end():
+    # a free form, cut into triangles in two ways: facets of both, tilted to .014 and more
+    path = DATA / "cube-curve-short.json"
+    listed = [interface["data"]["points"] for interface in interfaces(json.loads(path.read_text()))]
+    contacts = find_contacts(load(path), tolerance=Tolerance.loose())
+    assert len(listed) == 72
+    assert contacts.pairs == 1
+    assert contacts.overlaps == ()
+    corners = np.concatenate(listed)
+    # the patches reach as far as the interface does, to within one facet's length
+    assert contacts.points.min(axis=0) == pytest.approx(corners.min(axis=0), abs=0.07)
+    assert contacts.points.max(axis=0) == pytest.approx(corners.max(axis=0), abs=0.07)
+    assert contacts.patch_area.sum() > 0.6 * sum(area(np.array(points)) for points in listed)
+
+
+def interfaces(value):
+    """Every entry of a list named "interfaces", however deep."""
+    if isinstance(value, dict):
+        yield from value.get("interfaces") or []
+        value = [v for k, v in value.items() if k != "interfaces"]
+    if isinstance(value, list):
+        for entry in value:
+            yield from interfaces(entry)
+
+
+def area(points):
+    local = points - points[0]
+    return 0.5 * np.linalg.norm(np.cross(local[:-1], local[1:]).sum(axis=0))

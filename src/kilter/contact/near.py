@@ -10,7 +10,7 @@ them, and with every force that they might bring (`PossibleContacts`).
 - Where two corners, or edges side by side, meet, the normals found in this way include the
   extreme ones of the cone of normals that separate the two parts, so that every force
   between them is a sum of these (Palmer's degenerate contacts; the paper, section 1.1).
-- A sphere is pushed through its centre, the side of a cylinder across its axis.
+- What touches a curved face without a formula is listed and bounded by `kilter.contact.round`.
 
 For two convex parts a patch of planar contact is complete: nothing else is looked for.
 """

@@ -93,7 +93,7 @@ def _overlap(
         return Overlap((a, b), volume, float(min(geometry.size[[a, b]])), "are the same body twice")
     if convex:
         return _convex_overlap(geometry, facets, a, b, tolerance)
-    depth = max(_depth(geometry, a, b, settled), _depth(geometry, b, a, settled))
+    depth = max(_depth(geometry, facets, *pair, settled) for pair in ((a, b), (b, a)))
     if depth <= tolerance:
         return None
     return Overlap((a, b), None, depth, "overlap")
@@ -162,7 +162,7 @@ def _ball(
     return Overlap(parts, volume, depth, "overlap")
 
 
-def _depth(geometry: Geometry, a: int, b: int, settled: Settled) -> float:
+def _depth(geometry: Geometry, facets: Facets, a: int, b: int, settled: Settled) -> float:
     """How deep a corner or edge middle of part a lies inside part b.
 
     Points that are `settled` lie on a curved face that touches.
@@ -181,6 +181,11 @@ def _depth(geometry: Geometry, a: int, b: int, settled: Settled) -> float:
         probes = probes[:: len(probes) // PROBES + 1]
     if not len(probes):
         return 0.0
+    if facets.convex_part[b]:  # inside where behind all planes
+        n, origin = _planes(geometry, facets, b)
+        middle = origin.mean(axis=0)
+        offset = np.einsum("ij,ij->i", n, origin - middle)
+        return max(0.0, -float(((probes - middle) @ n.T - offset).max(axis=1).min()))
     span = slice(geometry.triangle_start[b], geometry.triangle_start[b + 1])
     triangles = geometry.vertices[geometry.triangles[span]]
     step = max(1, 4_000_000 // len(triangles))
