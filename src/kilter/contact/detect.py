@@ -19,12 +19,14 @@ from kilter.contact.contact_set import (
     Tolerance,
     joined,
 )
+from kilter.contact.curved import find_curved
+from kilter.contact.curved_patches import CurvedContacts, without_repeats
 from kilter.contact.facets import Facets, find_facets
 from kilter.contact.near import NearContacts, Touching, near_contacts
 from kilter.contact.overlap import find_overlaps
 from kilter.contact.patches import Patches, merge
 from kilter.contact.planes import FacetFrame, Pieces, facet_frames, overlaps_of
-from kilter.contact.round import rim_contacts
+from kilter.contact.rims import rim_contacts
 from kilter.errors import InputError
 from kilter.geometry import Geometry
 
@@ -93,7 +95,8 @@ def find_contacts(
     pairs = _pairs_to_detect(assembly, boxes, tolerance)
     limits = _limits(geometry, facets, pairs, tolerance)
     tell("faces")
-    found = _planar(geometry, facets, boxes, pairs, limits, tolerance)
+    curved = find_curved(geometry, facets, boxes, pairs, limits.gap, limits.margin, tolerance.angle)
+    found = _planar(geometry, facets, boxes, pairs, limits, tolerance, curved)
     tell("edges and corners")
     near = near_contacts(geometry, facets, boxes, found.touching)
     overlaps, warnings = find_overlaps(assembly, geometry, facets, boxes, found.touching)
@@ -173,6 +176,7 @@ def _planar(
     pairs: Index,
     limits: _Limits,
     tolerance: Tolerance,
+    curved: CurvedContacts,
 ) -> _Found:
     """Patches of the faces that touch, and what came near."""
     widest = max(NEAR_ANGLE, 2 * tolerance.angle)
@@ -202,14 +206,15 @@ def _planar(
     rejected += _rejected(
         facets, frames, thin, limits, angle, "thinner than twice the gap tolerance"
     )
+    rejected += curved.rejected
     rejected.sort(key=lambda r: (abs(r.gap), r.angle))
     return _Found(
-        touching=Touching(pairs, limits.gap, patches),
+        touching=Touching(pairs, limits.gap, patches, without_repeats(curved, patches, limits.gap)),
         frames=frames,
         facets=facets,
         rejected=rejected[:LISTED],
         counts=counts,
-        warnings=_tolerance_warnings(patches, rejected, limits),
+        warnings=[*_tolerance_warnings(patches, rejected, limits), *curved.warnings],
     )
 
 
@@ -287,42 +292,52 @@ def _contact_set(
 ) -> ContactSet:
     """Detected and given contacts as one, with their friction."""
     geometry, patches = assembly.geometry, found.touching.patches
+    touching, curved = found.touching, found.touching.curved
     facets, frames = found.facets, found.frames
     facet = np.column_stack([frames.i, frames.j])[patches.frame]
     parts = facets.part[facet]
     width = (facets.area[facet] / facets.reach[facet]).min(axis=1)
     accuracy = geometry.accuracy[parts].sum(axis=1) / width if len(parts) else np.empty(0)
+    rims = rim_contacts(geometry, parts, patches.normal, patches.start, patches.points)
     given, touches = assembly.contacts, near.touches
     given_parts = np.array([[assembly.index_of(n) for n in c.parts] for c in given], dtype=np.int64)
-    counts = np.array([len(c.points) for c in given], dtype=np.int64)
-    start = np.concatenate([patches.start, patches.start[-1] + touches.start[1:]])
-    start = np.concatenate([start, start[-1] + np.cumsum(counts)])
-    sharp_parts = found.touching.pairs[touches.pair]
-    parts = np.concatenate([parts, sharp_parts, given_parts.reshape(-1, 2)])
+    counts = [np.diff(found.start) for found in (patches, curved, touches)]
+    counts.append(np.array([len(c.points) for c in given], dtype=np.int64))
+    parts = np.concatenate(
+        [
+            parts,
+            touching.pairs[curved.pair],
+            touching.pairs[touches.pair],
+            given_parts.reshape(-1, 2),
+        ]
+    )
     given_normal = np.array([c.normal for c in given]).reshape(-1, 3)
-    normal = np.concatenate([patches.normal, touches.normals[touches.start[:-1]], given_normal])
-    points = np.concatenate([patches.points, touches.points, *(c.points for c in given)])
-    normals = np.repeat(normal, np.diff(start), axis=0)
-    first = patches.start[-1]
-    normals[first : first + len(touches.normals)] = touches.normals
-    rims = rim_contacts(geometry, parts[: len(patches.pair)], normal, start, points)
+    first = np.repeat(patches.normal, counts[0], axis=0)
+    last = np.repeat(given_normal, counts[3], axis=0)
     none = np.zeros(len(given))
+    kinds = [
+        *(["plane"] * len(patches.pair)),
+        *curved.kind.tolist(),
+        *touches.kind.tolist(),
+        *(["given"] * len(given)),
+    ]
     return ContactSet(
         patch_parts=parts,
-        patch_normal=normal,
-        patch_area=np.concatenate([patches.area, np.zeros(len(touches.pair)), none]),
-        patch_gap=np.concatenate([patches.gap, touches.gap, np.zeros((len(given), 2))]),
-        patch_mu=_friction(assembly, parts, [c.mu for c in given]),
-        patch_kind=np.array(
-            ["plane"] * len(patches.pair) + touches.kind.tolist() + ["given"] * len(given),
-            dtype="<U11",
+        patch_normal=np.concatenate(
+            [patches.normal, curved.normal, touches.normals[touches.start[:-1]], given_normal]
         ),
-        patch_accuracy=np.concatenate([accuracy, touches.accuracy, none]),
-        patch_start=start,
-        points=points,
-        normals=normals,
+        patch_area=np.concatenate([patches.area, curved.area, np.zeros(len(touches.pair)), none]),
+        patch_gap=np.concatenate([patches.gap, curved.gap, touches.gap, np.zeros((len(given), 2))]),
+        patch_mu=_friction(assembly, parts, [c.mu for c in given]),
+        patch_kind=np.array(kinds, dtype="<U11"),
+        patch_accuracy=np.concatenate([accuracy, curved.accuracy, touches.accuracy, none]),
+        patch_start=np.concatenate([[0], np.cumsum(np.concatenate(counts))]),
+        points=np.concatenate(
+            [patches.points, curved.points, touches.points, *(c.points for c in given)]
+        ),
+        normals=np.concatenate([first, curved.normals, touches.normals, last]),
         unsupported=near.unsupported,
-        possible=_with_friction(assembly, joined(near.possible, rims)),
+        possible=_with_friction(assembly, joined(joined(near.possible, rims), curved.possible)),
         rejected=tuple(found.rejected),
         overlaps=overlaps,
         gap_edges=GAP_EDGES,

@@ -7,6 +7,7 @@ decides; it also tells apart parts that only an edge against an edge separates.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +15,9 @@ from numpy.typing import NDArray
 
 from kilter.contact.broad import Boxes
 from kilter.contact.contact_set import Overlap
+from kilter.contact.curved_patches import CurvedContacts
 from kilter.contact.facets import Facets
+from kilter.contact.round import in_patch
 from kilter.geometry import Geometry
 
 if TYPE_CHECKING:
@@ -26,6 +29,8 @@ __all__ = ["find_overlaps"]
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
+Settled = Callable[[Array], NDArray[np.bool_]]
+
 PROBES = 300
 """Corners of a part that is not convex that are looked for inside another."""
 
@@ -36,17 +41,20 @@ def find_overlaps(
     """Pairs that share volume, and warnings that name them."""
     a, b = touching.pairs.T
     both_convex = facets.convex_part[a] & facets.convex_part[b]
-    grow = touching.tolerance[:, None]
+    # tessellations of curved faces enter each other by their sagittas
+    tolerance = touching.tolerance + geometry.slack[a] + geometry.slack[b]
+    grow = tolerance[:, None]
     deep = (boxes.part_high[a] - boxes.part_low[b] > grow).all(axis=1)
     deep &= (boxes.part_high[b] - boxes.part_low[a] > grow).all(axis=1)
     rows = np.flatnonzero(deep & ~(both_convex & touching.has_patch))
-    found = []
+    found = list({overlap.parts: overlap for overlap in touching.curved.overlaps}.values())
+    known = {overlap.parts for overlap in found}
     for row in rows:
         one, other = (int(k) for k in touching.pairs[row])
-        overlap = _overlap(
-            geometry, facets, one, other, float(touching.tolerance[row]), bool(both_convex[row])
-        )
-        if overlap is not None:
+        settled = _settled(geometry, touching.curved, int(row), 2 * float(tolerance[row]))
+        convex = bool(both_convex[row])
+        overlap = _overlap(geometry, facets, (one, other), float(tolerance[row]), convex, settled)
+        if overlap is not None and overlap.parts not in known:
             found.append(overlap)
     names = assembly.names
     warnings = []
@@ -62,15 +70,30 @@ def find_overlaps(
     return tuple(found), warnings
 
 
+def _settled(geometry: Geometry, curved: CurvedContacts, row: int, slack: float) -> Settled:
+    """Whether points lie on curved faces of a pair that touch all over."""
+
+    def settled(points: Array) -> NDArray[np.bool_]:
+        return in_patch(geometry, curved, row, points, slack)
+
+    return settled
+
+
 def _overlap(
-    geometry: Geometry, facets: Facets, a: int, b: int, tolerance: float, convex: bool
+    geometry: Geometry,
+    facets: Facets,
+    parts: tuple[int, int],
+    tolerance: float,
+    convex: bool,
+    settled: Settled,
 ) -> Overlap | None:
+    a, b = parts
     if _identical(geometry, a, b):
         volume = float(geometry.volume[a])
         return Overlap((a, b), volume, float(min(geometry.size[[a, b]])), "are the same body twice")
     if convex:
         return _convex_overlap(geometry, facets, a, b, tolerance)
-    depth = max(_depth(geometry, a, b, tolerance), _depth(geometry, b, a, tolerance))
+    depth = max(_depth(geometry, facets, *pair, settled) for pair in ((a, b), (b, a)))
     if depth <= tolerance:
         return None
     return Overlap((a, b), None, depth, "overlap")
@@ -139,8 +162,11 @@ def _ball(
     return Overlap(parts, volume, depth, "overlap")
 
 
-def _depth(geometry: Geometry, a: int, b: int, tolerance: float) -> float:
-    """How deep a corner or edge middle of part a lies inside part b."""
+def _depth(geometry: Geometry, facets: Facets, a: int, b: int, settled: Settled) -> float:
+    """How deep a corner or edge middle of part a lies inside part b.
+
+    Points that are `settled` lie on a curved face that touches.
+    """
     corners = _corners(geometry, a)
     span = slice(geometry.triangle_start[a], geometry.triangle_start[a + 1])
     own = geometry.vertices[geometry.triangles[span]]
@@ -150,10 +176,16 @@ def _depth(geometry: Geometry, a: int, b: int, tolerance: float) -> float:
     other = _corners(geometry, b)
     low, high = other.min(axis=0), other.max(axis=0)
     probes = probes[((probes > low) & (probes < high)).all(axis=1)]
+    probes = probes[~settled(probes)]
     if len(probes) > PROBES:
         probes = probes[:: len(probes) // PROBES + 1]
     if not len(probes):
         return 0.0
+    if facets.convex_part[b]:  # inside where behind all planes
+        n, origin = _planes(geometry, facets, b)
+        middle = origin.mean(axis=0)
+        offset = np.einsum("ij,ij->i", n, origin - middle)
+        return max(0.0, -float(((probes - middle) @ n.T - offset).max(axis=1).min()))
     span = slice(geometry.triangle_start[b], geometry.triangle_start[b + 1])
     triangles = geometry.vertices[geometry.triangles[span]]
     step = max(1, 4_000_000 // len(triangles))
