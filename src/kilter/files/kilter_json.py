@@ -1,8 +1,7 @@
 """kilter's own file, as a dict, to an assembly and back.
 
 What is written reads back as the same values to the last digit: a shape in its own kind,
-numbers as they are, defaults left out. Parts that are STEP files, and joints other than
-fixed ones, are not read yet.
+numbers as they are, defaults left out. Parts that are STEP files are not read yet.
 """
 
 from __future__ import annotations

@@ -90,8 +90,7 @@ def check_motion(program: Program, motion: Array) -> MotionProof:
         return MotionProof(motion, 0.0, 0.0, 0.0, False)
     motion = motion / largest
     power = float((program.load * motion).sum())
-    openings = program.velocities(motion)
-    openings[program.angular] *= float(program.radius.max())
+    openings = program.velocities(motion) * program.arm
     bad = np.where(program.two_sided, -np.abs(openings), np.minimum(openings, 0.0))
     violation = float(-bad.min(initial=0.0))
     moving = program.free & (sizes > STILL * largest)

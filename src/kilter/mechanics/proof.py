@@ -26,6 +26,7 @@ from kilter.mechanics.certificate import (
     check_motion,
     part_sizes,
 )
+from kilter.mechanics.joints import carried, carriers, reference_point
 from kilter.mechanics.program import CONTACT, JOINT, Program, build_program
 
 __all__ = ["Verification", "make_proof", "proof_tolerance", "verify_proof"]
@@ -136,18 +137,49 @@ def _joints(
     """Joints with their wrench on the second part about `point`."""
     found = []
     for number, joint in enumerate(assembly.joints):
-        rows = np.flatnonzero((program.kind == JOINT) & (program.source == number))
-        wrench = certificate.forces[rows].tolist() if isinstance(certificate, ForceProof) else None
+        about, wrench = reference_point(assembly, number), None
+        if isinstance(certificate, ForceProof):
+            rows = _rows_of(program, number)
+            wrench = carried(*_frame_of(program, rows), certificate.forces[rows], about).tolist()
         found.append(
             {
                 "parts": list(joint.parts),
                 "kind": joint.kind,
-                "point": program.point[rows[0]].tolist(),
+                "point": about.tolist(),
                 "axis": None if joint.axis is None else joint.axis.tolist(),
                 "wrench": wrench,
             }
         )
     return found
+
+
+def _rows_of(program: Program, joint: int) -> NDArray[np.int64]:
+    return np.flatnonzero((program.kind == JOINT) & (program.source == joint))
+
+
+def _frame_of(program: Program, rows: NDArray[np.int64]) -> tuple[Array, NDArray[np.bool_], Array]:
+    """Normals of the rows of a joint, which are angular, and the point they are taken at."""
+    at = program.point[rows[0]] if len(rows) else np.zeros(3)
+    return program.normal[rows], program.angular[rows], at
+
+
+def _joint_forces(program: Program, joint: dict[str, Any], number: int) -> tuple[Array, list[str]]:
+    """Forces of the rows of a joint that its wrench stands for, and what it cannot carry."""
+    wrench, about = np.asarray(joint["wrench"], dtype=float), np.asarray(joint["point"])
+    if wrench.shape != (6,):
+        raise ValueError("a wrench has not six numbers")
+    rows = _rows_of(program, number)
+    frame = _frame_of(program, rows)
+    forces = carriers(*frame, wrench, about)
+    force, torque = np.abs(wrench[:3]).max(), np.abs(wrench[3:]).max()
+    length = float(program.arm[rows].max(initial=0.0)) or float(program.radius.min())
+    reach = length + (float(np.linalg.norm(about - frame[2])) if len(rows) else 0.0)
+    size = np.repeat([force + torque / length, reach * force + torque], 3)
+    size += SAME * float(program.weight.min()) * np.repeat([1.0, length], 3)
+    if (np.abs(wrench - carried(*frame, forces, about)) <= SAME * size).all():
+        return forces, []
+    pair = " and ".join(repr(name) for name in joint["parts"])
+    return forces, [f"the {joint['kind']} joint of {pair} carries what its kind cannot"]
 
 
 def _digest(proof: dict[str, Any]) -> str:
@@ -297,8 +329,9 @@ def _recheck_forces(program: Program, proof: dict[str, Any]) -> tuple[float, lis
     if (forces[rows] < 0).any():
         reasons.append("a contact force pulls")
     for number, entry in enumerate(proof["joints"]):
-        mine = np.flatnonzero((program.kind == JOINT) & (program.source == number))
-        forces[mine] = entry["wrench"]
+        mine, more = _joint_forces(program, entry, number)
+        forces[_rows_of(program, number)] = mine
+        reasons += more
     judged = check_forces(program, forces)
     if not _near(judged.residual, proof["certificate"]["residual"], 1.0):
         reasons.append("its residual is not that of its forces")
