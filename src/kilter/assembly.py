@@ -214,6 +214,10 @@ class Assembly:
             ]
         )
 
+    def with_joints(self, joints: Iterable[Joint]) -> Assembly:
+        """Joints besides those there are; `kilter.contact.fastened` makes those of bolts."""
+        return self._replace(joints=[*self.joints, *joints])
+
     def without(self, patterns: Iterable[str]) -> Assembly:
         """The assembly without the parts that match, and all that names them."""
         gone = self.matching(patterns)

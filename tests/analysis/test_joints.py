@@ -112,9 +112,7 @@ def test_pendulum_hangs_and_falls_sideways_as_a_compound_pendulum(kind, planar):
     inertia = (0.2**2 + 2.0**2) / 12 + 1.0
     alpha = off.motion.acceleration[0, 4]
     assert abs(alpha) == pytest.approx(G / inertia, rel=1e-8)
-    assert np.allclose(
-        off.motion.acceleration[0, :3], [0, 0, 0] + np.cross([0, alpha, 0], [0, 0, -1])
-    )
+    assert np.allclose(off.motion.acceleration[0, :3], np.cross([0, alpha, 0], [0, 0, -1]))
 
 
 @pytest.mark.parametrize("degrees", [OFF, 1.0, 30.0, 90.0])

@@ -9,8 +9,10 @@ import typer
 
 __all__ = [
     "Angle",
+    "Clearance",
     "Density",
     "Down",
+    "Fasten",
     "File",
     "Floor",
     "Friction",
@@ -133,6 +135,28 @@ Loose = Annotated[
         "--loose",
         help="For scanned or rounded data: gaps to 1e-3 of a part, tilts to 1.15 degrees.",
         rich_help_panel=TOUCH,
+    ),
+]
+Clearance = Annotated[
+    float | None,
+    typer.Option(
+        "--clearance",
+        metavar="LENGTH",
+        help="Designed clearance: faces that stand apart by up to this, in file units, count as "
+        "closed; faces that penetrate do not.",
+        rich_help_panel=TOUCH,
+        show_default=False,
+    ),
+]
+Fasten = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--fasten",
+        metavar="NAME NAME",
+        help="Join these two parts firmly; repeatable. With * and ? every two that match and "
+        "touch: --fasten 'bolt*' 'nut*'.",
+        rich_help_panel=HELD,
+        show_default=False,
     ),
 ]
 Json = Annotated[

@@ -125,7 +125,8 @@ def _anchor(assembly: Assembly, geometry: Geometry, joint: Joint) -> Array:
     point = np.asarray(joint.point)
     if joint.kind == "spherical":
         return point
-    return point + joint.axis * float(joint.axis @ (center - point))
+    along: Array = point + joint.axis * float(joint.axis @ (center - point))
+    return along
 
 
 def reference_point(assembly: Assembly, number: int) -> Array:

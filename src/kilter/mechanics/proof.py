@@ -81,6 +81,7 @@ def make_proof(
             "gap": contacts.tolerance.gap,
             "relative_gap": contacts.tolerance.relative_gap,
             "angle": contacts.tolerance.angle,
+            "clearance": contacts.tolerance.clearance,
         },
         "parts": [
             {
@@ -192,11 +193,12 @@ def proof_tolerance(proof: dict[str, Any]) -> Tolerance:
     """The contact tolerance that a proof was made with."""
     try:
         values = proof["tolerance"]
-        gap = values["gap"]
+        gap, clearance = values["gap"], values.get("clearance")
         return Tolerance(
             gap=None if gap is None else float(gap),
             relative_gap=float(values["relative_gap"]),
             angle=float(values["angle"]),
+            clearance=None if clearance is None else float(clearance),
         )
     except (KeyError, TypeError, ValueError):
         raise InputError("the proof has no usable tolerance", hint="make it anew") from None
