@@ -58,7 +58,7 @@ def test_order_and_repetition_change_nothing():
 
 
 def test_nothing_that_touches_is_said_with_how_near_it_comes():
-    with pytest.raises(InputError, match="'post' 'arm-2'.*none touches any of 'arm-2'; see"):
+    with pytest.raises(InputError, match=r"'post' 'arm-2'.*none touches any of 'arm-2'; see"):
         fastened(stack(), [("post", "arm-2")])
     with pytest.raises(InputError, match=r"come within 0\.0001 m; set --gap or --clearance"):
         fastened(stack(1e-4), [("post", "arm-1")])

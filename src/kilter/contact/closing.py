@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from kilter.assembly import Assembly
     from kilter.contact.near import Touching
 
-__all__ = ["closed_by_clearance", "tolerance_warnings"]
+__all__ = ["CLUSTER", "closed_by_clearance", "tolerance_warnings"]
 
 Array = NDArray[np.float64]
 

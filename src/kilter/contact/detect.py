@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from kilter.assembly import Assembly
 from kilter.contact.broad import Boxes, facet_pairs, make_boxes, part_pairs
-from kilter.contact.closing import closed_by_clearance, tolerance_warnings
+from kilter.contact.closing import CLUSTER, closed_by_clearance, tolerance_warnings
 from kilter.contact.contact_set import (
     ContactSet,
     Overlap,
@@ -143,7 +143,7 @@ def _pairs_to_detect(assembly: Assembly, boxes: Boxes, tolerance: Tolerance) -> 
     rough = np.maximum(tolerance.relative_gap * geometry.size, 4 * geometry.accuracy)
     if tolerance.gap is not None:
         rough = np.full(len(rough), tolerance.gap)
-    reach = np.maximum(NEAR * rough / 2, tolerance.clearance or 0.0)
+    reach = np.maximum(NEAR * rough / 2, CLUSTER * (tolerance.clearance or 0.0))
     pairs = part_pairs(boxes, geometry.grounded, reach)
     given = {
         frozenset(assembly.index_of(n) for n in contact.parts) for contact in assembly.contacts
@@ -170,7 +170,7 @@ def _limits(geometry: Geometry, facets: Facets, pairs: Index, tolerance: Toleran
     return _Limits(
         gap=gap,
         closed=closed,
-        margin=np.maximum(NEAR * wanted, closed),
+        margin=np.maximum(NEAR * wanted, np.maximum(gap, CLUSTER * (tolerance.clearance or 0.0))),
         blur=blur,
         coarse=blur > THICKNESS * np.minimum(thickness[a], thickness[b]),
     )
