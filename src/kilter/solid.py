@@ -6,15 +6,29 @@ corners lie on the exact faces. Volume, centre and inertia are those of the exac
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kilter.errors import InputError
-from kilter.rigid import frozen, number, unit
+from kilter.rigid import Pose, cross, frozen, number, quaternion_to_matrix, unit
 
-__all__ = ["Solid", "Surface", "SurfaceKind"]
+__all__ = [
+    "Solid",
+    "Surface",
+    "SurfaceKind",
+    "facing",
+    "height",
+    "moved_solid",
+    "moved_surface",
+    "outward",
+    "scaled_solid",
+]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 
 SurfaceKind = Literal["plane", "cylinder", "cone", "sphere", "torus"]
 
@@ -105,9 +119,116 @@ class Solid:
         object.__setattr__(self, "second_moment", frozen(self.second_moment, (3, 3)))
         volume = number(self.volume, "volume of a solid", lowest=0, above=True)
         object.__setattr__(self, "volume", volume)
+        corners = self.triangles
+        if corners.size and not 0 <= corners.min() <= corners.max() < len(self.vertices):
+            raise InputError("a solid names a corner it has not", hint="name them by position")
         if len(self.triangle_surface) != len(self.triangles):
             raise InputError("a solid has not one surface a triangle", hint="list one a triangle")
         if len(self.triangle_surface) and (
             self.triangle_surface.max() >= len(self.surfaces) or self.triangle_surface.min() < -1
         ):
             raise InputError("a solid names a surface it has not", hint="name them by position")
+
+
+def height(surface: Surface, points: Array) -> Array:
+    """How far points are outside of a surface, negative inside, shape (n,) [length unit].
+
+    Along the axis of a plane, away from the axis of a cylinder or cone, from the centre of a
+    sphere, from the tube of a torus; `hollow` does not count. Of a cone it is the distance to
+    the whole line that its side is a part of.
+
+    Examples
+    --------
+    >>> ball = Surface("sphere", [0, 0, 1], radius=2)
+    >>> height(ball, np.array([[0, 0, 1], [0, 0, 4.0]]))
+    array([-2.,  1.])
+    """
+    relative = points - surface.point
+    if surface.kind == "sphere":
+        return np.asarray(np.linalg.norm(relative, axis=1) - surface.radius)
+    along = relative @ surface.axis
+    if surface.kind == "plane":
+        return np.asarray(along)
+    across = np.linalg.norm(relative - along[:, None] * surface.axis, axis=1)
+    if surface.kind == "cylinder":
+        return np.asarray(across - surface.radius)
+    if surface.kind == "cone":
+        cos, sin = np.cos(surface.half_angle), np.sin(surface.half_angle)
+        return np.asarray(across * cos - along * sin)
+    return np.asarray(np.hypot(across - surface.radius, along) - surface.tube)
+
+
+def outward(surface: Surface, points: Array) -> Array:
+    """Directions in which `height` grows, shape (n, 3), of any length."""
+    relative = points - surface.point
+    if surface.kind == "sphere":
+        return np.asarray(relative)
+    if surface.kind == "plane":
+        return np.broadcast_to(surface.axis, points.shape)
+    along = relative @ surface.axis
+    across = relative - along[:, None] * surface.axis
+    if surface.kind == "cylinder":
+        return np.asarray(across)
+    length = np.maximum(np.linalg.norm(across, axis=1), np.finfo(float).tiny)[:, None]
+    if surface.kind == "cone":
+        cos, sin = np.cos(surface.half_angle), np.sin(surface.half_angle)
+        return np.asarray(across / length * cos - surface.axis * sin)
+    return np.asarray(relative - across / length * surface.radius)
+
+
+def facing(surface: Surface, vertices: Array, triangles: Index) -> Surface:
+    """The surface turned as triangles on it are: a plane's axis outward, `hollow` as it is.
+
+    Parameters
+    ----------
+    surface : Surface
+    vertices : ndarray, shape (V, 3)
+    triangles : ndarray, shape (T, 3)
+        Turning left seen from outside of the material.
+    """
+    p, q, r = (vertices[triangles[:, k]] for k in range(3))
+    turn = float((cross(q - p, r - p) * outward(surface, (p + q + r) / 3)).sum())
+    if surface.kind == "plane":
+        return surface if turn >= 0 else replace(surface, axis=-surface.axis)
+    return replace(surface, hollow=turn < 0)
+
+
+def moved_surface(surface: Surface, pose: Pose) -> Surface:
+    """The surface after a pose."""
+    return replace(
+        surface, point=pose.apply(surface.point[None])[0], axis=pose.matrix @ surface.axis
+    )
+
+
+def moved_solid(solid: Solid, pose: Pose) -> Solid:
+    """The solid after a pose."""
+    turn = quaternion_to_matrix(pose.rotation)
+    largest = float(np.abs(solid.vertices).max(initial=0.0) + np.abs(pose.position).max())
+    return replace(
+        solid,
+        vertices=pose.apply(solid.vertices),
+        surfaces=tuple(moved_surface(surface, pose) for surface in solid.surfaces),
+        centroid=pose.apply(solid.centroid[None])[0],
+        second_moment=turn @ solid.second_moment @ turn.T,
+        accuracy=max(solid.accuracy, largest * 2.0**-52),
+    )
+
+
+def scaled_solid(solid: Solid, factor: float) -> Solid:
+    """The solid with every length times a factor above zero."""
+    if factor == 1.0:
+        return solid
+    surfaces = tuple(
+        replace(s, point=s.point * factor, radius=s.radius * factor, tube=s.tube * factor)
+        for s in solid.surfaces
+    )
+    return replace(
+        solid,
+        vertices=solid.vertices * factor,
+        surfaces=surfaces,
+        volume=solid.volume * factor**3,
+        centroid=solid.centroid * factor,
+        second_moment=solid.second_moment * factor**5,
+        sagitta=solid.sagitta * factor,
+        accuracy=solid.accuracy * factor,
+    )

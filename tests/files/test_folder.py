@@ -54,7 +54,7 @@ def test_files_of_other_kinds_are_named_in_a_note(write, obj_box) -> None:
     write("w/sub/b.obj", obj_box())
     write("w/.hidden.obj", "x")
     note = load(write("w/a.obj", obj_box()).parent).notes
-    assert note == ("passed over, no mesh files: 'a.kilter.json', 'readme.txt', 'sub'",)
+    assert note == ("passed over, no mesh or STEP files: 'a.kilter.json', 'readme.txt', 'sub'",)
 
 
 def test_many_ignored_files_are_counted(write, obj_box) -> None:
@@ -65,9 +65,9 @@ def test_many_ignored_files_are_counted(write, obj_box) -> None:
 
 def test_a_folder_without_meshes(write) -> None:
     path = write("w/readme.txt", "x").parent
-    assert "no mesh file in the folder; put files of .obj, .stl" in refused(path)
+    assert "no mesh or STEP file in the folder; put files of .obj, .stl" in refused(path)
     write("w/a.kilter.json", "{}")
-    assert "no mesh file in the folder; give the file itself: 'a.kilter.json'" in refused(path)
+    assert "in the folder; give the file itself: 'a.kilter.json'" in refused(path)
 
 
 def test_a_damaged_file_is_named(write) -> None:

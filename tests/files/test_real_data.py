@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from kilter.errors import InputError
 from kilter.files import from_dict, load, to_dict
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
@@ -37,11 +36,6 @@ def test_compas(name: str, count: int) -> None:
 def test_folders(name: str, count: int, accuracy: float, capfd) -> None:
     assembly = load(DATA / "learn2assemble" / name)
     assert assembly.names == tuple(str(k) for k in range(count))
-    assert assembly.notes == ("passed over, no mesh files: 'rbe_admm.json'",)
+    assert assembly.notes == ("passed over, no mesh or STEP files: 'rbe_admm.json'",)
     assert assembly.geometry.accuracy.max() == pytest.approx(accuracy, rel=0.6)
     assert capfd.readouterr() == ("", "")
-
-
-def test_step() -> None:
-    with pytest.raises(InputError, match="STEP is not read yet"):
-        load(DATA / "cax-if" / "as1-oc-214.stp")

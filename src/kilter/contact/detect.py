@@ -20,6 +20,7 @@ from kilter.contact.contact_set import (
     Tolerance,
     joined,
 )
+from kilter.contact.curved import CurvedContacts, find_curved, without_repeats
 from kilter.contact.facets import Facets, find_facets
 from kilter.contact.near import NearContacts, Touching, near_contacts
 from kilter.contact.overlap import find_overlaps
@@ -94,7 +95,10 @@ def find_contacts(
     pairs = _pairs_to_detect(assembly, boxes, tolerance)
     limits = _limits(geometry, facets, pairs, tolerance)
     tell("faces")
-    found = _planar(geometry, facets, boxes, pairs, limits, tolerance)
+    curved = find_curved(
+        geometry, facets, boxes, pairs, limits.gap, limits.margin, tolerance.angle
+    )
+    found = _planar(geometry, facets, boxes, pairs, limits, tolerance, curved)
     tell("edges and corners")
     near = near_contacts(geometry, facets, boxes, found.touching)
     overlaps, warnings = find_overlaps(assembly, geometry, facets, boxes, found.touching, tolerance)
@@ -183,6 +187,7 @@ def _planar(
     pairs: Index,
     limits: _Limits,
     tolerance: Tolerance,
+    curved: CurvedContacts,
 ) -> _Found:
     """Patches of the faces that touch, and what came near."""
     widest = max(NEAR_ANGLE, 2 * tolerance.angle)
@@ -214,9 +219,10 @@ def _planar(
     rejected += _rejected(
         facets, frames, thin, limits, angle, "thinner than twice the gap tolerance"
     )
+    rejected += curved.rejected
     rejected.sort(key=lambda r: (abs(r.gap), r.angle))
     return _Found(
-        touching=Touching(pairs, limits.gap, patches),
+        touching=Touching(pairs, limits.gap, patches, without_repeats(curved, patches, limits.gap)),
         frames=frames,
         facets=facets,
         rejected=rejected[:LISTED],
@@ -224,6 +230,7 @@ def _planar(
         warnings=[
             *tolerance_warnings(patches, rejected, limits.gap, limits.closed),
             *_coarse(limits),
+            *curved.warnings,
         ],
     )
 
@@ -291,33 +298,38 @@ def _contact_set(
 ) -> ContactSet:
     """Detected and given contacts as one, with their friction."""
     geometry, patches = assembly.geometry, found.touching.patches
+    touching, curved = found.touching, found.touching.curved
     facets, frames = found.facets, found.frames
     facet = np.column_stack([frames.i, frames.j])[patches.frame]
     parts = facets.part[facet]
     width = (facets.area[facet] / facets.reach[facet]).min(axis=1)
     accuracy = geometry.accuracy[parts].sum(axis=1) / width if len(parts) else np.empty(0)
+    rims = rim_contacts(geometry, parts, patches.normal, patches.start, patches.points)
     given = assembly.contacts
     given_parts = np.array([[assembly.index_of(n) for n in c.parts] for c in given], dtype=np.int64)
-    counts = np.array([len(c.points) for c in given], dtype=np.int64)
-    start = np.concatenate([patches.start, patches.start[-1] + np.cumsum(counts)])
-    parts = np.concatenate([parts, given_parts.reshape(-1, 2)])
-    normal = np.concatenate([patches.normal, np.array([c.normal for c in given]).reshape(-1, 3)])
-    points = np.concatenate([patches.points, *(c.points for c in given)])
-    normals = np.repeat(normal, np.diff(start), axis=0)
-    rims = rim_contacts(geometry, parts[: len(patches.pair)], normal, start, points)
+    counts = [np.diff(patches.start), np.diff(curved.start), [len(c.points) for c in given]]
+    count = np.concatenate(counts).astype(np.int64)
+    parts = np.concatenate([parts, touching.pairs[curved.pair], given_parts.reshape(-1, 2)])
+    flat = [patches.normal, np.array([c.normal for c in given]).reshape(-1, 3)]
+    normal = np.concatenate([flat[0], curved.normal, flat[1]])
+    normals = [np.repeat(n, c, axis=0) for n, c in zip(flat, counts[::2], strict=True)]
+    none = np.zeros(len(given))
+    kinds = [["plane"] * len(patches.pair), curved.kind, ["given"] * len(given)]
     return ContactSet(
         patch_parts=parts,
         patch_normal=normal,
-        patch_area=np.concatenate([patches.area, np.zeros(len(given))]),
-        patch_gap=np.concatenate([patches.gap, np.zeros((len(given), 2))]),
+        patch_area=np.concatenate([patches.area, curved.area, none]),
+        patch_gap=np.concatenate([patches.gap, curved.gap, np.zeros((len(given), 2))]),
         patch_mu=_friction(assembly, parts, [c.mu for c in given]),
-        patch_kind=np.array(["plane"] * len(patches.pair) + ["given"] * len(given), dtype="<U11"),
-        patch_accuracy=np.concatenate([accuracy, np.zeros(len(given))]),
-        patch_start=start,
-        points=points,
-        normals=normals,
+        patch_kind=np.concatenate(kinds).astype("<U11"),
+        patch_accuracy=np.concatenate([accuracy, curved.accuracy, none]),
+        patch_start=np.concatenate([[0], np.cumsum(count)]),
+        points=np.concatenate([patches.points, curved.points, *(c.points for c in given)]),
+        normals=np.concatenate([normals[0], curved.normals, normals[1]]),
         unsupported=near.unsupported,
-        possible=_with_friction(assembly, joined(near.possible, rims)),
+        possible=_with_friction(
+            assembly, joined(joined(near.possible, rims), curved.possible)
+        ),
         rejected=tuple(found.rejected),
         overlaps=overlaps,
         gap_edges=GAP_EDGES,

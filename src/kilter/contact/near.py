@@ -24,10 +24,16 @@ from numpy.typing import NDArray
 
 from kilter.contact.broad import Boxes, facets_in, joins
 from kilter.contact.contact_set import PossibleContacts, Unsupported, joined
+from kilter.contact.curved import CurvedContacts
 from kilter.contact.edges import Edges, find_edges, segment_distance
 from kilter.contact.facets import Facets
 from kilter.contact.patches import Patches
-from kilter.contact.round import rim_slack, round_contacts
+from kilter.contact.round import (
+    RoundContacts,
+    beside_curved,
+    no_round_contacts,
+    round_contacts,
+)
 from kilter.geometry import Geometry
 from kilter.rigid import cross
 
@@ -50,12 +56,14 @@ class Touching:
     pairs: Index
     tolerance: Array
     patches: Patches
+    curved: CurvedContacts
 
     @property
     def has_patch(self) -> Mask:
-        """Whether each pair has a patch, shape (n,)."""
+        """Whether each pair has a patch, flat or curved, shape (n,)."""
         found = np.zeros(len(self.pairs), dtype=bool)
         found[self.patches.pair] = True
+        found[self.curved.pair] = True
         return found
 
 
@@ -117,22 +125,14 @@ def near_contacts(
 ) -> NearContacts:
     """Corner, edge and round contacts of the pairs that planar patches do not settle."""
     a, b = touching.pairs.T
-    round_pair = geometry.is_round[a] | geometry.is_round[b]
     settled = facets.convex_part[a] & facets.convex_part[b] & touching.has_patch
     grow = touching.tolerance[:, None]
     meets = (boxes.part_low[a] <= boxes.part_high[b] + grow).all(axis=1)
     meets &= (boxes.part_low[b] <= boxes.part_high[a] + grow).all(axis=1)
     rows = np.flatnonzero(meets & ~settled)
-    found = _sharp(geometry, facets, boxes, touching, rows)
-    sharp = found.take(np.flatnonzero(~round_pair[found.pair]))
-    rims = found.take(np.flatnonzero(round_pair[found.pair]))
-    rounds = round_contacts(
-        geometry,
-        touching.pairs,
-        touching.tolerance,
-        rows[round_pair[rows]],
-        dict(zip(rims.pair.tolist(), rims.point, strict=True)),
-    )
+    edges = find_edges(geometry, facets, np.unique(touching.pairs[rows])) if len(rows) else None
+    found = _sharp(geometry, facets, boxes, touching, rows, edges)
+    sharp, rounds = _apart_from_curved(geometry, facets, boxes, touching, rows, edges, found)
     pair_a, pair_b = touching.pairs[sharp.pair].T
     one_sided = np.zeros(len(pair_a), dtype=bool)
     forces = PossibleContacts(
@@ -144,17 +144,56 @@ def near_contacts(
     )
 
 
+def _apart_from_curved(
+    geometry: Geometry,
+    facets: Facets,
+    boxes: Boxes,
+    touching: Touching,
+    rows: Index,
+    edges: Edges | None,
+    found: _Points,
+) -> tuple[_Points, RoundContacts]:
+    """Candidates away from curved faces, and what touches beside or on curved faces."""
+    round_part = np.diff(geometry.surfaces.start) > 0
+    round_pair = round_part[touching.pairs].any(axis=1)
+    parts = touching.pairs[found.pair]
+    slack = touching.tolerance[found.pair] + 2 * geometry.slack[parts].max(axis=1, initial=0.0)
+    beside = np.zeros(len(parts), dtype=bool)
+    some = np.flatnonzero(round_pair[found.pair])
+    beside[some] = beside_curved(geometry, parts[some], found.point[some], slack[some])
+    sharp, rims = (found.take(np.flatnonzero(mask)) for mask in (~beside, beside))
+    rows = rows[round_pair[rows]]
+    if edges is None or not len(rows):
+        return sharp, no_round_contacts()
+    return sharp, round_contacts(
+        geometry,
+        facets,
+        boxes,
+        edges,
+        touching.pairs,
+        touching.tolerance,
+        rows,
+        (rims.pair, rims.point),
+        touching.curved,
+        touching.patches,
+    )
+
+
 def _sharp(
-    geometry: Geometry, facets: Facets, boxes: Boxes, touching: Touching, rows: Index
+    geometry: Geometry,
+    facets: Facets,
+    boxes: Boxes,
+    touching: Touching,
+    rows: Index,
+    edges: Edges | None,
 ) -> _Points:
     """Corner-face and edge-edge candidates of some pairs."""
     found = [_nothing()]
-    if len(rows):
-        edges = find_edges(geometry, facets, np.unique(touching.pairs[rows]))
+    if edges is not None:
         # pairs in blocks, so that the candidates of a block fit in memory
         for some in np.array_split(rows, max(1, len(rows) // 20_000)):
             a, b = touching.pairs[some].T
-            tolerance = touching.tolerance[some] + rim_slack(geometry, a) + rim_slack(geometry, b)
+            tolerance = touching.tolerance[some] + geometry.slack[a] + geometry.slack[b]
             grow = tolerance[:, None]
             low = np.maximum(boxes.part_low[a], boxes.part_low[b]) - grow
             high = np.minimum(boxes.part_high[a], boxes.part_high[b]) + grow

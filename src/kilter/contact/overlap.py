@@ -8,6 +8,7 @@ decides; it also tells apart parts that only an edge against an edge separates.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +18,7 @@ from kilter.contact.broad import Boxes
 from kilter.contact.coaxial import coaxial_fits
 from kilter.contact.contact_set import Overlap, Tolerance
 from kilter.contact.facets import Facets
+from kilter.contact.round import in_patch
 from kilter.contact.volume import HINT, can_cut, overlap_volume
 from kilter.geometry import Geometry
 
@@ -33,6 +35,8 @@ INTERFERE = "interfere"
 """What is said of a shaft that is thicker than its hole: a thread, a press fit."""
 CUTS = 200
 """The volumes of so many overlaps are computed; each takes some milliseconds."""
+Settled = Callable[[Array], NDArray[np.bool_]]
+
 PROBES = 300
 """Corners of a part that is not convex that are looked for inside another."""
 
@@ -43,24 +47,30 @@ def find_overlaps(
     facets: Facets,
     boxes: Boxes,
     touching: Touching,
-    tolerance: Tolerance,
+    allowed: Tolerance,
 ) -> tuple[tuple[Overlap, ...], list[str]]:
     """Pairs that share volume, and warnings that name them."""
     a, b = touching.pairs.T
     both_convex = facets.convex_part[a] & facets.convex_part[b]
-    grow = touching.tolerance[:, None]
+    # tessellations of curved faces enter each other by their sagittas
+    tolerance = touching.tolerance + geometry.slack[a] + geometry.slack[b]
+    grow = tolerance[:, None]
     deep = (boxes.part_high[a] - boxes.part_low[b] > grow).all(axis=1)
     deep &= (boxes.part_high[b] - boxes.part_low[a] > grow).all(axis=1)
     rows = np.flatnonzero(deep & ~(both_convex & touching.has_patch))
-    found = []
+    found = list({overlap.parts: overlap for overlap in touching.curved.overlaps}.values())
+    known = {overlap.parts for overlap in found}
     for row in rows:
         one, other = (int(k) for k in touching.pairs[row])
         overlap = _overlap(
-            geometry, facets, one, other, float(touching.tolerance[row]), bool(both_convex[row])
-        )
-        if overlap is not None:
+            geometry, facets, (one, other), float(tolerance[row]), bool(both_convex[row]),
+            lambda probes, row=row, slack=2 * tolerance[row]: in_patch(
+                geometry, touching.curved, row, probes, slack
+            ),
+        )  # fmt: skip
+        if overlap is not None and overlap.parts not in known:
             found.append(overlap)
-    found = named_overlaps(assembly, found, tolerance)
+    found = named_overlaps(assembly, found, allowed)
     names = assembly.names
     warnings = []
     for overlap in found[:20]:
@@ -94,14 +104,20 @@ def named_overlaps(assembly: Assembly, found: list[Overlap], tolerance: Toleranc
 
 
 def _overlap(
-    geometry: Geometry, facets: Facets, a: int, b: int, tolerance: float, convex: bool
+    geometry: Geometry,
+    facets: Facets,
+    parts: tuple[int, int],
+    tolerance: float,
+    convex: bool,
+    settled: Settled,
 ) -> Overlap | None:
+    a, b = parts
     if _identical(geometry, a, b):
         volume = float(geometry.volume[a])
         return Overlap((a, b), volume, float(min(geometry.size[[a, b]])), "are the same body twice")
     if convex:
         return _convex_overlap(geometry, facets, a, b, tolerance)
-    depth = max(_depth(geometry, a, b, tolerance), _depth(geometry, b, a, tolerance))
+    depth = max(_depth(geometry, a, b, settled), _depth(geometry, b, a, settled))
     if depth <= tolerance:
         return None
     return Overlap((a, b), None, depth, "overlap")
@@ -170,8 +186,11 @@ def _ball(
     return Overlap(parts, volume, depth, "overlap")
 
 
-def _depth(geometry: Geometry, a: int, b: int, tolerance: float) -> float:
-    """How deep a corner or edge middle of part a lies inside part b."""
+def _depth(geometry: Geometry, a: int, b: int, settled: Settled) -> float:
+    """How deep a corner or edge middle of part a lies inside part b.
+
+    Points that are `settled` lie on a curved face that touches.
+    """
     corners = _corners(geometry, a)
     span = slice(geometry.triangle_start[a], geometry.triangle_start[a + 1])
     own = geometry.vertices[geometry.triangles[span]]
@@ -181,6 +200,7 @@ def _depth(geometry: Geometry, a: int, b: int, tolerance: float) -> float:
     other = _corners(geometry, b)
     low, high = other.min(axis=0), other.max(axis=0)
     probes = probes[((probes > low) & (probes < high)).all(axis=1)]
+    probes = probes[~settled(probes)]
     if len(probes) > PROBES:
         probes = probes[:: len(probes) // PROBES + 1]
     if not len(probes):

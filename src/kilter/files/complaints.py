@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = ["complaint"]
 
-_TAGS = ("path", "inline")  # of the two kinds of mesh, which pydantic puts into places
+_TAGS = ("as path", "inline", "named")  # of kinds of mesh and step; pydantic puts them into places
 
 
 def complaint(error: ValidationError, data: dict[str, Any], model: type[BaseModel]) -> InputError:
@@ -78,8 +78,6 @@ def _count(place: str, wanted: Any) -> str:
 
 def _unknown_key(place: str, keys: list[str]) -> tuple[str, str]:
     key = place.rpartition(".")[2]
-    if key == "step" and "mesh" in keys:
-        return "STEP parts are not supported yet", "export the part as a mesh"
     near = nearest_name(key, keys)
     hint = f"did you mean {near!r}?" if near else f"known keys are {', '.join(keys)}"
     return f"unknown key {place!r}", hint

@@ -1,7 +1,7 @@
 """kilter's own file, as a dict, to an assembly and back.
 
 What is written reads back as the same values to the last digit: a shape in its own kind,
-numbers as they are, defaults left out. Parts that are STEP files are not read yet.
+numbers as they are, defaults left out.
 """
 
 from __future__ import annotations
@@ -16,19 +16,20 @@ import numpy as np
 
 from kilter.assembly import Assembly, FrictionPair, GivenContact, Joint, Load, Part, nearest_name
 from kilter.errors import InputError
-from kilter.files.placed import joined, scaled
+from kilter.files.checked_solid import checked
+from kilter.files.named_files import NamedFiles
 from kilter.rigid import Pose, frozen
 from kilter.shapes import Box, Cylinder, Mesh, Prism, Shape, Sphere
-from kilter.units import metres_per_unit
+from kilter.solid import Solid, Surface
 
 if TYPE_CHECKING:
-    from kilter.files.models import AssemblyFile, PartEntry
+    from kilter.files.models import AssemblyFile, PartEntry, SolidEntry
 
 __all__ = ["from_dict", "schema", "to_dict"]
 
 VERSION = 1
 GRAVITY = [0.0, 0.0, -9.81]
-SHAPES = ("mesh", "box", "cylinder", "sphere", "polygon")
+SHAPES = ("mesh", "box", "cylinder", "sphere", "polygon", "step", "solid")
 """Keys of which a part has exactly one."""
 
 
@@ -75,8 +76,8 @@ def from_dict(data: Any, *, folder: str | Path = ".", source: str = "") -> Assem
     """
     try:
         entries = _validated(data)
-        meshes = _MeshFiles(Path(folder), entries.units)
-        parts = [_part(entry, meshes) for entry in entries.parts]
+        named = NamedFiles(Path(folder), entries.units)
+        parts = [_part(entry, named) for entry in entries.parts]
         return Assembly(
             parts,
             units=entries.units,
@@ -89,7 +90,7 @@ def from_dict(data: Any, *, folder: str | Path = ".", source: str = "") -> Assem
             planar=entries.planar,
             detect=entries.detect,
             source=source,
-            notes=meshes.notes,
+            notes=named.notes,
         )
     except InputError as error:
         raise error.located(file=source or None) from None
@@ -120,50 +121,12 @@ def _validated(data: Any) -> AssemblyFile:
         raise complaint(error, data, AssemblyFile) from None
 
 
-class _MeshFiles:
-    """Mesh files named by parts, each read once; in the units of the assembly."""
-
-    def __init__(self, folder: Path, units: str) -> None:
-        self.folder = folder
-        self.units = units
-        self.notes: list[str] = []
-        self._read: dict[str, Mesh] = {}
-
-    def mesh(self, name: str) -> Mesh:
-        if name not in self._read:
-            self._read[name] = self._load(name)
-        return self._read[name]
-
-    def _load(self, name: str) -> Mesh:
-        from kilter.files.meshes import SUFFIXES, read_solids
-
-        path = self.folder / name
-        if path.suffix.lower() not in SUFFIXES:
-            raise InputError(f"mesh {name!r} is of no kind that is read", hint=_kinds(SUFFIXES))
-        try:
-            solids = read_solids(path)
-        except InputError as error:
-            inside = f" object {error.part!r}:" if error.part else ""
-            raise InputError(f"mesh {name!r}:{inside} {error.what}", hint=error.hint) from None
-        self.notes += [f"mesh {name!r}: {note}" for note in solids.notes]
-        if len(solids.meshes) > 1:
-            self.notes.append(
-                f"mesh {name!r} holds {len(solids.meshes)} objects, taken as one part"
-            )
-        own = metres_per_unit(solids.units or self.units)
-        return scaled(joined(solids.meshes), own / metres_per_unit(self.units))
-
-
-def _kinds(suffixes: Sequence[str]) -> str:
-    return f"give one of {', '.join(suffixes)}"
-
-
-def _part(entry: PartEntry, meshes: _MeshFiles) -> Part:
+def _part(entry: PartEntry, named: NamedFiles) -> Part:
     try:
         pose = entry.pose
         return Part(
             entry.name,
-            _shape(entry, meshes),
+            _shape(entry, named),
             Pose() if pose is None else Pose(pose.position, pose.rotation),
             grounded=entry.grounded,
             density=entry.density,
@@ -174,7 +137,7 @@ def _part(entry: PartEntry, meshes: _MeshFiles) -> Part:
         raise error.located(part=entry.name) from None
 
 
-def _shape(entry: PartEntry, meshes: _MeshFiles) -> Shape:
+def _shape(entry: PartEntry, named: NamedFiles) -> Shape:
     given = [key for key in SHAPES if getattr(entry, key) is not None]
     if len(given) != 1:
         what = f"has {' and '.join(given)}" if given else "has no shape"
@@ -192,10 +155,24 @@ def _shape(entry: PartEntry, meshes: _MeshFiles) -> Shape:
         return Sphere(entry.sphere.radius)
     if entry.polygon is not None and entry.depth is not None:
         return Prism(entry.polygon, entry.depth)
+    if entry.step is not None:
+        one = entry.step
+        return named.step(one) if isinstance(one, str) else named.step(one.path, one.name)
+    if entry.solid is not None:
+        return _solid(entry.solid)
     if isinstance(entry.mesh, str):
-        return meshes.mesh(entry.mesh)
+        return named.mesh(entry.mesh)
     assert entry.mesh is not None
     return Mesh(entry.mesh.vertices, entry.mesh.faces, accuracy=entry.mesh.accuracy)
+
+
+def _solid(entry: SolidEntry) -> Solid:
+    numbers = entry.model_dump()
+    surfaces = []
+    for given in numbers.pop("surfaces"):
+        surfaces.append(Surface(**given))
+        _keep(surfaces[-1], "axis", given["axis"])
+    return checked(Solid(**numbers, surfaces=tuple(surfaces)))
 
 
 def _each(name: str, entries: Sequence[Any], build: Callable[[Any], Any]) -> list[Any]:
@@ -228,7 +205,7 @@ def _joint(entry: Any) -> Joint:
     return joint
 
 
-def _keep(value: GivenContact | Joint, name: str, numbers: list[float]) -> None:
+def _keep(value: GivenContact | Joint | Surface, name: str, numbers: list[float]) -> None:
     """Leave a direction of length 1 (up to rounding) as it is written.
 
     To divide it by its length once more may change the last digit, and what was written
@@ -311,6 +288,8 @@ def _shape_dict(shape: Shape) -> dict[str, Any]:
         return {"sphere": {"radius": shape.radius}}
     if isinstance(shape, Prism):
         return {"polygon": shape.polygon.tolist(), "depth": shape.depth}
+    if isinstance(shape, Solid):
+        return {"solid": _solid_dict(shape)}
     largest = float(np.abs(shape.vertices).max(initial=0.0))
     mesh = _given(
         vertices=shape.vertices,
@@ -318,6 +297,15 @@ def _shape_dict(shape: Shape) -> dict[str, Any]:
         accuracy=None if shape.accuracy == largest * 2.0**-53 else shape.accuracy,
     )
     return {"mesh": mesh}
+
+
+def _solid_dict(solid: Solid) -> dict[str, Any]:
+    entries = _given(**{name: getattr(solid, name) for name in Solid.__slots__})
+    entries["surfaces"] = [
+        _given(**{name: getattr(surface, name) for name in Surface.__slots__})
+        for surface in solid.surfaces
+    ]
+    return entries
 
 
 def _load_dict(load: Load) -> dict[str, Any]:

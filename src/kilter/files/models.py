@@ -48,6 +48,41 @@ class MeshEntry(_Entry):
     )
 
 
+class StepEntry(_Entry):
+    """One solid of a STEP file."""
+
+    path: Name = Field(description="relative to the file")
+    name: Name | None = Field(None, description="as `kilter contacts` names it; of several solids")
+
+
+class SurfaceEntry(_Entry):
+    """The exact surface of a face; lengths in the length unit, angles in rad."""
+
+    kind: Literal["plane", "cylinder", "cone", "sphere", "torus"]
+    point: Vector = Field(description="on the plane or axis; apex of a cone; else the centre")
+    axis: Vector = Field([0.0, 0.0, 1.0], description="a plane's outward normal; into the cone")
+    radius: NotNegative = Field(0.0, description="of a torus: of its centre line")
+    tube: NotNegative = 0.0
+    half_angle: NotNegative = 0.0
+    hollow: Flag = Field(False, description="the material lies outside: a hole")
+
+
+class SolidEntry(_Entry):
+    """A solid with exact faces, as a STEP file gives it."""
+
+    vertices: list[Vector]
+    triangles: list[Annotated[list[Whole], Field(min_length=3, max_length=3)]]
+    surfaces: list[SurfaceEntry]
+    triangle_surface: list[Whole] = Field(description="-1: on none of the surfaces")
+    volume: Positive
+    centroid: Vector
+    second_moment: Annotated[list[Vector], Field(min_length=3, max_length=3)] = Field(
+        description="integral of x x^T about the centroid"
+    )
+    sagitta: NotNegative = Field(0.0, description="greatest distance of a triangle from its face")
+    accuracy: NotNegative = Field(0.0, description="of a coordinate [length unit]")
+
+
 class CylinderEntry(_Entry):
     """A cylinder about z, centred on the pose."""
 
@@ -62,11 +97,15 @@ class SphereEntry(_Entry):
 
 
 def _mesh_kind(value: Any) -> str:
-    return "path" if isinstance(value, str) else "inline"
+    return "as path" if isinstance(value, str) else "inline"
+
+
+def _step_kind(value: Any) -> str:
+    return "as path" if isinstance(value, str) else "named"
 
 
 class PartEntry(_Entry):
-    """A rigid part: exactly one of mesh, box, cylinder, sphere, polygon with depth."""
+    """A rigid part: exactly one of mesh, box, cylinder, sphere, polygon, step, solid."""
 
     model_config = ConfigDict(
         extra="forbid", json_schema_extra={"oneOf": [{"required": [key]} for key in SHAPES]}
@@ -75,7 +114,7 @@ class PartEntry(_Entry):
     name: Name
     mesh: (
         Annotated[
-            Annotated[Name, Tag("path")] | Annotated[MeshEntry, Tag("inline")],
+            Annotated[Name, Tag("as path")] | Annotated[MeshEntry, Tag("inline")],
             Discriminator(_mesh_kind),
         ]
         | None
@@ -87,6 +126,14 @@ class PartEntry(_Entry):
         None, description="corners in x-z, in order around it"
     )
     depth: Positive | None = Field(None, description="length of the polygon's prism along y")
+    step: (
+        Annotated[
+            Annotated[Name, Tag("as path")] | Annotated[StepEntry, Tag("named")],
+            Discriminator(_step_kind),
+        ]
+        | None
+    ) = Field(None, description="a STEP file of one solid, or a file and the name of the solid")
+    solid: SolidEntry | None = None
     pose: PoseEntry | None = None
     grounded: Flag = Field(False, description="held: it does not move")
     density: Positive | None = Field(None, description="[kg/m^3]; 1000 where no mass is given")

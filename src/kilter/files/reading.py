@@ -16,7 +16,6 @@ from kilter.units import metres_per_unit
 __all__ = ["load"]
 
 STANDARD_INPUT = "-"
-STEP = (".step", ".stp")
 
 
 def load(source: str | Path, *, units: str | None = None, density: float | None = None) -> Assembly:
@@ -26,7 +25,7 @@ def load(source: str | Path, *, units: str | None = None, density: float | None 
     ----------
     source : path
         A kilter file or COMPAS assembly (.json), a mesh file (.obj, .stl, .3mf, .glb), a
-        folder of mesh files, or ``-`` for JSON on standard input.
+        STEP file (.step, .stp), a folder of them, or ``-`` for JSON on standard input.
     units : {"m", "cm", "mm", "in"}, optional
         For formats without units; metres where it is not given.
     density : float, optional
@@ -56,17 +55,17 @@ def _read(source: str | Path, units: str | None) -> Assembly:
         return load_folder(path, units=units)
     from kilter.files.meshes import SUFFIXES, load_meshes
     from kilter.files.raw import read_bytes
+    from kilter.files.step import SUFFIXES as STEP
+    from kilter.files.step import load_step
 
     if suffix in SUFFIXES:
         return load_meshes(path, units=units)
+    if suffix in STEP:
+        return load_step(path, units=units)
     data = read_bytes(path)
     if suffix == ".json":
         return _from_json(data, path.parent, str(path), units)
-    if suffix in STEP:
-        raise InputError(
-            "STEP is not read yet", file=str(path), hint="export it as 3MF, or one STL a part"
-        )
-    kinds = f".json, {', '.join(SUFFIXES)}, or a folder of them"
+    kinds = f".json, {', '.join([*SUFFIXES, *STEP])}, or a folder of them"
     raise InputError(
         f"files of {path.suffix or 'no ending'} are not read", file=str(path), hint=f"give {kinds}"
     )

@@ -1,0 +1,159 @@
+"""The exact surface of a face of a STEP file, also where the file hides it.
+
+Planes, cylinders, cones, spheres and tori are taken as they are. Many files store them as
+B-splines, or as surfaces of revolution and extrusion: OCCT proposes a surface for such a face,
+and it is taken only if points all over the face lie on it.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.solid import Surface, height
+
+__all__ = ["RECOGNISED", "face_surface", "is_plain", "points_of_face"]
+
+Array = NDArray[np.float64]
+
+RECOGNISED = 1e-5
+"""Points of a face may be this far from the surface it is taken for, in sizes of the face."""
+
+
+def face_surface(face: Any, nodes: Array, probes: Array) -> Surface | None:
+    """The surface that a face lies on; not yet turned as its material is.
+
+    Parameters
+    ----------
+    face : TopoDS_Face
+    nodes : ndarray, shape (n, 3)
+        Corners of its triangles.
+    probes : ndarray, shape (m, 3)
+        More points of the face's own surface, between the corners.
+    """
+    from OCP.BRepAdaptor import BRepAdaptor_Surface
+
+    adaptor = BRepAdaptor_Surface(face)
+    kind = _kind(adaptor)
+    if kind in _NATIVE:
+        return _NATIVE[kind](getattr(adaptor, kind)(), nodes)
+    points = np.vstack([nodes, probes])
+    within = RECOGNISED * float(np.ptp(points, axis=0).max())
+    for found in (_proposed(face, nodes, within), _revolved(adaptor, kind)):
+        if found is not None and float(np.abs(height(found, points)).max()) <= within:
+            return found
+    return None
+
+
+def is_plain(face: Any) -> bool:
+    """Whether the file itself says which of the kinds of `Surface` the face lies on."""
+    from OCP.BRepAdaptor import BRepAdaptor_Surface
+
+    return _kind(BRepAdaptor_Surface(face)) in _NATIVE
+
+
+def _kind(adaptor: Any) -> str:
+    return str(adaptor.GetType().name).removeprefix("GeomAbs_")
+
+
+def points_of_face(face: Any, parameters: Array) -> Array:
+    """Points of the face's own surface, shape (n, 3), at parameters, shape (n, 2)."""
+    from OCP.BRepAdaptor import BRepAdaptor_Surface
+
+    adaptor = BRepAdaptor_Surface(face)
+    return np.array([_xyz(adaptor.Value(u, v)) for u, v in parameters.tolist()]).reshape(-1, 3)
+
+
+def _proposed(face: Any, nodes: Array, within: float) -> Surface | None:
+    """The surface that OCCT takes the face for."""
+    from OCP.gp import gp_Cone, gp_Cylinder, gp_Pln, gp_Sphere
+    from OCP.ShapeAnalysis import ShapeAnalysis_CanonicalRecognition
+
+    recognition = ShapeAnalysis_CanonicalRecognition(face)
+    for kind, shape in (
+        ("Plane", gp_Pln()),
+        ("Cylinder", gp_Cylinder()),
+        ("Sphere", gp_Sphere()),
+        ("Cone", gp_Cone()),
+    ):
+        if getattr(recognition, f"Is{kind}")(within, shape):
+            return _NATIVE[kind](shape, nodes)
+    return None
+
+
+def _revolved(adaptor: Any, kind: str) -> Surface | None:
+    """A circle turned about an axis in its plane: a torus."""
+    from OCP.GeomAbs import GeomAbs_CurveType
+
+    if kind != "SurfaceOfRevolution":
+        return None
+    curve = adaptor.BasisCurve()
+    if curve.GetType() != GeomAbs_CurveType.GeomAbs_Circle:
+        return None
+    axis, circle = adaptor.AxeOfRevolution(), curve.Circle()
+    point, direction = _xyz(axis.Location()), _xyz(axis.Direction())
+    center = _xyz(circle.Location())
+    along = (center - point) @ direction
+    foot = point + along * direction
+    radius = float(np.linalg.norm(center - foot))
+    if radius <= circle.Radius():
+        return None
+    return Surface("torus", foot, direction, radius=radius, tube=circle.Radius())
+
+
+# OCCT's surfaces ------------------------------------------------------------------------
+
+
+def _plane(plane: Any, _: Array) -> Surface:
+    return Surface("plane", _xyz(plane.Location()), _axis(plane))
+
+
+def _cylinder(cylinder: Any, _: Array) -> Surface:
+    return Surface("cylinder", _xyz(cylinder.Location()), _axis(cylinder), radius=cylinder.Radius())
+
+
+def _sphere(sphere: Any, _: Array) -> Surface:
+    return Surface("sphere", _xyz(sphere.Location()), radius=sphere.Radius())
+
+
+def _torus(torus: Any, _: Array) -> Surface | None:
+    if torus.MajorRadius() <= torus.MinorRadius():
+        return None  # its tube meets itself: which of its two sheets a point is on is not said
+    return Surface(
+        "torus",
+        _xyz(torus.Location()),
+        _axis(torus),
+        radius=torus.MajorRadius(),
+        tube=torus.MinorRadius(),
+    )
+
+
+def _cone(cone: Any, nodes: Array) -> Surface | None:
+    """The axis goes from the apex into the half that the nodes are on."""
+    apex, axis = _xyz(cone.Apex()), _axis(cone)
+    along = (nodes - apex) @ axis
+    if along.sum() < 0:
+        axis, along = -axis, -along
+    if along.min() < -RECOGNISED * float(np.abs(along).max()):
+        return None  # on both sides of the apex
+    return Surface("cone", apex, axis, half_angle=abs(cone.SemiAngle()))
+
+
+_NATIVE = {
+    "Plane": _plane,
+    "Cylinder": _cylinder,
+    "Cone": _cone,
+    "Sphere": _sphere,
+    "Torus": _torus,
+}
+
+
+def _axis(shape: Any) -> Array:
+    axis = shape.Axis()
+    return _xyz(axis.Direction())
+
+
+def _xyz(point: Any) -> Array:
+    return np.array([point.X(), point.Y(), point.Z()])

@@ -1,0 +1,84 @@
+"""STEP files made on the spot with OCCT, without word on the output."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("OCP")
+
+from OCP.BRepBuilderAPI import BRepBuilderAPI_NurbsConvert, BRepBuilderAPI_Transform
+from OCP.gp import gp_Quaternion, gp_Trsf, gp_Vec
+from OCP.Interface import Interface_Static
+from OCP.STEPCAFControl import STEPCAFControl_Writer
+from OCP.STEPControl import STEPControl_StepModelType
+from OCP.TCollection import TCollection_ExtendedString
+from OCP.TDataStd import TDataStd_Name
+from OCP.TDocStd import TDocStd_Document
+from OCP.TopLoc import TopLoc_Location
+from OCP.XCAFDoc import XCAFDoc_DocumentTool
+
+from kilter.files.step_document import quiet
+from kilter.units import metres_per_unit
+
+# (name, shape or list of such, placement or None)
+Node = tuple[str, Any, Any]
+
+
+def placement(
+    position: Sequence[float] = (0, 0, 0), rotation: Sequence[float] = (1, 0, 0, 0)
+) -> Any:
+    move = gp_Trsf()
+    w, x, y, z = rotation
+    move.SetRotation(gp_Quaternion(x, y, z, w))
+    move.SetTranslationPart(gp_Vec(*position))
+    return move
+
+
+def as_splines(shape: Any) -> Any:
+    """The shape with every face stored as a B-spline."""
+    return BRepBuilderAPI_NurbsConvert(shape, True).Shape()
+
+
+def moved(shape: Any, move: Any) -> Any:
+    return BRepBuilderAPI_Transform(shape, move, True).Shape()
+
+
+def write_step(path: Path, roots: Sequence[Node], units: str = "mm", apart: str = "") -> Path:
+    """A STEP file; products of one shape object are shared; `apart`: prefix of files of parts."""
+    document = TDocStd_Document(TCollection_ExtendedString("MDTV-XCAF"))
+    XCAFDoc_DocumentTool.SetLengthUnit_s(document, metres_per_unit(units))
+    tool = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
+    known: dict[int, Any] = {}
+
+    def label(node: Node) -> Any:
+        name, content, _ = node
+        if id(content) in known:
+            return known[id(content)]
+        if isinstance(content, list):
+            made = tool.NewShape()
+            for child in content:
+                move = TopLoc_Location(child[2]) if child[2] is not None else TopLoc_Location()
+                tool.AddComponent(made, label(child), move)
+        else:
+            made = tool.AddShape(content, False)
+        TDataStd_Name.Set_s(made, TCollection_ExtendedString(name, True))
+        known[id(content)] = made
+        return made
+
+    with quiet():
+        STEPCAFControl_Writer()  # makes the setting that is changed next
+        Interface_Static.SetCVal_s("write.step.unit", {"in": "INCH"}.get(units, units.upper()))
+        for root in roots:
+            label(root)
+        tool.UpdateAssemblies()
+        writer = STEPCAFControl_Writer()
+        writer.SetNameMode(True)
+        kind = STEPControl_StepModelType.STEPControl_AsIs
+        done = writer.Transfer(document, kind, apart) if apart else writer.Transfer(document, kind)
+        assert done
+        writer.Write(str(path))
+    return path
