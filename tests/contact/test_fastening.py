@@ -1,6 +1,8 @@
 """Fastening what touches, fits of shafts in holes, closed clearances, volumes of overlaps."""
 
 import dataclasses
+import json
+import shlex
 
 import numpy as np
 import pytest
@@ -9,15 +11,16 @@ from tubes import pin, tube
 from kilter import InputError, Tolerance, check, fastened, find_contacts
 from kilter.analysis.fasteners import suggest_joints
 from kilter.assembly import Assembly, Joint, Part
+from kilter.cli import main
 from kilter.contact.coaxial import coaxial_fits
 from kilter.contact.volume import can_cut, overlap_volume
-from kilter.files import from_dict, to_dict
+from kilter.files import dump, from_dict, to_dict
 from kilter.mechanics import proof as proofs
 from kilter.mechanics.proof import proof_tolerance, verify_proof
 from kilter.rigid import Pose
 from kilter.scenes.pieces import block, floor, turn
 from kilter.scenes.transform import moved, scaled
-from kilter.shapes import Box
+from kilter.shapes import Box, Mesh, surface
 
 FLOOR = floor([-5, -5], [5, 5])
 CUTS = pytest.mark.skipif(not can_cut(), reason="the extra 'overlap' is not installed")
@@ -282,3 +285,41 @@ def test_without_the_extra_the_volume_is_unknown_and_a_hint_says_what_to_install
     found = find_contacts(bolted(1.05))
     assert [o.volume for o in found.overlaps if set(o.parts) == {1, 2}] == [None]
     assert sum("pip install 'kilter[overlap]'" in text for text in found.warnings) == 1
+
+
+@pytest.mark.parametrize(("radius", "kind"), [(1.02, "fixed"), (1.0, "cylindrical")])
+def test_suggestion_is_pasted_from_the_command_and_holds(radius, kind, tmp_path, capsys):
+    file, proof = str(tmp_path / "a.kilter.json"), str(tmp_path / "p.json")
+    dump(bolted(radius, turned=True), file)
+    held = ["--ground", "nut"]
+    main(["check", file, *held, "--suggest-joints", "--json"])
+    (suggestion,) = json.loads(capsys.readouterr().out)["suggested_joints"]
+    assert suggestion["joint"]["kind"] == kind
+    words = shlex.split(suggestion["option"])
+    assert main(["check", file, *held, *words, "--proof", proof]) == 0
+    assert main(["verify", file, proof]) == 0
+    assert main(["check", file, *held, "--suggest-joints"]) in (0, 1, 4)
+    out = capsys.readouterr().out
+    assert suggestion["option"] in out
+    assert json.dumps(suggestion["joint"]) in out
+    # the joint in the file: the bolt slides out of a bore that leans, a fixed one does not
+    data = json.loads((tmp_path / "a.kilter.json").read_text())
+    data["joints"] = [suggestion["joint"]]
+    joined = Assembly(
+        from_dict(data).with_grounded(["nut"]).parts,
+        joints=from_dict(data).joints,
+        gravity=from_dict(data).gravity,
+        detect=False,
+    )
+    assert check(joined).verdict == ("stable" if kind == "fixed" else "unstable")
+
+
+def test_fits_are_recognised_in_meshes_too():
+    exact = bolted(1.05)
+    parts = [
+        Part(part.name, Mesh(*surface(part.shape)), part.pose, grounded=part.grounded)
+        for part in exact.parts
+    ]
+    assembly = Assembly(parts)
+    found = find_contacts(assembly)
+    assert [one.parts for one in suggest_joints(assembly, found)] == [("bolt", "nut")]

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import Tolerance
-from kilter.shapes import Cylinder
-from kilter.solid import Solid
+from kilter.geometry import Geometry
+from kilter.surfaces import CYLINDER
 
 __all__ = ["Fit", "coaxial_fits"]
 
@@ -130,39 +130,21 @@ def _fit(
 def _bores(assembly: Assembly, part: int) -> list[_Bore]:
     """The cylinders of a part, exact ones and those recognised in its mesh."""
     geometry = assembly.geometry
-    known = getattr(geometry, "surfaces", None)
-    if known is not None:
-        return [
-            _bore(
-                *(known.point[row], known.axis[row], float(known.radius[row])),
-                bool(known.hollow[row]),
-                geometry.vertices[geometry.triangles[known.triangles_of(row)]].reshape(-1, 3),
-                float(known.doubt[row]),
-            )
-            for row in range(int(known.start[part]), int(known.start[part + 1]))
-            if known.kind[row] == CYLINDER_ROW
-        ]
-    own, pose = assembly.parts[part].shape, assembly.parts[part].pose
-    if isinstance(own, Cylinder):
-        ends = pose.apply([[0, 0, -own.height / 2], [0, 0, own.height / 2]])
-        return [_bore(pose.position, pose.matrix[:, 2], own.radius, False, ends)]
-    if not isinstance(own, Solid):
-        return []
-    found = []
-    for number, face in enumerate(own.surfaces):
-        corners = own.vertices[own.triangles[own.triangle_surface == number]].reshape(-1, 3)
-        if face.kind == "cylinder" and len(corners):
-            point, axis = pose.apply([face.point])[0], pose.matrix @ face.axis
-            found.append(_bore(point, axis, face.radius, face.hollow, pose.apply(corners)))
-    return found
+    known = geometry.surfaces
+    rows = range(int(known.start[part]), int(known.start[part + 1]))
+    return [_bore(geometry, row) for row in rows if known.kind[row] == CYLINDER]
 
 
-CYLINDER_ROW = 1
-"""Kind of a cylinder among the surfaces of a geometry."""
-
-
-def _bore(
-    point: Array, axis: Array, radius: float, hollow: bool, corners: Array, doubt: float = 0.0
-) -> _Bore:
-    height = (corners - point) @ axis
-    return _Bore(point, axis, radius, hollow, doubt, float(height.min()), float(height.max()))
+def _bore(geometry: Geometry, row: int) -> _Bore:
+    known = geometry.surfaces
+    corners = geometry.vertices[geometry.triangles[known.triangles_of(row)]].reshape(-1, 3)
+    height = (corners - known.point[row]) @ known.axis[row]
+    return _Bore(
+        point=known.point[row],
+        axis=known.axis[row],
+        radius=float(known.radius[row]),
+        hollow=bool(known.hollow[row]),
+        doubt=float(known.doubt[row]),
+        low=float(height.min()),
+        high=float(height.max()),
+    )
