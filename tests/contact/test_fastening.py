@@ -86,14 +86,14 @@ def test_overlapping_parts_can_be_fastened():
 # fits of shafts in holes ------------------------------------------------------------------
 
 
-def bolted(radius, *, turned=False, factor=1.0, **options):
+def bolted(radius, *, turned=False, name="sleeve"):
     """A pin of a radius in a bore of 1, whose tube stands on the floor."""
     parts = [
         block("table", [-9, -9, -3], [9, 9, -2], grounded=True),
-        tube("nut", 1.0, 2.0, 4.0),
+        tube(name, 1.0, 2.0, 4.0),
         pin("bolt", radius, 6.0, [0, 0, 3]),
     ]
-    assembly = Assembly(parts, **options)
+    assembly = Assembly(parts)
     if turned:
         assembly = moved(assembly, turn([1, 2, 3], 77), [3, 1, 4])
     return assembly
@@ -114,10 +114,10 @@ def test_thicker_shaft_is_an_interference_fit(turned):
     assert [overlap.why for overlap in named] == ["interfere"]
     assert any("interfere" in text for text in found.warnings)
     suggestion = suggest_joints(assembly, found)[0]
-    assert suggestion.parts == ("bolt", "nut")
-    assert suggestion.option == "--fasten bolt nut"
-    assert suggestion.joint == {"parts": ["bolt", "nut"], "kind": "fixed"}
-    joined = fastened(assembly, [("bolt", "nut")], contacts=found)
+    assert suggestion.parts == ("bolt", "sleeve")
+    assert suggestion.option == "--fasten bolt sleeve"
+    assert suggestion.joint == {"parts": ["bolt", "sleeve"], "kind": "fixed"}
+    joined = fastened(assembly, [("bolt", "sleeve")], contacts=found)
     assert suggest_joints(joined, found) == []
 
 
@@ -125,7 +125,7 @@ def test_thicker_shaft_is_an_interference_fit(turned):
 def test_shaft_as_thick_as_its_hole_turns_and_slides(turned):
     assembly = bolted(1.0, turned=turned)
     suggestions = suggest_joints(assembly, find_contacts(assembly))
-    assert [one.parts for one in suggestions] == [("bolt", "nut")]
+    assert [one.parts for one in suggestions] == [("bolt", "sleeve")]
     entry = suggestions[0].joint
     assert entry["kind"] == "cylindrical"
     bolt = assembly.parts[2].pose
@@ -291,7 +291,7 @@ def test_without_the_extra_the_volume_is_unknown_and_a_hint_says_what_to_install
 def test_suggestion_is_pasted_from_the_command_and_holds(radius, kind, tmp_path, capsys):
     file, proof = str(tmp_path / "a.kilter.json"), str(tmp_path / "p.json")
     dump(bolted(radius, turned=True), file)
-    held = ["--ground", "nut"]
+    held = ["--ground", "sleeve"]
     main(["check", file, *held, "--suggest-joints", "--json"])
     (suggestion,) = json.loads(capsys.readouterr().out)["suggested_joints"]
     assert suggestion["joint"]["kind"] == kind
@@ -306,7 +306,7 @@ def test_suggestion_is_pasted_from_the_command_and_holds(radius, kind, tmp_path,
     data = json.loads((tmp_path / "a.kilter.json").read_text())
     data["joints"] = [suggestion["joint"]]
     joined = Assembly(
-        from_dict(data).with_grounded(["nut"]).parts,
+        from_dict(data).with_grounded(["sleeve"]).parts,
         joints=from_dict(data).joints,
         gravity=from_dict(data).gravity,
         detect=False,
@@ -322,4 +322,16 @@ def test_fits_are_recognised_in_meshes_too():
     ]
     assembly = Assembly(parts)
     found = find_contacts(assembly)
-    assert [one.parts for one in suggest_joints(assembly, found)] == [("bolt", "nut")]
+    assert [one.parts for one in suggest_joints(assembly, found)] == [("bolt", "sleeve")]
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [("nut", "fixed"), ("M4 Nut_2", "fixed"), ("nuts/spacer", "cylindrical"),
+     ("donut", "cylindrical"), ("nutcracker", "cylindrical")],
+)  # fmt: skip
+def test_part_named_a_nut_is_taken_for_threaded(name, kind):
+    assembly = bolted(1.0, name=name)
+    (suggestion,) = suggest_joints(assembly, find_contacts(assembly))
+    assert suggestion.joint["kind"] == kind
+    assert ("by its name a nut" in suggestion.why) == (kind == "fixed")

@@ -2,15 +2,19 @@
 
 A part whose cylinder fills a hole of another, size on size or thicker, is meant to be held
 by it: a bolt in a nut, a pin pressed in, a shaft in its bearing. What interferes is taken
-for fixed (a thread, a press fit); size on size for a shaft that turns and slides, until it
-is fastened. Nothing is joined by itself: the suggestions are to be pasted.
+for fixed (a thread, a press fit), and so is what is named a nut; else size on size for a
+shaft that turns and slides, until it is fastened. Nothing is joined by itself: the
+suggestions are to be pasted.
 """
 
 from __future__ import annotations
 
+import re
 import shlex
 from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
 
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
@@ -19,6 +23,10 @@ from kilter.contact.fastening import touching_pairs
 
 __all__ = ["Suggestion", "suggest_joints"]
 
+NUT = re.compile(r"(?<![a-z])nut(?![a-z])", re.IGNORECASE)
+"""Names of parts whose hole is taken for a thread."""
+SMALL = 1e-15
+"""A component of a unit axis that is rounding."""
 INTERFERE = "interfere"
 """What the contacts say of two parts that interfere by design."""
 
@@ -79,13 +87,16 @@ def _of_fit(assembly: Assembly, fit: Fit) -> Suggestion:
     size = f"radius {fit.radius:.6g} {unit} over {fit.length:.4g} {unit}"
     if fit.tight:
         return _fixed(parts, f"coaxial, {size}, interferes by {fit.interference:.3g} {unit}")
+    why = f"coaxial, size on size, {size}"
+    if NUT.search(parts[1].rpartition("/")[2]):
+        return _fixed(parts, f"{why}, by its name a nut")
     joint = {
         "parts": list(parts),
         "kind": "cylindrical",
         "point": (fit.point + 0.0).tolist(),
-        "axis": (fit.axis + 0.0).tolist(),
+        "axis": np.where(np.abs(fit.axis) < SMALL, 0.0, fit.axis).tolist(),
     }
-    return Suggestion(parts, f"coaxial, size on size, {size}", _option(parts), joint)
+    return Suggestion(parts, why, _option(parts), joint)
 
 
 def _fixed(parts: tuple[str, str], why: str) -> Suggestion:
