@@ -9,8 +9,10 @@ import typer
 
 from kilter.cli.options import (
     Angle,
+    Clearance,
     Density,
     Down,
+    Fasten,
     File,
     Floor,
     Gap,
@@ -24,6 +26,7 @@ from kilter.cli.options import (
 )
 from kilter.cli.output import Progress, as_json, emit, keep_apart, tell_warnings
 from kilter.cli.reading import contact_tolerance, read_assembly, reading_of
+from kilter.cli.reading import fasten as join_touching
 from kilter.errors import InputError
 
 __all__ = ["orient", "region"]
@@ -44,8 +47,10 @@ def orient(
     down: Down = None,
     units: Units = None,
     density: Density = None,
+    fasten: Fasten = None,
     gap: Gap = None,
     angle: Angle = None,
+    clearance: Clearance = None,
     loose: Loose = False,
     method: Annotated[
         Method,
@@ -66,13 +71,16 @@ def orient(
     from kilter.analysis.orientation import orient as find
 
     keep_apart(file, output)
-    reading = reading_of(ground, floor, without, down, None, units, density)
+    reading = reading_of(ground, floor, without, down, None, units, density, fasten)
     with Progress(quiet) as progress:
         progress("reading")
         assembly = read_assembly(file, reading)
+        tolerance = contact_tolerance(gap, angle, loose, clearance)
+        assembly, found = join_touching(assembly, reading, tolerance, progress)
         answer = find(
             assembly,
-            tolerance=contact_tolerance(gap, angle, loose),
+            found,
+            tolerance=tolerance,
             method=method.value,
             progress=progress,
         )
@@ -103,8 +111,10 @@ def region(
     down: Down = None,
     units: Units = None,
     density: Density = None,
+    fasten: Fasten = None,
     gap: Gap = None,
     angle: Angle = None,
+    clearance: Clearance = None,
     loose: Loose = False,
     json: Json = False,
     output: Output = None,
@@ -117,11 +127,14 @@ def region(
         raise InputError(f"{len(files)} files are given", hint="add --common, or give one")
     for file in files:
         keep_apart(file, output)
-    reading = reading_of(ground, floor, without, down, None, units, density)
-    tolerance = contact_tolerance(gap, angle, loose)
+    reading = reading_of(ground, floor, without, down, None, units, density, fasten)
+    tolerance = contact_tolerance(gap, angle, loose, clearance)
     with Progress(quiet) as progress:
         progress("reading")
-        assemblies = [read_assembly(file, reading) for file in files]
+        assemblies = [
+            join_touching(read_assembly(file, reading), reading, tolerance, progress)[0]
+            for file in files
+        ]
         if common:
             answer = common_region(assemblies, tolerance=tolerance, progress=progress)
         else:

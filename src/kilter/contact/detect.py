@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from kilter.assembly import Assembly
 from kilter.contact.broad import Boxes, facet_pairs, make_boxes, part_pairs
+from kilter.contact.closing import CLUSTER, closed_by_clearance, tolerance_warnings
 from kilter.contact.contact_set import (
     ContactSet,
     Overlap,
@@ -24,7 +25,7 @@ from kilter.contact.curved_patches import CurvedContacts, without_repeats
 from kilter.contact.facets import Facets, find_facets
 from kilter.contact.near import NearContacts, Touching, near_contacts
 from kilter.contact.overlap import find_overlaps
-from kilter.contact.patches import Patches, merge
+from kilter.contact.patches import merge
 from kilter.contact.planes import FacetFrame, Pieces, facet_frames, overlaps_of
 from kilter.contact.rims import rim_contacts
 from kilter.errors import InputError
@@ -99,15 +100,19 @@ def find_contacts(
     found = _planar(geometry, facets, boxes, pairs, limits, tolerance, curved)
     tell("edges and corners")
     near = near_contacts(geometry, facets, boxes, found.touching)
-    overlaps, warnings = find_overlaps(assembly, geometry, facets, boxes, found.touching)
+    overlaps, warnings = find_overlaps(assembly, geometry, facets, boxes, found.touching, tolerance)
     return _contact_set(assembly, found, limits, near, overlaps, warnings, tolerance)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Limits:
-    """Arrays, one row a pair: gap tolerance, margin looked at, rounding [length unit]."""
+    """Arrays, one row a pair: gap tolerance, clearance, margin looked at, rounding [length unit].
+
+    `closed`: gaps up to this count as closed; the tolerance, or the designed clearance.
+    """
 
     gap: Array
+    closed: Array
     margin: Array
     blur: Array
     coarse: NDArray[np.bool_]
@@ -126,9 +131,11 @@ class _Found:
 
 
 def _check(tolerance: Tolerance) -> None:
-    for name, value in (("gap", tolerance.gap), ("angle", tolerance.angle)):
+    named = ("gap", tolerance.gap), ("angle", tolerance.angle), ("clearance", tolerance.clearance)
+    for name, value in named:
         if value is not None and not (np.isfinite(value) and value > 0):
-            raise InputError(f"the {name} tolerance is {value}", hint="give a number above zero")
+            what = name if name == "clearance" else f"{name} tolerance"
+            raise InputError(f"the {what} is {value}", hint="give a number above zero")
 
 
 def _pairs_to_detect(assembly: Assembly, boxes: Boxes, tolerance: Tolerance) -> Index:
@@ -139,7 +146,8 @@ def _pairs_to_detect(assembly: Assembly, boxes: Boxes, tolerance: Tolerance) -> 
     rough = np.maximum(tolerance.relative_gap * geometry.size, 4 * geometry.accuracy)
     if tolerance.gap is not None:
         rough = np.full(len(rough), tolerance.gap)
-    pairs = part_pairs(boxes, geometry.grounded, NEAR * rough / 2)
+    reach = np.maximum(NEAR * rough / 2, CLUSTER * (tolerance.clearance or 0.0))
+    pairs = part_pairs(boxes, geometry.grounded, reach)
     given = {
         frozenset(assembly.index_of(n) for n in contact.parts) for contact in assembly.contacts
     }
@@ -161,9 +169,11 @@ def _limits(geometry: Geometry, facets: Facets, pairs: Index, tolerance: Toleran
         wanted = tolerance.relative_gap * np.minimum(geometry.size[a], geometry.size[b])
         gap = np.minimum(wanted, THICKNESS * np.minimum(thickness[a], thickness[b]))
         gap = np.maximum(gap, blur)
+    closed = np.maximum(gap, tolerance.clearance or 0.0)
     return _Limits(
         gap=gap,
-        margin=np.maximum(NEAR * wanted, gap),
+        closed=closed,
+        margin=np.maximum(NEAR * wanted, np.maximum(gap, CLUSTER * (tolerance.clearance or 0.0))),
         blur=blur,
         coarse=blur > THICKNESS * np.minimum(thickness[a], thickness[b]),
     )
@@ -188,9 +198,11 @@ def _planar(
     angle = tolerance.angle + _angle_blur(geometry, facets, frames)
     accepted, refused, counts = [], [], np.zeros(len(GAP_EDGES) - 1, dtype=np.int64)
     for block in blocks:
-        limit = limits.gap[frames.pair[block.frame]]
+        pair_of = frames.pair[block.frame]
+        limit = limits.gap[pair_of]
         opposed = frames.angle[block.frame] <= angle[block.frame]
-        touch = opposed & (block.gap[:, 0] <= limit) & (block.gap[:, 1] >= -limit)
+        touch = opposed & (block.gap[:, 0] <= limits.closed[pair_of])
+        touch &= block.gap[:, 1] >= -limit
         accepted.append(block.take(np.flatnonzero(touch)))
         refused.append(block.take(np.flatnonzero(~touch)))
         size = np.minimum(
@@ -214,7 +226,11 @@ def _planar(
         facets=facets,
         rejected=rejected[:LISTED],
         counts=counts,
-        warnings=[*_tolerance_warnings(patches, rejected, limits), *curved.warnings],
+        warnings=[
+            *tolerance_warnings(patches, rejected, limits.gap, limits.closed),
+            *_coarse(limits),
+            *curved.warnings,
+        ],
     )
 
 
@@ -260,25 +276,14 @@ def _rejected(
     return list(nearest.values())
 
 
-def _tolerance_warnings(patches: Patches, rejected: list[Rejected], limits: _Limits) -> list[str]:
-    """A word where the gap tolerance cuts through gaps that belong together."""
-    warnings = []
-    gap = np.abs(patches.gap).min(axis=1) if len(patches.pair) else np.empty(0)
-    gap[(patches.gap[:, 0] < 0) & (patches.gap[:, 1] > 0)] = 0.0
-    below = int((gap > limits.gap[patches.pair] / 3).sum())
-    edge = 3 * float(limits.gap.max(initial=0.0))
-    above = sum(abs(r.gap) < edge for r in rejected if r.why.startswith(("gap", "penetrates")))
-    if below and above:
-        warnings.append(
-            f"the gap tolerance falls inside a cluster of gaps: {below} patches just below it, "
-            f"{above} near pairs just above; see the histogram and set --gap"
-        )
-    if limits.coarse.any():
-        warnings.append(
-            "coordinates are too coarse for the thinnest parts: "
-            f"{int(limits.coarse.sum())} pairs have rounding above a tenth of a part's thickness"
-        )
-    return warnings
+def _coarse(limits: _Limits) -> list[str]:
+    """A word where rounding is not small against a part's thickness."""
+    if not limits.coarse.any():
+        return []
+    return [
+        "coordinates are too coarse for the thinnest parts: "
+        f"{int(limits.coarse.sum())} pairs have rounding above a tenth of a part's thickness"
+    ]
 
 
 def _contact_set(
@@ -344,7 +349,11 @@ def _contact_set(
         gap_counts=found.counts,
         tolerance=tolerance,
         gap=float(limits.gap.max(initial=0.0)),
-        warnings=(*found.warnings, *warnings),
+        warnings=(
+            *found.warnings,
+            *closed_by_clearance(assembly, found.touching, limits.gap),
+            *warnings,
+        ),
         degenerate=near.degenerate,
     )
 

@@ -73,9 +73,10 @@ def _triangles_apart(one: Array, other: Array) -> tuple[Array, Array]:
                 size = np.linalg.norm(q - p, axis=1) * np.linalg.norm(end - start, axis=1)
                 some = np.flatnonzero(across > LEVEL * size)
                 value, point = np.full(len(p), np.inf), p.copy()
-                value[some], point[some] = segment_distance(
+                value[some], here, there = segment_distance(
                     p[some], q[some], start[some], end[some]
                 )
+                point[some] = (here + there) / 2
                 better(value, point)
     return off, best
 

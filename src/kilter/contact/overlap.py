@@ -7,6 +7,7 @@ decides; it also tells apart parts that only an edge against an edge separates.
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -14,10 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kilter.contact.broad import Boxes
-from kilter.contact.contact_set import Overlap
+from kilter.contact.coaxial import coaxial_fits
+from kilter.contact.contact_set import Overlap, Tolerance
 from kilter.contact.curved_patches import CurvedContacts
 from kilter.contact.facets import Facets
 from kilter.contact.round import in_patch
+from kilter.contact.volume import HINT, can_cut, overlap_volume
 from kilter.geometry import Geometry
 
 if TYPE_CHECKING:
@@ -29,6 +32,10 @@ __all__ = ["find_overlaps"]
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
+INTERFERE = "interfere"
+"""What is said of a shaft that is thicker than its hole: a thread, a press fit."""
+CUTS = 200
+"""The volumes of so many overlaps are computed; each takes some milliseconds."""
 Settled = Callable[[Array], NDArray[np.bool_]]
 
 PROBES = 300
@@ -36,7 +43,12 @@ PROBES = 300
 
 
 def find_overlaps(
-    assembly: Assembly, geometry: Geometry, facets: Facets, boxes: Boxes, touching: Touching
+    assembly: Assembly,
+    geometry: Geometry,
+    facets: Facets,
+    boxes: Boxes,
+    touching: Touching,
+    allowed: Tolerance,
 ) -> tuple[tuple[Overlap, ...], list[str]]:
     """Pairs that share volume, and warnings that name them."""
     a, b = touching.pairs.T
@@ -56,6 +68,7 @@ def find_overlaps(
         overlap = _overlap(geometry, facets, (one, other), float(tolerance[row]), convex, settled)
         if overlap is not None and overlap.parts not in known:
             found.append(overlap)
+    found = named_overlaps(assembly, found, allowed)
     names = assembly.names
     warnings = []
     for overlap in found[:20]:
@@ -65,6 +78,8 @@ def find_overlaps(
             f"{first} and {second} {overlap.why}, {overlap.depth:.3g} {assembly.units} deep{size}; "
             "an overlap is not a contact"
         )
+    if found and not can_cut() and any(overlap.volume is None for overlap in found):
+        warnings.append(HINT)
     if len(found) > 20:
         warnings.append(f"{len(found) - 20} more pairs overlap")
     return tuple(found), warnings
@@ -77,6 +92,22 @@ def _settled(geometry: Geometry, curved: CurvedContacts, row: int, slack: float)
         return in_patch(geometry, curved, row, points, slack)
 
     return settled
+
+
+def named_overlaps(assembly: Assembly, found: list[Overlap], tolerance: Tolerance) -> list[Overlap]:
+    """Overlaps with their volumes, as far as a kernel gives them, and fits named as such."""
+    parts = assembly.parts
+    fits = coaxial_fits(assembly, [overlap.parts for overlap in found], tolerance)
+    tight = {frozenset(fit.parts) for fit in fits if fit.tight}
+    named = []
+    for number, overlap in enumerate(found):
+        a, b = overlap.parts
+        why = INTERFERE if frozenset((a, b)) in tight else overlap.why
+        volume = overlap.volume
+        if volume is None and number < CUTS:
+            volume = overlap_volume(parts[a], parts[b])
+        named.append(dataclasses.replace(overlap, volume=volume, why=why))
+    return named
 
 
 def _overlap(
