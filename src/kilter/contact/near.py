@@ -30,10 +30,11 @@ from kilter.contact.facets import Facets
 from kilter.contact.meetings import EDGE, FACE, Block, Meetings, meetings, no_meetings
 from kilter.contact.normals import SNAP, Clauses, Pushes, normals_of
 from kilter.contact.patches import Patches
-from kilter.contact.rims import rims_clear
+from kilter.contact.rims import coaxial_clear, rims_clear
 from kilter.contact.round import (
     RoundContacts,
     beside_curved,
+    explained,
     no_round_contacts,
     round_contacts,
 )
@@ -184,6 +185,7 @@ def _rounds(scene: _Scene, rows: Index) -> RoundContacts:
         return no_round_contacts()
     met = _meetings(scene, rows, touching.tolerance + geometry.slack[touching.pairs].sum(axis=1))
     met = met.take(np.flatnonzero(_beside_curved(scene, met) & ~_clear(scene, met)))
+    met = met.take(np.flatnonzero(~_settled(scene, met)))
     pushes, clauses = _unexplained(met, *_normals(scene, met), touching)
     on_rim = np.concatenate([pushes.meeting, clauses.meeting])
     return round_contacts(
@@ -201,21 +203,37 @@ def _rounds(scene: _Scene, rows: Index) -> RoundContacts:
 
 
 def _clear(scene: _Scene, met: Meetings) -> Mask:
-    """Meetings of a facet with round rims that as a whole stay clear of its plane."""
+    """Meetings with round rims that as a whole stay clear of a plane, or of a rim of one axis."""
     geometry, facets = scene.geometry, scene.facets
+    limit = scene.touching.tolerance[met.pair]
     clear = np.zeros(len(met), dtype=bool)
+    ends = np.stack([met.feature, met.feature], axis=2)
+    edge = met.kind == EDGE
+    ends[edge] = scene.edges.ends_of[met.feature[edge]]
     for side in (0, 1):
-        rows = np.flatnonzero((met.kind[:, side] == FACE) & (met.kind[:, 1 - side] != FACE))
-        facet, other = met.feature[rows, side], met.feature[rows, 1 - side]
-        edge = met.kind[rows, 1 - side] == EDGE
-        ends = np.column_stack([other, other])
-        ends[edge] = scene.edges.ends_of[other[edge]]
-        normal, limit = facets.normal[facet], scene.touching.tolerance[met.pair[rows]]
+        rows = np.flatnonzero(met.kind[:, side] == FACE)
+        facet = met.feature[rows, side]
+        normal = facets.normal[facet]
         clear[rows] = True
-        for vertex in ends.T:
+        for vertex in ends[rows, 1 - side].T:
             off = np.einsum("ij,ij->i", geometry.vertices[vertex] - facets.origin[facet], normal)
-            clear[rows] &= rims_clear(geometry, vertex, normal, off, limit)
+            clear[rows] &= rims_clear(geometry, vertex, normal, off, limit[rows])
+    rows = np.flatnonzero((met.kind != FACE).all(axis=1))
+    clear[rows] = coaxial_clear(geometry, ends[rows], limit[rows])
     return clear
+
+
+def _settled(scene: _Scene, met: Meetings) -> Mask:
+    """Meetings where patches of the pair, as wide as the triangles lie off, say what touches."""
+    geometry, touching = scene.geometry, scene.touching
+    held = np.zeros(len(met), dtype=bool)
+    for pair in np.unique(met.pair).tolist():
+        mine = np.flatnonzero(met.pair == pair)
+        slack = float(touching.tolerance[pair] + 2 * geometry.slack[touching.pairs[pair]].max())
+        held[mine] = explained(
+            geometry, touching.curved, touching.patches, pair, met.middle[mine], slack
+        )
+    return held
 
 
 def _unexplained(

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from kilter.contact.contact_set import PossibleContacts
 from kilter.geometry import Geometry
+from kilter.rigid import cross
 from kilter.surfaces import CONE, CYLINDER, FREE, SPHERE, Surfaces
 
-__all__ = ["Force", "possible_forces", "rim_contacts", "rims_clear"]
+__all__ = ["Force", "coaxial_clear", "possible_forces", "rim_contacts", "rims_clear"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -49,15 +50,55 @@ def rims_clear(
     s = geometry.surfaces
     if not len(s):
         return np.zeros(len(vertex), dtype=bool)
+    surface, exact = _rims_at(geometry, vertex)
+    _, rho, away = s.polar(surface, geometry.vertices[vertex])
+    across = normal - np.einsum("ij,ij->i", normal, s.axis[surface])[:, None] * s.axis[surface]
+    drop = rho * (np.einsum("ij,ij->i", away, normal) + np.linalg.norm(across, axis=1))
+    clear: Mask = exact & (off - drop > tolerance)
+    return clear
+
+
+def _rims_at(geometry: Geometry, vertex: Index) -> tuple[Index, Mask]:
+    """A curved surface that each corner lies on (-1: none), and whether it is an exact rim."""
+    s = geometry.surfaces
     of = np.full(len(geometry.vertices), -1)
     round_ = np.flatnonzero(geometry.triangle_surface >= 0)
     of[geometry.triangles[round_]] = geometry.triangle_surface[round_, None]
     surface = of[vertex]
     exact = (surface >= 0) & np.isin(s.kind[surface], (CYLINDER, CONE)) & (s.doubt[surface] == 0)
-    _, rho, away = s.polar(surface, geometry.vertices[vertex])
-    across = normal - np.einsum("ij,ij->i", normal, s.axis[surface])[:, None] * s.axis[surface]
-    drop = rho * (np.einsum("ij,ij->i", away, normal) + np.linalg.norm(across, axis=1))
-    clear: Mask = exact & (off - drop > tolerance)
+    return surface, exact
+
+
+def coaxial_clear(geometry: Geometry, vertex: Index, tolerance: Array) -> Mask:
+    """Chords of rims of one axis whose true circles stay clear of each other, shape (n,).
+
+    Circles about one axis, of radii r and s, a height h apart, are hypot(r - s, h) apart.
+
+    Parameters
+    ----------
+    vertex : ndarray of int, shape (n, 2, 2)
+        Both ends of the chord of part a, and of that of part b; of a corner, twice the corner.
+    tolerance : ndarray, shape (n,)
+    """
+    s = geometry.surfaces
+    if not len(s) or not len(vertex):
+        return np.zeros(len(vertex), dtype=bool)
+    surface, exact = _rims_at(geometry, vertex.reshape(-1))
+    surface = surface.reshape(-1, 2, 2)
+    clear = exact.reshape(-1, 4).all(axis=1) & (surface[:, :, 0] == surface[:, :, 1]).all(axis=1)
+    one, other = surface[:, :, 0].T
+    axis, base = s.axis[one], s.point[one]
+    clear &= np.linalg.norm(cross(axis, s.axis[other]), axis=1) <= LEVEL
+    out = geometry.vertices[vertex] - base[:, None, None]
+    height = np.einsum("nkei,ni->nke", out, axis)
+    across = out - height[..., None] * axis[:, None, None]
+    radius = np.linalg.norm(across, axis=3)
+    aside = s.point[other] - base
+    aside = aside - np.einsum("ni,ni->n", aside, axis)[:, None] * axis
+    for value in (height, radius):  # each chord lies in one circle
+        clear &= (np.ptp(value, axis=2) <= tolerance[:, None]).all(axis=1)
+    apart = np.hypot(*(value[:, 0, 0] - value[:, 1, 0] for value in (height, radius)))
+    clear &= apart - np.linalg.norm(aside, axis=1) > tolerance
     return clear
 
 
