@@ -22,6 +22,7 @@ from kilter.contact.facets import Facets
 from kilter.contact.round import in_patch
 from kilter.contact.volume import HINT, can_cut, overlap_volume
 from kilter.geometry import Geometry
+from kilter.rigid import cross
 
 if TYPE_CHECKING:
     from kilter.assembly import Assembly
@@ -124,7 +125,7 @@ def _overlap(
         return Overlap((a, b), volume, float(min(geometry.size[[a, b]])), "are the same body twice")
     if convex:
         return _convex_overlap(geometry, facets, a, b, tolerance)
-    depth = max(_depth(geometry, facets, *pair, settled) for pair in ((a, b), (b, a)))
+    depth = max(_depth(geometry, facets, *pair, tolerance, settled) for pair in ((a, b), (b, a)))
     if depth <= tolerance:
         return None
     return Overlap((a, b), None, depth, "overlap")
@@ -193,8 +194,10 @@ def _ball(
     return Overlap(parts, volume, depth, "overlap")
 
 
-def _depth(geometry: Geometry, facets: Facets, a: int, b: int, settled: Settled) -> float:
-    """How deep a corner or edge middle of part a lies inside part b.
+def _depth(
+    geometry: Geometry, facets: Facets, a: int, b: int, tolerance: float, settled: Settled
+) -> float:
+    """How deep a corner or edge middle of part a lies inside part b, if above the tolerance.
 
     Points that are `settled` lie on a curved face that touches.
     """
@@ -206,7 +209,7 @@ def _depth(geometry: Geometry, facets: Facets, a: int, b: int, settled: Settled)
     )
     other = _corners(geometry, b)
     low, high = other.min(axis=0), other.max(axis=0)
-    probes = probes[((probes > low) & (probes < high)).all(axis=1)]
+    probes = probes[((probes > low + tolerance) & (probes < high - tolerance)).all(axis=1)]
     probes = probes[~settled(probes)]
     if len(probes) > PROBES:
         probes = probes[:: len(probes) // PROBES + 1]
@@ -236,12 +239,21 @@ def _winding(points: Array, triangles: Array) -> Array:
     ----------
     A. van Oosterom, J. Strackee, The solid angle of a plane triangle, 1983, equation 8.
     """
-    r = triangles[None] - points[:, None, None, :]
-    length = np.linalg.norm(r, axis=3)
-    a, b, c = r[:, :, 0], r[:, :, 1], r[:, :, 2]
-    la, lb, lc = length[..., 0], length[..., 1], length[..., 2]
-    top = np.einsum("ntk,ntk->nt", a, np.cross(b, c))
-    bottom = la * lb * lc + (a * b).sum(2) * lc + (b * c).sum(2) * la + (c * a).sum(2) * lb
+    middle = triangles.mean(axis=(0, 1))
+    x, corners = points - middle, triangles - middle
+    # every product of two or three of a - x, b - x, c - x is linear in x but for |x|^2
+    a, b, c = corners.transpose(1, 0, 2)
+    square = (x**2).sum(axis=1)[:, None]
+    la, lb, lc = (
+        np.sqrt(np.maximum(square + (corner**2).sum(axis=1) - 2 * (x @ corner.T), 0.0))
+        for corner in (a, b, c)
+    )
+    bc = cross(b, c)
+    top = np.einsum("ti,ti->t", a, bc) - x @ (bc + cross(c, a) + cross(a, b)).T
+    bottom = la * lb * lc
+    for one, other, length in ((a, b, lc), (b, c, la), (c, a, lb)):
+        product = np.einsum("ti,ti->t", one, other) - x @ (one + other).T + square
+        bottom += product * length
     winding: Array = np.arctan2(top, bottom).sum(axis=1) / (2 * np.pi)
     return winding
 
