@@ -12,7 +12,7 @@ from kilter import InputError
 from kilter.analysis.orientation import orient
 from kilter.analysis.region import find_region
 from kilter.assembly import Assembly, Joint, Load
-from kilter.mechanics import proof as proofs
+from kilter.mechanics.proof import digest_of
 from kilter.rigid import unit
 from kilter.scenes.pieces import block, turn
 from kilter.scenes.transform import moved, permuted, scaled, tilted
@@ -352,7 +352,7 @@ def test_flipped_number_of_a_joint_is_refused(name):
         other = copy.deepcopy(proof)
         values = other["joints"][number][key]
         values[place] = values[place] * 1.001 if abs(values[place]) > 1e-6 else 1e-3
-        other["digest"] = proofs._digest(other)
+        other["digest"] = digest_of(other)
         assert not verified(reloaded(assembly), other).holds, (number, key, place)
 
 
@@ -370,7 +370,7 @@ def test_wrench_that_its_kind_cannot_carry_is_refused_by_name(kind):
         for number, sign in ((0, 1), (1, -1)):
             entry = other["joints"][number]
             entry["wrench"] = (np.array(entry["wrench"]) + sign * twist).tolist()
-        other["digest"] = proofs._digest(other)
+        other["digest"] = digest_of(other)
         answer = verified(reloaded(assembly), other)
         assert not answer.holds
         assert any(f"the {kind} joint of" in reason for reason in answer.reasons)
@@ -382,7 +382,7 @@ def test_wrench_out_of_the_plane_is_refused():
     for place in (1, 3, 5):
         other = copy.deepcopy(proof)
         other["joints"][0]["wrench"][place] = 1e3
-        other["digest"] = proofs._digest(other)
+        other["digest"] = digest_of(other)
         assert not verified(reloaded(assembly), other).holds
 
 

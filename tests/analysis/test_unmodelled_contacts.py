@@ -65,10 +65,14 @@ ROUND = pytest.mark.parametrize("name", ["cylinder", "ball"])
 SHARP = pytest.mark.parametrize("name", ["edge", "corner", "tetrahedron", "crossed"])
 
 
-def test_contact_that_could_hold_it_is_listed_and_undecided():
-    # a ball on a ridge: an edge on a curved face has no formula yet
+def ball_on_a_ridge():
+    """An edge on a curved face: no formula yet."""
     ridge = prism("ridge", [[0, 0], [-1, -1], [1, -1]], 2.0, grounded=True)
-    verdict = judged(Assembly([ridge, Part("cube", Sphere(0.5), Pose([0, 0, 0.5]))]))
+    return [ridge, Part("cube", Sphere(0.5), Pose([0, 0, 0.5]))]
+
+
+def test_contact_that_could_hold_it_is_listed_and_undecided():
+    verdict = judged(Assembly(ball_on_a_ridge()))
     assert verdict.verdict == "undecided"
     assert [u.kind for u in verdict.contacts.unsupported] == ["curved"]
     pair = {verdict.assembly.names[k] for k in verdict.contacts.unsupported[0].parts}
@@ -294,7 +298,7 @@ def test_two_round_parts_on_their_ends_stack():
 
 def test_proof_with_possible_contacts_counts_them():
     # unstable although a ball may push: the motion obeys that push too
-    verdict = judged(Assembly([FLOOR, ball(), SPARE]))
+    verdict = judged(Assembly([*ball_on_a_ridge(), SPARE]))
     assert (verdict.program.kind == 1).any()
     moves = verdict.program.velocities(verdict.certificate.motion)
     assert moves.min() >= -1e-9

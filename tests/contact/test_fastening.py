@@ -15,8 +15,8 @@ from kilter.cli import main
 from kilter.contact.coaxial import coaxial_fits
 from kilter.contact.volume import can_cut, overlap_volume
 from kilter.files import dump, from_dict, to_dict
-from kilter.mechanics import proof as proofs
-from kilter.mechanics.proof import proof_tolerance, verify_proof
+from kilter.mechanics.proof import digest_of
+from kilter.mechanics.verification import proof_tolerance, verify_proof
 from kilter.rigid import Pose
 from kilter.scenes.pieces import block, floor, turn
 from kilter.scenes.transform import moved, scaled
@@ -211,7 +211,7 @@ def test_clearance_is_part_of_the_proof():
     assert verify_proof(copy, find_contacts(copy, tolerance=tolerance), proof).holds
     for other in (None, 0.5e-3):
         proof["tolerance"]["clearance"] = other
-        proof["digest"] = proofs._digest(proof)
+        proof["digest"] = digest_of(proof)
         changed = proof_tolerance(proof)
         assert not verify_proof(copy, find_contacts(copy, tolerance=changed), proof).holds
 
