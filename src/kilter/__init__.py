@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from kilter.analysis.orientation import Orientation, orient
     from kilter.analysis.region import Region, common_region, find_region
     from kilter.assembly import Assembly, FrictionPair, GivenContact, Joint, Load, Part
-    from kilter.contact import ContactSet, Tolerance, find_contacts
+    from kilter.contact import ContactSet, Tolerance, fastened, find_contacts
     from kilter.errors import InputError, KilterError, SolverError
     from kilter.files import dump, load
     from kilter.mechanics.verification import verify_proof
@@ -56,6 +56,7 @@ _HOMES = {
     "draw_assembly": "kilter.show.figures",
     "draw_region": "kilter.show.figures",
     "dump": "kilter.files",
+    "fastened": "kilter.contact",
     "find_contacts": "kilter.contact",
     "find_region": "kilter.analysis.region",
     "load": "kilter.files",
@@ -90,6 +91,7 @@ __all__ = [
     "draw_assembly",
     "draw_region",
     "dump",
+    "fastened",
     "find_contacts",
     "find_region",
     "load",

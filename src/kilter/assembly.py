@@ -123,8 +123,15 @@ class Assembly:
         entries += [*self.friction_pairs, *self.contacts, *self.joints]
         for entry in entries:
             self._check_pair(entry)
+        for joint in self.joints if self.planar else ():
+            joint.require_planar()
         for load in self.loads:
-            self.index_of(load.part)
+            if self.parts[self.index_of(load.part)].grounded:
+                raise InputError(
+                    "a load acts on a held part, where it moves nothing",
+                    part=load.part,
+                    hint="leave the load out, or do not hold the part",
+                )
             if self.planar and (load.force[1] or load.torque[0] or load.torque[2]):
                 raise InputError(
                     "a load leaves the x-z plane of a planar assembly",
@@ -206,6 +213,10 @@ class Assembly:
                 for part in self.parts
             ]
         )
+
+    def with_joints(self, joints: Iterable[Joint]) -> Assembly:
+        """Joints besides those there are; `kilter.contact.fastened` makes those of bolts."""
+        return self._replace(joints=[*self.joints, *joints])
 
     def without(self, patterns: Iterable[str]) -> Assembly:
         """The assembly without the parts that match, and all that names them."""

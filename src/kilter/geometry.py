@@ -21,8 +21,18 @@ from numpy.typing import NDArray
 from kilter.closed import open_edges, welded, wound_both_ways
 from kilter.errors import InputError, some_names
 from kilter.rigid import cross, quaternion_to_matrix
-from kilter.shapes import BOX_CORNERS, BOX_TRIANGLES, Box, Cylinder, Mesh, Sphere, surface
+from kilter.shapes import (
+    BOX_CORNERS,
+    BOX_TRIANGLES,
+    Box,
+    Cylinder,
+    Mesh,
+    Prism,
+    Sphere,
+    surface,
+)
 from kilter.solid import Solid
+from kilter.surfaces import Surfaces, join_surfaces, surfaces_of
 from kilter.units import metres_per_unit
 
 if TYPE_CHECKING:
@@ -69,10 +79,12 @@ class Geometry:
         True where the coordinates are coarser than float64.
     is_box : ndarray of bool, shape (N,)
         Parts whose vertices are the eight corners of a box, in order.
-    is_round : ndarray of bool, shape (N,)
-        Cylinders and spheres: given as inscribed polyhedra.
-    round_axis : ndarray, shape (N, 3)
-        Unit axis of each cylinder; zero for other parts.
+    surfaces : Surfaces
+        The exact curved surfaces of all parts, ordered by part.
+    triangle_surface : ndarray of int, shape (T,)
+        Row of `surfaces` that each triangle stands for; -1: it is itself the face.
+    slack : ndarray, shape (N,)
+        How far the true surface of a part may lie from its triangles [length unit].
     warnings : tuple of str
     """
 
@@ -90,8 +102,9 @@ class Geometry:
     accuracy: Array
     single: NDArray[np.bool_]
     is_box: NDArray[np.bool_]
-    is_round: NDArray[np.bool_]
-    round_axis: Array
+    surfaces: Surfaces
+    triangle_surface: Index
+    slack: Array
     warnings: tuple[str, ...]
 
     @property
@@ -122,7 +135,6 @@ def build_geometry(assembly: Assembly) -> Geometry:
 def _build(assembly: Assembly) -> Geometry:
     parts = assembly.parts
     boxes = np.array([isinstance(part.shape, Box) for part in parts])
-    rounds = np.array([isinstance(part.shape, Cylinder | Sphere) for part in parts])
     warnings: list[str] = []
     local = _local_surfaces(parts, boxes, warnings)
     vertices, vertex_start, triangles, triangle_start = local
@@ -168,6 +180,11 @@ def _build(assembly: Assembly) -> Geometry:
         [part.shape.accuracy if isinstance(part.shape, Mesh | Solid) else 0.0 for part in parts]
     )
     accuracy = np.maximum(accuracy, largest * 2.0**-52)
+    surfaces, triangle_surface = _curved(
+        parts, boxes, (vertices, triangles, world), local, (rotation, position)
+    )
+    slack = np.zeros(len(parts))
+    np.maximum.at(slack, surfaces.part, surfaces.sagitta)
     for array in (world, triangles, mass, world_center, inertia, volume, accuracy):
         array.flags.writeable = False
     return Geometry(
@@ -185,8 +202,9 @@ def _build(assembly: Assembly) -> Geometry:
         accuracy=accuracy,
         single=accuracy > largest * 2.0**-40,
         is_box=boxes,
-        is_round=rounds,
-        round_axis=_round_axes(parts, rotation),
+        surfaces=surfaces,
+        triangle_surface=triangle_surface,
+        slack=slack,
         warnings=tuple(warnings),
     )
 
@@ -364,11 +382,27 @@ def _masses(
     return mass, center, second
 
 
-def _round_axes(parts: Sequence[Part], rotation: Array) -> Array:
-    axes = np.zeros((len(parts), 3))
-    cylinders = [k for k, part in enumerate(parts) if isinstance(part.shape, Cylinder)]
-    axes[cylinders] = rotation[cylinders, :, 2]
-    return axes
+def _curved(
+    parts: Sequence[Part],
+    boxes: NDArray[np.bool_],
+    corners: tuple[Array, Index, Array],
+    local: tuple[Array, Index, Index, Index],
+    poses: tuple[Array, Array],
+) -> tuple[Surfaces, Index]:
+    """Curved surfaces of all parts; `corners`: vertices, triangles, vertices in the world."""
+    (vertices, triangles, world), (_, first, _, start) = corners, local
+    found = {}
+    for k in np.flatnonzero(~boxes).tolist():
+        shape = parts[k].shape
+        if isinstance(shape, Prism):
+            continue
+        mine = vertices[first[k] : first[k + 1]]
+        names = triangles[start[k] : start[k + 1]] - first[k]
+        accuracy = shape.accuracy if isinstance(shape, Mesh | Solid) else 0.0
+        curved = surfaces_of(shape, mine, names, accuracy)
+        if curved is not None:
+            found[k] = curved
+    return join_surfaces(found, *poses, world, triangles, start)
 
 
 def _group_max(values: Array, start: Index) -> Array:

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 
-from kilter.errors import InputError
+from kilter.errors import InputError, nearest_name
 from kilter.rigid import frozen, in_range, number, unit
 
 __all__ = ["FrictionPair", "GivenContact", "Joint", "JointKind", "Load"]
 
 JointKind = Literal["fixed", "revolute", "prismatic", "cylindrical", "spherical"]
+KINDS: tuple[JointKind, ...] = get_args(JointKind)
+NEEDS_POINT = ("revolute", "cylindrical", "spherical")
+NEEDS_AXIS = ("revolute", "prismatic", "cylindrical")
+PLANAR = 1e-9
+"""Sine of the angle up to which the axis of a joint lies along or across y."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,7 +92,37 @@ class GivenContact:
 class Joint:
     """A two-sided connection of two parts, or of a part and the ground.
 
-    `point` and `axis`, both shape (3,), are in the world frame.
+    It pushes and pulls: what it holds, it holds either way.
+
+    =============  ===============================  =================  =======
+    kind           leaves free                      `point`            `axis`
+    =============  ===============================  =================  =======
+    fixed          nothing                          optional           unused
+    revolute       turning about the axis           on the axis        needed
+    prismatic      sliding along the axis           optional           needed
+    cylindrical    sliding along, turning about it  on the axis        needed
+    spherical      turning about the point          centre             unused
+    =============  ===============================  =================  =======
+
+    Parameters
+    ----------
+    parts : pair of str
+        Names; "ground" stands for the world.
+    kind : str
+    point, axis : array_like, shape (3,)
+        World frame; the wrench that a proof gives is about `point`.
+
+    Raises
+    ------
+    InputError
+        If the kind is unknown, or the point or axis that it needs is missing.
+
+    Examples
+    --------
+    >>> Joint(("door", "frame"), "revolute", point=[0, 0, 1])
+    Traceback (most recent call last):
+    ...
+    kilter.errors.InputError: revolute joint of 'door' and 'frame' has no axis; give "axis", ...
     """
 
     parts: tuple[str, str]
@@ -97,7 +132,51 @@ class Joint:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "parts", tuple(self.parts))
+        label = " and ".join(repr(name) for name in self.parts)
+        if self.kind not in KINDS:
+            near = nearest_name(str(self.kind), KINDS)
+            hint = f"did you mean {near!r}?" if near else f"give one of {', '.join(KINDS)}"
+            raise InputError(f"joint of {label} is {self.kind!r}", hint=hint)
+        label = f"{self.kind} joint of {label}"
+        if self.point is None and self.kind in NEEDS_POINT:
+            where = "its centre" if self.kind == "spherical" else "a point on the axis"
+            raise InputError(f"{label} has no point", hint=f'give "point", {where}')
+        if self.axis is None and self.kind in NEEDS_AXIS:
+            what = "slides along" if self.kind == "prismatic" else "turns about"
+            raise InputError(f"{label} has no axis", hint=f'give "axis", the direction it {what}')
         if self.point is not None:
-            object.__setattr__(self, "point", frozen(self.point, (3,)))
+            point = frozen(self.point, (3,))
+            if not np.isfinite(point).all():
+                raise InputError(
+                    f"point of the {label} is {point.tolist()}", hint="give finite numbers"
+                )
+            object.__setattr__(self, "point", point)
         if self.axis is not None:
-            object.__setattr__(self, "axis", unit(self.axis, "axis of a joint"))
+            object.__setattr__(self, "axis", unit(self.axis, f"axis of the {label}"))
+
+    def require_planar(self) -> None:
+        """Refuse a joint that means nothing in the x-z plane.
+
+        Raises
+        ------
+        InputError
+            If a revolute joint does not turn about y, a prismatic one slides out of the
+            plane, or the axis of a cylindrical one is neither along y nor in the plane.
+        """
+        if self.kind not in NEEDS_AXIS:
+            return
+        along_y = float(np.hypot(self.axis[0], self.axis[2])) <= PLANAR
+        in_plane = abs(float(self.axis[1])) <= PLANAR
+        fits = {"revolute": along_y, "prismatic": in_plane, "cylindrical": along_y or in_plane}
+        if fits[self.kind]:
+            return
+        need = {
+            "revolute": "turn about y: axis [0, 1, 0]",
+            "prismatic": "slide in x-z: an axis with y = 0",
+            "cylindrical": "have its axis along y, or with y = 0",
+        }
+        names = " and ".join(repr(name) for name in self.parts)
+        raise InputError(
+            f"{self.kind} joint of {names} has axis {self.axis.tolist()} in a planar assembly",
+            hint=f"there it must {need[self.kind]}",
+        )

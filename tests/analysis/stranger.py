@@ -30,7 +30,10 @@ def _parts(proof: dict[str, Any]) -> dict[str, dict[str, Any]]:
 def _push(part: dict[str, Any], force: Any, point: Any, torque: Any = (0, 0, 0)) -> None:
     arm = np.asarray(point) - part["center"]
     part["wrench"] += np.concatenate([force, np.cross(arm, force) + np.asarray(torque)])
+    force, torque = np.linalg.norm(force), np.linalg.norm(torque)
     part["arm"] = max(part["arm"], float(np.linalg.norm(arm)))
+    if force > 0:  # a torque is a couple of such forces that far apart
+        part["arm"] = max(part["arm"], float(torque / force))
 
 
 def _load(parts: dict[str, dict[str, Any]], proof: dict[str, Any]) -> None:
@@ -60,6 +63,7 @@ def imbalance(proof: dict[str, Any]) -> float:
             parts[name]["sum"] += size
     for joint in proof["joints"]:
         wrench = np.array(joint["wrench"])
+        _carries(joint, wrench)
         for name, sign in zip(joint["parts"], (-1, 1), strict=True):
             if name in parts:
                 _push(parts[name], sign * wrench[:3], joint["point"], sign * wrench[3:])
@@ -73,6 +77,17 @@ def imbalance(proof: dict[str, Any]) -> float:
             wrench[3:] /= max(part["arm"], 1e-300)
             worst = max(worst, float(np.linalg.norm(wrench)) / part["sum"])
     return worst
+
+
+def _carries(joint: dict[str, Any], wrench: np.ndarray) -> None:
+    """A joint carries no force along what it lets slide, no torque about what it lets turn."""
+    size = 1e-9 * (1 + np.abs(wrench).max()) * (1 + np.abs(joint["point"]).max())
+    if joint["kind"] in ("prismatic", "cylindrical"):
+        assert abs(wrench[:3] @ joint["axis"]) <= size
+    if joint["kind"] in ("revolute", "cylindrical"):
+        assert abs(wrench[3:] @ joint["axis"]) <= size
+    if joint["kind"] == "spherical":
+        assert np.abs(wrench[3:]).max() <= size
 
 
 def opening_and_power(proof: dict[str, Any]) -> tuple[float, float]:
@@ -98,6 +113,14 @@ def opening_and_power(proof: dict[str, Any]) -> tuple[float, float]:
         a, b = joint["parts"]
         slip = at(b, joint["point"]) - at(a, joint["point"])
         turn = motion[b][3:] - motion[a][3:]
+        if joint["kind"] in ("prismatic", "cylindrical"):
+            slip = np.cross(slip, joint["axis"])
+        if joint["kind"] in ("revolute", "cylindrical"):
+            turn = np.cross(turn, joint["axis"])
+        if joint["kind"] == "spherical":
+            turn = np.zeros(3)
+        arms = [np.linalg.norm(parts[n]["center"] - joint["point"]) for n in (a, b) if n in parts]
+        turn = turn * (max(arms) or 1.0)
         openings.append(-float(max(np.abs(slip).max(), np.abs(turn).max())))
     power = sum(
         float(part["wrench"] @ motion[name]) for name, part in parts.items() if not part["grounded"]

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from judged import judged, program_of
 
+from kilter import InputError
 from kilter.analysis.stability import judge
 from kilter.assembly import Assembly, FrictionPair, GivenContact, Joint, Load
 from kilter.mechanics.certificate import check_motion
@@ -105,9 +106,13 @@ def test_loads_scale_and_turn_with_their_assembly():
             assert judged(changed).verdict == word(share)
 
 
-def test_load_on_a_held_part_changes_nothing():
+def test_load_on_a_held_part_is_refused_by_name():
     loads = [Load("floor", [0, 0, 1e6])]
-    assert judged(Assembly([FLOOR, BOX], loads=loads)).verdict == "stable"
+    with pytest.raises(InputError, match="part 'floor': a load acts on a held part"):
+        Assembly([FLOOR, BOX], loads=loads)
+    free = Assembly([FLOOR, BOX], loads=[Load("box", [0, 0, -1])])
+    with pytest.raises(InputError, match="part 'box': a load acts on a held part"):
+        free.with_grounded(["b*"])
 
 
 # joints ---------------------------------------------------------------------------------

@@ -57,10 +57,10 @@ def test_check_says_everything_that_its_users_rely_on(capsys: pytest.CaptureFixt
     assert set(answer) == {
         *("verdict", "guarantee", "seated", "sentence", "neutral", "down", "gravity", "units"),
         *("instability", "z", "parts", "contacts", "unsupported", "certificate", "tolerance"),
-        *("friction", "forces", "warnings", "seconds"),
+        *("joints", "friction", "forces", "warnings", "seconds"),
     }
     assert set(answer["seconds"]) == {"read", "contacts", "solve", "total"}
-    assert set(answer["tolerance"]) == {"gap", "angle_deg", "verdict"}
+    assert set(answer["tolerance"]) == {"gap", "angle_deg", "clearance", "verdict"}
     assert answer["guarantee"] == "refuted"
     part = answer["parts"][1]
     assert part["name"] == "C2"

@@ -239,8 +239,11 @@ def u_shapes(rng: Generator) -> list[Piece]:
 
 @family
 def rings(rng: Generator) -> list[Piece]:
-    """A ring of 4 to 12 sides with a plug in its hole, a lid over it or a base under it."""
-    n = int(rng.integers(4, 13))
+    """A ring of 4 to 11 sides with a plug in its hole, a lid over it or a base under it.
+
+    12 even sides or more count as round.
+    """
+    n = int(rng.integers(4, 12))
     turn = np.pi / n if rng.random() < 0.5 else float(rng.uniform(0, 1))
     circle = np.arange(n) * (2 * np.pi / n) + turn
     circle = np.column_stack([np.cos(circle), np.sin(circle)])

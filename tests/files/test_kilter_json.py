@@ -47,7 +47,14 @@ def full() -> Assembly:
         friction_pairs=[FrictionPair(("C2", "C3"), 0.7)],
         loads=[Load("C2", force=[1, 2, 3]), Load("C3", torque=[0, 0, 0.1], point=[1, 1, 1])],
         contacts=[GivenContact(("table", "C2"), [[0, 0, 0], [1, 0, 0]], [0.1, 0.2, 0.7], 0.4)],
-        joints=[Joint(("C5", "ground")), Joint(("C5", "C6"), "fixed", [0, 0, 1], [1, 2, 3])],
+        joints=[
+            Joint(("C5", "ground")),
+            Joint(("C5", "C6"), "fixed", [0, 0, 1], [1, 2, 3]),
+            Joint(("C5", "C7"), "revolute", [0, 0, 1], [1, 2, 3]),
+            Joint(("C4", "C6"), "prismatic", axis=[0, 2, 3]),
+            Joint(("ground", "C3"), "cylindrical", [1 / 3, 0, 0], [1, 1, 1]),
+            Joint(("C2", "C6"), "spherical", [0.1, 0.2, 0.3]),
+        ],
         detect=False,
     )
 

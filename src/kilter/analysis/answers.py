@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from kilter.assembly import Assembly
     from kilter.contact import ContactSet
 
-__all__ = ["check_answer", "contacts_answer"]
+__all__ = ["check_answer", "contacts_answer", "joints_answer"]
 
 
 def check_answer(verdict: Verdict) -> dict[str, Any]:
@@ -47,6 +47,7 @@ def check_answer(verdict: Verdict) -> dict[str, Any]:
             {"parts": [assembly.names[k] for k in u.parts], "kind": u.kind, "point": list(u.point)}
             for u in contacts.unsupported
         ],
+        "joints": joints_answer(assembly),
         "certificate": {
             "kind": kind,
             "residual": None if forces is None else forces.residual,
@@ -57,11 +58,17 @@ def check_answer(verdict: Verdict) -> dict[str, Any]:
         "tolerance": {
             "gap": contacts.gap,
             "angle_deg": float(np.degrees(contacts.tolerance.angle)),
+            "clearance": contacts.tolerance.clearance,
             "verdict": verdict.tolerance,
         },
         "warnings": [*verdict.warnings, *([verdict.barely] if verdict.barely else [])],
         "seconds": verdict.seconds,
     }
+
+
+def joints_answer(assembly: Assembly) -> list[dict[str, Any]]:
+    """Joints of an assembly, those that were fastened among them."""
+    return [{"parts": list(joint.parts), "kind": joint.kind} for joint in assembly.joints]
 
 
 def _part(verdict: Verdict, k: int) -> dict[str, Any]:
@@ -163,13 +170,20 @@ def contacts_answer(assembly: Assembly, contacts: ContactSet) -> dict[str, Any]:
             for r in contacts.rejected
         ],
         "overlaps": [
-            {"parts": [names[i] for i in o.parts], "volume": o.volume, "depth": o.depth}
+            {
+                "parts": [names[i] for i in o.parts],
+                "volume": o.volume,
+                "depth": o.depth,
+                "why": o.why,
+            }
             for o in contacts.overlaps
         ],
+        "joints": joints_answer(assembly),
         "histogram": {"edges": edges, "counts": contacts.gap_counts.tolist()},
         "tolerance": {
             "gap": contacts.gap,
             "angle_deg": float(np.degrees(contacts.tolerance.angle)),
+            "clearance": contacts.tolerance.clearance,
         },
         "warnings": [*assembly.notes, *assembly.geometry.warnings, *contacts.warnings],
     }

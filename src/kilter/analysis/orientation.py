@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from kilter.analysis.answers import joints_answer
 from kilter.analysis.check import Verdict, check
 from kilter.analysis.joint import Joint, joint
 from kilter.analysis.nearest import Method, Nearest, NearestDirection, nearest, turned
@@ -369,6 +370,7 @@ def orient_answer(orientation: Orientation) -> dict[str, Any]:
         "z": orientation.z,
         "instability": orientation.instability,
         "units": orientation.assembly.units,
+        "joints": joints_answer(orientation.assembly),
         "parts": [] if verdict is None else verdict.to_dict()["parts"],
         "nearest": None
         if near is None

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kilter.analysis.answers import joints_answer
 from kilter.analysis.common import common_proofs, intersection
 from kilter.analysis.cone import Cone
 from kilter.analysis.region_words import further_forces, warnings_of
@@ -331,6 +332,7 @@ def region_answer(region: Region) -> dict[str, Any]:
         "half_angle_deg": cone.half_angle_deg,
         "programs": region.programs,
         "exact": region.exact,
+        "joints": joints_answer(region.assemblies[0]),
         "gap_deg": None,
         "proved": region.proved,
         "accuracy_deg": float(np.degrees(cone.blur)),

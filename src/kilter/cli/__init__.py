@@ -36,10 +36,12 @@ def _run(words: list[str]) -> int:
     import typer
 
     from kilter.cli.app import command, with_floor_value
+    from kilter.cli.reading import with_two_names
     from kilter.errors import InputError
 
     try:
-        result = command()(with_floor_value(words), prog_name="kilter", standalone_mode=False)
+        given = with_two_names(with_floor_value(words))
+        result = command()(given, prog_name="kilter", standalone_mode=False)
         sys.stdout.flush()
         return int(result or 0)
     except typer.Exit as ended:

@@ -15,8 +15,10 @@ from kilter.cli.margins import margin
 from kilter.cli.options import (
     Angle,
     Budget,
+    Clearance,
     Density,
     Down,
+    Fasten,
     File,
     Floor,
     Friction,
@@ -45,6 +47,7 @@ from kilter.cli.reading import (
     read_assembly,
     reading_of,
 )
+from kilter.cli.reading import fasten as join_touching
 from kilter.cli.report import report, view
 from kilter.cli.turning import orient, region
 from kilter.errors import InputError
@@ -135,8 +138,10 @@ def check(
     friction: Friction = None,
     units: Units = None,
     density: Density = None,
+    fasten: Fasten = None,
     gap: Gap = None,
     angle: Angle = None,
+    clearance: Clearance = None,
     loose: Loose = False,
     proof: Annotated[
         Path | None,
@@ -157,6 +162,14 @@ def check(
             rich_help_panel="Form of the answer",
         ),
     ] = False,
+    suggest: Annotated[
+        bool,
+        typer.Option(
+            "--suggest-joints",
+            help="List pairs that look like fasteners, each with the joint to add.",
+            rich_help_panel="Form of the answer",
+        ),
+    ] = False,
     json: Json = False,
     output: Output = None,
     quiet: Quiet = False,
@@ -169,23 +182,25 @@ def check(
     Displacements of LP (9) are given for up to 300 free parts, neutral motions for up to 100.
     """
     from kilter.analysis.check import check as decide
+    from kilter.analysis.fasteners import suggest_joints
 
     keep_apart(file, proof, output)
     if not (math.isfinite(budget) and budget >= 0):
         raise InputError(f"--budget is {budget}", hint="give seconds, 0 or more")
-    reading = reading_of(ground, floor, without, down, friction, units, density)
+    reading = reading_of(ground, floor, without, down, friction, units, density, fasten)
     with Progress(quiet) as progress:
         started = time.perf_counter()
         progress("reading")
         assembly = read_assembly(file, reading)
         _ = assembly.geometry
         read = time.perf_counter() - started
+        tolerance = contact_tolerance(gap, angle, loose, clearance)
+        assembly, found = join_touching(assembly, reading, tolerance, progress)
+        joining = time.perf_counter() - started - read
         verdict = decide(
-            assembly,
-            tolerance=contact_tolerance(gap, angle, loose),
-            budget=budget,
-            progress=progress,
+            assembly, contacts=found, tolerance=tolerance, budget=budget, progress=progress
         )
+        verdict.seconds["contacts"] += joining
         progress("motion")
         _ = verdict.motion, verdict.displacement, verdict.neutral, verdict.forces
     total = time.perf_counter() - started
@@ -196,12 +211,18 @@ def check(
     if proof is not None and verdict.certificate is None and proof.exists():
         caution.append(f"undecided: no proof to write, {proof} is left as it was")
     tell_warnings([*verdict.warnings, *caution], quiet or json)
+    suggestions = suggest_joints(verdict.assembly, verdict.contacts) if suggest else []
     if json:
-        emit(as_json(verdict.to_dict()), output)
+        answer = verdict.to_dict()
+        if suggest:
+            answer["suggested_joints"] = [one.to_dict() for one in suggestions]
+        emit(as_json(answer), output)
     else:
-        from kilter.cli.text import check_text, force_lines
+        from kilter.cli.text import check_text, force_lines, suggestions_text
 
         text = "\n".join([check_text(verdict), *(force_lines(verdict) if forces else [])])
+        if suggest:
+            text += "\n\n" + suggestions_text(suggestions)
         if proof is not None:
             written = f"written to {proof}" if verdict.certificate else "none to write"
             text += f"\nproof file   {written}"
@@ -227,8 +248,10 @@ def contacts(
     friction: Friction = None,
     units: Units = None,
     density: Density = None,
+    fasten: Fasten = None,
     gap: Gap = None,
     angle: Angle = None,
+    clearance: Clearance = None,
     loose: Loose = False,
     json: Json = False,
     output: Output = None,
@@ -238,13 +261,13 @@ def contacts(
     from kilter.contact import find_contacts
 
     keep_apart(file, output)
-    reading = reading_of(ground, floor, without, down, friction, units, density)
+    reading = reading_of(ground, floor, without, down, friction, units, density, fasten)
     with Progress(quiet) as progress:
         progress("reading")
         assembly = read_assembly(file, reading)
-        found = find_contacts(
-            assembly, tolerance=contact_tolerance(gap, angle, loose), progress=progress
-        )
+        tolerance = contact_tolerance(gap, angle, loose, clearance)
+        assembly, known = join_touching(assembly, reading, tolerance, progress)
+        found = known or find_contacts(assembly, tolerance=tolerance, progress=progress)
     warnings = [*assembly.notes, *assembly.geometry.warnings, *found.warnings]
     tell_warnings(warnings, quiet or json)
     if json:
@@ -286,7 +309,8 @@ def verify(
         with Progress(quiet) as progress:
             progress("reading")
             assembly = read_assembly(file, reading)
-            found = find_contacts(assembly, tolerance=tolerance, progress=progress)
+            assembly, known = join_touching(assembly, reading, tolerance, progress)
+            found = known or find_contacts(assembly, tolerance=tolerance, progress=progress)
             result = verify_proof(assembly, found, data)
     except InputError as error:
         raise error.located(file=proof) from None
@@ -333,6 +357,8 @@ def _verified(assembly: Any, result: Any, reading: Reading, tolerance: Any) -> s
         else f"{tolerance.relative_gap:g} of a part"
     )
     lines.append(f"  faces touch up to a gap of {gap} and {math.degrees(tolerance.angle):.3g} deg")
+    if tolerance.clearance is not None:
+        lines.append(f"  clearances up to {tolerance.clearance:g} {assembly.units} taken as closed")
     return "\n".join(lines)
 
 

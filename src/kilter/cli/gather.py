@@ -113,7 +113,10 @@ def _turned(
         if free <= NEAREST_PARTS:
             answer = orient(assembly, contacts, progress=tell)
             turned = check(assembly.with_down(answer.down), contacts=contacts)
-            return answer.region, _answered(turned, answer.sentence), answer.verdict == "none"
+            from kilter.analysis.friction_region import FrictionRegion
+
+            region = None if isinstance(answer.region, FrictionRegion) else answer.region
+            return region, _answered(turned, answer.sentence), answer.verdict == "none"
         tell("stable region")
         region = find_region(assembly, contacts)
     except InputError as error:

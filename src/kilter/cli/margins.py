@@ -11,8 +11,10 @@ import typer
 from kilter.cli.options import (
     Angle,
     Budget,
+    Clearance,
     Density,
     Down,
+    Fasten,
     File,
     Floor,
     Friction,
@@ -27,6 +29,7 @@ from kilter.cli.options import (
 )
 from kilter.cli.output import Progress, as_json, emit, keep_apart, tell_warnings
 from kilter.cli.reading import contact_tolerance, read_assembly, reading_of
+from kilter.cli.reading import fasten as join_touching
 from kilter.cli.text import LISTED, plain, table, vector
 from kilter.errors import InputError
 
@@ -45,6 +48,7 @@ def margin(
     ground: Ground = None,
     floor: Floor = None,
     without: Without = None,
+    fasten: Fasten = None,
     down: Down = None,
     friction: Friction = None,
     units: Units = None,
@@ -52,6 +56,7 @@ def margin(
     gap: Gap = None,
     angle: Angle = None,
     loose: Loose = False,
+    clearance: Clearance = None,
     push: Annotated[
         tuple[float, float, float] | None,
         typer.Option(
@@ -139,17 +144,20 @@ def margin(
     if not (math.isfinite(budget) and budget >= 0):
         raise InputError(f"--budget is {budget}", hint="give seconds, 0 or more")
     ranges = _ranges(mass_range, com_range, mu_range, normal_tilt)
-    reading = reading_of(ground, floor, without, down, friction, units, density)
+    reading = reading_of(ground, floor, without, down, friction, units, density, fasten)
     with Progress(quiet) as progress:
         progress("reading")
         assembly = read_assembly(file, reading)
+        tolerance = contact_tolerance(gap, angle, loose, clearance)
+        assembly, contacts = join_touching(assembly, reading, tolerance, progress)
         found = find_margin(
             assembly,
             push=push,
             about=about,
             pushed=part,
             ranges=ranges,
-            tolerance=contact_tolerance(gap, angle, loose),
+            contacts=contacts,
+            tolerance=tolerance,
             budget=budget,
             progress=progress,
         )

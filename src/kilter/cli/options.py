@@ -10,8 +10,10 @@ import typer
 __all__ = [
     "Angle",
     "Budget",
+    "Clearance",
     "Density",
     "Down",
+    "Fasten",
     "File",
     "Floor",
     "Friction",
@@ -144,6 +146,28 @@ Budget = Annotated[
         help="With friction: seconds for the search of a motion and for the proof that there is "
         "none; past it the guarantee is open.",
         rich_help_panel=FORM,
+    ),
+]
+Clearance = Annotated[
+    float | None,
+    typer.Option(
+        "--clearance",
+        metavar="LENGTH",
+        help="Designed clearance: faces that stand apart by up to this, in file units, count as "
+        "closed; faces that penetrate do not.",
+        rich_help_panel=TOUCH,
+        show_default=False,
+    ),
+]
+Fasten = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--fasten",
+        metavar="NAME NAME",
+        help="Join these two parts firmly; repeatable. With * and ? every two that match and "
+        "touch: --fasten 'bolt*' 'nut*'.",
+        rich_help_panel=HELD,
+        show_default=False,
     ),
 ]
 Json = Annotated[

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import math
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -10,9 +12,17 @@ from kilter.errors import InputError
 
 if TYPE_CHECKING:
     from kilter.assembly import Assembly
-    from kilter.contact import Tolerance
+    from kilter.contact import ContactSet, Tolerance
 
-__all__ = ["LOWEST", "Reading", "contact_tolerance", "read_assembly", "reading_of"]
+__all__ = [
+    "LOWEST",
+    "Reading",
+    "contact_tolerance",
+    "fasten",
+    "read_assembly",
+    "reading_of",
+    "with_two_names",
+]
 
 LOWEST = "lowest"
 """Value of --floor without a height."""
@@ -29,13 +39,12 @@ class Reading:
     friction: float | None = None
     units: str | None = None
     density: float | None = None
+    fasten: tuple[tuple[str, str], ...] = ()
 
     def options(self) -> dict[str, Any]:
         """The options as JSON data, for a proof."""
         return {
-            key: list(value) if isinstance(value, tuple) else value
-            for key, value in asdict(self).items()
-            if value not in (None, ())
+            key: _lists(value) for key, value in asdict(self).items() if value not in (None, ())
         }
 
     @classmethod
@@ -46,6 +55,7 @@ class Reading:
             for key in ("ground", "without", "down"):
                 if key in values:
                     values[key] = tuple(values[key])
+            values["fasten"] = tuple((str(a), str(b)) for a, b in values.get("fasten", ()))
             return cls(**values)
         except (TypeError, ValueError):
             raise InputError("the proof's options cannot be read", hint="make it anew") from None
@@ -59,6 +69,7 @@ def reading_of(
     friction: float | None,
     units: str | None,
     density: float | None,
+    fasten: list[str] | None = None,
 ) -> Reading:
     """The reading that the options of a command ask for."""
     return Reading(
@@ -69,7 +80,73 @@ def reading_of(
         friction=friction,
         units=units,
         density=density,
+        fasten=tuple(_pair(words) for words in fasten or ()),
     )
+
+
+def _lists(value: Any) -> Any:
+    """Tuples as lists, for JSON."""
+    return [_lists(inner) for inner in value] if isinstance(value, tuple) else value
+
+
+def _pair(words: str) -> tuple[str, str]:
+    """Two names from one value of ``--fasten``, as `with_two_names` wrote it."""
+    try:
+        first, second = json.loads(words)
+    except ValueError:
+        first = second = None
+    if not (isinstance(first, str) and isinstance(second, str)):
+        raise InputError(
+            f"--fasten has {words!r}", hint="give two names after it: --fasten 'bolt*' 'nut*'"
+        )
+    return first, second
+
+
+def with_two_names(words: list[str]) -> list[str]:
+    """Each ``--fasten A B`` as one word, which is what the parser of options can repeat.
+
+    Raises
+    ------
+    InputError
+        If two names do not follow.
+
+    Examples
+    --------
+    >>> with_two_names(["check", "--fasten", "bolt*", "nut", "a.json"])
+    ['check', '--fasten=["bolt*", "nut"]', 'a.json']
+    """
+    result: list[str] = []
+    k = 0
+    while k < len(words):
+        if words[k] == "--":
+            return result + words[k:]
+        if words[k] != "--fasten":
+            result.append(words[k])
+            k += 1
+            continue
+        pair = words[k + 1 : k + 3]
+        if len(pair) < 2 or any(word.startswith("--") for word in pair):
+            raise InputError(
+                "--fasten needs two names", hint="for instance --fasten 'bolt*' 'nut*'"
+            )
+        result.append(f"--fasten={json.dumps(pair)}")
+        k += 3
+    return result
+
+
+def fasten(
+    assembly: Assembly,
+    reading: Reading,
+    tolerance: Tolerance,
+    progress: Callable[[str], None] | None = None,
+) -> tuple[Assembly, ContactSet | None]:
+    """The assembly with what ``--fasten`` joins, and its contacts where that asked for them."""
+    if not reading.fasten:
+        return assembly, None
+    from kilter.contact import fastened, find_contacts
+
+    contacts = find_contacts(assembly, tolerance=tolerance, progress=progress)
+    return fastened(assembly, reading.fasten, contacts=contacts), contacts
 
 
 def read_assembly(file: str, reading: Reading) -> Assembly:
@@ -107,7 +184,9 @@ def _height(floor: str) -> float | None:
         ) from None
 
 
-def contact_tolerance(gap: float | None, angle: float | None, loose: bool) -> Tolerance:
+def contact_tolerance(
+    gap: float | None, angle: float | None, loose: bool, clearance: float | None = None
+) -> Tolerance:
     """The tolerance of contacts from the options."""
     from kilter.contact import Tolerance
 
@@ -116,8 +195,13 @@ def contact_tolerance(gap: float | None, angle: float | None, loose: bool) -> To
         raise InputError(f"--gap is {gap:g}", hint="give a length above zero, in file units")
     if angle is not None and not (math.isfinite(angle) and 0 < angle < 45):
         raise InputError(f"--angle is {angle:g}", hint="give degrees between 0 and 45")
+    if clearance is not None and not (math.isfinite(clearance) and clearance > 0):
+        raise InputError(
+            f"--clearance is {clearance:g}", hint="give a length above zero, in file units"
+        )
     return Tolerance(
         gap=gap,
         relative_gap=base.relative_gap,
         angle=base.angle if angle is None else math.radians(angle),
+        clearance=clearance,
     )

@@ -2,21 +2,35 @@
 
 from __future__ import annotations
 
+import json
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from kilter.analysis.motion import MOVES
 from kilter.analysis.words import NAMED
+from kilter.errors import some
 from kilter.geometry import DEFAULT_DENSITY
 
 if TYPE_CHECKING:
     from kilter.analysis.check import Verdict
+    from kilter.analysis.fasteners import Suggestion
     from kilter.assembly import Assembly
     from kilter.contact import ContactSet
 
-__all__ = ["check_text", "contacts_text", "force_lines", "moving_lines", "plain", "table", "vector"]
+__all__ = [
+    "check_text",
+    "contacts_text",
+    "force_lines",
+    "joint_rows",
+    "moving_lines",
+    "plain",
+    "suggestions_text",
+    "table",
+    "vector",
+]
 
+INTERFERENCE = "an interference fit: join it with --fasten"
 LISTED = 20
 """Rows of a list that are shown; --json gives all."""
 
@@ -110,6 +124,7 @@ def _facts(verdict: Verdict) -> list[str]:
         ["mass", f"{verdict.program.mass[verdict.program.free].sum():.6g} kg free"],
         ["gravity", f"{size:g} m/s^2 along {vector(down)}"],
         ["contacts", _touching(contacts)],
+        *joint_rows(assembly),
         ["proof", _proof_words(verdict)],
     ]
     rows += _friction_rows(verdict)
@@ -194,6 +209,34 @@ def force_lines(verdict: Verdict) -> list[str]:
     return ["", head, *table(rows), *_more(len(size))]
 
 
+def joint_rows(assembly: Assembly) -> list[list[str]]:
+    """The joints as rows of a table of facts, one a kind."""
+    rows: list[list[str]] = []
+    for kind in dict.fromkeys(joint.kind for joint in assembly.joints):
+        pairs = [
+            " - ".join(plain(name) for name in joint.parts)
+            for joint in assembly.joints
+            if joint.kind == kind
+        ]
+        rows.append(["" if rows else "joints", f"{len(pairs)} {kind}: {some(pairs)}"])
+    return rows
+
+
+def suggestions_text(suggestions: list[Suggestion]) -> str:
+    """The list of `kilter check --suggest-joints`."""
+    if not suggestions:
+        return "No pair looks like a fastener: no shaft fills a hole."
+    lines = [f"{_count(len(suggestions), 'pair')} may be fastened; nothing is joined by itself:"]
+    for one in suggestions[:LISTED]:
+        first, second = (plain(name) for name in one.parts)
+        lines += [
+            f"  {first} in {second}: {one.why}",
+            f"    {one.option}",
+            f"    {json.dumps(one.joint)}",
+        ]
+    return "\n".join([*lines, *_more(len(suggestions))])
+
+
 def _density_words(assembly: Assembly) -> str:
     """What the masses of the free parts rest on."""
     free = [part for part in assembly.parts if not part.grounded and part.mass is None]
@@ -254,11 +297,13 @@ def contacts_text(assembly: Assembly, contacts: ContactSet) -> str:
     lines = [
         f"Parts touch in {_touching(contacts)}; gap up to {contacts.gap:.3g} {unit}, angle up to "
         f"{np.degrees(contacts.tolerance.angle):.3g} deg.",
-        "",
     ]
+    if contacts.tolerance.clearance is not None:
+        lines.append(f"Clearances up to {contacts.tolerance.clearance:.3g} {unit} count as closed.")
+    lines += [*table(joint_rows(assembly), indent=""), ""]
     lines += _patches(assembly, contacts)
-    lines += ["", "gaps of opposing faces, over the size of the smaller part:"]
-    lines += _histogram(contacts)
+    lines += ["", "gaps of opposing faces, over the size of the smaller part (no unit):"]
+    lines += _histogram(assembly, contacts)
     if contacts.unsupported:
         lines += [
             "",
@@ -290,6 +335,7 @@ def contacts_text(assembly: Assembly, contacts: ContactSet) -> str:
                 plain(names[o.parts[1]]),
                 f"depth {o.depth:.3g} {unit}",
                 "" if o.volume is None else f"volume {o.volume:.3g} {unit}^3",
+                INTERFERENCE if o.why == "interfere" else o.why,
             ]
             for o in contacts.overlaps[:LISTED]
         ]
@@ -320,8 +366,10 @@ def _patches(assembly: Assembly, contacts: ContactSet) -> list[str]:
     return [*table(rows), *_more(len(contacts))] if len(rows) > 1 else []
 
 
-def _histogram(contacts: ContactSet) -> list[str]:
+def _histogram(assembly: Assembly, contacts: ContactSet) -> list[str]:
+    """One bar a decade of gaps that has any, and between which the tolerance lies."""
     rows = []
+    unit, sizes = assembly.units, assembly.geometry.size
     largest = max(int(contacts.gap_counts.max(initial=0)), 1)
     for low, high, count in zip(
         contacts.gap_edges[:-1], contacts.gap_edges[1:], contacts.gap_counts, strict=True
@@ -329,4 +377,9 @@ def _histogram(contacts: ContactSet) -> list[str]:
         if count:
             bar = "#" * max(1, round(30 * int(count) / largest))
             rows.append([f"{low:8.0e} to {high:8.0e}", str(count), bar])
-    return table(rows) if rows else ["  none"]
+    if not rows:
+        return ["  none"]
+    least, most = float(sizes.min()), float(sizes.max())
+    span = f"{least:.3g}" if least == most else f"{least:.3g} to {most:.3g}"
+    rows = [["gap / size", "faces", ""], *rows]
+    return [*table(rows), f"  sizes of the parts: {span} {unit}; negative gaps penetrate"]

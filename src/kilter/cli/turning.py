@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from enum import StrEnum
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from kilter.cli.options import (
     Angle,
+    Clearance,
     Density,
     Down,
+    Fasten,
     File,
     Floor,
     Friction,
@@ -25,7 +27,12 @@ from kilter.cli.options import (
 )
 from kilter.cli.output import Progress, as_json, emit, keep_apart, tell_warnings
 from kilter.cli.reading import contact_tolerance, read_assembly, reading_of
+from kilter.cli.reading import fasten as join_touching
 from kilter.errors import InputError
+
+if TYPE_CHECKING:
+    from kilter.analysis.friction_region import FrictionRegion
+    from kilter.analysis.region import Region
 
 __all__ = ["orient", "region"]
 
@@ -46,8 +53,10 @@ def orient(
     friction: Friction = None,
     units: Units = None,
     density: Density = None,
+    fasten: Fasten = None,
     gap: Gap = None,
     angle: Angle = None,
+    clearance: Clearance = None,
     loose: Loose = False,
     method: Annotated[
         Method,
@@ -71,13 +80,16 @@ def orient(
     from kilter.analysis.friction_orientation import orient_with_friction as find
 
     keep_apart(file, output)
-    reading = reading_of(ground, floor, without, down, friction, units, density)
+    reading = reading_of(ground, floor, without, down, friction, units, density, fasten)
     with Progress(quiet) as progress:
         progress("reading")
         assembly = read_assembly(file, reading)
+        tolerance = contact_tolerance(gap, angle, loose, clearance)
+        assembly, found = join_touching(assembly, reading, tolerance, progress)
         answer = find(
             assembly,
-            tolerance=contact_tolerance(gap, angle, loose),
+            found,
+            tolerance=tolerance,
             method=method.value,
             progress=progress,
         )
@@ -109,8 +121,10 @@ def region(
     friction: Friction = None,
     units: Units = None,
     density: Density = None,
+    fasten: Fasten = None,
     gap: Gap = None,
     angle: Angle = None,
+    clearance: Clearance = None,
     loose: Loose = False,
     json: Json = False,
     output: Output = None,
@@ -128,16 +142,21 @@ def region(
         raise InputError(f"{len(files)} files are given", hint="add --common, or give one")
     for file in files:
         keep_apart(file, output)
-    reading = reading_of(ground, floor, without, down, friction, units, density)
-    tolerance = contact_tolerance(gap, angle, loose)
+    reading = reading_of(ground, floor, without, down, friction, units, density, fasten)
+    tolerance = contact_tolerance(gap, angle, loose, clearance)
     with Progress(quiet) as progress:
         progress("reading")
-        assemblies = [read_assembly(file, reading) for file in files]
-        answer = (
-            common_region(assemblies, tolerance=tolerance, progress=progress)
-            if common
-            else find_region_with_friction(assemblies[0], tolerance=tolerance, progress=progress)
-        )
+        assemblies = [
+            join_touching(read_assembly(file, reading), reading, tolerance, progress)[0]
+            for file in files
+        ]
+        answer: Region | FrictionRegion
+        if common:
+            answer = common_region(assemblies, tolerance=tolerance, progress=progress)
+        else:
+            answer = find_region_with_friction(
+                assemblies[0], tolerance=tolerance, progress=progress
+            )
     tell_warnings(answer.warnings, quiet or json)
     if json:
         emit(as_json(answer.to_dict()), output)

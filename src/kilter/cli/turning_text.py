@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kilter.cli.text import LISTED, moving_lines, table, vector
+from kilter.cli.text import LISTED, joint_rows, moving_lines, table, vector
 
 if TYPE_CHECKING:
     from kilter.analysis.friction_region import FrictionRegion
@@ -53,6 +53,7 @@ def orient_text(answer: Orientation) -> str:
     else:
         rows.append(["z", f"{answer.z:.6g} (LP (9)), kappa {answer.instability:.6g}"])
         rows += _nearest(answer)
+    rows += joint_rows(answer.assembly)
     rows.append(["programs", f"{answer.programs} solved"])
     lines = [answer.sentence, ""]
     if answer.check is not None:
@@ -105,5 +106,7 @@ def region_text(region: Region | FrictionRegion) -> str:
             rows.append([name if k == 0 else "", f"{vector(one)}{f'  ({what})' if k == 0 else ''}"])
         if len(vectors) > LISTED:
             rows.append(["", f"and {len(vectors) - LISTED} more (--json lists all)"])
+    if not isinstance(region, FrictionRegion):
+        rows += joint_rows(region.assemblies[0])
     rows.append(["programs", f"{region.programs} solved"])
     return "\n".join([*lines, *table(rows, indent="")])

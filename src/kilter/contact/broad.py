@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kilter.contact.facets import Facets
-from kilter.contact.round import rim_slack, round_extents
 from kilter.geometry import Geometry
 
 __all__ = ["Boxes", "facet_pairs", "facets_in", "joins", "make_boxes", "part_pairs"]
@@ -52,13 +51,12 @@ def make_boxes(geometry: Geometry, facets: Facets) -> Boxes:
     corners = turned[facets.corners]
     part_low, part_high = _extremes(turned, geometry.vertex_start)
     facet_low, facet_high = _extremes(corners, facets.corner_start)
-    if geometry.is_round.any():  # their polyhedra lie inside the true surfaces
-        which = np.flatnonzero(geometry.is_round)
-        part_low[which], part_high[which] = round_extents(geometry, which, frame)
-        slack = np.zeros(len(geometry.mass))
-        slack[which] = rim_slack(geometry, which)
-        facet_low -= slack[facets.part, None]
-        facet_high += slack[facets.part, None]
+    if len(geometry.surfaces):  # their polyhedra may lie inside the true surfaces
+        part_low -= geometry.slack[:, None]
+        part_high += geometry.slack[:, None]
+        slack = geometry.slack[facets.part]
+        facet_low -= slack[:, None]
+        facet_high += slack[:, None]
     return Boxes(frame, part_low, part_high, facet_low, facet_high)
 
 

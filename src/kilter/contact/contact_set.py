@@ -40,6 +40,9 @@ class Tolerance:
         [-]
     angle : float
         Largest angle between the faces [rad].
+    clearance : float or None
+        Designed clearance [length unit]: opposed faces that stand apart by up to this count
+        as touching too; faces that penetrate do not.
 
     Examples
     --------
@@ -50,6 +53,7 @@ class Tolerance:
     gap: float | None = None
     relative_gap: float = 1e-5
     angle: float = 1e-3
+    clearance: float | None = None
 
     @classmethod
     def loose(cls) -> Tolerance:

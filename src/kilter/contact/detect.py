@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from kilter.assembly import Assembly
 from kilter.contact.broad import Boxes, facet_pairs, make_boxes, part_pairs
+from kilter.contact.closing import CLUSTER, closed_by_clearance, tolerance_warnings
 from kilter.contact.contact_set import (
     ContactSet,
     Overlap,
@@ -19,12 +20,14 @@ from kilter.contact.contact_set import (
     Tolerance,
     joined,
 )
+from kilter.contact.curved import find_curved
+from kilter.contact.curved_patches import CurvedContacts, without_repeats
 from kilter.contact.facets import Facets, find_facets
 from kilter.contact.near import NearContacts, Touching, near_contacts
 from kilter.contact.overlap import find_overlaps
-from kilter.contact.patches import Patches, merge
+from kilter.contact.patches import merge
 from kilter.contact.planes import FacetFrame, Pieces, facet_frames, overlaps_of
-from kilter.contact.round import rim_contacts
+from kilter.contact.rims import rim_contacts
 from kilter.errors import InputError
 from kilter.geometry import Geometry
 
@@ -93,18 +96,23 @@ def find_contacts(
     pairs = _pairs_to_detect(assembly, boxes, tolerance)
     limits = _limits(geometry, facets, pairs, tolerance)
     tell("faces")
-    found = _planar(geometry, facets, boxes, pairs, limits, tolerance)
+    curved = find_curved(geometry, facets, boxes, pairs, limits.gap, limits.margin, tolerance.angle)
+    found = _planar(geometry, facets, boxes, pairs, limits, tolerance, curved)
     tell("edges and corners")
     near = near_contacts(geometry, facets, boxes, found.touching)
-    overlaps, warnings = find_overlaps(assembly, geometry, facets, boxes, found.touching)
+    overlaps, warnings = find_overlaps(assembly, geometry, facets, boxes, found.touching, tolerance)
     return _contact_set(assembly, found, limits, near, overlaps, warnings, tolerance)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Limits:
-    """Arrays, one row a pair: gap tolerance, margin looked at, rounding [length unit]."""
+    """Arrays, one row a pair: gap tolerance, clearance, margin looked at, rounding [length unit].
+
+    `closed`: gaps up to this count as closed; the tolerance, or the designed clearance.
+    """
 
     gap: Array
+    closed: Array
     margin: Array
     blur: Array
     coarse: NDArray[np.bool_]
@@ -123,9 +131,11 @@ class _Found:
 
 
 def _check(tolerance: Tolerance) -> None:
-    for name, value in (("gap", tolerance.gap), ("angle", tolerance.angle)):
+    named = ("gap", tolerance.gap), ("angle", tolerance.angle), ("clearance", tolerance.clearance)
+    for name, value in named:
         if value is not None and not (np.isfinite(value) and value > 0):
-            raise InputError(f"the {name} tolerance is {value}", hint="give a number above zero")
+            what = name if name == "clearance" else f"{name} tolerance"
+            raise InputError(f"the {what} is {value}", hint="give a number above zero")
 
 
 def _pairs_to_detect(assembly: Assembly, boxes: Boxes, tolerance: Tolerance) -> Index:
@@ -136,7 +146,8 @@ def _pairs_to_detect(assembly: Assembly, boxes: Boxes, tolerance: Tolerance) -> 
     rough = np.maximum(tolerance.relative_gap * geometry.size, 4 * geometry.accuracy)
     if tolerance.gap is not None:
         rough = np.full(len(rough), tolerance.gap)
-    pairs = part_pairs(boxes, geometry.grounded, NEAR * rough / 2)
+    reach = np.maximum(NEAR * rough / 2, CLUSTER * (tolerance.clearance or 0.0))
+    pairs = part_pairs(boxes, geometry.grounded, reach)
     given = {
         frozenset(assembly.index_of(n) for n in contact.parts) for contact in assembly.contacts
     }
@@ -158,9 +169,11 @@ def _limits(geometry: Geometry, facets: Facets, pairs: Index, tolerance: Toleran
         wanted = tolerance.relative_gap * np.minimum(geometry.size[a], geometry.size[b])
         gap = np.minimum(wanted, THICKNESS * np.minimum(thickness[a], thickness[b]))
         gap = np.maximum(gap, blur)
+    closed = np.maximum(gap, tolerance.clearance or 0.0)
     return _Limits(
         gap=gap,
-        margin=np.maximum(NEAR * wanted, gap),
+        closed=closed,
+        margin=np.maximum(NEAR * wanted, np.maximum(gap, CLUSTER * (tolerance.clearance or 0.0))),
         blur=blur,
         coarse=blur > THICKNESS * np.minimum(thickness[a], thickness[b]),
     )
@@ -173,6 +186,7 @@ def _planar(
     pairs: Index,
     limits: _Limits,
     tolerance: Tolerance,
+    curved: CurvedContacts,
 ) -> _Found:
     """Patches of the faces that touch, and what came near."""
     widest = max(NEAR_ANGLE, 2 * tolerance.angle)
@@ -184,9 +198,11 @@ def _planar(
     angle = tolerance.angle + _angle_blur(geometry, facets, frames)
     accepted, refused, counts = [], [], np.zeros(len(GAP_EDGES) - 1, dtype=np.int64)
     for block in blocks:
-        limit = limits.gap[frames.pair[block.frame]]
+        pair_of = frames.pair[block.frame]
+        limit = limits.gap[pair_of]
         opposed = frames.angle[block.frame] <= angle[block.frame]
-        touch = opposed & (block.gap[:, 0] <= limit) & (block.gap[:, 1] >= -limit)
+        touch = opposed & (block.gap[:, 0] <= limits.closed[pair_of])
+        touch &= block.gap[:, 1] >= -limit
         accepted.append(block.take(np.flatnonzero(touch)))
         refused.append(block.take(np.flatnonzero(~touch)))
         size = np.minimum(
@@ -202,14 +218,19 @@ def _planar(
     rejected += _rejected(
         facets, frames, thin, limits, angle, "thinner than twice the gap tolerance"
     )
+    rejected += curved.rejected
     rejected.sort(key=lambda r: (abs(r.gap), r.angle))
     return _Found(
-        touching=Touching(pairs, limits.gap, patches),
+        touching=Touching(pairs, limits.gap, patches, without_repeats(curved, patches, limits.gap)),
         frames=frames,
         facets=facets,
         rejected=rejected[:LISTED],
         counts=counts,
-        warnings=_tolerance_warnings(patches, rejected, limits),
+        warnings=[
+            *tolerance_warnings(patches, rejected, limits.gap, limits.closed),
+            *_coarse(limits),
+            *curved.warnings,
+        ],
     )
 
 
@@ -255,25 +276,14 @@ def _rejected(
     return list(nearest.values())
 
 
-def _tolerance_warnings(patches: Patches, rejected: list[Rejected], limits: _Limits) -> list[str]:
-    """A word where the gap tolerance cuts through gaps that belong together."""
-    warnings = []
-    gap = np.abs(patches.gap).min(axis=1) if len(patches.pair) else np.empty(0)
-    gap[(patches.gap[:, 0] < 0) & (patches.gap[:, 1] > 0)] = 0.0
-    below = int((gap > limits.gap[patches.pair] / 3).sum())
-    edge = 3 * float(limits.gap.max(initial=0.0))
-    above = sum(abs(r.gap) < edge for r in rejected if r.why.startswith(("gap", "penetrates")))
-    if below and above:
-        warnings.append(
-            f"the gap tolerance falls inside a cluster of gaps: {below} patches just below it, "
-            f"{above} near pairs just above; see the histogram and set --gap"
-        )
-    if limits.coarse.any():
-        warnings.append(
-            "coordinates are too coarse for the thinnest parts: "
-            f"{int(limits.coarse.sum())} pairs have rounding above a tenth of a part's thickness"
-        )
-    return warnings
+def _coarse(limits: _Limits) -> list[str]:
+    """A word where rounding is not small against a part's thickness."""
+    if not limits.coarse.any():
+        return []
+    return [
+        "coordinates are too coarse for the thinnest parts: "
+        f"{int(limits.coarse.sum())} pairs have rounding above a tenth of a part's thickness"
+    ]
 
 
 def _contact_set(
@@ -287,49 +297,63 @@ def _contact_set(
 ) -> ContactSet:
     """Detected and given contacts as one, with their friction."""
     geometry, patches = assembly.geometry, found.touching.patches
+    touching, curved = found.touching, found.touching.curved
     facets, frames = found.facets, found.frames
     facet = np.column_stack([frames.i, frames.j])[patches.frame]
     parts = facets.part[facet]
     width = (facets.area[facet] / facets.reach[facet]).min(axis=1)
     accuracy = geometry.accuracy[parts].sum(axis=1) / width if len(parts) else np.empty(0)
+    rims = rim_contacts(geometry, parts, patches.normal, patches.start, patches.points)
     given, touches = assembly.contacts, near.touches
     given_parts = np.array([[assembly.index_of(n) for n in c.parts] for c in given], dtype=np.int64)
-    counts = np.array([len(c.points) for c in given], dtype=np.int64)
-    start = np.concatenate([patches.start, patches.start[-1] + touches.start[1:]])
-    start = np.concatenate([start, start[-1] + np.cumsum(counts)])
-    sharp_parts = found.touching.pairs[touches.pair]
-    parts = np.concatenate([parts, sharp_parts, given_parts.reshape(-1, 2)])
+    counts = [np.diff(found.start) for found in (patches, curved, touches)]
+    counts.append(np.array([len(c.points) for c in given], dtype=np.int64))
+    parts = np.concatenate(
+        [
+            parts,
+            touching.pairs[curved.pair],
+            touching.pairs[touches.pair],
+            given_parts.reshape(-1, 2),
+        ]
+    )
     given_normal = np.array([c.normal for c in given]).reshape(-1, 3)
-    normal = np.concatenate([patches.normal, touches.normals[touches.start[:-1]], given_normal])
-    points = np.concatenate([patches.points, touches.points, *(c.points for c in given)])
-    normals = np.repeat(normal, np.diff(start), axis=0)
-    first = patches.start[-1]
-    normals[first : first + len(touches.normals)] = touches.normals
-    rims = rim_contacts(geometry, parts[: len(patches.pair)], normal, start, points)
+    first = np.repeat(patches.normal, counts[0], axis=0)
+    last = np.repeat(given_normal, counts[3], axis=0)
     none = np.zeros(len(given))
+    kinds = [
+        *(["plane"] * len(patches.pair)),
+        *curved.kind.tolist(),
+        *touches.kind.tolist(),
+        *(["given"] * len(given)),
+    ]
     return ContactSet(
         patch_parts=parts,
-        patch_normal=normal,
-        patch_area=np.concatenate([patches.area, np.zeros(len(touches.pair)), none]),
-        patch_gap=np.concatenate([patches.gap, touches.gap, np.zeros((len(given), 2))]),
-        patch_mu=_friction(assembly, parts, [c.mu for c in given]),
-        patch_kind=np.array(
-            ["plane"] * len(patches.pair) + touches.kind.tolist() + ["given"] * len(given),
-            dtype="<U11",
+        patch_normal=np.concatenate(
+            [patches.normal, curved.normal, touches.normals[touches.start[:-1]], given_normal]
         ),
-        patch_accuracy=np.concatenate([accuracy, touches.accuracy, none]),
-        patch_start=start,
-        points=points,
-        normals=normals,
+        patch_area=np.concatenate([patches.area, curved.area, np.zeros(len(touches.pair)), none]),
+        patch_gap=np.concatenate([patches.gap, curved.gap, touches.gap, np.zeros((len(given), 2))]),
+        patch_mu=_friction(assembly, parts, [c.mu for c in given]),
+        patch_kind=np.array(kinds, dtype="<U11"),
+        patch_accuracy=np.concatenate([accuracy, curved.accuracy, touches.accuracy, none]),
+        patch_start=np.concatenate([[0], np.cumsum(np.concatenate(counts))]),
+        points=np.concatenate(
+            [patches.points, curved.points, touches.points, *(c.points for c in given)]
+        ),
+        normals=np.concatenate([first, curved.normals, touches.normals, last]),
         unsupported=near.unsupported,
-        possible=_with_friction(assembly, joined(near.possible, rims)),
+        possible=_with_friction(assembly, joined(joined(near.possible, rims), curved.possible)),
         rejected=tuple(found.rejected),
         overlaps=overlaps,
         gap_edges=GAP_EDGES,
         gap_counts=found.counts,
         tolerance=tolerance,
         gap=float(limits.gap.max(initial=0.0)),
-        warnings=(*found.warnings, *warnings),
+        warnings=(
+            *found.warnings,
+            *closed_by_clearance(assembly, found.touching, limits.gap),
+            *warnings,
+        ),
         degenerate=near.degenerate,
     )
 

@@ -55,8 +55,10 @@ class Facets:
     convex : ndarray of bool, shape (F,)
         True: `corners` is the boundary, turning left; False: `corners` are the facet's
         triangles, three by three.
+    surface : ndarray of int, shape (F,)
+        The curved surface that it stands for, by row of the geometry's; -1: a flat face.
     curved : ndarray of bool, shape (F,)
-        Stands for a part of a round surface.
+        Stands for a part of a curved surface.
     corner_start, corners : ndarray of int, shape (F + 1,) and (C,)
         Corners by row of the geometry's vertices.
     convex_part : ndarray of bool, shape (N,)
@@ -70,6 +72,7 @@ class Facets:
     area: Array
     reach: Array
     convex: Mask
+    surface: Index
     curved: Mask
     corner_start: Index
     corners: Index
@@ -95,7 +98,7 @@ def find_facets(geometry: Geometry) -> Facets:
     return _joined(geometry, blocks, convex_part)
 
 
-def _polygons(part: Index, loops: Index) -> Block:
+def _polygons(part: Index, loops: Index, surface: Index | None = None) -> Block:
     """A block of convex facets that all have the same number of corners."""
     count, corners = loops.shape
     return {
@@ -103,18 +106,19 @@ def _polygons(part: Index, loops: Index) -> Block:
         "convex": np.ones(count, dtype=bool),
         "length": np.full(count, corners),
         "corners": loops.reshape(-1),
+        "surface": np.full(count, -1) if surface is None else surface,
     }
 
 
 def _joined(geometry: Geometry, blocks: list[Block], convex_part: Mask) -> Facets:
     """The blocks in order of part, with planes and extents."""
-    part, convex, length, corners = (
+    part, convex, length, corners, surface = (
         np.concatenate([block[key] for block in blocks])
-        for key in ("part", "convex", "length", "corners")
+        for key in ("part", "convex", "length", "corners", "surface")
     )
     order = np.argsort(part, kind="stable")
     corners = corners[_rows(np.cumsum(length) - length, length, order)]
-    part, convex, length = part[order], convex[order], length[order]
+    part, convex, length, surface = part[order], convex[order], length[order], surface[order]
     first = np.concatenate([[0], np.cumsum(length)])
     owner, triangles = _triangles_of(first, convex)
     normal, origin, area = _planes(geometry.vertices[corners[triangles]], owner, len(part))
@@ -127,7 +131,8 @@ def _joined(geometry: Geometry, blocks: list[Block], convex_part: Mask) -> Facet
         area=area,
         reach=np.sqrt(np.maximum.reduceat(np.einsum("ij,ij->i", apart, apart), first[:-1])),
         convex=convex,
-        curved=_round_sides(geometry, part, normal),
+        surface=surface,
+        curved=surface >= 0,
         corner_start=first,
         corners=corners,
         convex_part=convex_part,
@@ -173,20 +178,14 @@ def _planes(points: Array, owner: Index, count: int) -> tuple[Array, Array, Arra
     return normal, base + moment / (3 * size)[:, None], size / 2
 
 
-def _round_sides(geometry: Geometry, part: Index, normal: Array) -> Mask:
-    """Facets that stand for the side of a cylinder or for a sphere."""
-    along = np.abs(np.einsum("ij,ij->i", geometry.round_axis[part], normal))
-    curved: Mask = geometry.is_round[part] & (along < 1 - 1e-9)
-    return curved
-
-
 # triangles to facets ------------------------------------------------------------------
 
 
 def _grouped(geometry: Geometry, parts: Index, convex_part: Mask) -> list[Block]:
     """Facets of some parts, from their triangles; marks the parts that are convex."""
     start, count = geometry.triangle_start[parts], np.diff(geometry.triangle_start)[parts]
-    triangles = geometry.triangles[_rows(start, count, np.arange(len(parts)))]
+    rows = _rows(start, count, np.arange(len(parts)))
+    triangles, curved = geometry.triangles[rows], geometry.triangle_surface[rows]
     part = np.repeat(parts, count)
     points = geometry.vertices[triangles]
     area = cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
@@ -200,11 +199,12 @@ def _grouped(geometry: Geometry, parts: Index, convex_part: Mask) -> list[Block]
     first, second = edges[0] // 3, edges[1] // 3
     convex = _convex_parts(geometry.vertices, triangles, part, tolerance, rounding, first, second)
     convex_part[parts] = convex[parts]
-    group = _coplanar_groups(geometry.vertices, triangles, tolerance, first, second)
+    alike = curved[first] == curved[second]
+    group = _coplanar_groups(geometry.vertices, triangles, tolerance, first[alike], second[alike])
     inner = np.zeros(triangles.size, dtype=bool)
     within = group[first] == group[second]
     inner[edges[0][within]] = inner[edges[1][within]] = True
-    return _boundaries(geometry.vertices, triangles, part, group, tolerance, inner)
+    return _boundaries(geometry.vertices, triangles, (part, curved), group, tolerance, inner)
 
 
 def _convex_parts(
@@ -331,22 +331,37 @@ def _drifting(points: Array, group: Index, tolerance: Array) -> Mask:
 
 
 def _boundaries(
-    vertices: Array, triangles: Index, part: Index, group: Index, tolerance: Array, inner: Mask
+    vertices: Array,
+    triangles: Index,
+    owners: tuple[Index, Index],
+    group: Index,
+    tolerance: Array,
+    inner: Mask,
 ) -> list[Block]:
-    """Convex facets as loops, others as their triangles; `inner`: half-edges inside a facet."""
+    """Convex facets as loops, others as their triangles.
+
+    `owners`: part and curved surface of each triangle; `inner`: half-edges inside a facet.
+    """
     order = np.argsort(group, kind="stable")
     triangles, group = triangles[order], group[order]
-    part, tolerance = part[order], tolerance[order]
+    part, surface, tolerance = owners[0][order], owners[1][order], tolerance[order]
     inner = inner.reshape(-1, 3)[order].ravel()
     count = int(group[-1]) + 1
     first = np.searchsorted(group, np.arange(count))
     loops, length, whole = _loops(triangles, group, count, inner)
     normal, _, _ = _planes(vertices[triangles], group, count)
-    convex = whole & _turning_left(vertices, loops, length, normal, tolerance[first])
+    convex = whole.copy()
+    for low, high in ((2, 4), (4, 12), (12, 48), (48, 1 << 62)):  # little padding each
+        k = np.flatnonzero(whole & (length > low) & (length <= high))
+        width = int(length[k].max(initial=3))
+        convex[k] = _turning_left(
+            vertices, loops[k, :width], length[k], normal[k], tolerance[first[k]]
+        )
     blocks: list[Block] = []
     for size in np.unique(length[convex]):
         chosen = np.flatnonzero(convex & (length == size))
-        blocks.append(_polygons(part[first[chosen]], loops[chosen, :size]))
+        of = first[chosen]
+        blocks.append(_polygons(part[of], loops[chosen, :size], surface[of]))
     rest = np.flatnonzero(~convex)
     if len(rest):
         number = np.diff(np.append(first, len(group)))
@@ -357,6 +372,7 @@ def _boundaries(
                 "convex": np.zeros(len(rest), dtype=bool),
                 "length": 3 * number[rest],
                 "corners": triangles[rows].reshape(-1),
+                "surface": surface[first[rest]],
             }
         )
     return blocks

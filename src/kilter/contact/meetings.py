@@ -23,7 +23,17 @@ from kilter.contact.facets import Facets
 from kilter.geometry import Geometry
 from kilter.rigid import cross
 
-__all__ = ["CORNER", "EDGE", "FACE", "NEAR_PARALLEL", "PARALLEL", "Block", "Meetings", "meetings"]
+__all__ = [
+    "CORNER",
+    "EDGE",
+    "FACE",
+    "NEAR_PARALLEL",
+    "PARALLEL",
+    "Block",
+    "Meetings",
+    "meetings",
+    "no_meetings",
+]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -117,6 +127,12 @@ class Block:
         """Vertices in the frame of the boxes."""
         at: Array = self.geometry.vertices[vertex] @ self.boxes.frame.T
         return at
+
+
+def no_meetings() -> Meetings:
+    """None at all."""
+    none, two = np.empty(0, dtype=np.int64), np.empty((0, 2), dtype=np.int64)
+    return Meetings(none, two, two, np.empty((0, 2, 3)))
 
 
 def meetings(block: Block) -> list[Meetings]:

@@ -9,7 +9,8 @@ it, and with a push along every extreme normal that separates the parts there.
 - Edges that cross: the normal of both.
 - A corner or edge in a notch: one normal a facet.
 - At the rim of a patch: the normal of the patch, which the patch already holds.
-- A sphere is pushed through its centre, the side of a cylinder across its axis.
+- Beside a curved face nothing is sharp; what touches one without a formula is listed and
+  bounded by `kilter.contact.round`.
 
 For two convex parts a patch of planar contact is complete: nothing else is looked for.
 """
@@ -23,12 +24,20 @@ from numpy.typing import NDArray
 
 from kilter.contact.broad import Boxes
 from kilter.contact.contact_set import Degenerate, PossibleContacts, Unsupported, joined
+from kilter.contact.curved_patches import CurvedContacts
 from kilter.contact.edges import Edges, find_edges, ragged
 from kilter.contact.facets import Facets
-from kilter.contact.meetings import Block, Meetings, meetings
+from kilter.contact.meetings import EDGE, FACE, Block, Meetings, meetings, no_meetings
 from kilter.contact.normals import SNAP, Clauses, Pushes, normals_of
 from kilter.contact.patches import Patches
-from kilter.contact.round import rim_slack, round_contacts
+from kilter.contact.rims import coaxial_clear, rims_clear
+from kilter.contact.round import (
+    RoundContacts,
+    beside_curved,
+    explained,
+    no_round_contacts,
+    round_contacts,
+)
 from kilter.contact.touches import Touches, no_touches, touches
 from kilter.geometry import Geometry
 from kilter.rigid import cross
@@ -52,12 +61,14 @@ class Touching:
     pairs: Index
     tolerance: Array
     patches: Patches
+    curved: CurvedContacts
 
     @property
     def has_patch(self) -> Mask:
-        """Whether each pair has a patch, shape (n,)."""
+        """Whether each pair has a patch, flat or curved, shape (n,)."""
         found = np.zeros(len(self.pairs), dtype=bool)
         found[self.patches.pair] = True
+        found[self.curved.pair] = True
         return found
 
 
@@ -75,44 +86,43 @@ class NearContacts:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Sharp:
-    """What the corners and edges of some pairs give."""
+class _Scene:
+    """What all steps need; `edges` of all parts that are looked at."""
 
-    met: Meetings
-    pushes: Pushes
-    clauses: Clauses
+    geometry: Geometry
+    facets: Facets
+    boxes: Boxes
+    touching: Touching
     edges: Edges
 
 
 def near_contacts(
     geometry: Geometry, facets: Facets, boxes: Boxes, touching: Touching
 ) -> NearContacts:
-    """Corner, edge and round contacts of the pairs that planar patches do not settle."""
+    """Corner, edge and round contacts of the pairs that patches do not settle."""
     a, b = touching.pairs.T
-    round_pair = geometry.is_round[a] | geometry.is_round[b]
     settled = facets.convex_part[a] & facets.convex_part[b] & touching.has_patch
     grow = touching.tolerance[:, None]
     meets = (boxes.part_low[a] <= boxes.part_high[b] + grow).all(axis=1)
     meets &= (boxes.part_low[b] <= boxes.part_high[a] + grow).all(axis=1)
     rows = np.flatnonzero(meets & ~settled)
-    sharp = _sharp(geometry, facets, boxes, touching, rows)
-    rims: dict[int, Array] = {}
-    made, degenerate = no_touches(), Degenerate.none()
-    if sharp is not None:
-        on_rim = np.concatenate([sharp.pushes.meeting, sharp.clauses.meeting])
-        on_rim = on_rim[round_pair[sharp.met.pair[on_rim]]]
-        pairs = sharp.met.pair[on_rim].tolist()
-        rims = dict(zip(pairs, sharp.met.middle[on_rim], strict=True))
-        flat = ~round_pair[sharp.met.pair]
-        pushes = sharp.pushes.take(np.flatnonzero(flat[sharp.pushes.meeting]))
-        clauses = sharp.clauses.take(np.flatnonzero(flat[sharp.clauses.meeting]))
+    made, degenerate, rounds = no_touches(), Degenerate.none(), no_round_contacts()
+    if len(rows):
+        scene = _Scene(
+            geometry,
+            facets,
+            boxes,
+            touching,
+            find_edges(geometry, facets, np.unique(touching.pairs[rows])),
+        )
+        met = _meetings(scene, rows, touching.tolerance)
+        met = met.take(np.flatnonzero(~_beside_curved(scene, met)))
+        pushes, clauses = _normals(scene, met)
         every = pushes
-        pushes, clauses = _unexplained(sharp.met, pushes, clauses, touching)
-        made = touches(geometry, facets, sharp.edges, sharp.met, pushes)
-        degenerate = _degenerate(touching, sharp.met, clauses, every)
-    rounds = round_contacts(
-        geometry, touching.pairs, touching.tolerance, rows[round_pair[rows]], rims
-    )
+        pushes, clauses = _unexplained(met, pushes, clauses, touching)
+        made = touches(geometry, facets, scene.edges, met, pushes)
+        degenerate = _degenerate(touching, met, clauses, every)
+        rounds = _rounds(scene, rows)
     return NearContacts(
         touches=made,
         degenerate=degenerate,
@@ -121,30 +131,109 @@ def near_contacts(
     )
 
 
-def _sharp(
-    geometry: Geometry, facets: Facets, boxes: Boxes, touching: Touching, rows: Index
-) -> _Sharp | None:
-    """Normals and clauses where corners and edges of some pairs meet."""
-    if not len(rows):
-        return None
-    edges = find_edges(geometry, facets, np.unique(touching.pairs[rows]))
-    found: list[Meetings] = []
+def _meetings(scene: _Scene, rows: Index, tolerance: Array) -> Meetings:
+    """Where corners and edges of the pairs `rows` meet; `tolerance` of all pairs."""
+    geometry, boxes = scene.geometry, scene.boxes
+    found = [no_meetings()]
     for some in np.array_split(rows, max(1, len(rows) // PAIRS)):
-        a, b = touching.pairs[some].T
-        tolerance = touching.tolerance[some] + rim_slack(geometry, a) + rim_slack(geometry, b)
-        grow = tolerance[:, None]
+        a, b = scene.touching.pairs[some].T
+        grow = tolerance[some][:, None]
         low = np.maximum(boxes.part_low[a], boxes.part_low[b]) - grow
         high = np.minimum(boxes.part_high[a], boxes.part_high[b]) + grow
-        found += meetings(Block(geometry, facets, boxes, edges, some, a, b, tolerance, low, high))
-    if not found:
-        return None
+        limit = tolerance[some]
+        block = Block(geometry, scene.facets, boxes, scene.edges, some, a, b, limit, low, high)
+        found += meetings(block)
     names = Meetings.__slots__
-    met = Meetings(*(np.concatenate([getattr(f, name) for f in found]) for name in names))
-    parts = touching.pairs[met.pair]
+    return Meetings(*(np.concatenate([getattr(f, name) for f in found]) for name in names))
+
+
+def _normals(scene: _Scene, met: Meetings) -> tuple[Pushes, Clauses]:
+    """Normals and clauses of meetings."""
+    geometry = scene.geometry
+    parts = scene.touching.pairs[met.pair]
     size, blur = geometry.size[parts].min(axis=1), geometry.accuracy[parts].sum(axis=1)
     apart = np.linalg.norm(met.at[:, 1] - met.at[:, 0], axis=1)
     one_place = apart <= ONE_PLACE * size + 8 * blur
-    return _Sharp(met, *normals_of(geometry, facets, edges, met, one_place), edges)
+    return normals_of(geometry, scene.facets, scene.edges, met, one_place)
+
+
+def _round_parts(geometry: Geometry) -> Mask:
+    """Parts with a curved surface."""
+    found: Mask = np.diff(geometry.surfaces.start) > 0
+    return found
+
+
+def _beside_curved(scene: _Scene, met: Meetings) -> Mask:
+    """Meetings beside a curved surface: triangles do not tell what is sharp there."""
+    geometry, touching = scene.geometry, scene.touching
+    parts = touching.pairs[met.pair]
+    slack = touching.tolerance[met.pair] + 2 * geometry.slack[parts].max(axis=1, initial=0.0)
+    beside = np.zeros(len(met), dtype=bool)
+    some = np.flatnonzero(_round_parts(geometry)[parts].any(axis=1))
+    beside[some] = beside_curved(geometry, parts[some], met.middle[some], slack[some])
+    return beside
+
+
+def _rounds(scene: _Scene, rows: Index) -> RoundContacts:
+    """What touches beside or on curved faces of the pairs `rows`.
+
+    Triangles lie off their surfaces by up to the slack: rims are looked for as far away.
+    """
+    geometry, touching = scene.geometry, scene.touching
+    rows = rows[_round_parts(geometry)[touching.pairs[rows]].any(axis=1)]
+    if not len(rows):
+        return no_round_contacts()
+    met = _meetings(scene, rows, touching.tolerance + geometry.slack[touching.pairs].sum(axis=1))
+    met = met.take(np.flatnonzero(_beside_curved(scene, met) & ~_clear(scene, met)))
+    met = met.take(np.flatnonzero(~_settled(scene, met)))
+    pushes, clauses = _unexplained(met, *_normals(scene, met), touching)
+    on_rim = np.concatenate([pushes.meeting, clauses.meeting])
+    return round_contacts(
+        geometry,
+        scene.facets,
+        scene.boxes,
+        scene.edges,
+        touching.pairs,
+        touching.tolerance,
+        rows,
+        (met.pair[on_rim], met.middle[on_rim]),
+        touching.curved,
+        touching.patches,
+    )
+
+
+def _clear(scene: _Scene, met: Meetings) -> Mask:
+    """Meetings with round rims that as a whole stay clear of a plane, or of a rim of one axis."""
+    geometry, facets = scene.geometry, scene.facets
+    limit = scene.touching.tolerance[met.pair]
+    clear = np.zeros(len(met), dtype=bool)
+    ends = np.stack([met.feature, met.feature], axis=2)
+    edge = met.kind == EDGE
+    ends[edge] = scene.edges.ends_of[met.feature[edge]]
+    for side in (0, 1):
+        rows = np.flatnonzero(met.kind[:, side] == FACE)
+        facet = met.feature[rows, side]
+        normal = facets.normal[facet]
+        clear[rows] = True
+        for vertex in ends[rows, 1 - side].T:
+            off = np.einsum("ij,ij->i", geometry.vertices[vertex] - facets.origin[facet], normal)
+            clear[rows] &= rims_clear(geometry, vertex, normal, off, limit[rows])
+    rows = np.flatnonzero((met.kind != FACE).all(axis=1))
+    clear[rows] = coaxial_clear(geometry, ends[rows], limit[rows])
+    return clear
+
+
+def _settled(scene: _Scene, met: Meetings) -> Mask:
+    """Meetings where patches of the pair, as wide as the triangles lie off, say what touches."""
+    geometry, touching = scene.geometry, scene.touching
+    held = np.zeros(len(met), dtype=bool)
+    for pair in np.unique(met.pair).tolist():
+        mine = np.flatnonzero(met.pair == pair)
+        slack = float(touching.tolerance[pair] + 2 * geometry.slack[touching.pairs[pair]].max())
+        held[mine] = explained(
+            geometry, touching.curved, touching.patches, pair, met.middle[mine], slack
+        )
+    return held
 
 
 def _unexplained(

@@ -7,15 +7,22 @@ decides; it also tells apart parts that only an edge against an edge separates.
 
 from __future__ import annotations
 
+import dataclasses
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kilter.contact.broad import Boxes
-from kilter.contact.contact_set import Overlap
+from kilter.contact.coaxial import coaxial_fits
+from kilter.contact.contact_set import Overlap, Tolerance
+from kilter.contact.curved_patches import CurvedContacts
 from kilter.contact.facets import Facets
+from kilter.contact.round import in_patch
+from kilter.contact.volume import HINT, can_cut, overlap_volume
 from kilter.geometry import Geometry
+from kilter.rigid import cross
 
 if TYPE_CHECKING:
     from kilter.assembly import Assembly
@@ -26,28 +33,43 @@ __all__ = ["find_overlaps"]
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
+INTERFERE = "interfere"
+"""What is said of a shaft that is thicker than its hole: a thread, a press fit."""
+CUTS = 200
+"""The volumes of so many overlaps are computed; each takes some milliseconds."""
+Settled = Callable[[Array], NDArray[np.bool_]]
+
 PROBES = 300
 """Corners of a part that is not convex that are looked for inside another."""
 
 
 def find_overlaps(
-    assembly: Assembly, geometry: Geometry, facets: Facets, boxes: Boxes, touching: Touching
+    assembly: Assembly,
+    geometry: Geometry,
+    facets: Facets,
+    boxes: Boxes,
+    touching: Touching,
+    allowed: Tolerance,
 ) -> tuple[tuple[Overlap, ...], list[str]]:
     """Pairs that share volume, and warnings that name them."""
     a, b = touching.pairs.T
     both_convex = facets.convex_part[a] & facets.convex_part[b]
-    grow = touching.tolerance[:, None]
+    # tessellations of curved faces enter each other by their sagittas
+    tolerance = touching.tolerance + geometry.slack[a] + geometry.slack[b]
+    grow = tolerance[:, None]
     deep = (boxes.part_high[a] - boxes.part_low[b] > grow).all(axis=1)
     deep &= (boxes.part_high[b] - boxes.part_low[a] > grow).all(axis=1)
     rows = np.flatnonzero(deep & ~(both_convex & touching.has_patch))
-    found = []
+    found = list({overlap.parts: overlap for overlap in touching.curved.overlaps}.values())
+    known = {overlap.parts for overlap in found}
     for row in rows:
         one, other = (int(k) for k in touching.pairs[row])
-        overlap = _overlap(
-            geometry, facets, one, other, float(touching.tolerance[row]), bool(both_convex[row])
-        )
-        if overlap is not None:
+        settled = _settled(geometry, touching.curved, int(row), 2 * float(tolerance[row]))
+        convex = bool(both_convex[row])
+        overlap = _overlap(geometry, facets, (one, other), float(tolerance[row]), convex, settled)
+        if overlap is not None and overlap.parts not in known:
             found.append(overlap)
+    found = named_overlaps(assembly, found, allowed)
     names = assembly.names
     warnings = []
     for overlap in found[:20]:
@@ -57,20 +79,53 @@ def find_overlaps(
             f"{first} and {second} {overlap.why}, {overlap.depth:.3g} {assembly.units} deep{size}; "
             "an overlap is not a contact"
         )
+    if found and not can_cut() and any(overlap.volume is None for overlap in found):
+        warnings.append(HINT)
     if len(found) > 20:
         warnings.append(f"{len(found) - 20} more pairs overlap")
     return tuple(found), warnings
 
 
+def _settled(geometry: Geometry, curved: CurvedContacts, row: int, slack: float) -> Settled:
+    """Whether points lie on curved faces of a pair that touch all over."""
+
+    def settled(points: Array) -> NDArray[np.bool_]:
+        return in_patch(geometry, curved, row, points, slack)
+
+    return settled
+
+
+def named_overlaps(assembly: Assembly, found: list[Overlap], tolerance: Tolerance) -> list[Overlap]:
+    """Overlaps with their volumes, as far as a kernel gives them, and fits named as such."""
+    parts = assembly.parts
+    fits = coaxial_fits(assembly, [overlap.parts for overlap in found], tolerance)
+    tight = {frozenset(fit.parts) for fit in fits if fit.tight}
+    named = []
+    for number, overlap in enumerate(found):
+        a, b = overlap.parts
+        why = INTERFERE if frozenset((a, b)) in tight else overlap.why
+        volume = overlap.volume
+        if volume is None and number < CUTS:
+            volume = overlap_volume(parts[a], parts[b])
+        named.append(dataclasses.replace(overlap, volume=volume, why=why))
+    return named
+
+
 def _overlap(
-    geometry: Geometry, facets: Facets, a: int, b: int, tolerance: float, convex: bool
+    geometry: Geometry,
+    facets: Facets,
+    parts: tuple[int, int],
+    tolerance: float,
+    convex: bool,
+    settled: Settled,
 ) -> Overlap | None:
+    a, b = parts
     if _identical(geometry, a, b):
         volume = float(geometry.volume[a])
         return Overlap((a, b), volume, float(min(geometry.size[[a, b]])), "are the same body twice")
     if convex:
         return _convex_overlap(geometry, facets, a, b, tolerance)
-    depth = max(_depth(geometry, a, b, tolerance), _depth(geometry, b, a, tolerance))
+    depth = max(_depth(geometry, facets, *pair, tolerance, settled) for pair in ((a, b), (b, a)))
     if depth <= tolerance:
         return None
     return Overlap((a, b), None, depth, "overlap")
@@ -139,8 +194,13 @@ def _ball(
     return Overlap(parts, volume, depth, "overlap")
 
 
-def _depth(geometry: Geometry, a: int, b: int, tolerance: float) -> float:
-    """How deep a corner or edge middle of part a lies inside part b."""
+def _depth(
+    geometry: Geometry, facets: Facets, a: int, b: int, tolerance: float, settled: Settled
+) -> float:
+    """How deep a corner or edge middle of part a lies inside part b, if above the tolerance.
+
+    Points that are `settled` lie on a curved face that touches.
+    """
     corners = _corners(geometry, a)
     span = slice(geometry.triangle_start[a], geometry.triangle_start[a + 1])
     own = geometry.vertices[geometry.triangles[span]]
@@ -149,11 +209,17 @@ def _depth(geometry: Geometry, a: int, b: int, tolerance: float) -> float:
     )
     other = _corners(geometry, b)
     low, high = other.min(axis=0), other.max(axis=0)
-    probes = probes[((probes > low) & (probes < high)).all(axis=1)]
+    probes = probes[((probes > low + tolerance) & (probes < high - tolerance)).all(axis=1)]
+    probes = probes[~settled(probes)]
     if len(probes) > PROBES:
         probes = probes[:: len(probes) // PROBES + 1]
     if not len(probes):
         return 0.0
+    if facets.convex_part[b]:  # inside where behind all planes
+        n, origin = _planes(geometry, facets, b)
+        middle = origin.mean(axis=0)
+        offset = np.einsum("ij,ij->i", n, origin - middle)
+        return max(0.0, -float(((probes - middle) @ n.T - offset).max(axis=1).min()))
     span = slice(geometry.triangle_start[b], geometry.triangle_start[b + 1])
     triangles = geometry.vertices[geometry.triangles[span]]
     step = max(1, 4_000_000 // len(triangles))
@@ -173,12 +239,21 @@ def _winding(points: Array, triangles: Array) -> Array:
     ----------
     A. van Oosterom, J. Strackee, The solid angle of a plane triangle, 1983, equation 8.
     """
-    r = triangles[None] - points[:, None, None, :]
-    length = np.linalg.norm(r, axis=3)
-    a, b, c = r[:, :, 0], r[:, :, 1], r[:, :, 2]
-    la, lb, lc = length[..., 0], length[..., 1], length[..., 2]
-    top = np.einsum("ntk,ntk->nt", a, np.cross(b, c))
-    bottom = la * lb * lc + (a * b).sum(2) * lc + (b * c).sum(2) * la + (c * a).sum(2) * lb
+    middle = triangles.mean(axis=(0, 1))
+    x, corners = points - middle, triangles - middle
+    # every product of two or three of a - x, b - x, c - x is linear in x but for |x|^2
+    a, b, c = corners.transpose(1, 0, 2)
+    square = (x**2).sum(axis=1)[:, None]
+    la, lb, lc = (
+        np.sqrt(np.maximum(square + (corner**2).sum(axis=1) - 2 * (x @ corner.T), 0.0))
+        for corner in (a, b, c)
+    )
+    bc = cross(b, c)
+    top = np.einsum("ti,ti->t", a, bc) - x @ (bc + cross(c, a) + cross(a, b)).T
+    bottom = la * lb * lc
+    for one, other, length in ((a, b, lc), (b, c, la), (c, a, lb)):
+        product = np.einsum("ti,ti->t", one, other) - x @ (one + other).T + square
+        bottom += product * length
     winding: Array = np.arctan2(top, bottom).sum(axis=1) / (2 * np.pi)
     return winding
 

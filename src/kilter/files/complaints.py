@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 
 __all__ = ["complaint"]
 
-JOINTS = ("revolute", "prismatic", "cylindrical", "spherical")
 _TAGS = ("as path", "inline", "named")  # of kinds of mesh and step; pydantic puts them into places
 
 
@@ -53,8 +52,6 @@ def _said(fault: Any, place: str, keys: list[str]) -> tuple[str, str]:
     if kind in ("too_short", "too_long"):
         wanted = context.get("min_length", context.get("max_length"))
         return f"{place} has {context['actual_length']} entries", f"give {_count(place, wanted)}"
-    if kind == "literal_error" and place.endswith(".kind") and value in JOINTS:
-        return f"{place}: {value} joints are not supported yet", "only fixed joints are read"
     hints = {
         "list_type": "give a list",
         "string_type": "give a text in quotes",

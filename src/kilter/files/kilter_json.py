@@ -1,7 +1,7 @@
 """kilter's own file, as a dict, to an assembly and back.
 
 What is written reads back as the same values to the last digit: a shape in its own kind,
-numbers as they are, defaults left out. Joints other than fixed ones are not read yet.
+numbers as they are, defaults left out.
 """
 
 from __future__ import annotations

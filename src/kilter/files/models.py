@@ -170,9 +170,11 @@ class JointEntry(_Entry):
     """A two-sided connection of two parts, or of a part and "ground"."""
 
     parts: Pair
-    kind: Literal["fixed"]
-    point: Vector | None = None
-    axis: Vector | None = None
+    kind: Literal["fixed", "revolute", "prismatic", "cylindrical", "spherical"]
+    point: Vector | None = Field(
+        None, description="needed for revolute, cylindrical (on the axis) and spherical"
+    )
+    axis: Vector | None = Field(None, description="needed for revolute, prismatic, cylindrical")
 
 
 class AssemblyFile(_Entry):

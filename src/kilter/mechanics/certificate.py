@@ -117,12 +117,11 @@ def check_motion(program: Program, motion: Array) -> MotionProof:
         return MotionProof(motion, 0.0, 0.0, 0.0, False)
     motion = motion / largest
     power = float((program.load * motion).sum())
-    openings = program.velocities(motion)
+    openings = program.velocities(motion) * program.arm
     rows = program.rough
     if len(rows):
         slip = np.linalg.norm(program.slips(motion, rows), axis=1)
         openings[rows] -= program.mu[rows] * slip
-    openings[program.angular] *= float(program.radius.max())
     bad = np.where(program.two_sided, -np.abs(openings), np.minimum(openings, 0.0))
     violation = float(-bad.min(initial=0.0))
     moving = program.free & (sizes > STILL * largest)

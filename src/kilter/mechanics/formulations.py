@@ -84,7 +84,7 @@ class Scaled:
 
     def forces(self, columns: Array) -> Array:
         """Forces of the rows [N], shape (K,), for scaled unknowns."""
-        return columns * self.unit
+        return columns * self.unit * self.program.arm
 
     def motion(self, columns: Array) -> Array:
         """The motion of all parts, shape (N, 6), for scaled unknowns of the free parts."""
@@ -124,7 +124,7 @@ def scaled(program: Program) -> Scaled:
     per = len(program.freedoms)
     column = np.full(len(program.names) + 1, -1)
     column[:-1][program.free] = np.arange(int(program.free.sum()))
-    weight = program.weight
+    weight, arm = program.weight, program.arm
     unit = float(np.exp(np.log(weight[program.free]).mean())) if program.free.any() else 1.0
     data = np.zeros((len(program.part_a), 2, per))
     index = np.zeros((len(program.part_a), 2, per), dtype=np.int32)
@@ -134,8 +134,8 @@ def scaled(program: Program) -> Scaled:
         lever = program.lever(rows, owner).reshape(-1, 2, 3) @ frame.T
         lever[:, 1] /= program.radius[owner][:, None]
         entries = lever.reshape(-1, 6)[:, program.freedoms]
-        entries[np.abs(entries) < NOTHING] = 0.0
-        data[rows, side] = sign * entries * (unit / weight[owner])[:, None]
+        entries[np.abs(entries) * arm[rows, None] < NOTHING] = 0.0
+        data[rows, side] = sign * entries * (unit / weight[owner] * arm[rows])[:, None]
         index[rows, side] = column[owner][:, None] * per + np.arange(per)
     flat_data, flat_index = data.reshape(-1, 2 * per), index.reshape(-1, 2 * per)
     used = flat_data != 0

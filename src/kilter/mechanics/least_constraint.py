@@ -114,7 +114,7 @@ def least_constraint(problem: Scaled) -> LeastConstraint:
         np.arange(rows.shape[1]),
         inverse,
         place,
-        1.0 / length[place],
+        problem.program.arm / length[place],
     )
 
 

@@ -23,10 +23,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from kilter.assembly import GROUND, Assembly, Joint
+from kilter.assembly import GROUND, Assembly
 from kilter.contact.contact_set import ContactSet
-from kilter.errors import InputError
 from kilter.geometry import Geometry
+from kilter.mechanics.joints import joint_rows
 from kilter.rigid import cross
 
 __all__ = ["CONTACT", "JOINT", "POSSIBLE", "TOLERANCE", "Program", "build_program", "tangents"]
@@ -120,6 +120,16 @@ class Program:
         torque = np.linalg.norm(self.applied[:, 3:], axis=1) / self.radius
         weight: Array = self.mass * float(np.linalg.norm(self.gravity)) + force + torque
         return weight
+
+    @property
+    def arm(self) -> Array:
+        """The one length of each angular row, shape (K,): the largest of its free parts' radii.
+
+        Times a turn it is an opening, under a torque a force; 1 for the other rows. So
+        nothing depends on the unit of length.
+        """
+        size = np.append(np.where(self.free, self.radius, 0.0), 0.0)
+        return np.where(self.angular, np.maximum(size[self.part_a], size[self.part_b]), 1.0)
 
     @property
     def freedoms(self) -> Index:
@@ -259,11 +269,6 @@ def build_program(
     sticking : bool
         Also with tangential forces of any size at contacts where mu > 0, as rows of their
         own: a bound for questions that leave Coulomb's law out.
-
-    Raises
-    ------
-    InputError
-        If a joint is of a kind that is not modelled.
     """
     geometry = assembly.geometry
     blocks = [_contact_rows(contacts, geometry)]
@@ -272,7 +277,7 @@ def build_program(
         blocks += [_rough_rows(contacts, geometry)]
     if sticking:
         blocks.append(_sticking_rows(contacts, geometry))
-    blocks += [_joint_rows(assembly, geometry, joint, k) for k, joint in enumerate(assembly.joints)]
+    blocks.append(_joint_rows(assembly, geometry))
     rows = {key: np.concatenate([block[key] for block in blocks]) for key in blocks[0]}
     return Program(
         names=assembly.names,
@@ -398,27 +403,11 @@ def _tied(a: Index, b: Index, point: Array, normal: Array) -> dict[str, NDArray[
     return _block(a, b, point, normal, POSSIBLE, np.ones(count, dtype=bool), np.full(count, -1))
 
 
-def _joint_rows(
-    assembly: Assembly, geometry: Geometry, joint: Joint, number: int
-) -> dict[str, NDArray[np.generic]]:
-    if joint.kind != "fixed":
-        raise InputError(
-            f"joint of {joint.parts[0]!r} and {joint.parts[1]!r} is {joint.kind!r}",
-            hint="only fixed joints are modelled",
-        )
-    a, b = (-1 if name == GROUND else assembly.index_of(name) for name in joint.parts)
-    own = geometry.center[b if b >= 0 else a]
-    point = own if joint.point is None else joint.point
-    block = _block(
-        np.full(6, a),
-        np.full(6, b),
-        np.tile(point, (6, 1)),
-        np.vstack([np.eye(3), np.eye(3)]),
-        JOINT,
-        np.ones(6, dtype=bool),
-        np.full(6, number),
-    )
-    block["angular"] = np.arange(6) >= 3
+def _joint_rows(assembly: Assembly, geometry: Geometry) -> dict[str, NDArray[np.generic]]:
+    rows = joint_rows(assembly, geometry)
+    both_ways = np.ones(len(rows.joint), dtype=bool)
+    block = _block(rows.part_a, rows.part_b, rows.point, rows.normal, JOINT, both_ways, rows.joint)
+    block["angular"] = rows.angular
     return block
 
 

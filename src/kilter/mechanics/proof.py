@@ -20,9 +20,10 @@ from kilter.contact.contact_set import ContactSet
 from kilter.errors import InputError
 from kilter.mechanics.certificate import ForceProof, MotionProof
 from kilter.mechanics.coulomb import LawProof
+from kilter.mechanics.joints import carried, reference_point
 from kilter.mechanics.program import CONTACT, JOINT, Program
 
-__all__ = ["FORMAT", "Evidence", "digest_of", "joints_of", "make_proof"]
+__all__ = ["FORMAT", "Evidence", "digest_of", "frame_of", "joints_of", "make_proof", "rows_of"]
 
 Array = NDArray[np.float64]
 
@@ -88,6 +89,7 @@ def make_proof(
             "gap": contacts.tolerance.gap,
             "relative_gap": contacts.tolerance.relative_gap,
             "angle": contacts.tolerance.angle,
+            "clearance": contacts.tolerance.clearance,
         },
         "parts": [
             {
@@ -182,18 +184,31 @@ def joints_of(
     """Joints with their wrench on the second part about `point`."""
     found = []
     for number, joint in enumerate(assembly.joints):
-        rows = np.flatnonzero((program.kind == JOINT) & (program.source == number))
-        wrench = certificate.forces[rows].tolist() if isinstance(certificate, ForceProof) else None
+        about, wrench = reference_point(assembly, number), None
+        if isinstance(certificate, ForceProof):
+            rows = rows_of(program, number)
+            wrench = carried(*frame_of(program, rows), certificate.forces[rows], about).tolist()
         found.append(
             {
                 "parts": list(joint.parts),
                 "kind": joint.kind,
-                "point": program.point[rows[0]].tolist(),
+                "point": about.tolist(),
                 "axis": None if joint.axis is None else joint.axis.tolist(),
                 "wrench": wrench,
             }
         )
     return found
+
+
+def rows_of(program: Program, joint: int) -> NDArray[np.int64]:
+    """The rows of a joint, by its position in the assembly."""
+    return np.flatnonzero((program.kind == JOINT) & (program.source == joint))
+
+
+def frame_of(program: Program, rows: NDArray[np.int64]) -> tuple[Array, NDArray[np.bool_], Array]:
+    """Normals of the rows of a joint, which are angular, and the point they are taken at."""
+    at = program.point[rows[0]] if len(rows) else np.zeros(3)
+    return program.normal[rows], program.angular[rows], at
 
 
 def digest_of(proof: dict[str, Any]) -> str:

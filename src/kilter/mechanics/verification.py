@@ -19,8 +19,9 @@ from kilter.errors import InputError
 from kilter.mechanics.certificate import check_forces, check_motion, part_sizes
 from kilter.mechanics.coulomb import LawProof, check_law
 from kilter.mechanics.degenerate import allowed_program
+from kilter.mechanics.joints import carried, carriers
 from kilter.mechanics.program import CONTACT, JOINT, Program, build_program
-from kilter.mechanics.proof import FORMAT, digest_of, joints_of
+from kilter.mechanics.proof import FORMAT, digest_of, frame_of, joints_of, rows_of
 
 __all__ = ["Verification", "proof_tolerance", "verify_proof"]
 
@@ -50,11 +51,12 @@ def proof_tolerance(proof: dict[str, Any]) -> Tolerance:
     """The contact tolerance that a proof was made with."""
     try:
         values = proof["tolerance"]
-        gap = values["gap"]
+        gap, clearance = values["gap"], values.get("clearance")
         return Tolerance(
             gap=None if gap is None else float(gap),
             relative_gap=float(values["relative_gap"]),
             angle=float(values["angle"]),
+            clearance=None if clearance is None else float(clearance),
         )
     except (KeyError, TypeError, ValueError):
         raise InputError("the proof has no usable tolerance", hint="make it anew") from None
@@ -220,9 +222,34 @@ def _given_forces(program: Program, given: Any, joints: Any) -> tuple[Array, Arr
     return forces, friction, reasons
 
 
+def _joint_forces(program: Program, joint: dict[str, Any], number: int) -> tuple[Array, list[str]]:
+    """Forces of the rows of a joint that its wrench stands for, and what it cannot carry."""
+    wrench, about = np.asarray(joint["wrench"], dtype=float), np.asarray(joint["point"])
+    if wrench.shape != (6,):
+        raise ValueError("a wrench has not six numbers")
+    rows = rows_of(program, number)
+    frame = frame_of(program, rows)
+    forces = carriers(*frame, wrench, about)
+    force, torque = np.abs(wrench[:3]).max(), np.abs(wrench[3:]).max()
+    length = float(program.arm[rows].max(initial=0.0)) or float(program.radius.min())
+    reach = length + (float(np.linalg.norm(about - frame[2])) if len(rows) else 0.0)
+    size = np.repeat([force + torque / length, reach * force + torque], 3)
+    size += SAME * float(program.weight.min()) * np.repeat([1.0, length], 3)
+    if (np.abs(wrench - carried(*frame, forces, about)) <= SAME * size).all():
+        return forces, []
+    pair = " and ".join(repr(name) for name in joint["parts"])
+    return forces, [f"the {joint['kind']} joint of {pair} carries what its kind cannot"]
+
+
 def _recheck_forces(program: Program, proof: dict[str, Any]) -> tuple[float, list[str]]:
-    joints: list[float] = [x for entry in proof["joints"] for x in entry["wrench"]]
+    joints = np.zeros(len(program.part_a))
+    beyond: list[str] = []
+    for number, entry in enumerate(proof["joints"]):
+        joints[rows_of(program, number)], more = _joint_forces(program, entry, number)
+        beyond += more
+    joints = joints[program.kind == JOINT]
     forces, friction, reasons = _given_forces(program, proof["forces"], joints)
+    reasons += beyond
     judged = check_forces(program, forces, friction)
     if not _near(judged.residual, proof["certificate"]["residual"], 1.0):
         reasons.append("its residual is not that of its forces")

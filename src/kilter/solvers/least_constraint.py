@@ -227,6 +227,8 @@ def _direction(
         return min(_reach(s[one], ds[one]), _reach(f[one], df[one]))
 
     db, ds, df = newton(rd, rp, -s * f)
+    if two.all():  # equations only: a whole step
+        return db, ds, df, 1.0
     length = reach(ds, df)
     after = float((((s + length * ds) * (f + length * df)) / data.weight)[one].mean())
     goal = (after / mu) ** 3 * mu * data.weight

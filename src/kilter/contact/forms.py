@@ -1,0 +1,108 @@
+"""Candidate contacts of two surfaces, as arrays, before their faces are asked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = [
+    "CIRCLE", "LINE", "POINT", "SAME", "Forms", "across", "dot", "forms_together", "make_forms",
+    "no_forms", "unit_rows",
+]  # fmt: skip
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+POINT, LINE, CIRCLE, SAME = range(4)
+"""Forms of contact; SAME: one surface in its own counterpart."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Forms:
+    """Candidate contacts, one row each.
+
+    Attributes
+    ----------
+    row : ndarray of int, shape (n,)
+        Row of the pair of surfaces.
+    form : ndarray of int, shape (n,)
+        POINT, LINE, CIRCLE or SAME.
+    at : ndarray, shape (n, 3)
+        The point; a point of the line; the centre of the circle, half-way in the gap.
+    along : ndarray, shape (n, 3)
+        Direction of the line, axis of the circle.
+    normal : ndarray, shape (n, 3)
+        Unit, from i to j. Of a circle: its components away from the axis and along it.
+    radius : ndarray, shape (n,)
+        Of the circle [length unit].
+    gap, slope, swing : ndarray, shape (n,)
+        The gap at `at`; its rise along a line [-]; how much it varies about its mean
+        around a circle [length unit].
+    bend : ndarray, shape (n,)
+        Radius by which the gap opens beside the contact [length unit].
+    """
+
+    row: Index
+    form: Index
+    at: Array
+    along: Array
+    normal: Array
+    radius: Array
+    gap: Array
+    slope: Array
+    swing: Array
+    bend: Array
+
+    def take(self, rows: Index | Mask) -> Forms:
+        """The rows chosen."""
+        return Forms(*(getattr(self, name)[rows] for name in self.__slots__))
+
+
+def make_forms(row: Index, form: int, at: Array, normal: Array, gap: Array, **more: Array) -> Forms:
+    """Candidates of one form; what is left out is zero."""
+    count = len(row)
+    zero, none = np.zeros(count), np.zeros((count, 3))
+    return Forms(
+        row=row,
+        form=np.full(count, form),
+        at=at,
+        along=more.get("along", none),
+        normal=normal,
+        radius=more.get("radius", zero),
+        gap=gap,
+        slope=more.get("slope", zero),
+        swing=more.get("swing", zero),
+        bend=more.get("bend", zero),
+    )
+
+
+def forms_together(found: list[Forms]) -> Forms:
+    """Candidates one after the other."""
+    return Forms(*(np.concatenate([getattr(f, name) for f in found]) for name in Forms.__slots__))
+
+
+def dot(a: Array, b: Array) -> Array:
+    """Dot products of rows, shape (n,)."""
+    result: Array = np.einsum("ij,ij->i", a, b)
+    return result
+
+
+def unit_rows(v: Array) -> Array:
+    """Rows of length one; zero rows stay zero."""
+    result: Array = v / np.maximum(np.linalg.norm(v, axis=1), 1e-300)[:, None]
+    return result
+
+
+def across(v: Array, axis: Array) -> Array:
+    """The part of vectors across an axis."""
+    result: Array = v - dot(v, axis)[:, None] * axis
+    return result
+
+
+def no_forms() -> Forms:
+    """No candidates."""
+    empty = np.empty(0)
+    return make_forms(np.empty(0, np.int64), POINT, np.empty((0, 3)), np.empty((0, 3)), empty)

@@ -1,0 +1,164 @@
+"""Joints: the rows that hold two parts together, and the wrench that they carry.
+
+A joint forbids some relative motions of its parts at a point, the others are free:
+
+    linear    (v_b(x) - v_a(x)) . n = 0       its multiplier is a force along n
+    angular   (w_b - w_a) . n = 0             its multiplier is a torque along n
+
+    =============  =====================  =====================
+    kind           forces along           torques along
+    =============  =====================  =====================
+    fixed          x, y, z                x, y, z
+    revolute       x, y, z                both across the axis
+    prismatic      both across the axis   x, y, z
+    cylindrical    both across the axis   both across the axis
+    spherical      x, y, z                none
+    =============  =====================  =====================
+
+Rows are taken at that point of the joint that is nearest to the centre of the smaller free
+part: a fixed or prismatic joint is the same about any point, one with an axis about any
+point of the axis. So a `point` far away costs no digits. In a planar program the rows that
+act out of the plane are left out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.assembly import GROUND, Assembly, Joint
+from kilter.geometry import Geometry
+from kilter.rigid import cross
+
+__all__ = ["JointRows", "carried", "carriers", "constraints", "joint_rows", "reference_point"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JointRows:
+    """Rows of all joints of an assembly; `joint` is the position of each row's joint."""
+
+    part_a: Index
+    part_b: Index
+    point: Array
+    normal: Array
+    angular: Mask
+    joint: Index
+
+
+def joint_rows(assembly: Assembly, geometry: Geometry) -> JointRows:
+    """The rows of the joints that act on a free part."""
+    blocks = []
+    for number, joint in enumerate(assembly.joints):
+        a, b = _parts(assembly, joint)
+        if not any(k >= 0 and not geometry.grounded[k] for k in (a, b)):
+            continue
+        linear, angular = constraints(joint, planar=assembly.planar)
+        count = len(linear) + len(angular)
+        blocks.append(
+            JointRows(
+                np.full(count, a),
+                np.full(count, b),
+                np.tile(_anchor(assembly, geometry, joint), (count, 1)),
+                np.concatenate([linear, angular]),
+                np.arange(count) >= len(linear),
+                np.full(count, number),
+            )
+        )
+    if not blocks:
+        none, vectors = np.empty(0, dtype=np.int64), np.empty((0, 3))
+        return JointRows(none, none, vectors, vectors, np.empty(0, dtype=bool), none)
+    names = JointRows.__slots__
+    return JointRows(*(np.concatenate([getattr(block, key) for block in blocks]) for key in names))
+
+
+def constraints(joint: Joint, *, planar: bool = False) -> tuple[Array, Array]:
+    """Directions of the forces and of the torques that a joint carries, shapes (m, 3), (n, 3).
+
+    Orthonormal each, world frame; planar: of those within the plane of motion.
+
+    Examples
+    --------
+    >>> hinge = Joint(("a", "b"), "revolute", point=[0, 0, 0], axis=[0, 1, 0])
+    >>> [len(directions) for directions in constraints(hinge)]
+    [3, 2]
+    >>> [len(directions) for directions in constraints(hinge, planar=True)]
+    [2, 0]
+    """
+    every, none = np.eye(3), np.empty((0, 3))
+    across = none if joint.axis is None else _across(joint.axis, planar)
+    linear = across if joint.kind in ("prismatic", "cylindrical") else every
+    angular = {"revolute": across, "cylindrical": across, "spherical": none}.get(joint.kind, every)
+    if planar:  # directions are along y or across it: see `Joint.require_planar`
+        return linear[np.abs(linear[:, 1]) < 0.5], angular[np.abs(angular[:, 1]) > 0.5]
+    return linear, angular
+
+
+def _across(axis: Array, planar: bool) -> Array:
+    """Two unit directions across an axis, shape (2, 3); planar: along y and across it."""
+    if planar:
+        sideways = abs(axis[1]) > 0.5
+        return np.eye(3)[[0, 2]] if sideways else np.array([[0, 1.0, 0], [-axis[2], 0, axis[0]]])
+    helper = np.eye(3)[np.abs(axis).argmin()]
+    u = np.cross(helper, axis)
+    u /= np.linalg.norm(u)
+    return np.stack([u, np.cross(axis, u)])
+
+
+def _parts(assembly: Assembly, joint: Joint) -> tuple[int, int]:
+    a, b = (-1 if name == GROUND else assembly.index_of(name) for name in joint.parts)
+    return a, b
+
+
+def _anchor(assembly: Assembly, geometry: Geometry, joint: Joint) -> Array:
+    """The point that the rows of a joint are taken at, shape (3,)."""
+    parts = [k for k in _parts(assembly, joint) if k >= 0]
+    free = [k for k in parts if not geometry.grounded[k]] or parts
+    center: Array = geometry.center[min(reversed(free), key=lambda k: geometry.radius[k])]
+    if joint.kind in ("fixed", "prismatic"):
+        return center
+    point = np.asarray(joint.point)
+    if joint.kind == "spherical":
+        return point
+    along: Array = point + joint.axis * float(joint.axis @ (center - point))
+    return along
+
+
+def reference_point(assembly: Assembly, number: int) -> Array:
+    """The point that the wrench of a joint is given about: its own, else that of its rows."""
+    joint = assembly.joints[number]
+    if joint.point is not None:
+        return np.asarray(joint.point)
+    return _anchor(assembly, assembly.geometry, joint)
+
+
+def carried(normal: Array, angular: Mask, at: Array, forces: Array, about: Array) -> Array:
+    """The wrench of the rows of one joint on its second part, shape (6,).
+
+    Parameters
+    ----------
+    normal : ndarray, shape (k, 3)
+    angular : ndarray of bool, shape (k,)
+    at : ndarray, shape (3,)
+        The point that the rows are taken at.
+    forces : ndarray, shape (k,)
+        Of the rows: forces [N] and torques [N x length unit].
+    about : ndarray, shape (3,)
+        The point that the wrench is given about.
+    """
+    force, torque = (forces[mask] @ normal[mask] for mask in (~angular, angular))
+    return np.concatenate([force, torque + cross(at - about, force)])
+
+
+def carriers(normal: Array, angular: Mask, at: Array, wrench: Array, about: Array) -> Array:
+    """Forces of the rows of one joint, shape (k,), of a wrench on its second part.
+
+    What the joint cannot carry is lost: `carried` of the result then differs from `wrench`.
+    """
+    torque = wrench[3:] + cross(about - at, wrench[:3])
+    return np.where(angular, normal @ torque, normal @ wrench[:3])

@@ -1,0 +1,196 @@
+"""Options that join and close: --fasten, --suggest-joints, --clearance, on every command."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from kilter.cli import main
+
+COMMANDS = ["check", "orient", "region", "contacts"]
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def lamp(gap: float = 0.0, **more: object) -> str:
+    """A post on a table and an arm beside it, `gap` away; written to a.json."""
+    data = {
+        "kilter": 1,
+        "units": "mm",
+        "parts": [
+            {"name": "table", "box": [90, 90, 10], "pose": {"position": [0, 0, -5]},
+             "grounded": True},
+            {"name": "post", "box": [20, 20, 40], "pose": {"position": [0, 0, 20]}},
+            {"name": "arm-1", "box": [20, 10, 10], "pose": {"position": [20 + gap, 0, 35]}},
+        ],
+        **more,
+    }  # fmt: skip
+    Path("a.json").write_text(json.dumps(data))
+    return "a.json"
+
+
+def said(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str]:
+    capsys.readouterr()
+    code = main(list(words))
+    out, error = capsys.readouterr()
+    return code, out, error
+
+
+def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+    code, out, error = said(capsys, *words)
+    assert (code, out) == (2, "")
+    assert error.count("\n") == 1
+    assert error.startswith("kilter: ")
+    return error
+
+
+def test_fasten_holds_what_fell_and_is_part_of_the_proof(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    file = lamp()
+    assert main(["check", file]) == 1
+    words = ["--fasten", "post", "arm*", "--proof", "p.json"]
+    code, out, _ = said(capsys, "check", file, *words)
+    assert code == 0
+    assert "1 fixed: post - arm-1" in out
+    proof = json.loads(Path("p.json").read_text())
+    assert proof["options"]["fasten"] == [["post", "arm*"]]
+    assert proof["joints"][0]["parts"] == ["post", "arm-1"]
+    code, out, _ = said(capsys, "verify", file, "p.json")
+    assert code == 0
+    assert "fasten" in out
+    # the joint is needed: without it the proof does not hold
+    proof["options"].pop("fasten")
+    Path("q.json").write_text(json.dumps(proof))
+    code, out, _ = said(capsys, "verify", file, "q.json")
+    assert code == 1
+    assert "its joints are not the file's" in out
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_fasten_and_clearance_work_on_every_command(
+    command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = lamp(gap=0.2)
+    words = ["--fasten", "arm-1", "post", "--clearance", "0.3"]
+    code, out, _ = said(capsys, command, file, *words, "--json")
+    assert code == 0
+    answer = json.loads(out)
+    assert answer["joints"] == [{"parts": ["arm-1", "post"], "kind": "fixed"}]
+    assert any("'post' and 'arm-1' (0.2 mm)" in text for text in answer["warnings"])
+    code, out, error = said(capsys, command, file, *words)
+    assert code == 0
+    assert "1 fixed: arm-1 - post" in out
+    assert "clearances taken as closed" in error
+    error = refused(capsys, command, file, "--fasten", "arm-1", "post")
+    assert "none touches" in error
+
+
+def test_fasten_is_repeatable(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["--fasten", "arm-1", "post", "--fasten", "p*", "t*", "--json"]
+    code, out, _ = said(capsys, "check", lamp(), *words)
+    assert code == 0
+    assert len(json.loads(out)["joints"]) == 2
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["--fasten", "post"], "two names"),
+        (["--fasten", "post", "--json"], "two names"),
+        (["--fasten=post"], "two names"),
+        (["--fasten", "pots", "arm-1"], "did you mean 'post'"),
+        (["--fasten", "post", "screw*"], "no part is named 'screw*'"),
+        (["--fasten", "table", "arm-1"], "none touches"),
+        (["--clearance", "0"], "--clearance is 0"),
+        (["--clearance", "-1"], "--clearance is -1"),
+        (["--clearance", "nan"], "--clearance"),
+        (["--gap", "-1"], "--gap"),
+        (["--angle", "0"], "--angle"),
+    ],
+)
+def test_wrong_options_are_refused(
+    command: str, words: list[str], expected: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert expected in refused(capsys, command, lamp(), *words)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("words", [["--gap", "0.3"], ["--loose", "--gap", "0.3"]])
+def test_gap_closes_too(command: str, words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    file = lamp(gap=0.2)
+    code, out, _ = said(capsys, command, file, "--fasten", "arm-1", "post", *words, "--json")
+    assert code == 0
+    assert len(json.loads(out)["joints"]) == 1
+
+
+def test_clearance_is_in_the_proof_and_in_what_verify_says(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    file = lamp(gap=0.2)
+    words = ["--fasten", "arm-1", "post", "--clearance", "0.3", "--proof", "p.json"]
+    assert said(capsys, "check", file, *words)[0] == 0
+    code, out, _ = said(capsys, "verify", file, "p.json")
+    assert code == 0
+    assert "clearances up to 0.3 mm taken as closed" in out
+    code, out, _ = said(capsys, "contacts", file, "--clearance", "0.3")
+    assert "Clearances up to 0.3 mm count as closed" in out
+    code, out, _ = said(capsys, "check", file, "--clearance", "0.3", "--json")
+    assert json.loads(out)["tolerance"]["clearance"] == 0.3
+
+
+def test_gaps_are_shown_as_bars_with_their_sizes(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, _ = said(capsys, "contacts", lamp(gap=0.01))
+    assert code == 0
+    assert "gaps of opposing faces" in out
+    assert sum(set(line.split()[-1]) == {"#"} for line in out.splitlines() if line.split()) == 2
+    assert "sizes of the parts:" in out
+    assert " mm;" in out
+    assert "gap above the tolerance" in out  # the near pair, and why it is rejected
+    assert "gap 0.01 mm" in out
+
+
+def test_suggested_joints_can_be_pasted(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, _ = said(capsys, "check", lamp(), "--suggest-joints")
+    assert code == 1
+    assert "No pair looks like a fastener" in out
+    code, out, _ = said(capsys, "check", lamp(), "--suggest-joints", "--json")
+    assert json.loads(out)["suggested_joints"] == []
+    code, out, _ = said(capsys, "check", lamp(), "--json")
+    assert "suggested_joints" not in json.loads(out)
+
+
+PINNED = {"kind": "revolute", "parts": ["post", "arm-1"], "point": [10, 0, 35], "axis": [0, 1, 0]}
+
+
+def test_joints_of_the_file_are_shown_and_missing_numbers_refused(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    code, out, _ = said(capsys, "check", lamp(joints=[PINNED]), "--json")
+    assert code in (0, 1)
+    assert json.loads(out)["joints"] == [{"parts": ["post", "arm-1"], "kind": "revolute"}]
+    for key in ("point", "axis"):
+        less = {name: value for name, value in PINNED.items() if name != key}
+        error = refused(capsys, "check", lamp(joints=[less]))
+        assert f"joints[0]: revolute joint of 'post' and 'arm-1' has no {key}" in error
+        assert error.count(key) >= 2
+    tilted = {**PINNED, "axis": [1, 0, 0]}
+    error = refused(capsys, "check", lamp(joints=[tilted], planar=True))
+    assert "revolute joint of 'post' and 'arm-1'" in error
+    assert "turn about y" in error
+
+
+def test_load_on_a_held_part_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    load = {"part": "post", "force": [0, 0, -1]}
+    file = lamp(loads=[load])
+    assert said(capsys, "check", file)[0] == 1
+    error = refused(capsys, "check", file, "--ground", "post")
+    assert "part 'post': a load acts on a held part" in error
+    error = refused(capsys, "check", lamp(loads=[{**load, "part": "table"}]))
+    assert "part 'table'" in error

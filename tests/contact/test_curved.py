@@ -1,0 +1,496 @@
+"""Contacts between exact curved faces: where they are, which motions they leave, what they hold."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from solids import (
+    ball,
+    bolt,
+    bore,
+    cone_frustum,
+    cone_socket,
+    mesh_of,
+    peg,
+    socket,
+    torus,
+    trough,
+    with_scale,
+)
+
+from kilter import Assembly, Box, Cylinder, Part, Pose, Sphere, check, find_contacts
+from kilter.contact.rounds import AROUND
+from kilter.mechanics.program import build_program
+from kilter.scenes.pieces import floor, turn
+from kilter.scenes.rounds import four_spheres, three_cylinders
+
+FLOOR = floor([-5, -5], [5, 5])
+LYING = turn([1, 0, 0], 90)
+G = 9.81
+
+
+def held(shape, pose=None):
+    return Part("base", shape, pose or Pose(), grounded=True)
+
+
+def motions(assembly):
+    """Dimension of {J dp = 0}, and that of the span of {J dp >= 0} where forces can cancel."""
+    jacobian = build_program(assembly, find_contacts(assembly)).jacobian().toarray()
+    values = np.linalg.svd(jacobian, compute_uv=False)
+    return jacobian.shape[1] - int((values > 1e-7 * values[0]).sum())
+
+
+def contacts_of(*parts, **options):
+    return find_contacts(Assembly(list(parts)), **options)
+
+
+# pegs in holes ------------------------------------------------------------------------
+
+PAIRS = {
+    "exact": (bore(), peg(phase=0.1)),
+    "two tessellations": (bore(sides=17), peg(sides=30, phase=0.1)),
+    "primitive": (bore(sides=40), Cylinder(1.0, 4.0)),
+    "turned against": (bore(), peg(phase=0.3)),
+    "flush": (bore(), peg(low=-1.0, high=1.0, phase=0.2)),
+    "mesh": (mesh_of(bore(sides=32)), mesh_of(peg(sides=24, phase=0.1))),
+    "mesh in exact": (bore(), mesh_of(peg(sides=36, phase=0.1))),
+}
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_peg_slides_and_spins_in_its_hole_and_nothing_else(name):
+    hole, shape = PAIRS[name]
+    assembly = Assembly([held(hole), Part("peg", shape)])
+    contacts = find_contacts(assembly)
+    assert contacts.patch_kind.tolist() == ["cylinder"]
+    assert contacts.unsupported == ()
+    assert contacts.overlaps == ()
+    assert contacts.patch_area[0] == pytest.approx(2 * np.pi * 2.0, rel=1e-9)
+    assert motions(assembly) == 2
+    raised = [w for w in contacts.warnings if "recognised" in w]
+    assert len(raised) == int("mesh" in name)
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_peg_falls_along_its_axis_and_is_held_across(name):
+    hole, shape = PAIRS[name]
+    parts = [held(hole), Part("peg", shape)]
+    assert check(Assembly(parts, gravity=[0, 0, -G])).verdict == "unstable"
+    assert check(Assembly(parts, gravity=[0, 0, G])).verdict == "unstable"
+    assert check(Assembly(parts, gravity=[G, 0, 0])).verdict == "stable"
+    assert check(Assembly(parts, gravity=[G, 0, -1e-6])).verdict == "unstable"
+
+
+def test_normals_and_points_lie_on_the_axis_and_on_the_cylinder():
+    contacts = contacts_of(held(bore(sides=17)), Part("peg", peg(sides=30)))
+    x, n = contacts.points, contacts.normals
+    assert np.hypot(x[:, 0], x[:, 1]) == pytest.approx(np.ones(len(x)), abs=1e-14)
+    assert np.abs(n[:, 2]).max() < 1e-14
+    # from the base to the peg: inwards
+    assert np.einsum("ij,ij->i", n[:, :2], x[:, :2]) == pytest.approx(-np.ones(len(x)))
+    assert sorted(set(x[:, 2].round(12).tolist())) == [-1.0, 1.0]
+
+
+@pytest.mark.parametrize("share", [0.5, 0.99])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_radii_that_differ_by_less_than_the_tolerance_touch(share, sign):
+    gap = 1e-4
+    hole = bore(radius=1 + sign * share * gap)
+    contacts = contacts_of(held(hole), Part("peg", peg()), tolerance=tolerance(gap))
+    assert contacts.patch_kind.tolist() == ["cylinder"]
+    assert contacts.patch_gap[0] == pytest.approx([sign * share * gap] * 2, rel=1e-6)
+    assert contacts.overlaps == ()
+
+
+def tolerance(gap):
+    from kilter import Tolerance
+
+    return Tolerance(gap=gap)
+
+
+@pytest.mark.parametrize("share", [1.01, 3.0])
+def test_clearance_is_a_gap_and_no_contact(share):
+    contacts = contacts_of(
+        held(bore(radius=1 + share * 1e-4)), Part("peg", peg()), tolerance=tolerance(1e-4)
+    )
+    assert len(contacts) == 0
+    assert contacts.unsupported == ()
+    assert contacts.overlaps == ()
+    assert contacts.rejected[0].gap == pytest.approx(share * 1e-4, rel=1e-6)
+
+
+@pytest.mark.parametrize("depth", [1.01e-4, 1e-3, 1e-2])
+def test_interference_is_an_overlap_and_no_contact(depth):
+    contacts = contacts_of(
+        held(bore(radius=1 - depth)), Part("peg", peg()), tolerance=tolerance(1e-4)
+    )
+    assert len(contacts) == 0
+    (overlap,) = contacts.overlaps
+    assert overlap.depth == pytest.approx(depth, rel=1e-6)
+    assert "interfere" in overlap.why
+    assert any("interfere" in warning for warning in contacts.warnings)
+
+
+def test_loose_peg_lies_in_its_hole_along_a_line():
+    # radius 1 in 1.2, resting at the bottom: axis down by the clearance
+    base = held(bore(radius=1.2, low=-1, high=1), Pose([0, 0, 0], LYING))
+    parts = [base, Part("peg", peg(), Pose([0, 0, -0.2], LYING))]
+    verdict = check(Assembly(parts))
+    assert verdict.verdict == "stable"
+    assert verdict.contacts.patch_kind.tolist() == ["cylinder"]
+    assert np.sort(verdict.contacts.points[:, 1]) == pytest.approx([-1, 1])
+    assert verdict.contacts.points[:, 2] == pytest.approx([-1.2, -1.2])
+    assert check(Assembly(parts, gravity=[1e-6, 0, -G])).verdict == "unstable"
+
+
+def test_two_halves_of_a_face_are_one():
+    whole = bore()
+    halves = halved(whole)
+    contacts = contacts_of(held(halves), Part("peg", peg(phase=0.1)))
+    assert contacts.patch_area.tolist() == pytest.approx([4 * np.pi])
+
+
+def halved(solid):
+    """A solid whose cylinder is listed twice, half of its triangles each."""
+    from kilter.solid import Solid
+
+    label = solid.triangle_surface.copy()
+    mine = np.flatnonzero([solid.surfaces[k].kind == "cylinder" for k in label])
+    hollow = [k for k in mine if solid.surfaces[label[k]].hollow]
+    label[hollow[: len(hollow) // 2]] = len(solid.surfaces)
+    twin = solid.surfaces[solid.triangle_surface[hollow[0]]]
+    return Solid(
+        solid.vertices, solid.triangles, (*solid.surfaces, twin), label,
+        solid.volume, solid.centroid, solid.second_moment,
+    )  # fmt: skip
+
+
+# arcs ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("half", [0.3, 1.0, np.pi / 2, 2.0, 2.8])
+def test_cylinder_in_a_groove_holds_to_the_ends_of_the_arc(half):
+    # a force toward an angle is held iff it lies within the arc of normals
+    parts = [held(trough(half=half, pieces=31)), Part("bar", peg(), Pose([0, 0, 0], LYING))]
+    limit = half if half < np.pi / 2 else np.pi
+    for angle, word in ((limit - 1e-6, "stable"), (limit + 1e-6, "unstable")):
+        for side in (1, -1):
+            gravity = [side * G * np.sin(angle), 0, -G * np.cos(angle)]
+            if half < np.pi / 2:
+                assert check(Assembly(parts, gravity=gravity)).verdict == word
+            elif half > np.pi / 2:
+                assert check(Assembly(parts, gravity=gravity)).verdict == "stable"
+    area = 2 * half * 2.0
+    assert find_contacts(Assembly(parts)).patch_area[0] == pytest.approx(area, rel=1e-9)
+
+
+def test_half_a_shell_holds_every_force_into_it():
+    parts = [held(trough(half=np.pi / 2)), Part("bar", peg(), Pose([0, 0, 0], LYING))]
+    for angle, word in ((0, "stable"), (1.57, "stable"), (np.pi / 2 + 1e-6, "unstable")):
+        gravity = [G * np.sin(angle), 0, -G * np.cos(angle)]
+        assert check(Assembly(parts, gravity=gravity)).verdict == word
+
+
+@pytest.mark.parametrize("reach", [0.999999, 1.000001])
+def test_bar_in_a_groove_tips_beyond_its_end(reach):
+    # the groove ends at y = 1: centre of mass inside or beyond
+    bar = Part("bar", peg(), Pose([0, 0, 0], LYING), center_of_mass=[0, 0, reach])
+    verdict = check(Assembly([held(trough()), bar]))
+    assert verdict.verdict == ("stable" if reach < 1 else "unstable")
+
+
+# balls --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("exact", [True, False])
+def test_ball_in_a_cone_touches_around_a_circle(exact):
+    alpha, radius = 0.4, 0.6
+    centre = np.array([0, 0, radius / np.sin(alpha)])
+    shapes = [cone_socket(alpha), ball(radius)]
+    hole, sphere = shapes if exact else [mesh_of(s) for s in shapes]
+    parts = [held(hole), Part("ball", sphere, Pose(centre))]
+    contacts = find_contacts(Assembly(parts))
+    assert contacts.patch_kind.tolist() == ["sphere"]
+    assert len(contacts.points) == AROUND
+    x = contacts.points - centre
+    assert np.linalg.norm(x, axis=1) == pytest.approx(np.full(AROUND, radius), rel=1e-6)
+    assert x[:, 2] == pytest.approx(np.full(AROUND, -radius * np.sin(alpha)), abs=1e-6)
+    assert np.abs(contacts.normals + x / radius).max() < 1e-6
+    assert motions(Assembly(parts)) == 3
+    lean = np.pi / 2 - alpha  # forces reach so far from the axis
+    for side in (-1, 1):
+        angle = lean * (1 + side * 2e-3)
+        gravity = [G * np.sin(angle), 0, -G * np.cos(angle)]
+        word = check(Assembly(parts, gravity=gravity)).verdict
+        assert word == ("stable" if side < 0 else "unstable")
+
+
+def test_verdict_between_the_inner_and_the_outer_cone_is_not_given():
+    alpha = 0.4
+    centre = [0, 0, 1 / np.sin(alpha)]
+    parts = [held(cone_socket(alpha, high=4)), Part("ball", Sphere(1.0), Pose(centre))]
+    half = np.pi / AROUND  # half-way between two points
+    inner = np.arctan(np.tan(np.pi / 2 - alpha) * np.cos(half))
+    outer = np.arctan(np.tan(np.pi / 2 - alpha) / np.cos(half))
+    words = []
+    for angle in (inner - 1e-7, inner + 1e-7, outer + 1e-6):
+        worst = set()
+        for turned in np.linspace(0, 2 * np.pi, 2 * AROUND, endpoint=False):
+            away = np.array([np.cos(turned), np.sin(turned), 0])
+            gravity = G * (np.sin(angle) * away - [0, 0, np.cos(angle)])
+            worst.add(check(Assembly(parts, gravity=gravity)).verdict)
+        words.append(worst)
+    assert words[0] == {"stable"}
+    assert "unstable" not in words[1]
+    assert words[2] == {"unstable"}
+
+
+@pytest.mark.parametrize("rim", [-0.7, -0.3, 0.0, 0.4])
+@pytest.mark.parametrize("exact", [True, False])
+def test_ball_in_a_socket_is_held_as_far_as_the_socket_reaches(rim, exact):
+    shapes = [socket(rim=rim, phase=0.03, sides=60), ball()]
+    base, sphere = shapes if exact else [mesh_of(s) for s in shapes]
+    parts = [held(base), Part("ball", sphere, Pose([0, 0, 0], turn([1, 2, 0], 50)))]
+    contacts = find_contacts(Assembly(parts))
+    assert contacts.patch_kind.tolist() == ["sphere"]
+    assert contacts.unsupported == ()
+    assert contacts.overlaps == ()
+    lean = np.arccos(-rim) if rim <= 0 else np.pi
+    assert contacts.patch_area[0] == pytest.approx(2 * np.pi * (1 + rim), rel=1e-2)
+    for side in (-1, 1):
+        angle = lean * (1 + side * 3e-3)
+        gravity = [G * np.sin(angle), 0, -G * np.cos(angle)]
+        expected = "stable" if side < 0 or rim > 0 else "unstable"
+        assert check(Assembly(parts, gravity=gravity)).verdict == expected
+    assert motions(Assembly(parts)) == 3
+
+
+def test_ball_of_the_bore_touches_it_around_a_great_circle():
+    parts = [held(bore()), Part("ball", Sphere(1.0), Pose([0, 0, 0.3], turn([1, 1, 0], 40)))]
+    contacts = find_contacts(Assembly(parts))
+    assert contacts.patch_kind.tolist() == ["sphere"]
+    assert np.abs(contacts.points[:, 2] - 0.3).max() < 1e-12
+    assert motions(Assembly(parts)) == 4
+    assert check(Assembly(parts)).verdict == "unstable"
+    assert check(Assembly(parts, gravity=[0, G, 0])).verdict == "stable"
+
+
+def test_ball_beside_a_bar_a_ball_a_cone_and_in_a_groove():
+    cases = [
+        (peg(), Pose(), [1.5, 0, 0.2], [1, 0, 0.2]),
+        (ball(), Pose(), [0, 0.9, 1.2], [0, 0.6, 0.8]),
+        (trough(radius=1.0), Pose(), [0, 0.3, -0.5], [0, 0.3, -1]),
+    ]
+    for shape, pose, centre, at in cases:
+        contacts = contacts_of(held(shape, pose), Part("ball", Sphere(0.5), Pose(centre)))
+        assert contacts.patch_kind.tolist() == ["sphere"]
+        assert contacts.points[0] == pytest.approx(at, abs=1e-12)
+        assert contacts.normals[0] == pytest.approx(2 * (np.array(centre) - at), abs=1e-12)
+    alpha = 0.4
+    foot = 2 * np.array([np.sin(alpha), 0, np.cos(alpha)])
+    out = np.array([np.cos(alpha), 0, -np.sin(alpha)])
+    contacts = contacts_of(
+        held(cone_frustum(alpha)), Part("ball", Sphere(0.5), Pose(foot + 0.5 * out))
+    )
+    assert contacts.points[0] == pytest.approx(foot, abs=1e-12)
+    assert contacts.normals[0] == pytest.approx(out, abs=1e-12)
+
+
+def test_four_spheres_roll_apart_without_friction_and_touch_where_they_should():
+    assembly = four_spheres(friction_between=0, friction_ground=0)
+    verdict = check(assembly)
+    assert verdict.verdict == "unstable"
+    contacts = verdict.contacts
+    centers = np.array([part.pose.position for part in assembly.parts])
+    assert len(contacts) == 6 + 3
+    for (a, b), x in zip(contacts.patch_parts, contacts.points, strict=True):
+        expected = (centers[a] + centers[b]) / 2 if min(a, b) else centers[b] - [0, 0, 1]
+        assert x == pytest.approx(expected, abs=1e-12)
+    # held together by a ring around the three, they stay
+    verdict = check(three_cylinders(friction_between=0, friction_ground=0))
+    assert verdict.verdict == "unstable"
+    assert len(verdict.contacts) == 3 + 2
+
+
+# cones, tori, bars --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("exact", [True, False])
+def test_cone_in_its_socket_only_spins(exact):
+    shapes = [cone_socket(phase=0.05), cone_frustum(sides=32)]
+    base, plug = shapes if exact else [mesh_of(s) for s in shapes]
+    parts = [held(base), Part("plug", plug)]
+    assert motions(Assembly(parts)) == 1
+    assert check(Assembly(parts)).verdict == "stable"
+    assert check(Assembly(parts, gravity=[0, 0, G])).verdict == "unstable"
+    contacts = find_contacts(Assembly(parts))
+    assert contacts.patch_kind.tolist() == ["cone"]
+    alpha = 0.4
+    area = np.pi * np.sin(alpha) * (9 - 1) / np.cos(alpha) ** 2
+    assert contacts.patch_area[0] == pytest.approx(area, rel=1e-6)
+    if exact:  # from the base to the plug
+        away = contacts.points * [1, 1, 0]
+        away /= np.linalg.norm(away, axis=1)[:, None]
+        assert contacts.normals == pytest.approx(
+            np.array([0, 0, np.sin(alpha)]) - np.cos(alpha) * away
+        )
+
+
+def test_cone_lies_on_a_plane_along_a_line():
+    alpha = 0.4
+    pose = Pose([0, 0, 0], turn([0, 1, 0], 90 - np.degrees(alpha)))
+    contacts = contacts_of(FLOOR, Part("cone", cone_frustum(alpha), pose))
+    assert contacts.patch_kind.tolist() == ["cone"]
+    assert contacts.normals == pytest.approx(np.array([[0, 0, 1.0]] * 2), abs=1e-12)
+    ends = np.sort(np.abs(contacts.points[:, 0]))
+    assert ends == pytest.approx(np.array([1, 3]) / np.cos(alpha))
+    assert np.abs(contacts.points[:, 2]).max() < 1e-12
+
+
+def test_torus_lies_on_a_circle_and_stands_on_a_point():
+    lying = contacts_of(FLOOR, Part("ring", torus(2.0, 0.5), Pose([0, 0, 0.5])))
+    assert lying.patch_kind.tolist() == ["torus"]
+    assert np.hypot(*lying.points[:, :2].T) == pytest.approx(np.full(AROUND, 2.0))
+    assert lying.normals == pytest.approx(np.tile([0, 0, 1.0], (AROUND, 1)))
+    standing = contacts_of(FLOOR, Part("ring", torus(2.0, 0.5), Pose([0, 0, 2.5], LYING)))
+    assert standing.points == pytest.approx(np.zeros((1, 3)), abs=1e-12)
+    parts = [FLOOR, Part("ring", torus(2.0, 0.5), Pose([0, 0, 0.5]), center_of_mass=[1.99, 0, 0])]
+    assert check(Assembly(parts)).verdict == "stable"
+
+
+def test_crossed_bars_touch_in_a_point_and_parallel_ones_along_a_line():
+    for degrees in (90, 30, 1, 0.1):
+        aside = 0.2 * np.sin(np.radians(degrees))
+        upper = Part("upper", peg(0.5), Pose([aside, 0.1, 1.5], compose(degrees)))
+        contacts = contacts_of(held(peg(), Pose([0, 0, 0], LYING)), upper)
+        assert contacts.patch_kind.tolist() == ["cylinder"]
+        assert contacts.normals[0] == pytest.approx([0, 0, 1], abs=1e-12)
+        assert contacts.points[0, 2] == pytest.approx(1.0)
+        assert contacts.points[0, 0] == pytest.approx(0, abs=1e-9)
+    upper = Part("upper", peg(0.5), Pose([0, 0.7, 1.5], LYING))
+    contacts = contacts_of(held(peg(), Pose([0, 0, 0], LYING)), upper)
+    assert np.sort(contacts.points[:, 1]) == pytest.approx([-1.3, 2])
+
+
+def compose(degrees):
+    return (Rotation.from_euler("z", degrees, degrees=True) * Rotation.from_euler(
+        "x", 90, degrees=True)).as_quat()[[3, 0, 1, 2]]  # fmt: skip
+
+
+def v_block(x=0.0, opening=45.0):
+    """Two half-planes that meet at a V along y, at the origin."""
+    tilt = np.radians(opening)
+    parts = []
+    for side in (1, -1):
+        out = np.array([-side * np.sin(tilt), 0, np.cos(tilt)])
+        along = np.array([side * np.cos(tilt), 0, np.sin(tilt)])
+        centre = 2.5 * along - 0.5 * out + np.array([0, x, 0])
+        pose = Pose(centre, turn([0, 1, 0], side * (90 - opening)))
+        parts.append(Part(f"v{side}{x}", Box([1, 1, 5]), pose, grounded=True))
+    return parts
+
+
+@pytest.mark.parametrize("exact", [True, False])
+def test_shaft_on_two_v_blocks(exact):
+    shape = peg(1.0, -4, 4, sides=32) if exact else mesh_of(peg(1.0, -4, 4, sides=32))
+    shaft = Part("shaft", shape, Pose([0, 0, np.sqrt(2)], LYING))
+    parts = [*v_block(-2), *v_block(2), shaft]
+    contacts = find_contacts(Assembly(parts))
+    assert contacts.patch_kind.tolist() == ["cylinder"] * 4
+    assert motions(Assembly(parts)) == 2
+    for degrees, word in ((44.99, "stable"), (45.01, "unstable")):
+        lean = np.radians(degrees)
+        gravity = [G * np.sin(lean), 0, -G * np.cos(lean)]
+        assert check(Assembly(parts, gravity=gravity)).verdict == word
+    one = [*v_block(-2), shaft]
+    assert check(Assembly(one)).verdict == "unstable"
+    assert np.abs(contacts.points[:, 1]).max() == pytest.approx(2.5)
+
+
+# discs --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("sides", [16, 48])
+def test_bolt_hangs_by_its_head(sides):
+    parts = [held(bore()), Part("bolt", bolt(head=2, sides=sides), Pose([0, 0, 1]))]
+    contacts = find_contacts(Assembly(parts))
+    assert sorted(contacts.patch_kind) == ["cylinder", "plane"]
+    assert contacts.unsupported == ()
+    assert contacts.overlaps == ()
+    assert motions(Assembly(parts)) == 1
+    assert check(Assembly(parts)).verdict == "stable"
+    assert check(Assembly(parts, gravity=[0, 0, G])).verdict == "unstable"
+
+
+@pytest.mark.parametrize("sides", [12, 48])
+def test_disc_of_few_sides_is_undecided_only_inside_its_circle(sides):
+    inner = np.cos(np.pi / sides)
+    middle = np.pi / sides
+    for reach, word in (
+        (inner - 1e-6, "stable"),
+        (0.5 + inner / 2, "undecided"),
+        (1 / inner + 1e-6, "unstable"),
+    ):
+        at = [reach * np.cos(middle), reach * np.sin(middle), 0]
+        disc = Part(
+            "disc", peg(1.0, -0.5, 0.5, sides=sides), Pose([0, 0, 0.5]), mass=1.0, center_of_mass=at
+        )
+        assert check(Assembly([FLOOR, disc])).verdict == word
+
+
+def test_fillet_tangent_to_a_flat_bottom_adds_nothing():
+    from solids import arc, extruded, line
+
+    profile = [*line((-1, 0), (1, 0)), *arc((1, 0.5), (1, 0), (1.5, 0.5), 8, left=True),
+               *line((1.5, 2), (-1, 2))]  # fmt: skip
+    contacts = contacts_of(FLOOR, Part("b", extruded(profile, 2.0)))
+    assert contacts.patch_kind.tolist() == ["plane"]
+    assert contacts.patch_area[0] == pytest.approx(4.0)
+    assert contacts.unsupported == ()
+
+
+# what stays without a formula ---------------------------------------------------------
+
+
+def test_ball_on_the_rim_of_a_hole_is_listed_and_bounded():
+    centre = [0, 0, 1 + np.sqrt(1.5**2 - 1)]
+    parts = [held(bore()), Part("ball", Sphere(1.5), Pose(centre))]
+    verdict = check(Assembly(parts))
+    assert verdict.verdict == "undecided"
+    assert [u.kind for u in verdict.contacts.unsupported] == ["curved"]
+
+
+def test_torus_beside_a_torus_is_listed():
+    parts = [held(torus(2, 0.5)), Part("ring", torus(2, 0.5), Pose([0, 0, 1.0]))]
+    contacts = find_contacts(Assembly(parts))
+    assert [u.kind for u in contacts.unsupported] == ["curved"]
+    assert len(contacts.possible)
+
+
+def test_free_form_is_listed_and_not_taken_for_its_triangles():
+    from kilter.solid import Solid
+
+    solid = ball(0.5, sides=24, rings=12)
+    free = Solid(
+        solid.vertices, solid.triangles, (), np.full(len(solid.triangles), -1),
+        solid.volume, solid.centroid, solid.second_moment, sagitta=5e-3,
+    )  # fmt: skip
+    verdict = check(Assembly([FLOOR, Part("blob", free, Pose([0, 0, 0.5]))]))
+    assert verdict.verdict == "undecided"
+    assert [u.kind for u in verdict.contacts.unsupported] == ["curved"]
+    far = check(Assembly([FLOOR, Part("blob", free, Pose([0, 0, 0.6]))]))
+    assert far.verdict == "unstable"
+    assert far.contacts.unsupported == ()
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1e3])
+def test_scale_changes_no_contact(scale):
+    for base, part in ((bore(), peg()), (cone_socket(), cone_frustum()), (socket(), ball())):
+        before = contacts_of(held(base), Part("p", part))
+        after = contacts_of(held(with_scale(base, scale)), Part("p", with_scale(part, scale)))
+        assert after.patch_kind.tolist() == before.patch_kind.tolist()
+        if "sphere" not in before.patch_kind:  # a socket's points are a choice among many
+            close = pytest.approx(before.points * scale, rel=1e-9, abs=1e-12 * scale)
+            assert after.points == close
+        assert after.patch_area == pytest.approx(before.patch_area * scale**2)

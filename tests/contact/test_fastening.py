@@ -1,0 +1,337 @@
+"""Fastening what touches, fits of shafts in holes, closed clearances, volumes of overlaps."""
+
+import dataclasses
+import json
+import shlex
+
+import numpy as np
+import pytest
+from tubes import pin, tube
+
+from kilter import InputError, Tolerance, check, fastened, find_contacts
+from kilter.analysis.fasteners import suggest_joints
+from kilter.assembly import Assembly, Joint, Part
+from kilter.cli import main
+from kilter.contact.coaxial import coaxial_fits
+from kilter.contact.volume import can_cut, overlap_volume
+from kilter.files import dump, from_dict, to_dict
+from kilter.mechanics.proof import digest_of
+from kilter.mechanics.verification import proof_tolerance, verify_proof
+from kilter.rigid import Pose
+from kilter.scenes.pieces import block, floor, turn
+from kilter.scenes.transform import moved, scaled
+from kilter.shapes import Box, Mesh, surface
+
+FLOOR = floor([-5, -5], [5, 5])
+CUTS = pytest.mark.skipif(not can_cut(), reason="the extra 'overlap' is not installed")
+
+
+def stack(gap=0.0, **options):
+    """A post on the floor, an arm that reaches out to its side, `gap` from its face."""
+    post = block("post", [-1, -1, 0], [1, 1, 4], mass=10.0)
+    arm = block("arm-1", [1 + gap, -0.5, 3], [3 + gap, 0.5, 4], mass=1.0)
+    far = block("arm-2", [4, -0.5, 3], [4.9, 0.5, 4], mass=1.0)
+    return Assembly([FLOOR, post, arm, far], **options)
+
+
+# fastening --------------------------------------------------------------------------------
+
+
+def test_matching_parts_that_touch_are_fixed_and_no_others():
+    joined = fastened(stack(), [("post", "arm-*")])
+    assert [(j.parts, j.kind) for j in joined.joints] == [(("post", "arm-1"), "fixed")]
+    verdict = check(joined)
+    assert verdict.moving == ["arm-2"]
+    assert check(stack()).moving == ["arm-1", "arm-2"]
+    both = fastened(stack(), [("*", "*")])
+    assert {frozenset(j.parts) for j in both.joints} == {
+        frozenset(("post", "arm-1")),
+        frozenset(("floor", "post")),
+    }
+
+
+def test_order_and_repetition_change_nothing():
+    first = fastened(stack(), [("post", "arm-1"), ("arm-1", "post"), ("arm-?", "p*")])
+    assert [j.parts for j in first.joints] == [("post", "arm-1")]
+    assert fastened(stack(), [("arm-1", "post")]).joints[0].parts == ("arm-1", "post")
+    again = fastened(first, [("post", "arm-1")])
+    assert len(again.joints) == 1
+    hinge = stack(joints=[Joint(("post", "arm-1"), "spherical", [1, 0, 3.5])])
+    assert len(fastened(hinge, [("post", "arm-1")]).joints) == 2
+
+
+def test_nothing_that_touches_is_said_with_how_near_it_comes():
+    with pytest.raises(InputError, match=r"'post' 'arm-2'.*none touches any of 'arm-2'; see"):
+        fastened(stack(), [("post", "arm-2")])
+    with pytest.raises(InputError, match=r"come within 0\.0001 m; set --gap or --clearance"):
+        fastened(stack(1e-4), [("post", "arm-1")])
+    near = fastened(stack(1e-4), [("post", "arm-1")], tolerance=Tolerance(clearance=2e-4))
+    assert len(near.joints) == 1
+
+
+def test_glob_that_matches_nothing_names_the_nearest():
+    with pytest.raises(InputError, match="no part is named 'pots'; did you mean 'post'"):
+        fastened(stack(), [("pots", "arm-*")])
+    with pytest.raises(InputError, match="no part is named 'arms-"):
+        fastened(stack(), [("post", "arms-*")])
+    with pytest.raises(InputError, match="not two names"):
+        fastened(stack(), [("post",)])
+
+
+def test_overlapping_parts_can_be_fastened():
+    inside = Assembly([FLOOR, *stack().parts[1:2], block("key", [0.5, -0.2, 1], [1.5, 0.2, 2])])
+    assert [j.parts for j in fastened(inside, [("key", "post")]).joints] == [("key", "post")]
+
+
+# fits of shafts in holes ------------------------------------------------------------------
+
+
+def bolted(radius, *, turned=False, name="sleeve"):
+    """A pin of a radius in a bore of 1, whose tube stands on the floor."""
+    parts = [
+        block("table", [-9, -9, -3], [9, 9, -2], grounded=True),
+        tube(name, 1.0, 2.0, 4.0),
+        pin("bolt", radius, 6.0, [0, 0, 3]),
+    ]
+    assembly = Assembly(parts)
+    if turned:
+        assembly = moved(assembly, turn([1, 2, 3], 77), [3, 1, 4])
+    return assembly
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_thicker_shaft_is_an_interference_fit(turned):
+    assembly = bolted(1.02, turned=turned)
+    fits = coaxial_fits(assembly, [(1, 2)], Tolerance())
+    assert len(fits) == 1
+    fit = fits[0]
+    assert fit.parts == (2, 1)
+    assert fit.tight
+    assert fit.interference == pytest.approx(0.02, rel=1e-9)
+    assert fit.length == pytest.approx(2.0, rel=1e-9)
+    found = find_contacts(assembly)
+    named = [overlap for overlap in found.overlaps if set(overlap.parts) == {1, 2}]
+    assert [overlap.why for overlap in named] == ["interfere"]
+    assert any("interfere" in text for text in found.warnings)
+    suggestion = suggest_joints(assembly, found)[0]
+    assert suggestion.parts == ("bolt", "sleeve")
+    assert suggestion.option == "--fasten bolt sleeve"
+    assert suggestion.joint == {"parts": ["bolt", "sleeve"], "kind": "fixed"}
+    joined = fastened(assembly, [("bolt", "sleeve")], contacts=found)
+    assert suggest_joints(joined, found) == []
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_shaft_as_thick_as_its_hole_turns_and_slides(turned):
+    assembly = bolted(1.0, turned=turned)
+    suggestions = suggest_joints(assembly, find_contacts(assembly))
+    assert [one.parts for one in suggestions] == [("bolt", "sleeve")]
+    entry = suggestions[0].joint
+    assert entry["kind"] == "cylindrical"
+    bolt = assembly.parts[2].pose
+    assert np.allclose(np.abs(np.array(entry["axis"]) @ bolt.matrix[:, 2]), 1.0)
+    # the joint can be pasted
+    data = to_dict(assembly)
+    pasted = dataclasses.replace(assembly, joints=[Joint(**entry)])
+    assert pasted.joints[0].kind == "cylindrical"
+    assert data["parts"][0]["name"] == "table"
+
+
+@pytest.mark.parametrize(
+    ("radius", "tolerance", "fits"),
+    [
+        (1.0 - 1e-5, Tolerance(gap=2e-5), True),
+        (1.0 - 1e-5, Tolerance(gap=0.5e-5), False),
+        (0.9, Tolerance(gap=1e-5), False),
+        (0.9, Tolerance(gap=1e-5, clearance=0.11), True),
+        (1.09, Tolerance(), True),
+        (1.2, Tolerance(), False),
+    ],
+)
+def test_fits_on_both_sides_of_their_limits(radius, tolerance, fits):
+    assert bool(coaxial_fits(bolted(radius), [(1, 2)], tolerance)) == fits
+
+
+def test_shafts_beside_askew_or_short_of_a_hole_are_no_fits():
+    nut = tube("nut", 1.0, 2.0, 4.0, grounded=True)
+    for at, rotation in (([0.01, 0, 0], [1, 0, 0, 0]), ([0, 0, 0], turn([1, 0, 0], 1.0))):
+        bolt = Part("bolt", pin("x", 1.0, 6.0).shape, Pose(at, rotation))
+        assert coaxial_fits(Assembly([nut, bolt]), [(0, 1)], Tolerance()) == []
+    above = pin("bolt", 1.0, 6.0, [0, 0, 5.0])
+    assert coaxial_fits(Assembly([nut, above]), [(0, 1)], Tolerance()) == []
+
+
+# clearances -------------------------------------------------------------------------------
+
+
+def resting(height, units="m"):
+    return Assembly([FLOOR, block("box", [0, 0, height], [1, 1, 1 + height])], units=units)
+
+
+@pytest.mark.parametrize(
+    ("height", "word"),
+    [(0.0, "stable"), (0.9e-3, "stable"), (1.1e-3, "unstable"), (-0.9e-3, "unstable")],
+)
+def test_clearance_closes_gaps_up_to_it_and_no_penetration(height, word):
+    tolerance = Tolerance(clearance=1e-3)
+    assert check(resting(height), tolerance=tolerance).verdict == word
+    # without it, only what touches
+    plain = "stable" if height == 0 else "unstable"
+    assert check(resting(height)).verdict == plain
+
+
+def test_closed_pairs_are_named_with_their_gaps():
+    found = find_contacts(resting(0.9e-3), tolerance=Tolerance(clearance=1e-3))
+    closing = [text for text in found.warnings if "clearances taken as closed" in text]
+    assert len(closing) == 1
+    assert "'floor' and 'box' (0.0009 m)" in closing[0]
+    touching = find_contacts(resting(0.0), tolerance=Tolerance(clearance=1e-3))
+    assert not any("clearances" in text for text in touching.warnings)
+    for bad in (0.0, -1.0, float("nan")):
+        with pytest.raises(InputError, match="clearance"):
+            find_contacts(resting(0.0), tolerance=Tolerance(clearance=bad))
+
+
+def test_clearance_wider_than_what_is_looked_at_is_found():
+    assembly = resting(0.3)
+    assert check(assembly, tolerance=Tolerance(clearance=0.31)).verdict == "stable"
+    assert check(assembly, tolerance=Tolerance(clearance=0.29)).verdict == "unstable"
+    for factor in (1e-3, 1e3):
+        tolerance = Tolerance(clearance=0.31 * factor)
+        turned = moved(scaled(assembly, factor), turn([1, 2, 3], 50), [1, 2, 3])
+        assert check(turned, tolerance=tolerance).verdict == "stable"
+
+
+def test_clearance_is_part_of_the_proof():
+    verdict = check(resting(0.9e-3), tolerance=Tolerance(clearance=1e-3))
+    proof = verdict.proof()
+    tolerance = proof_tolerance(proof)
+    assert tolerance.clearance == 1e-3
+    copy = from_dict(to_dict(resting(0.9e-3)))
+    assert verify_proof(copy, find_contacts(copy, tolerance=tolerance), proof).holds
+    for other in (None, 0.5e-3):
+        proof["tolerance"]["clearance"] = other
+        proof["digest"] = digest_of(proof)
+        changed = proof_tolerance(proof)
+        assert not verify_proof(copy, find_contacts(copy, tolerance=changed), proof).holds
+
+
+# clusters of gaps -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("gaps", "warned"),
+    [
+        ((0.5e-3, 2e-3), True),  # on both sides of 1e-3, near it
+        ((0.9e-3, 0.95e-3), False),  # all below
+        ((1.1e-3, 2e-3), False),  # all above
+        ((0.1e-3, 2e-3), False),  # the lower one far below
+        ((0.5e-3, 4e-3), False),  # the upper one far above
+        ((-0.5e-3, -2e-3), True),  # penetrations are gaps too
+        ((-0.1e-3, -2e-3), False),
+    ],
+)
+def test_warning_where_the_tolerance_falls_inside_a_cluster(gaps, warned):
+    boxes = [
+        block(f"box-{k}", [2.0 * k, 0, gap], [2.0 * k + 1, 1, 1 + gap])
+        for k, gap in enumerate(gaps)
+    ]
+    found = find_contacts(Assembly([FLOOR, *boxes]), tolerance=Tolerance(gap=1e-3))
+    assert any("falls inside a cluster" in text for text in found.warnings) == warned
+
+
+@pytest.mark.parametrize(("upper", "warned"), [(2e-2, True), (4e-2, False)])
+def test_cluster_at_a_clearance_is_named_after_it(upper, warned):
+    boxes = [
+        block(f"box-{k}", [2.0 * k, 0, gap], [2.0 * k + 1, 1, 1 + gap])
+        for k, gap in enumerate((0.5e-2, upper))
+    ]
+    found = find_contacts(Assembly([FLOOR, *boxes]), tolerance=Tolerance(clearance=1e-2))
+    told = [text for text in found.warnings if "falls inside a cluster" in text]
+    assert bool(told) == warned
+    assert all("set --clearance" in text for text in told)
+
+
+# volumes ----------------------------------------------------------------------------------
+
+
+@CUTS
+@pytest.mark.parametrize("factor", [1e-3, 1.0, 1e3])
+def test_volume_of_two_boxes_in_any_pose(factor):
+    shift = np.array([0.5, 0.25, -0.1]) * factor
+    exact = 0.5 * 0.75 * 0.9 * factor**3
+    for pose in (Pose(), Pose([100 * factor, 2, 3], turn([1, 2, 3], 50))):
+        one = Part("a", Box([factor] * 3), pose)
+        other = Part("b", Box([factor] * 3), Pose(pose.apply([shift])[0], pose.rotation))
+        assert overlap_volume(one, other) == pytest.approx(exact, rel=1e-9)
+        assert overlap_volume(other, one) == pytest.approx(exact, rel=1e-9)
+    away = Part("b", Box([factor] * 3), Pose([5 * factor, 0, 0]))
+    assert overlap_volume(Part("a", Box([factor] * 3)), away) == 0.0
+
+
+@CUTS
+def test_volume_of_a_bolt_in_its_nut_is_that_of_the_ring():
+    assembly = bolted(1.05)
+    found = find_contacts(assembly)
+    (overlap,) = [o for o in found.overlaps if set(o.parts) == {1, 2}]
+    # 96 sides against 48: within their areas
+    exact = np.pi * (1.05**2 - 1) * 2.0
+    assert overlap.volume == pytest.approx(exact, rel=0.05)
+    assert not any("kilter[overlap]" in text for text in found.warnings)
+
+
+def test_without_the_extra_the_volume_is_unknown_and_a_hint_says_what_to_install(monkeypatch):
+    monkeypatch.setattr("kilter.contact.volume.find_spec", lambda name: None)
+    found = find_contacts(bolted(1.05))
+    assert [o.volume for o in found.overlaps if set(o.parts) == {1, 2}] == [None]
+    assert sum("pip install 'kilter[overlap]'" in text for text in found.warnings) == 1
+
+
+@pytest.mark.parametrize(("radius", "kind"), [(1.02, "fixed"), (1.0, "cylindrical")])
+def test_suggestion_is_pasted_from_the_command_and_holds(radius, kind, tmp_path, capsys):
+    file, proof = str(tmp_path / "a.kilter.json"), str(tmp_path / "p.json")
+    dump(bolted(radius, turned=True), file)
+    held = ["--ground", "sleeve"]
+    main(["check", file, *held, "--suggest-joints", "--json"])
+    (suggestion,) = json.loads(capsys.readouterr().out)["suggested_joints"]
+    assert suggestion["joint"]["kind"] == kind
+    words = shlex.split(suggestion["option"])
+    assert main(["check", file, *held, *words, "--proof", proof]) == 0
+    assert main(["verify", file, proof]) == 0
+    assert main(["check", file, *held, "--suggest-joints"]) in (0, 1, 4)
+    out = capsys.readouterr().out
+    assert suggestion["option"] in out
+    assert json.dumps(suggestion["joint"]) in out
+    # the joint in the file: the bolt slides out of a bore that leans, a fixed one does not
+    data = json.loads((tmp_path / "a.kilter.json").read_text())
+    data["joints"] = [suggestion["joint"]]
+    joined = Assembly(
+        from_dict(data).with_grounded(["sleeve"]).parts,
+        joints=from_dict(data).joints,
+        gravity=from_dict(data).gravity,
+        detect=False,
+    )
+    assert check(joined).verdict == ("stable" if kind == "fixed" else "unstable")
+
+
+def test_fits_are_recognised_in_meshes_too():
+    exact = bolted(1.05)
+    parts = [
+        Part(part.name, Mesh(*surface(part.shape)), part.pose, grounded=part.grounded)
+        for part in exact.parts
+    ]
+    assembly = Assembly(parts)
+    found = find_contacts(assembly)
+    assert [one.parts for one in suggest_joints(assembly, found)] == [("bolt", "sleeve")]
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [("nut", "fixed"), ("M4 Nut_2", "fixed"), ("nuts/spacer", "cylindrical"),
+     ("donut", "cylindrical"), ("nutcracker", "cylindrical")],
+)  # fmt: skip
+def test_part_named_a_nut_is_taken_for_threaded(name, kind):
+    assembly = bolted(1.0, name=name)
+    (suggestion,) = suggest_joints(assembly, find_contacts(assembly))
+    assert suggestion.joint["kind"] == kind
+    assert ("by its name a nut" in suggestion.why) == (kind == "fixed")
