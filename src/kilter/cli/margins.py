@@ -29,7 +29,7 @@ from kilter.cli.options import (
 from kilter.cli.output import Progress, as_json, emit, keep_apart, tell_warnings
 from kilter.cli.reading import contact_tolerance, read_assembly, reading_of
 from kilter.cli.reading import fasten as join_touching
-from kilter.cli.text import LISTED, plain, table, vector
+from kilter.cli.text import LISTED, joint_rows, plain, table, vector
 
 if TYPE_CHECKING:
     from kilter.analysis.margin import Margin
@@ -120,7 +120,7 @@ def margin(
 
 def margin_text(margin: Margin) -> str:
     """The answer of `kilter margin`."""
-    rows = [["tilt", _tilt_words(margin)]]
+    rows = [*joint_rows(margin.assembly), ["tilt", _tilt_words(margin)]]
     if margin.about is not None:
         turn, limit = margin.about
         words = f"{np.degrees(turn):.6g} deg" if np.isfinite(turn) else "a full turn is held"
