@@ -9,7 +9,7 @@ import pytest
 
 from kilter.cli import main
 
-COMMANDS = ["check", "orient", "region", "contacts"]
+COMMANDS = ["check", "orient", "region", "contacts", "margin"]
 
 
 @pytest.fixture(autouse=True)

@@ -450,6 +450,35 @@ def test_fillet_tangent_to_a_flat_bottom_adds_nothing():
     assert contacts.unsupported == ()
 
 
+def on_its_corner(height):
+    """A cube on a corner over the flat ring of `bore()`, `height` above it."""
+    tip = Rotation.align_vectors([[0, 0, -1]], [[-1, -1, -1]])[0]
+    x, y, z, w = tip.as_quat()
+    centre = [2.0, 0.0, 1.0 + 0.15 * np.sqrt(3) + height]
+    return Part("cube", Box([0.3, 0.3, 0.3]), Pose(centre, [w, x, y, z]))
+
+
+def test_corner_on_a_flat_face_of_a_round_part_is_a_contact_within_the_gap_only():
+    # the ring's triangles lie up to 6e-3 off its cylinders: no reason to reach further elsewhere
+    base = held(bore())
+    touching = contacts_of(base, on_its_corner(0.0))
+    assert touching.patch_kind.tolist() == ["vertex-face"]
+    assert touching.points == pytest.approx(np.array([[2.0, 0.0, 1.0]]))
+    assert np.abs(touching.normals[:, 2]) == pytest.approx(1.0)
+    assert touching.unsupported == ()
+    apart = contacts_of(base, on_its_corner(3e-3))
+    assert (len(apart), apart.unsupported, len(apart.possible)) == (0, (), 0)
+
+
+def test_rims_of_one_axis_touch_only_where_their_circles_do():
+    # a washer in a bore, its rim .01 short of that of the hole: chords come nearer than circles
+    for gap, kinds in ((0.01, []), (0.0, ["cylinder"])):
+        inner = peg(1.0 - gap, 0.5, 1.0, sides=12)
+        contacts = contacts_of(held(bore(sides=12, phase=0.2)), Part("p", inner))
+        assert contacts.patch_kind.tolist() == kinds
+        assert contacts.unsupported == ()
+
+
 # what stays without a formula ---------------------------------------------------------
 
 

@@ -14,7 +14,7 @@ from kilter.mechanics.program import build_program
 from kilter.rigid import Pose
 from kilter.scenes import rails, rounds, stacks
 from kilter.scenes.pieces import block
-from kilter.shapes import Box
+from kilter.shapes import Box, Prism, Sphere
 
 
 def test_no_free_part() -> None:
@@ -34,9 +34,10 @@ def test_loads_are_refused() -> None:
         find_region(assembly)
 
 
-def test_loads_on_held_parts_do_not_matter() -> None:
+def test_loads_on_held_parts_are_refused() -> None:
     assembly = dataclasses.replace(stacks.tower(2), loads=[Load("base", force=[0, 0, -1])])
-    assert find_region(assembly).kind == "ray"
+    with pytest.raises(InputError, match="a load acts on a held part"):
+        find_region(assembly)
 
 
 def test_nothing_held() -> None:
@@ -73,8 +74,11 @@ def test_a_joint_and_a_contact() -> None:
 def test_what_friction_and_round_parts_leave_out() -> None:
     rough = find_region(stacks.tower(2, friction=0.5))
     assert any("friction left out" in text for text in rough.warnings)
-    round_parts = find_region(rounds.three_cylinders())
-    assert any("not modelled yet" in text for text in round_parts.warnings)
+    piled = find_region(rounds.three_cylinders())
+    assert not any("not modelled yet" in text for text in piled.warnings)
+    ridge = Part("ridge", Prism([[0, 0], [-1, -1], [1, -1]], 2), grounded=True)
+    on_a_ridge = find_region(Assembly([ridge, Part("ball", Sphere(0.5), Pose([0, 0, 0.5]))]))
+    assert any("not modelled yet" in text for text in on_a_ridge.warnings)
 
 
 def test_a_knife_edge_says_what_to_hold() -> None:

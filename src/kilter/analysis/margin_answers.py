@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kilter.analysis.answers import joints_answer
 from kilter.mechanics.certificate import MotionProof
 from kilter.mechanics.program import Program
 
@@ -30,6 +31,7 @@ def margin_answer(margin: Margin) -> dict[str, Any]:
         "guarantee": margin.verdict.guarantee,
         "units": margin.assembly.units,
         "down": margin.assembly.down.tolist(),
+        "joints": joints_answer(margin.assembly),
         "tilt_deg": margin.tilt_deg,
         "tilt_lower_deg": None if margin.tilt is None else float(np.degrees(margin.tilt.lower)),
         "tilt_down": None if margin.tilt_down is None else margin.tilt_down.tolist(),

@@ -30,7 +30,7 @@ from kilter.cli.options import (
 from kilter.cli.output import Progress, as_json, emit, keep_apart, tell_warnings
 from kilter.cli.reading import contact_tolerance, read_assembly, reading_of
 from kilter.cli.reading import fasten as join_touching
-from kilter.cli.text import LISTED, plain, table, vector
+from kilter.cli.text import LISTED, joint_rows, plain, table, vector
 from kilter.errors import InputError
 
 if TYPE_CHECKING:
@@ -187,7 +187,7 @@ def _ranges(
 
 def margin_text(margin: Margin) -> str:
     """The answer of `kilter margin`."""
-    rows = [["tilt", _tilt_words(margin)]]
+    rows = [*joint_rows(margin.assembly), ["tilt", _tilt_words(margin)]]
     if margin.about is not None:
         turn, limit = margin.about
         words = f"{np.degrees(turn):.6g} deg" if np.isfinite(turn) else "a full turn is held"

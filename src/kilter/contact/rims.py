@@ -85,7 +85,9 @@ def coaxial_clear(geometry: Geometry, vertex: Index, tolerance: Array) -> Mask:
         return np.zeros(len(vertex), dtype=bool)
     surface, exact = _rims_at(geometry, vertex.reshape(-1))
     surface = surface.reshape(-1, 2, 2)
-    clear = exact.reshape(-1, 4).all(axis=1) & (surface[:, :, 0] == surface[:, :, 1]).all(axis=1)
+    clear: Mask = exact.reshape(-1, 4).all(axis=1) & (surface[:, :, 0] == surface[:, :, 1]).all(
+        axis=1
+    )
     one, other = surface[:, :, 0].T
     axis, base = s.axis[one], s.point[one]
     clear &= np.linalg.norm(cross(axis, s.axis[other]), axis=1) <= LEVEL
