@@ -81,7 +81,7 @@ def program_of(name: str | Assembly) -> Program:
     assembly = ALL[name]() if isinstance(name, str) and name in ALL else name
     if isinstance(assembly, str):
         assembly = scene(assembly)
-    return build_program(assembly, find_contacts(assembly))
+    return build_program(assembly, find_contacts(assembly)).frictionless
 
 
 def directions(program: Program, count: int, seed: int = 0) -> np.ndarray:

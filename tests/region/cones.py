@@ -99,7 +99,7 @@ def _unit(rows: Array) -> Array:
 def disagreements(region: Region, asked: Array, margin: float = 1e-6) -> list[Array]:
     """Directions farther than `margin` from the boundary that `judge` calls otherwise."""
     assembly, contacts = region.assemblies[0], region.contacts[0]
-    program = build_program(assembly, contacts)
+    program = build_program(assembly, contacts).frictionless
     wrong = []
     for down, inside in zip(asked, region.contains(asked), strict=True):
         # in the span an equation is met to rounding, and only the facets are a boundary
