@@ -13,6 +13,7 @@ from kilter.cli import main
 from kilter.scenes import stacks
 
 KEYS = {
+    "joints",
     "verdict", "guarantee", "units", "down", "tilt_deg", "tilt_lower_deg", "tilt_down",
     "tilt_limit", "about", "friction", "friction_limit", "load_factor", "load_limits", "pushes",
     "uncertainty", "helps", "warnings", "seconds",

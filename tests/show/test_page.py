@@ -278,4 +278,5 @@ def test_the_drawing_has_no_way_to_compute() -> None:
     source = Path(kilter.__file__).parent / "show"
     for path in source.glob("*.py"):
         text = path.read_text(encoding="utf-8")
-        assert not re.search(r"kilter\.(analysis|solvers|mechanics)\b(?! ?\.proof`)", text), path
+        run = re.sub(r"if TYPE_CHECKING:\n(    .*\n|\n)+", "", text)
+        assert not re.search(r"(from|import) kilter\.(analysis|solvers|mechanics)\b", run), path

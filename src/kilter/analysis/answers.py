@@ -117,7 +117,7 @@ def _forces(verdict: Verdict, found: ContactForces) -> dict[str, Any]:
     ends = np.cumsum(np.bincount(found.patch_of, minlength=len(found.patch)))
     points = verdict.program.point[found.rows]
     patches = []
-    for k, own in enumerate(np.split(rows, ends[:-1])):
+    for k, own in enumerate(np.split(rows, ends[:-1]) if len(ends) else []):
         patch = found.patch[k]
         presses, rubs = np.isfinite(found.center[k]).all(), np.isfinite(found.utilisation[k])
         patches.append(

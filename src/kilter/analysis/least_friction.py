@@ -70,8 +70,8 @@ def find_least_friction(program: Program) -> LeastFriction | None:
     >>> from kilter.mechanics.program import build_program
     >>> block = stacks.block_on_slope(20.0)
     >>> found = find_least_friction(build_program(block, find_contacts(block)))
-    >>> abs(found.value - float(np.tan(np.radians(20)))) < 1e-7
-    True
+    >>> round(float(found.value), 6), round(float(np.tan(np.radians(20))), 6)
+    (0.36397, 0.36397)
     """
     smooth = judge(program.frictionless)
     if smooth.stable:
