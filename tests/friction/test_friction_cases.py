@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 from judged import judged
 
+from kilter.assembly import Assembly, GivenContact
 from kilter.scenes import friction, rounds, stacks, wedges
 from kilter.scenes.arches import arch_with_held_ends
+from kilter.scenes.pieces import block
 from kilter.scenes.transform import tilted
 from kilter.scenes.walls import wall
 
@@ -210,3 +212,35 @@ def test_r1_r2_piles_of_round_parts(name):
 def test_r1_r2_piles_are_guaranteed(name):
     for pile in piles(name, 1 / 0.98):
         assert guaranteed(judged(pile, budget=300.0))
+
+
+def rock_wedge(phi):
+    """Case I4: a part on two planes, dip / dip direction 40/130 and 60/220, the same phi [deg]."""
+    block_ = block("wedge", [-1, -1, -1], [1, 1, 1])
+    held = [
+        block(name, [9 + k, 9, 9], [9.5 + k, 10, 10], grounded=True)
+        for k, name in enumerate(("east", "south"))
+    ]
+    contacts = []
+    for name, dip, toward in (("east", 40.0, 130.0), ("south", 60.0, 220.0)):
+        d, a = np.radians([dip, toward])
+        normal = np.array([np.sin(d) * np.sin(a), np.sin(d) * np.cos(a), np.cos(d)])
+        u = np.array([np.cos(a), -np.sin(a), 0.0])
+        v = np.cross(normal, u)
+        # around the centre of mass, so that all forces can pass through it
+        points = [0.5 * (np.cos(t) * u + np.sin(t) * v) for t in 2 * np.pi * np.arange(3) / 3]
+        contacts.append(GivenContact((name, "wedge"), points, normal))
+    mu = float(np.tan(np.radians(phi)))
+    return Assembly([*held, block_], contacts=contacts, friction=mu, detect=False)
+
+
+def test_i4_rock_wedge():
+    static, true = 31.0744, 33.3572
+    assert judged(rock_wedge(static - 0.01)).verdict == "unstable"
+    for phi in (static + 0.01, 32.0, true - 0.05):
+        verdict = judged(rock_wedge(phi))
+        assert (verdict.verdict, verdict.guarantee) == ("potentially-stable", "refuted")
+        assert verdict.seated is False
+    above = judged(rock_wedge(true + 0.05), budget=1.0)
+    assert above.guarantee != "refuted"
+    assert above.verdict == "stable" or above.seated
