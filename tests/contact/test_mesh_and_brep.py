@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from solids import ball, bolt, bore, cone_frustum, cone_socket, mesh_of, peg, socket, trough
 
-from kilter import check, find_region
+from kilter import check, find_contacts, find_region
 from kilter.assembly import Assembly, Part
 from kilter.rigid import Pose
 from kilter.shapes import Box
@@ -31,7 +31,7 @@ SHAPES = {
     "ball on a floor": lambda n: (FLOOR, (ball(sides=n), Pose([0, 0, 1]))),
     "ball in a socket": lambda n: ((socket(sides=n), Pose()), (ball(sides=n), Pose())),
     "cone in a cone": lambda n: ((cone_socket(sides=n), Pose()), (cone_frustum(sides=n), Pose())),
-    "peg in a trough": lambda n: ((trough(), Pose()), (peg(sides=n), Pose())),
+    "peg in a trough": lambda n: ((trough(), Pose()), (peg(sides=n), Pose([0, 0, 0], LYING))),
     "frustum on a floor": lambda n: (FLOOR, (cone_frustum(sides=n), Pose([0, 0, -1.0]))),
 }
 """Held and free part of each, of a given number of sides."""
@@ -54,6 +54,9 @@ def assembly_of(name, *, sides, exact):
 def test_same_verdict_in_every_direction(name):
     exact = assembly_of(name, sides=48, exact=True)
     meshes = [assembly_of(name, sides=n, exact=False) for n in (48, 72)]
+    kinds = set(find_contacts(exact).patch_kind.tolist())
+    assert kinds  # they touch
+    assert all(set(find_contacts(mesh).patch_kind.tolist()) == kinds for mesh in meshes)
     for down in DOWNS:
         word = check(exact.with_down(down)).verdict
         for mesh in meshes:
