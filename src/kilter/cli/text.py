@@ -42,9 +42,15 @@ def plain(name: str, width: int = 40) -> str:
     --------
     >>> plain("a\\nb")
     'a?b'
+    >>> plain("bracket-assembly_1/nut-bolt-assembly_2/nut", width=24)
+    'bracket...assembly_2/nut'
     """
     shown = "".join(c if c.isprintable() else "?" for c in name)
-    return shown if len(shown) <= width else shown[: width - 3] + "..."
+    if len(shown) <= width:
+        return shown
+    # the end of a path tells more than its middle
+    head = (width - 3) // 3
+    return f"{shown[:head]}...{shown[head + 3 - width :]}"
 
 
 def table(rows: list[list[str]], indent: str = "  ") -> list[str]:
