@@ -13,8 +13,10 @@ import typer
 from kilter.cli.options import (
     Angle,
     Budget,
+    Clearance,
     Density,
     Down,
+    Fasten,
     File,
     Floor,
     Friction,
@@ -27,6 +29,7 @@ from kilter.cli.options import (
 )
 from kilter.cli.output import Progress, keep_apart, tell_warnings
 from kilter.cli.reading import contact_tolerance, read_assembly, reading_of
+from kilter.cli.reading import fasten as join_touching
 from kilter.errors import InputError
 
 __all__ = ["draw"]
@@ -75,8 +78,10 @@ def draw(
     friction: Friction = None,
     units: Units = None,
     density: Density = None,
+    fasten: Fasten = None,
     gap: Gap = None,
     angle: Angle = None,
+    clearance: Clearance = None,
     loose: Loose = False,
     budget: Budget = 10.0,
     quiet: Quiet = False,
@@ -100,23 +105,30 @@ def draw(
         raise InputError(f"--budget is {budget}", hint="give seconds, 0 or more")
     require()
     keep_apart(file, output)
-    reading = reading_of(ground, floor, without, down, friction, units, density)
-    tolerance = contact_tolerance(gap, angle, loose)
+    reading = reading_of(ground, floor, without, down, friction, units, density, fasten)
+    tolerance = contact_tolerance(gap, angle, loose, clearance)
     with Progress(quiet) as progress:
         progress("reading")
         assembly = read_assembly(file, reading)
+        assembly, contacts = join_touching(assembly, reading, tolerance, progress)
         if what is What.REGION:
             from kilter.analysis.region import find_region
             from kilter.show.figures import draw_region
 
-            region = find_region(assembly, tolerance=tolerance, progress=progress)
+            region = find_region(assembly, contacts, tolerance=tolerance, progress=progress)
             found, warnings = region.kind, region.warnings
             figure = draw_region(region)
         else:
             from kilter.analysis.check import check
             from kilter.show.figures import draw_assembly
 
-            verdict = check(assembly, tolerance=tolerance, budget=budget, progress=progress)
+            verdict = check(
+                assembly,
+                contacts=contacts,
+                tolerance=tolerance,
+                budget=budget,
+                progress=progress,
+            )
             progress("figure")
             found, warnings = verdict.verdict, verdict.warnings
             figure = draw_assembly(verdict, view=view)

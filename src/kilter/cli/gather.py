@@ -46,7 +46,9 @@ PACKAGES = ("kilter", "numpy", "scipy", "highspy", "clarabel")
 def gather(
     assembly: Assembly,
     *,
+    contacts: ContactSet | None = None,
     tolerance: Tolerance | None = None,
+    budget: float = 5.0,
     command: str = "",
     progress: Tell | None = None,
 ) -> Answers:
@@ -63,12 +65,13 @@ def gather(
 
     tell = progress or (lambda stage: None)
     assembly.require_grounded()
-    contacts = find_contacts(assembly, tolerance=tolerance, progress=progress)
-    verdict = check(assembly, contacts=contacts, progress=progress)
+    if contacts is None:
+        contacts = find_contacts(assembly, tolerance=tolerance, progress=progress)
+    verdict = check(assembly, contacts=contacts, budget=budget, progress=progress)
     tell("motion")
     given = _answered(verdict)
     notes: list[str] = []
-    region, recommended, none = _turned(assembly, contacts, tell, notes)
+    region, recommended, none = _turned(assembly, contacts, budget, tell, notes)
     return Answers(
         assembly=assembly,
         contacts=contacts,
@@ -95,7 +98,7 @@ def _answered(verdict: Verdict, sentence: str = "") -> Orientation:
 
 
 def _turned(
-    assembly: Assembly, contacts: ContactSet, tell: Tell, notes: list[str]
+    assembly: Assembly, contacts: ContactSet, budget: float, tell: Tell, notes: list[str]
 ) -> tuple[Region | None, Orientation | None, bool]:
     """The stable region, the direction that is recommended, and whether none is, proved."""
     from kilter.analysis.check import check
@@ -112,7 +115,7 @@ def _turned(
     try:
         if free <= NEAREST_PARTS:
             answer = orient(assembly, contacts, progress=tell)
-            turned = check(assembly.with_down(answer.down), contacts=contacts)
+            turned = check(assembly.with_down(answer.down), contacts=contacts, budget=budget)
             from kilter.analysis.friction_region import FrictionRegion
 
             region = None if isinstance(answer.region, FrictionRegion) else answer.region
@@ -130,7 +133,7 @@ def _turned(
         )
         return region, None, False
     tell("recommended direction")
-    turned = check(assembly.with_down(center), contacts=contacts)
+    turned = check(assembly.with_down(center), contacts=contacts, budget=budget)
     return region, _answered(turned, turned.sentence), False
 
 

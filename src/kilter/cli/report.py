@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shlex
 import sys
 import time
@@ -14,8 +15,11 @@ import typer
 from kilter.cli.gather import gather
 from kilter.cli.options import (
     Angle,
+    Budget,
+    Clearance,
     Density,
     Down,
+    Fasten,
     File,
     Floor,
     Friction,
@@ -34,6 +38,7 @@ from kilter.cli.reading import (
     read_assembly,
     reading_of,
 )
+from kilter.cli.reading import fasten as join_touching
 from kilter.cli.watch import Stamp, fingerprint
 from kilter.errors import InputError
 
@@ -56,6 +61,7 @@ class _Job:
     reading: Reading
     tolerance: Tolerance
     touch: tuple[str, ...]
+    budget: float
     quiet: bool
 
     def page(self, command: str, *rest: str, live: bool = False) -> tuple[str, str]:
@@ -65,9 +71,12 @@ class _Job:
         with Progress(self.quiet) as progress:
             progress("reading")
             assembly = read_assembly(self.file, self.reading)
+            assembly, contacts = join_touching(assembly, self.reading, self.tolerance, progress)
             answers = gather(
                 assembly,
+                contacts=contacts,
                 tolerance=self.tolerance,
+                budget=self.budget,
                 command=shlex.join(["kilter", command, self.file, *self.words(), *rest]),
                 progress=progress,
             )
@@ -91,6 +100,8 @@ class _Job:
                 found += ["--floor"] if value == LOWEST else ["--floor", str(value)]
             elif key == "down":
                 found += ["--down", *(f"{v:.17g}" for v in value)]
+            elif key == "fasten":
+                found += [word for pair in value for word in ("--fasten", *pair)]
             elif isinstance(value, list):
                 found += [word for one in value for word in (f"--{key}", str(one))]
             else:
@@ -101,15 +112,22 @@ class _Job:
 def _job(
     file: str,
     reading: Reading,
-    gap: float | None,
-    angle: float | None,
-    loose: bool,
+    touch: tuple[float | None, float | None, float | None, bool],
+    budget: float,
     quiet: bool,
 ) -> _Job:
-    touch = [] if gap is None else ["--gap", f"{gap:g}"]
-    touch += [] if angle is None else ["--angle", f"{angle:g}"]
-    touch += ["--loose"] if loose else []
-    return _Job(file, reading, contact_tolerance(gap, angle, loose), tuple(touch), quiet)
+    if not (math.isfinite(budget) and budget >= 0):
+        raise InputError(f"--budget is {budget}", hint="give seconds, 0 or more")
+    gap, angle, clearance, loose = touch
+    words = [
+        word
+        for name, value in (("gap", gap), ("angle", angle), ("clearance", clearance))
+        if value is not None
+        for word in (f"--{name}", f"{value:g}")
+    ]
+    words += ["--loose"] if loose else []
+    tolerance = contact_tolerance(gap, angle, loose, clearance)
+    return _Job(file, reading, tolerance, tuple(words), budget, quiet)
 
 
 def report(
@@ -127,9 +145,12 @@ def report(
     friction: Friction = None,
     units: Units = None,
     density: Density = None,
+    fasten: Fasten = None,
     gap: Gap = None,
     angle: Angle = None,
+    clearance: Clearance = None,
     loose: Loose = False,
+    budget: Budget = 5.0,
     quiet: Quiet = False,
 ) -> int:
     """One offline page: the assembly in space, its motion and forces, and the gravity ball.
@@ -145,8 +166,8 @@ def report(
     if output.suffix.lower() not in ENDINGS:
         raise InputError("is no name of a page", file=str(output), hint="end it in .html")
     keep_apart(file, output)
-    reading = reading_of(ground, floor, without, down, friction, units, density)
-    job = _job(file, reading, gap, angle, loose, quiet)
+    reading = reading_of(ground, floor, without, down, friction, units, density, fasten)
+    job = _job(file, reading, (gap, angle, clearance, loose), budget, quiet)
     text, verdict = job.page("report", "-o", str(output))
     write_whole(output, text)
     if not quiet:
@@ -171,9 +192,12 @@ def view(
     friction: Friction = None,
     units: Units = None,
     density: Density = None,
+    fasten: Fasten = None,
     gap: Gap = None,
     angle: Angle = None,
+    clearance: Clearance = None,
     loose: Loose = False,
+    budget: Budget = 5.0,
     quiet: Quiet = False,
 ) -> int:
     """The page of an assembly in the browser, made anew whenever the file changes.
@@ -186,8 +210,8 @@ def view(
         raise InputError("standard input cannot be watched", hint="give a file or a folder")
     if not 0 <= port < 2**16:
         raise InputError(f"--port is {port}", hint="give a number from 0 to 65535")
-    reading = reading_of(ground, floor, without, down, friction, units, density)
-    job = _job(file, reading, gap, angle, loose, quiet)
+    reading = reading_of(ground, floor, without, down, friction, units, density, fasten)
+    job = _job(file, reading, (gap, angle, clearance, loose), budget, quiet)
     seen = fingerprint(file)
     first, verdict = job.page("view", live=True)
     with PageServer(first, port) as server:
