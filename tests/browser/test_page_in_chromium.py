@@ -91,11 +91,10 @@ def test_directions_are_judged_and_moved_as_a_fresh_check_does(name: str, opened
     seen_: set[str] = set()
     for down in rng.normal(size=(40, 3)) + 1.2 * assembly.down:
         told = page.js("d => window.kilter.ask(d)", down.tolist())
-        verdict = kilter.check(assembly.with_down(down), contacts=contacts)
         seen_.add(told["verdict"])
         if told["verdict"] == "Undecided":  # the page says less than a check, never more
-            assert verdict.verdict in ("undecided", "unstable", "potentially-stable")
             continue
+        verdict = kilter.check(assembly.with_down(down), contacts=contacts, budget=0.0)
         assert told["verdict"] == WORDS[verdict.verdict]
         shift = verdict.displacement.displacement
         moving = np.flatnonzero((np.abs(shift) > 1e-4).any(axis=1))
