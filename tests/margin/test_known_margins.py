@@ -53,6 +53,19 @@ def test_load_factor_of_the_walls_of_ferris_and_tin_loi(number, published):
 
 
 @pytest.mark.parametrize(
+    ("number", "local"), [(1, 0.6007), (2, 0.5573), (3, 0.35581), (4, 0.26373), (5, 0.20859)]
+)
+def test_bracket_of_sliding_that_does_not_dilate_contains_the_published_local_value(number, local):
+    program = program_of(walls.ferris_tin_loi(number))
+    wrench = gravity_wrench(program, np.array([1.0, 0.0, 0.0]))
+    sure, most = find_limit(program.frictionless, wrench), find_limit(program, wrench)
+    assert sure.value - 1e-9 <= local <= most.value
+    # what is sure is sure by the frictionless verdict, and nothing holds above the other end
+    assert judge(program.frictionless).stable
+    assert judge(with_more(program, wrench, most.value * 1.0001)).stable is False
+
+
+@pytest.mark.parametrize(
     ("count", "sectors", "known"),
     [
         (7, True, 0.370010),

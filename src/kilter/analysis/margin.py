@@ -67,6 +67,10 @@ class Margin:
         None where none is enough.
     load_factor : tuple of Limit or None, or None
         Least and greatest; None where no loads were asked about.
+    guaranteed : tuple of Limit or None, or None
+        Least and greatest factor that are held however slippery the parts: with sliding that
+        does not dilate (not associative) the limits lie between these and `load_factor`.
+        None where it was not asked for.
     pushes : tuple of Push
     uncertainty : Uncertainty or None
         The worst case over `ranges`; None where none were given, or it is too large.
@@ -86,6 +90,7 @@ class Margin:
     about: tuple[float, Limit | None] | None
     friction: LeastFriction | None
     load_factor: tuple[Limit | None, Limit | None] | None
+    guaranteed: tuple[Limit | None, Limit | None] | None
     pushes: tuple[Push, ...]
     uncertainty: Uncertainty | None
     helps: tuple[Help, ...]
@@ -107,6 +112,7 @@ def find_margin(
     about: Any = None,
     pushed: list[str] | None = None,
     ranges: Ranges | None = None,
+    bracket: bool = False,
     tolerance: Tolerance | None = None,
     budget: float = 1.0,
     progress: Callable[[str], None] | None = None,
@@ -126,6 +132,8 @@ def find_margin(
         Parts whose weakest push is sought; where not given all, up to `PUSHED` free parts.
     ranges : Ranges, optional
         Also the worst tilt margin and load factor over these intervals.
+    bracket : bool
+        Also the load factors up to which no motion that obeys the contact law can start.
     tolerance : Tolerance, optional
         When faces count as touching.
     budget : float
@@ -164,6 +172,7 @@ def find_margin(
     friction = find_least_friction(program)
     tell("load factor")
     factor = _load_factor(assembly, program, direction)
+    sure = _load_factor(assembly, program.frictionless, direction) if bracket else None
     tell("pushes")
     wide = spread(program)
     found = [find_weakest_push(program, part, wide=wide) for part in parts]
@@ -182,6 +191,7 @@ def find_margin(
         about=turned,
         friction=friction,
         load_factor=factor,
+        guaranteed=sure,
         pushes=tuple(p for p in found if p is not None),
         uncertainty=worst,
         helps=helps,

@@ -52,6 +52,7 @@ def margin_answer(margin: Margin) -> dict[str, Any]:
             "moves": starting(program, friction.mechanism),
         },
         "load_factor": None if factor is None else _interval(factor),
+        "load_factor_bracket": _bracket(margin),
         "load_limits": None if factor is None else [_limit(program, f) for f in factor],
         "pushes": [
             {
@@ -115,6 +116,17 @@ def _uncertainty(program: Program, worst: Uncertainty | None) -> dict[str, Any] 
         "corners": worst.corners,
         "worst": at,
     }
+
+
+def _bracket(margin: Margin) -> dict[str, list[float | None] | None] | None:
+    """Where the limits with sliding that does not dilate lie; null where it was not asked."""
+    if margin.guaranteed is None or margin.load_factor is None:
+        return None
+    sure, most = _interval(margin.guaranteed), _interval(margin.load_factor)
+    if most is None:
+        return {"least": None, "greatest": None}
+    inner = sure if sure is not None else [None, None]
+    return {"least": [most[0], inner[0]], "greatest": [inner[1], most[1]]}
 
 
 def _limit(program: Program, limit: Limit | None) -> dict[str, Any] | None:

@@ -88,6 +88,15 @@ def margin(
             show_default=False,
         ),
     ] = None,
+    bracket: Annotated[
+        bool,
+        typer.Option(
+            "--bracket",
+            help="Also between which load factors the limit lies where sliding does not dilate "
+            "(the contact law, not the associative limit).",
+            rich_help_panel=ASKED,
+        ),
+    ] = False,
     mass_range: Annotated[
         tuple[float, float] | None,
         typer.Option(
@@ -156,6 +165,7 @@ def margin(
             about=about,
             pushed=part,
             ranges=ranges,
+            bracket=bracket,
             contacts=contacts,
             tolerance=tolerance,
             budget=budget,
@@ -195,6 +205,8 @@ def margin_text(margin: Margin) -> str:
     rows.append(["friction", _friction_words(margin)])
     if margin.load_factor is not None:
         rows.append(["load factor", _factor_words(margin)])
+    if margin.guaranteed is not None:
+        rows.append(["bracket", _bracket_words(margin)])
     rows += _worst_rows(margin)
     rows += [["helps" if k == 0 else "", one.sentence] for k, one in enumerate(margin.helps)]
     lines = [margin.verdict.sentence, "", *table(rows, indent="")]
@@ -212,6 +224,17 @@ def margin_text(margin: Margin) -> str:
             ]
         )
     return "\n".join(lines)
+
+
+def _bracket_words(margin: Margin) -> str:
+    """Where the greatest load factor lies where sliding does not dilate."""
+    assert margin.guaranteed is not None
+    sure, most = margin.guaranteed[1], None if margin.load_factor is None else margin.load_factor[1]
+    if most is None:
+        return "no factor is held"
+    low = "none" if sure is None else f"{round(sure.value, 12) + 0.0:.6g}"
+    high = f"{most.value:.6g}" if np.isfinite(most.value) else "unlimited"
+    return f"guaranteed up to {low}, held by forces up to {high}: the limit lies between"
 
 
 def _worst_rows(margin: Margin) -> list[list[str]]:
