@@ -211,7 +211,9 @@ def test_r1_r2_piles_of_round_parts(name):
 @pytest.mark.parametrize("name", PILES)
 def test_r1_r2_piles_are_guaranteed(name):
     for pile in piles(name, 1 / 0.98):
-        assert guaranteed(judged(pile, budget=300.0))
+        # lines of contact between cylinders are points in their plane
+        asked = planar(pile) if name == "cylinders" else pile
+        assert guaranteed(judged(asked, budget=300.0))
 
 
 def rock_wedge(phi):
