@@ -8,7 +8,7 @@ from cases import cylinders, planar, program, slope, spheres, tilted
 from modes_oracle import found_in_space, greatest_power, standing
 from witnessed import jointed, witnessed
 
-from kilter.analysis.guarantee import prove_no_motion
+from kilter.analysis.guarantee import NOTHING, prove_no_motion
 from kilter.mechanics.program import POSSIBLE
 from kilter.scenes import arches, friction, stacks
 
@@ -61,7 +61,7 @@ REFUTED = {
 def test_proved(name):
     answer = asked(PROVED[name]())
     assert answer.proved
-    assert answer.bound <= 1e-9
+    assert answer.bound <= NOTHING
     assert answer.assumes == ""
     assert answer.kind is not None
 
@@ -71,7 +71,7 @@ def test_never_proved(name):
     answer = asked(REFUTED[name](), budget=1.0)
     assert not answer.proved
     assert answer.kind is None
-    assert answer.bound > 1e-9
+    assert answer.bound > NOTHING
     assert answer.open_motion is not None
 
 

@@ -7,7 +7,7 @@ holds the assembly, and no squeeze beforehand can change that. Proved by linear 
 contain all solutions (`kilter.mechanics.relaxation`), with bounds that do not trust the
 solver. What is not proved is open: that is no refutation.
 
-A power counts as none if it is below 1e-9 (coarser for coarse data) of that of the lightest
+A power counts as none if it is below 1e-8 (coarser for coarse data) of that of the lightest
 part in free fall, so that no small part vanishes beside large ones.
 """
 
@@ -32,7 +32,7 @@ from kilter.analysis.contraction import (
 from kilter.analysis.sectors import Branched, branch
 from kilter.mechanics.contact_law import contact_law, refusal
 from kilter.mechanics.enclosure import Enclosure, first_enclosure
-from kilter.mechanics.program import TOLERANCE, Program
+from kilter.mechanics.program import Program
 from kilter.mechanics.relaxation import POOL, Relaxation
 
 __all__ = ["Guarantee", "prove_no_motion"]
@@ -42,6 +42,10 @@ Kind = Literal["contraction", "modes", "sectors"]
 
 FORCE = 1000.0
 """Largest force of a contact point that is thought of, over the weight of the free parts."""
+NOTHING = 1e-8
+"""Power that counts as none, over |w|^2 of the lightest part: above what rounding leaves of the
+bound of a case with nothing left to divide (1.2e-9 of it at 18 parts), and a thousandth of the
+least that a witness must have (`kilter.mechanics.coulomb.POWER`)."""
 COARSEST = 1e-6
 """Power that is never taken for none, over that of the part in free fall."""
 FIRST = 0.1
@@ -135,7 +139,7 @@ def prove_no_motion(
 def _tolerance(program: Program) -> float:
     """The power that counts as none: that of the data, for the lightest part on its own."""
     mass = program.mass[program.free]
-    coarse = min(max(TOLERANCE, float(program.tolerance[program.free].max())), COARSEST)
+    coarse = min(max(NOTHING, float(program.tolerance[program.free].max())), COARSEST)
     return coarse * float(mass.min() / mass.sum())
 
 
