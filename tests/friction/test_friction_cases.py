@@ -10,7 +10,7 @@ from judged import judged
 
 from kilter.assembly import Assembly, GivenContact
 from kilter.scenes import friction, rounds, stacks, wedges
-from kilter.scenes.arches import arch_with_held_ends
+from kilter.scenes.arches import arch, arch_with_held_ends
 from kilter.scenes.pieces import block
 from kilter.scenes.transform import tilted
 from kilter.scenes.walls import wall
@@ -123,8 +123,8 @@ def test_i3_trough_is_guaranteed_at_35_degrees():
     ("count", "thickness"), [(12, 0.5), (12, 1.0), (12, 2.0), (20, 0.5), (20, 2.0), (6, 2.0)]
 )
 def test_w6_arches_have_an_equilibrium(count, thickness):
-    arch = arch_with_held_ends(count, thickness=thickness, friction=0.7)
-    assert judged(arch, budget=0.5).verdict in ("stable", "potentially-stable")
+    held = arch_with_held_ends(count, thickness=thickness, friction=0.7)
+    assert judged(held, budget=0.5).verdict in ("stable", "potentially-stable")
 
 
 @pytest.mark.parametrize("count", [3, 10])
@@ -246,3 +246,21 @@ def test_i4_rock_wedge():
     above = judged(rock_wedge(true + 0.05), budget=1.0)
     assert above.guarantee != "refuted"
     assert above.verdict == "stable" or above.seated
+
+
+@pytest.mark.parametrize(
+    ("ratio", "mu", "held"),
+    [
+        (0.200637, 0.98 * 0.309215, False),
+        (0.200637, 1.02 * 0.309215, True),
+        (0.15, 0.98 * 0.309215, False),
+        (0.25, 0.98 * 0.309215, False),
+        (0.98 * 0.107426, 1.02 * 0.395832, False),
+        (1.02 * 0.107426, 1.02 * 0.395832, True),
+    ],
+)
+def test_a2_arch_with_limited_friction(ratio, mu, held):
+    # Cocchetti and Rizzi 2020, Table 3: rings of many sectors, in the plane
+    verdict = judged(arch(80, ratio=ratio, friction=mu, sectors=True), budget=0.0)
+    assert (verdict.verdict in ("stable", "potentially-stable")) == held
+    assert (verdict.verdict == "unstable") != held
