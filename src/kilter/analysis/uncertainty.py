@@ -104,11 +104,6 @@ class Ranges:
                 f"normal tilt is {self.normal_deg:g} degrees", hint="give 0 or more, below 90"
             )
 
-    @property
-    def loads_vary(self) -> bool:
-        """Whether masses or centres do."""
-        return self.mass[0] < self.mass[1] or self.center > 0
-
 
 def _require_interval(what: str, ends: tuple[float, float], *, positive: bool) -> None:
     low, high = ends

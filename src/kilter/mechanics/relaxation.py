@@ -372,10 +372,6 @@ class Relaxation:
         """A solution by the names of its columns."""
         return {name: x[where] for name, where in self.columns.items()}
 
-    def twists(self, x: Array) -> list[Array]:
-        """The twist of each patch in a solution."""
-        return [x[columns] for columns in self._twist_columns]
-
 
 def _segment(middle: Array, half: float) -> tuple[Array, Array, Array]:
     """Rows n.ft + c mu N <= 0 of a circular segment, and its middle direction."""
