@@ -49,7 +49,7 @@ def leaning(assembly: Any, share: float) -> Any:
 
 def walls(sizes: list[int]) -> None:
     """The verdict on leaning walls, and the accelerations of those that fall."""
-    from kilter.analysis.stability import judge
+    from kilter.analysis.judge import judge
     from kilter.scenes.walls import wall_of
 
     print(f"{'wall':>7} {'points':>8} {'frictionless':>13} {'equilibrium':>12}  answer")
@@ -67,7 +67,7 @@ def walls(sizes: list[int]) -> None:
 
 def seatings() -> None:
     """Seating of walls of about 500 and 2,300 contact points."""
-    from kilter.analysis.seating import find_seating
+    from kilter.friction.seating import find_seating
     from kilter.scenes.walls import wall
 
     print(f"{'points':>7} {'seating':>9}  answer")

@@ -15,9 +15,9 @@ import collections
 import sys
 
 from kilter import check
-from kilter.analysis.coulomb_motion import find_coulomb_motion
-from kilter.analysis.guarantee import prove_no_motion
-from kilter.analysis.seating import find_seating
+from kilter.friction.guarantee import prove_no_motion
+from kilter.friction.motion_search import find_coulomb_motion
+from kilter.friction.seating import find_seating
 from kilter.scenes.frictional import random_assembly
 
 

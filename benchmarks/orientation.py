@@ -46,10 +46,10 @@ def timed(work: Callable[[], Any]) -> tuple[Any, float]:
 
 def measured(kind: str, count: int, limit: int, *, walking: bool) -> dict[str, Any]:
     """Programs and seconds of each method."""
-    from kilter.analysis.joint import joint
-    from kilter.analysis.stability_map import stability_map
-    from kilter.analysis.stable_cone import stable_cone
-    from kilter.analysis.walk import walk
+    from kilter.analysis.regions.stable_cone import stable_cone
+    from kilter.analysis.turning.facet_program import joint
+    from kilter.analysis.turning.stability_map import stability_map
+    from kilter.analysis.turning.walk import walk
     from kilter.contact import find_contacts
     from kilter.mechanics.program import build_program
 

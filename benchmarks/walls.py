@@ -29,7 +29,7 @@ IMPORTED = (
     "scipy.sparse.csgraph",
     "scipy.sparse.linalg",
     "scipy.spatial",
-    "kilter.solvers.least_constraint",
+    "kilter.solvers.shortest_vector",
     "kilter.solvers.linear",
     "kilter.solvers.quadratic",
 )
@@ -55,8 +55,8 @@ def measured(kind: str, bricks: int, *, factor: bool) -> dict[str, Any]:
     for module in IMPORTED:  # imports are no part of a stage
         importlib.import_module(module)
 
+    from kilter.analysis.judge import judge
     from kilter.analysis.motion import find_motion
-    from kilter.analysis.stability import judge
     from kilter.contact import find_contacts
     from kilter.mechanics.certificate import check_forces, check_motion
     from kilter.mechanics.program import build_program

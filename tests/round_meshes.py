@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from kilter.shapes import Prism, surface
+from kilter.shape.primitives import Prism, surface
 
 Array = NDArray[np.float64]
 Mesh = tuple[Array, NDArray[np.int64]]

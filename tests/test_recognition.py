@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from kilter.recognition import recognise
-from kilter.shapes import Box, Cylinder, Sphere, surface
-from kilter.solid import Surface, height, outward
+from kilter.shape.primitives import Box, Cylinder, Sphere, surface
+from kilter.shape.recognition import recognise
+from kilter.shape.solid import Surface, height, outward
 from round_meshes import Mesh, bar, circle, moved, revolved, rounded_bar
 
 ARC = np.linspace(0, np.pi / 2, 13)[1:-1]

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from kilter.analysis.check import Verdict, check
-    from kilter.analysis.orientation import Orientation, orient
-    from kilter.analysis.region import Region, common_region, find_region
+    from kilter.analysis.regions.region import Region, common_region, find_region
+    from kilter.analysis.turning.orientation import Orientation, orient
     from kilter.assembly import Assembly, FrictionPair, GivenContact, Joint, Load, Part
     from kilter.contact import ContactSet, Tolerance, fastened, find_contacts
     from kilter.errors import InputError, KilterError, SolverError
@@ -25,42 +25,42 @@ if TYPE_CHECKING:
     from kilter.mechanics.verification import verify_proof
     from kilter.rigid import Pose
     from kilter.scenes import scene
-    from kilter.shapes import Box, Cylinder, Mesh, Prism, Sphere
+    from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Sphere
     from kilter.show.figures import draw_assembly, draw_region
 
 __version__ = "0.1.0"
 
 _HOMES = {
     "Assembly": "kilter.assembly",
-    "Box": "kilter.shapes",
+    "Box": "kilter.shape.primitives",
     "ContactSet": "kilter.contact",
-    "Cylinder": "kilter.shapes",
+    "Cylinder": "kilter.shape.primitives",
     "FrictionPair": "kilter.assembly",
     "GivenContact": "kilter.assembly",
     "InputError": "kilter.errors",
     "Joint": "kilter.assembly",
     "KilterError": "kilter.errors",
     "Load": "kilter.assembly",
-    "Mesh": "kilter.shapes",
+    "Mesh": "kilter.shape.primitives",
     "Part": "kilter.assembly",
     "Pose": "kilter.rigid",
-    "Orientation": "kilter.analysis.orientation",
-    "Prism": "kilter.shapes",
-    "Region": "kilter.analysis.region",
+    "Orientation": "kilter.analysis.turning.orientation",
+    "Prism": "kilter.shape.primitives",
+    "Region": "kilter.analysis.regions.region",
     "SolverError": "kilter.errors",
-    "Sphere": "kilter.shapes",
+    "Sphere": "kilter.shape.primitives",
     "Tolerance": "kilter.contact",
     "Verdict": "kilter.analysis.check",
     "check": "kilter.analysis.check",
-    "common_region": "kilter.analysis.region",
+    "common_region": "kilter.analysis.regions.region",
     "draw_assembly": "kilter.show.figures",
     "draw_region": "kilter.show.figures",
     "dump": "kilter.files",
     "fastened": "kilter.contact",
     "find_contacts": "kilter.contact",
-    "find_region": "kilter.analysis.region",
+    "find_region": "kilter.analysis.regions.region",
     "load": "kilter.files",
-    "orient": "kilter.analysis.orientation",
+    "orient": "kilter.analysis.turning.orientation",
     "scene": "kilter.scenes",
     "verify_proof": "kilter.mechanics.verification",
 }

@@ -14,7 +14,7 @@ from kilter.rigid import Pose
 from kilter.scenes import stacks
 from kilter.scenes.pieces import block, cells, floor, prism, turn
 from kilter.scenes.transform import moved, scaled
-from kilter.shapes import Box, Cylinder, Mesh, Prism, Sphere, surface
+from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Sphere, surface
 
 RHO = 1000.0
 

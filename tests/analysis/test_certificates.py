@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 from independent import dense_rows
 from judged import judged, program_of
 
-from kilter.analysis.stability import judge
+from kilter.analysis.judge import judge
 from kilter.assembly import Assembly
 from kilter.mechanics.certificate import RATIO, check_forces, check_motion
-from kilter.mechanics.formulations import least_imbalance, load_factor, scaled
+from kilter.mechanics.forms import least_imbalance, load_factor, scaled
 from kilter.mechanics.program import TOLERANCE
 from kilter.scenes import packings, paper, scene, stacks, walls
 from kilter.scenes.pieces import block, floor

@@ -7,7 +7,7 @@ import pytest
 from judged import judged
 
 from kilter import Assembly, Box, Cylinder, Mesh, Part, Pose, Prism, Sphere, check, find_contacts
-from kilter.contact.facets import find_facets
+from kilter.contact.planar.facets import find_facets
 from kilter.mechanics.certificate import check_forces
 from kilter.scenes import arches
 from kilter.scenes.pieces import turn

@@ -9,8 +9,8 @@ from independent import dense_rows
 from judged import judged, program_of, random_turn, reloaded, verified
 
 from kilter import InputError
-from kilter.analysis.orientation import orient
-from kilter.analysis.region import find_region
+from kilter.analysis.regions.region import find_region
+from kilter.analysis.turning.orientation import orient
 from kilter.assembly import Assembly, Joint, Load
 from kilter.mechanics.proof import digest_of
 from kilter.rigid import unit
@@ -280,7 +280,7 @@ def test_turn_shift_scale_and_order_change_no_verdict(name):
 
 
 def test_scaled_program_is_the_same_in_any_unit_of_length():
-    from kilter.mechanics.formulations import scaled as in_unknowns
+    from kilter.mechanics.forms import scaled as in_unknowns
 
     assembly = four_bar()
     one = in_unknowns(program_of(assembly)).matrix.toarray()

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from judged import judged
 
-from kilter.analysis.stability import SIMPLEX_ROWS, judge
+from kilter.analysis.judge import SIMPLEX_ROWS, judge
 from kilter.contact import find_contacts
-from kilter.mechanics.formulations import equilibrium, load_factor, scaled
+from kilter.mechanics.forms import equilibrium, load_factor, scaled
 from kilter.mechanics.program import build_program
 from kilter.scenes import walls
 from kilter.scenes.transform import moved

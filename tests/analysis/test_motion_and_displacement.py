@@ -8,7 +8,7 @@ from judged import judged, program_of, random_turn
 from kilter.analysis.displacement import find_displacement
 from kilter.analysis.motion import find_motion
 from kilter.assembly import Assembly, Load
-from kilter.mechanics.formulations import displacement
+from kilter.mechanics.forms import displacement
 from kilter.scenes import packings, paper, scene, stacks, traps, walls, wedges
 from kilter.scenes.pieces import block, floor
 from kilter.scenes.transform import moved, scaled, tilted

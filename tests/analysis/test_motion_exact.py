@@ -7,15 +7,15 @@ from judged import program_of, random_turn
 
 from kilter import check
 from kilter.analysis.motion import find_motion, optimality
-from kilter.analysis.words import motion_summary, motion_words
 from kilter.assembly import Assembly, Joint
-from kilter.mechanics.formulations import scaled as scaled_program
-from kilter.mechanics.least_constraint import halved, least_constraint
+from kilter.mechanics.forms import scaled as scaled_program
+from kilter.mechanics.gauss import halved, least_constraint
 from kilter.scenes import arches, packings, scene, stacks, walls, wedges
 from kilter.scenes.motion import wedge_on_wedge
 from kilter.scenes.pieces import block, floor
 from kilter.scenes.transform import moved, scaled, tilted
-from kilter.solvers.least_constraint import solve_least_constraint
+from kilter.solvers.shortest_vector import solve_least_constraint
+from kilter.tell.words import motion_summary, motion_words
 
 G = 9.81
 

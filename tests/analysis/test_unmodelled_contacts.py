@@ -7,7 +7,7 @@ from judged import judged
 from kilter.assembly import Assembly, Joint, Part
 from kilter.rigid import Pose
 from kilter.scenes.pieces import block, compose, floor, prism, turn
-from kilter.shapes import CYLINDER_SIDES, Box, Cylinder, Mesh, Sphere
+from kilter.shape.primitives import CYLINDER_SIDES, Box, Cylinder, Mesh, Sphere
 
 FLOOR = floor([-5, -5], [5, 5])
 SPARE = block("spare", [3, 3, 1], [4, 4, 2])

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kilter.assembly import Assembly
+from kilter.assembly.geometry import Geometry
 from kilter.contact.contact_set import ContactSet, Tolerance
-from kilter.geometry import Geometry
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

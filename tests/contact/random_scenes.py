@@ -13,7 +13,7 @@ from scipy.spatial import ConvexHull, Voronoi
 
 from kilter.assembly import Assembly, Part
 from kilter.rigid import Pose, quaternion_to_matrix
-from kilter.shapes import Box, Mesh, Prism, Shape, fan, surface
+from kilter.shape.primitives import Box, Mesh, Prism, Shape, fan, surface
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

@@ -11,9 +11,9 @@ import itertools
 
 import numpy as np
 
-from kilter.geometry import polyhedron_moments
-from kilter.shapes import Mesh
-from kilter.solid import Solid, Surface
+from kilter.assembly.geometry import polyhedron_moments
+from kilter.shape.primitives import Mesh
+from kilter.shape.solid import Solid, Surface
 
 __all__ = [
     "arc", "ball", "bolt", "bore", "cone_frustum", "cone_socket", "extruded", "mesh_of", "peg",

@@ -15,7 +15,7 @@ import kilter.contact
 from kilter.assembly import Assembly, Part
 from kilter.contact.contact_set import ContactSet, Tolerance
 from kilter.rigid import Pose
-from kilter.shapes import Prism
+from kilter.shape.primitives import Prism
 
 DATA = Path(__file__).parents[3] / "shared" / "data"
 SCENES = int(os.environ.get("KILTER_SCENES", "0"))

@@ -20,7 +20,7 @@ from solids import (
 )
 
 from kilter import Assembly, Box, Cylinder, Part, Pose, Sphere, check, find_contacts
-from kilter.contact.rounds import AROUND
+from kilter.contact.curved.contact_points import AROUND
 from kilter.mechanics.program import build_program
 from kilter.scenes.pieces import floor, turn
 from kilter.scenes.rounds import four_spheres, three_cylinders
@@ -153,7 +153,7 @@ def test_two_halves_of_a_face_are_one():
 
 def halved(solid):
     """A solid whose cylinder is listed twice, half of its triangles each."""
-    from kilter.solid import Solid
+    from kilter.shape.solid import Solid
 
     label = solid.triangle_surface.copy()
     mine = np.flatnonzero([solid.surfaces[k].kind == "cylinder" for k in label])
@@ -498,7 +498,7 @@ def test_torus_beside_a_torus_is_listed():
 
 
 def test_free_form_is_listed_and_not_taken_for_its_triangles():
-    from kilter.solid import Solid
+    from kilter.shape.solid import Solid
 
     solid = ball(0.5, sides=24, rings=12)
     free = Solid(

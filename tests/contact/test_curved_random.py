@@ -28,8 +28,8 @@ from solids import (
 )
 
 from kilter import Assembly, Box, Part, Pose, Tolerance, find_contacts, load
-from kilter.shapes import Mesh
-from kilter.solid import Solid
+from kilter.shape.primitives import Mesh
+from kilter.shape.solid import Solid
 
 ALPHA = 0.4
 LYING = [np.sqrt(0.5), np.sqrt(0.5), 0, 0]

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from kilter import Assembly, Box, Load, Mesh, Part, Pose, Prism, check, find_contacts
-from kilter.analysis.degenerate import decide_degenerate
+from kilter.analysis.degenerate_branches import decide_degenerate
 from kilter.mechanics.program import build_program
 from kilter.mechanics.verification import verify_proof
 from kilter.scenes import arches, walls

@@ -9,7 +9,7 @@ from solids import ball, bolt, bore, cone_frustum, cone_socket, mesh_of, peg, so
 from kilter import check, find_contacts, find_region
 from kilter.assembly import Assembly, Part
 from kilter.rigid import Pose
-from kilter.shapes import Box
+from kilter.shape.primitives import Box
 
 LYING = [np.sqrt(0.5), np.sqrt(0.5), 0, 0]
 """Turns z to -y: a peg that lies along y."""

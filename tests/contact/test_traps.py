@@ -18,7 +18,7 @@ import kilter.contact
 from kilter.assembly import Assembly, Part
 from kilter.contact.contact_set import ContactSet, Tolerance
 from kilter.rigid import Pose
-from kilter.shapes import Box, Mesh, Prism, surface
+from kilter.shape.primitives import Box, Mesh, Prism, surface
 
 Array = NDArray[np.float64]
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from kilter.assembly import Part
 from kilter.rigid import Pose
-from kilter.shapes import Cylinder
-from kilter.solid import Solid, Surface
+from kilter.shape.primitives import Cylinder
+from kilter.shape.solid import Solid, Surface
 
 __all__ = ["pin", "tube"]
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kilter.shapes import Box, surface
+from kilter.shape.primitives import Box, surface
 
 CUBE = {"name": "C1", "box": [1, 1, 1]}
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from kilter.assembly.geometry import polyhedron_moments
 from kilter.files.bodies import split_bodies
-from kilter.geometry import polyhedron_moments
-from kilter.shapes import Box, Mesh, surface
+from kilter.shape.primitives import Box, Mesh, surface
 
 
 def boxes(*places: tuple[float, float, float], size: float = 1.0, turned: bool = False) -> Mesh:

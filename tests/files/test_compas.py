@@ -9,7 +9,7 @@ import pytest
 
 from kilter.errors import InputError
 from kilter.files import load
-from kilter.shapes import BOX_CORNERS, BOX_QUADS
+from kilter.shape.primitives import BOX_CORNERS, BOX_QUADS
 
 
 def block(z: float = 0, **attributes: Any) -> dict[str, Any]:

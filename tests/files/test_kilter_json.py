@@ -20,7 +20,7 @@ from kilter.assembly import Assembly, FrictionPair, GivenContact, Joint, Load, P
 from kilter.errors import InputError
 from kilter.files import dump, from_dict, load, schema, to_dict
 from kilter.rigid import Pose, unit
-from kilter.shapes import Box, Cylinder, Mesh, Prism, Sphere
+from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Sphere
 
 TETRAHEDRON = (
     [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],

@@ -29,11 +29,11 @@ from OCP.TopAbs import TopAbs_ShapeEnum
 from OCP.TopExp import TopExp_Explorer
 from step_maker import as_splines, compound, moved, placement, write_step
 
-from kilter.closed import open_edges
 from kilter.errors import InputError
 from kilter.files import from_dict, load, to_dict
-from kilter.recognition import recognise
-from kilter.solid import Solid, height
+from kilter.shape.closed import open_edges
+from kilter.shape.recognition import recognise
+from kilter.shape.solid import Solid, height
 
 PI = np.pi
 HALF_TURN_X = (0, 1, 0, 0)

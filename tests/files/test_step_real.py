@@ -13,8 +13,8 @@ pytest.importorskip("OCP")
 
 from kilter.assembly import Assembly
 from kilter.files import from_dict, load, to_dict
-from kilter.recognition import recognise
-from kilter.solid import Solid
+from kilter.shape.recognition import recognise
+from kilter.shape.solid import Solid
 
 FILE = Path(__file__).resolve().parents[3] / "shared" / "data" / "cax-if" / "as1-oc-214.stp"
 

@@ -14,7 +14,7 @@ from scipy.optimize import linprog
 
 from kilter.assembly import Assembly, GivenContact, Part
 from kilter.scenes.pieces import block
-from kilter.shapes import Box
+from kilter.shape.primitives import Box
 
 
 def greatest_power(program) -> float:

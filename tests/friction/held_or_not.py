@@ -10,7 +10,7 @@ import pytest
 from kilter.assembly import GivenContact
 from kilter.contact import find_contacts
 from kilter.files import load
-from kilter.mechanics.cones import load_factor_in_cones, spread
+from kilter.mechanics.coulomb_cones import load_factor_in_cones, spread
 from kilter.mechanics.program import build_program
 from kilter.scenes import friction, rounds, stacks
 from kilter.solvers.conic import solve_conic
@@ -66,7 +66,7 @@ def slope(tilt, mu=0.5):
 def worst_by_hand(built, acceleration, forces):
     """Worst residual of the contact law over gravity, mass and size, point by point in loops.
 
-    Units of metres; contacts only. Independent of `kilter.mechanics.coulomb`.
+    Units of metres; contacts only. Independent of `kilter.mechanics.law_check`.
     """
     g = float(np.linalg.norm(built.gravity))
     worst = [0.0]

@@ -9,9 +9,9 @@ import pytest
 from judged import judged
 
 from kilter import check, find_contacts
-from kilter.analysis.guarantee import prove_no_motion
-from kilter.analysis.seating import find_seating
 from kilter.assembly import FrictionPair
+from kilter.friction.guarantee import prove_no_motion
+from kilter.friction.seating import find_seating
 from kilter.mechanics.program import build_program
 from kilter.scenes.frictional import FAMILIES, random_assembly
 from kilter.scenes.pieces import turn

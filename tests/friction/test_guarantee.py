@@ -8,7 +8,7 @@ from cases import cylinders, planar, program, slope, spheres, tilted
 from modes_oracle import found_in_space, greatest_power, standing
 from witnessed import jointed, witnessed
 
-from kilter.analysis.guarantee import NOTHING, prove_no_motion
+from kilter.friction.guarantee import NOTHING, prove_no_motion
 from kilter.mechanics.program import POSSIBLE
 from kilter.scenes import arches, friction, stacks
 

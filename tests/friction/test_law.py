@@ -5,8 +5,8 @@ import pytest
 from held_or_not import program, slope, worst_by_hand
 
 from kilter.assembly import Joint
-from kilter.mechanics.coulomb import check_law
-from kilter.mechanics.frictional import frictional
+from kilter.friction.frictional import frictional
+from kilter.mechanics.law_check import check_law
 from kilter.scenes import friction, stacks, traps
 from kilter.scenes.transform import scaled
 

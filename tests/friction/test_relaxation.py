@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from witnessed import witnessed
 
-from kilter.analysis.contact_modes import breach, cases
-from kilter.analysis.contraction import Clock, contract, power_bound, shrunk
-from kilter.analysis.guarantee import FORCE, make_search, prove_no_motion
-from kilter.mechanics.enclosure import first_enclosure, rescaled
+from kilter.friction.contact_modes import breach, cases
+from kilter.friction.contraction import Clock, contract, power_bound, shrunk
+from kilter.friction.enclosure import first_enclosure, rescaled
+from kilter.friction.guarantee import FORCE, make_search, prove_no_motion
+from kilter.friction.relaxation import POOL
 from kilter.mechanics.program import tangents
-from kilter.mechanics.relaxation import POOL
 
 ROUNDING = 1e-7
 

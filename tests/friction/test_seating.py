@@ -5,10 +5,10 @@ import pytest
 from enumerated import random_block
 from held_or_not import compas, cylinders, equilibrium, program, real_data, slope, thin_bracket
 
-from kilter.analysis.seating import find_seating
 from kilter.assembly import Joint
+from kilter.friction.seating import find_seating
 from kilter.mechanics.certificate import part_sizes
-from kilter.mechanics.coulomb import check_balance
+from kilter.mechanics.law_check import check_balance
 from kilter.scenes import arches, friction, stacks, traps, walls, wedges
 from kilter.scenes.transform import moved, scaled
 

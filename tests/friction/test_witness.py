@@ -14,10 +14,10 @@ from held_or_not import (
     worst_by_hand,
 )
 
-from kilter.analysis.coulomb_motion import find_coulomb_motion
 from kilter.analysis.motion import find_motion
-from kilter.analysis.seating import find_seating
-from kilter.mechanics.coulomb import check_law
+from kilter.friction.motion_search import find_coulomb_motion
+from kilter.friction.seating import find_seating
+from kilter.mechanics.law_check import check_law
 from kilter.scenes import friction, motion, stacks, traps, walls
 from kilter.scenes.transform import scaled
 

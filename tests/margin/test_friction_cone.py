@@ -10,12 +10,12 @@ import pytest
 from margins import program_of, small_assembly
 
 import kilter
-from kilter.analysis.friction_cone import friction_cone
-from kilter.analysis.friction_orientation import orient_with_friction
-from kilter.analysis.friction_region import find_region_with_friction
-from kilter.analysis.region import find_region
-from kilter.analysis.stability import judge
-from kilter.analysis.stable_cone import stable_cone
+from kilter.analysis.judge import judge
+from kilter.analysis.regions.friction_cone import friction_cone
+from kilter.analysis.regions.friction_region import find_region_with_friction
+from kilter.analysis.regions.region import find_region
+from kilter.analysis.regions.stable_cone import stable_cone
+from kilter.analysis.turning.friction_orientation import orient_with_friction
 from kilter.cli import main
 from kilter.errors import InputError
 from kilter.scenes import friction, paper, stacks, walls
@@ -172,7 +172,7 @@ def test_orient_takes_the_middle_and_says_what_it_promises():
 
 
 def test_a_wall_of_a_few_bricks_leans_as_far_as_its_margin():
-    from kilter.analysis.tilt_margin import find_tilt_margin
+    from kilter.analysis.margins.tilt import find_tilt_margin
 
     wall = walls.wall(3, 2, friction=0.5)
     program = program_of(wall)

@@ -9,11 +9,11 @@ import pytest
 from judged import judged
 from margins import by_points, force_of, leaning, loaded, program_of, small_assembly
 
-from kilter.analysis.least_friction import find_least_friction
-from kilter.analysis.load_limit import find_limit, with_more
-from kilter.analysis.pushes import find_weakest_push
-from kilter.analysis.stability import judge
-from kilter.analysis.tilt_margin import (
+from kilter.analysis.judge import judge
+from kilter.analysis.margins.least_friction import find_least_friction
+from kilter.analysis.margins.load_limit import find_limit, with_more
+from kilter.analysis.margins.pushes import find_weakest_push
+from kilter.analysis.margins.tilt import (
     find_nearest_held,
     find_tilt_margin,
     gravity_wrench,

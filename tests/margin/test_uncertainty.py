@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from margins import program_of, small_assembly
 
-from kilter.analysis import uncertainty
-from kilter.analysis.load_limit import find_limit
-from kilter.analysis.stability import judge
-from kilter.analysis.tilt_margin import find_tilt_margin, gravity_wrench
-from kilter.analysis.uncertainty import Ranges, corner, find_uncertainty
+from kilter.analysis.judge import judge
+from kilter.analysis.margins import uncertainty
+from kilter.analysis.margins.load_limit import find_limit
+from kilter.analysis.margins.tilt import find_tilt_margin, gravity_wrench
+from kilter.analysis.margins.uncertainty import Ranges, corner, find_uncertainty
 from kilter.mechanics.program import CONTACT
 from kilter.rigid import cross
 from kilter.scenes import stacks, walls

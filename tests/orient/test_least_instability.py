@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from turning import UNSTABLE, directions, program_of, slot_and_float
 
-from kilter.analysis.least_instability import least_instability
-from kilter.analysis.nearest import nearest, turned
-from kilter.mechanics.formulations import impending_motion, scaled
+from kilter.analysis.turning.least_instability import least_instability
+from kilter.analysis.turning.nearest import nearest, turned
+from kilter.mechanics.forms import impending_motion, scaled
 from kilter.scenes import stacks
 from kilter.scenes.transform import scaled as resized
 from kilter.solvers.quadratic import solve_quadratic

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from turning import ALL, UNSTABLE, angle_from_down, slot_and_float
 
 from kilter import InputError, Load, check
-from kilter.analysis.orientation import orient, orient_answer
+from kilter.analysis.turning.orientation import orient, orient_answer
 from kilter.rigid import quaternion_to_matrix
 from kilter.scenes import paper, scene, stacks, wedges
 from kilter.scenes.pieces import turn

@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from kilter.analysis.region import Region, find_region
-from kilter.analysis.stability import judge
+from kilter.analysis.judge import judge
+from kilter.analysis.regions.region import Region, find_region
 from kilter.assembly import Assembly
 from kilter.mechanics.program import build_program
 from kilter.scenes import arches, paper, rails, stacks, wedges

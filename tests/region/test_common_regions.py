@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cones import BUILDERS, directions, region_of, same_rays
 
-from kilter.analysis.region import common_region, find_region
+from kilter.analysis.regions.region import common_region, find_region
 from kilter.contact import find_contacts
 from kilter.errors import InputError
 from kilter.mechanics.verification import verify_proof

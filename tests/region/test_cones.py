@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kilter.analysis.cone import Cone, make_cone, widest_axis
-from kilter.analysis.growth import Reach, grow
+from kilter.analysis.regions.growth import Reach, grow
+from kilter.analysis.regions.polyhedral_cone import Cone, make_cone, widest_axis
 
 Array = np.ndarray
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_array, random_array
 
-from kilter.mechanics.formulations import LinearProgram
+from kilter.mechanics.forms import LinearProgram
 from kilter.solvers.kept import KeptProgram, KeptSolution
 from kilter.solvers.linear import solve_linear
 

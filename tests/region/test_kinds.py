@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from cones import KINDS, MORE, directions, disagreements, region_of, same_rays, same_span
 
-from kilter.analysis.cone import KINDS as ALL_KINDS
-from kilter.analysis.region import find_region, region_answer
+from kilter.analysis.regions.polyhedral_cone import KINDS as ALL_KINDS
+from kilter.analysis.regions.region import find_region, region_answer
 from kilter.scenes import rails
 
 

@@ -6,7 +6,7 @@ from cones import BUILDERS, region_of, same_rays, same_span
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kilter.analysis.region import find_region
+from kilter.analysis.regions.region import find_region
 from kilter.rigid import quaternion_to_matrix
 from kilter.scenes.transform import as_single, moved, scaled
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from cones import X, Z, same_rays
 
-from kilter.analysis.region import find_region
+from kilter.analysis.regions.region import find_region
 from kilter.scenes import paper
 
 MICRO = np.radians(1e-6)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cones import KINDS, MORE, region_of
 
-from kilter.analysis.region import find_region
+from kilter.analysis.regions.region import find_region
 from kilter.contact import find_contacts
 from kilter.files import from_dict, to_dict
 from kilter.mechanics.verification import proof_tolerance, verify_proof

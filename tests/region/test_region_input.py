@@ -5,8 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from kilter.analysis.region import find_region, region_answer
-from kilter.analysis.stable_cone import stable_cone
+from kilter.analysis.regions.region import find_region, region_answer
+from kilter.analysis.regions.stable_cone import stable_cone
 from kilter.assembly import Assembly, Joint, Load, Part
 from kilter.contact import find_contacts
 from kilter.errors import InputError
@@ -14,7 +14,7 @@ from kilter.mechanics.program import build_program
 from kilter.rigid import Pose
 from kilter.scenes import rails, rounds, stacks
 from kilter.scenes.pieces import block
-from kilter.shapes import Box, Prism, Sphere
+from kilter.shape.primitives import Box, Prism, Sphere
 
 
 def test_no_free_part() -> None:

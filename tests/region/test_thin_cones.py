@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cones import KINDS, MORE, disagreements, region_of, same_rays
 
-from kilter.analysis.region import find_region
+from kilter.analysis.regions.region import find_region
 from kilter.assembly import Assembly, GivenContact
 from kilter.scenes import rails, stacks, wedges
 from kilter.scenes.pieces import block

@@ -10,7 +10,7 @@ from kilter.scenes.friction import bracket, ladder
 from kilter.scenes.pieces import cells, compose, turn
 from kilter.scenes.rounds import three_cylinders
 from kilter.scenes.transform import as_single, moved, permuted, renamed, scaled, tilted
-from kilter.shapes import Box, Mesh
+from kilter.shape.primitives import Box, Mesh
 
 TURN = compose(turn([1, 2, 3], 50), turn([0, 1, 0], 20))
 SMALL = ["paper-figure-8", "inverted-triangle", "keystone", "bracket", "corner-wedges"]

@@ -8,7 +8,7 @@ import pytest
 from kilter import Assembly, Box, Cylinder, Mesh, Part, Pose
 from kilter.rigid import quaternion_to_matrix
 from kilter.scenes import SCENES, scene
-from kilter.shapes import surface
+from kilter.shape.primitives import surface
 from kilter.show.colours import PALETTE, part_colours
 from kilter.show.shapes import drawn, feature_edges, placed
 

@@ -3,7 +3,7 @@
 What is stable without friction is stable whatever the friction, and whatever contacts are
 not modelled: more forces can only help, and without friction any solution of the contact law
 has a.M a <= w.a <= 0. Else, with friction, equilibrium is asked in Coulomb's cones, and
-where it exists, what it guarantees (`kilter.analysis.friction`). An unstable one is asked
+where it exists, what it guarantees (`kilter.friction.answer`). An unstable one is asked
 again with every force that contacts which are not modelled might bring; if those could hold
 it, the verdict is undecided and says why.
 """
@@ -20,23 +20,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kilter.analysis.contact_forces import ContactForces, find_contact_forces
-from kilter.analysis.degenerate import decide_degenerate
+from kilter.analysis.degenerate_branches import decide_degenerate
 from kilter.analysis.displacement import LIMIT as DISPLACEMENT_LIMIT
 from kilter.analysis.displacement import Displacement, find_displacement
-from kilter.analysis.friction import BUDGET, FrictionAnswer, ask_friction
 from kilter.analysis.frictional_motion import find_motion_with_friction, motion_of
+from kilter.analysis.judge import Judgement, judge
 from kilter.analysis.motion import ImpendingMotion, find_motion, still
 from kilter.analysis.neutral import Neutral, find_neutral
 from kilter.analysis.remarks import loose_parts, remarks
-from kilter.analysis.sentences import verdict_sentence
-from kilter.analysis.stability import Judgement, judge
-from kilter.analysis.words import NAMED, motion_summary, motion_words
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet, Tolerance, find_contacts
 from kilter.errors import some
+from kilter.friction.answer import BUDGET, FrictionAnswer, ask_friction
 from kilter.mechanics.certificate import ForceProof, MotionProof
 from kilter.mechanics.program import POSSIBLE, TOLERANCE, Program, build_program
 from kilter.mechanics.proof import Evidence, make_proof
+from kilter.tell.sentences import verdict_sentence
+from kilter.tell.words import NAMED, motion_summary, motion_words
 from kilter.units import metres_per_unit
 
 __all__ = ["Verdict", "check"]
@@ -237,7 +237,7 @@ class Verdict:
 
     def _repr_html_(self) -> str:
         """What a notebook shows."""
-        from kilter.analysis.notebook import verdict_html
+        from kilter.tell.notebook import verdict_html
 
         return verdict_html(self)
 

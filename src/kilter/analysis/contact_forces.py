@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from kilter.errors import SolverError
 from kilter.mechanics.certificate import ForceProof, check_forces
-from kilter.mechanics.cones import least_forces, spread
+from kilter.mechanics.coulomb_cones import least_forces, spread
 from kilter.mechanics.program import CONTACT, Program
 
 __all__ = ["LIMIT", "ContactForces", "find_contact_forces"]

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array, eye_array, vstack
 
-from kilter.mechanics.formulations import LinearProgram, QuadraticProgram, displacement
+from kilter.mechanics.forms import LinearProgram, QuadraticProgram, displacement
 from kilter.mechanics.program import Program
 
 __all__ = ["LIMIT", "Displacement", "find_displacement"]

@@ -1,6 +1,6 @@
 """Is there an equilibrium with Coulomb friction? Exact cones, then pyramids.
 
-An order that ends where exactly one certificate passes (`kilter.analysis.stability`):
+An order that ends where exactly one certificate passes (`kilter.analysis.judge`):
 
 1. planar: the cone has two rays, so the program is linear and is judged as one;
 2. large: an inner pyramid, linear, whose forces are forces of equilibrium;
@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kilter.analysis.candidates import Candidate
-from kilter.mechanics.cones import Spread, gathered, load_factor_in_cones, pyramid, spread
+from kilter.mechanics.coulomb_cones import Spread, gathered, load_factor_in_cones, pyramid, spread
 from kilter.mechanics.program import Program
 
 __all__ = ["in_cones"]
@@ -54,7 +54,7 @@ def by_pyramid(program: Program, sides: int, *, outer: bool = False) -> Iterator
 
     A planar pyramid is the cone itself and is both.
     """
-    from kilter.analysis.stability import judge
+    from kilter.analysis.judge import judge
 
     rays = pyramid(program, sides, outer=outer)
     judged = judge(rays)

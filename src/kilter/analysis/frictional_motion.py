@@ -54,7 +54,7 @@ def find_motion_with_friction(program: Program, budget: float) -> ImpendingMotio
     budget : float
         For the search [s].
     """
-    from kilter.analysis.coulomb_motion import find_coulomb_motion
+    from kilter.friction.motion_search import find_coulomb_motion
 
     found = find_coulomb_motion(program, budget=budget, nearest=True)
     if found is None:

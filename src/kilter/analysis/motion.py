@@ -21,8 +21,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kilter.mechanics.formulations import scaled
-from kilter.mechanics.least_constraint import LeastConstraint, halved, least_constraint
+from kilter.mechanics.forms import scaled
+from kilter.mechanics.gauss import LeastConstraint, halved, least_constraint
 from kilter.mechanics.program import Program
 from kilter.units import metres_per_unit
 
@@ -105,12 +105,12 @@ def _least_constrained(program: Program) -> tuple[Array, float]:
     """The motion over the size of gravity, shape (N, 6), and its residual.
 
     A small program by Clarabel first; any whose conditions are then not met to `GOOD` by the
-    interior point of `kilter.solvers.least_constraint`, within a plane of reflection where
+    interior point of `kilter.solvers.shortest_vector`, within a plane of reflection where
     there is one. The best by the residual, which is recomputed from the rows.
     """
     from kilter.errors import SolverError
-    from kilter.solvers.least_constraint import solve_least_constraint
     from kilter.solvers.quadratic import solve_quadratic
+    from kilter.solvers.shortest_vector import solve_least_constraint
 
     problem = scaled(program)
     whole = least_constraint(problem)

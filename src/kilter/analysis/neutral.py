@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array, diags_array, hstack, vstack
 
-from kilter.mechanics.formulations import LinearProgram, Scaled, scaled
+from kilter.mechanics.forms import LinearProgram, Scaled, scaled
 from kilter.mechanics.program import Program
 
 __all__ = ["LIMIT", "Neutral", "find_neutral"]

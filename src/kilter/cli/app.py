@@ -182,7 +182,7 @@ def check(
     Displacements of LP (9) are given for up to 300 free parts, neutral motions for up to 100.
     """
     from kilter.analysis.check import check as decide
-    from kilter.analysis.fasteners import suggest_joints
+    from kilter.contact.fits.suggestions import suggest_joints
 
     keep_apart(file, proof, output)
     if not (math.isfinite(budget) and budget >= 0):
@@ -218,7 +218,7 @@ def check(
             answer["suggested_joints"] = [one.to_dict() for one in suggestions]
         emit(as_json(answer), output)
     else:
-        from kilter.cli.text import check_text, force_lines, suggestions_text
+        from kilter.tell.text import check_text, force_lines, suggestions_text
 
         text = "\n".join([check_text(verdict), *(force_lines(verdict) if forces else [])])
         if suggest:
@@ -275,7 +275,7 @@ def contacts(
 
         emit(as_json(contacts_answer(assembly, found)), output)
     else:
-        from kilter.cli.text import contacts_text
+        from kilter.tell.text import contacts_text
 
         emit(contacts_text(assembly, found), output)
     return 0
@@ -333,7 +333,7 @@ def verify(
 
 def _verified(assembly: Any, result: Any, reading: Reading, tolerance: Any) -> str:
     """The answer of `kilter verify`, with the conditions that it holds under."""
-    from kilter.cli.text import plain
+    from kilter.tell.text import plain
 
     if not result.holds:
         return "\n".join(["The proof does not hold:", *(f"  {r}" for r in result.reasons)])
@@ -395,7 +395,7 @@ def example(
             ]
             emit(as_json(listed), output)
         else:
-            from kilter.cli.text import table
+            from kilter.tell.text import table
 
             rows = [[s.name, s.answer or "", s.title] for s in SCENES.values()]
             emit("\n".join(table(rows, indent="")), output)

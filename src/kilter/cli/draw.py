@@ -112,7 +112,7 @@ def draw(
         assembly = read_assembly(file, reading)
         assembly, contacts = join_touching(assembly, reading, tolerance, progress)
         if what is What.REGION:
-            from kilter.analysis.region import find_region
+            from kilter.analysis.regions.region import find_region
             from kilter.show.figures import draw_region
 
             region = find_region(assembly, contacts, tolerance=tolerance, progress=progress)

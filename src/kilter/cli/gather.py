@@ -18,7 +18,7 @@ from kilter.errors import InputError, SolverError
 
 if TYPE_CHECKING:
     from kilter.analysis.check import Verdict
-    from kilter.analysis.region import Region
+    from kilter.analysis.regions.region import Region
     from kilter.assembly import Assembly
     from kilter.contact import ContactSet, Tolerance
     from kilter.show.answers import Answers, Balance, MapAnswer, Orientation
@@ -102,8 +102,8 @@ def _turned(
 ) -> tuple[Region | None, Orientation | None, bool]:
     """The stable region, the direction that is recommended, and whether none is, proved."""
     from kilter.analysis.check import check
-    from kilter.analysis.orientation import orient
-    from kilter.analysis.region import find_region
+    from kilter.analysis.regions.region import find_region
+    from kilter.analysis.turning.orientation import orient
 
     free = sum(not part.grounded for part in assembly.parts)
     if free > REGION_PARTS:
@@ -116,7 +116,7 @@ def _turned(
         if free <= NEAREST_PARTS:
             answer = orient(assembly, contacts, progress=tell)
             turned = check(assembly.with_down(answer.down), contacts=contacts, budget=budget)
-            from kilter.analysis.friction_region import FrictionRegion
+            from kilter.analysis.regions.friction_region import FrictionRegion
 
             region = None if isinstance(answer.region, FrictionRegion) else answer.region
             return region, _answered(turned, answer.sentence), answer.verdict == "none"
@@ -165,7 +165,7 @@ def _map(
     assembly: Assembly, contacts: ContactSet, tell: Tell, notes: list[str]
 ) -> MapAnswer | None:
     """The stability map with a motion a vertex, where it is small enough."""
-    from kilter.analysis.stability_map import stability_map
+    from kilter.analysis.turning.stability_map import stability_map
     from kilter.mechanics.program import build_program
     from kilter.show.answers import MapAnswer
 
@@ -191,7 +191,7 @@ def _map(
 def _motion(program: Any, found: Any, vertex: int) -> Array:
     """The displacement of LP (9) of least 2-norm in the middle of a partition, shape (N, 6)."""
     from kilter.analysis.displacement import find_displacement
-    from kilter.analysis.nearest import turned
+    from kilter.analysis.turning.nearest import turned
 
     nothing = np.zeros((len(program.names), 6))
     middle = found.partition(vertex).sum(axis=0)

@@ -30,12 +30,12 @@ from kilter.cli.options import (
 from kilter.cli.output import Progress, as_json, emit, keep_apart, tell_warnings
 from kilter.cli.reading import contact_tolerance, read_assembly, reading_of
 from kilter.cli.reading import fasten as join_touching
-from kilter.cli.text import LISTED, joint_rows, plain, table, vector
 from kilter.errors import InputError
+from kilter.tell.text import LISTED, joint_rows, plain, table, vector
 
 if TYPE_CHECKING:
-    from kilter.analysis.margin import Margin
-    from kilter.analysis.uncertainty import Ranges
+    from kilter.analysis.margins.margin import Margin
+    from kilter.analysis.margins.uncertainty import Ranges
 
 __all__ = ["margin", "margin_text"]
 
@@ -147,7 +147,7 @@ def margin(
     Limits are those of equilibrium forces: above them nothing holds, and the mechanism that
     starts there is named. Exit 0.
     """
-    from kilter.analysis.margin import find_margin
+    from kilter.analysis.margins.margin import find_margin
 
     keep_apart(file, output)
     if not (math.isfinite(budget) and budget >= 0):
@@ -183,7 +183,7 @@ def _ranges(
     normal_deg: float | None,
 ) -> Ranges | None:
     """The intervals that were asked about; None where none were."""
-    from kilter.analysis.uncertainty import Ranges
+    from kilter.analysis.margins.uncertainty import Ranges
 
     if mass is None and com is None and mu is None and normal_deg is None:
         return None
@@ -258,8 +258,8 @@ def _worst_rows(margin: Margin) -> list[list[str]]:
 
 
 def _moving(margin: Margin, limit: object) -> str:
-    from kilter.analysis.load_limit import Limit
-    from kilter.analysis.margin_answers import starting
+    from kilter.analysis.margins.load_limit import Limit
+    from kilter.analysis.margins.margin_answers import starting
     from kilter.errors import some
 
     if not isinstance(limit, Limit) or limit.mechanism is None:

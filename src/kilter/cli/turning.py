@@ -31,8 +31,8 @@ from kilter.cli.reading import fasten as join_touching
 from kilter.errors import InputError
 
 if TYPE_CHECKING:
-    from kilter.analysis.friction_region import FrictionRegion
-    from kilter.analysis.region import Region
+    from kilter.analysis.regions.friction_region import FrictionRegion
+    from kilter.analysis.regions.region import Region
 
 __all__ = ["orient", "region"]
 
@@ -77,7 +77,7 @@ def orient(
 
     Exit 0 found, 1 none exists (then the nearest to stable, and what moves there), 4 undecided.
     """
-    from kilter.analysis.friction_orientation import orient_with_friction as find
+    from kilter.analysis.turning.friction_orientation import orient_with_friction as find
 
     keep_apart(file, output)
     reading = reading_of(ground, floor, without, down, friction, units, density, fasten)
@@ -97,7 +97,7 @@ def orient(
     if json:
         emit(as_json(answer.to_dict()), output)
     else:
-        from kilter.cli.turning_text import orient_text
+        from kilter.tell.turning_text import orient_text
 
         emit(orient_text(answer), output)
     return {"found": 0, "none": 1, "undecided": 4}[answer.verdict]
@@ -135,8 +135,8 @@ def region(
     With friction, those for which forces that hold it exist, between rays inside and facets
     outside; --common leaves friction out.
     """
-    from kilter.analysis.friction_region import find_region_with_friction
-    from kilter.analysis.region import common_region
+    from kilter.analysis.regions.friction_region import find_region_with_friction
+    from kilter.analysis.regions.region import common_region
 
     if len(files) > 1 and not common:
         raise InputError(f"{len(files)} files are given", hint="add --common, or give one")
@@ -161,7 +161,7 @@ def region(
     if json:
         emit(as_json(answer.to_dict()), output)
     else:
-        from kilter.cli.turning_text import region_text
+        from kilter.tell.turning_text import region_text
 
         emit(region_text(answer), output)
     return 0

@@ -2,6 +2,6 @@
 
 from kilter.contact.contact_set import ContactSet, Tolerance
 from kilter.contact.detect import find_contacts
-from kilter.contact.fastening import fastened
+from kilter.contact.fits.fastening import fastened
 
 __all__ = ["ContactSet", "Tolerance", "fastened", "find_contacts"]

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kilter.contact.facets import Facets
-from kilter.geometry import Geometry
+from kilter.assembly.geometry import Geometry
+from kilter.contact.planar.facets import Facets
 
 __all__ = ["Boxes", "facet_pairs", "facets_in", "joins", "make_boxes", "part_pairs"]
 

@@ -17,7 +17,7 @@ from kilter.errors import some
 
 if TYPE_CHECKING:
     from kilter.assembly import Assembly
-    from kilter.contact.near import Touching
+    from kilter.contact.sharp.sharp_contacts import Touching
 
 __all__ = ["CLUSTER", "closed_by_clearance", "tolerance_warnings"]
 

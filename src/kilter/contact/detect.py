@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kilter.assembly import Assembly
+from kilter.assembly.geometry import Geometry
 from kilter.contact.broad import Boxes, facet_pairs, make_boxes, part_pairs
 from kilter.contact.closing import CLUSTER, closed_by_clearance, tolerance_warnings
 from kilter.contact.contact_set import (
@@ -20,16 +21,15 @@ from kilter.contact.contact_set import (
     Tolerance,
     joined,
 )
-from kilter.contact.curved import find_curved
-from kilter.contact.curved_patches import CurvedContacts, without_repeats
-from kilter.contact.facets import Facets, find_facets
-from kilter.contact.near import NearContacts, Touching, near_contacts
-from kilter.contact.overlap import find_overlaps
+from kilter.contact.curved.curved_contacts import find_curved
+from kilter.contact.curved.curved_patches import CurvedContacts, without_repeats
+from kilter.contact.curved.rims import rim_contacts
+from kilter.contact.fits.overlap import find_overlaps
 from kilter.contact.patches import merge
-from kilter.contact.planes import FacetFrame, Pieces, facet_frames, overlaps_of
-from kilter.contact.rims import rim_contacts
+from kilter.contact.planar.facets import Facets, find_facets
+from kilter.contact.planar.opposing import FacetFrame, Pieces, facet_frames, overlaps_of
+from kilter.contact.sharp.sharp_contacts import NearContacts, Touching, near_contacts
 from kilter.errors import InputError
-from kilter.geometry import Geometry
 
 __all__ = ["find_contacts"]
 
@@ -77,7 +77,7 @@ def find_contacts(
 
     Examples
     --------
-    >>> from kilter.shapes import Box
+    >>> from kilter.shape.primitives import Box
     >>> from kilter.assembly import Part
     >>> from kilter.rigid import Pose
     >>> table = Part("table", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)

@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kilter.contact.clip import tidy
-from kilter.contact.outline import convex_hull, width_of
-from kilter.contact.planes import FacetFrame, Pieces
+from kilter.contact.planar.clip import tidy
+from kilter.contact.planar.opposing import FacetFrame, Pieces
+from kilter.contact.planar.outline import convex_hull, width_of
 
 __all__ = ["Patches", "merge"]
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from kilter.shapes import Mesh
+from kilter.shape.primitives import Mesh
 
 __all__ = ["split_bodies"]
 
@@ -27,7 +27,7 @@ def split_bodies(mesh: Mesh) -> list[Mesh]:
 
     Examples
     --------
-    >>> from kilter.shapes import Box, surface
+    >>> from kilter.shape.primitives import Box, surface
     >>> vertices, faces = surface(Box([1, 1, 1]))
     >>> stacked = Mesh([*vertices, *(vertices + [0, 0, 1])], [*faces, *(faces + 8)])
     >>> [len(body.triangles) for body in split_bodies(stacked)]

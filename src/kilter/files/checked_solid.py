@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from kilter.closed import open_edges
+from kilter.assembly.geometry import polyhedron_moments
 from kilter.errors import InputError
-from kilter.geometry import polyhedron_moments
-from kilter.solid import Solid
+from kilter.shape.closed import open_edges
+from kilter.shape.solid import Solid
 
 __all__ = ["checked"]
 

@@ -21,7 +21,7 @@ from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
 from kilter.files.accuracy import text_accuracy
 from kilter.files.naming import natural_key
-from kilter.shapes import Mesh
+from kilter.shape.primitives import Mesh
 
 __all__ = ["from_compas", "is_compas"]
 

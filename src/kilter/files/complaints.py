@@ -7,8 +7,7 @@ import re
 import reprlib
 from typing import TYPE_CHECKING, Any
 
-from kilter.assembly import nearest_name
-from kilter.errors import InputError
+from kilter.errors import InputError, nearest_name
 
 if TYPE_CHECKING:
     from pydantic import BaseModel, ValidationError

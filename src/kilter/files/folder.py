@@ -19,8 +19,8 @@ from kilter.files.placed import scaled
 from kilter.files.step import SUFFIXES as STEP
 from kilter.files.step import StepSolids, read_step
 from kilter.rigid import Pose
-from kilter.shapes import Shape
-from kilter.solid import scaled_solid
+from kilter.shape.primitives import Shape
+from kilter.shape.solid import scaled_solid
 from kilter.units import metres_per_unit
 
 __all__ = ["load_folder"]

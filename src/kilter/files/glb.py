@@ -21,7 +21,7 @@ from kilter.files.accuracy import SINGLE
 from kilter.files.placed import joined, placed
 from kilter.files.strict_json import parse_json
 from kilter.rigid import quaternion_to_matrix
-from kilter.shapes import Mesh
+from kilter.shape.primitives import Mesh
 
 __all__ = ["read_glb"]
 

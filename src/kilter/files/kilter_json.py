@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kilter.assembly import Assembly, FrictionPair, GivenContact, Joint, Load, Part, nearest_name
-from kilter.errors import InputError
+from kilter.assembly import Assembly, FrictionPair, GivenContact, Joint, Load, Part
+from kilter.errors import InputError, nearest_name
 from kilter.files.checked_solid import checked
 from kilter.files.named_files import NamedFiles
 from kilter.rigid import Pose, frozen
-from kilter.shapes import Box, Cylinder, Mesh, Prism, Shape, Sphere
-from kilter.solid import Solid, Surface
+from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Shape, Sphere
+from kilter.shape.solid import Solid, Surface
 
 if TYPE_CHECKING:
     from kilter.files.models import AssemblyFile, PartEntry, SolidEntry

@@ -21,7 +21,7 @@ from kilter.files.obj import read_obj
 from kilter.files.raw import read_bytes
 from kilter.files.stl import read_stl
 from kilter.files.threemf import read_3mf
-from kilter.shapes import Mesh
+from kilter.shape.primitives import Mesh
 
 __all__ = ["SUFFIXES", "Solids", "load_meshes", "read_solids"]
 

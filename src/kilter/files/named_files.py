@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from kilter.errors import InputError
 from kilter.files.placed import joined, scaled
-from kilter.shapes import Mesh
-from kilter.solid import Solid, scaled_solid
+from kilter.shape.primitives import Mesh
+from kilter.shape.solid import Solid, scaled_solid
 from kilter.units import metres_per_unit
 
 if TYPE_CHECKING:

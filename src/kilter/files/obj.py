@@ -16,7 +16,7 @@ import numpy as np
 
 from kilter.errors import InputError
 from kilter.files.accuracy import text_accuracy
-from kilter.shapes import Mesh
+from kilter.shape.primitives import Mesh
 
 __all__ = ["read_obj"]
 

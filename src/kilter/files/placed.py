@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from kilter.shapes import Mesh
+from kilter.shape.primitives import Mesh
 
 __all__ = ["joined", "placed", "scaled"]
 

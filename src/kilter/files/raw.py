@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from kilter.assembly import nearest_name
-from kilter.errors import InputError
+from kilter.errors import InputError, nearest_name
 
 __all__ = ["read_bytes"]
 

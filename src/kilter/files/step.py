@@ -15,7 +15,7 @@ from kilter.assembly import Assembly, Part
 from kilter.errors import InputError, nearest_name, some_names
 from kilter.files.raw import read_bytes
 from kilter.rigid import Pose
-from kilter.solid import Solid, moved_solid
+from kilter.shape.solid import Solid, moved_solid
 
 __all__ = ["SUFFIXES", "StepSolids", "load_step", "read_step"]
 

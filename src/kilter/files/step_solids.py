@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kilter.assembly.geometry import polyhedron_moments
 from kilter.errors import InputError
 from kilter.files.checked_solid import checked
 from kilter.files.step_surfaces import face_surface, is_plain, points_of_face
-from kilter.geometry import polyhedron_moments
-from kilter.solid import Solid, Surface, facing, height
+from kilter.shape.solid import Solid, Surface, facing, height
 
 __all__ = ["read_solid"]
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kilter.solid import Surface, height
+from kilter.shape.solid import Surface, height
 
 __all__ = ["RECOGNISED", "face_surface", "is_plain", "points_of_face"]
 

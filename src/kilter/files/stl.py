@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from kilter.errors import InputError
 from kilter.files.accuracy import text_accuracy
-from kilter.shapes import Mesh
+from kilter.shape.primitives import Mesh
 
 __all__ = ["read_stl"]
 

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import block_diag, csc_array, eye_array, hstack, kron, vstack
 
-from kilter.mechanics.formulations import LinearProgram, Scaled
+from kilter.mechanics.forms import LinearProgram, Scaled
 
 __all__ = ["UncertainLoad", "affine_forces", "affine_imbalance"]
 

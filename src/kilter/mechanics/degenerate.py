@@ -2,7 +2,7 @@
 
 At a degenerate point p (a ridge on a ridge, a corner on an edge) a velocity v of part b
 relative to part a makes them enter each other to first order iff v.m < 0 for every extreme
-normal m of the planes that separate them there (`kilter.contact.spanning`). So a motion is
+normal m of the planes that separate them there (`kilter.contact.sharp.spanning`). So a motion is
 allowed at p iff its opening along at least one m is not below zero, and the allowed motions
 are a union of cones, one a choice of m at every point.
 

@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kilter.assembly import GROUND, Assembly, Joint
-from kilter.geometry import Geometry
+from kilter.assembly.geometry import Geometry
 from kilter.rigid import cross
 
 __all__ = ["JointRows", "carried", "carriers", "constraints", "joint_rows", "reference_point"]

@@ -24,8 +24,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from kilter.assembly import GROUND, Assembly
+from kilter.assembly.geometry import Geometry
 from kilter.contact.contact_set import ContactSet
-from kilter.geometry import Geometry
 from kilter.mechanics.joints import joint_rows
 from kilter.rigid import cross
 

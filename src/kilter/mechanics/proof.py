@@ -19,8 +19,8 @@ from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.errors import InputError
 from kilter.mechanics.certificate import ForceProof, MotionProof
-from kilter.mechanics.coulomb import LawProof
 from kilter.mechanics.joints import carried, reference_point
+from kilter.mechanics.law_check import LawProof
 from kilter.mechanics.program import CONTACT, JOINT, Program
 
 __all__ = ["FORMAT", "Evidence", "digest_of", "frame_of", "joints_of", "make_proof", "rows_of"]

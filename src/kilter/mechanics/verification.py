@@ -17,9 +17,9 @@ from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet, Tolerance
 from kilter.errors import InputError
 from kilter.mechanics.certificate import check_forces, check_motion, part_sizes
-from kilter.mechanics.coulomb import LawProof, check_law
 from kilter.mechanics.degenerate import allowed_program
 from kilter.mechanics.joints import carried, carriers
+from kilter.mechanics.law_check import LawProof, check_law
 from kilter.mechanics.program import CONTACT, JOINT, Program, build_program
 from kilter.mechanics.proof import FORMAT, digest_of, frame_of, joints_of, rows_of
 

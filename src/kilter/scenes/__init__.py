@@ -68,7 +68,7 @@ def scene(name: str) -> Assembly:
     kilter.errors.InputError: no scene is named 'towr'; did you mean 'tower'?
     """
     if name not in SCENES:
-        from kilter.assembly import nearest_name
+        from kilter.errors import nearest_name
 
         near = nearest_name(name, SCENES)
         hint = f"did you mean {near!r}?" if near else f"there are: {', '.join(SCENES)}"

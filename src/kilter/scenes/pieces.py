@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from kilter.assembly import Part
 from kilter.errors import InputError
 from kilter.rigid import Pose, unit
-from kilter.shapes import Box, Mesh, Prism
+from kilter.shape.primitives import Box, Mesh, Prism
 
 __all__ = ["block", "cells", "compose", "floor", "prism", "ring", "turn", "turned_parts"]
 

@@ -18,7 +18,7 @@ from kilter.errors import InputError
 from kilter.rigid import unit
 from kilter.scenes.pieces import block, floor, prism
 from kilter.scenes.wedges import behind, solid_mesh, solid_volume
-from kilter.shapes import BOX_CORNERS, BOX_QUADS, Mesh
+from kilter.shape.primitives import BOX_CORNERS, BOX_QUADS, Mesh
 
 __all__ = ["SIDES", "groove", "pit_wedges", "railed", "seats"]
 

@@ -9,7 +9,7 @@ import numpy as np
 from kilter.assembly import Assembly, FrictionPair, Part
 from kilter.rigid import Pose
 from kilter.scenes.pieces import floor, turn
-from kilter.shapes import Cylinder, Shape, Sphere
+from kilter.shape.primitives import Cylinder, Shape, Sphere
 
 __all__ = ["four_spheres", "three_cylinders"]
 

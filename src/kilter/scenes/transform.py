@@ -17,7 +17,7 @@ from kilter.assembly import GROUND, Assembly, Joint, Load, Part
 from kilter.errors import InputError
 from kilter.rigid import Pose, quaternion_to_matrix
 from kilter.scenes.pieces import compose, turn
-from kilter.shapes import Box, Cylinder, Mesh, Prism, Shape, Sphere, surface
+from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Shape, Sphere, surface
 
 __all__ = ["as_single", "moved", "permuted", "renamed", "scaled", "tilted"]
 

@@ -8,7 +8,7 @@ from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
 from kilter.rigid import Pose
 from kilter.scenes.pieces import block, cells, floor, prism
-from kilter.shapes import Mesh, surface
+from kilter.shape.primitives import Mesh, surface
 
 __all__ = [
     "bridge_on_slab",

@@ -17,7 +17,7 @@ from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
 from kilter.rigid import Pose
 from kilter.scenes.pieces import block
-from kilter.shapes import Box
+from kilter.shape.primitives import Box
 
 __all__ = [
     "bond",

@@ -13,7 +13,7 @@ from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
 from kilter.rigid import unit
 from kilter.scenes.pieces import block, floor, prism
-from kilter.shapes import BOX_CORNERS, BOX_QUADS, Mesh
+from kilter.shape.primitives import BOX_CORNERS, BOX_QUADS, Mesh
 
 __all__ = ["corner_boxes", "corner_wedges", "keystone"]
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kilter.rigid import quaternion_to_matrix
-from kilter.shapes import Box, surface
+from kilter.shape.primitives import Box, surface
 
 if TYPE_CHECKING:
     from kilter.assembly import Assembly
@@ -110,7 +110,7 @@ def feature_edges(vertices: Array, triangles: Index, crease: float = CREASE) -> 
 
     Examples
     --------
-    >>> from kilter.shapes import Box, surface
+    >>> from kilter.shape.primitives import Box, surface
     >>> len(feature_edges(*surface(Box([1, 2, 3]))))
     12
     """

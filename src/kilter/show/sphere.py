@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from kilter.analysis.region import Region
+    from kilter.analysis.regions.region import Region
 
 __all__ = ["draw_region"]
 

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
 from kilter.errors import SolverError
-from kilter.mechanics.formulations import LinearProgram
+from kilter.mechanics.forms import LinearProgram
 from kilter.solvers.linear import highs_model
 
 __all__ = ["BasicSolution", "CostModel"]

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kilter.errors import SolverError
-from kilter.mechanics.formulations import LinearProgram
+from kilter.mechanics.forms import LinearProgram
 from kilter.solvers.linear import highs_model
 
 __all__ = ["BoundedSolution", "BoundedSolver", "safe_bound"]

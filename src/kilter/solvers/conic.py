@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
-from kilter.mechanics.cones import ConicProgram
+from kilter.mechanics.coulomb_cones import ConicProgram
 
 __all__ = ["ConicSolution", "solve_conic"]
 

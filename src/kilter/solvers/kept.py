@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kilter.errors import SolverError
-from kilter.mechanics.formulations import LinearProgram
+from kilter.mechanics.forms import LinearProgram
 from kilter.solvers.linear import highs_model
 
 __all__ = ["KeptProgram", "KeptSolution"]

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kilter.errors import SolverError
-from kilter.mechanics.formulations import LinearProgram
+from kilter.mechanics.forms import LinearProgram
 
 __all__ = ["LinearSolution", "Method", "highs_model", "hipo_available", "optimum", "solve_linear"]
 

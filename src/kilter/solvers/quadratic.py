@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import block_array, csc_array, csc_matrix, diags_array, eye_array
 
-from kilter.mechanics.formulations import QuadraticProgram
+from kilter.mechanics.forms import QuadraticProgram
 
 __all__ = ["QuadraticSolution", "solve_quadratic"]
 

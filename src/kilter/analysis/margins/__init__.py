@@ -1,0 +1,1 @@
+"""By how much it stays: tilt, friction, loads and pushes."""

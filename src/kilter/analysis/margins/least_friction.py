@@ -1,0 +1,134 @@
+"""The least friction coefficient, the same at every contact, with which forces hold it.
+
+Equilibrium with mu implies equilibrium with more, so the least one is enclosed from both sides:
+forces in the cones of `upper`, a motion in the dual cones of `lower`; forces found also say
+how much friction they use. Where the least is approached but not attained (a block squeezed
+between two walls), it tends to zero as forces grow without bound.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.analysis.judge import judge
+from kilter.mechanics.certificate import ForceProof, MotionProof
+from kilter.mechanics.coulomb_cones import spread
+from kilter.mechanics.program import CONTACT, Program
+
+__all__ = ["LeastFriction", "find_least_friction"]
+
+Array = NDArray[np.float64]
+
+SMALLEST = 1e-7
+"""Coefficients below this count as zero: any friction holds."""
+TRIED = (1.0, 30.0, 1e3)
+"""Coefficients tried for a first one that holds."""
+LARGEST = TRIED[-1]
+"""Coefficients above this count as none that holds."""
+NEAR = 1e-8
+"""Relative width of the enclosure at which the search ends."""
+STEPS = 80
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LeastFriction:
+    """The least mu that holds, enclosed.
+
+    Attributes
+    ----------
+    value : float
+        The least coefficient that is proved to hold [-]; 0 where none is needed.
+    lower : float
+        A coefficient that is proved not to hold [-].
+    attained : bool
+        False where every mu above zero holds, but zero does not.
+    forces : ForceProof
+        Forces at `value`.
+    mechanism : MotionProof or None
+        The motion at `lower`; None where no friction is needed.
+    programs : int
+    """
+
+    value: float
+    lower: float
+    attained: bool
+    forces: ForceProof
+    mechanism: MotionProof | None
+    programs: int
+
+
+def find_least_friction(program: Program) -> LeastFriction | None:
+    """The least friction coefficient that holds the assembly; None where none does.
+
+    Examples
+    --------
+    >>> from kilter.scenes import stacks
+    >>> from kilter.contact import find_contacts
+    >>> from kilter.mechanics.program import build_program
+    >>> block = stacks.block_on_slope(20.0)
+    >>> found = find_least_friction(build_program(block, find_contacts(block)))
+    >>> round(float(found.value), 6), round(float(np.tan(np.radians(20))), 6)
+    (0.36397, 0.36397)
+    """
+    smooth = judge(program.frictionless)
+    if smooth.stable:
+        assert smooth.forces is not None
+        return LeastFriction(0.0, 0.0, True, smooth.forces, None, 1)
+    if not (program.kind == CONTACT).any():
+        return None
+    if not _sticks(program):
+        return None
+    start: ForceProof | None = None
+    lower, upper, mechanism = 0.0, LARGEST, smooth.motion
+    for upper in TRIED:
+        judged = judge(_with(program, upper))
+        if judged.stable:
+            start = judged.forces
+            break
+        lower = upper
+    if start is None:
+        return None
+    best = start
+    upper = min(upper, _used(program, best))
+    solved = 2
+    for _ in range(STEPS):
+        if upper <= SMALLEST:
+            return LeastFriction(0.0, 0.0, False, best, mechanism, solved)
+        if upper - lower <= NEAR * upper:
+            break
+        middle = np.sqrt(max(lower, SMALLEST / 10) * upper)
+        if upper < 2 * lower:
+            middle = 0.5 * (lower + upper)
+        judged = judge(_with(program, middle))
+        solved += 1
+        if judged.stable and judged.forces is not None:
+            best = judged.forces
+            upper = min(middle, _used(program, best))
+        elif judged.stable is False and judged.motion is not None:
+            mechanism, lower = judged.motion, middle
+        else:
+            break
+    return LeastFriction(upper, lower, True, best, mechanism, solved)
+
+
+def _with(program: Program, mu: float) -> Program:
+    """The program with one coefficient at every contact."""
+    return program.with_rows(mu=np.where(program.kind == CONTACT, mu, 0.0))
+
+
+def _sticks(program: Program) -> bool:
+    """Whether forces balance where friction has no limit, not even without a push."""
+    wide = spread(_with(program, LARGEST)).problem.program
+    across = np.arange(len(wide.part_a)) >= len(program.part_a)
+    return bool(judge(wide.with_rows(two_sided=wide.two_sided | across)).stable)
+
+
+def _used(program: Program, proof: ForceProof) -> float:
+    """The friction that forces use: the greatest |f_t| / f_n."""
+    rows = np.flatnonzero(program.kind == CONTACT)
+    along, across = proof.forces[rows], np.linalg.norm(proof.friction[rows], axis=1)
+    rubs = across > 0
+    return float((across[rubs] / along[rubs]).max(initial=0.0))

@@ -1,0 +1,138 @@
+"""How much more of a load it takes: a limit, with the forces and the mechanism at it.
+
+    max t:  J^T f + w + t d = 0,  f in Coulomb's cones
+
+One conic program; its multipliers are the motion that starts at the limit. This is the
+associative limit: equilibrium forces exist up to it. Above it nothing holds. Below it what
+holds is subject to what friction guarantees (`kilter.friction.answer`).
+
+References
+----------
+M. Gilbert, C. Casapulla, H. M. Ahmed, Limit analysis of masonry block structures with
+non-associative frictional joints using linear programming, 2006. M. C. Ferris, F. Tin-Loi,
+Limit analysis of frictional block assemblies as a mathematical program with complementarity
+constraints, 2001.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
+from kilter.mechanics.coulomb_cones import Spread, largest_load, spread
+from kilter.mechanics.program import Program
+
+__all__ = ["OUTSIDE", "UNLIMITED", "Limit", "find_limit", "with_more"]
+
+Array = NDArray[np.float64]
+
+TOLERANCES = (1e-10, 1e-12)
+"""Of the solver: the second where the mechanism of the first is too coarse to prove itself."""
+UNLIMITED = 1e6
+"""Shares of a load above this count as unlimited."""
+OUTSIDE = -1e-7
+"""A largest share below this says that none of a load is too little: it is not held as given."""
+STEPS = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5)
+"""How far above the limit a mechanism is proved, relative to it: the first that passes."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Limit:
+    """The largest share of a load, judged from both sides.
+
+    Attributes
+    ----------
+    value : float
+        t; infinite where unlimited, negative where only shares below 0 are held.
+    forces : ForceProof
+        Forces at the limit.
+    mechanism : MotionProof or None
+        The motion that starts there; None where unlimited.
+    gap : float
+        Relative distance between a share that is proved to be held and one that is proved
+        not to be; infinite where one of the proofs is missing.
+    """
+
+    value: float
+    forces: ForceProof
+    mechanism: MotionProof | None
+    gap: float
+
+
+def with_more(program: Program, wrench: Array, share: float) -> Program:
+    """The program with a share of further wrenches, shape (N, 6), on its parts."""
+    return program.with_rows(applied=program.applied + share * wrench)
+
+
+def find_limit(
+    program: Program, wrench: Array, *, wide: Spread | None = None, most: float = UNLIMITED
+) -> Limit | None:
+    """The largest share of further wrenches that contacts can hold; None: no share is held.
+
+    It may be negative, and where it is not, a share of 0 need not be held: the shares that are
+    held are an interval, of which this is the upper end.
+
+    Parameters
+    ----------
+    program : Program
+        With its own load.
+    wrench : ndarray, shape (N, 6)
+        Force [N] and torque about the centre of mass [N x length unit] on each part.
+    wide : Spread, optional
+        ``spread(program)``, where it is at hand.
+    most : float
+        Shares looked at.
+
+    Examples
+    --------
+    >>> from kilter.scenes import stacks
+    >>> from kilter.contact import find_contacts
+    >>> from kilter.mechanics.program import build_program
+    >>> block = stacks.block_on_slope(0.0, friction=0.5)
+    >>> program = build_program(block, find_contacts(block))
+    >>> aside = np.zeros((2, 6))
+    >>> aside[1, 0] = program.weight[1]
+    >>> round(find_limit(program, aside).value, 9)
+    0.5
+    """
+    wide = wide or spread(program)
+    best: Limit | None = None
+    for tolerance in TOLERANCES:
+        found = _limit_at(program, wide, wrench, most, tolerance)
+        if found is not None and (best is None or found.gap < best.gap):
+            best = found
+        if found is None or found.gap < np.inf:
+            break
+    return best
+
+
+def _limit_at(
+    program: Program, wide: Spread, wrench: Array, most: float, tolerance: float
+) -> Limit | None:
+    """The limit that the solver finds at one tolerance, judged."""
+    from kilter.solvers.conic import solve_conic
+
+    problem = wide.problem
+    answer = solve_conic(largest_load(wide, wrench, most), tolerance=tolerance)
+    if answer.outcome == "infeasible" or not np.isfinite(answer.x).all():
+        return None
+    value = float(answer.x[-1])
+    at_limit = with_more(program, wrench, value)
+    forces = check_forces(at_limit, *wide.decoded(answer.x[:-1]))
+    if not forces.holds:
+        return None
+    if value >= most * (1 - STEPS[-1]):
+        return Limit(np.inf, forces, None, 0.0)
+    multipliers = answer.multipliers[: len(problem.right)]
+    motion = problem.motion(problem.over_weight(multipliers))
+    beyond, gap = check_motion(at_limit, motion), np.inf
+    for step in STEPS:
+        share = value + step * max(abs(value), 1.0)
+        beyond = check_motion(with_more(program, wrench, share), motion)
+        if beyond.holds:
+            gap = step
+            break
+    return Limit(value, forces, beyond, gap)

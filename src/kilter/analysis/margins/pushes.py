@@ -1,0 +1,163 @@
+"""How hard a part can be pushed before nothing holds: in a direction, and in its weakest.
+
+The forces F at its centre of mass with which an equilibrium exists are a convex set around 0
+(where it is in balance without a push). In a direction e the limit is one conic program, max
+t with F = t e; its mechanism gives a supporting plane of the set. The weakest push is the
+distance from 0 to the boundary: the hull of the limits found so far lies inside the set, the
+planes outside, and the direction of the hull's nearest facet is tried next, until both agree.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.analysis.margins.load_limit import OUTSIDE, Limit, find_limit
+from kilter.mechanics.coulomb_cones import Spread, spread
+from kilter.mechanics.program import Program
+
+__all__ = ["Push", "find_push", "find_weakest_push"]
+
+Array = NDArray[np.float64]
+
+UNLIMITED = 1e6
+"""Pushes above this many weights of all parts count as unlimited."""
+SAME = 1e-6
+"""Hull and planes agree when their distances do to this part."""
+PROGRAMS = 80
+"""Programs a part after which the search ends with the gap that is left."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Push:
+    """A push that a part just resists.
+
+    Attributes
+    ----------
+    part : str
+    direction : ndarray, shape (3,)
+        Unit.
+    force : float
+        [N]; infinite where unlimited.
+    lower : float
+        A push that is resisted in every direction, for the weakest one [N].
+    limit : Limit
+        Forces and mechanism there.
+    programs : int
+    """
+
+    part: str
+    direction: Array
+    force: float
+    lower: float
+    limit: Limit
+    programs: int
+
+
+def find_push(
+    program: Program, part: int, direction: Array, *, wide: Spread | None = None
+) -> Push | None:
+    """The largest push at the centre of mass in a direction; None: not in balance without it.
+
+    Parameters
+    ----------
+    part : int
+        A free part, by position.
+    direction : array_like, shape (3,)
+    """
+    direction = np.asarray(direction, dtype=np.float64)
+    direction = direction / float(np.linalg.norm(direction))
+    wrench = np.zeros((len(program.names), 6))
+    weight = float(program.weight[program.free].sum())
+    wrench[part, :3] = weight * direction
+    limit = find_limit(program, wrench, wide=wide, most=UNLIMITED)
+    if limit is None or limit.value < OUTSIDE:
+        return None
+    force = max(limit.value, 0.0) * weight
+    return Push(program.names[part], direction, force, force, limit, 1)
+
+
+def find_weakest_push(program: Program, part: int, *, wide: Spread | None = None) -> Push | None:
+    """The least push at the centre of mass that sets something in motion.
+
+    Examples
+    --------
+    >>> from kilter.scenes import stacks
+    >>> from kilter.contact import find_contacts
+    >>> from kilter.mechanics.program import build_program
+    >>> cube = stacks.block_on_slope(0.0, friction=0.3)
+    >>> found = find_weakest_push(build_program(cube, find_contacts(cube)), 1)
+    >>> round(found.force / 9810, 4)  # sliding up a little: mu / sqrt(1 + mu^2)
+    0.2873
+    """
+    wide = wide or spread(program)
+    best: Push | None = None
+    points, normals, reach = [], [], []
+    queue = list(_first(program.planar))
+    programs = 0
+    weight = float(program.weight[program.free].sum())
+    cap = UNLIMITED * weight
+    while queue and programs < PROGRAMS:
+        push = find_push(program, part, queue.pop(0), wide=wide)
+        programs += 1
+        if push is None:
+            return None
+        points.append(min(push.force, cap) * push.direction)
+        normal, distance = _plane(program, part, push)
+        normals.append(normal)
+        reach.append(distance)
+        if best is None or distance < best.force:
+            best = Push(push.part, normal, distance, 0.0, push.limit, programs)
+        if not queue:
+            inner, toward = _nearest_facet(np.array(points), program.planar)
+            done = inner >= best.force * (1 - SAME) or best.force >= cap * (1 - SAME)
+            best = Push(
+                best.part, best.direction, best.force, min(inner, best.force), best.limit, programs
+            )
+            if not done and toward is not None:
+                queue.append(toward)
+    if best is not None and best.force >= cap * (1 - SAME):
+        return Push(best.part, best.direction, np.inf, np.inf, best.limit, programs)
+    return best
+
+
+def _first(planar: bool) -> Array:
+    """Directions looked at first: axes and diagonals."""
+    steps = (-1.0, 0.0, 1.0)
+    grid = [[x, y, z] for x in steps for y in ((0.0,) if planar else steps) for z in steps]
+    vectors = np.array([v for v in grid if any(v)])
+    return np.asarray(vectors / np.linalg.norm(vectors, axis=1)[:, None])
+
+
+def _plane(program: Program, part: int, push: Push) -> tuple[Array, float]:
+    """Unit normal and distance of the plane beyond which the mechanism gains power."""
+    mechanism = push.limit.mechanism
+    if mechanism is None:
+        return push.direction, push.force
+    step = mechanism.motion[part, :3]
+    size = float(np.linalg.norm(step))
+    if size == 0.0:
+        return push.direction, push.force
+    distance = -float((program.load * mechanism.motion).sum()) / size
+    # where the plane is no support (its motion too coarse), the limit itself bounds
+    if not 0.0 <= distance <= push.force * (1 + SAME):
+        return push.direction, push.force
+    return step / size, distance
+
+
+def _nearest_facet(points: Array, planar: bool) -> tuple[float, Array | None]:
+    """Least distance from 0 of the facets of the hull, and the normal there."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    flat = points[:, [0, 2]] if planar else points
+    try:
+        hull = ConvexHull(flat / np.abs(flat).max())
+    except (QhullError, ValueError):
+        return 0.0, None  # flat: some direction is not resisted at all
+    equations = hull.equations
+    k = int((-equations[:, -1]).argmin())
+    distance = max(float(-equations[k, -1]) * float(np.abs(flat).max()), 0.0)
+    normal = equations[k, :-1]
+    return distance, np.array([normal[0], 0.0, normal[1]]) if planar else normal

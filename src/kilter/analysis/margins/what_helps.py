@@ -1,0 +1,211 @@
+"""What would raise a margin most: hold a part, more friction at a contact, other masses.
+
+At a limit t, with the forces f and the mechanism m there (b + t d is the load, power 0):
+
+    another load               t' = -(dw.m) / (d.m)
+    the mass of part i         t' = -(w_i + t d_i).m_i / (d.m)          per share of it
+    friction at a contact      t' = sum of f_n |u_t| over its points / (d.m)      per unit of mu
+
+u_t is the velocity at which the mechanism slides there. These are the derivatives where the
+mechanism is the only one, and else no less than them. Holding a part ends every mechanism in
+which it moves: the parts that drive it most are held in turn, and the margin found anew.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.analysis.margins.load_limit import Limit, find_limit
+from kilter.analysis.margins.tilt import TiltMargin, find_tilt_margin, gravity_wrench
+from kilter.mechanics.certificate import part_sizes
+from kilter.mechanics.program import CONTACT, Program
+
+__all__ = ["Help", "what_helps"]
+
+Array = NDArray[np.float64]
+
+HELD = 4
+"""Parts that are held in turn."""
+FEW = 20
+"""Free parts above which none is."""
+NOTHING = 1e-6
+"""Gains below this, in degrees or weights, are none."""
+MOVES = 1e-6
+"""A part moves in a mechanism where it is faster than this part of the fastest."""
+MORE_FRICTION = 0.1
+"""Of mu, in words."""
+MORE_MASS = 0.1
+"""Share of a mass, in words."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Help:
+    """One change that raises a margin.
+
+    Attributes
+    ----------
+    of : {"tilt", "load factor"}
+    what : {"hold", "friction", "mass"}
+    parts : tuple of str
+        The part, or the two parts of the contact.
+    gain : float
+        [deg] of tilt (a margin ends at a right angle), or of the load factor [-]: in all where
+        a part is held, infinite where no factor is then too large; per unit of mu; per share of
+        the mass, negative where less mass helps.
+    sentence : str
+    """
+
+    of: Literal["tilt", "load factor"]
+    what: Literal["hold", "friction", "mass"]
+    parts: tuple[str, ...]
+    gain: float
+    sentence: str
+
+
+def what_helps(
+    program: Program, tilt: TiltMargin | None, factor: Limit | None, push: Array | None
+) -> tuple[Help, ...]:
+    """The best of each kind for the tilt margin, where there is one, else for the load factor.
+
+    Parameters
+    ----------
+    tilt : TiltMargin or None
+    factor : Limit or None
+        Greatest load factor.
+    push : ndarray, shape (3,), or None
+        The direction that it is of; None: of given loads.
+
+    Examples
+    --------
+    >>> from kilter.scenes import stacks
+    >>> from kilter.contact import find_contacts
+    >>> block = stacks.block_on_slope(0.0, friction=0.5)
+    >>> from kilter.mechanics.program import build_program
+    >>> program = build_program(block, find_contacts(block))
+    >>> [one.what for one in what_helps(program, find_tilt_margin(program), None, None)]
+    ['hold', 'friction']
+    """
+    if tilt is not None and tilt.angle < np.pi / 2:
+        start = program.gravity / float(np.linalg.norm(program.gravity))
+        aside = tilt.down / float(tilt.down @ start) - start
+        size = float(np.linalg.norm(aside))
+        if size < NOTHING:
+            return ()
+        along = gravity_wrench(program, aside / size)
+        limit = find_limit(program, along)
+        slope = float(np.degrees(np.cos(tilt.angle) ** 2))
+        return _helps(program, limit, along, True, slope, "tilt")
+    if factor is None:
+        return ()
+    if push is not None:
+        return _helps(program, factor, gravity_wrench(program, push), True, 1.0, "load factor")
+    base = program.with_rows(applied=np.zeros_like(program.applied))
+    return _helps(base, factor, program.applied, False, 1.0, "load factor")
+
+
+def _helps(
+    program: Program,
+    limit: Limit | None,
+    along: Array,
+    by_mass: bool,
+    slope: float,
+    of: Literal["tilt", "load factor"],
+) -> tuple[Help, ...]:
+    """The best of each kind; `along` grows with the masses where `by_mass`."""
+    if limit is None or limit.mechanism is None or not np.isfinite(limit.value):
+        return ()
+    motion = limit.mechanism.motion
+    pace = float((along * motion).sum())
+    if pace <= 0:
+        return ()
+    weight = program.load - program.applied + (limit.value * along if by_mass else 0.0)
+    power = np.where(program.free, (weight * motion).sum(axis=1), 0.0)
+    found = [
+        _hold(program, limit, along, motion, power, of),
+        _friction(program, limit, motion, slope / pace, of),
+        _mass(program, -power * slope / pace, of),
+    ]
+    return tuple(one for one in found if one is not None)
+
+
+def _words(of: str, gain: float) -> str:
+    return f"{gain:.3g} degrees" if of == "tilt" else f"{gain:.3g} of the load factor"
+
+
+def _hold(
+    program: Program,
+    limit: Limit,
+    along: Array,
+    motion: Array,
+    power: Array,
+    of: Literal["tilt", "load factor"],
+) -> Help | None:
+    """The part that gains most when it is held, of those that drive the mechanism most."""
+    if int(program.free.sum()) > FEW:
+        return None
+    size = part_sizes(program, motion, per_radius=False)
+    moving = np.flatnonzero(program.free & (size > MOVES * size.max()))
+    best: tuple[float, int] | None = None
+    for k in moving[np.argsort(-power[moving], kind="stable")][:HELD]:
+        gain = _gain_of_holding(program, int(k), limit, along, of)
+        if best is None or gain > best[0]:
+            best = gain, int(k)
+    if best is None or best[0] <= NOTHING:
+        return None
+    name, more = program.names[best[1]], _words(of, best[0])
+    words = f"hold {name!r}: it adds {more}"
+    if np.isinf(best[0]):
+        words = f"hold {name!r}: then no factor is too large"
+    return Help(of, "hold", (name,), best[0], words)
+
+
+def _gain_of_holding(program: Program, part: int, limit: Limit, along: Array, of: str) -> float:
+    free = program.free.copy()
+    free[part] = False
+    held = program.with_rows(free=free)
+    if of == "tilt":
+        found = find_tilt_margin(held) if free.any() else None
+        after = np.pi / 2 if not free.any() else 0.0 if found is None else found.angle
+        return float(np.degrees(after - np.arctan(limit.value)))
+    if not free.any():
+        return np.inf
+    again = find_limit(held, along * free[:, None])
+    return 0.0 if again is None else again.value - limit.value
+
+
+def _friction(
+    program: Program,
+    limit: Limit,
+    motion: Array,
+    scale: float,
+    of: Literal["tilt", "load factor"],
+) -> Help | None:
+    """The contact, a pair of parts, at which more friction gains most."""
+    rows = np.flatnonzero(program.kind == CONTACT)
+    slip = np.linalg.norm(program.slips(motion, rows), axis=1)
+    gain = limit.forces.forces[rows] * slip * scale
+    pairs = np.column_stack([program.part_a[rows], program.part_b[rows]])
+    each, number = np.unique(pairs, axis=0, return_inverse=True)
+    total = np.bincount(number.ravel(), gain, minlength=len(each))
+    if not len(total) or total.max() <= NOTHING:
+        return None
+    k = int(total.argmax())
+    a, b = (program.names[p] for p in each[k])
+    more = _words(of, MORE_FRICTION * float(total[k]))
+    words = f"friction between {a!r} and {b!r}: {MORE_FRICTION:g} more adds about {more}"
+    return Help(of, "friction", (a, b), float(total[k]), words)
+
+
+def _mass(program: Program, gain: Array, of: Literal["tilt", "load factor"]) -> Help | None:
+    """The part whose mass matters most."""
+    k = int(np.abs(gain).argmax())
+    if abs(gain[k]) <= NOTHING:
+        return None
+    name, share = program.names[k], f"{100 * MORE_MASS:g} percent"
+    less = "heavier" if gain[k] > 0 else "lighter"
+    more = _words(of, MORE_MASS * abs(float(gain[k])))
+    return Help(of, "mass", (name,), float(gain[k]), f"{name!r} {share} {less}: about {more} more")

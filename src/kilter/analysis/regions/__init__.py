@@ -1,0 +1,1 @@
+"""Every direction of gravity for which an assembly stays."""

@@ -1,0 +1,169 @@
+"""The support of a cone that is the projection of another: one kept linear program.
+
+    max c.g :  A f + B g = 0,  f >= 0 on one-sided columns,  g cut off at a length of about 1
+
+Where it is 0, the multipliers z of the rows are the witness: A^T z >= 0 with B^T z = c.
+
+Rounded data. A price on imbalance, A f + B g = s with cost P |s|, limits the witnesses: those
+larger than P do not count. And two plates that are parallel but for rounding would jam a part
+between them with forces of the inverse of that rounding: forces over 1e6 weights, or over a
+tenth of the inverse of the tolerance, are asked for again with a small price on force, which
+is to say that witnesses with A^T z as little below 0 as that price count.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array, diags_array, eye_array, hstack, vstack
+
+from kilter.analysis.regions.growth import Reach
+from kilter.mechanics.certificate import RATIO
+from kilter.mechanics.forms import LinearProgram
+from kilter.mechanics.program import TOLERANCE
+
+if TYPE_CHECKING:
+    from kilter.solvers.kept import KeptSolution
+
+__all__ = ["NOTHING", "ConeOracle"]
+
+Array = NDArray[np.float64]
+
+FORCE_PRICES = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0)
+"""Of the force of one weight where forces jam, over the tolerance; the lowest that frees."""
+NOTHING = 1e-3
+"""Optima shorter than this are no direction: the cone is cut off at a length of about 1."""
+FAR = 10.0
+"""Where the cone is cut off across an axis, no point of it is longer than this along x, y, z."""
+
+
+class ConeOracle:
+    """The support of {g : exists f: A f + B g = 0}, one kept linear program.
+
+    Parameters
+    ----------
+    matrix : csc_array, shape (m, n)
+        A
+    loads : csc_array, shape (m, d)
+        B
+    two_sided : ndarray of bool, shape (n,)
+        Which f may be negative.
+    price : float or None
+        Of a unit of imbalance in any row; None: no imbalance.
+    tolerance : float
+        Of the data [-]: forces of a tenth of its inverse, over the weight, jam.
+    spread : float
+        Heaviest part over the lightest: what a light one may have to carry [-].
+
+    Examples
+    --------
+    >>> from scipy.sparse import csc_array, eye_array
+    >>> quadrant = ConeOracle(-eye_array(2).tocsc(), eye_array(2).tocsc(), np.zeros(2, bool), None)
+    >>> quadrant.support(np.array([-0.8, -0.6])).angle
+    0.0
+    >>> quadrant.support(np.array([1.0, 0.0])).point
+    array([ 1., -0.])
+    """
+
+    def __init__(
+        self,
+        matrix: csc_array,
+        loads: csc_array,
+        two_sided: NDArray[np.bool_],
+        price: float | None,
+        tolerance: float = TOLERANCE,
+        spread: float = 1.0,
+    ) -> None:
+        from kilter.solvers.kept import KeptProgram
+
+        self.dimension = loads.shape[1]
+        self._rows, self._forces = matrix.shape
+        size = np.zeros(self._forces)
+        for column in range(self._forces):
+            entries = matrix.data[matrix.indptr[column] : matrix.indptr[column + 1]]
+            size[column] = np.abs(entries).max(initial=0.0)
+        # forces over the weight of the lighter part they act on
+        self._size = np.where(size > 0, size, 1.0)
+        self._pushes = np.flatnonzero(~two_sided)
+        self._tolerance = tolerance
+        # exact data jam by rounding alone, far beyond what any part may have to carry
+        self._jam = 0.1 / tolerance if tolerance > TOLERANCE else RATIO * spread
+        self._columns = np.arange(self._forces, self._forces + self.dimension)
+        self._kept = KeptProgram(self._program(matrix, loads, two_sided, price))
+
+    def _program(
+        self,
+        matrix: csc_array,
+        loads: csc_array,
+        two_sided: NDArray[np.bool_],
+        price: float | None,
+    ) -> LinearProgram:
+        """Columns f, g and imbalance; rows of equilibrium and the one that cuts g off."""
+        rows, count, d = self._rows, self._forces, self.dimension
+        slack = 0 if price is None else rows
+        blocks = [matrix @ diags_array(1 / self._size), loads]
+        if slack:
+            blocks += [eye_array(rows), -eye_array(rows)]
+        # entries that are to change are stored as ones: the row is slack until `focus`
+        last = [csc_array((1, count)), csc_array(np.ones((1, d))), csc_array((1, 2 * slack))]
+        body = vstack([hstack(blocks), hstack(last[: 2 + bool(slack)])], format="csc")
+        ones, none = np.ones(d), np.zeros(2 * slack)
+        return LinearProgram(
+            cost=np.concatenate([np.zeros(count + d), none + (price or 0.0)]),
+            matrix=body,
+            row_lower=np.append(np.zeros(rows), -np.inf),
+            row_upper=np.append(np.zeros(rows), float(d)),
+            lower=np.concatenate([np.where(two_sided, -np.inf, 0.0), -ones, none]),
+            upper=np.concatenate([np.full(count, np.inf), ones, none + np.inf]),
+        )
+
+    @property
+    def programs(self) -> int:
+        """How many linear programs were solved."""
+        return self._kept.solves
+
+    def support(self, direction: Array) -> Reach:
+        """How far the cone reaches in a unit direction."""
+        self._kept.change_cost(self._columns, -direction)
+        found = self._kept.solve()
+        for share in FORCE_PRICES:
+            if not self._jams(found):
+                break
+            price = np.full(len(self._pushes), share * self._tolerance)
+            self._kept.change_cost(self._pushes, price)
+            found = self._kept.solve()
+            self._kept.change_cost(self._pushes, np.zeros(len(self._pushes)))
+        return self._reach(direction, found)
+
+    def _jams(self, found: KeptSolution) -> bool:
+        """Whether the forces are so large that only the rounding of the data holds them."""
+        size = float(np.linalg.norm(found.x[self._columns]))
+        largest = float(np.abs(found.x[: self._forces]).max(initial=0.0))
+        return largest > size * self._jam
+
+    def _reach(self, direction: Array, found: KeptSolution) -> Reach:
+        g = found.x[self._columns]
+        length = float(np.linalg.norm(g))
+        witness = -found.multipliers[: self._rows]
+        if length < NOTHING:
+            return Reach(0.0, np.zeros(len(g)), np.zeros(self._forces), witness)
+        forces = found.x[: self._forces] / self._size / length
+        return Reach(max(float(direction @ g) / length, 0.0), g / length, forces, witness)
+
+    def focus(self, axis: Array) -> None:
+        """Cut the cone off across this axis, at a length of 1 along it."""
+        self._kept.change_row(self._rows, self._columns, axis * self.dimension)
+        far = np.full(self.dimension, FAR)
+        self._kept.change_bounds(self._columns, -far, far)
+
+    def forces(self, direction: Array) -> Array:
+        """Forces that balance a direction of the cone as well as they can, shape (n,)."""
+        self._kept.change_cost(self._columns, np.zeros(self.dimension))
+        self._kept.change_bounds(self._columns, direction, direction)
+        found = self._kept.solve()
+        far = np.full(self.dimension, FAR)
+        self._kept.change_bounds(self._columns, -far, far)
+        forces: Array = found.x[: self._forces] / self._size
+        return forces

@@ -1,0 +1,342 @@
+"""Every direction of gravity that forces in Coulomb's cones can hold, between two polyhedra.
+
+    C = {g : exists f in K:  J^T f + W g = 0},   W g = (m_i g, 0)_i
+
+is a convex cone; its boundary is round. One conic program projects a direction v onto it,
+
+    min 1/2 |g - v|^2:  A f + B g = 0,  f in K
+
+and where v is outside, it brings both: the ray g, with forces that prove it, and the facet
+n = v - g, n.g' <= 0 for all g' of C, with a motion that proves it (Moreau: v is the sum of its
+projections onto C and onto its polar cone; n is a sum of m_i dr_i of a motion in the dual cones).
+
+The facets bound C from outside, the rays from inside. Each extreme ray v of the outer cone is
+projected; where it is farther from C than half the gap that is asked for, its facet cuts it off.
+The greatest angle that remains is the gap. The planes x = 0, y = 0, z = 0 divide the outer cone,
+so that its edges span at most a right angle whatever the kind: on an edge between v_1 and v_2,
+at an angle e from one another, no direction is farther from C than
+
+    asin(max(sin d_1, sin d_2) / cos(e / 2))
+
+and within the outer cone none is farther than one of its edges. In a plane each cone of friction
+has two rays, so C is polyhedral and found exactly (`kilter.analysis.regions.stable_cone`).
+
+What a direction of C has is forces that hold it. Whether it must stay there is another
+question (`kilter.friction.answer`).
+
+References
+----------
+R. Mattikalli, D. Baraff, P. Khosla, Finding all stable orientations of assemblies with
+friction, IEEE Transactions on Robotics and Automation 12, 1996.
+J. Moreau, Decomposition orthogonale d'un espace hilbertien selon deux cones mutuellement
+polaires, 1962.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kilter.analysis.judge import judge
+from kilter.analysis.margins.tilt import gravity_wrench
+from kilter.analysis.regions.polyhedral_cone import Cone, make_cone
+from kilter.analysis.regions.spherical import cone_around, edges_of, extreme_rays
+from kilter.analysis.regions.stable_cone import stable_cone
+from kilter.errors import InputError
+from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
+from kilter.mechanics.coulomb_cones import Spread, gathered, nearest_load, pyramid, spread
+from kilter.mechanics.program import Program
+
+__all__ = ["GAP_DEG", "FrictionCone", "friction_cone"]
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+GAP_DEG = 0.1
+"""How far apart the inner and the outer cone may be, where not given [deg]."""
+NOTHING = 1e-6
+"""Projections of unit vectors shorter than this are none."""
+INSIDE = 1e-7
+"""Directions that move by less than this when projected are inside [rad]."""
+PULLED = (0.0, 1e-8, 1e-7, 1e-6, 1e-5)
+"""Rays are moved inwards by so much until forces prove them."""
+BEYOND = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4)
+"""Angles beyond a facet at which its motion is asked to prove it [rad]."""
+FARTHER = (1e-4, 3e-4, 6e-4)
+"""The same for a motion that is sought anew [rad]."""
+SHARP = 1e-12
+"""Gap and feasibility asked for: a motion proves a facet as near as its violation is small."""
+SHARES = (0.5, 0.25, 0.1)
+"""Parts of the gap that extreme rays of the outer cone may be away, in turn."""
+PROGRAMS = 600
+"""Conic programs after which the search ends with the gap that is left."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FrictionCone:
+    """The directions of gravity with forces of equilibrium, enclosed.
+
+    Attributes
+    ----------
+    inner : Cone
+        Every direction in it is held, by sums of the forces of its rays.
+    facets : ndarray, shape (f, 3)
+        Unit inward normals of the outer cone: beyond one of them nothing is held.
+    gap : float
+        No direction of the outer cone is farther from the inner one [rad]; 0 where exact.
+    exact : bool
+    forces : tuple of (ndarray, ForceProof)
+        Rays, and what proves them.
+    motions : tuple of (ndarray, MotionProof)
+        Facets, and motions for directions at most `slack` beyond.
+    slack : float
+        [rad], part of `gap`.
+    programs : int
+    """
+
+    inner: Cone
+    facets: Array
+    gap: float
+    exact: bool
+    forces: tuple[tuple[Array, ForceProof], ...]
+    motions: tuple[tuple[Array, MotionProof], ...]
+    slack: float
+    programs: int
+
+    def held(self, directions: ArrayLike) -> Mask:
+        """Whether directions, shape (..., 3), are in the inner cone: proved to be held."""
+        return self.inner.contains(directions)
+
+    def excluded(self, directions: ArrayLike) -> Mask:
+        """Whether directions are beyond a facet: proved not to be held."""
+        given = np.asarray(directions, dtype=np.float64)
+        unit = given / np.linalg.norm(given, axis=-1, keepdims=True)
+        beyond = -(unit @ self.facets.T).min(axis=-1, initial=np.inf)
+        outside: Mask = beyond > np.sin(self.slack)
+        if self.exact:
+            outside = ~self.inner.contains(unit)
+        return outside
+
+
+def friction_cone(
+    program: Program, *, gap_deg: float = GAP_DEG, progress: Callable[[str], None] | None = None
+) -> FrictionCone:
+    """The directions of gravity that contacts with friction can hold.
+
+    Parameters
+    ----------
+    program : Program
+        Its own gravity gives the size of the forces.
+    gap_deg : float
+        [deg]; ends earlier, with the gap that is left, after `PROGRAMS` programs.
+    progress : callable, optional
+
+    Raises
+    ------
+    InputError
+        If loads are given: the set is then no cone.
+
+    Examples
+    --------
+    >>> from kilter.scenes import stacks
+    >>> from kilter.contact import find_contacts
+    >>> from kilter.mechanics.program import build_program
+    >>> block = stacks.block_on_slope(0.0, friction=0.5)
+    >>> found = friction_cone(build_program(block, find_contacts(block)))
+    >>> found.inner.kind, bool(found.gap < np.radians(0.1))
+    ('cone', True)
+    """
+    if program.applied[program.free].any():
+        raise InputError(
+            "loads are given: what they hold depends on the size of gravity, so the directions"
+            " that are held are no cone",
+            hint="leave the loads out, or ask check for one direction",
+        )
+    if program.planar or not program.mu.any() or not program.free.any():
+        return _exact(program, progress)
+    search = _Search(program, progress)
+    for share in SHARES:
+        while search.cut(share * np.radians(gap_deg)):
+            pass
+        found = search.answer()
+        if found.gap <= np.radians(gap_deg):
+            break
+    return found
+
+
+def _exact(program: Program, progress: Callable[[str], None] | None) -> FrictionCone:
+    rays = pyramid(program, 2)
+    found = stable_cone(rays, progress=progress)
+    forces, motions = [], []
+    for proof in found.proofs:
+        turned = _toward(program, proof.down)
+        certificate = proof.certificate
+        if isinstance(certificate, ForceProof):
+            own = check_forces(turned, *gathered(program, rays, certificate.forces))
+            forces.append((proof.down, own))
+        else:
+            motions.append((proof.vector, check_motion(turned, certificate.motion)))
+    return FrictionCone(
+        found.cone, found.cone.facets, 0.0, True, tuple(forces), tuple(motions), 0.0, found.programs
+    )
+
+
+def _toward(program: Program, down: Array) -> Program:
+    return program.with_rows(gravity=down * float(np.linalg.norm(program.gravity)))
+
+
+class _Search:
+    """Rays inside, facets outside, and the extreme rays of the outer cone that were projected."""
+
+    def __init__(self, program: Program, progress: Callable[[str], None] | None) -> None:
+        self.program, self.progress = program, progress
+        self.wide: Spread = spread(program)
+        self.axes = np.array([gravity_wrench(program, axis) for axis in np.eye(3)])
+        self.rays: list[tuple[Array, ForceProof]] = []
+        self.facets: list[tuple[Array, MotionProof]] = []
+        self.slack = 0.0
+        self.seen = np.empty((0, 3))
+        self.angle = np.empty(0)
+        self.between: list[tuple[Array, MotionProof] | None] = []
+        self.programs = 0
+
+    @property
+    def normals(self) -> Array:
+        """Outward normals, shape (f, 3)."""
+        return np.array([normal for normal, _ in self.facets]).reshape(-1, 3)
+
+    def cut(self, most: float) -> bool:
+        """Cut off every extreme ray of the outer cone farther than this; whether there was one."""
+        found = False
+        for direction in extreme_rays(self.normals):
+            k = self._known(direction)
+            if k is None:
+                if self.programs >= PROGRAMS:
+                    return False
+                angle, facet = self._project(direction)
+                k = len(self.angle)
+                self.seen = np.vstack([self.seen, direction])
+                self.angle = np.append(self.angle, angle)
+                self.between.append(facet)
+            facet = self.between[k]
+            if facet is not None and self.angle[k] > most:
+                self.facets.append(facet)
+                self.between[k] = None
+                found = True
+        return found
+
+    def _known(self, direction: Array) -> int | None:
+        """The extreme ray seen before that is this one."""
+        near = np.linalg.norm(self.seen - direction, axis=1)
+        return int(near.argmin()) if len(near) and near.min() < INSIDE else None
+
+    def _project(self, direction: Array) -> tuple[float, tuple[Array, MotionProof] | None]:
+        """Angle to the ray found nearest [rad], and the facet between, with their proofs."""
+        from kilter.solvers.conic import solve_conic
+
+        self.programs += 1
+        if self.progress is not None:
+            self.progress(f"directions that are held: conic program {self.programs}")
+        answer = solve_conic(nearest_load(self.wide, self.axes, direction), tolerance=SHARP)
+        nearest = answer.x[-3:]
+        size = float(np.linalg.norm(nearest))
+        if not np.isfinite(answer.x).all():
+            return np.pi, None
+        angle = np.pi / 2
+        if size > NOTHING:
+            ray = self._ray(nearest / size, self.wide.decoded(answer.x[:-3] / size))
+            angle = np.pi if ray is None else _between(direction, ray)
+        if angle < INSIDE:
+            return angle, None
+        rows = len(self.wide.problem.right)
+        motion = self.wide.problem.motion(self.wide.problem.over_weight(answer.multipliers[:rows]))
+        return angle, self._facet(nearest, motion)
+
+    def _ray(self, down: Array, forces: tuple[Array, Array]) -> Array | None:
+        """The ray, moved inwards until forces prove it; None where they do not."""
+        proof = check_forces(_toward(self.program, down), *forces)
+        if proof.holds:
+            self.rays.append((down, proof))
+            return down
+        middle: Array = np.sum([ray for ray, _ in self.rays] or [down], axis=0)
+        for pull in PULLED[1 if self.rays else 0 :]:
+            moved: Array = down + pull * middle
+            moved = moved / float(np.linalg.norm(moved))
+            judged = judge(_toward(self.program, moved))
+            if judged.stable and judged.forces is not None:
+                self.rays.append((moved, judged.forces))
+                return moved
+        return None
+
+    def _facet(self, base: Array, motion: Array) -> tuple[Array, MotionProof] | None:
+        """Outward normal of the facet of a motion, and the motion as a proof just beyond it."""
+        program = self.program
+        normal = (program.mass * program.free) @ motion[:, :3]
+        size = float(np.linalg.norm(normal))
+        if size == 0.0:
+            return None
+        normal = normal / size
+        length = float(np.linalg.norm(base))
+        on = base / length if length > NOTHING else np.zeros(3)
+        on = on - (on @ normal) * normal
+        for angle in BEYOND:
+            down = np.cos(angle) * on + np.sin(angle) * normal if on.any() else normal
+            proof = check_motion(_toward(program, down), motion)
+            if proof.holds:
+                self.slack = max(self.slack, angle if on.any() else 0.0)
+                return normal, proof
+        return self._facet_anew(on, normal)
+
+    def _facet_anew(self, on: Array, normal: Array) -> tuple[Array, MotionProof] | None:
+        """The facet of a motion that proves a direction a little farther out."""
+        program = self.program
+        for angle in FARTHER:
+            down = np.cos(angle) * on + np.sin(angle) * normal if on.any() else normal
+            proof = judge(_toward(program, down)).motion
+            if proof is None or not proof.holds:
+                continue
+            other = (program.mass * program.free) @ proof.motion[:, :3]
+            other = other / float(np.linalg.norm(other))
+            beyond = float(np.arcsin(min(float(other @ down), 1.0)))
+            self.slack = max(self.slack, beyond if on.any() else 0.0)
+            return other, proof
+        return None
+
+    def _distance(self, direction: Array, rays: Array) -> float:
+        """No more than this from the inner cone [rad]."""
+        k = self._known(direction)
+        if k is not None and self.angle[k] <= np.pi / 2:
+            return float(self.angle[k]) + INSIDE
+        near = np.linalg.norm(rays - direction, axis=1).min(initial=2.0)
+        return float(2 * np.arcsin(min(float(near) / 2, 1.0)))
+
+    def answer(self) -> FrictionCone:
+        """The cone between what was found."""
+        rays = np.array([ray for ray, _ in self.rays]).reshape(-1, 3)
+        inner = make_cone(*cone_around(rays, INSIDE), rays, INSIDE)
+        normals = self.normals
+        outer = extreme_rays(normals)
+        distance = np.array([self._distance(v, rays) for v in outer])
+        widest = float(distance.max(initial=0.0))
+        for first, second, half in edges_of(normals, outer):
+            sine = max(np.sin(min(distance[k], np.pi / 2)) for k in (first, second))
+            widest = max(widest, float(np.arcsin(min(float(sine / np.cos(half)), 1.0))))
+        gap = 0.0 if not len(outer) else min(widest + self.slack, np.pi)
+        return FrictionCone(
+            inner,
+            -normals + 0.0,
+            gap,
+            False,
+            tuple(self.rays),
+            tuple((-normal + 0.0, proof) for normal, proof in self.facets),
+            self.slack,
+            self.programs,
+        )
+
+
+def _between(one: Array, other: Array) -> float:
+    """Angle between two unit vectors [rad]."""
+    return float(2 * np.arcsin(min(float(np.linalg.norm(one - other)) / 2, 1.0)))

@@ -1,0 +1,122 @@
+"""What a region does not say by itself: knife edges, loose parts, forces left out."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.analysis.motion import find_motion
+from kilter.analysis.regions.stable_cone import Proof, StableCone
+from kilter.analysis.remarks import remarks, touching_nothing
+from kilter.assembly import Assembly
+from kilter.contact import ContactSet
+from kilter.errors import some, some_names
+from kilter.mechanics.certificate import MotionProof, part_sizes
+from kilter.mechanics.program import TOLERANCE, Program
+
+__all__ = ["further_forces", "warnings_of"]
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+LIMIT = 100
+"""Up to this many free parts, all those that start to move are named."""
+TILT = 0.01
+"""Out of the span [rad], to see which."""
+MOVES = 0.01
+"""A part that moves less than this part of the largest motion is not named."""
+
+
+def warnings_of(
+    assembly: Assembly, contacts: ContactSet, program: Program, found: StableCone
+) -> list[str]:
+    """Warnings about a stable cone and its assembly, in words."""
+    warnings = [*remarks(assembly, contacts), *_inner(assembly, contacts)]
+    alone = touching_nothing(assembly, contacts)
+    if alone:
+        warnings.append(
+            f"touches nothing, so it falls whatever the orientation: {some_names(alone)}"
+        )
+    whole = 2 if program.planar else 3
+    if 0 < found.cone.dimension < whole and not further_forces(contacts):
+        warnings.append(_knife_edge(program, found))
+    if program.tolerance[program.free].max(initial=0.0) > TOLERANCE:
+        warnings.append(
+            "within the accuracy of the data: directions nearer to the boundary than "
+            f"{np.degrees(found.cone.blur):.2g} deg count as on it"
+        )
+    missing = sum(not proof.certificate.holds for proof in found.proofs)
+    if missing:
+        warnings.append(
+            f"{missing} of {len(found.proofs)} proofs do not hold within the tolerance of the data"
+        )
+    return warnings
+
+
+def further_forces(contacts: ContactSet) -> bool:
+    """Whether friction or contacts that are not modelled could hold more."""
+    return bool((contacts.patch_mu > 0).any()) or len(contacts.possible) > 0
+
+
+def _inner(assembly: Assembly, contacts: ContactSet) -> list[str]:
+    """What could make the region larger."""
+    why = []
+    if (contacts.patch_mu > 0).any():
+        why.append("friction")
+    if contacts.unsupported:
+        pairs = [
+            " and ".join(repr(assembly.names[k]) for k in u.parts) for u in contacts.unsupported
+        ]
+        why.append(f"contacts of a kind that is not modelled yet ({some(pairs)})")
+    if not why:
+        return []
+    return [
+        f"{' and '.join(why)} left out: every direction found is stable, and more may be,"
+        " since further forces can only help"
+    ]
+
+
+def _knife_edge(program: Program, found: StableCone) -> str:
+    """What a cone thinner than space means, and what to hold."""
+    cone = found.cone
+    tilts = [
+        proof
+        for proof in found.proofs
+        if proof.about == "equation" and isinstance(proof.certificate, MotionProof)
+    ]
+    axes = [proof.vector for proof in tilts[::2]]
+    moving = np.zeros(len(program.names), dtype=bool)
+    for proof in tilts:
+        moving |= _starts(program, proof)
+    names = [n for n, starts in zip(program.names, moving, strict=True) if starts]
+    first = "" if int(program.free.sum()) <= LIMIT else "at least "
+    along = " and ".join(_direction(axis) for axis in axes)
+    what = {"ray": "one direction", "line": "one direction and its opposite"}
+    space = "the plane" if program.planar else "space"
+    return (
+        f"a knife edge: stable for {what.get(cone.kind, f'a {cone.kind} of directions')} only, "
+        f"thinner than {space}; the least tilt along {along}, either way, sets parts in motion:"
+        f" {first}{some_names(names)}. Hold them against sliding and tipping that way (a stop,"
+        " a clamp or friction)"
+    )
+
+
+def _starts(program: Program, proof: Proof) -> Mask:
+    """Parts that start to move for the direction of a proof; of large ones, those of its motion."""
+    if int(program.free.sum()) <= LIMIT:
+        side = np.sign(proof.vector @ proof.down)
+        down = proof.down + TILT * side * proof.vector
+        gravity = down * float(np.linalg.norm(program.gravity) / np.linalg.norm(down))
+        return find_motion(program.with_rows(gravity=gravity)).moves
+    assert isinstance(proof.certificate, MotionProof)
+    sizes = part_sizes(program, proof.certificate.motion, per_radius=False)
+    starts: Mask = sizes > MOVES * sizes.max(initial=0.0)
+    return starts
+
+
+def _direction(axis: Array) -> str:
+    """An axis in words: x, y or z where it is one, else its numbers."""
+    for k, name in enumerate("xyz"):
+        if abs(axis[k]) > 1 - 1e-9:
+            return name
+    return "(" + ", ".join(f"{value:.3g}" for value in axis + 0.0) + ")"

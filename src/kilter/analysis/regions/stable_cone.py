@@ -1,0 +1,266 @@
+"""Every stable direction of gravity of one program, exactly, with its proofs.
+
+    C = {g : exists f, f >= 0 on one-sided rows:  J^T f + W g = 0},   W g = (m_i g, 0)_i
+
+the projection of a polyhedral cone, found through its support (`kilter.analysis.regions.growth`):
+
+    max c.g :  A f + B g = 0,  f >= 0,  |g| <= 1          A = S J^T,  B = S W    (scaled)
+
+Where it is 0, the multipliers z of its rows are a motion, J dp >= 0 with sum m_i dr_i = c: the
+power of a gravity g is c.g, so c.g > 0 is unstable. Where it is not, f holds g.
+
+Rounded data (float32) hold no knife-edge assembly exactly: C would shrink to nothing. There
+an imbalance s is allowed at a price, A f + B g = s with cost P |s|, which is to say that
+motions longer than P for their power do not count. Every point found still proves itself by
+forces within the program's tolerance, every facet by a motion that is exactly admissible. The
+price goes up from low to high until all proofs hold; so the answer is the cone of the
+exact scene within the accuracy of its data, and directions nearer to its boundary than
+`REACH` times the tolerance of the program count as on it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array
+
+from kilter.analysis.regions.cone_oracle import NOTHING, ConeOracle
+from kilter.analysis.regions.growth import Grown, Reach, grow
+from kilter.analysis.regions.polyhedral_cone import Cone, make_cone
+from kilter.errors import InputError
+from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
+from kilter.mechanics.forms import Scaled, scaled
+from kilter.mechanics.program import TOLERANCE, Program
+
+__all__ = ["Proof", "StableCone", "stable_cone"]
+
+Array = NDArray[np.float64]
+
+REACH = 10.0
+"""Angles below this many tolerances count as zero."""
+PRICES = (1e2, 1e3, 1e4, 1e5)
+"""Of an imbalance of one weight, for rounded data."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Proof:
+    """A direction of gravity, unit, shape (3,), and what proves it stable or unstable.
+
+    `about` is "ray", "line", "facet" or "equation", `vector` the ray, line or normal.
+    """
+
+    about: str
+    vector: Array
+    down: Array
+    certificate: ForceProof | MotionProof
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StableCone:
+    """The stable cone of a program; world frame.
+
+    Attributes
+    ----------
+    cone : Cone
+    proofs : tuple of Proof
+        Forces for every ray and both signs of every line; a motion for a direction just
+        outside of every facet and for both sides of every equation (but that of the plane
+        of a planar program).
+    programs : int
+        How many linear programs were solved.
+    """
+
+    cone: Cone
+    proofs: tuple[Proof, ...]
+    programs: int
+
+    @property
+    def proved(self) -> bool:
+        """Whether every proof holds."""
+        return all(proof.certificate.holds for proof in self.proofs)
+
+
+def stable_cone(program: Program, *, progress: Callable[[str], None] | None = None) -> StableCone:
+    """Every stable direction of gravity of a program, without friction.
+
+    Parameters
+    ----------
+    program : Program
+        Its own gravity gives the size of the forces and the first direction to ask.
+    progress : callable, optional
+        Called with a word at each linear program.
+
+    Raises
+    ------
+    InputError
+        If loads are given: the set is then no cone.
+
+    Notes
+    -----
+    Directions nearer to the boundary than 10 times the largest tolerance of the program
+    (1e-8 rad for exact data) count as on it: the kind is that of the exact scene within
+    the accuracy of the data.
+
+    Examples
+    --------
+    >>> from kilter.scenes import scene
+    >>> from kilter.contact import find_contacts
+    >>> from kilter.mechanics.program import build_program
+    >>> assembly = scene("tower")
+    >>> found = stable_cone(build_program(assembly, find_contacts(assembly)))
+    >>> found.cone.kind, found.cone.rays, found.proved
+    ('ray', array([[ 0.,  0., -1.]]), True)
+    """
+    if program.applied[program.free].any():
+        raise InputError(
+            "loads are given: what they hold depends on the size of gravity, so the stable"
+            " directions are no cone",
+            hint="leave the loads out, or ask check for one direction",
+        )
+    across = np.array([[0.0, 1.0, 0.0]]) if program.planar else np.empty((0, 3))
+    blur = REACH * float(program.tolerance[program.free].max(initial=TOLERANCE))
+    if not program.free.any():
+        return StableCone(make_cone(across, np.empty((0, 3)), np.empty((0, 3)), blur), (), 0)
+    problem = scaled(program)
+    coarse = blur > REACH * TOLERANCE
+    best: StableCone | None = None
+    programs = 0
+    for price in (*PRICES, None) if coarse else (None, *PRICES[::-1]):
+        found = _at_price(problem, price, blur, progress)
+        programs += found.programs
+        if best is None or _held(found) > _held(best):
+            best = found
+        if best.proved:
+            break
+    assert best is not None
+    return StableCone(best.cone, best.proofs, programs)
+
+
+def _held(found: StableCone) -> float:
+    """The part of the proofs that hold."""
+    holds = [float(proof.certificate.holds) for proof in found.proofs]
+    return float(np.mean(holds or [1.0]))
+
+
+def _at_price(
+    problem: Scaled, price: float | None, blur: float, progress: Callable[[str], None] | None
+) -> StableCone:
+    """The cone and its proofs, at one price of imbalance."""
+    program = problem.program
+    loads, axes = _loads(problem)
+    mass = program.mass[program.free]
+    spread = float(mass.max() / mass.min())
+    oracle = ConeOracle(problem.matrix, loads, program.two_sided, price, blur / REACH, spread)
+
+    def tell() -> None:
+        if progress is not None:
+            progress(f"stable orientations: linear program {oracle.programs + 1}")
+
+    first = axes @ program.gravity
+    grown = grow(oracle, first / np.linalg.norm(first), blur, tell)
+    across = [np.array([0.0, 1.0, 0.0])] if program.planar else []
+    cone = make_cone(
+        np.array([*across, *(e @ axes for e, _, _ in grown.equations)]).reshape(-1, 3),
+        np.array([q @ axes for q, _ in grown.facets]).reshape(-1, 3),
+        np.array([found.point @ axes for found in grown.points]).reshape(-1, 3),
+        blur,
+    )
+    proofs = (*_stable(problem, cone, grown, oracle), *_unstable(problem, cone, grown))
+    return StableCone(cone, proofs, oracle.programs)
+
+
+def _loads(problem: Scaled) -> tuple[csc_array, Array]:
+    """B, shape (rows, d), and the axes of g in the world, shape (d, 3): g_world = g @ axes.
+
+    Unit gravity is as long as the program's; the scaled load of a part is then g itself.
+    """
+    per = len(problem.program.freedoms)
+    free = int(problem.program.free.sum())
+    d = 2 if problem.program.planar else 3
+    rows = (np.arange(free)[:, None] * per + np.arange(d)).reshape(-1)
+    columns = np.tile(np.arange(d), free)
+    loads = csc_array((np.ones(len(rows)), (rows, columns)), shape=(free * per, d))
+    return loads, problem.frame[[0, 2]] if problem.program.planar else problem.frame
+
+
+def _toward(program: Program, down: Array) -> Program:
+    return program.with_rows(gravity=down * float(np.linalg.norm(program.gravity)))
+
+
+def _stable(problem: Scaled, cone: Cone, grown: Grown, oracle: ConeOracle) -> list[Proof]:
+    """Forces for every ray and both signs of every line."""
+    _, axes = _loads(problem)
+    asked = [("ray", ray, ray) for ray in cone.rays]
+    asked += [("line", line, sign * line) for line in cone.lines for sign in (1.0, -1.0)]
+    return [
+        Proof(about, vector, down, _forces(problem, axes, down, grown, oracle))
+        for about, vector, down in asked
+    ]
+
+
+def _forces(
+    problem: Scaled, axes: Array, down: Array, grown: Grown, oracle: ConeOracle
+) -> ForceProof:
+    """Forces for one direction: those it was found with, or asked for anew."""
+    program = _toward(problem.program, down)
+    for found in grown.points:
+        if np.linalg.norm(found.point @ axes - down) <= 1e-9:
+            proof = check_forces(program, problem.forces(found.forces))
+            if proof.holds:
+                return proof
+    proof = check_forces(program, problem.forces(oracle.forces(axes @ down)))
+    if not proof.holds:
+        from kilter.analysis.judge import judge
+
+        other = judge(program).forces
+        return proof if other is None or proof.residual < other.residual else other
+    return proof
+
+
+def _unstable(problem: Scaled, cone: Cone, grown: Grown) -> list[Proof]:
+    """Motions for a direction just outside each facet, and on both sides of each equation."""
+    _, axes = _loads(problem)
+    proofs = []
+    for normal, found in grown.facets:
+        q = normal @ axes
+        on = [p.point @ axes for p in grown.points if abs(p.point @ normal) <= cone.blur]
+        proofs.append(_motion(problem, "facet", q, -q, np.array(on), found))
+    points = [p.point @ axes for p in grown.points]
+    for normal, *sides in grown.equations:
+        e = normal @ axes
+        for sign, found in zip((1.0, -1.0), sides, strict=True):
+            proofs.append(_motion(problem, "equation", e, sign * e, np.array(points), found))
+    return proofs
+
+
+def _motion(
+    problem: Scaled, about: str, vector: Array, outward: Array, on: Array, found: Reach
+) -> Proof:
+    """A direction just outside and the motion that proves it, as near as the proof holds.
+
+    The power of gravity along a direction grows with its angle to the boundary; the proof
+    needs a power above the tolerance and above 1e6 times the violation.
+    """
+    program = problem.program
+    motion = problem.motion(problem.over_weight(found.witness))
+    base = on.mean(axis=0) if len(on) else np.zeros(3)
+    if np.linalg.norm(base) < NOTHING:
+        base = on[0] if len(on) else np.zeros(3)
+    last = None
+    for angle in (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0):
+        down = base + angle * outward
+        down = down / np.linalg.norm(down)
+        proof = check_motion(_toward(program, down), motion)
+        last = Proof(about, vector, down, proof)
+        if proof.holds:
+            break
+    assert last is not None
+    if last.certificate.holds:
+        return last
+    from kilter.analysis.judge import judge
+
+    other = judge(_toward(program, last.down)).motion
+    return last if other is None or not other.holds else Proof(about, vector, last.down, other)

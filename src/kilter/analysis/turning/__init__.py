@@ -1,0 +1,1 @@
+"""Which way up it stays, or most nearly stays."""

@@ -1,0 +1,161 @@
+"""Problem 2 in one linear program a facet: gravity and contact forces together.
+
+    min over g in the facet, f >= 0 of |J^T f + W g|_1  =  -max over g of z(g)
+
+by the dual of LP (9), in its units (rows of moments in kg x length unit). It is solved by
+its own dual, which has a quarter of the rows and columns:
+
+    min t:  t + (sum_i m_i dr_i) . v_j >= 0 at the corners v_j of the facet,  dp in A
+
+whose multipliers are g in the corners v_j, and f. Any dp in A bounds z on the whole facet
+from above, so where t < 0 that one motion proves that no direction of the facet is stable.
+
+References
+----------
+Mattikalli, Baraff, Khosla and Repetto (1993), footnote 1: "a transformation of our maximin
+formulation that admits a simpler numerical solution method".
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array, hstack, vstack
+
+from kilter.analysis.turning.virtual_work import (
+    OPTIMAL,
+    UnitProgram,
+    facets_of_diamond,
+    unit_program,
+)
+from kilter.mechanics.forms import LinearProgram
+from kilter.mechanics.program import Program
+
+__all__ = ["Joint", "JointFacet", "joint"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JointFacet:
+    """The best direction of one facet.
+
+    Attributes
+    ----------
+    signs : ndarray, shape (3,)
+        The facet: signs * g >= 0.
+    gravity : ndarray, shape (3,)
+        On the diamond.
+    z : float
+        [kg x length unit]
+    motion : ndarray, shape (N, 6)
+        In A; -(sum_i m_i dr_i) . v <= z at every corner v of the facet.
+    """
+
+    signs: Array
+    gravity: Array
+    z: float
+    motion: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Joint:
+    """The most nearly stable direction on the diamond.
+
+    Attributes
+    ----------
+    gravity : ndarray, shape (3,)
+        On the diamond |g|_1 = 1; the zero vector where no part is free.
+    z : float
+        [kg x length unit]; 0 where `gravity` is stable.
+    facets : tuple of JointFacet
+        Those that were solved: all, or up to the first with z = 0.
+    programs : int
+        LPs solved.
+    """
+
+    gravity: Array
+    z: float
+    facets: tuple[JointFacet, ...]
+    programs: int
+
+
+def joint(program: Program, *, every: bool = False) -> Joint:
+    """Maximise z over the diamond, one LP a facet.
+
+    Parameters
+    ----------
+    program : Program
+    every : bool
+        Go on to the other facets where z = 0, its greatest value, was found.
+
+    Raises
+    ------
+    InputError
+        If loads are given.
+
+    Examples
+    --------
+    >>> from kilter.scenes import scene
+    >>> from kilter.contact import find_contacts
+    >>> from kilter.mechanics.program import build_program
+    >>> assembly = scene("paper-figure-11")
+    >>> best = joint(build_program(assembly, find_contacts(assembly)))
+    >>> np.round(best.gravity, 9) + 0.0, round(best.z, 9) + 0.0
+    (array([-0.5,  0. , -0.5]), 0.0)
+    """
+    from kilter.solvers.bases import CostModel
+
+    unit = unit_program(program)
+    signs = facets_of_diamond(program)
+    model = CostModel(_program(unit))
+    found: list[JointFacet] = []
+    for facet in signs:
+        first = len(unit.lp.row_lower)
+        lower = np.concatenate([np.where(facet[unit.axes] > 0, 0.0, -np.inf)] * 2)
+        lower[len(unit.axes) :] = np.where(facet[unit.axes] < 0, 0.0, -np.inf)
+        rows = first + np.arange(len(lower))
+        model.set_rows(rows, lower, np.full(len(lower), np.inf))
+        answer = model.solve()
+        found.append(_facet(program, unit, facet, answer.x, answer.multipliers[rows]))
+        if not every and found[-1].z >= -OPTIMAL * unit.mass:
+            break
+    best = max(found, key=lambda one: one.z)
+    return Joint(best.gravity, best.z, tuple(found), model.programs)
+
+
+def _program(unit: UnitProgram) -> LinearProgram:
+    """Columns (x, t); a row a contact, then t + q_j >= 0, t - q_j >= 0 on every axis j."""
+    lp, pull = unit.lp, unit.pull[unit.axes]
+    count = len(lp.cost)
+    corners = csc_array(np.vstack([pull, -pull]))
+    ones = csc_array(np.ones((len(corners.toarray()), 1)))
+    matrix = vstack(
+        [hstack([lp.matrix, csc_array((lp.matrix.shape[0], 1))]), hstack([corners, ones])],
+        format="csc",
+    )
+    inner = np.zeros(2 * len(pull))
+    return LinearProgram(
+        np.append(np.zeros(count), 1.0),
+        matrix,
+        np.concatenate([lp.row_lower, inner]),
+        np.concatenate([lp.row_upper, inner + np.inf]),
+        # t is between -1 and 0 by itself; with both bounds the first basis is dual feasible
+        np.append(lp.lower, -1.0 - 1e-6),
+        np.append(lp.upper, 1e-6),
+    )
+
+
+def _facet(
+    program: Program, unit: UnitProgram, signs: Array, x: Array, multipliers: Array
+) -> JointFacet:
+    """Decode an optimum: the multipliers of the corners are the shares of g."""
+    size = len(unit.axes)
+    shares = np.maximum(np.where(signs[unit.axes] > 0, multipliers[:size], multipliers[size:]), 0)
+    total = float(shares.sum())
+    gravity = np.zeros(3)
+    gravity[unit.axes] = signs[unit.axes] * (shares / total if total > 0 else 1.0 / size)
+    motion = program.full(x[:-1] / unit.length)
+    return JointFacet(signs, gravity + 0.0, min(float(x[-1]), 0.0) * unit.mass, motion)

@@ -1,0 +1,130 @@
+"""Where nothing is stable: the nearest to stable direction, in three senses.
+
+    diamond    the greatest z over |g|_1 = 1       the paper's; hangs on the axes and units
+    sphere     the greatest z over |g|_2 = 1       exact; hangs on units
+    kappa      the least instability               hangs on neither; certified to a bound
+
+Each comes with the motion that remains there: an optimum of LP (9) of least 2-norm for the
+first two, the initial accelerations for the third.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.analysis.displacement import find_displacement
+from kilter.analysis.motion import find_motion
+from kilter.analysis.turning.facet_program import Joint, joint
+from kilter.analysis.turning.least_instability import least_instability
+from kilter.analysis.turning.nearest_on_sphere import nearest_on_sphere
+from kilter.analysis.turning.walk import walk
+from kilter.mechanics.program import Program
+from kilter.rigid import frozen
+
+__all__ = ["Method", "Nearest", "NearestDirection", "nearest"]
+
+Array = NDArray[np.float64]
+Method = Literal["joint", "walk"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NearestDirection:
+    """The nearest to stable direction in one sense.
+
+    Attributes
+    ----------
+    direction : ndarray, shape (3,)
+        Unit.
+    value : float
+        z of LP (9) on the diamond or sphere [kg x length unit], or kappa [-].
+    bound : float
+        No direction is better than this; `value` where the method is exact.
+    motion : ndarray, shape (N, 6), or None
+        Displacements [length unit, rad], or for kappa accelerations [m/s^2, rad/s^2]. None
+        above the size up to which displacements are found.
+    programs : int
+        Solved for the direction: LPs, or for kappa QPs.
+    """
+
+    direction: Array
+    value: float
+    bound: float
+    motion: Array | None
+    programs: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Nearest:
+    """The nearest to stable directions in three senses."""
+
+    diamond: NearestDirection
+    sphere: NearestDirection
+    kappa: NearestDirection
+
+    @property
+    def programs(self) -> int:
+        """Programs solved for all three."""
+        return self.diamond.programs + self.sphere.programs + self.kappa.programs
+
+
+def nearest(program: Program, *, method: Method = "joint", solved: Joint | None = None) -> Nearest:
+    """The nearest to stable directions of a program; values are 0 where one is stable.
+
+    Parameters
+    ----------
+    program : Program
+    method : {"joint", "walk"}
+        For the diamond.
+    solved : Joint, optional
+        What `joint` gave, if it was asked before.
+
+    Raises
+    ------
+    InputError
+        If loads are given.
+
+    Examples
+    --------
+    >>> from kilter.scenes import scene
+    >>> from kilter.contact import find_contacts
+    >>> from kilter.mechanics.program import build_program
+    >>> assembly = scene("wedge-on-wedge")
+    >>> found = nearest(build_program(assembly, find_contacts(assembly)))
+    >>> np.round(found.sphere.direction, 6) + 0.0, round(found.sphere.value, 6)
+    (array([ 0.27735 ,  0.      , -0.960769]), -0.83205)
+    >>> round(found.kappa.value, 6)
+    0.333333
+    """
+    found = walk(program) if method == "walk" else solved or joint(program)
+    length = float(np.linalg.norm(found.gravity))
+    on_diamond = _displaced(program, found.gravity / length, found.z, found.programs)
+    sphere = nearest_on_sphere(program)
+    if sphere is None:  # a direction is stable: the diamond has found it
+        on_sphere = on_diamond
+    else:
+        on_sphere = _displaced(program, sphere.direction, sphere.z, sphere.programs)
+    least = least_instability(program)
+    kappa = NearestDirection(
+        frozen(least.direction),
+        least.value,
+        least.bound,
+        frozen(find_motion(turned(program, least.direction)).acceleration),
+        least.programs,
+    )
+    return Nearest(on_diamond, on_sphere, kappa)
+
+
+def turned(program: Program, direction: Array) -> Program:
+    """The program with its gravity, at its size, in another direction (of any length)."""
+    size = float(np.linalg.norm(program.gravity)) / float(np.linalg.norm(direction))
+    return program.with_rows(gravity=direction * size)
+
+
+def _displaced(program: Program, direction: Array, z: float, programs: int) -> NearestDirection:
+    shift = find_displacement(turned(program, direction)).displacement
+    motion = None if shift is None else frozen(shift)
+    return NearestDirection(frozen(direction), z, z, motion, programs)

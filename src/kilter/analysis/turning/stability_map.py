@@ -1,0 +1,221 @@
+"""The stability map: z for every direction of gravity at once.
+
+    Q = {sum_i m_i dr_i : dp in A},      z(g) = -max over q in Q of q.g
+
+Q is a polytope in R^3 (in R^2 if planar), and 0 lies in it. The partitions of Figure 5 of the
+paper are the normal cones of its vertices: there one dp is optimal. A direction is stable
+exactly where no point of Q lies on its side of 0; where 0 is inside Q nothing is stable, and
+the most nearly stable direction on the Euclidean sphere is the outward normal of the facet
+nearest to 0.
+
+References
+----------
+Mattikalli, Baraff, Khosla and Repetto (1993), Figure 5, equations (9), (10), (13).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kilter.analysis.regions.growing_hull import GrowingHull
+from kilter.analysis.turning.reachable import OUTSIDE, Reachable
+from kilter.errors import SolverError
+from kilter.mechanics.program import Program
+from kilter.rigid import frozen
+
+__all__ = ["PROGRAMS", "StabilityMap", "stability_map"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+PROGRAMS = 20_000
+"""A map that needs more programs than this is given up."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StabilityMap:
+    """The polytope Q; world frame, kg x length unit.
+
+    Attributes
+    ----------
+    vertices : ndarray, shape (V, 3)
+    normals : ndarray, shape (F, 3)
+        Outward unit normals of the facets, in the span of Q.
+    offsets : ndarray, shape (F,)
+        ``normals @ q <= offsets``; none is negative, since 0 is in Q.
+    facets : tuple of ndarray of int
+        The vertices of each facet, in order around it.
+    equations : ndarray, shape (3 - dimension, 3)
+        Orthonormal; ``equations @ q = 0``. Of a planar program y is always in their span.
+    dimension : int
+        Of Q, 0 to 3.
+    mass : float
+        Of the free parts [kg]: the scale of z.
+    planar : bool
+    programs : int
+        LPs solved.
+    """
+
+    vertices: Array
+    normals: Array
+    offsets: Array
+    facets: tuple[Index, ...]
+    equations: Array
+    dimension: int
+    mass: float
+    planar: bool
+    programs: int
+
+    def z(self, gravity: ArrayLike) -> Array:
+        """The optimum z of LP (9), shape (n,), for gravity vectors, shape (n, 3), of any length.
+
+        z(t g) = t z(g): give vectors with |g|_1 = 1 for the paper's diamond, unit vectors for
+        z as `check` reports it.
+        """
+        gravity = np.asarray(gravity, dtype=np.float64)
+        highest = np.zeros(gravity.shape[:-1])
+        for some in np.array_split(self.vertices, 1 + len(self.vertices) // 64):
+            highest = np.maximum(highest, (gravity @ some.T).max(axis=-1, initial=0.0))
+        result: Array = -highest
+        return result
+
+    def partition_of(self, gravity: ArrayLike) -> Index:
+        """The vertex, hence the partition of Figure 5, of each direction, shape (n,)."""
+        result: Index = (np.asarray(gravity, dtype=np.float64) @ self.vertices.T).argmax(axis=-1)
+        return result
+
+    def partition(self, vertex: int) -> Array:
+        """Rays of one partition: unit normals of the facets at a vertex, shape (k, 3).
+
+        The partition is the cone of these rays, plus the span of `equations`.
+        """
+        at = [k for k, corners in enumerate(self.facets) if vertex in corners]
+        rays: Array = self.normals[at]
+        return rays
+
+    @property
+    def nearest(self) -> tuple[Array, float] | None:
+        """Unit direction with the greatest z, and that z; None where a direction is stable."""
+        full = 2 if self.planar else 3
+        if self.dimension < full or self.offsets.min() <= OUTSIDE * self.mass:
+            return None
+        best = int(self.offsets.argmin())
+        return self.normals[best], -float(self.offsets[best])
+
+
+def stability_map(program: Program, *, limit: int = PROGRAMS) -> StabilityMap:
+    """Find Q, hence z for every direction of gravity.
+
+    Parameters
+    ----------
+    program : Program
+    limit : int
+        Of programs.
+
+    Raises
+    ------
+    InputError
+        If loads are given.
+    SolverError
+        If the limit is reached: the facets of Q can be very many where parts touch on
+        inclined faces.
+
+    Examples
+    --------
+    >>> from kilter.scenes import scene
+    >>> from kilter.contact import find_contacts
+    >>> from kilter.mechanics.program import build_program
+    >>> assembly = scene("paper-figure-4")
+    >>> found = stability_map(build_program(assembly, find_contacts(assembly)))
+    >>> np.round(found.z([[0, 0, 1], [-1, 0, 0], [-0.5, 0, -0.5]]), 9) + 0.0
+    array([-5. , -2.5,  0. ])
+    """
+    known = Reachable(program)
+    hull = known.hull
+    last = np.zeros(len(known.basis))
+    while hull is not None and not hull.done.all():
+        if known.work.programs >= limit:
+            raise SolverError(f"the stability map needs more than {limit} programs")
+        # the facet most like the last one asked: its basis is near
+        open_ = np.flatnonzero(~hull.done)
+        chosen = int(open_[(hull.normals[open_] @ last).argmax()])
+        last = hull.normals[chosen]
+        known.ask(chosen)
+    return _assembled(known, program.planar)
+
+
+def _assembled(known: Reachable, planar: bool) -> StabilityMap:
+    """The map, coplanar simplices made one facet, in the units of the program."""
+    mass, basis, hull = known.work.unit.mass, known.basis, known.hull
+    _, _, rows = np.linalg.svd(np.vstack([basis, np.zeros((1, 3))]))
+    vertices, normals, offsets = np.zeros((1, 0)), np.zeros((0, 0)), np.zeros(0)
+    facets: tuple[Index, ...] = ()
+    if hull is not None:
+        vertices, normals, offsets, facets = _merged(hull)
+    return StabilityMap(
+        vertices=frozen(vertices @ basis * mass),
+        normals=frozen(normals @ basis),
+        offsets=frozen(np.maximum(offsets, 0.0) * mass),
+        facets=facets,
+        equations=frozen(rows[len(basis) :]),
+        dimension=len(basis),
+        mass=mass,
+        planar=planar,
+        programs=known.work.programs,
+    )
+
+
+def _merged(hull: GrowingHull) -> tuple[Array, Array, Array, tuple[Index, ...]]:
+    """Vertices, normals, offsets and corners of the facets: one for all simplices of a plane."""
+    facet, chosen = _planes(hull)
+    normals, offsets = hull.normals[chosen], hull.offsets[chosen]
+    size = hull.points.shape[1]
+    on = np.zeros((len(hull.points), len(chosen)), dtype=bool)
+    for column in hull.facets.T:
+        on[column, facet] = True
+    # a vertex lies on as many facets as there are dimensions; other points are between vertices
+    true = np.flatnonzero(on.sum(axis=1) >= size)
+    points = hull.points[true]
+    facets = tuple(_around(points, np.flatnonzero(on[true, k]), n) for k, n in enumerate(normals))
+    return points, normals, offsets, facets
+
+
+def _planes(hull: GrowingHull) -> tuple[Index, list[int]]:
+    """The facet of each simplex, and the simplex that stands for each facet."""
+    corners = hull.points[hull.facets]
+    spread = np.linalg.norm(corners - corners.mean(axis=1, keepdims=True), axis=(1, 2))
+    beside: dict[tuple[int, ...], list[int]] = {}
+    ridges = [np.sort(np.delete(hull.facets, k, axis=1), axis=1) for k in range(corners.shape[2])]
+    for side in ridges:
+        for simplex, ridge in enumerate(map(tuple, side.tolist())):
+            beside.setdefault(ridge, []).append(simplex)
+    facet = np.full(len(corners), -1)
+    chosen: list[int] = []
+    for first in np.argsort(-spread):  # the largest simplex knows its plane best
+        if facet[first] >= 0:
+            continue
+        off = np.abs(corners @ hull.normals[first] - hull.offsets[first]).max(axis=1)
+        facet[first] = len(chosen)
+        reached = [int(first)]
+        while reached and corners.shape[2] > 1:
+            simplex = reached.pop()
+            for side in ridges:
+                for other in beside[tuple(side[simplex].tolist())]:
+                    if facet[other] < 0 and off[other] <= 4 * OUTSIDE:
+                        facet[other] = len(chosen)
+                        reached.append(other)
+        chosen.append(int(first))
+    return facet, chosen
+
+
+def _around(points: Array, corners: Index, normal: Array) -> Index:
+    """Corners of a facet in order, seen from outside turning left."""
+    if len(normal) < 3:
+        return corners
+    rays = points[corners] - points[corners].mean(axis=0)
+    first = rays[np.linalg.norm(rays, axis=1).argmax()]
+    angle = np.arctan2(rays @ np.cross(normal, first), rays @ first)
+    return corners[np.argsort(angle)]

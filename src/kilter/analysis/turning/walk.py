@@ -1,0 +1,284 @@
+"""Problem 2 as published: a walk through the partitions of the diamond.
+
+The diamond |g|_1 = 1 is cut into facets (eight; four if planar), and each facet into
+partitions in which one basis of LP (9) stays optimal, equation (11). In a partition z is
+linear, so its maximum there is a small LP in g. From the start g_a the walk goes to that
+maximum g_b; where g_b lies on the boundary it takes an epsilon step along the directed arc
+g_a -> g_b into the next partition, and so on. It ends where the maximum lies in the
+interior of its partition, or where a boundary point is met again.
+
+The second rule is not always right: bases are degenerate where z = 0, and a partition by
+bases is then only a piece of the set where one dp is optimal. So after the published rule the
+direction is tested (`kilter.analysis.turning.optimality`), and where it fails the walk starts again
+on the ascent that the test found. Both are counted apart.
+
+References
+----------
+Mattikalli, Baraff, Khosla and Repetto (1993), sections 2.3, 3 and 3.1, equations (10), (11).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array
+
+from kilter.analysis.turning.optimality import Optimality, is_best
+from kilter.analysis.turning.virtual_work import OPTIMAL, Support, VirtualWork, facets_of_diamond
+from kilter.mechanics.forms import LinearProgram
+from kilter.mechanics.program import Program
+
+__all__ = ["Walk", "WalkFacet", "walk"]
+
+Array = NDArray[np.float64]
+
+START = np.array([0.37, 0.34, 0.29])
+"""Where a walk starts, up to signs and size: near the middle, on no line of symmetry."""
+STEP = 1e-5
+"""The epsilon step, on the diamond."""
+SAME = 1e-9
+"""Two points of the diamond this near are one; a slack up to this is none."""
+PARTITIONS = 1000
+"""A walk through more partitions than this is broken off and tested."""
+RESTARTS = 100
+"""A facet is given up after this many restarts."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WalkFacet:
+    """The walk in one facet.
+
+    Attributes
+    ----------
+    signs : ndarray, shape (3,)
+        The facet: signs * g >= 0.
+    path : ndarray, shape (k, 3)
+        Directions visited: the start, then the maxima of the partitions.
+    heights : ndarray, shape (k,)
+        z along the path [kg x length unit].
+    published : float
+        z where the published rule first ended [kg x length unit].
+    stops : tuple of str
+        "interior", "revisited" or "broken off": how each walk ended, restarts included.
+    failed : int
+        Stops that were not optimal.
+    optimal : bool
+        Whether the last stop passed the test.
+    gravity : ndarray, shape (3,)
+        The best direction found.
+    z : float
+        [kg x length unit]
+    """
+
+    signs: Array
+    path: Array
+    heights: Array
+    published: float
+    stops: tuple[str, ...]
+    failed: int
+    optimal: bool
+    gravity: Array
+    z: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Walk:
+    """The most nearly stable direction on the diamond, by the paper's walk.
+
+    Attributes
+    ----------
+    gravity : ndarray, shape (3,)
+        On the diamond |g|_1 = 1.
+    z : float
+        [kg x length unit]; 0 where `gravity` is stable.
+    facets : tuple of WalkFacet
+        Those that were walked: all, or up to the first with z = 0.
+    programs : int
+        LPs solved, all kinds.
+    partitions : int
+        Visited, those of restarts included.
+    stops : dict of str to int
+        How walks ended.
+    failed : int
+        Stops that failed the test of optimality.
+    restarts : int
+    published : float
+        z that the published rule alone gives.
+    """
+
+    gravity: Array
+    z: float
+    facets: tuple[WalkFacet, ...]
+    programs: int
+    partitions: int
+    stops: dict[str, int]
+    failed: int
+    restarts: int
+    published: float
+
+
+@dataclass(slots=True, eq=False)
+class _Trail:
+    """The walk in a facet so far, in units of the mass."""
+
+    signs: Array
+    path: list[Array] = field(default_factory=list)
+    heights: list[float] = field(default_factory=list)
+    stops: list[str] = field(default_factory=list)
+    programs: int = 0
+    partitions: int = 0
+
+    def reach(self, gravity: Array, z: float) -> None:
+        self.path.append(gravity)
+        self.heights.append(z)
+
+    @property
+    def best(self) -> int:
+        return int(np.argmax(self.heights))
+
+
+def walk(program: Program, *, every: bool = False) -> Walk:
+    """Maximise z over the diamond by the paper's walk through partitions.
+
+    Parameters
+    ----------
+    program : Program
+    every : bool
+        Go on to the other facets where z = 0, its greatest value, was found.
+
+    Raises
+    ------
+    InputError
+        If loads are given.
+
+    Examples
+    --------
+    >>> from kilter.scenes import scene
+    >>> from kilter.contact import find_contacts
+    >>> from kilter.mechanics.program import build_program
+    >>> assembly = scene("paper-figure-12")
+    >>> best = walk(build_program(assembly, find_contacts(assembly)))
+    >>> round(float(np.degrees(np.arctan2(best.gravity[0], best.gravity[2]))) + 180, 6)
+    60.0
+    """
+    work = VirtualWork(program)
+    mass = work.unit.mass
+    facets: list[WalkFacet] = []
+    programs = partitions = 0
+    for signs in facets_of_diamond(program):
+        trail, published, failed, optimal = _facet(work, signs)
+        programs, partitions = programs + trail.programs, partitions + trail.partitions
+        path, heights = np.array(trail.path), mass * np.array(trail.heights)
+        gravity, z = trail.path[trail.best], float(heights[trail.best])
+        facets.append(
+            WalkFacet(
+                signs, path, heights, published * mass, tuple(trail.stops), failed, optimal,
+                gravity, z,
+            )
+        )  # fmt: skip
+        if z >= -OPTIMAL * mass and not every:
+            break
+    best = max(facets, key=lambda one: one.z)
+    stops = [stop for one in facets for stop in one.stops]
+    return Walk(
+        gravity=best.gravity,
+        z=best.z,
+        facets=tuple(facets),
+        programs=programs + work.programs,
+        partitions=partitions,
+        stops={word: stops.count(word) for word in ("interior", "revisited", "broken off")},
+        failed=sum(one.failed for one in facets),
+        restarts=len(stops) - len(facets),
+        published=max(one.published for one in facets),
+    )
+
+
+def _facet(work: VirtualWork, signs: Array) -> tuple[_Trail, float, int, bool]:
+    """Walk in one facet; the trail, z of the published rule, failed stops, and whether best."""
+    trail = _Trail(signs)
+    start = np.zeros(3)
+    start[work.unit.axes] = START[work.unit.axes]
+    _one_walk(work, trail, _on_facet(start * signs, signs))
+    published = trail.heights[trail.best]
+    failed = 0
+    while True:
+        at = trail.best
+        if trail.heights[at] >= -OPTIMAL * 1e-3:
+            return trail, published, failed, True  # z is never above 0
+        test = is_best(work.unit, signs, trail.path[at], trail.heights[at])
+        trail.programs += 1
+        if test.best:
+            return trail, published, failed, True
+        failed += 1
+        higher = _ascent(work, trail, test)
+        if higher is None or failed > RESTARTS:
+            return trail, published, failed, False
+        _one_walk(work, trail, higher)
+
+
+def _one_walk(work: VirtualWork, trail: _Trail, start: Array) -> None:
+    """The published walk from a start; it leaves its path and how it ended in the trail."""
+    here, seen = start, len(trail.path)
+    for _ in range(PARTITIONS):
+        found = work.solve(here)
+        partition = work.partition()
+        trail.partitions += 1
+        if len(trail.path) == seen:
+            trail.reach(here, found.z)
+        there = _summit(work, trail, found, partition, here)
+        trail.reach(there, -float(found.q @ there))
+        if (partition @ there > SAME).all():
+            trail.stops.append("interior")
+            return
+        arc = there - here
+        boundary = trail.path[seen + 1 : -1]
+        if any(np.abs(there - point).max() < SAME for point in boundary) or not arc.any():
+            trail.stops.append("revisited")
+            return
+        here = _on_facet(there + STEP * arc / np.abs(arc).sum(), trail.signs)
+    trail.stops.append("broken off")
+
+
+def _summit(
+    work: VirtualWork, trail: _Trail, found: Support, partition: Array, here: Array
+) -> Array:
+    """The g of facet and partition with the greatest z = -q.g; `here` if none is greater."""
+    from kilter.solvers.linear import solve_linear
+
+    axes, signs = work.unit.axes, trail.signs[work.unit.axes]
+    rows = np.vstack([partition[:, axes] * signs, np.ones((1, len(axes)))])
+    lower = np.append(np.minimum(partition @ here, 0.0), 1.0)
+    upper = np.append(np.full(len(partition), np.inf), 1.0)
+    answer = solve_linear(
+        LinearProgram(
+            found.q[axes] * signs, csc_array(rows), lower, upper,
+            np.zeros(len(axes)), np.ones(len(axes)),
+        ),
+        presolve=False,
+    )  # fmt: skip
+    trail.programs += 1
+    if answer.outcome != "solved" or answer.objective >= -found.z - 1e-3 * OPTIMAL:
+        return here
+    there = np.zeros(3)
+    there[axes] = signs * answer.x
+    return _on_facet(there, trail.signs)
+
+
+def _on_facet(point: Array, signs: Array) -> Array:
+    """The point, cut off at the edges of the facet, |g|_1 = 1."""
+    shares = np.maximum(point * signs, 0.0)
+    result: Array = signs * shares / float(shares.sum())
+    return result
+
+
+def _ascent(work: VirtualWork, trail: _Trail, test: Optimality) -> Array | None:
+    """A point on the ascent of a failed test that is higher than all before; None if none is."""
+    at = trail.best
+    for k in range(40):
+        point = trail.path[at] + (test.toward - trail.path[at]) * 0.5**k
+        z = work.solve(point).z
+        if z > trail.heights[at] + 1e-2 * OPTIMAL:
+            return point
+    return None

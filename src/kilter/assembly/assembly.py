@@ -1,0 +1,304 @@
+"""Assembly: which parts, which of them are held, what pulls on them; validated once.
+
+Lengths are in `Assembly.units`; gravity is m/s^2, density kg/m^3, mass kg, force N, torque
+N x length unit, all in the world frame. What follows from the shapes (vertices, masses,
+centres, inertia) is `Assembly.geometry`, computed once, in arrays.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import fnmatch
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kilter.assembly.interactions import FrictionPair, GivenContact, Joint, Load
+from kilter.assembly.part import GROUND, Part
+from kilter.errors import InputError, nearest_name, some_names
+from kilter.rigid import Pose, frozen, in_range, number, rotation_between, unit
+from kilter.shape.primitives import Box
+from kilter.units import metres_per_unit
+
+if TYPE_CHECKING:
+    from kilter.assembly.geometry import Geometry
+
+__all__ = [
+    "GROUND",
+    "Assembly",
+    "FrictionPair",
+    "GivenContact",
+    "Joint",
+    "Load",
+    "Part",
+    "nearest_name",
+]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Assembly:
+    """Rigid parts, which of them are held, and what pulls on them.
+
+    Parameters
+    ----------
+    parts : sequence of Part
+    units : {"m", "cm", "mm", "in"}
+        The unit of every length.
+    gravity : array_like, shape (3,)
+        [m/s^2], world frame.
+    friction : float
+        Coefficient [-] of contacts that have none of their own.
+    friction_pairs, loads, contacts, joints : sequences
+    planar : bool
+        Motions in the x-z plane only; gravity must lie in it.
+    detect : bool
+        False: only the given contacts count.
+    source : str
+        The file it was read from; named in messages.
+    notes : sequence of str
+        What the reader had to say about the file; shown as warnings.
+
+    Raises
+    ------
+    InputError
+        If there is no part, two parts share a name, a name is unknown, gravity is zero.
+
+    Examples
+    --------
+    >>> table = Part("table", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
+    >>> cube = Part("cube", Box([1, 1, 1]), Pose([0, 0, 0.5]))
+    >>> assembly = Assembly([table, cube])
+    >>> assembly.geometry.mass
+    array([16000.,  1000.])
+    """
+
+    parts: Sequence[Part]
+    units: str = "m"
+    gravity: Any = (0.0, 0.0, -9.81)
+    friction: float = 0.0
+    friction_pairs: Sequence[FrictionPair] = ()
+    loads: Sequence[Load] = ()
+    contacts: Sequence[GivenContact] = ()
+    joints: Sequence[Joint] = ()
+    planar: bool = False
+    detect: bool = True
+    source: str = ""
+    notes: Sequence[str] = ()
+
+    def __post_init__(self) -> None:
+        for name in ("parts", "friction_pairs", "loads", "contacts", "joints", "notes"):
+            object.__setattr__(self, name, tuple(getattr(self, name)))
+        try:
+            self._validate()
+        except InputError as error:
+            raise error.located(file=self.source or None) from None
+
+    def _validate(self) -> None:
+        metres_per_unit(self.units)
+        if not self.parts:
+            raise InputError("no parts", hint="give at least one part")
+        if len(self.index) < len(self.parts):
+            names = [part.name for part in self.parts]
+            twice = next(name for name in names if names.count(name) > 1)
+            raise InputError(f"two parts are named {twice!r}", hint="give each its own name")
+        gravity = frozen(self.gravity, (3,))
+        if not np.isfinite(gravity).all() or not gravity.any():
+            raise InputError(
+                f"gravity is {gravity.tolist()}", hint="give a vector that is not zero, in m/s^2"
+            )
+        if self.planar and gravity[1] != 0.0:
+            raise InputError(
+                "gravity leaves the x-z plane of a planar assembly", hint="give it y = 0"
+            )
+        in_range(gravity, "gravity")
+        object.__setattr__(self, "gravity", gravity)
+        object.__setattr__(self, "friction", number(self.friction, "friction", lowest=0))
+        entries: list[FrictionPair | GivenContact | Joint] = []
+        entries += [*self.friction_pairs, *self.contacts, *self.joints]
+        for entry in entries:
+            self._check_pair(entry)
+        for joint in self.joints if self.planar else ():
+            joint.require_planar()
+        for load in self.loads:
+            if self.parts[self.index_of(load.part)].grounded:
+                raise InputError(
+                    "a load acts on a held part, where it moves nothing",
+                    part=load.part,
+                    hint="leave the load out, or do not hold the part",
+                )
+            if self.planar and (load.force[1] or load.torque[0] or load.torque[2]):
+                raise InputError(
+                    "a load leaves the x-z plane of a planar assembly",
+                    part=load.part,
+                    hint="give forces along x and z, torques about y",
+                )
+        pairs = [frozenset(entry.parts) for entry in self.friction_pairs]
+        if len(set(pairs)) < len(pairs):
+            both = next(pair for pair in pairs if pairs.count(pair) > 1)
+            raise InputError(
+                f"two friction pairs name {some_names(sorted(both))}", hint="leave one out"
+            )
+
+    def _check_pair(self, entry: FrictionPair | GivenContact | Joint) -> None:
+        what = {"FrictionPair": "friction pair", "GivenContact": "contact", "Joint": "joint"}
+        label = what[type(entry).__name__]
+        if len(entry.parts) != 2 or entry.parts[0] == entry.parts[1]:
+            raise InputError(f"a {label} names {list(entry.parts)}", hint="name two parts")
+        for name in entry.parts:
+            if not (isinstance(entry, Joint) and name == GROUND):
+                self.index_of(name)
+
+    @cached_property
+    def index(self) -> dict[str, int]:
+        """Position of each part by name."""
+        return {part.name: k for k, part in enumerate(self.parts)}
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parts, in order."""
+        return tuple(part.name for part in self.parts)
+
+    def index_of(self, name: str) -> int:
+        """Position of the part of that name.
+
+        Raises
+        ------
+        InputError
+            If there is none; it names the nearest.
+        """
+        try:
+            return self.index[name]
+        except KeyError:
+            near = nearest_name(name, self.index)
+            hint = f"did you mean {near!r}?" if near else f"there are: {some_names(self.names, 8)}"
+            raise InputError(
+                f"no part is named {name!r}", file=self.source or None, hint=hint
+            ) from None
+
+    @cached_property
+    def geometry(self) -> Geometry:
+        """What follows from the shapes: vertices, masses, centres, inertia, in arrays."""
+        from kilter.assembly.geometry import build_geometry
+
+        return build_geometry(self)
+
+    @property
+    def down(self) -> Array:
+        """Unit direction of gravity, shape (3,)."""
+        return unit(self.gravity)
+
+    # changed copies ------------------------------------------------------------------
+
+    def with_down(self, down: ArrayLike) -> Assembly:
+        """Gravity turned to the direction `down`, its size kept."""
+        size = float(np.linalg.norm(self.gravity))
+        return self._replace(gravity=unit(down, "down") * size)
+
+    def with_friction(self, friction: float) -> Assembly:
+        """The friction coefficient of contacts that have none of their own."""
+        return self._replace(friction=friction)
+
+    def with_grounded(self, patterns: Iterable[str]) -> Assembly:
+        """The parts that match (``*`` and ``?`` are globs) held, besides those held before."""
+        chosen = self.matching(patterns)
+        return self._replace(
+            parts=[
+                dataclasses.replace(part, grounded=True) if part.name in chosen else part
+                for part in self.parts
+            ]
+        )
+
+    def with_joints(self, joints: Iterable[Joint]) -> Assembly:
+        """Joints besides those there are; `kilter.contact.fastened` makes those of bolts."""
+        return self._replace(joints=[*self.joints, *joints])
+
+    def without(self, patterns: Iterable[str]) -> Assembly:
+        """The assembly without the parts that match, and all that names them."""
+        gone = self.matching(patterns)
+        keep = [part for part in self.parts if part.name not in gone]
+        if not keep:
+            raise InputError("no part is left", hint="leave fewer parts out")
+
+        def kept(entries: Sequence[Any]) -> list[Any]:
+            return [entry for entry in entries if not gone.intersection(entry.parts)]
+
+        return self._replace(
+            parts=keep,
+            friction_pairs=kept(self.friction_pairs),
+            contacts=kept(self.contacts),
+            joints=kept(self.joints),
+            loads=[load for load in self.loads if load.part not in gone],
+        )
+
+    def with_floor(self, height: float | None = None) -> Assembly:
+        """A held table under the lowest point (against gravity), or at a height there.
+
+        `height` is measured along the direction opposite to gravity [length unit].
+        """
+        geometry = self.geometry
+        up = -self.down
+        heights = geometry.vertices @ up
+        lowest = float(heights.min()) if height is None else number(height, "height of the floor")
+        size = float(np.ptp(geometry.vertices, axis=0).max())
+        middle = (geometry.vertices.min(axis=0) + geometry.vertices.max(axis=0)) / 2
+        thick = size / 4
+        center = middle + up * (lowest - thick / 2 - middle @ up)
+        name = "floor"
+        while name in self.index:
+            name += "_"
+        table = Part(
+            name,
+            Box([4 * size, 4 * size, thick]),
+            Pose(center, rotation_between([0, 0, 1], up)),
+            grounded=True,
+            density=1000.0,
+        )
+        return self._replace(parts=[*self.parts, table])
+
+    def matching(self, patterns: Iterable[str]) -> set[str]:
+        """Names that match any of the patterns.
+
+        Raises
+        ------
+        InputError
+            If a pattern matches no part.
+        """
+        chosen: set[str] = set()
+        for pattern in patterns:
+            if pattern in self.index:
+                chosen.add(pattern)
+                continue
+            found = [name for name in self.names if fnmatch.fnmatchcase(name, pattern)]
+            if not found:
+                self.index_of(pattern)
+            chosen.update(found)
+        return chosen
+
+    def require_grounded(self) -> None:
+        """Refuse an assembly in which nothing is held.
+
+        Raises
+        ------
+        InputError
+            Naming the parts and the lowest one.
+        """
+        held = any(part.grounded for part in self.parts)
+        if held or any(GROUND in joint.parts for joint in self.joints):
+            return
+        geometry = self.geometry
+        heights = -(geometry.vertices @ self.down)
+        lowest = self.names[int(geometry.vertex_part[np.argmin(heights)])]
+        raise InputError(
+            f"nothing is held; the parts are {some_names(self.names, 8)}, the lowest is {lowest!r}",
+            file=self.source or None,
+            hint=f"hold one with --ground {lowest!r}, or put a table under them with --floor",
+        )
+
+    def _replace(self, **changes: Any) -> Assembly:
+        return dataclasses.replace(self, **changes)

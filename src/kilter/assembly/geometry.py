@@ -1,0 +1,416 @@
+"""What follows from the shapes of an assembly, in arrays: one row a part.
+
+Exact sums over the tetrahedra that the origin of the part makes with each triangle
+(p, q, r) of its closed surface, 6V = sum p.(q x r):
+
+    V c = sum 6v (p + q + r) / 24,     int x x^T = sum 6v (s s^T + p p^T + q q^T + r r^T) / 120
+
+with s = p + q + r, each taken about a vertex of the part so that distance from the world's
+origin costs no digits. Boxes, cylinders and spheres use their closed forms.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.assembly.surfaces import Surfaces, join_surfaces, surfaces_of
+from kilter.errors import InputError, some_names
+from kilter.rigid import cross, quaternion_to_matrix
+from kilter.shape.closed import open_edges, welded, wound_both_ways
+from kilter.shape.primitives import (
+    BOX_CORNERS,
+    BOX_TRIANGLES,
+    Box,
+    Cylinder,
+    Mesh,
+    Prism,
+    Sphere,
+    surface,
+)
+from kilter.shape.solid import Solid
+from kilter.units import metres_per_unit
+
+if TYPE_CHECKING:
+    from kilter.assembly.assembly import Assembly
+    from kilter.assembly.part import Part
+
+__all__ = ["DEFAULT_DENSITY", "Geometry", "build_geometry", "polyhedron_moments"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+DEFAULT_DENSITY = 1000.0
+"""Density where a part has neither density nor mass [kg/m^3]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Geometry:
+    """Geometry and mass properties of N parts, world frame, struct of arrays.
+
+    Attributes
+    ----------
+    vertices : ndarray, shape (V, 3)
+        Corners of all parts [length unit]; those of part i are rows
+        ``vertex_start[i]`` to ``vertex_start[i + 1]``.
+    triangles : ndarray, shape (T, 3)
+        Corners by row of `vertices`, turning left seen from outside; those of part i are
+        rows ``triangle_start[i]`` to ``triangle_start[i + 1]``.
+    grounded : ndarray of bool, shape (N,)
+    mass : ndarray, shape (N,)
+        [kg].
+    center : ndarray, shape (N, 3)
+        Centres of mass [length unit].
+    inertia : ndarray, shape (N, 3, 3)
+        About the centre of mass, world axes [kg x length unit^2].
+    volume : ndarray, shape (N,)
+        [length unit^3].
+    radius : ndarray, shape (N,)
+        Largest distance of a vertex from the centre of mass [length unit].
+    size : ndarray, shape (N,)
+        Twice the largest distance of a vertex from the centroid of the surface: the
+        length that tolerances of a part are relative to; it does not depend on the pose.
+    accuracy : ndarray, shape (N,)
+        How far a coordinate may be from the truth [length unit].
+    single : ndarray of bool, shape (N,)
+        True where the coordinates are coarser than float64.
+    is_box : ndarray of bool, shape (N,)
+        Parts whose vertices are the eight corners of a box, in order.
+    surfaces : Surfaces
+        The exact curved surfaces of all parts, ordered by part.
+    triangle_surface : ndarray of int, shape (T,)
+        Row of `surfaces` that each triangle stands for; -1: it is itself the face.
+    slack : ndarray, shape (N,)
+        How far the true surface of a part may lie from its triangles [length unit].
+    warnings : tuple of str
+    """
+
+    vertices: Array
+    vertex_start: Index
+    triangles: Index
+    triangle_start: Index
+    grounded: NDArray[np.bool_]
+    mass: Array
+    center: Array
+    inertia: Array
+    volume: Array
+    radius: Array
+    size: Array
+    accuracy: Array
+    single: NDArray[np.bool_]
+    is_box: NDArray[np.bool_]
+    surfaces: Surfaces
+    triangle_surface: Index
+    slack: Array
+    warnings: tuple[str, ...]
+
+    @property
+    def vertex_part(self) -> Index:
+        """The part of each vertex, shape (V,)."""
+        return np.repeat(np.arange(len(self.mass)), np.diff(self.vertex_start))
+
+    @property
+    def triangle_part(self) -> Index:
+        """The part of each triangle, shape (T,)."""
+        return np.repeat(np.arange(len(self.mass)), np.diff(self.triangle_start))
+
+
+def build_geometry(assembly: Assembly) -> Geometry:
+    """The geometry of an assembly.
+
+    Raises
+    ------
+    InputError
+        If a mesh is open, flat or empty; it names the part.
+    """
+    try:
+        return _build(assembly)
+    except InputError as error:
+        raise error.located(file=assembly.source or None) from None
+
+
+def _build(assembly: Assembly) -> Geometry:
+    parts = assembly.parts
+    boxes = np.array([isinstance(part.shape, Box) for part in parts])
+    warnings: list[str] = []
+    local = _local_surfaces(parts, boxes, warnings)
+    vertices, vertex_start, triangles, triangle_start = local
+
+    rotation = quaternion_to_matrix(np.array([part.pose.rotation for part in parts]))
+    position = np.array([part.pose.position for part in parts])
+    counts = np.diff(vertex_start)
+    owner = np.repeat(np.arange(len(parts)), counts)
+
+    volume, center, second, area_center = _moments(parts, boxes, local)
+    flipped = np.flatnonzero(volume < 0)
+    for k in flipped:
+        span = slice(triangle_start[k], triangle_start[k + 1])
+        triangles[span] = triangles[span, ::-1]
+    if len(flipped):
+        volume[flipped] *= -1
+        second[flipped] *= -1
+        turned = some_names([parts[k].name for k in flipped.tolist()])
+        warnings.append(f"faces turned outwards, they pointed inwards: {turned}")
+    reach = _group_max(np.linalg.norm(vertices - area_center[owner], axis=1), vertex_start)
+    extreme = np.flatnonzero(~((reach > 1e-30) & (reach < 1e30)))
+    if len(extreme):
+        raise InputError(
+            f"its size is {2 * reach[extreme[0]]:.3g}, out of range",
+            part=parts[int(extreme[0])].name,
+            hint="check its units: sizes from 1e-30 to 1e30 are read",
+        )
+    flat = np.flatnonzero(~(volume > 1e-9 * reach**3))
+    if len(flat):
+        raise InputError(
+            f"volume is {volume[flat[0]]:.3g}, a flat part",
+            part=parts[flat[0]].name,
+            hint="give a closed solid",
+        )
+    mass, center, second = _masses(assembly, volume, center, second, warnings)
+
+    world = np.einsum("nij,nj->ni", rotation[owner], vertices) + position[owner]
+    world_center = np.einsum("nij,nj->ni", rotation, center) + position
+    moment = np.einsum("nij,njk,nlk->nil", rotation, second, rotation)
+    inertia = np.trace(moment, axis1=1, axis2=2)[:, None, None] * np.eye(3) - moment
+    largest = _group_max(np.abs(world).max(axis=1), vertex_start)
+    accuracy = np.array(
+        [part.shape.accuracy if isinstance(part.shape, Mesh | Solid) else 0.0 for part in parts]
+    )
+    accuracy = np.maximum(accuracy, largest * 2.0**-52)
+    surfaces, triangle_surface = _curved(
+        parts, boxes, (vertices, triangles, world), local, (rotation, position)
+    )
+    slack = np.zeros(len(parts))
+    np.maximum.at(slack, surfaces.part, surfaces.sagitta)
+    for array in (world, triangles, mass, world_center, inertia, volume, accuracy):
+        array.flags.writeable = False
+    return Geometry(
+        vertices=world,
+        vertex_start=vertex_start,
+        triangles=triangles,
+        triangle_start=triangle_start,
+        grounded=np.array([part.grounded for part in parts]),
+        mass=mass,
+        center=world_center,
+        inertia=inertia,
+        volume=volume,
+        radius=_group_max(np.linalg.norm(world - world_center[owner], axis=1), vertex_start),
+        size=2 * reach,
+        accuracy=accuracy,
+        single=accuracy > largest * 2.0**-40,
+        is_box=boxes,
+        surfaces=surfaces,
+        triangle_surface=triangle_surface,
+        slack=slack,
+        warnings=tuple(warnings),
+    )
+
+
+def _local_surfaces(
+    parts: Sequence[Part], boxes: NDArray[np.bool_], warnings: list[str]
+) -> tuple[Array, Index, Index, Index]:
+    """Vertices and triangles of all parts in their own frames; boxes in one go."""
+    others = {k: surface(parts[k].shape) for k in np.flatnonzero(~boxes).tolist()}
+    for k in others:
+        shape = parts[k].shape
+        if isinstance(shape, Mesh):
+            others[k] = _closed_mesh(parts[k].name, shape, warnings)
+    corner_count = np.full(len(parts), 8)
+    triangle_count = np.full(len(parts), 12)
+    for k, (vertices, triangles) in others.items():
+        corner_count[k], triangle_count[k] = len(vertices), len(triangles)
+    vertex_start = np.concatenate([[0], np.cumsum(corner_count)])
+    triangle_start = np.concatenate([[0], np.cumsum(triangle_count)])
+
+    all_vertices = np.empty((vertex_start[-1], 3))
+    all_triangles = np.empty((triangle_start[-1], 3), dtype=np.int64)
+    if boxes.any():
+        where = np.flatnonzero(boxes)
+        sizes = _box_sizes(parts, where)
+        rows = vertex_start[where][:, None] + np.arange(8)
+        all_vertices[rows] = BOX_CORNERS * sizes[:, None, :]
+        rows = triangle_start[where][:, None] + np.arange(12)
+        all_triangles[rows] = BOX_TRIANGLES + vertex_start[where][:, None, None]
+    for k, (vertices, triangles) in others.items():
+        all_vertices[vertex_start[k] : vertex_start[k + 1]] = vertices
+        all_triangles[triangle_start[k] : triangle_start[k + 1]] = triangles + vertex_start[k]
+    return all_vertices, vertex_start, all_triangles, triangle_start
+
+
+def _box_sizes(parts: Sequence[Part], which: Index) -> Array:
+    """Lengths along x, y, z of parts that are boxes, shape (n, 3)."""
+    shapes = (parts[k].shape for k in which.tolist())
+    return np.array([shape.size for shape in shapes if isinstance(shape, Box)])
+
+
+def _closed_mesh(name: str, mesh: Mesh, warnings: list[str]) -> tuple[Array, Index]:
+    """A mesh welded, without faces of no area, refused where it is open."""
+    if len(mesh.triangles) == 0 or len(mesh.vertices) == 0:
+        raise InputError("mesh has no faces", part=name, hint="give a closed solid")
+    vertices, triangles, notes = welded(mesh.vertices, mesh.triangles, accuracy=mesh.accuracy)
+    warnings.extend(f"part {name!r}: {note}" for note in notes)
+    if len(triangles) == 0:
+        raise InputError("all faces have zero area", part=name, hint="give a closed solid")
+    holes = open_edges(vertices, triangles)
+    if len(holes) and wound_both_ways(triangles):
+        raise InputError(
+            f"some faces are wound the wrong way: {len(holes)} edges run twice in one sense",
+            part=name,
+            hint="let all faces turn the same way, seen from outside",
+        )
+    if len(holes):
+        where = vertices[holes[0, 0]]
+        raise InputError(
+            f"mesh is open: {len(holes)} edges have a face on one side only, the first at "
+            f"({where[0]:.6g}, {where[1]:.6g}, {where[2]:.6g})",
+            part=name,
+            hint="close it where it was made",
+        )
+    return vertices, triangles
+
+
+def polyhedron_moments(
+    vertices: Array, triangles: Index, start: Index
+) -> tuple[Array, Array, Array, Array]:
+    """Volume, centroid, second moment about it and surface centroid of N polyhedra.
+
+    Parameters
+    ----------
+    vertices : ndarray, shape (V, 3)
+    triangles : ndarray, shape (T, 3)
+    start : ndarray, shape (N + 1,)
+        First triangle of each polyhedron.
+
+    Returns
+    -------
+    volume : ndarray, shape (N,)
+        Negative where the faces point inwards.
+    centroid : ndarray, shape (N, 3)
+    second : ndarray, shape (N, 3, 3)
+        Integral of x x^T about the centroid [length unit^5].
+    surface_centroid : ndarray, shape (N, 3)
+
+    References
+    ----------
+    Exact integration of polynomials over simplices; see the module's first lines.
+    """
+    origin = vertices[triangles[start[:-1], 0]]
+    shift = np.repeat(origin, np.diff(start), axis=0)
+    p, q, r = (vertices[triangles[:, k]] - shift for k in range(3))
+    total = p + q + r
+    normal = cross(q - p, r - p)
+    area = np.linalg.norm(normal, axis=1)
+    six = np.einsum("ij,ij->i", p, cross(q, r))
+    volume = _group_sum(six, start) / 6
+    first = _group_sum(six[:, None] * total, start) / 24
+    outer = sum(np.einsum("n,ni,nj->nij", six, x, x) for x in (total, p, q, r))
+    second = _group_sum(np.asarray(outer), start) / 120
+    with np.errstate(divide="ignore", invalid="ignore"):
+        centroid = first / volume[:, None]
+        surface_centroid = _group_sum(area[:, None] * total, start) / (
+            3 * _group_sum(area, start)[:, None]
+        )
+    second = second - volume[:, None, None] * centroid[:, :, None] * centroid[:, None, :]
+    return volume, centroid + origin, second, surface_centroid + origin
+
+
+def _moments(
+    parts: Sequence[Part],
+    boxes: NDArray[np.bool_],
+    local: tuple[Array, Index, Index, Index],
+) -> tuple[Array, Array, Array, Array]:
+    vertices, _, triangles, triangle_start = local
+    count = len(parts)
+    volume, center = np.zeros(count), np.zeros((count, 3))
+    second, area_center = np.zeros((count, 3, 3)), np.zeros((count, 3))
+    if boxes.any():
+        where = np.flatnonzero(boxes)
+        sizes = _box_sizes(parts, where)
+        volume[where] = sizes.prod(axis=1)
+        second[where[:, None], range(3), range(3)] = volume[where][:, None] * sizes**2 / 12
+    where = np.flatnonzero(~boxes)
+    if len(where):
+        counts = np.diff(triangle_start)[where]
+        rows = np.concatenate([np.arange(triangle_start[k], triangle_start[k + 1]) for k in where])
+        start = np.concatenate([[0], np.cumsum(counts)])
+        result = polyhedron_moments(vertices, triangles[rows], start)
+        volume[where], center[where], second[where], area_center[where] = result
+    for k in where.tolist():
+        shape = parts[k].shape
+        if isinstance(shape, Cylinder):
+            volume[k] = np.pi * shape.radius**2 * shape.height
+            moments = [shape.radius**2 / 4, shape.radius**2 / 4, shape.height**2 / 12]
+        elif isinstance(shape, Sphere):
+            volume[k] = 4 / 3 * np.pi * shape.radius**3
+            moments = [shape.radius**2 / 5] * 3
+        elif isinstance(shape, Solid):
+            volume[k], center[k], second[k] = shape.volume, shape.centroid, shape.second_moment
+            continue
+        else:
+            continue
+        center[k], area_center[k] = 0.0, 0.0
+        second[k] = volume[k] * np.diag(moments)
+    return volume, center, second, area_center
+
+
+def _masses(
+    assembly: Assembly, volume: Array, center: Array, second: Array, warnings: list[str]
+) -> tuple[Array, Array, Array]:
+    """Masses [kg], centres and mass-weighted second moments from geometry and overrides."""
+    parts = assembly.parts
+    cubic_metres = volume * metres_per_unit(assembly.units) ** 3
+    density = np.array([part.density or DEFAULT_DENSITY for part in parts])
+    given = np.array([part.mass is not None for part in parts])
+    mass = density * cubic_metres
+    mass[given] = [part.mass for part in parts if part.mass is not None]
+    free = np.array([not part.grounded for part in parts])
+    default = np.array([part.mass is None and part.density is None for part in parts])
+    if (default & free).any() and (~default & free).any():
+        assumed = some_names([p.name for p, d in zip(parts, default & free, strict=True) if d])
+        warnings.append(
+            f"density {DEFAULT_DENSITY:g} kg/m^3 assumed for {assumed} "
+            "beside parts with a mass or density of their own: the verdict depends on the ratios"
+        )
+    second = second * (mass / volume)[:, None, None]
+    center = center.copy()
+    for k, part in enumerate(parts):
+        if part.center_of_mass is not None:
+            center[k] = part.center_of_mass
+    return mass, center, second
+
+
+def _curved(
+    parts: Sequence[Part],
+    boxes: NDArray[np.bool_],
+    corners: tuple[Array, Index, Array],
+    local: tuple[Array, Index, Index, Index],
+    poses: tuple[Array, Array],
+) -> tuple[Surfaces, Index]:
+    """Curved surfaces of all parts; `corners`: vertices, triangles, vertices in the world."""
+    (vertices, triangles, world), (_, first, _, start) = corners, local
+    found = {}
+    for k in np.flatnonzero(~boxes).tolist():
+        shape = parts[k].shape
+        if isinstance(shape, Prism):
+            continue
+        mine = vertices[first[k] : first[k + 1]]
+        names = triangles[start[k] : start[k + 1]] - first[k]
+        accuracy = shape.accuracy if isinstance(shape, Mesh | Solid) else 0.0
+        curved = surfaces_of(shape, mine, names, accuracy)
+        if curved is not None:
+            found[k] = curved
+    return join_surfaces(found, *poses, world, triangles, start)
+
+
+def _group_max(values: Array, start: Index) -> Array:
+    result: Array = np.maximum.reduceat(values, start[:-1])
+    return result
+
+
+def _group_sum(values: Array, start: Index) -> Array:
+    result: Array = np.add.reduceat(values, start[:-1], axis=0)
+    return result

@@ -1,0 +1,315 @@
+"""Exact curved surfaces of all parts, world frame, struct of arrays; one row a surface.
+
+A cylinder is the points at `radius` from the line through `point` along `axis`; a sphere
+those at `radius` from `point`; a torus those at `tube` from the circle of `radius` about
+`point`, across `axis`; a cone those x with angle(x - point, axis) = `half_angle`. With rho
+the distance from the axis and t the height along it, the signed distance from them is
+
+    cylinder  rho - radius                      sphere  |x - point| - radius
+    cone      rho cos(half_angle) - t sin(half_angle)
+    torus     |(rho - radius, t)| - tube,
+
+positive on the outside of a solid one. The triangles of a part only say how far each of its
+surfaces reaches.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.rigid import cross
+from kilter.shape.primitives import CYLINDER_SIDES, Cylinder, Mesh, Shape, Sphere
+from kilter.shape.solid import Solid, Surface
+
+__all__ = [
+    "CONE",
+    "CYLINDER",
+    "FREE",
+    "KINDS",
+    "SPHERE",
+    "TORUS",
+    "PartSurfaces",
+    "Surfaces",
+    "join_surfaces",
+    "surfaces_of",
+]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+KINDS = ("sphere", "cylinder", "cone", "torus", "free")
+"""Kinds of curved surface; a "free" one has no formula here."""
+SPHERE, CYLINDER, CONE, TORUS, FREE = range(5)
+
+SMOOTH = 0.6
+"""Neighbouring triangles of a mesh that meet at less than this may stand for a curve [rad]."""
+FEWEST = 16
+"""A mesh of fewer triangles, or fewer smooth edges, is taken as it is."""
+SAME = 1e-9
+"""Surfaces of one part that differ by less than this part of its size are one."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surfaces:
+    """Curved surfaces of N parts, ordered by part; world frame.
+
+    Attributes
+    ----------
+    part, start : ndarray of int, shape (S,) and (N + 1,)
+        The surfaces of part i are rows ``start[i]`` to ``start[i + 1]``.
+    kind : ndarray of int, shape (S,)
+        Position in `KINDS`.
+    point, axis : ndarray, shape (S, 3)
+    radius, tube, half_angle : ndarray, shape (S,)
+        As in `kilter.shape.solid.Surface` [length unit, length unit, rad].
+    hollow : ndarray of bool, shape (S,)
+        The material lies outside: a hole, a socket.
+    sagitta : ndarray, shape (S,)
+        Greatest distance of a triangle from its surface [length unit].
+    doubt : ndarray, shape (S,)
+        How far the surface itself may be from the truth: 0 for exact ones, the sagitta for
+        those recognised in a mesh [length unit].
+    triangle_start, triangle : ndarray of int, shape (S + 1,) and (M,)
+        Rows of the geometry's triangles, surface by surface.
+    """
+
+    part: Index
+    start: Index
+    kind: Index
+    point: Array
+    axis: Array
+    radius: Array
+    tube: Array
+    half_angle: Array
+    hollow: Mask
+    sagitta: Array
+    doubt: Array
+    triangle_start: Index
+    triangle: Index
+
+    def __len__(self) -> int:
+        return len(self.part)
+
+    def triangles_of(self, row: int) -> Index:
+        """Rows of the geometry's triangles that lie on a surface."""
+        return self.triangle[self.triangle_start[row] : self.triangle_start[row + 1]]
+
+    def polar(self, rows: Index, points: Array) -> tuple[Array, Array, Array]:
+        """Height along the axis (n,), distance from it (n,), unit direction away (n, 3).
+
+        Of a sphere: 0, distance from the centre, direction from it.
+        """
+        apart = points - self.point[rows]
+        axis = np.where((self.kind[rows] == SPHERE)[:, None], 0.0, self.axis[rows])
+        height = np.einsum("ij,ij->i", apart, axis)
+        away = apart - height[:, None] * axis
+        distance = np.linalg.norm(away, axis=1)
+        return height, distance, away / np.maximum(distance, 1e-300)[:, None]
+
+    def distance(self, rows: Index, points: Array) -> Array:
+        """Signed distance of points from surfaces, shape (n,); infinite from a free one.
+
+        Positive where the material is not: outside of a solid one, inside of a hollow one.
+        """
+        height, rho, _ = self.polar(rows, points)
+        kind, alpha = self.kind[rows], self.half_angle[rows]
+        off = rho - self.radius[rows]
+        off = np.where(kind == CONE, rho * np.cos(alpha) - height * np.sin(alpha), off)
+        around = np.hypot(rho - self.radius[rows], height) - self.tube[rows]
+        off = np.where(kind == TORUS, around, off)
+        off = np.where(self.hollow[rows], -off, off)
+        result: Array = np.where(kind == FREE, np.inf, off)
+        return result
+
+    def outward(self, rows: Index, points: Array) -> Array:
+        """Unit normals out of the material at points of surfaces, shape (n, 3)."""
+        height, rho, away = self.polar(rows, points)
+        kind, alpha, axis = self.kind[rows], self.half_angle[rows], self.axis[rows]
+        cone = np.cos(alpha)[:, None] * away - np.sin(alpha)[:, None] * axis
+        normal = np.where((kind == CONE)[:, None], cone, away)
+        ring = (rho - self.radius[rows])[:, None] * away + height[:, None] * axis
+        ring = ring / np.maximum(np.linalg.norm(ring, axis=1), 1e-300)[:, None]
+        normal = np.where((kind == TORUS)[:, None], ring, normal)
+        result: Array = np.where(self.hollow[rows][:, None], -normal, normal)
+        return result
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PartSurfaces:
+    """Curved surfaces of one part in its own frame, and which of its triangles lie on each.
+
+    `triangle_surface`: shape (T,), row of `surfaces` or -1 (flat); the row behind the last
+    one stands for a free form, of this `sagitta`. `exact`: not recognised in a mesh.
+    """
+
+    surfaces: tuple[Surface, ...]
+    triangle_surface: Index
+    exact: bool
+    sagitta: float = 0.0
+
+
+def surfaces_of(
+    shape: Shape, vertices: Array, triangles: Index, accuracy: float
+) -> PartSurfaces | None:
+    """The curved surfaces of a shape with these triangles; None where it has none."""
+    if isinstance(shape, Cylinder):
+        label = np.full(len(triangles), -1)
+        label[-2 * CYLINDER_SIDES :] = 0
+        return PartSurfaces((Surface("cylinder", np.zeros(3), radius=shape.radius),), label, True)
+    if isinstance(shape, Sphere):
+        label = np.zeros(len(triangles), dtype=np.int64)
+        return PartSurfaces((Surface("sphere", np.zeros(3), radius=shape.radius),), label, True)
+    if isinstance(shape, Solid):
+        return _curved_only(shape.surfaces, shape.triangle_surface, shape.sagitta, exact=True)
+    if isinstance(shape, Mesh) and _may_be_curved(vertices, triangles):
+        return _recognised(vertices, triangles, accuracy)
+    return None
+
+
+def _curved_only(
+    surfaces: Sequence[Surface], label: Index, sagitta: float, *, exact: bool
+) -> PartSurfaces | None:
+    """Without the planes; triangles of a solid on no surface are free forms."""
+    curved = [k for k, s in enumerate(surfaces) if s.kind != "plane"]
+    number = np.full(len(surfaces) + 1, -1)
+    number[curved] = np.arange(len(curved))
+    number[-1] = len(curved) if exact else -1
+    renamed = number[label]
+    if not (renamed >= 0).any():
+        return None
+    return PartSurfaces(tuple(surfaces[k] for k in curved), renamed, exact, float(sagitta))
+
+
+def _may_be_curved(vertices: Array, triangles: Index) -> bool:
+    """Whether many neighbouring triangles of a mesh meet smoothly, but not in one plane."""
+    if len(triangles) < FEWEST:
+        return False
+    points = vertices[triangles]
+    area = cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
+    normal = area / np.maximum(np.linalg.norm(area, axis=1), 1e-300)[:, None]
+    following = triangles[:, [1, 2, 0]]
+    low, high = np.minimum(triangles, following).ravel(), np.maximum(triangles, following).ravel()
+    key = low * (int(high.max()) + 1) + high
+    order = np.argsort(key, kind="stable")
+    same = np.flatnonzero(np.diff(key[order]) == 0)
+    first, second = order[same] // 3, order[same + 1] // 3
+    cosine = np.einsum("ij,ij->i", normal[first], normal[second])
+    bent = (cosine > np.cos(SMOOTH)) & (cosine < 1 - 1e-8)
+    return int(bent.sum()) >= FEWEST // 2
+
+
+def _recognised(vertices: Array, triangles: Index, accuracy: float) -> PartSurfaces | None:
+    from kilter.shape.recognition import recognise
+
+    surfaces, label, _ = recognise(vertices, triangles, accuracy=accuracy)
+    return _curved_only(surfaces, label, 0.0, exact=False)
+
+
+def join_surfaces(
+    found: Mapping[int, PartSurfaces],
+    rotation: Array,
+    position: Array,
+    vertices: Array,
+    triangles: Index,
+    triangle_start: Index,
+) -> tuple[Surfaces, Index]:
+    """The surfaces of all parts in the world frame, and the surface of each triangle, (T,).
+
+    Parameters
+    ----------
+    found : mapping from part to `PartSurfaces`
+    rotation, position : ndarray, shape (N, 3, 3), (N, 3)
+        Poses of the parts.
+    vertices, triangles, triangle_start : ndarray
+        As in `Geometry`, world frame.
+    """
+    label = np.full(len(triangles), -1)
+    rows: list[tuple[int, Surface | None, bool, float]] = []
+    for part in sorted(found):
+        mine = found[part]
+        names, kept = _merged(mine)
+        local = mine.triangle_surface
+        span = slice(triangle_start[part], triangle_start[part + 1])
+        label[span] = np.where(local >= 0, names[local] + len(rows), -1)
+        rows += [(part, surface, mine.exact, mine.sagitta) for surface in kept]
+    owner = np.array([row[0] for row in rows], dtype=np.int64)
+    given = [surface or Surface("sphere", np.zeros(3)) for _, surface, _, _ in rows]
+    kind = np.array(
+        [FREE if s is None else KINDS.index(s.kind) for _, s, _, _ in rows], dtype=np.int64
+    )
+    count = len(rows)
+    turn = rotation[owner]
+    point = np.array([s.point for s in given]).reshape(count, 3)
+    axis = np.array([s.axis for s in given]).reshape(count, 3)
+    order = np.argsort(label, kind="stable")
+    order = order[np.searchsorted(label[order], 0) :]
+    surfaces = Surfaces(
+        part=owner,
+        start=np.searchsorted(owner, np.arange(len(position) + 1)),
+        kind=kind,
+        point=np.einsum("nij,nj->ni", turn, point) + position[owner],
+        axis=np.einsum("nij,nj->ni", turn, axis),
+        radius=np.array([s.radius for s in given]),
+        tube=np.array([s.tube for s in given]),
+        half_angle=np.array([s.half_angle for s in given]),
+        hollow=np.array([s.hollow for s in given], dtype=bool),
+        sagitta=np.where(kind == FREE, np.array([row[3] for row in rows]), 0.0),
+        doubt=np.zeros(count),
+        triangle_start=np.searchsorted(label[order], np.arange(count + 1)),
+        triangle=order,
+    )
+    exact = np.array([row[2] for row in rows], dtype=bool)
+    _measure(surfaces, vertices, triangles, label, exact)
+    return surfaces, label
+
+
+def _merged(mine: PartSurfaces) -> tuple[Index, list[Surface | None]]:
+    """New number of each surface, equal ones together, and the ones kept; None: free form."""
+    kept: list[Surface | None] = []
+    names = np.zeros(len(mine.surfaces) + 1, dtype=np.int64)
+    free = bool((mine.triangle_surface == len(mine.surfaces)).any())
+    for k, surface in enumerate(mine.surfaces):
+        alike = [n for n, other in enumerate(kept) if other and _same(surface, other)]
+        names[k] = alike[0] if alike else len(kept)
+        if not alike:
+            kept.append(surface)
+    names[-1] = len(kept)
+    return names, [*kept, None] if free else kept
+
+
+def _same(one: Surface, other: Surface) -> bool:
+    """Whether two surfaces of a part are one, cut in two."""
+    if one.kind != other.kind or one.hollow != other.hollow:
+        return False
+    close = SAME * max(one.radius, other.radius, float(np.abs(one.point - other.point).max()))
+    sizes = (one.radius - other.radius, one.tube - other.tube)
+    if max(abs(size) for size in sizes) > close or abs(one.half_angle - other.half_angle) > SAME:
+        return False
+    along = one.axis if one.kind == "cylinder" else np.zeros(3)
+    apart = one.point - other.point
+    if float(np.linalg.norm(apart - (apart @ along) * along)) > close:
+        return False
+    cosine = float(one.axis @ other.axis)
+    sine = float(np.linalg.norm(np.cross(one.axis, other.axis)))
+    return one.kind == "sphere" or (sine <= SAME and (one.kind != "cone" or cosine > 0))
+
+
+def _measure(
+    surfaces: Surfaces, vertices: Array, triangles: Index, label: Index, exact: Mask
+) -> None:
+    """Fill in the sagitta of each surface: at corners, middles of sides and of triangles."""
+    if not len(surfaces):
+        return
+    owner = label[surfaces.triangle]
+    p = vertices[triangles[surfaces.triangle]]
+    sites = [p[:, 0], p[:, 1], p[:, 2], p.mean(axis=1)]
+    sites += [(p[:, k] + p[:, k - 1]) / 2 for k in range(3)]
+    off = np.max([np.abs(surfaces.distance(owner, site)) for site in sites], axis=0)
+    off[~np.isfinite(off)] = 0.0  # free forms say theirs themselves
+    np.maximum.at(surfaces.sagitta, owner, off)
+    surfaces.doubt[~exact] = surfaces.sagitta[~exact]

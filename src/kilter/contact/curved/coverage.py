@@ -1,0 +1,236 @@
+"""How far a face reaches: which points, which stretches of a line, which angles it covers.
+
+The triangles of a face stand for it: a point x of a surface with normal n belongs to the
+face where the line x + t n meets one of its triangles, and a line belongs to it where the
+plane through the line and n cuts them. Neighbouring triangles meet without gaps that way,
+and the ends of a face across its generators are as exact as the corners of its triangles.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.assembly.geometry import Geometry
+from kilter.assembly.surfaces import CONE
+from kilter.rigid import cross
+
+__all__ = ["Bands", "bands_of", "common_spans", "covered", "frame_of", "slices", "unrolled"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+TURN = 2 * np.pi
+SEAM = 1e-7
+"""Angles closer than this are one [rad]."""
+FILLED = 1e-6
+"""A band is whole where its triangles cover it but for this part."""
+BATCH = 500_000
+"""Points times triangles compared in one go."""
+
+
+def covered(triangles: Array, points: Array, normals: Array, reach: float, grow: float) -> Mask:
+    """Points of a surface, shape (n, 3), that its triangles, shape (m, 3, 3), cover.
+
+    Parameters
+    ----------
+    normals : ndarray, shape (n, 3)
+        Of the surface at the points.
+    reach : float
+        Greatest distance of a triangle from the surface [length unit].
+    grow : float
+        Triangles are grown by this [length unit].
+    """
+    inside = np.zeros(len(points), dtype=bool)
+    if not len(triangles) or not len(points):
+        return inside
+    near = _near(triangles, points, reach + grow)
+    p, q, r = triangles[near].transpose(1, 0, 2)
+    across = cross(q - p, r - p)
+    across /= np.maximum(np.linalg.norm(across, axis=1), 1e-300)[:, None]
+    step = max(1, BATCH // max(len(p), 1))
+    for begin in range(0, len(points), step):
+        rows = slice(begin, begin + step)
+        x, n = points[rows, None], normals[rows, None]
+        along = np.einsum("ntk,tk->nt", n, across)
+        flat = np.abs(along) < 1e-6
+        t = np.einsum("ntk,tk->nt", p - x, across) / np.where(flat, 1.0, along)
+        foot = x + t[..., None] * n
+        hit = ~flat & (np.abs(t) <= reach + grow)
+        for start, end in ((p, q), (q, r), (r, p)):
+            side = cross(across, end - start)
+            side /= np.maximum(np.linalg.norm(side, axis=1), 1e-300)[:, None]
+            hit &= np.einsum("ntk,tk->nt", foot - start, side) >= -grow
+        inside[rows] = hit.any(axis=1)
+    return inside
+
+
+def _near(triangles: Array, points: Array, margin: float) -> Mask:
+    """Triangles whose box comes within a margin of the box of the points."""
+    low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
+    meets: Mask = (triangles.min(axis=1) <= high).all(axis=1)
+    meets &= (triangles.max(axis=1) >= low).all(axis=1)
+    return meets
+
+
+def slices(triangles: Array, line: tuple[Array, Array, Array], reach: float, grow: float) -> Array:
+    """Stretches of a line on a face, shape (k, 2), as they follow along the line, merged.
+
+    Parameters
+    ----------
+    triangles : ndarray, shape (m, 3, 3)
+    line : (x, d, n)
+        A point of the line, its unit direction, the unit normal of the face along it.
+    reach : float
+        Triangles farther than this from the line along n are others [length unit].
+    grow : float
+        Triangles beside the line by this count [length unit].
+    """
+    x, d, n = line
+    local = triangles - x
+    aside = local @ cross(d, n)
+    rows = np.flatnonzero((aside.min(axis=1) <= grow) & (aside.max(axis=1) >= -grow))
+    if not len(rows):
+        return np.empty((0, 2))
+    aside, along, height = aside[rows], local[rows] @ d, local[rows] @ n
+    level = np.clip(0.0, aside.min(axis=1), aside.max(axis=1))[:, None]
+    off = aside - level
+    following = np.roll(off, -1, axis=1)
+    cuts = (off * following <= 0) & (off != following)
+    share = np.where(cuts, off / np.where(cuts, off - following, 1.0), 0.0)
+    at = along + share * (np.roll(along, -1, axis=1) - along)
+    up = height + share * (np.roll(height, -1, axis=1) - height)
+    # corners in the plane count themselves
+    sites = np.concatenate([np.where(cuts, at, np.nan), np.where(off == 0, along, np.nan)], axis=1)
+    ups = np.concatenate([np.where(cuts, up, 0.0), np.where(off == 0, height, 0.0)], axis=1)
+    low = np.nanmin(sites, axis=1)
+    high = np.nanmax(sites, axis=1)
+    keep = np.abs(ups).max(axis=1) <= reach + grow
+    return _merged(np.column_stack([low, high])[keep], grow)
+
+
+def _merged(spans: Array, join: float) -> Array:
+    """Stretches that meet within `join`, as one."""
+    if not len(spans):
+        return spans
+    spans = spans[np.argsort(spans[:, 0])]
+    end = np.maximum.accumulate(spans[:, 1])
+    first = np.concatenate([[True], spans[1:, 0] > end[:-1] + join])
+    last = np.concatenate([first[1:], [True]])
+    return np.column_stack([spans[first, 0], end[last]])
+
+
+def common_spans(one: Array, other: Array) -> Array:
+    """Stretches that are in both, shape (k, 2)."""
+    low = np.maximum(one[:, None, 0], other[None, :, 0]).ravel()
+    high = np.minimum(one[:, None, 1], other[None, :, 1]).ravel()
+    keep = high > low
+    return np.column_stack([low[keep], high[keep]])
+
+
+# cylinders and cones, unrolled --------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bands:
+    """Extents of cylinders and cones in angle and height, one row a surface.
+
+    Attributes
+    ----------
+    low, high : ndarray, shape (n,)
+        Least and greatest height along the axis, from the point of the surface.
+    begin, width : ndarray, shape (n,)
+        Where the arc begins, and its length; 2 pi: all around [rad].
+    whole : ndarray of bool, shape (n,)
+        The face is all of that band: one arc, no holes, straight ends.
+    """
+
+    low: Array
+    high: Array
+    begin: Array
+    width: Array
+    whole: Mask
+
+
+def frame_of(axis: Array) -> tuple[Array, Array]:
+    """Unit directions u, v across each axis, shape (n, 3): (u, v, axis) turn right."""
+    helper = np.eye(3)[np.abs(axis).argmin(axis=1)] if len(axis) else np.empty((0, 3))
+    u = cross(helper, axis)
+    u /= np.linalg.norm(u, axis=1)[:, None]
+    return u, cross(axis, u)
+
+
+def unrolled(geometry: Geometry, rows: Index) -> tuple[Index, Array, Array, Mask]:
+    """Triangles of cylinders or cones by angle and height.
+
+    Returns
+    -------
+    owner : ndarray of int, shape (m,)
+        Position in `rows`.
+    angle, height : ndarray, shape (m, 3)
+        The angles of a triangle follow each other without a jump.
+    tip : ndarray of bool, shape (m,)
+        Triangles with a corner in the apex: they stand for a whole rectangle.
+    """
+    surfaces = geometry.surfaces
+    count = np.diff(surfaces.triangle_start)[rows]
+    owner = np.repeat(np.arange(len(rows)), count)
+    first = np.repeat(surfaces.triangle_start[rows] - (np.cumsum(count) - count), count)
+    names = surfaces.triangle[first + np.arange(len(owner))]
+    local = geometry.vertices[geometry.triangles[names]] - surfaces.point[rows][owner][:, None]
+    u, v = frame_of(surfaces.axis[rows])
+    axis = surfaces.axis[rows]
+    height = np.einsum("mki,mi->mk", local, axis[owner])
+    x = np.einsum("mki,mi->mk", local, u[owner])
+    y = np.einsum("mki,mi->mk", local, v[owner])
+    angle = np.arctan2(y, x)
+    reach = np.hypot(x, y)
+    at_apex = reach < 1e-9 * np.maximum(reach.max(axis=1), 1e-300)[:, None]
+    at_apex &= (surfaces.kind[rows][owner] == CONE)[:, None]
+    base = np.where(at_apex[:, 0], angle[:, 1], angle[:, 0])[:, None]
+    angle = base + np.remainder(angle - base + np.pi, TURN) - np.pi
+    mean = np.where(at_apex, 0.0, angle).sum(axis=1) / np.maximum((~at_apex).sum(axis=1), 1)
+    angle = np.where(at_apex, mean[:, None], angle)
+    return owner, angle, height, at_apex.any(axis=1)
+
+
+def bands_of(geometry: Geometry, rows: Index) -> Bands:
+    """Extents of cylinders and cones in angle and height."""
+    count = len(rows)
+    owner, angle, height, tip = unrolled(geometry, rows)
+    low, high = np.full(count, np.inf), np.full(count, -np.inf)
+    np.minimum.at(low, owner, height.min(axis=1))
+    np.maximum.at(high, owner, height.max(axis=1))
+    (x0, x1, x2), (y0, y1, y2) = angle.T, height.T
+    area = np.abs((x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)) / 2
+    area = np.bincount(owner, np.where(tip, 2 * area, area), minlength=count)
+    begin, width, arcs = _arcs(owner, angle.min(axis=1), np.ptp(angle, axis=1), count)
+    full = width * (high - low)
+    whole = (arcs == 1) & (np.abs(area - full) <= FILLED * full)
+    return Bands(low, high, begin, width, whole)
+
+
+def _arcs(owner: Index, start: Array, length: Array, count: int) -> tuple[Array, Array, Index]:
+    """Where the union of the arcs of each owner begins, how long it is, and of how many arcs."""
+    start = np.remainder(start, TURN)
+    order = np.lexsort((start, owner))
+    owner, start = owner[order], start[order]
+    lift = 100.0 * owner  # one running maximum for all owners
+    end = np.maximum.accumulate(start + length[order] + lift) - lift
+    first = np.concatenate([[True], owner[1:] != owner[:-1]])
+    last = np.concatenate([first[1:], [True]])
+    around = end[last] - TURN  # what reaches over the seam
+    before = np.empty(len(owner))
+    before[1:] = end[:-1]
+    before[first] = around
+    hole = start > np.maximum(before, around[owner]) + SEAM
+    arcs = np.bincount(owner, hole, minlength=count).astype(np.int64)
+    begin, width = np.zeros(count), np.full(count, TURN)
+    begin[owner[hole]] = start[hole]
+    one = np.flatnonzero(hole & (arcs[owner] == 1))
+    gap = start[one] - np.maximum(before[one], around[owner[one]])
+    width[owner[one]] = TURN - gap
+    return begin, width, np.maximum(arcs, 1)

@@ -1,0 +1,293 @@
+"""Contacts between exact curved faces: candidates, what their faces cover, patches.
+
+Which surfaces come near is asked by their boxes; where they touch by formulas
+(`kilter.contact.curved.tangency`); whether their faces reach there by their triangles
+(`kilter.contact.curved.coverage`); the points by `kilter.contact.curved.contact_points`.
+The formulas know nothing of triangles, so two tessellations of one
+cylinder that cross each other are still one contact.
+
+Two radii that differ by up to the gap tolerance touch. A peg that is thinner has a gap all
+around, and lies in its hole along a line; one that is thicker interferes, which is an overlap
+and no contact. Surfaces recognised in a mesh are known to their sagitta only: the tolerance
+of their pairs is raised by it, and a warning says so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.assembly.geometry import Geometry
+from kilter.assembly.surfaces import KINDS, SPHERE
+from kilter.contact.broad import Boxes, facets_in, joins
+from kilter.contact.curved.candidates import CIRCLE, LINE, POINT, SAME, Forms
+from kilter.contact.curved.contact_points import Spots, arcs_of, ring, socket
+from kilter.contact.curved.coverage import common_spans, covered, frame_of, slices
+from kilter.contact.curved.curved_patches import CurvedContacts, Made, Pairs, Scene, keep, packed
+from kilter.contact.curved.on_planes import Planes, on_planes
+from kilter.contact.curved.shells import gaps_between, touching_shells
+from kilter.contact.curved.tangency import meeting
+from kilter.contact.planar.facets import Facets
+
+__all__ = ["find_curved"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+INTERFERENCE = 0.1
+"""A peg that is thicker than its hole by more than this part of its radius is not meant for it."""
+
+
+def find_curved(
+    geometry: Geometry,
+    facets: Facets,
+    boxes: Boxes,
+    pairs: Index,
+    gap: Array,
+    margin: Array,
+    angle: float,
+) -> CurvedContacts:
+    """Contacts of curved faces of pairs of parts.
+
+    Parameters
+    ----------
+    pairs : ndarray of int, shape (n, 2)
+        Parts a and b whose boxes come near.
+    gap, margin : ndarray, shape (n,)
+        Gap tolerance, and the distance up to which a pair is looked at [length unit].
+    angle : float
+        Angle tolerance [rad].
+    """
+    scene = Scene(geometry, facets, boxes, pairs, gap, margin, angle)
+    made, unknown, raised = Made(), np.empty((0, 3), dtype=np.int64), 0
+    owners = np.diff(geometry.surfaces.start) > 0
+    rows = np.flatnonzero(owners[pairs].any(axis=1))
+    if len(rows):
+        both, flat = _candidates(scene, rows)
+        made, unknown = _touching(scene, both, flat)
+        doubt = geometry.surfaces.doubt
+        raised = len({p for p, s in zip(made.pair, made.surface, strict=True)
+                      if max(doubt[k] if k >= 0 else 0.0 for k in s) > gap[p]})  # fmt: skip
+    return packed(scene, made, unknown, raised)
+
+
+# candidates ---------------------------------------------------------------------------
+
+
+def _candidates(scene: Scene, rows: Index) -> tuple[Pairs, Pairs]:
+    """Pairs of curved surfaces, and of curved surfaces and flat facets, whose boxes meet."""
+    geometry, boxes = scene.geometry, scene.boxes
+    low, high, some = _surface_boxes(scene)
+    a, b = scene.pairs[rows].T
+    grow = scene.margin[rows]
+    box_low = np.maximum(boxes.part_low[a], boxes.part_low[b]) - grow[:, None]
+    box_high = np.minimum(boxes.part_high[a], boxes.part_high[b]) + grow[:, None]
+
+    def surfaces(part: Index) -> tuple[Index, Index]:
+        start = geometry.surfaces.start
+        count = np.diff(start)[part]
+        owner = np.repeat(np.arange(len(part)), count)
+        row = np.arange(len(owner)) + np.repeat(start[part] - (np.cumsum(count) - count), count)
+        keep = some[row] & (low[row] <= box_high[owner]).all(axis=1)
+        keep &= (high[row] >= box_low[owner]).all(axis=1)
+        return owner[keep], row[keep]
+
+    def flats(part: Index) -> tuple[Index, Index]:
+        owner, facet = facets_in(scene.facets, boxes, part, box_low, box_high)
+        keep = ~scene.facets.curved[facet]
+        return owner[keep], facet[keep]
+
+    def joined(
+        one: tuple[Index, Index], other: tuple[Index, Index], plane: bool
+    ) -> Iterator[Pairs]:
+        box_i = low[one[1]], high[one[1]]
+        box_j = (
+            (boxes.facet_low[other[1]], boxes.facet_high[other[1]])
+            if plane
+            else (low[other[1]], high[other[1]])
+        )
+        for pair, x, y in joins(one[0], box_i, other[0], box_j, grow):
+            yield Pairs(rows[pair], one[1][x], other[1][y], np.zeros(len(x), dtype=bool))
+
+    round_a, round_b = surfaces(a), surfaces(b)
+    both = _joined(list(joined(round_a, round_b, False)))
+    forth = _joined(list(joined(round_a, flats(b), True)))
+    back = _joined(list(joined(round_b, flats(a), True)))
+    back = Pairs(back.pair, back.i, back.j, ~back.turned)
+    return both, _joined([forth, back])
+
+
+def _joined(found: list[Pairs]) -> Pairs:
+    none = np.empty(0, dtype=np.int64)
+    found = [*found, Pairs(none, none, none, np.empty(0, dtype=bool))]
+    return Pairs(*(np.concatenate([getattr(f, name) for f in found]) for name in Pairs.__slots__))
+
+
+def _surface_boxes(scene: Scene) -> tuple[Array, Array, Mask]:
+    """Boxes of curved surfaces in the frame of the boxes, and which have triangles."""
+    geometry, surfaces = scene.geometry, scene.geometry.surfaces
+    low = np.full((len(surfaces), 3), np.inf)
+    high = -low
+    some = np.diff(surfaces.triangle_start) > 0
+    points = geometry.vertices[geometry.triangles[surfaces.triangle]] @ scene.boxes.frame.T
+    first = surfaces.triangle_start[:-1][some]
+    if len(first):
+        low[some] = np.minimum.reduceat(points.min(axis=1), first)
+        high[some] = np.maximum.reduceat(points.max(axis=1), first)
+    sagitta = surfaces.sagitta[:, None]
+    return low - sagitta, high + sagitta, some
+
+
+# where they touch ---------------------------------------------------------------------
+
+
+def _touching(scene: Scene, both: Pairs, flat: Pairs) -> tuple[Made, Index]:
+    surfaces, facets = scene.geometry.surfaces, scene.facets
+    made = Made()
+    limit = scene.gap[both.pair] + surfaces.doubt[both.i] + surfaces.doubt[both.j]
+    angle = np.full(len(both.i), scene.angle)
+    forms, unknown = meeting(surfaces, both.i, both.j, limit, angle)
+    planes = Planes(facets.normal[flat.j], facets.origin[flat.j])
+    flat_limit = scene.gap[flat.pair] + surfaces.doubt[flat.i]
+    flats = on_planes(surfaces, flat.i, planes, np.full(len(flat.i), scene.angle))
+    near = _within(scene, both, forms, limit)
+    shells = near & (forms.form == SAME) & (surfaces.kind[both.i[forms.row]] != SPHERE)
+    touching_shells(scene, made, both, forms.take(np.flatnonzero(shells)), limit)
+    _each(scene, made, both, forms.take(np.flatnonzero(near & ~shells)), limit, False)
+    near = _within(scene, flat, flats, flat_limit)
+    _each(scene, made, flat, flats.take(np.flatnonzero(near)), flat_limit, True)
+    return made, _unknown(scene, both, flat, unknown)
+
+
+def _within(scene: Scene, pairs: Pairs, forms: Forms, limit: Array) -> Mask:
+    """Forms whose gap may come within the margin where the parts overlap."""
+    pair = pairs.pair[forms.row]
+    a, b = scene.pairs[pair].T
+    boxes = scene.boxes
+    low = np.maximum(boxes.part_low[a], boxes.part_low[b])
+    high = np.minimum(boxes.part_high[a], boxes.part_high[b])
+    middle = (low + high) / 2 @ boxes.frame
+    half = np.linalg.norm(high - low, axis=1) / 2
+    margin = np.maximum(scene.margin[pair], limit[forms.row])
+    line = forms.form == LINE
+    t = np.where(line, np.einsum("ij,ij->i", middle - forms.at, forms.along), 0.0)
+    there = forms.gap + forms.slope * t
+    spread = np.where(line, np.abs(forms.slope) * half, forms.swing)
+    surfaces = scene.geometry.surfaces
+    near: Mask = np.abs(there) <= margin + spread
+    same = forms.form == SAME
+    size = surfaces.radius[pairs.i[forms.row]]
+    wide = INTERFERENCE * np.where(size > 0, size, half) + np.where(same, forms.slope, 0.0) * half
+    near |= same & (np.abs(forms.gap) <= wide)
+    around = (same | (forms.form == CIRCLE)) & (forms.swing > np.maximum(wide, margin))
+    possible: Mask = near & ~around
+    return possible
+
+
+def _unknown(scene: Scene, both: Pairs, flat: Pairs, unknown: Mask) -> Index:
+    """Row of the pair and surfaces of candidates without a formula."""
+    surfaces = scene.geometry.surfaces
+    k = np.flatnonzero(unknown)
+    free = np.flatnonzero(surfaces.kind[flat.i] == len(KINDS) - 1)
+    free = free[np.unique(np.column_stack([flat.pair, flat.i])[free], axis=0, return_index=True)[1]]
+    turned = flat.turned[free]
+    i = flat.i[free]
+    flats = np.column_stack([flat.pair[free], np.where(turned, -1, i), np.where(turned, i, -1)])
+    return np.concatenate([np.column_stack([both.pair[k], both.i[k], both.j[k]]), flats])
+
+
+def _each(scene: Scene, made: Made, pairs: Pairs, forms: Forms, limit: Array, plane: bool) -> None:
+    """Points, lines, circles and sockets, one by one."""
+    for k in range(len(forms.row)):
+        row = int(forms.row[k])
+        one = forms.take(np.array([k]))
+        _place(scene, made, pairs, row, one, float(limit[row]), plane)
+
+
+def _place(
+    scene: Scene, made: Made, pairs: Pairs, row: int, form: Forms, limit: float, plane: bool
+) -> None:
+    i, j, pair = int(pairs.i[row]), int(pairs.j[row]), int(pairs.pair[row])
+    surfaces = scene.geometry.surfaces
+    slack = float(scene.geometry.slack[scene.pairs[pair]].max())
+    faces = [
+        (scene.face(i), float(surfaces.sagitta[i]) + limit),
+        (scene.flat(j), np.inf) if plane else (scene.face(j), float(surfaces.sagitta[j]) + limit),
+    ]
+    what = int(form.form[0])
+    gap = float(form.gap[0])
+    reach = abs(gap) + float(form.swing[0])
+    low, high = gap - float(form.swing[0]), gap + float(form.swing[0])
+    if what == POINT:
+        spots = _at_point(form, faces, reach, limit)
+    elif what == LINE:
+        spots, low, high = _along(form, faces, reach + scene.angle * float(
+            scene.geometry.size[scene.pairs[pair]].min()), limit)  # fmt: skip
+    elif what == CIRCLE:
+        spots = _around(form, faces, reach, limit)
+    else:
+        spots = socket(form.at[0], float(surfaces.radius[i]), faces[0][0], faces[1][0],
+                       float(max(surfaces.sagitta[[i, j]])))  # fmt: skip
+    if spots is None:
+        return
+    if not plane and what in (SAME, CIRCLE):
+        low, high = gaps_between(scene, i, j, spots.points, float(form.swing[0]), limit)
+    bend = float(form.bend[0]) or float(scene.geometry.size[scene.pairs[pair]].min())
+    zone = limit + float(np.sqrt(2 * bend * (limit + 2 * slack)))
+    names = (i, -1) if plane else (i, j)
+    turned = bool(pairs.turned[row])
+    if what == SAME and surfaces.hollow[i]:  # the normals of a socket are those of the ball
+        names, turned = (j, i), not turned
+    keep(scene, made, pair, names, (low, high), limit, spots, zone, turned)
+
+
+_Face = tuple[Array, float]
+
+
+def _at_point(form: Forms, faces: list[_Face], reach: float, grow: float) -> Spots | None:
+    at, normal = form.at, form.normal
+    for triangles, sagitta in faces:
+        depth = 1e300 if not np.isfinite(sagitta) else sagitta + reach
+        if not covered(triangles, at, normal, depth, grow)[0]:
+            return None
+    none = np.empty((0, 3))
+    return Spots(at, normal, none, none, 0.0)
+
+
+def _along(
+    form: Forms, faces: list[_Face], reach: float, grow: float
+) -> tuple[Spots | None, float, float]:
+    at, along, normal = form.at[0], form.along[0], form.normal[0]
+    spans = np.array([[-np.inf, np.inf]])
+    for triangles, sagitta in faces:
+        mine = slices(triangles, (at, along, normal), sagitta + reach, grow)
+        spans = common_spans(spans, mine)
+    if not len(spans) or spans.max() - spans.min() <= 2 * grow:
+        return None, 0.0, 0.0
+    ends = np.array([spans.min(), spans.max()])
+    gaps = form.gap[0] + form.slope[0] * ends
+    none = np.empty((0, 3))
+    points = at + ends[:, None] * along
+    spots = Spots(points, np.tile(normal, (2, 1)), none, none, 0.0)
+    return spots, float(gaps.min()), float(gaps.max())
+
+
+def _around(form: Forms, faces: list[_Face], reach: float, grow: float) -> Spots | None:
+    center, axis, radius = form.at[0], form.along[0], float(form.radius[0])
+    out, up = (float(x) for x in form.normal[0, :2])
+    u, v = (x[0] for x in frame_of(axis[None]))
+
+    def inside(angle: Array) -> Mask:
+        away = np.cos(angle)[:, None] * u + np.sin(angle)[:, None] * v
+        points, normals = center + radius * away, out * away + up * axis
+        held = np.ones(len(angle), dtype=bool)
+        for triangles, sagitta in faces:
+            depth = 1e300 if not np.isfinite(sagitta) else sagitta + reach
+            held &= covered(triangles, points, normals, depth, grow)
+        return held
+
+    arcs = arcs_of(inside)
+    return ring(center, axis, radius, (out, up), arcs) if arcs else None

@@ -1,0 +1,112 @@
+"""Where solid curved surfaces touch planes.
+
+With n the outward normal of the plane and o a point of it: a sphere touches at c - r n, a
+cylinder whose axis lies in the plane along a line, a cone where n.axis = sin(half_angle) along
+a generator, a torus around a circle where its axis is upright, else in its lowest point.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.assembly.surfaces import CONE, CYLINDER, SPHERE, TORUS, Surfaces
+from kilter.contact.curved.candidates import (
+    CIRCLE,
+    LINE,
+    POINT,
+    Forms,
+    across,
+    dot,
+    forms_together,
+    make_forms,
+    no_forms,
+    unit_rows,
+)  # fmt: skip
+
+__all__ = ["Planes", "on_planes"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Planes:
+    """Flat faces: unit outward normals and a point of each, shape (n, 3)."""
+
+    normal: Array
+    origin: Array
+
+
+def on_planes(s: Surfaces, i: Index, planes: Planes, angle: Array) -> Forms:
+    """Where solid surfaces `i`, shape (n,), touch planes, shape (n,); `angle`: tolerance."""
+    rows = np.arange(len(i))
+    found = [no_forms()]
+    for kind, kernel in (
+        (SPHERE, _sphere_plane),
+        (CYLINDER, _cylinder_plane),
+        (CONE, _cone_plane),
+        (TORUS, _torus_plane),
+    ):
+        k = np.flatnonzero((s.kind[i] == kind) & ~s.hollow[i])
+        if len(k):
+            n, o = planes.normal[k], planes.origin[k]
+            found.append(kernel(s, rows[k], i[k], n, o, angle[k]))
+    return forms_together(found)
+
+
+def _sphere_plane(s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle: Array) -> Forms:
+    r = s.radius[i]
+    gap = dot(s.point[i] - o, n) - r
+    at = s.point[i] - (r + gap / 2)[:, None] * n
+    return make_forms(row, POINT, at, -n, gap, bend=r)
+
+
+def _cylinder_plane(s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle: Array) -> Forms:
+    slope = dot(s.axis[i], n)
+    k = np.flatnonzero(np.abs(slope) <= np.sin(angle))
+    row, i, n, o, slope = row[k], i[k], n[k], o[k], slope[k]
+    r, axis = s.radius[i], s.axis[i]
+    normal = -unit_rows(n + unit_rows(across(n, axis)))
+    along = unit_rows(across(axis, normal))
+    gap = dot(s.point[i] - o, n) - r
+    at = s.point[i] + (r + gap / 2)[:, None] * normal
+    return make_forms(row, LINE, at, normal, gap, along=along, slope=slope, bend=r)
+
+
+def _cone_plane(s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle: Array) -> Forms:
+    lift, alpha = dot(s.axis[i], n), s.half_angle[i]
+    k = np.flatnonzero(np.abs(np.arcsin(np.clip(lift, -1, 1)) - alpha) <= angle)
+    row, i, n, o, alpha = row[k], i[k], n[k], o[k], alpha[k]
+    axis = s.axis[i]
+    out = -unit_rows(across(n, axis))
+    side = np.cos(alpha)[:, None] * out - np.sin(alpha)[:, None] * axis
+    normal = unit_rows(side - n)
+    generator = np.cos(alpha)[:, None] * axis + np.sin(alpha)[:, None] * out
+    gap, slope = dot(s.point[i] - o, n), dot(generator, n)
+    at = s.point[i] + (gap / 2)[:, None] * normal
+    along = unit_rows(across(generator, normal))
+    return make_forms(row, LINE, at, normal, gap, along=along, slope=slope, bend=s.radius[i])
+
+
+def _torus_plane(s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle: Array) -> Forms:
+    center, axis, radius, tube = s.point[i], s.axis[i], s.radius[i], s.tube[i]
+    aside = across(n, axis)
+    sine = np.linalg.norm(aside, axis=1)
+    upright = sine <= np.sin(angle)
+    k = np.flatnonzero(upright)
+    gap = dot(center - o, n) - tube
+    at = center - (tube + gap / 2)[:, None] * n
+    flat = np.tile([0.0, -1.0, 0.0], (len(k), 1))
+    circle = make_forms(
+        row[k], CIRCLE, at[k], flat, gap[k],
+        along=n[k], radius=radius[k], swing=(radius * sine)[k], bend=tube[k],
+    )  # fmt: skip
+    k = np.flatnonzero(~upright)
+    lowest = center[k] - radius[k][:, None] * unit_rows(aside[k])
+    gap = dot(lowest - o[k], n[k]) - tube[k]
+    at = lowest - (tube[k] + gap / 2)[:, None] * n[k]
+    bend = tube[k] + radius[k] / sine[k]
+    return forms_together([circle, make_forms(row[k], POINT, at, -n[k], gap, bend=bend)])

@@ -1,0 +1,1 @@
+"""How parts fit into each other: overlaps, shafts in holes, what is fastened."""

@@ -1,0 +1,150 @@
+"""Coaxial fits: a shaft of one part in a hole of another, from their exact cylinders.
+
+A shaft and its hole share an axis; their radii say what the fit is: the shaft is thicker
+(interference: a press fit, or a thread drawn as a cylinder), as thick within the gap
+tolerance (size on size), or thinner (a clearance, which holds nothing).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.assembly import Assembly
+from kilter.assembly.geometry import Geometry
+from kilter.assembly.surfaces import CYLINDER
+from kilter.contact.contact_set import Tolerance
+
+__all__ = ["Fit", "coaxial_fits"]
+
+Array = NDArray[np.float64]
+
+INTERFERENCE = 0.1
+"""A shaft that is thicker than its hole by more than this part of its radius is no fit."""
+OVERLAP = 1e-3
+"""A fit shorter than this part of its radius is none."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fit:
+    """A shaft in a hole; world frame.
+
+    Attributes
+    ----------
+    parts : pair of int
+        The part with the shaft, the part with the hole.
+    point, axis : ndarray, shape (3,)
+        The middle of the fit, and its unit axis.
+    radius : float
+        Of the shaft [length unit].
+    interference : float
+        Radius of the shaft over that of the hole [length unit]; negative: a clearance.
+    length : float
+        Along the axis [length unit].
+    tight : bool
+        The shaft is thicker than the gap tolerance explains.
+    """
+
+    parts: tuple[int, int]
+    point: Array
+    axis: Array
+    radius: float
+    interference: float
+    length: float
+    tight: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Bore:
+    """One cylinder: solid or hollow, from `low` to `high` along its axis from its point."""
+
+    point: Array
+    axis: Array
+    radius: float
+    hollow: bool
+    doubt: float
+    low: float
+    high: float
+
+
+def coaxial_fits(
+    assembly: Assembly, pairs: Iterable[tuple[int, int]], tolerance: Tolerance
+) -> list[Fit]:
+    """Fits between pairs of parts: interfering, or size on size within the tolerance.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    pairs : iterable of pairs of int
+    tolerance : Tolerance
+        Of the gap, the clearance and the angle.
+    """
+    bores: dict[int, list[_Bore]] = {}
+    found = []
+    for a, b in sorted({(min(pair), max(pair)) for pair in pairs}):
+        for part in (a, b):
+            if part not in bores:
+                bores[part] = _bores(assembly, part)
+        size = float(assembly.geometry.size[[a, b]].min())
+        gap = tolerance.gap if tolerance.gap is not None else tolerance.relative_gap * size
+        for shaft, hole in ((a, b), (b, a)):
+            fits = [
+                fit
+                for one in bores[shaft]
+                for other in bores[hole]
+                if not one.hollow and other.hollow
+                for fit in _fit((shaft, hole), one, other, gap, tolerance)
+            ]
+            # of several steps of one shaft, the tightest, and of those the longest
+            fits.sort(key=lambda fit: (not fit.tight, -fit.length))
+            found += fits[:1]
+    return found
+
+
+def _fit(
+    parts: tuple[int, int], shaft: _Bore, hole: _Bore, gap: float, tolerance: Tolerance
+) -> list[Fit]:
+    gap += shaft.doubt + hole.doubt
+    along = float(shaft.axis @ hole.axis)
+    apart = hole.point - shaft.point
+    offset = float(np.linalg.norm(apart - shaft.axis * (shaft.axis @ apart)))
+    interference = shaft.radius - hole.radius
+    sine = float(np.linalg.norm(np.cross(shaft.axis, hole.axis)))
+    if sine > tolerance.angle or offset > gap + max(interference, 0.0):
+        return []
+    if not -gap - (tolerance.clearance or 0.0) <= interference <= INTERFERENCE * shaft.radius:
+        return []
+    ends = float(shaft.axis @ apart) + along * np.array([hole.low, hole.high])
+    low, high = max(shaft.low, float(ends.min())), min(shaft.high, float(ends.max()))
+    if high - low <= OVERLAP * shaft.radius:
+        return []
+    middle = shaft.point + shaft.axis * (low + high) / 2
+    return [
+        Fit(parts, middle, shaft.axis, shaft.radius, interference, high - low, interference > gap)
+    ]
+
+
+def _bores(assembly: Assembly, part: int) -> list[_Bore]:
+    """The cylinders of a part, exact ones and those recognised in its mesh."""
+    geometry = assembly.geometry
+    known = geometry.surfaces
+    rows = range(int(known.start[part]), int(known.start[part + 1]))
+    return [_bore(geometry, row) for row in rows if known.kind[row] == CYLINDER]
+
+
+def _bore(geometry: Geometry, row: int) -> _Bore:
+    known = geometry.surfaces
+    corners = geometry.vertices[geometry.triangles[known.triangles_of(row)]].reshape(-1, 3)
+    height = (corners - known.point[row]) @ known.axis[row]
+    return _Bore(
+        point=known.point[row],
+        axis=known.axis[row],
+        radius=float(known.radius[row]),
+        hollow=bool(known.hollow[row]),
+        doubt=float(known.doubt[row]),
+        low=float(height.min()),
+        high=float(height.max()),
+    )

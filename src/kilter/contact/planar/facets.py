@@ -1,0 +1,427 @@
+"""Facets: flat faces of parts, each a group of coplanar triangles joined over edges.
+
+Two triangles that share an edge belong to one facet where the far corner of the smaller
+lies within the facet tolerance of the larger one's plane and their normals agree. A facet
+that then drifts from its own plane (the side of a finely divided cylinder) is divided
+again with a finer tolerance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.assembly.geometry import Geometry
+from kilter.rigid import cross
+from kilter.shape.primitives import BOX_QUADS
+
+__all__ = ["Facets", "find_facets"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+Block = dict[str, NDArray[Any]]
+
+CHUNK = 60_000
+"""Triangles grouped in one go: larger chunks are bound by memory."""
+FLAT = 1e-6
+"""Facet tolerance over the size of the part; 2e-7 of the coordinates for float32."""
+THIN = 0.1
+"""The facet tolerance is at most this part of the thickness of the part."""
+BEND = 1e-3
+"""Largest angle between neighbours in a facet [rad], besides what rounding explains."""
+LONG_LOOP = 256
+"""Facets with more corners than this are given by their triangles."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Facets:
+    """Facets of all parts, struct of arrays, ordered by part.
+
+    Attributes
+    ----------
+    part, start : ndarray of int, shape (F,) and (N + 1,)
+        Part of each facet; the facets of part i are rows ``start[i]`` to ``start[i + 1]``.
+    normal : ndarray, shape (F, 3)
+        Unit, outwards.
+    origin : ndarray, shape (F, 3)
+        Centroid.
+    area : ndarray, shape (F,)
+    reach : ndarray, shape (F,)
+        Largest distance of a corner from the centroid.
+    convex : ndarray of bool, shape (F,)
+        True: `corners` is the boundary, turning left; False: `corners` are the facet's
+        triangles, three by three.
+    surface : ndarray of int, shape (F,)
+        The curved surface that it stands for, by row of the geometry's; -1: a flat face.
+    curved : ndarray of bool, shape (F,)
+        Stands for a part of a curved surface.
+    corner_start, corners : ndarray of int, shape (F + 1,) and (C,)
+        Corners by row of the geometry's vertices.
+    convex_part : ndarray of bool, shape (N,)
+        Parts without a reflex edge, in one piece.
+    """
+
+    part: Index
+    start: Index
+    normal: Array
+    origin: Array
+    area: Array
+    reach: Array
+    convex: Mask
+    surface: Index
+    curved: Mask
+    corner_start: Index
+    corners: Index
+    convex_part: Mask
+
+    def __len__(self) -> int:
+        return len(self.part)
+
+
+def find_facets(geometry: Geometry) -> Facets:
+    """The facets of every part; boxes in one go, other parts from their triangles."""
+    blocks: list[Block] = []
+    boxes = np.flatnonzero(geometry.is_box)
+    if len(boxes):
+        quads = BOX_QUADS + geometry.vertex_start[boxes][:, None, None]
+        blocks.append(_polygons(np.repeat(boxes, 6), quads.reshape(-1, 4)))
+    others = np.flatnonzero(~geometry.is_box)
+    counts = np.diff(geometry.triangle_start)[others]
+    chunk = np.cumsum(counts) // CHUNK
+    convex_part = geometry.is_box.copy()
+    for number in np.unique(chunk):
+        blocks.extend(_grouped(geometry, others[chunk == number], convex_part))
+    return _joined(geometry, blocks, convex_part)
+
+
+def _polygons(part: Index, loops: Index, surface: Index | None = None) -> Block:
+    """A block of convex facets that all have the same number of corners."""
+    count, corners = loops.shape
+    return {
+        "part": part,
+        "convex": np.ones(count, dtype=bool),
+        "length": np.full(count, corners),
+        "corners": loops.reshape(-1),
+        "surface": np.full(count, -1) if surface is None else surface,
+    }
+
+
+def _joined(geometry: Geometry, blocks: list[Block], convex_part: Mask) -> Facets:
+    """The blocks in order of part, with planes and extents."""
+    part, convex, length, corners, surface = (
+        np.concatenate([block[key] for block in blocks])
+        for key in ("part", "convex", "length", "corners", "surface")
+    )
+    order = np.argsort(part, kind="stable")
+    corners = corners[_rows(np.cumsum(length) - length, length, order)]
+    part, convex, length, surface = part[order], convex[order], length[order], surface[order]
+    first = np.concatenate([[0], np.cumsum(length)])
+    owner, triangles = _triangles_of(first, convex)
+    normal, origin, area = _planes(geometry.vertices[corners[triangles]], owner, len(part))
+    apart = geometry.vertices[corners] - np.repeat(origin, length, axis=0)
+    return Facets(
+        part=part,
+        start=np.searchsorted(part, np.arange(len(geometry.mass) + 1)),
+        normal=normal,
+        origin=origin,
+        area=area,
+        reach=np.sqrt(np.maximum.reduceat(np.einsum("ij,ij->i", apart, apart), first[:-1])),
+        convex=convex,
+        surface=surface,
+        curved=surface >= 0,
+        corner_start=first,
+        corners=corners,
+        convex_part=convex_part,
+    )
+
+
+def _rows(first: Index, length: Index, order: Index) -> Index:
+    """Rows of the groups `order`, each starting at `first` and `length` long."""
+    chosen = length[order]
+    shift = first[order] - (np.cumsum(chosen) - chosen)
+    rows: Index = np.repeat(shift, chosen) + np.arange(int(chosen.sum()))
+    return rows
+
+
+def _triangles_of(first: Index, convex: Mask) -> tuple[Index, Index]:
+    """Facet and corner positions, shape (T, 3), of triangles that make up the facets."""
+    length = np.diff(first)
+    count = np.where(convex, length - 2, length // 3)
+    owner = np.repeat(np.arange(len(length)), count)
+    k = np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
+    base = first[owner]
+    fan = convex[owner]
+    return owner, np.column_stack(
+        [
+            np.where(fan, base, base + 3 * k),
+            np.where(fan, base + k + 1, base + 3 * k + 1),
+            np.where(fan, base + k + 2, base + 3 * k + 2),
+        ]
+    )
+
+
+def _planes(points: Array, owner: Index, count: int) -> tuple[Array, Array, Array]:
+    """Unit normal, centroid and area of each group of triangles, shape (T, 3, 3)."""
+    first = np.searchsorted(owner, np.arange(count))
+    base = points[first, 0]
+    p, q, r = (points[:, k] - base[owner] for k in range(3))
+    twice = cross(q - p, r - p)
+    total = np.add.reduceat(twice, first, axis=0)
+    size = np.maximum(np.linalg.norm(total, axis=1), np.finfo(float).tiny)
+    normal = total / size[:, None]
+    weight = np.einsum("ij,ij->i", twice, normal[owner])
+    moment = np.add.reduceat(weight[:, None] * (p + q + r), first, axis=0)
+    return normal, base + moment / (3 * size)[:, None], size / 2
+
+
+# triangles to facets ------------------------------------------------------------------
+
+
+def _grouped(geometry: Geometry, parts: Index, convex_part: Mask) -> list[Block]:
+    """Facets of some parts, from their triangles; marks the parts that are convex."""
+    start, count = geometry.triangle_start[parts], np.diff(geometry.triangle_start)[parts]
+    rows = _rows(start, count, np.arange(len(parts)))
+    triangles, curved = geometry.triangles[rows], geometry.triangle_surface[rows]
+    part = np.repeat(parts, count)
+    points = geometry.vertices[triangles]
+    area = cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
+    surface = np.bincount(part, np.linalg.norm(area, axis=1) / 2, minlength=len(geometry.mass))
+    thickness = np.zeros(len(geometry.mass))
+    thickness[parts] = 2 * geometry.volume[parts] / surface[parts]
+    flat = np.minimum(FLAT * geometry.size, THIN * thickness)
+    tolerance = np.maximum(flat, np.minimum(4 * geometry.accuracy, thickness / 2))[part]
+    rounding = (4 * geometry.accuracy + 1e-9 * geometry.size)[part]
+    edges = _shared_edges(triangles)
+    first, second = edges[0] // 3, edges[1] // 3
+    convex = _convex_parts(geometry.vertices, triangles, part, tolerance, rounding, first, second)
+    convex_part[parts] = convex[parts]
+    alike = curved[first] == curved[second]
+    group = _coplanar_groups(geometry.vertices, triangles, tolerance, first[alike], second[alike])
+    inner = np.zeros(triangles.size, dtype=bool)
+    within = group[first] == group[second]
+    inner[edges[0][within]] = inner[edges[1][within]] = True
+    return _boundaries(geometry.vertices, triangles, (part, curved), group, tolerance, inner)
+
+
+def _convex_parts(
+    vertices: Array,
+    triangles: Index,
+    part: Index,
+    tolerance: Array,
+    rounding: Array,
+    first: Index,
+    second: Index,
+) -> Mask:
+    """Parts in one piece whose neighbouring triangles nowhere bend inwards."""
+    points = vertices[triangles]
+    area = cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
+    normal = area / np.maximum(np.linalg.norm(area, axis=1), np.finfo(float).tiny)[:, None]
+    rise = np.einsum("nki,ni->nk", points[second] - points[first, 0][:, None, :], normal[first])
+    back = np.einsum("nki,ni->nk", points[first] - points[second, 0][:, None, :], normal[second])
+    inwards = np.minimum(rise.max(axis=1), back.max(axis=1))
+    sine = np.linalg.norm(cross(normal[first], normal[second]), axis=1)
+    # a warped face bends a little; the many sides of a fine hole bend more, and rise little
+    reflex = (inwards > 2 * tolerance[first]) | ((inwards > rounding[first]) & (sine > BEND))
+    count = int(part.max()) + 1
+    bad = np.bincount(part[first[reflex]], minlength=count) > 0
+    open_somewhere = np.bincount(part[first], minlength=count) * 2 != 3 * np.bincount(
+        part, minlength=count
+    )
+    label = _components(len(triangles), first, second)
+    pieces = np.bincount(part[np.unique(label, return_index=True)[1]], minlength=count)
+    convex: Mask = ~bad & ~open_somewhere & (pieces == 1)
+    return convex
+
+
+def _coplanar_groups(
+    vertices: Array, triangles: Index, tolerance: Array, first: Index, second: Index
+) -> Index:
+    """A facet number for each triangle."""
+    points = vertices[triangles]
+    area = cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
+    twice = np.maximum(np.linalg.norm(area, axis=1), np.finfo(float).tiny)
+    normal = area / twice[:, None]
+    bend, drop = _bend(points, normal, twice, first, second)
+    group = np.arange(len(triangles))
+    active = np.ones(len(triangles), dtype=bool)
+    scale = tolerance.copy()
+    for _ in range(6):
+        limit = np.minimum(scale[first], scale[second])
+        joined = (drop <= limit) & (
+            bend <= BEND + 4 * limit / _height(points, twice, first, second)
+        )
+        joined &= active[first] & active[second]
+        group = _relabelled(
+            group, active, _components(len(triangles), first[joined], second[joined])
+        )
+        bent = _drifting(points, group, tolerance) & active
+        if not bent.any():
+            break
+        active = bent
+        scale[bent] /= 30
+    else:
+        group = _relabelled(group, active, np.arange(len(triangles)))
+    return group
+
+
+def _relabelled(group: Index, active: Mask, fresh: Index) -> Index:
+    """New numbers for the active triangles, apart from those of the others."""
+    group = np.where(active, fresh + len(group), group)
+    _, compact = np.unique(group, return_inverse=True)
+    result: Index = compact.reshape(-1)
+    return result
+
+
+def _shared_edges(triangles: Index) -> tuple[Index, Index]:
+    """Pairs of half-edges (3 x triangle + corner) that are one edge of two triangles."""
+    following = triangles[:, [1, 2, 0]]
+    low, high = np.minimum(triangles, following).ravel(), np.maximum(triangles, following).ravel()
+    key = low * (int(high.max()) + 1) + high
+    order = np.argsort(key, kind="stable")
+    same = np.flatnonzero(np.diff(key[order]) == 0)
+    return order[same], order[same + 1]
+
+
+def _bend(
+    points: Array, normal: Array, twice: Array, first: Index, second: Index
+) -> tuple[Array, Array]:
+    """Angle between neighbours [rad], and how far the smaller leaves the larger's plane."""
+    larger = np.where(twice[first] >= twice[second], first, second)
+    smaller = np.where(twice[first] >= twice[second], second, first)
+    away = points[smaller] - points[larger, 0][:, None, :]
+    drop = np.abs(np.einsum("nki,ni->nk", away, normal[larger])).max(axis=1)
+    cosine = np.einsum("ij,ij->i", normal[first], normal[second])
+    sine = np.linalg.norm(cross(normal[first], normal[second]), axis=1)
+    return np.arctan2(sine, cosine), drop
+
+
+def _height(points: Array, twice: Array, first: Index, second: Index) -> Array:
+    """Least height of the narrower of two triangles."""
+    edges = np.linalg.norm(points - np.roll(points, -1, axis=1), axis=2).max(axis=1)
+    height = twice / np.maximum(edges, np.finfo(float).tiny)
+    lowest: Array = np.maximum(np.minimum(height[first], height[second]), np.finfo(float).tiny)
+    return lowest
+
+
+def _components(count: int, first: Index, second: Index) -> Index:
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    graph = coo_array((np.ones(len(first), dtype=np.int8), (first, second)), shape=(count, count))
+    label: Index = connected_components(graph, directed=False)[1].astype(np.int64)
+    return label
+
+
+def _drifting(points: Array, group: Index, tolerance: Array) -> Mask:
+    """Triangles of groups that leave their own mean plane by more than the tolerance."""
+    order = np.argsort(group, kind="stable")
+    owner = group[order]
+    normal, origin, _ = _planes(points[order], owner, int(owner[-1]) + 1)
+    away = points[order] - origin[owner][:, None, :]
+    off = np.abs(np.einsum("nki,ni->nk", away, normal[owner])).max(axis=1)
+    bad = np.zeros(int(owner[-1]) + 1, dtype=bool)
+    bad[owner[off > 2 * tolerance[order]]] = True
+    several = np.bincount(owner) > 1
+    drifting: Mask = (bad & several)[group]
+    return drifting
+
+
+def _boundaries(
+    vertices: Array,
+    triangles: Index,
+    owners: tuple[Index, Index],
+    group: Index,
+    tolerance: Array,
+    inner: Mask,
+) -> list[Block]:
+    """Convex facets as loops, others as their triangles.
+
+    `owners`: part and curved surface of each triangle; `inner`: half-edges inside a facet.
+    """
+    order = np.argsort(group, kind="stable")
+    triangles, group = triangles[order], group[order]
+    part, surface, tolerance = owners[0][order], owners[1][order], tolerance[order]
+    inner = inner.reshape(-1, 3)[order].ravel()
+    count = int(group[-1]) + 1
+    first = np.searchsorted(group, np.arange(count))
+    loops, length, whole = _loops(triangles, group, count, inner)
+    normal, _, _ = _planes(vertices[triangles], group, count)
+    convex = whole.copy()
+    for low, high in ((2, 4), (4, 12), (12, 48), (48, 1 << 62)):  # little padding each
+        k = np.flatnonzero(whole & (length > low) & (length <= high))
+        width = int(length[k].max(initial=3))
+        convex[k] = _turning_left(
+            vertices, loops[k, :width], length[k], normal[k], tolerance[first[k]]
+        )
+    blocks: list[Block] = []
+    for size in np.unique(length[convex]):
+        chosen = np.flatnonzero(convex & (length == size))
+        of = first[chosen]
+        blocks.append(_polygons(part[of], loops[chosen, :size], surface[of]))
+    rest = np.flatnonzero(~convex)
+    if len(rest):
+        number = np.diff(np.append(first, len(group)))
+        rows = _rows(first, number, rest)
+        blocks.append(
+            {
+                "part": part[first[rest]],
+                "convex": np.zeros(len(rest), dtype=bool),
+                "length": 3 * number[rest],
+                "corners": triangles[rows].reshape(-1),
+                "surface": surface[first[rest]],
+            }
+        )
+    return blocks
+
+
+def _loops(triangles: Index, group: Index, count: int, inner: Mask) -> tuple[Index, Index, Mask]:
+    """Boundary of each group as one padded loop, its length, and whether it is one loop."""
+    start = triangles.ravel()[~inner]
+    end = triangles[:, [1, 2, 0]].ravel()[~inner]
+    owner = np.repeat(group, 3)[~inner]
+    big = int(triangles.max()) + 1
+    order = np.lexsort((start, owner))
+    start, end, owner = start[order], end[order], owner[order]
+    length = np.bincount(owner, minlength=count)
+    key, wanted = owner * big + start, owner * big + end
+    simple = np.ones(count, dtype=bool)
+    simple[owner[1:][np.diff(key) == 0]] = False  # a boundary that touches itself
+    following = np.minimum(np.searchsorted(key, wanted), len(key) - 1)
+    simple[owner[key[following] != wanted]] = False
+    simple &= length <= LONG_LOOP
+    simple &= length >= 3
+    width = int(length[simple].max(initial=3))
+    first = np.cumsum(length) - length
+    loops = np.zeros((count, width), dtype=np.int64)
+    current = first.copy()
+    returned = np.zeros(count, dtype=bool)
+    for k in range(width):
+        active = simple & (k < length)
+        rows = np.flatnonzero(active)
+        loops[rows, k] = start[current[rows]]
+        current[rows] = following[current[rows]]
+        returned[rows] |= (current[rows] == first[rows]) & (k + 1 < length[rows])
+    return loops, length, simple & ~returned
+
+
+def _turning_left(
+    vertices: Array, loops: Index, length: Index, normal: Array, tolerance: Array
+) -> Mask:
+    """Loops without a reflex corner deeper than the tolerance."""
+    k = np.arange(loops.shape[1])
+    length = np.minimum(length, len(k))  # longer boundaries are no loops: not asked for
+    inside = k < length[:, None]
+    following = np.where(k + 1 < length[:, None], k + 1, 0)
+    rows = np.arange(len(loops))[:, None]
+    here, after = vertices[loops], vertices[loops[rows, following]]
+    beyond = vertices[loops[rows, following[rows, following]]]
+    turn = np.einsum("nki,ni->nk", cross(after - here, beyond - after), normal)
+    chord = np.linalg.norm(beyond - here, axis=2)
+    # depth of a reflex corner below the chord that would cut it off
+    reflex = inside & (turn < -0.01 * tolerance[:, None] * np.maximum(chord, 1e-300))
+    result: Mask = ~reflex.any(axis=1)
+    return result

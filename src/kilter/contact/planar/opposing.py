@@ -1,0 +1,265 @@
+"""Planar contact: overlay of opposing facets, and patches, one a pair of parts and plane.
+
+For facets i of part a and j of part b with outward normals n_i and n_j, the normal of the
+contact is n = (n_i - n_j) / |n_i - n_j|, from a to b. In a frame at the centroid of the
+smaller facet the height of each facet over the plane of n is affine, and so is the gap
+
+    gap(u, v) = h_j(u, v) - h_i(u, v),
+
+which is read off at the corners of the overlap itself: planes compared by their offsets
+from a far origin would lose the digits that decide. Faces touch where the range of gaps
+meets [-tolerance, tolerance]; the whole overlap is then kept.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.assembly.geometry import Geometry
+from kilter.contact.planar.clip import clip_convex, padded, polygon_area
+from kilter.contact.planar.facets import Facets
+from kilter.contact.planar.outline import overlay
+from kilter.rigid import cross
+
+__all__ = ["FacetFrame", "Pieces", "facet_frames", "overlaps_of"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+MANY_TRIANGLES = 32
+"""Facets that are not convex and have more triangles than this are overlaid as outlines."""
+BATCH = 2_000_000
+"""Numbers in one padded batch."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FacetFrame:
+    """A frame for each candidate pair of facets, arrays of length n.
+
+    `u`, `v`, `normal`: unit axes; `origin`; the height of each facet over the plane is
+    ``h0 + slope . (u, v)``.
+    """
+
+    pair: Index
+    i: Index
+    j: Index
+    origin: Array
+    u: Array
+    v: Array
+    normal: Array
+    angle: Array
+    height: Array
+    slope: Array
+
+    def take(self, rows: Index) -> FacetFrame:
+        """The rows chosen."""
+        return FacetFrame(*(getattr(self, name)[rows] for name in self.__slots__))
+
+    def flat(self, points: Array, rows: Index) -> Array:
+        """Points, shape (n, m, 3), in the plane of the frames `rows`, shape (n, m, 2)."""
+        local = points - self.origin[rows][:, None, :]
+        return np.stack(
+            [
+                np.einsum("nki,ni->nk", local, self.u[rows]),
+                np.einsum("nki,ni->nk", local, self.v[rows]),
+            ],
+            axis=2,
+        )
+
+    def gaps(self, flat: Array, rows: Index) -> Array:
+        """Gap at points of the plane, shape (n, m)."""
+        offset = (self.height[:, 1] - self.height[:, 0])[rows]
+        slope = (self.slope[:, 1] - self.slope[:, 0])[rows]
+        result: Array = offset[:, None] + np.einsum("nki,ni->nk", flat, slope)
+        return result
+
+    def middle(self, flat: Array, rows: Index) -> Array:
+        """Points half-way between the two facets, shape (n, m, 3)."""
+        height = self.height.mean(axis=1)[rows][:, None]
+        height = height + np.einsum("nki,ni->nk", flat, self.slope.mean(axis=1)[rows])
+        middle: Array = (
+            self.origin[rows][:, None, :]
+            + flat[..., :1] * self.u[rows][:, None, :]
+            + flat[..., 1:] * self.v[rows][:, None, :]
+            + height[..., None] * self.normal[rows][:, None, :]
+        )
+        return middle
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pieces:
+    """Overlaps of facets, one row a convex piece.
+
+    `frame`: row of the `FacetFrame`; `points`: shape (n, m, 2), padded, in its plane;
+    `count`; `area`; `gap`: shape (n, 2), least and greatest.
+    """
+
+    frame: Index
+    points: Array
+    count: Index
+    area: Array
+    gap: Array
+
+    def take(self, rows: Index) -> Pieces:
+        """The rows chosen."""
+        return Pieces(*(getattr(self, name)[rows] for name in self.__slots__))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _ConvexPieces:
+    """Convex pieces of all facets, in order: where the corners of each begin, and how many.
+
+    `vertices`: shape (V, 3); `corners`: rows of them; `first`, `count`: a row a piece.
+    """
+
+    vertices: Array
+    corners: Index
+    first: Index
+    count: Index
+
+    def points(self, which: Index) -> Array:
+        """Corners of the pieces `which`, shape (n, m, 3), padded."""
+        rows = padded(self.corners, self.first[which], self.count[which])
+        points: Array = self.vertices[rows]
+        return points
+
+
+def facet_frames(facets: Facets, pair: Index, i: Index, j: Index, margin: Array) -> FacetFrame:
+    """Frames of the candidates whose planes come within `margin` over the smaller facet."""
+    n_i, n_j = facets.normal[i], facets.normal[j]
+    total = n_i - n_j
+    normal = total / np.linalg.norm(total, axis=1)[:, None]
+    smaller = np.where(facets.reach[i] <= facets.reach[j], i, j)
+    origin = facets.origin[smaller]
+    # the gap at the origin first: most candidates end here
+    heights = []
+    for facet, n in ((i, n_i), (j, n_j)):
+        over = np.einsum("ij,ij->i", n, origin - facets.origin[facet])
+        heights.append(-over / np.einsum("ij,ij->i", n, normal))
+    height = np.column_stack(heights)
+    sine = np.linalg.norm(cross(n_i, n_j), axis=1)
+    angle = np.arctan2(sine, -np.einsum("ij,ij->i", n_i, n_j))
+    near = (
+        np.abs(height[:, 1] - height[:, 0]) <= margin + 1.01 * np.tan(angle) * facets.reach[smaller]
+    )
+    across = np.linalg.norm(facets.origin[i] - facets.origin[j], axis=1)
+    near &= across <= (facets.reach[i] + facets.reach[j]) * 1.01 + margin
+    keep = np.flatnonzero(near)
+    normal, n_i, n_j = normal[keep], n_i[keep], n_j[keep]
+    helper = np.eye(3)[np.abs(normal).argmin(axis=1)]
+    u = cross(helper, normal)
+    u /= np.linalg.norm(u, axis=1)[:, None]
+    v = cross(normal, u)
+    slopes = []
+    for n in (n_i, n_j):
+        along = np.einsum("ij,ij->i", n, normal)
+        tangent = np.column_stack([np.einsum("ij,ij->i", n, u), np.einsum("ij,ij->i", n, v)])
+        slopes.append(-tangent / along[:, None])
+    return FacetFrame(
+        pair=pair[keep],
+        i=i[keep],
+        j=j[keep],
+        origin=origin[keep],
+        u=u,
+        v=v,
+        normal=normal,
+        angle=angle[keep],
+        height=height[keep],
+        slope=np.stack(slopes, axis=1),
+    )
+
+
+def overlaps_of(geometry: Geometry, facets: Facets, frames: FacetFrame) -> list[Pieces]:
+    """The overlaps of the facets of each frame, as convex pieces."""
+    triangles = np.where(facets.convex, 0, np.diff(facets.corner_start) // 3)
+    intricate = np.maximum(triangles[frames.i], triangles[frames.j]) > MANY_TRIANGLES
+    simple = np.flatnonzero(~intricate)
+    row, a, b = _piece_products(facets, frames, simple)
+    pieces = _pieces_of(geometry, facets)
+    found = []
+    largest = np.maximum(pieces.count[a], pieces.count[b])
+    for low, high in ((0, 4), (4, 8), (8, 32), (32, 1 << 62)):
+        chosen = np.flatnonzero((largest > low) & (largest <= high))
+        if not len(chosen):
+            continue
+        width = int(largest[chosen].max())
+        step = max(1, BATCH // (4 * width))
+        for begin in range(0, len(chosen), step):
+            rows = chosen[begin : begin + step]
+            found.append(_clipped(frames, pieces, row[rows], a[rows], b[rows]))
+    found.extend(_outlined(geometry, facets, frames, np.flatnonzero(intricate)))
+    return [block for block in found if len(block.frame)]
+
+
+def _pieces_of(geometry: Geometry, facets: Facets) -> _ConvexPieces:
+    """Convex facets whole, others in triangles."""
+    length = np.diff(facets.corner_start)
+    number = np.where(facets.convex, 1, length // 3)
+    owner = np.repeat(np.arange(len(facets)), number)
+    k = np.arange(len(owner)) - np.repeat(np.cumsum(number) - number, number)
+    first = facets.corner_start[owner] + 3 * k
+    count = np.where(facets.convex[owner], length[owner], 3)
+    return _ConvexPieces(geometry.vertices, facets.corners, first, count)
+
+
+def _piece_products(facets: Facets, frames: FacetFrame, rows: Index) -> tuple[Index, Index, Index]:
+    """All combinations of the pieces of the two facets, frame by frame."""
+    number = np.where(facets.convex, 1, np.diff(facets.corner_start) // 3)
+    first = np.cumsum(number) - number
+    i, j = frames.i[rows], frames.j[rows]
+    total = number[i] * number[j]
+    row = np.repeat(np.arange(len(rows)), total)
+    k = np.arange(len(row)) - np.repeat(np.cumsum(total) - total, total)
+    width = number[j][row]
+    return rows[row], first[i][row] + k // width, first[j][row] + k % width
+
+
+def _clipped(frames: FacetFrame, pieces: _ConvexPieces, row: Index, a: Index, b: Index) -> Pieces:
+    """Pieces a and b of the facets of each row, clipped against each other."""
+    flat_a = frames.flat(pieces.points(a), row)
+    flat_b = _reversed(frames.flat(pieces.points(b), row), pieces.count[b])
+    meets = (flat_a.min(axis=1) <= flat_b.max(axis=1)).all(axis=1)
+    meets &= (flat_b.min(axis=1) <= flat_a.max(axis=1)).all(axis=1)
+    keep = np.flatnonzero(meets)
+    row = row[keep]
+    count_a, count_b = pieces.count[a][keep], pieces.count[b][keep]
+    points, left = clip_convex(flat_a[keep], count_a, flat_b[keep], count_b)
+    area = polygon_area(points, left)
+    solid = np.flatnonzero((left >= 3) & (area > 0))
+    return _measured(frames, row[solid], points[solid], left[solid], area[solid])
+
+
+def _reversed(points: Array, count: Index) -> Array:
+    k = np.arange(points.shape[1])
+    back = np.where(k < count[:, None], count[:, None] - 1 - k, 0)
+    result: Array = points[np.arange(len(points))[:, None], back]
+    return result
+
+
+def _measured(frames: FacetFrame, row: Index, points: Array, count: Index, area: Array) -> Pieces:
+    gaps = frames.gaps(points, row)
+    real = np.arange(points.shape[1]) < count[:, None]
+    low = np.where(real, gaps, np.inf).min(axis=1, initial=np.inf)
+    high = np.where(real, gaps, -np.inf).max(axis=1, initial=-np.inf)
+    return Pieces(row, points, count, area, np.column_stack([low, high]))
+
+
+def _outlined(geometry: Geometry, facets: Facets, frames: FacetFrame, rows: Index) -> list[Pieces]:
+    """Overlays of facets with many triangles, by their outlines; one hull an overlay."""
+    found = []
+    for row in rows:
+        one = np.array([row])
+        outlines = []
+        for facet in (frames.i[row], frames.j[row]):
+            span = slice(facets.corner_start[facet], facets.corner_start[facet + 1])
+            flat = frames.flat(geometry.vertices[facets.corners[span]][None], one)[0]
+            outlines.append((flat, bool(facets.convex[facet])))
+        hull, area = overlay(outlines[0], outlines[1])
+        if len(hull) >= 3 and area > 0:
+            found.append(
+                _measured(frames, one, hull[None], np.array([len(hull)]), np.array([area]))
+            )
+    return found

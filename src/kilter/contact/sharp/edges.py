@@ -1,0 +1,296 @@
+"""Edges of parts: where two facets meet, and what lies beside them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.assembly.geometry import Geometry
+from kilter.contact.broad import Boxes
+from kilter.contact.planar.facets import Facets
+from kilter.rigid import cross
+
+__all__ = ["Edges", "Rays", "find_edges", "ragged", "segment_distance"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Edges:
+    """Edges of some parts, ordered by part.
+
+    Attributes
+    ----------
+    start : ndarray of int, shape (N + 1,)
+        The edges of part i are rows ``start[i]`` to ``start[i + 1]``.
+    ends_of : ndarray of int, shape (E, 2)
+        Vertices.
+    facet : ndarray of int, shape (E, 2)
+        The facet left of the edge and the one right of it, seen from outside (-1: none).
+    ray_start, ray_edge : ndarray of int
+        Edges that end in vertex v: ``ray_edge[ray_start[v]:ray_start[v + 1]]``.
+    doubled : bool
+        Some edges lie on others: facets of no width lay between them.
+    """
+
+    start: Index
+    ends_of: Index
+    facet: Index
+    ray_start: Index
+    ray_edge: Index
+    doubled: bool
+
+    def ends(self, geometry: Geometry, which: Index) -> tuple[Array, Array]:
+        """Both ends of edges, shape (n, 3) each."""
+        p, q = geometry.vertices[self.ends_of[which]].transpose(1, 0, 2)
+        return p, q
+
+    def direction(self, geometry: Geometry, which: Index) -> Array:
+        """Unit directions of edges, shape (n, 3)."""
+        p, q = self.ends(geometry, which)
+        unit: Array = (q - p) / np.maximum(np.linalg.norm(q - p, axis=1), 1e-300)[:, None]
+        return unit
+
+    def inside(
+        self, geometry: Geometry, boxes: Boxes, part: Index, box: tuple[Array, Array]
+    ) -> tuple[Index, Index]:
+        """Edges of ``part[k]`` whose box meets box k: pairs (k, edge), ordered by k."""
+        owner, edge = ragged(self.start, part)
+        low, high = self.boxes(geometry, boxes.frame, edge)
+        meets = (low <= box[1][owner]).all(axis=1) & (high >= box[0][owner]).all(axis=1)
+        return owner[meets], edge[meets]
+
+    def boxes(self, geometry: Geometry, frame: Array, which: Index) -> tuple[Array, Array]:
+        """Boxes of edges in a frame, lower and upper corners, shape (n, 3) each."""
+        p, q = (end @ frame.T for end in self.ends(geometry, which))
+        return np.minimum(p, q), np.maximum(p, q)
+
+    def behind(
+        self, facets: Facets, geometry: Geometry, which: Index, normal: Array, slack: float
+    ) -> Mask:
+        """Edges whose two facets, and the part between, lie behind the plane with this normal."""
+        fits: Mask = np.ones(len(which), dtype=bool)
+        fits[(self.facet[which] < 0).any(axis=1)] = False
+        along = self.direction(geometry, which)
+        inward = np.zeros((len(which), 3))
+        for side, turn in ((0, 1.0), (1, -1.0)):
+            outward = facets.normal[self.facet[which, side]]
+            into = turn * cross(outward, along)
+            fits &= np.einsum("ij,ij->i", into, normal) <= slack
+            inward += into - outward
+        fits &= np.einsum("ij,ij->i", inward, normal) <= slack
+        return fits
+
+    def reflex(self, facets: Facets, geometry: Geometry, which: Index, slack: float) -> Mask:
+        """Edges at which the part bends inwards."""
+        left, right = self.facet[which].T
+        into_left = cross(facets.normal[left], self.direction(geometry, which))
+        rise = np.einsum("ij,ij->i", into_left, facets.normal[right])
+        bent: Mask = (left >= 0) & (right >= 0) & (rise > slack)
+        return bent
+
+    def rays(self, geometry: Geometry, vertex: Index) -> Rays:
+        """What leaves some vertices: one row an edge that ends there."""
+        owner, row = ragged(self.ray_start, vertex)
+        edge = self.ray_edge[row]
+        away = self.ends_of[edge, 0] == vertex[owner]
+        direction = np.where(away, 1.0, -1.0)[:, None] * self.direction(geometry, edge)
+        left, right = self.facet[edge].T
+        left, right = np.where(away, left, right), np.where(away, right, left)
+        rays = Rays(owner, edge, direction, left, right)
+        return rays.once() if self.doubled else rays
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rays:
+    """Edges that leave vertices, seen from there: row of the vertex, unit direction.
+
+    `left`, `right`: the facets on either side, seen from outside (-1: none).
+    """
+
+    owner: Index
+    edge: Index
+    direction: Array
+    left: Index
+    right: Index
+
+    def once(self) -> Rays:
+        """Each direction between the same two facets once, those inside of a facet never."""
+        place = np.round(self.direction / SAME_WAY).astype(np.int64)
+        names = np.column_stack([self.owner, self.left, self.right, place])
+        keep = np.unique(names, axis=0, return_index=True)[1]
+        keep = np.sort(keep[self.left[keep] != self.right[keep]])
+        return Rays(*(getattr(self, name)[keep] for name in self.__slots__))
+
+
+SAME_WAY = 1e-3
+"""Edges between the same two facets that leave a corner closer than this are one [rad]."""
+
+
+def ragged(start: Index, which: Index) -> tuple[Index, Index]:
+    """Rows ``start[w]`` to ``start[w + 1]`` of each w of `which`: (place in `which`, row).
+
+    Examples
+    --------
+    >>> ragged(np.array([0, 2, 3]), np.array([1, 0]))
+    (array([0, 1, 1]), array([2, 0, 1]))
+    """
+    count = start[which + 1] - start[which]
+    owner = np.repeat(np.arange(len(which)), count)
+    shift = start[which] - (np.cumsum(count) - count)
+    return owner, np.arange(len(owner)) + np.repeat(shift, count)
+
+
+def find_edges(geometry: Geometry, facets: Facets, parts: Index) -> Edges:
+    """The edges between facets of the given parts."""
+    chosen = np.zeros(len(geometry.mass), dtype=bool)
+    chosen[parts] = True
+    begin, end, facet = _boundary(facets, np.flatnonzero(chosen[facets.part]))
+    low, high = np.minimum(begin, end), np.maximum(begin, end)
+    order = np.lexsort((begin != low, high, low))
+    begin, end, facet, low, high = (x[order] for x in (begin, end, facet, low, high))
+    fresh = np.ones(len(low), dtype=bool)
+    fresh[1:] = (np.diff(low) != 0) | (np.diff(high) != 0)
+    first = np.flatnonzero(fresh)
+    sides = np.full((len(first), 2), -1, dtype=np.int64)
+    number = np.cumsum(fresh) - 1
+    forward = begin == low
+    sides[number[forward], 0] = facet[forward]
+    sides[number[~forward], 1] = facet[~forward]
+    ends = np.column_stack([low[first], high[first]])
+    part = geometry.vertex_part[ends[:, 0]]
+    order = np.argsort(part, kind="stable")
+    ends, sides = ends[order], sides[order]
+    sides, split = _across_open(geometry, ends, sides)
+    ends, sides, doubled = _without_slivers(facets, ends, sides)
+    part = geometry.vertex_part[ends[:, 0]]
+    both = ends.T.reshape(-1)
+    at = np.argsort(both, kind="stable")
+    return Edges(
+        start=np.searchsorted(part, np.arange(len(geometry.mass) + 1)),
+        ends_of=ends,
+        facet=sides,
+        ray_start=np.searchsorted(both[at], np.arange(len(geometry.vertices) + 1)),
+        ray_edge=at % max(1, len(ends)),
+        doubled=doubled or split,
+    )
+
+
+ON_LINE = 1e-7
+"""A vertex this part of the size from an edge splits it."""
+OPEN = 4000
+"""Up to this many edges of a part with a facet on one side only are matched."""
+
+
+def _across_open(geometry: Geometry, ends: Index, sides: Index) -> tuple[Index, bool]:
+    """Sides of edges that vertices of the neighbours split: the facet of the piece opposite."""
+    lonely = np.flatnonzero((sides < 0).any(axis=1))
+    if not len(lonely):
+        return sides, False
+    sides = sides.copy()
+    part = geometry.vertex_part[ends[lonely, 0]]
+    known = sides[lonely].max(axis=1)
+    for k in np.unique(part).tolist():
+        mine = lonely[part == k]
+        if len(mine) > OPEN:
+            continue
+        start, end = geometry.vertices[ends[mine]].transpose(1, 0, 2)
+        along = (end - start) / np.linalg.norm(end - start, axis=1)[:, None]
+        length = np.linalg.norm(end - start, axis=1)
+        for row, edge in enumerate(mine.tolist()):
+            away = (start[row] + end[row]) / 2 - start
+            at = np.einsum("ij,ij->i", away, along)
+            off = np.linalg.norm(away - at[:, None] * along, axis=1)
+            near = (off <= ON_LINE * geometry.size[k]) & (at >= 0) & (at <= length)
+            # the longer of the two holds the middle of the shorter
+            away = (start + end) / 2 - start[row]
+            at = away @ along[row]
+            off = np.linalg.norm(away - np.outer(at, along[row]), axis=1)
+            near |= (off <= ON_LINE * geometry.size[k]) & (at >= 0) & (at <= length[row])
+            own = sides[edge].max()
+            other = np.setdiff1d(known[part == k][near], [own])
+            if len(other):
+                sides[edge, int(np.argmin(sides[edge]))] = other[0]
+    return sides, True
+
+
+def _without_slivers(facets: Facets, ends: Index, sides: Index) -> tuple[Index, Index, bool]:
+    """Edges with the facets beyond slivers (of no direction) in place of these."""
+    sliver = np.linalg.norm(facets.normal, axis=1) < 0.5
+    touched = sliver[sides] & (sides >= 0)
+    if not touched.any():
+        return ends, sides, False
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    inner = touched.all(axis=1)
+    joins = np.ones(int(inner.sum()), dtype=np.int8), tuple(sides[inner].T)
+    graph = coo_array(joins, shape=(len(sliver), len(sliver)))
+    label = connected_components(graph, directed=False)[1]
+    beyond: dict[int, set[int]] = {}
+    rim = np.flatnonzero(touched.any(axis=1) & ~inner)
+    for row in rim:
+        side = int(touched[row, 1])
+        beyond.setdefault(int(label[sides[row, side]]), set()).add(int(sides[row, 1 - side]))
+    sides = sides.copy()
+    for row in rim:
+        side = int(touched[row, 1])
+        own = int(sides[row, 1 - side])
+        others = sorted(beyond[int(label[sides[row, side]])] - {own, -1})
+        sides[row, side] = others[0] if others else own
+    keep = ~inner & (sides[:, 0] != sides[:, 1])
+    return ends[keep], sides[keep], True
+
+
+def _boundary(facets: Facets, which: Index) -> tuple[Index, Index, Index]:
+    """Directed edges around the facets: start, end, facet; the facet lies left of them."""
+    length = np.diff(facets.corner_start)[which]
+    owner = np.repeat(which, length)
+    k = np.arange(len(owner)) - np.repeat(np.cumsum(length) - length, length)
+    row = facets.corner_start[owner] + k
+    step = np.where(facets.convex[owner], np.repeat(length, length), 3)
+    following = row + np.where((k + 1) % step == 0, 1 - step, 1)
+    begin, end = facets.corners[row], facets.corners[following]
+    loose = ~facets.convex[owner]
+    if loose.any():  # edges between triangles of one facet are no edges of the part
+        _, local = np.unique(owner, return_inverse=True)
+        names, ends = np.unique(np.concatenate([begin, end]), return_inverse=True)
+        big = len(names)
+        p, q = ends[: len(begin)], ends[len(begin) :]
+        inner = np.isin((local * big + p) * big + q, (local * big + q) * big + p)
+        begin, end, owner = begin[~inner], end[~inner], owner[~inner]
+    return begin, end, owner
+
+
+def segment_distance(p1: Array, q1: Array, p2: Array, q2: Array) -> tuple[Array, Array, Array]:
+    """Distance (n,) of segments that are not parallel, and the nearest points (n, 3) of both.
+
+    Examples
+    --------
+    >>> segment_distance(*(np.array([x], dtype=float) for x in
+    ...                    ([-1, 0, 0], [1, 0, 0], [0, -1, 1], [0, 1, 1])))
+    (array([1.]), array([[0., 0., 0.]]), array([[0., 0., 1.]]))
+    """
+    d1, d2, r = q1 - p1, q2 - p2, p1 - p2
+    a, e, b = (np.einsum("ij,ij->i", x, y) for x, y in ((d1, d1), (d2, d2), (d1, d2)))
+    a, e = np.maximum(a, 1e-300), np.maximum(e, 1e-300)
+    across = cross(d1, d2)  # a e - b b, without its cancellation
+    bottom = np.maximum(np.einsum("ij,ij->i", across, across), 1e-300)
+    s = t = np.zeros(len(a))
+    for _ in range(3):  # from where the last step led: nearly parallel lines lose digits
+        gap = r + s[:, None] * d1 - t[:, None] * d2
+        c, f = np.einsum("ij,ij->i", d1, gap), np.einsum("ij,ij->i", d2, gap)
+        s, t = s + (b * f - c * e) / bottom, t + (a * f - b * c) / bottom
+    s = np.clip(s, 0, 1)
+    c, f = np.einsum("ij,ij->i", d1, r), np.einsum("ij,ij->i", d2, r)
+    t_far = (b * s + f) / e
+    t = np.where((s == 0) | (s == 1), t_far, t)
+    clipped = np.clip(t, 0, 1)
+    s = np.where(clipped == t, s, np.clip((b * clipped - c) / a, 0, 1))
+    t = clipped
+    x, y = p1 + s[:, None] * d1, p2 + t[:, None] * d2
+    return np.linalg.norm(x - y, axis=1), x, y

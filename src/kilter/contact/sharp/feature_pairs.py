@@ -1,0 +1,385 @@
+"""Where corners and edges of two parts meet, whatever may come of it there.
+
+The corners of an area of contact are corners of one part on the other, and crossings of
+edges; for rigid parts no other point is needed (the paper, section 2.1). A corner that
+comes within tolerance of a corner is no longer asked about edges, one on an edge no longer
+about facets, and a crossing lies inside both of its edges: each point is found once.
+
+An edge that comes within tolerance of a facet, and is tilted by less than the angle that
+counts as flat, lies on it with all its length there, as a face on a face does: the ends of
+that length are given although they are further apart.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.assembly.geometry import Geometry
+from kilter.contact.broad import Boxes, facets_in, joins
+from kilter.contact.planar.facets import Facets
+from kilter.contact.sharp.edges import Edges, ragged, segment_distance
+from kilter.rigid import cross
+
+__all__ = [
+    "CORNER",
+    "EDGE",
+    "FACE",
+    "NEAR_PARALLEL",
+    "PARALLEL",
+    "Block",
+    "Meetings",
+    "meetings",
+    "no_meetings",
+]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+_Side = tuple[Index, Index]
+
+FACE, EDGE, CORNER = 0, 1, 2
+"""Kinds of feature."""
+PARALLEL = 1e-9
+"""Edges closer to parallel than this have no normal of their own [rad]."""
+NEAR_PARALLEL = 1e-3
+"""Edges closer to parallel than this may be parallel in truth [rad]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Meetings:
+    """Points where features of two parts come within tolerance.
+
+    Attributes
+    ----------
+    pair : ndarray of int, shape (n,)
+        Row of the pair of parts.
+    kind, feature : ndarray of int, shape (n, 2)
+        FACE, EDGE or CORNER of part a and of part b, and its row.
+    at : ndarray, shape (n, 2, 3)
+        The point on a and the one on b.
+    """
+
+    pair: Index
+    kind: Index
+    feature: Index
+    at: Array
+
+    def take(self, rows: Index) -> Meetings:
+        """The rows chosen."""
+        return Meetings(self.pair[rows], self.kind[rows], self.feature[rows], self.at[rows])
+
+    def __len__(self) -> int:
+        return len(self.pair)
+
+    @property
+    def middle(self) -> Array:
+        """Half-way between the two points, shape (n, 3)."""
+        half: Array = self.at.mean(axis=1)
+        return half
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Block:
+    """Some of the pairs (a, b), by row, and the box in which the parts of each may meet.
+
+    `a`, `b`, `rows`, `tolerance`: shape (n,); `low`, `high`: shape (n, 3), in the frame of
+    the boxes; `edges`: of all their parts.
+    """
+
+    geometry: Geometry
+    facets: Facets
+    boxes: Boxes
+    edges: Edges
+    rows: Index
+    a: Index
+    b: Index
+    tolerance: Array
+    low: Array
+    high: Array
+
+    def facets_near(self, part: Index) -> _Side:
+        """Flat facets of ``part[k]`` in box k: pairs (k, facet)."""
+        owner, facet = facets_in(self.facets, self.boxes, part, self.low, self.high)
+        flat = ~self.facets.curved[facet]
+        flat &= (self.facets.normal[facet] != 0).any(axis=1)  # a sliver has no direction
+        return owner[flat], facet[flat]
+
+    def edges_near(self, part: Index) -> _Side:
+        """Edges of ``part[k]`` in box k that bound a flat facet: pairs (k, edge)."""
+        owner, edge = self.edges.inside(self.geometry, self.boxes, part, (self.low, self.high))
+        flat = ~self.facets.curved[self.edges.facet[edge]].all(axis=1)
+        return owner[flat], edge[flat]
+
+    def corners_near(self, near: _Side) -> _Side:
+        """Ends of the near edges inside the box of each pair: pairs (k, vertex)."""
+        owner, edge = near
+        owner, corner = np.repeat(owner, 2), self.edges.ends_of[edge].reshape(-1)
+        turned = self.turned(corner)
+        inside = ((turned >= self.low[owner]) & (turned <= self.high[owner])).all(axis=1)
+        key = owner[inside] * len(self.geometry.vertices) + corner[inside]
+        key = np.unique(key)
+        return key // len(self.geometry.vertices), key % len(self.geometry.vertices)
+
+    def turned(self, vertex: Index) -> Array:
+        """Vertices in the frame of the boxes."""
+        at: Array = self.geometry.vertices[vertex] @ self.boxes.frame.T
+        return at
+
+
+def no_meetings() -> Meetings:
+    """None at all."""
+    none, two = np.empty(0, dtype=np.int64), np.empty((0, 2), dtype=np.int64)
+    return Meetings(none, two, two, np.empty((0, 2, 3)))
+
+
+def meetings(block: Block) -> list[Meetings]:
+    """Where corners and edges of the pairs of a block meet."""
+    geometry, edges = block.geometry, block.edges
+    near = block.edges_near(block.a), block.edges_near(block.b)
+    corners = [block.corners_near(near[0]), block.corners_near(near[1])]
+    around = [edges.boxes(geometry, block.boxes.frame, edge) for _, edge in near]
+    found, free = _corners_on_corners(block, corners[0], corners[1])
+    facets = [block.facets_near(block.b), block.facets_near(block.a)]
+    for side in (0, 1):
+        found += _edges_along_facets(block, near[side], around[side], facets[side], side)
+        mine = tuple(rows[free[side]] for rows in corners[side])
+        there, loose = _corners_on_edges(block, mine, near[1 - side], around[1 - side], side)
+        mine = tuple(rows[loose] for rows in mine)
+        found += there + _corners_on_facets(block, mine, facets[side], side)
+    return found + _crossings(block, near, around)
+
+
+def _made(
+    block: Block, pair: Index, kinds: tuple[int, ...], features: list[Index], at: list[Array]
+) -> Meetings:
+    kind = np.tile(np.array(kinds), (len(pair), 1))
+    return Meetings(block.rows[pair], kind, np.column_stack(features), np.stack(at, axis=1))
+
+
+def _corners_on_corners(
+    block: Block, corners_a: _Side, corners_b: _Side
+) -> tuple[list[Meetings], list[Mask]]:
+    """Corners on corners, and which corners of a and of b meet none."""
+    at_a, at_b = block.turned(corners_a[1]), block.turned(corners_b[1])
+    free = [np.ones(len(at_a), dtype=bool), np.ones(len(at_b), dtype=bool)]
+    found = []
+    vertices = block.geometry.vertices
+    for pair, x, y in joins(
+        corners_a[0], (at_a, at_a), corners_b[0], (at_b, at_b), block.tolerance
+    ):
+        near = np.linalg.norm(at_a[x] - at_b[y], axis=1) <= block.tolerance[pair]
+        pair, x, y = pair[near], x[near], y[near]
+        free[0][x] = free[1][y] = False
+        v, w = corners_a[1][x], corners_b[1][y]
+        found.append(_made(block, pair, (CORNER, CORNER), [v, w], [vertices[v], vertices[w]]))
+    return found, free
+
+
+def _corners_on_edges(
+    block: Block, corners: tuple[Index, ...], near: _Side, around: tuple[Array, Array], side: int
+) -> tuple[list[Meetings], Mask]:
+    """Corners of one part (`side` 0: of a) on edges of the other, and which are on none."""
+    owner, corner = corners
+    turn = 1 if side == 0 else -1
+    at = block.turned(corner)
+    free = np.ones(len(at), dtype=bool)
+    found = []
+    for pair, x, y in joins(owner, (at, at), near[0], around, block.tolerance):
+        v, edge = corner[x], near[1][y]
+        p = block.geometry.vertices[v]
+        start, end = block.edges.ends(block.geometry, edge)
+        along = end - start
+        length = np.maximum(np.einsum("ij,ij->i", along, along), np.finfo(float).tiny)
+        t = np.clip(np.einsum("ij,ij->i", p - start, along) / length, 0, 1)
+        foot = start + t[:, None] * along
+        k = np.flatnonzero(np.linalg.norm(p - foot, axis=1) <= block.tolerance[pair])
+        free[x[k]] = False
+        features, points = [v[k], edge[k]][::turn], [p[k], foot[k]][::turn]
+        found.append(_made(block, pair[k], (CORNER, EDGE)[::turn], features, points))
+    return found, free
+
+
+def _corners_on_facets(
+    block: Block, corners: tuple[Index, ...], near_facets: _Side, side: int
+) -> list[Meetings]:
+    """Corners of one part in facets of the other."""
+    geometry, facets = block.geometry, block.facets
+    owner, corner = corners
+    if not len(corner):
+        return []
+    turn = 1 if side == 0 else -1
+    some = np.zeros(len(block.rows), dtype=bool)
+    some[owner] = True
+    near_facets = near_facets[0][some[near_facets[0]]], near_facets[1][some[near_facets[0]]]
+    piece_owner, piece, piece_facet = _triangles_of(facets, near_facets)
+    at = block.turned(corner)
+    pieces = geometry.vertices[facets.corners[piece]] @ block.boxes.frame.T
+    around = pieces.min(axis=1, initial=np.inf), pieces.max(axis=1, initial=-np.inf)
+    found = []
+    for pair, x, y in joins(owner, (at, at), piece_owner, around, block.tolerance):
+        v, facet = corner[x], piece_facet[y]
+        p, normal = geometry.vertices[v], facets.normal[facet]
+        off = np.einsum("ij,ij->i", p - facets.origin[facet], normal)
+        k = np.flatnonzero(np.abs(off) <= block.tolerance[pair])
+        foot = p[k] - off[k, None] * normal[k]
+        triangle = geometry.vertices[facets.corners[piece[y[k]]]]
+        inside = _in_triangle(foot, triangle, normal[k], block.tolerance[pair[k]])
+        k, foot = k[inside], foot[inside]
+        names = np.column_stack([pair[k], v[k], facet[k]])
+        once = np.unique(names, axis=0, return_index=True)[1]
+        k, foot = k[once], foot[once]
+        features, points = [v[k], facet[k]][::turn], [p[k], foot][::turn]
+        found.append(_made(block, pair[k], (CORNER, FACE)[::turn], features, points))
+    return found
+
+
+def _edges_along_facets(
+    block: Block, near: _Side, around: tuple[Array, Array], near_facets: _Side, side: int
+) -> list[Meetings]:
+    """Both ends of slightly tilted edges of one part over facets of the other."""
+    geometry, facets, boxes = block.geometry, block.facets, block.boxes
+    there = boxes.facet_low[near_facets[1]], boxes.facet_high[near_facets[1]]
+    turn = 1 if side == 0 else -1
+    found = []
+    for pair, x, y in joins(near[0], around, near_facets[0], there, block.tolerance):
+        edge, facet = near[1][x], near_facets[1][y]
+        start, end = block.edges.ends(geometry, edge)
+        normal, origin = facets.normal[facet], facets.origin[facet]
+        off = [np.einsum("ij,ij->i", p - origin, normal) for p in (start, end)]
+        far = np.maximum(np.abs(off[0]), np.abs(off[1])) > block.tolerance[pair]
+        k = np.flatnonzero(far & _touch(off, block.tolerance[pair]))
+        length = np.linalg.norm((end - start)[k], axis=1)
+        flat = np.abs(off[1][k] - off[0][k]) <= NEAR_PARALLEL * length
+        k, length = k[flat], length[flat]
+        low, high = _over(facets, geometry, start[k], end[k], facet[k])
+        ends = [off[0][k] + t * (off[1] - off[0])[k] for t in (low, high)]
+        keep = (high - low) * length > 4 * block.tolerance[pair[k]]
+        keep &= _touch(ends, block.tolerance[pair[k]])
+        keep[keep] = ~_beside_rim(
+            block, edge[k[keep]], facet[k[keep]], block.tolerance[pair][k][keep]
+        )
+        for t, gap in zip((low, high), ends, strict=True):
+            j = k[keep]
+            p = start[j] + t[keep, None] * (end - start)[j]
+            foot = p - gap[keep, None] * normal[j]
+            features, points = [edge[j], facet[j]][::turn], [p, foot][::turn]
+            found.append(_made(block, pair[j], (EDGE, FACE)[::turn], features, points))
+    return found
+
+
+def _beside_rim(block: Block, edge: Index, facet: Index, tolerance: Array) -> Mask:
+    """Whether edges run along an edge of their facet: they may lie on either side of it."""
+    geometry, edges = block.geometry, block.edges
+    owner, rim = ragged(edges.start, block.facets.part[facet])
+    mine = (edges.facet[rim] == facet[owner][:, None]).any(axis=1)
+    owner, rim = owner[mine], rim[mine]
+    first, second = edges.direction(geometry, edge[owner]), edges.direction(geometry, rim)
+    along = np.linalg.norm(cross(first, second), axis=1) < NEAR_PARALLEL
+    owner, rim = owner[along], rim[along]
+    ends = [*edges.ends(geometry, edge[owner]), *edges.ends(geometry, rim)]
+    distance = segment_distance(*ends)[0]
+    for p, start, end in ((0, 2, 3), (1, 2, 3), (2, 0, 1), (3, 0, 1)):
+        reach = ends[end] - ends[start]
+        size = np.maximum(np.einsum("ij,ij->i", reach, reach), np.finfo(float).tiny)
+        t = np.clip(np.einsum("ij,ij->i", ends[p] - ends[start], reach) / size, 0, 1)
+        off = np.linalg.norm(ends[p] - ends[start] - t[:, None] * reach, axis=1)
+        distance = np.minimum(distance, off)
+    beside = np.zeros(len(edge), dtype=bool)
+    beside[owner[distance <= tolerance[owner]]] = True
+    return beside
+
+
+def _touch(gaps: list[Array], tolerance: Array) -> Mask:
+    """Whether gaps that change from one end to the other come within tolerance."""
+    near: Mask = np.minimum(*gaps) <= tolerance
+    near &= np.maximum(*gaps) >= -tolerance
+    return near
+
+
+def _over(
+    facets: Facets, geometry: Geometry, start: Array, end: Array, facet: Index
+) -> tuple[Array, Array]:
+    """Where along segments, 0 to 1, they begin and cease to lie over their facets."""
+    row, piece, _ = _triangles_of(facets, (np.arange(len(facet)), facet))
+    triangle = geometry.vertices[facets.corners[piece]]
+    low, high = _within(start[row], end[row], triangle, facets.normal[facet[row]])
+    some = low < high
+    least, most = np.ones(len(facet)), np.zeros(len(facet))
+    np.minimum.at(least, row[some], low[some])
+    np.maximum.at(most, row[some], high[some])
+    return least, most
+
+
+def _within(start: Array, end: Array, triangle: Array, normal: Array) -> tuple[Array, Array]:
+    """Where along segments, 0 to 1, they lie over a triangle; nowhere: least above most."""
+    low, high = np.zeros(len(start)), np.ones(len(start))
+    for k in range(3):
+        corner = triangle[:, k]
+        inwards = cross(normal, triangle[:, (k + 1) % 3] - corner)
+        here, there = (np.einsum("ij,ij->i", p - corner, inwards) for p in (start, end))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            at = here / (here - there)
+        low = np.where((here < 0) & (there >= 0), np.maximum(low, at), low)
+        high = np.where((here >= 0) & (there < 0), np.minimum(high, at), high)
+        high = np.where((here < 0) & (there < 0), -1.0, high)
+    return low, high
+
+
+def _triangles_of(facets: Facets, near: _Side) -> tuple[Index, Index, Index]:
+    """Triangles, by position of their corners, of the near facets: (k, corners (n, 3), facet)."""
+    owner, facet = near
+    fan = facets.convex[facet]
+    length = np.diff(facets.corner_start)[facet]
+    count = np.where(fan, length - 2, length // 3)
+    k = np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count)
+    fan, base = np.repeat(fan, count), np.repeat(facets.corner_start[facet], count)
+    corners = np.column_stack(
+        [np.where(fan, base, base + 3 * k)]
+        + [np.where(fan, base + k + step, base + 3 * k + step) for step in (1, 2)]
+    )
+    return np.repeat(owner, count), corners, np.repeat(facet, count)
+
+
+def _in_triangle(p: Array, triangle: Array, normal: Array, tolerance: Array) -> Mask:
+    """Points of the plane within `tolerance` of the triangle."""
+    inside = np.ones(len(p), dtype=bool)
+    for k in range(3):
+        start = triangle[:, k]
+        along = triangle[:, (k + 1) % 3] - start
+        length = np.maximum(np.linalg.norm(along, axis=1), np.finfo(float).tiny)
+        side = np.einsum("ij,ij->i", cross(along, p - start), normal) / length
+        inside &= side >= -tolerance
+    return inside
+
+
+def _crossings(
+    block: Block, near: tuple[_Side, _Side], around: list[tuple[Array, Array]]
+) -> list[Meetings]:
+    """Edges of a that cross edges of b inside of both, or nearly run along them."""
+    geometry, edges = block.geometry, block.edges
+    found = []
+    for pair, x, y in joins(near[0][0], around[0], near[1][0], around[1], block.tolerance):
+        e, f = near[0][1][x], near[1][1][y]
+        p, q = edges.ends(geometry, e)
+        r, s = edges.ends(geometry, f)
+        d1, d2 = q - p, s - r
+        across = cross(d1, d2)
+        length1, length2 = np.linalg.norm(d1, axis=1), np.linalg.norm(d2, axis=1)
+        size = np.linalg.norm(across, axis=1)
+        sine = size / np.maximum(length1 * length2, np.finfo(float).tiny)
+        k = np.flatnonzero(sine > PARALLEL)
+        unit = across[k] / size[k, None]
+        gap = np.einsum("ij,ij->i", (r - p)[k], unit)
+        keep = (np.abs(gap) <= block.tolerance[pair[k]]) | (sine[k] < NEAR_PARALLEL)
+        k = k[keep]
+        distance, first, second = segment_distance(p[k], q[k], r[k], s[k])
+        keep = distance <= block.tolerance[pair[k]]
+        for point, ends in ((first, (p, q)), (second, (r, s))):
+            for end in ends:
+                keep &= np.linalg.norm(point - end[k], axis=1) > block.tolerance[pair[k]]
+        k, first, second = k[keep], first[keep], second[keep]
+        found.append(_made(block, pair[k], (EDGE, EDGE), [e[k], f[k]], [first, second]))
+    return found

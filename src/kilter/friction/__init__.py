@@ -1,0 +1,1 @@
+"""Coulomb's contact law: which motions obey it, and whether any does."""

@@ -1,0 +1,137 @@
+"""Friction: what must hold, what may, and what cannot.
+
+Equilibrium forces within Coulomb's cones are necessary, not sufficient: the contact law may
+allow a motion as well, with other forces. So three questions after the first:
+
+1. Is there a motion that obeys the law too? One that is found, with its forces, *refutes*
+   the guarantee.
+2. Does its own weight press the contacts so that friction holds it (*seated*)?
+3. If none was found: can every motion be excluded? Then it is stable.
+
+What is stable without friction is stable for every mu, since any solution of the contact law
+has a.M a <= w.a, and w.a <= 0 for every admissible a.
+
+The points of a patch are the corners of its hull. For equilibrium nothing is lost by that;
+for motion it is a model of the pressure inside the patch: all of it at the corners.
+
+References
+----------
+J. J. Moreau, Unilateral contact and dry friction in finite freedom dynamics, 1988.
+G. De Saxce, Z.-Q. Feng, The bipotential method, 1998. J.-S. Pang, J. Trinkle, Stability
+characterizations of rigid body contact problems with Coulomb friction, 2000.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from kilter.friction.guarantee import Guarantee, prove_no_motion
+from kilter.friction.motion_search import CoulombMotion, find_coulomb_motion
+from kilter.friction.seating import Seating, find_seating
+from kilter.mechanics.certificate import ForceProof, check_forces
+from kilter.mechanics.program import Program
+
+__all__ = ["BUDGET", "FrictionAnswer", "ask_friction"]
+
+BUDGET = 10.0
+"""Seconds for the search of a motion and the proof that there is none, where not given."""
+SEATING_SHARE = 0.1
+"""Part of the budget after which no new start of the seating is made."""
+SHARES = ((0.15, 0.45), (0.65, 1.0))
+"""Parts of the budget at which a search ends, and the proof after it: a short try of both
+first, since most assemblies need little of either."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FrictionAnswer:
+    """What friction guarantees where equilibrium forces exist.
+
+    Attributes
+    ----------
+    guarantee : {"proved", "refuted", "open"}
+        There is no other motion that obeys the contact law; there is; neither was shown.
+    witness : CoulombMotion or None
+        The motion that obeys the law, where refuted.
+    seating : Seating
+    seat : ForceProof or None
+        The forces that seat it, judged; where seated.
+    exclusion : Guarantee or None
+        The proof that there is no motion, or how far it came.
+    seconds : float
+    """
+
+    guarantee: Literal["proved", "refuted", "open"]
+    witness: CoulombMotion | None
+    seating: Seating
+    seat: ForceProof | None
+    exclusion: Guarantee | None
+    seconds: float
+
+    @property
+    def seated(self) -> bool:
+        """Its own weight makes the forces that hold it."""
+        return self.seat is not None
+
+
+def ask_friction(
+    program: Program,
+    *,
+    budget: float = BUDGET,
+    tell: Callable[[str], None] | None = None,
+) -> FrictionAnswer:
+    """Guarantee and seating of a program whose cones hold forces of equilibrium.
+
+    Parameters
+    ----------
+    program : Program
+        With friction; not stable without it.
+    budget : float
+        For the search and the proof together [s].
+    tell : callable, optional
+        Called with a word at each stage.
+    """
+    say = tell or (lambda stage: None)
+    started = time.perf_counter()
+
+    def answer(
+        guarantee: Literal["proved", "refuted", "open"],
+        witness: CoulombMotion | None = None,
+        exclusion: Guarantee | None = None,
+    ) -> FrictionAnswer:
+        seconds = time.perf_counter() - started
+        return FrictionAnswer(guarantee, witness, seating, seat, exclusion, seconds)
+
+    say("seating")
+    seating = find_seating(program, budget=SEATING_SHARE * budget)
+    seat = _seat(program, seating)
+    exclusion, searched = None, False
+    for search_until, proof_until in SHARES:
+        left = started + search_until * budget - time.perf_counter()
+        if not searched:
+            say("looking for a motion")
+            witness = find_coulomb_motion(program, budget=left, tell=tell, runaway=seating.runaway)
+            if witness is not None:
+                return answer("refuted", witness)
+            # a search that ended before its time would find the same again: nothing
+            searched = time.perf_counter() < started + search_until * budget
+        say("excluding every motion")
+        left = started + proof_until * budget - time.perf_counter()
+        exclusion = prove_no_motion(program, budget=left, tell=tell)
+        if exclusion.proved:
+            return answer("proved", exclusion=exclusion)
+    return answer("open", exclusion=exclusion)
+
+
+def _seat(program: Program, seating: Seating) -> ForceProof | None:
+    """The forces that seat it, where they pass as a proof of equilibrium."""
+    if not seating.seated:
+        return None
+    along = np.einsum("ij,ij->i", seating.forces, program.normal)
+    across = seating.forces - along[:, None] * program.normal
+    judged = check_forces(program, along, across)
+    return judged if judged.holds else None

@@ -1,0 +1,279 @@
+"""Seating: does the weight of the parts itself make the friction that holds them?
+
+Between contacts that give a little, k along the normal and 0.7 k across it, and that neither
+a gap nor a squeeze parted before, parts under load move by a small displacement x to where
+
+    f_n = k max(0, -u_n),  f_t = -0.7 k u_t, cut to |f_t| <= mu f_n,     u = H x
+    r(x) = w + H^T f(H x) = 0
+
+if there is such a place: *seated*. The forces are then forces of equilibrium, each exactly in
+its cone. A block squeezed between walls has such forces too, but no displacement makes them:
+it is not seated. The size of k does not matter; its ratio between patches may, so that starts
+after the first vary it at random, by 0.1 to 10 a patch.
+
+The equations are solved by pseudo-transient continuation, (1/h - dr/dx) dx = r with a step h
+that grows as r falls: at first the path of parts in thick oil, at last Newton's method. Where
+nothing holds, x runs away, in the direction that is returned. That no start balances proves
+nothing.
+
+References
+----------
+C. T. Kelley, D. E. Keyes, Convergence analysis of pseudo-transient continuation, SIAM J.
+Numer. Anal. 35, 1998.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import bsr_array, csc_array, eye_array
+
+from kilter.friction.frictional import Frictional, frictional
+from kilter.mechanics.law_check import check_balance
+from kilter.mechanics.program import Program
+
+if TYPE_CHECKING:
+    from scipy.sparse.linalg import SuperLU
+
+__all__ = ["Seating", "find_seating"]
+
+Array = NDArray[np.float64]
+
+BALANCED = 1e-9
+"""Largest imbalance of a part, over its weight, of parts that are seated."""
+GOAL = 1e-11
+"""Imbalance at which the iteration ends."""
+ACROSS = 0.7
+"""Stiffness across a contact over that along its normal."""
+SPREAD = 10.0
+"""Stiffness of a patch varies by this factor, up and down."""
+SQUEEZE = 10.0
+"""Largest depth to which a random start presses patches; 1 makes forces of the weight."""
+SOFT = 1e-6
+"""Regularisation of that squeeze."""
+NUDGE = 1.0
+"""Size of the random part of a start, each freedom."""
+STEPS = 300
+"""Newton steps after which a start is given up."""
+INNER = 8
+"""Newton steps within one step in pseudo-time."""
+CLOSE = 0.1
+"""Error of a step in pseudo-time over r at its start."""
+FALLING = 0.9
+"""What the error must fall to in one Newton step."""
+GROWTH, SLOW, LEAP, EASY = 1.5, 1.2, 10.0, 4
+"""Growth of the step after up to EASY Newton steps, after more, and most for the fall of r."""
+CUT = 0.2
+"""What the step is cut to where Newton's method fails."""
+SHORTEST, LONGEST, EASING = 1e-6, 1e7, 1.5
+"""Steps in pseudo-time at which a start is given up, or has run away if r does not fall so."""
+DENSE = 90
+"""Systems up to this many unknowns are solved as full matrices."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Seating:
+    """Whether the weight seats the parts.
+
+    Attributes
+    ----------
+    seated : bool
+    forces : ndarray, shape (K, 3)
+        On part b of each row, world frame [N]; exactly in their cones; those of the start that
+        balanced best.
+    residual : float
+        Worst imbalance of a part over its weight, of those forces [-].
+    starts, iterations : int
+        How many were needed.
+    runaway : ndarray, shape (N, 6), or None
+        The direction in which the parts ran away, as an acceleration; None where seated.
+    """
+
+    seated: bool
+    forces: Array
+    residual: float
+    starts: int
+    iterations: int
+    runaway: Array | None
+
+
+def find_seating(
+    program: Program, *, seed: int = 0, starts: int = 6, budget: float | None = None
+) -> Seating:
+    """Whether the weight of the parts seats them.
+
+    Parameters
+    ----------
+    program : Program
+    seed : int
+        Of the stiffnesses and first displacements of all starts but the first.
+    starts : int
+    budget : float, optional
+        Time after which the search ends with what it has [s].
+
+    Examples
+    --------
+    >>> from kilter.contact import find_contacts
+    >>> from kilter.mechanics.program import build_program
+    >>> from kilter.scenes.stacks import block_on_slope
+    >>> for tilt in (26.5, 26.6):  # the limit is atan 0.5 = 26.565 degrees
+    ...     block = block_on_slope(tilt, friction=0.5)
+    ...     find_seating(build_program(block, find_contacts(block))).seated
+    True
+    False
+    """
+    law = frictional(program)
+    if not len(law.load) or not law.strength:
+        none = np.zeros((len(program.part_a), 3))
+        return Seating(True, none, check_balance(program, none), 0, 0, None)
+    end = np.inf if budget is None else perf_counter() + budget
+    rng = np.random.default_rng(seed)
+    best: Seating | None = None
+    stiffness, first = np.ones(len(law.mu)), np.zeros(len(law.load))
+    iterations = 0
+    for start in range(1, max(starts, 1) + 1):
+        if start > 1:
+            stiffness, first = _beginning(law, rng)
+        state, steps = _settle(_Springs(law, stiffness), first, end)
+        iterations += steps
+        forces = law.forces(state.forces)
+        residual = check_balance(program, forces)
+        if residual <= BALANCED:
+            return Seating(True, forces, residual, start, iterations, None)
+        if best is None or residual < best.residual:
+            away = state.x / max(float(np.linalg.norm(state.x)), 1e-300)
+            best = Seating(False, forces, residual, start, iterations, law.acceleration(away))
+        if perf_counter() > end:
+            break
+    assert best is not None  # there is at least one start
+    return Seating(False, best.forces, best.residual, start, iterations, best.runaway)
+
+
+def _beginning(law: Frictional, rng: np.random.Generator) -> tuple[Array, Array]:
+    """A stiffness a patch, and a first displacement that squeezes what it can, and a little."""
+    patches = int(law.patch.max(initial=-1)) + 1
+    stiffness = SPREAD ** rng.uniform(-1.0, 1.0, patches)[law.patch]
+    depth = rng.uniform(0.0, SQUEEZE, patches)[law.patch]
+    normal = law.matrix[::3]
+    nearest = normal.T @ normal + SOFT * eye_array(len(law.load))
+    x: Array = _factor(csc_array(nearest)).solve(-(normal.T @ depth))
+    return stiffness, x + rng.normal(size=len(x)) * NUDGE
+
+
+@dataclass(slots=True)
+class _State:
+    """A displacement with what follows from it: forces (n, u, v), -df/du and r."""
+
+    x: Array
+    forces: Array
+    slope: Array
+    rest: Array
+
+
+class _Springs:
+    """The equations r(x) = 0 of one start."""
+
+    def __init__(self, law: Frictional, stiffness: Array) -> None:
+        self.law, self.stiffness = law, stiffness
+        self.transposed = law.matrix.T.tocsr()
+        self.full = law.matrix.toarray() if len(law.load) <= DENSE else None
+        part = np.flatnonzero(law.program.free)
+        weight = law.program.weight[part] / np.sqrt(law.program.mass[part]) / law.strength
+        self.weight = np.maximum(weight, 1e-300)
+
+    def at(self, x: Array) -> _State:
+        forces, slope = _response(self.law, self.stiffness, self.law.matrix @ x)
+        return _State(x, forces, slope, self.law.load + self.transposed @ forces.reshape(-1))
+
+    def imbalance(self, state: _State) -> float:
+        """Worst imbalance of a part over its weight."""
+        rest = np.linalg.norm(state.rest.reshape(len(self.weight), -1), axis=1)
+        return float((rest / self.weight).max())
+
+    def newton(self, state: _State, right: Array, drag: float) -> Array:
+        """The step dx of (drag - dr/dx) dx = right."""
+        slope, law, count = state.slope, self.law, len(right)
+        if self.full is not None:
+            product = np.matmul(slope, self.full.reshape(-1, 3, count)).reshape(-1, count)
+            matrix = self.full.T @ product
+            matrix[range(count), range(count)] += drag
+            dense: Array = np.linalg.solve(matrix, right)
+            return dense
+        start = np.arange(len(slope) + 1)
+        blocks = bsr_array((slope, start[:-1], start), shape=(3 * len(slope), 3 * len(slope)))
+        system = self.transposed @ (blocks.tocsr() @ law.matrix) + drag * eye_array(count)
+        step: Array = _factor(csc_array(system)).solve(right)
+        return step
+
+    def advance(self, state: _State, step: float) -> tuple[_State | None, int]:
+        """The state a pseudo-time `step` later, None where Newton fails; Newton steps made.
+
+        One implicit Euler step, (x' - x) / step = r(x'), solved to a tenth of r(x).
+        """
+        new, right = state, state.rest
+        enough, last = CLOSE * float(np.linalg.norm(state.rest)), np.inf
+        for count in range(1, INNER + 1):
+            try:
+                new = self.at(new.x + self.newton(new, right, 1.0 / step))
+            except (RuntimeError, np.linalg.LinAlgError):  # a singular matrix
+                return None, count
+            right = new.rest - (new.x - state.x) / step
+            error = float(np.linalg.norm(right))
+            if error <= enough:
+                return new, count
+            if not error <= FALLING * last:
+                break
+            last = error
+        return None, count
+
+
+def _settle(springs: _Springs, x: Array, end: float) -> tuple[_State, int]:
+    """The state in which a start ends, and the steps of Newton's method it took."""
+    state, step, steps = springs.at(x), 1.0, 0
+    while steps < STEPS and step > SHORTEST and perf_counter() < end:
+        new, count = springs.advance(state, step)
+        steps += count
+        if new is None:
+            step *= CUT
+            continue
+        fall = float(np.linalg.norm(state.rest)) / max(float(np.linalg.norm(new.rest)), 1e-300)
+        state = new
+        if springs.imbalance(state) <= GOAL or (step > LONGEST and fall < EASING):
+            break
+        step *= (GROWTH if count <= EASY else SLOW) * float(np.clip(fall, 1.0, LEAP))
+    return state, steps
+
+
+def _factor(matrix: csc_array) -> SuperLU:
+    """Sparse factors, ordered as for a symmetric matrix."""
+    from scipy.sparse.linalg import splu
+
+    return splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+
+
+def _response(law: Frictional, stiffness: Array, speeds: Array) -> tuple[Array, Array]:
+    """Forces (n, u, v) of displacements of the points, and -df/du, shape (K, 3, 3)."""
+    u = speeds.reshape(-1, 3)
+    k, across = stiffness, ACROSS * stiffness
+    touching = (u[:, 0] < 0) | law.tied
+    f_n = np.where(touching, -k * u[:, 0], 0.0)
+    pull = -across[:, None] * u[:, 1:]
+    drag = np.sqrt((pull**2).sum(axis=1))
+    limit = np.where(law.tied, 0.0, law.mu * f_n)
+    sticks = drag <= limit
+    share = np.where(sticks, 1.0, limit / np.maximum(drag, 1e-300))
+    forces = np.empty_like(u)
+    forces[:, 0], forces[:, 1:] = f_n, share[:, None] * pull
+    slope = np.zeros((len(u), 3, 3))
+    slope[:, 0, 0] = k * touching
+    e = pull / np.maximum(drag, 1e-300)[:, None]
+    slides = ~sticks & touching & ~law.tied
+    slope[:, 1:, 0] = (law.mu * k * slides)[:, None] * e
+    bend = (across * share)[:, None, None] * np.eye(2)
+    bend -= np.where(slides, across * share, 0.0)[:, None, None] * e[:, :, None] * e[:, None, :]
+    slope[:, 1:, 1:] = bend * touching[:, None, None]
+    return forces, slope

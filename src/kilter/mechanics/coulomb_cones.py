@@ -1,0 +1,294 @@
+"""Programs with Coulomb's cones: equilibrium with friction, exactly and by pyramids.
+
+A contact with friction takes every force f_n n + f_t with |f_t| <= mu f_n. Its row n becomes
+three, n, u, v, and a second-order cone (mu f_n, f_u, f_v); in a planar assembly two, and the
+cone has two rays. Everything else is as in `kilter.mechanics.forms`: the same scaled
+unknowns, the same load.
+
+    load factor        max lambda:  A f = lambda b,  0 <= lambda <= 1,  f in K        0 or 1
+    largest load       max t:  A f = b + t d,  t <= T,  f in K
+    nearest load       min 1/2 |t - t0|^2:  A f = D t,  f in K
+    least forces       min 1/2 |f|^2:  A f = b,  f in K          unique, inside the cones
+
+A pyramid replaces each cone by rays, so that the program is linear: with rays on the cone it
+is inner (its equilibrium is one), with sides that touch the cone it is outer (what moves in
+it, moves).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array, diags_array, eye_array, hstack, vstack
+
+from kilter.mechanics.forms import Scaled, scaled
+from kilter.mechanics.program import Program, tangents
+from kilter.rigid import cross
+
+__all__ = [
+    "ConicProgram",
+    "Spread",
+    "gathered",
+    "largest_load",
+    "least_forces",
+    "load_factor_in_cones",
+    "nearest_load",
+    "pyramid",
+    "spread",
+]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ConicProgram:
+    """min 1/2 x.(quadratic x) + cost.x:  matrix x + s = bound, s in a product of cones.
+
+    The first `equal` rows have s = 0, the next `positive` s >= 0, then one second-order cone
+    |s_1..| <= s_0 of each dimension in `cones`.
+    """
+
+    quadratic: csc_array
+    cost: Array
+    matrix: csc_array
+    bound: Array
+    equal: int
+    positive: int
+    cones: Index
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Spread:
+    """A program whose rows with friction are spread over n, u and v.
+
+    Attributes
+    ----------
+    program : Program
+        The one that was spread.
+    problem : Scaled
+        Of the spread rows: those of `program`, then u of each rough row, then v (not planar).
+    rough : ndarray of int, shape (R,)
+    directions : ndarray, shape (R, d, 3)
+        u and v, world frame; d = 1 where planar, else 2.
+    """
+
+    program: Program
+    problem: Scaled
+    rough: Index
+    directions: Array
+
+    def decoded(self, columns: Array) -> tuple[Array, Array]:
+        """Forces along the rows, shape (K,), and across them, (K, 3) [N], of scaled unknowns."""
+        values = self.problem.forces(columns)
+        count, rough = len(self.program.part_a), len(self.rough)
+        friction = np.zeros((count, 3))
+        for k in range(self.directions.shape[1]):
+            part = values[count + k * rough : count + (k + 1) * rough]
+            friction[self.rough] += part[:, None] * self.directions[:, k]
+        return values[:count], friction
+
+    def cone_rows(self) -> tuple[csc_array, int, Index]:
+        """G with G f in nonnegative numbers, then second-order cones; how many, of what size."""
+        program, total = self.program, self.problem.matrix.shape[1]
+        count, rough = len(program.part_a), len(self.rough)
+        alone = np.flatnonzero(~program.two_sided & (program.mu <= 0))
+        size = 1 + self.directions.shape[1]
+        columns = np.empty((rough, size), dtype=np.int64)
+        values = np.ones((rough, size))
+        columns[:, 0] = self.rough
+        values[:, 0] = program.mu[self.rough]
+        for k in range(1, size):
+            columns[:, k] = count + (k - 1) * rough + np.arange(rough)
+        index = np.concatenate([alone, columns.ravel()])
+        data = np.concatenate([np.ones(len(alone)), values.ravel()])
+        rows = np.arange(len(index))
+        matrix = csc_array((data, (rows, index)), shape=(len(index), total))
+        return matrix, len(alone), np.full(rough, size)
+
+
+def spread(program: Program) -> Spread:
+    """The program with a row of its own for each direction of friction."""
+    rough = program.rough
+    directions = _directions(program, rough)
+    rows = np.concatenate([np.arange(len(program.part_a)), *[rough] * directions.shape[1]])
+    aside = [directions[:, k] for k in range(directions.shape[1])]
+    wide = program.with_rows(
+        part_a=program.part_a[rows],
+        part_b=program.part_b[rows],
+        point=program.point[rows],
+        normal=np.concatenate([program.normal, *aside]),
+        kind=program.kind[rows],
+        two_sided=program.two_sided[rows],
+        angular=program.angular[rows],
+        mu=np.zeros(len(rows)),
+        source=program.source[rows],
+    )
+    return Spread(program, scaled(wide), rough, directions)
+
+
+def _directions(program: Program, rough: Index) -> Array:
+    normal = program.normal[rough]
+    if program.planar:
+        return cross(np.array([0.0, 1.0, 0.0]), normal)[:, None, :]
+    return tangents(normal)
+
+
+def load_factor_in_cones(wide: Spread) -> ConicProgram:
+    """Largest part of the load that contacts with friction can hold: 0 or 1. x = (f, lambda).
+
+    The multipliers y of its first rows give a motion in the dual cone where lambda is 0.
+    """
+    problem = wide.problem
+    total = problem.matrix.shape[1]
+    cone, positive, sizes = wide.cone_rows()
+    balance = hstack([problem.matrix, csc_array(-problem.right[:, None])])
+    ends = csc_array((np.array([-1.0, 1.0]), ([0, 1], [total, total])), shape=(2, total + 1))
+    inside = hstack([-cone, csc_array((cone.shape[0], 1))])
+    matrix = vstack([balance, ends, inside], format="csc")
+    bound = np.concatenate([np.zeros(len(problem.right)), [0.0, 1.0], np.zeros(cone.shape[0])])
+    cost = np.zeros(total + 1)
+    cost[-1] = -1.0
+    nothing = csc_array((total + 1, total + 1))
+    return ConicProgram(nothing, cost, matrix, bound, len(problem.right), positive + 2, sizes)
+
+
+def largest_load(wide: Spread, wrench: Array, most: float) -> ConicProgram:
+    """The largest share t, up to `most`, of further wrenches that contacts hold. x = (f, t).
+
+    Parameters
+    ----------
+    wrench : ndarray, shape (N, 6)
+        Force [N] and torque about the centre of mass [N x length unit] on each part.
+
+    Notes
+    -----
+    The multipliers y of its first rows give the mechanism that starts at the limit: a motion
+    in the dual cone, without power of all loads at the limit.
+    """
+    problem = wide.problem
+    total = problem.matrix.shape[1]
+    cone, positive, sizes = wide.cone_rows()
+    along = problem.scaled_load(wrench)
+    balance = hstack([problem.matrix, csc_array(-along[:, None])])
+    end = csc_array((np.array([1.0]), ([0], [total])), shape=(1, total + 1))
+    inside = hstack([-cone, csc_array((cone.shape[0], 1))])
+    matrix = vstack([balance, end, inside], format="csc")
+    bound = np.concatenate([problem.right, [most], np.zeros(cone.shape[0])])
+    cost = np.zeros(total + 1)
+    cost[-1] = -1.0
+    nothing = csc_array((total + 1, total + 1))
+    return ConicProgram(nothing, cost, matrix, bound, len(problem.right), positive + 1, sizes)
+
+
+def nearest_load(wide: Spread, wrenches: Array, start: Array) -> ConicProgram:
+    """Shares t nearest to `start` of some wrenches with which contacts are in balance. x = (f, t).
+
+    Parameters
+    ----------
+    wrenches : ndarray, shape (d, N, 6)
+        They replace the load of the program.
+    start : ndarray, shape (d,)
+    """
+    problem = wide.problem
+    total, count = problem.matrix.shape[1], len(start)
+    cone, positive, sizes = wide.cone_rows()
+    columns = np.column_stack([problem.scaled_load(wrench) for wrench in wrenches])
+    balance = hstack([problem.matrix, csc_array(-columns)])
+    inside = hstack([-cone, csc_array((cone.shape[0], count))])
+    matrix = vstack([balance, inside], format="csc")
+    diagonal = np.concatenate([np.zeros(total), np.ones(count)])
+    cost = np.concatenate([np.zeros(total), -start])
+    bound = np.zeros(matrix.shape[0])
+    quadratic = csc_array(diags_array(diagonal))
+    return ConicProgram(quadratic, cost, matrix, bound, len(problem.right), positive, sizes)
+
+
+def least_forces(wide: Spread) -> ConicProgram:
+    """Forces of the least sum of squares that balance. x = f.
+
+    Unique, and not at a corner of the set of all equilibria: equal contacts take equal shares.
+    """
+    problem = wide.problem
+    total = problem.matrix.shape[1]
+    cone, positive, sizes = wide.cone_rows()
+    matrix = vstack([problem.matrix, -cone], format="csc")
+    bound = np.concatenate([problem.right, np.zeros(cone.shape[0])])
+    return ConicProgram(
+        csc_array(eye_array(total)), np.zeros(total), matrix, bound,
+        len(problem.right), positive, sizes,
+    )  # fmt: skip
+
+
+def pyramid(program: Program, sides: int, *, outer: bool = False) -> Program:
+    """The program with every cone of friction replaced by rays, one row a ray.
+
+    Parameters
+    ----------
+    sides : int
+        Rays of each pyramid; a planar cone has two, whatever is asked for.
+    outer : bool
+        The sides of the pyramid touch the cone, else its rays lie on it.
+
+    Notes
+    -----
+    Rows of a ray keep the `source` of their contact; `mu` is 0. A row's unit direction is
+    (n + mu t) over its length, its force is along it.
+    """
+    rough = program.rough
+    if not len(rough):
+        return program
+    directions = _directions(program, rough)
+    if program.planar:
+        around = np.stack([directions[:, 0], -directions[:, 0]], axis=1)
+        stretch = 1.0
+    else:
+        angle = 2 * np.pi * np.arange(sides) / sides
+        around = (
+            np.cos(angle)[None, :, None] * directions[:, :1]
+            + np.sin(angle)[None, :, None] * directions[:, 1:]
+        )
+        stretch = 1.0 / np.cos(np.pi / sides) if outer else 1.0
+    rays = program.normal[rough][:, None] + stretch * program.mu[rough][:, None, None] * around
+    rays = rays / np.linalg.norm(rays, axis=2)[:, :, None]
+    smooth = np.flatnonzero(program.mu <= 0)
+    rows = np.concatenate([smooth, np.repeat(rough, rays.shape[1])])
+    return program.with_rows(
+        part_a=program.part_a[rows],
+        part_b=program.part_b[rows],
+        point=program.point[rows],
+        normal=np.concatenate([program.normal[smooth], rays.reshape(-1, 3)]),
+        kind=program.kind[rows],
+        two_sided=program.two_sided[rows],
+        angular=program.angular[rows],
+        mu=np.zeros(len(rows)),
+        source=program.source[rows],
+    )
+
+
+def gathered(program: Program, rays: Program, forces: Array) -> tuple[Array, Array]:
+    """Forces of a pyramid's rays as forces along the rows of `program`, and across them.
+
+    Parameters
+    ----------
+    rays : Program
+        ``pyramid(program, sides)``.
+    forces : ndarray, shape (rows of `rays`,)
+
+    Returns
+    -------
+    along : ndarray, shape (K,)
+    across : ndarray, shape (K, 3)
+    """
+    smooth, rough = np.flatnonzero(program.mu <= 0), program.rough
+    along, across = np.zeros(len(program.part_a)), np.zeros((len(program.part_a), 3))
+    along[smooth] = forces[: len(smooth)]
+    if len(rough):
+        pushed = forces[len(smooth) :, None] * rays.normal[len(smooth) :]
+        total = pushed.reshape(len(rough), -1, 3).sum(axis=1)
+        normal = program.normal[rough]
+        along[rough] = np.einsum("ij,ij->i", total, normal)
+        across[rough] = total - along[rough][:, None] * normal
+    return along, across

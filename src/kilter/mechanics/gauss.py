@@ -1,0 +1,202 @@
+"""Gauss's principle as the shortest vector of a cone, halved where the assembly is a mirror image.
+
+With M = L L^T of each part and b = L^T a the principle reads
+
+    min 1/2 |b|^2 - v.b,   R b >= 0          v = L^-1 w,  R = J L^-T, rows of length 1
+
+so that masses of any ratio leave the numbers near 1: `unit` of a row turns its slack and its
+force to accelerations over gravity of the lightest part that it touches.
+
+Where reflection in a plane through the centres of all parts maps the rows on themselves, the
+motion, being unique, is its own mirror image: it has no part across that plane. Half of the
+unknowns and nearly half of the rows then go, and a factorisation costs a tenth.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import bsr_array, csc_array, csr_array, diags_array, eye_array
+
+from kilter.mechanics.forms import NOTHING, QuadraticProgram, Scaled, impending_motion
+
+__all__ = ["LeastConstraint", "halved", "least_constraint"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+SAME = 1e-12
+"""Entries that differ by less, over the largest, are those of a mirror image."""
+CELL = 1e-6
+"""Lengths over the radius of a part, and directions, are compared in cells of this size."""
+OFFSET = 0.31830988618
+"""Where cells begin: round coordinates must not lie on their edges."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LeastConstraint:
+    """min 1/2 |b|^2 - load.b: rows b = 0 in the first `equal` rows, then >= 0.
+
+    Attributes
+    ----------
+    rows : csr_array, shape (K, n)
+        Of unit length.
+    load : ndarray, shape (n,)
+    equal, block : int
+        Two-sided rows; unknowns of each part.
+    unit : ndarray, shape (K,)
+        From slacks and multipliers to accelerations over gravity.
+    columns : ndarray of int, shape (n,)
+        Unknowns of the whole problem that are unknowns here.
+    inverse : csr_array, shape (n_all, n_all)
+        L^-T: a = L^-T b.
+    row : ndarray of int, shape (K_all,)
+        Row here of each row of the whole problem, in its own order.
+    share : ndarray, shape (K_all,)
+        Force of each of those rows over the multiplier here.
+    """
+
+    rows: csr_array
+    load: Array
+    equal: int
+    block: int
+    unit: Array
+    columns: Index
+    inverse: csr_array
+    row: Index
+    share: Array
+
+    @property
+    def quadratic(self) -> QuadraticProgram:
+        """The same as a quadratic program."""
+        count = len(self.load)
+        return QuadraticProgram(
+            csc_array(eye_array(count, format="csc")),
+            -self.load,
+            csc_array(self.rows),
+            np.zeros(len(self.unit)),
+            self.equal,
+        )
+
+    def accelerations(self, unknowns: Array) -> Array:
+        """Scaled accelerations of the free parts: what `Scaled.motion` takes."""
+        full = np.zeros(self.inverse.shape[0])
+        full[self.columns] = unknowns
+        return np.asarray(self.inverse @ full)
+
+    def forces(self, multipliers: Array) -> Array:
+        """Forces of all rows over the weight of the heaviest part, shape (K_all,)."""
+        return multipliers[self.row] * self.share
+
+
+def least_constraint(problem: Scaled) -> LeastConstraint:
+    """The whole problem, in the frame and the freedoms of `problem`."""
+    quadratic = impending_motion(problem)
+    block = len(problem.program.freedoms)
+    inverse = _inverse_root(quadratic, block)
+    rows = csr_array(quadratic.matrix @ inverse)
+    length = np.sqrt(np.asarray(rows.multiply(rows).sum(axis=1)).ravel())
+    length = np.maximum(length, 1e-300)
+    rows = csr_array(diags_array(1.0 / length) @ rows)
+    rows.data[np.abs(rows.data) < NOTHING] = 0.0
+    rows.eliminate_zeros()
+    order = np.argsort(~problem.program.two_sided, kind="stable")
+    place = np.empty(len(order), dtype=np.int64)
+    place[order] = np.arange(len(order))
+    return LeastConstraint(
+        rows,
+        -np.asarray(inverse.T @ quadratic.cost),
+        quadratic.equal,
+        block,
+        length,
+        np.arange(rows.shape[1]),
+        inverse,
+        place,
+        problem.program.arm / length[place],
+    )
+
+
+def _inverse_root(quadratic: QuadraticProgram, block: int) -> csr_array:
+    """L^-T of M = L L^T, part by part."""
+    count = quadratic.quadratic.shape[0] // block
+    parts = np.zeros((count, block, block))
+    entries = quadratic.quadratic.tocoo()
+    i, j = entries.coords
+    parts[i // block, i % block, j % block] = entries.data
+    inverse = np.linalg.inv(np.linalg.cholesky(parts))
+    turned = np.ascontiguousarray(np.swapaxes(inverse, 1, 2))
+    root = csr_array(bsr_array((turned, np.arange(count), np.arange(count + 1))))
+    root.data[np.abs(root.data) < SAME * np.abs(root.data).max(initial=0.0)] = 0.0
+    root.eliminate_zeros()
+    return root
+
+
+def halved(whole: LeastConstraint, problem: Scaled) -> LeastConstraint | None:
+    """The same problem within a plane of reflection, if there is one along an axis of the frame."""
+    if whole.block != 6 or whole.equal or not len(whole.unit):
+        return None
+    for axis in (2, 1, 0):
+        odd = np.ones(6, dtype=bool)
+        odd[[k for k in range(3) if k != axis]] = False
+        odd[3 + axis] = False
+        across = np.tile(odd, whole.rows.shape[1] // 6)
+        if np.abs(whole.load[across]).max(initial=0.0) > SAME * np.abs(whole.load).max():
+            continue
+        if _couples(whole.inverse, across):
+            continue
+        image = _image(problem, axis)
+        sign = diags_array(np.where(across, -1.0, 1.0))
+        difference = abs(whole.rows[image] - whole.rows @ sign)
+        twice = np.array_equal(image[image], np.arange(len(image)))
+        if twice and difference.max() <= SAME * 100:
+            return _within(whole, across, image)
+    return None
+
+
+def _couples(inverse: csr_array, across: NDArray[np.bool_]) -> bool:
+    """Whether inertia couples motions in the plane with motions across it."""
+    i, j = inverse.tocoo().coords
+    return bool((across[i] != across[j]).any())
+
+
+def _image(problem: Scaled, axis: int) -> Index:
+    """The row that reflection across `axis` of the frame makes of each row, if it is one."""
+    program = problem.program
+    own = np.where((program.part_b >= 0) & program.free[program.part_b], program.part_b, -1)
+    own = np.where(own >= 0, own, program.part_a)
+    arm = (program.point - program.center[own]) @ problem.frame.T / program.radius[own][:, None]
+    places = np.floor(np.column_stack([arm, program.normal @ problem.frame.T]) / CELL + OFFSET)
+    depth = np.column_stack([arm[:, axis], (program.normal @ problem.frame.T)[:, axis]])
+    depth = np.rint(depth / CELL)
+    plane = [places[:, k] for k in range(6) if k % 3 != axis]
+    keys = [*plane, program.part_a, program.part_b]
+    one = np.lexsort([depth[:, 1], depth[:, 0], *keys])
+    other = np.lexsort([-depth[:, 1], -depth[:, 0], *keys])
+    image = np.empty(len(one), dtype=np.int64)
+    image[one] = other
+    return image
+
+
+def _within(whole: LeastConstraint, across: NDArray[np.bool_], image: Index) -> LeastConstraint:
+    kept = np.flatnonzero(np.arange(len(image)) <= image)
+    columns = np.flatnonzero(~across)
+    rows = csr_array(whole.rows[kept][:, columns])
+    length = np.maximum(np.sqrt(np.asarray(rows.multiply(rows).sum(axis=1)).ravel()), 1e-300)
+    number = np.empty(len(image), dtype=np.int64)
+    number[kept] = np.arange(len(kept))
+    number[image[kept]] = np.arange(len(kept))
+    alone = image == np.arange(len(image))
+    share = np.where(alone, 1.0, 0.5) / (length[number] * whole.unit)
+    return LeastConstraint(
+        csr_array(diags_array(1.0 / length) @ rows),
+        whole.load[columns],
+        0,
+        3,
+        length * whole.unit[kept],
+        columns,
+        whole.inverse,
+        number,
+        share,
+    )

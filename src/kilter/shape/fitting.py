@@ -1,0 +1,218 @@
+"""Cylinders, cones and spheres through points: exact algebra first, least squares after.
+
+The normals n of facets inscribed in a surface say how it lies: of a cylinder they are
+perpendicular to the axis, of a cone they make one angle with it and every facet's plane passes
+the apex. What that gives is refined by Gauss-Newton on the distances of the points
+
+    cylinder  |p - a (a.p)| - R,     cone  |p - a (a.p)| cos w - (a.p) sin w,   p = x - point
+
+until no step helps: for points that lie on the surface the result is right to rounding.
+
+References
+----------
+Distances and their derivatives: W. Gander, J. Hrebicek (eds.), Solving Problems in Scientific
+Computing Using Maple and MATLAB, chapter "Fitting of circles, cylinders and cones"; sphere:
+the linear system |x|^2 = 2 c.x + k.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kilter.rigid import cross
+from kilter.shape.solid import Surface
+
+__all__ = ["FITS", "fit_cone", "fit_cylinder", "fit_sphere", "perpendicular"]
+
+Array = NDArray[np.float64]
+
+STEPS = 30
+"""Gauss-Newton steps at most."""
+LARGEST_RATIO = 1e6
+"""Radii above this many sizes of the points are taken for planes."""
+NARROWEST, WIDEST = 1e-4, np.pi / 2 - 1e-4
+"""Half angles of cones; beyond them they are cylinders or planes [rad]."""
+
+
+def fit_sphere(points: Array, normals: Array, weights: Array) -> Surface | None:
+    """The sphere through points, None where they fix none.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+    normals : ndarray, shape (m, 3)
+        Of facets (not used here).
+    weights : ndarray, shape (m,)
+        Of the facets, their areas.
+
+    Examples
+    --------
+    >>> corners = np.array([[1., 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1]])
+    >>> round(fit_sphere(corners + 5, corners, np.ones(5)).radius, 12)
+    1.0
+    """
+    middle = points.mean(axis=0)
+    p = points - middle
+    size = float(np.abs(p).max())
+    if len(points) < 4 or size == 0.0:
+        return None
+    p = p / size
+    matrix = np.column_stack([2 * p, np.ones(len(p))])
+    solution, _, rank, _ = np.linalg.lstsq(matrix, (p * p).sum(axis=1), rcond=1e-10)
+    square = float(solution[3] + solution[:3] @ solution[:3])
+    if rank < 4 or not 0 < square < LARGEST_RATIO**2:
+        return None
+    return Surface("sphere", middle + solution[:3] * size, radius=float(np.sqrt(square)) * size)
+
+
+def fit_cylinder(points: Array, normals: Array, weights: Array) -> Surface | None:
+    """The cylinder through points with facets of such normals, None where they fix none."""
+    _, vectors = np.linalg.eigh((normals * weights[:, None]).T @ normals)
+    axis = vectors[:, 0]
+    middle, size = _middle_and_size(points)
+    if len(points) < 5 or size == 0.0:
+        return None
+    p = (points - middle) / size
+    u, v = perpendicular(axis)
+    matrix = np.column_stack([2 * p @ u, 2 * p @ v, np.ones(len(p))])
+    flat = p - (p @ axis)[:, None] * axis
+    solution, _, rank, _ = np.linalg.lstsq(matrix, (flat * flat).sum(axis=1), rcond=1e-10)
+    square = float(solution[2] + solution[:2] @ solution[:2])
+    if rank < 3 or not 0 < square < LARGEST_RATIO**2:
+        return None
+    center, radius = solution[0] * u + solution[1] * v, float(np.sqrt(square))
+
+    def change(state: tuple[Array, Array, float]) -> tuple[Array, Array]:
+        center, axis, radius = state
+        u, v = perpendicular(axis)
+        along, across, e = _split(p - center, axis)
+        eu, ev = e @ u, e @ v
+        return across - radius, np.column_stack([-eu, -ev, -eu * along, -ev * along, -1 + 0 * eu])
+
+    def moved(state: tuple[Array, Array, float], step: Array) -> tuple[Array, Array, float]:
+        center, axis, radius = state
+        u, v = perpendicular(axis)
+        turned = axis + step[2] * u + step[3] * v
+        shift = step[0] * u + step[1] * v
+        return center + shift, turned / float(np.linalg.norm(turned)), radius + step[4]
+
+    center, axis, radius = _gauss_newton((center, axis, radius), change, moved)
+    if not 0 < radius < LARGEST_RATIO:
+        return None
+    center = center - (center @ axis) * axis
+    return Surface("cylinder", middle + center * size, axis, radius=float(radius) * size)
+
+
+def fit_cone(points: Array, normals: Array, weights: Array) -> Surface | None:
+    """The cone through points with facets of such normals, all on one side of its apex."""
+    middle, size = _middle_and_size(points)
+    if len(points) < 6 or size == 0.0 or len(normals) < 3:
+        return None
+    p = (points - middle) / size
+    mean = (normals * weights[:, None]).sum(axis=0) / weights.sum()
+    spread = normals - mean
+    _, vectors = np.linalg.eigh((spread * weights[:, None]).T @ spread)
+    axis = vectors[:, 0]
+    start = _cone_start(p, axis)
+    if start is None:
+        return None
+
+    def change(state: tuple[Array, Array, float]) -> tuple[Array, Array]:
+        apex, axis, angle = state
+        u, v = perpendicular(axis)
+        along, across, e = _split(p - apex, axis)
+        cos, sin = np.cos(angle), np.sin(angle)
+        eu, ev = e @ u, e @ v
+        side = along * cos + across * sin
+        columns = [-eu * cos, -ev * cos, sin + 0 * eu, -eu * side, -ev * side, -side]
+        return across * cos - along * sin, np.column_stack(columns)
+
+    def moved(state: tuple[Array, Array, float], step: Array) -> tuple[Array, Array, float]:
+        apex, axis, angle = state
+        u, v = perpendicular(axis)
+        turned = axis + step[3] * u + step[4] * v
+        shift = step[0] * u + step[1] * v + step[2] * axis
+        return apex + shift, turned / float(np.linalg.norm(turned)), angle + step[5]
+
+    apex, axis, angle = _gauss_newton(start, change, moved)
+    if not NARROWEST < angle < WIDEST or float(np.abs(apex).max()) > LARGEST_RATIO:
+        return None
+    if float(((p - apex) @ axis).min()) < -1e-6:
+        return None
+    return Surface("cone", middle + apex * size, axis, half_angle=float(angle))
+
+
+FITS: dict[str, Callable[[Array, Array, Array], Surface | None]] = {
+    "cylinder": fit_cylinder,
+    "cone": fit_cone,
+    "sphere": fit_sphere,
+}
+"""In the order in which they are tried: two circles of points also lie on a sphere."""
+
+
+def _middle_and_size(points: Array) -> tuple[Array, float]:
+    middle = points.mean(axis=0)
+    return middle, float(np.abs(points - middle).max())
+
+
+def perpendicular(axis: Array) -> tuple[Array, Array]:
+    """Two unit vectors perpendicular to the axis and to each other."""
+    u = cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    u /= np.linalg.norm(u)
+    return u, cross(axis, u)
+
+
+def _split(p: Array, axis: Array) -> tuple[Array, Array, Array]:
+    """Along the axis, distance from it, and the unit vector away from it."""
+    along = p @ axis
+    away = p - along[:, None] * axis
+    across = np.linalg.norm(away, axis=1)
+    return along, across, away / np.maximum(across, np.finfo(float).tiny)[:, None]
+
+
+def _cone_start(p: Array, axis: Array) -> tuple[Array, Array, float] | None:
+    """Apex, axis and half angle from a direction of the axis.
+
+    Points of a cone obey |across - c|^2 = (along - h)^2 tan^2 w, which is linear in c, the
+    foot of the axis, beside unknowns that are not needed; then |across - c| is linear in along.
+    """
+    u, v = perpendicular(axis)
+    x, y, z = p @ u, p @ v, p @ axis
+    matrix = np.column_stack([2 * x, 2 * y, z * z, z, np.ones(len(p))])
+    solution, *_ = np.linalg.lstsq(matrix, x * x + y * y, rcond=1e-10)
+    across = np.hypot(x - solution[0], y - solution[1])
+    line = np.column_stack([z, np.ones(len(z))])
+    (slope, offset), *_ = np.linalg.lstsq(line, across, rcond=1e-10)
+    if abs(slope) < NARROWEST:
+        return None
+    apex = solution[0] * u + solution[1] * v - offset / slope * axis
+    return apex, axis * np.sign(slope), float(np.arctan(abs(slope)))
+
+
+def _gauss_newton(
+    state: tuple[Array, Array, float],
+    change: Callable[[tuple[Array, Array, float]], tuple[Array, Array]],
+    moved: Callable[[tuple[Array, Array, float], Array], tuple[Array, Array, float]],
+) -> tuple[Array, Array, float]:
+    """The state of least squares near a first one; steps that make it worse are not taken.
+
+    By normal equations: what they lose in a step the next one makes good. It ends where a step
+    no longer halves the sum of squares: at rounding, or where the points fit no such surface.
+    """
+    residual, jacobian = change(state)
+    best = float(residual @ residual)
+    for _ in range(STEPS):
+        found = np.linalg.lstsq(jacobian.T @ jacobian, -jacobian.T @ residual, rcond=1e-14)[0]
+        trial = moved(state, np.asarray(found, dtype=np.float64))
+        residual, jacobian = change(trial)
+        now = float(residual @ residual)
+        if not now < best:
+            break
+        slow = now > 0.5 * best
+        state, best = trial, now
+        if slow:
+            break
+    return state
