@@ -3,8 +3,9 @@
 Each kernel takes many pairs of surfaces (i, j) of two kinds and gives candidates: position,
 unit normal n from i to j, and the gap there, whatever their faces cover
 (`kilter.contact.curved.coverage` asks that). Solid against solid touches from outside;
-solid in hollow from inside, where the solid bends more than the hollow. With cores (the centre of a sphere, the axis of a cylinder,
-the circle of a torus) at the distance D and radii r:
+solid in hollow from inside, where the solid bends more than the hollow.
+With cores (the centre of a sphere, the axis of a cylinder, the circle of a torus)
+at the distance D and radii r:
 
     solid on solid   gap = D - r_i - r_j          solid in hollow   gap = r_j - r_i - D
 
