@@ -12,13 +12,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from kilter.arrays import Array
 from kilter.errors import InputError
 
 __all__ = [
     "Pose",
-    "cross",
     "frozen",
     "in_range",
     "number",
@@ -27,8 +27,6 @@ __all__ = [
     "skew",
     "unit",
 ]
-
-Array = NDArray[np.float64]
 
 
 def frozen(values: ArrayLike, shape: tuple[int, ...] | None = None) -> Array:
@@ -95,23 +93,6 @@ def _fits(shape: tuple[int, ...], wanted: tuple[int, ...]) -> bool:
     return len(shape) == len(wanted) and all(
         n in (-1, m) for n, m in zip(wanted, shape, strict=True)
     )
-
-
-def cross(a: Array, b: Array) -> Array:
-    """Cross products of rows, shape (..., 3); several times faster than `numpy.cross`.
-
-    Examples
-    --------
-    >>> cross(np.array([[1.0, 0, 0]]), np.array([[0, 1.0, 0]]))
-    array([[0., 0., 1.]])
-    """
-    a0, a1, a2 = a[..., 0], a[..., 1], a[..., 2]
-    b0, b1, b2 = b[..., 0], b[..., 1], b[..., 2]
-    result = np.empty(np.broadcast_shapes(a.shape, b.shape))
-    result[..., 0] = a1 * b2 - a2 * b1
-    result[..., 1] = a2 * b0 - a0 * b2
-    result[..., 2] = a0 * b1 - a1 * b0
-    return result
 
 
 def skew(v: ArrayLike) -> Array:

@@ -13,8 +13,8 @@ from kilter.analysis.margins import uncertainty
 from kilter.analysis.margins.load_limit import find_limit
 from kilter.analysis.margins.tilt import find_tilt_margin, gravity_wrench
 from kilter.analysis.margins.uncertainty import Ranges, corner, find_uncertainty
+from kilter.arrays import cross
 from kilter.mechanics.program import CONTACT
-from kilter.rigid import cross
 from kilter.scenes import stacks, walls
 
 X = np.array([1.0, 0.0, 0.0])

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
+from kilter.arrays import Array
 
 __all__ = ["Candidate"]
-
-Array = NDArray[np.float64]
 
 
 class Candidate(NamedTuple):

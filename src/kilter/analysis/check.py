@@ -17,7 +17,6 @@ from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kilter.analysis.contact_forces import ContactForces, find_contact_forces
 from kilter.analysis.degenerate_branches import decide_degenerate
@@ -41,7 +40,6 @@ from kilter.units import metres_per_unit
 
 __all__ = ["Verdict", "check"]
 
-Array = NDArray[np.float64]
 Word = Literal["stable", "potentially-stable", "unstable", "undecided"]
 
 BARELY = 1e-3

@@ -11,8 +11,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index
 from kilter.errors import SolverError
 from kilter.mechanics.certificate import ForceProof, check_forces
 from kilter.mechanics.coulomb_cones import least_forces, spread
@@ -20,8 +20,6 @@ from kilter.mechanics.program import CONTACT, Program
 
 __all__ = ["LIMIT", "ContactForces", "find_contact_forces"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 LIMIT = 3_000
 """Contact points above which the forces of the verdict's proof are shown as they are."""

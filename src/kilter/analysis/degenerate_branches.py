@@ -25,9 +25,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kilter.analysis.judge import Judgement, judge
+from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet, PossibleContacts
 from kilter.mechanics.certificate import check_motion
@@ -43,7 +43,6 @@ from kilter.mechanics.program import Program, build_program
 
 __all__ = ["Degenerates", "decide_degenerate"]
 
-Array = NDArray[np.float64]
 
 PROGRAMS = 200
 """Programs solved before branching is given up."""

@@ -12,15 +12,14 @@ import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array, eye_array, vstack
 
+from kilter.arrays import Array
 from kilter.mechanics.forms import LinearProgram, QuadraticProgram, displacement
 from kilter.mechanics.program import Program
 
 __all__ = ["LIMIT", "Displacement", "find_displacement"]
 
-Array = NDArray[np.float64]
 
 LIMIT = 300
 """Displacements are found for up to this many free parts; z at every size."""

@@ -14,7 +14,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kilter.analysis.candidates import Candidate
 from kilter.mechanics.coulomb_cones import Spread, gathered, load_factor_in_cones, pyramid, spread
@@ -22,7 +21,6 @@ from kilter.mechanics.program import Program
 
 __all__ = ["in_cones"]
 
-Array = NDArray[np.float64]
 
 LARGE = 12_000
 """Programs with more freedoms than this try a pyramid first."""

@@ -7,15 +7,13 @@ one that comes nearest is given, with its residual in the law.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kilter.analysis.motion import MOVES, ImpendingMotion
+from kilter.arrays import Array
 from kilter.mechanics.program import Program
 from kilter.units import metres_per_unit
 
 __all__ = ["find_motion_with_friction", "motion_of"]
-
-Array = NDArray[np.float64]
 
 
 def motion_of(program: Program, acceleration: Array, residual: float) -> ImpendingMotion:

@@ -19,7 +19,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypedDict, Unpack
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kilter.analysis.candidates import Candidate
 from kilter.analysis.equilibrium import in_cones
@@ -40,7 +39,6 @@ if TYPE_CHECKING:
 
 __all__ = ["SIMPLEX_ROWS", "Judgement", "judge"]
 
-Array = NDArray[np.float64]
 
 SIMPLEX_ROWS = 1500
 """Programs with up to this many freedoms are solved by simplex first."""

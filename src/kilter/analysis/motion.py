@@ -19,8 +19,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Mask
 from kilter.mechanics.forms import scaled
 from kilter.mechanics.gauss import LeastConstraint, halved, least_constraint
 from kilter.mechanics.program import Program
@@ -28,7 +28,6 @@ from kilter.units import metres_per_unit
 
 __all__ = ["MOVES", "ImpendingMotion", "find_motion", "optimality", "still"]
 
-Array = NDArray[np.float64]
 
 MOVES = 1e-6
 """A part moves where its linear, or radius x angular, acceleration is above this [g]."""
@@ -61,7 +60,7 @@ class ImpendingMotion:
 
     acceleration: Array
     relative: Array
-    moves: NDArray[np.bool_]
+    moves: Mask
     instability: float
     residual: float
 

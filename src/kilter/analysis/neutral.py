@@ -16,15 +16,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array, diags_array, hstack, vstack
 
+from kilter.arrays import Array, Mask
 from kilter.mechanics.forms import LinearProgram, Scaled, scaled
 from kilter.mechanics.program import Program
 
 __all__ = ["LIMIT", "Neutral", "find_neutral"]
 
-Array = NDArray[np.float64]
 
 LIMIT = 100
 """Neutral motions are counted for up to this many free parts."""
@@ -87,7 +86,7 @@ def _rank(matrix: Array, blur: float) -> int:
     return int((values > blur * max(values.max(initial=0.0), 1e-300)).sum())
 
 
-def _never_open(problem: Scaled, opening: Array, load: Array, blur: float) -> NDArray[np.bool_]:
+def _never_open(problem: Scaled, opening: Array, load: Array, blur: float) -> Mask:
     """Rows that no motion of the cone opens."""
     from kilter.solvers.linear import optimum
 
@@ -109,5 +108,5 @@ def _never_open(problem: Scaled, opening: Array, load: Array, blur: float) -> ND
         upper=np.concatenate([np.full(count, reach), np.ones(rows)]),
     )
     answer = optimum(lp)
-    never: NDArray[np.bool_] = (answer.x[count:] < 0.5) | two_sided
+    never: Mask = (answer.x[count:] < 0.5) | two_sided
     return never

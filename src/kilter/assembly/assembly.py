@@ -15,8 +15,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from kilter.arrays import Array
 from kilter.assembly.interactions import FrictionPair, GivenContact, Joint, Load
 from kilter.assembly.part import GROUND, Part
 from kilter.errors import InputError, nearest_name, some_names
@@ -37,8 +38,6 @@ __all__ = [
     "Part",
     "nearest_name",
 ]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,11 +16,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index, Mask, cross
 from kilter.assembly.surfaces import Surfaces, join_surfaces, surfaces_of
 from kilter.errors import InputError, some_names
-from kilter.rigid import cross, quaternion_to_matrix
+from kilter.rigid import quaternion_to_matrix
 from kilter.shape.closed import open_edges, welded, wound_both_ways
 from kilter.shape.primitives import (
     BOX_CORNERS,
@@ -41,8 +41,6 @@ if TYPE_CHECKING:
 
 __all__ = ["DEFAULT_DENSITY", "Geometry", "build_geometry", "polyhedron_moments"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 DEFAULT_DENSITY = 1000.0
 """Density where a part has neither density nor mass [kg/m^3]."""
@@ -93,7 +91,7 @@ class Geometry:
     vertex_start: Index
     triangles: Index
     triangle_start: Index
-    grounded: NDArray[np.bool_]
+    grounded: Mask
     mass: Array
     center: Array
     inertia: Array
@@ -101,8 +99,8 @@ class Geometry:
     radius: Array
     size: Array
     accuracy: Array
-    single: NDArray[np.bool_]
-    is_box: NDArray[np.bool_]
+    single: Mask
+    is_box: Mask
     surfaces: Surfaces
     triangle_surface: Index
     slack: Array
@@ -211,7 +209,7 @@ def _build(assembly: Assembly) -> Geometry:
 
 
 def _local_surfaces(
-    parts: Sequence[Part], boxes: NDArray[np.bool_], warnings: list[str]
+    parts: Sequence[Part], boxes: Mask, warnings: list[str]
 ) -> tuple[Array, Index, Index, Index]:
     """Vertices and triangles of all parts in their own frames; boxes in one go."""
     others = {k: surface(parts[k].shape) for k in np.flatnonzero(~boxes).tolist()}
@@ -320,7 +318,7 @@ def polyhedron_moments(
 
 def _moments(
     parts: Sequence[Part],
-    boxes: NDArray[np.bool_],
+    boxes: Mask,
     local: tuple[Array, Index, Index, Index],
 ) -> tuple[Array, Array, Array, Array]:
     vertices, _, triangles, triangle_start = local
@@ -385,7 +383,7 @@ def _masses(
 
 def _curved(
     parts: Sequence[Part],
-    boxes: NDArray[np.bool_],
+    boxes: Mask,
     corners: tuple[Array, Index, Array],
     local: tuple[Array, Index, Index, Index],
     poses: tuple[Array, Array],

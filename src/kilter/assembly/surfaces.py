@@ -19,9 +19,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from kilter.rigid import cross
+from kilter.arrays import Array, Index, Mask, cross
 from kilter.shape.primitives import CYLINDER_SIDES, Cylinder, Mesh, Shape, Sphere
 from kilter.shape.solid import Solid, Surface
 
@@ -38,9 +37,6 @@ __all__ = [
     "surfaces_of",
 ]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 KINDS = ("sphere", "cylinder", "cone", "torus", "free")
 """Kinds of curved surface; a "free" one has no formula here."""

@@ -13,13 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index, Mask
 from kilter.assembly.geometry import Geometry
 from kilter.contact.planar.facets import Facets
 
 __all__ = ["Boxes", "facet_pairs", "facets_in", "joins", "make_boxes", "part_pairs"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 FEW = 64
 """Up to this many parts all pairs are compared."""
@@ -111,7 +110,7 @@ def _most_common(normals: Array, areas: Array) -> Array:
     return chosen
 
 
-def part_pairs(boxes: Boxes, grounded: NDArray[np.bool_], margin: Array) -> Index:
+def part_pairs(boxes: Boxes, grounded: Mask, margin: Array) -> Index:
     """Pairs (a, b), a < b, not both held, whose boxes, grown by `margin`, meet; shape (n, 2)."""
     low, high = boxes.part_low - margin[:, None], boxes.part_high + margin[:, None]
     count = len(low)

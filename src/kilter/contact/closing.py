@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array
 from kilter.contact.contact_set import Rejected
 from kilter.contact.patches import Patches
 from kilter.errors import some
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
 __all__ = ["CLUSTER", "closed_by_clearance", "tolerance_warnings"]
 
-Array = NDArray[np.float64]
 
 CLUSTER = 3.0
 """Gaps within this factor of the tolerance, on both sides, are one cluster."""

@@ -13,6 +13,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index, Mask
+
 __all__ = [
     "ContactSet",
     "Degenerate",
@@ -23,9 +25,6 @@ __all__ = [
     "Unsupported",
     "joined",
 ]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +105,7 @@ class PossibleContacts:
     part_b: Index
     points: Array
     normals: Array
-    two_sided: NDArray[np.bool_]
+    two_sided: Mask
     mu: Array
 
     def __len__(self) -> int:
@@ -150,7 +149,7 @@ class Degenerate:
     points: Array
     start: Index
     normals: Array
-    exact: NDArray[np.bool_]
+    exact: Mask
     held_parts: Index
     held_points: Array
     held_normals: Array

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index, Mask
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.broad import Boxes, facet_pairs, make_boxes, part_pairs
@@ -33,8 +33,6 @@ from kilter.errors import InputError
 
 __all__ = ["find_contacts"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 NEAR = 100.0
 """Gaps up to this many tolerances are looked at, for the histogram and the rejected pairs."""
@@ -115,7 +113,7 @@ class _Limits:
     closed: Array
     margin: Array
     blur: Array
-    coarse: NDArray[np.bool_]
+    coarse: Mask
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -13,17 +13,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index, Mask
 from kilter.contact.planar.clip import tidy
 from kilter.contact.planar.opposing import FacetFrame, Pieces
 from kilter.contact.planar.outline import convex_hull, width_of
 
 __all__ = ["Patches", "merge"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 SAME_PLANE = 1e-4
 """Largest angle between pieces of one patch [rad], besides the angle tolerance's tenth."""

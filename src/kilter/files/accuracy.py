@@ -21,11 +21,12 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from kilter.arrays import Array
 
 __all__ = ["SINGLE", "text_accuracy"]
 
-Array = NDArray[np.float64]
 
 SINGLE = 2.0**-24
 """Relative rounding of float32."""

@@ -9,14 +9,12 @@ hole of the body around it. Pieces that are open and share a corner stay togethe
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index, Mask
 from kilter.shape.primitives import Mesh
 
 __all__ = ["split_bodies"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 SAME_ANGLE = 1e-5
 """Faces that leave an edge within this angle lie on each other [rad]."""
@@ -131,7 +129,7 @@ def _components(pairs: Index, count: int) -> Index:
     return label
 
 
-def _joined_at_corners(faces: Index, label: Index, chosen: NDArray[np.bool_]) -> Index:
+def _joined_at_corners(faces: Index, label: Index, chosen: Mask) -> Index:
     """Labels after the chosen faces' pieces are joined where they share a corner."""
     count = int(label.max()) + 1
     corners = faces[chosen].reshape(-1)

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kilter.arrays import Array
 from kilter.errors import InputError
 from kilter.files.accuracy import SINGLE
 from kilter.files.placed import joined, placed
@@ -25,7 +26,6 @@ from kilter.shape.primitives import Mesh
 
 __all__ = ["read_glb"]
 
-Array = NDArray[np.float64]
 
 COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 WIDTHS = {"SCALAR": 1, "VEC3": 3}

@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array
 from kilter.shape.primitives import Mesh
 
 __all__ = ["joined", "placed", "scaled"]
-
-Array = NDArray[np.float64]
 
 
 def placed(mesh: Mesh, matrix: Array) -> Mesh:

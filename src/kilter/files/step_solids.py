@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index
 from kilter.assembly.geometry import polyhedron_moments
 from kilter.errors import InputError
 from kilter.files.checked_solid import checked
@@ -22,8 +22,6 @@ from kilter.shape.solid import Solid, Surface, facing, height
 
 __all__ = ["read_solid"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 TURN = 0.2
 """Angle that OCCT is asked for; neighbouring triangles of a round face turn by half of it [rad]."""

@@ -10,13 +10,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array
 from kilter.shape.solid import Surface, height
 
 __all__ = ["RECOGNISED", "face_surface", "is_plain", "points_of_face"]
 
-Array = NDArray[np.float64]
 
 RECOGNISED = 1e-5
 """Points of a face may be this far from the surface it is taken for, in sizes of the face."""

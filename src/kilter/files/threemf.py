@@ -19,8 +19,8 @@ from dataclasses import dataclass
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index
 from kilter.errors import InputError
 from kilter.files.accuracy import text_accuracy
 from kilter.files.placed import placed, scaled
@@ -28,7 +28,6 @@ from kilter.shape.primitives import Mesh
 
 __all__ = ["read_3mf"]
 
-Array = NDArray[np.float64]
 
 UNITS = {
     "micron": ("mm", 0.001),
@@ -49,7 +48,7 @@ _DAMAGED = "export it again: it was cut short or damaged"
 class _Object:
     name: str
     vertices: Array
-    faces: NDArray[np.int64]
+    faces: Index
     components: list[tuple[str, str, Array]]
 
 
@@ -166,7 +165,7 @@ def _objects(root: ElementTree.Element, path: str) -> dict[str, _Object]:
     return objects
 
 
-def _mesh(element: ElementTree.Element) -> tuple[Array, NDArray[np.int64]]:
+def _mesh(element: ElementTree.Element) -> tuple[Array, Index]:
     corners = [
         (float(v.attrib["x"]), float(v.attrib["y"]), float(v.attrib["z"]))
         for v in _children(element, "mesh", "vertices", "vertex")

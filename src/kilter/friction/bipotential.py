@@ -20,17 +20,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array, eye_array
 
+from kilter.arrays import Array, Index, Mask
 from kilter.friction.frictional import Frictional
 from kilter.mechanics.coulomb_cones import ConicProgram
 
 __all__ = ["Bipotential", "bipotential"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -24,15 +24,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array, diags_array
 
+from kilter.arrays import Array, Index
 from kilter.mechanics.program import CONTACT, JOINT, POSSIBLE, Program, tangents
 
 __all__ = ["ContactLaw", "contact_law", "refusal"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 FLAT = 1e-9
 """Normals and offsets of a patch that differ by more, relative to its size, are not flat."""

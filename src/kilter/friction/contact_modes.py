@@ -17,8 +17,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array
 from kilter.friction.contact_law import ContactLaw
 from kilter.friction.enclosure import Enclosure, apart, in_cone, touching
 from kilter.friction.relaxation import Relaxation
@@ -26,7 +26,6 @@ from kilter.friction.twist_cones import STICK, halves, orthants, width
 
 __all__ = ["Breach", "breach", "cases"]
 
-Array = NDArray[np.float64]
 
 NARROW = 1e-3
 """A cone of twists that is narrower than this is not halved [rad]."""

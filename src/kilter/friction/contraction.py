@@ -14,9 +14,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array, eye_array, kron, vstack
 
+from kilter.arrays import Array
 from kilter.friction.contact_law import ContactLaw
 from kilter.friction.enclosure import Enclosure, rescaled
 from kilter.friction.relaxation import Relaxation
@@ -24,7 +24,6 @@ from kilter.solvers.bounded import BoundedSolution, BoundedSolver
 
 __all__ = ["FORCES", "Clock", "Search", "contract", "forces_bounded", "power_bound", "shrunk"]
 
-Array = NDArray[np.float64]
 
 ALL = ("un", "fn", "most", "least", "ut", "rest")
 """Bounds that are shrunk."""

@@ -11,8 +11,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array
 from kilter.friction.contact_law import ContactLaw
 from kilter.friction.twist_cones import Cone
 
@@ -26,8 +26,6 @@ __all__ = [
     "rescaled",
     "touching",
 ]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

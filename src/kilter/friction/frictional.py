@@ -14,19 +14,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from kilter.arrays import Array, Index, Mask, cross
 from kilter.mechanics.law_check import mobilities
 from kilter.mechanics.program import Program, tangents
-from kilter.rigid import cross
 from kilter.units import metres_per_unit
 
 __all__ = ["Frictional", "frictional"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 NOTHING = 1e-14
 """Entries of the scaled matrix below this are rounding of an exact zero."""

@@ -18,8 +18,8 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array
 from kilter.friction.contact_law import contact_law, refusal
 from kilter.friction.contraction import (
     FORCES,
@@ -37,7 +37,6 @@ from kilter.mechanics.program import Program
 
 __all__ = ["Guarantee", "prove_no_motion"]
 
-Array = NDArray[np.float64]
 Kind = Literal["contraction", "modes", "sectors"]
 
 FORCE = 1000.0

@@ -19,9 +19,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
+from kilter.arrays import Array, Index, Mask
 from kilter.friction.frictional import Frictional
 from kilter.friction.polish import Candidate
 from kilter.mechanics.coulomb_cones import ConicProgram
@@ -29,8 +29,6 @@ from kilter.mechanics.law_check import POWER
 
 __all__ = ["by_modes"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 OPEN, PART, STICK, SLIDE = 0, 1, 2, 3
 """What is decided of a point."""
@@ -173,7 +171,7 @@ def _relaxation(law: Frictional, lines: Array, node: _Node) -> ConicProgram:
     )
 
 
-def _points(chosen: NDArray[np.bool_]) -> Index:
+def _points(chosen: Mask) -> Index:
     """The three lines of every chosen row."""
     rows: Index = (3 * np.flatnonzero(chosen)[:, None] + np.arange(3)).reshape(-1)
     return rows

@@ -22,8 +22,8 @@ from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Mask
 from kilter.friction.bipotential import Bipotential, bipotential
 from kilter.friction.frictional import frictional
 from kilter.friction.mode_search import by_modes
@@ -34,8 +34,6 @@ from kilter.mechanics.program import Program
 
 __all__ = ["EXACTLY", "CoulombMotion", "find_coulomb_motion"]
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 EXACTLY = 1e-9
 """Residual of the law that ends the search."""

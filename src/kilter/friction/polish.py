@@ -19,15 +19,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import block_array, csr_array, diags_array, eye_array, vstack
 
+from kilter.arrays import Array, Index
 from kilter.friction.frictional import Frictional
 
 __all__ = ["Candidate", "polished"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 PART, SLIDE, STICK = 0, 1, 2
 """Modes of a point."""

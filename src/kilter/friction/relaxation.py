@@ -30,9 +30,9 @@ contain the segment: every true solution is in. Twist 0 is not: it is a case of 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array
 
+from kilter.arrays import Array, Index
 from kilter.friction.contact_law import ContactLaw
 from kilter.friction.enclosure import Enclosure, reach
 from kilter.friction.twist_cones import sector, widened
@@ -40,8 +40,6 @@ from kilter.mechanics.forms import LinearProgram
 
 __all__ = ["Relaxation", "directions_of"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 SIDES = 8
 """Sides of the polygon circumscribed about the friction circle."""

@@ -29,9 +29,9 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import bsr_array, csc_array, eye_array
 
+from kilter.arrays import Array
 from kilter.friction.frictional import Frictional, frictional
 from kilter.mechanics.law_check import check_balance
 from kilter.mechanics.program import Program
@@ -41,7 +41,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Seating", "find_seating"]
 
-Array = NDArray[np.float64]
 
 BALANCED = 1e-9
 """Largest imbalance of a part, over its weight, of parts that are seated."""

@@ -17,15 +17,14 @@ from dataclasses import dataclass
 from itertools import count
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array
 from kilter.friction.contact_modes import Breach, breach, cases
 from kilter.friction.contraction import Search, power_bound
 from kilter.friction.enclosure import Enclosure, rescaled
 
 __all__ = ["Branched", "branch"]
 
-Array = NDArray[np.float64]
 
 OBEYS = 1e-9
 """A relaxed motion that gains less than this part of its power beyond the law obeys it."""

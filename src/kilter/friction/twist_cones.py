@@ -11,12 +11,12 @@ from __future__ import annotations
 from itertools import combinations, product
 
 import numpy as np
-from numpy.typing import NDArray
+
+from kilter.arrays import Array
 
 __all__ = ["STICK", "Cone", "halves", "orthants", "sector", "widened", "width"]
 
-Array = NDArray[np.float64]
-Cone = NDArray[np.float64]
+Cone = Array
 """Generators as columns, shape (d, d); `STICK`, of size 0, for the twist 0."""
 
 STICK: Cone = np.zeros((0, 0))

@@ -22,14 +22,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import block_diag, csc_array, eye_array, hstack, kron, vstack
 
+from kilter.arrays import Array
 from kilter.mechanics.forms import LinearProgram, Scaled
 
 __all__ = ["UncertainLoad", "affine_forces", "affine_imbalance"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -27,13 +27,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array
 from kilter.mechanics.program import TOLERANCE, Program
 
 __all__ = ["RATIO", "ForceProof", "MotionProof", "check_forces", "check_motion", "part_sizes"]
 
-Array = NDArray[np.float64]
 
 RATIO = 1e6
 """Contact forces, over the weight, that a motion must rule out."""

@@ -20,12 +20,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array, diags_array, eye_array, hstack, vstack
 
+from kilter.arrays import Array, Index, cross
 from kilter.mechanics.forms import Scaled, scaled
 from kilter.mechanics.program import Program, tangents
-from kilter.rigid import cross
 
 __all__ = [
     "ConicProgram",
@@ -38,9 +37,6 @@ __all__ = [
     "pyramid",
     "spread",
 ]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

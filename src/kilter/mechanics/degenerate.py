@@ -16,17 +16,14 @@ from __future__ import annotations
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index, cross
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet, PossibleContacts
 from kilter.mechanics.program import CONTACT, POSSIBLE, Program, build_program
-from kilter.rigid import cross
 
 __all__ = ["MOST", "allowed_program", "between", "openings", "with_pushes", "without_degenerate"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 MOST = 64
 """With more degenerate points than this their pushes are all counted, none is chosen."""

@@ -19,9 +19,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array, hstack, vstack
 
+from kilter.arrays import Array
 from kilter.mechanics.program import Program
 
 __all__ = [
@@ -36,8 +36,6 @@ __all__ = [
     "scaled",
 ]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 NOTHING = 1e-14
 """Entries of the scaled matrix below this are rounding of an exact zero."""

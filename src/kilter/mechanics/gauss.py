@@ -17,15 +17,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import bsr_array, csc_array, csr_array, diags_array, eye_array
 
+from kilter.arrays import Array, Index, Mask
 from kilter.mechanics.forms import NOTHING, QuadraticProgram, Scaled, impending_motion
 
 __all__ = ["LeastConstraint", "halved", "least_constraint"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 SAME = 1e-12
 """Entries that differ by less, over the largest, are those of a mirror image."""
@@ -155,7 +153,7 @@ def halved(whole: LeastConstraint, problem: Scaled) -> LeastConstraint | None:
     return None
 
 
-def _couples(inverse: csr_array, across: NDArray[np.bool_]) -> bool:
+def _couples(inverse: csr_array, across: Mask) -> bool:
     """Whether inertia couples motions in the plane with motions across it."""
     i, j = inverse.tocoo().coords
     return bool((across[i] != across[j]).any())
@@ -179,7 +177,7 @@ def _image(problem: Scaled, axis: int) -> Index:
     return image
 
 
-def _within(whole: LeastConstraint, across: NDArray[np.bool_], image: Index) -> LeastConstraint:
+def _within(whole: LeastConstraint, across: Mask, image: Index) -> LeastConstraint:
     kept = np.flatnonzero(np.arange(len(image)) <= image)
     columns = np.flatnonzero(~across)
     rows = csr_array(whole.rows[kept][:, columns])

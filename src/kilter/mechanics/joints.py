@@ -26,17 +26,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index, Mask, cross
 from kilter.assembly import GROUND, Assembly, Joint
 from kilter.assembly.geometry import Geometry
-from kilter.rigid import cross
 
 __all__ = ["JointRows", "carried", "carriers", "constraints", "joint_rows", "reference_point"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -29,11 +29,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, cross
 from kilter.mechanics.certificate import part_sizes
 from kilter.mechanics.program import Program
-from kilter.rigid import cross
 from kilter.units import metres_per_unit
 
 __all__ = [
@@ -47,7 +46,6 @@ __all__ = [
     "point_wrenches",
 ]
 
-Array = NDArray[np.float64]
 
 EXACT = 1e-8
 """Worst residual over |a| / |w| with which a motion counts."""

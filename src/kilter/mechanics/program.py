@@ -23,17 +23,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from kilter.arrays import Array, Index, Mask, cross
 from kilter.assembly import GROUND, Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.joints import joint_rows
-from kilter.rigid import cross
 
 __all__ = ["CONTACT", "JOINT", "POSSIBLE", "TOLERANCE", "Program", "build_program", "tangents"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 CONTACT, POSSIBLE, JOINT = 0, 1, 2
 """Kinds of row: a contact point, a force that an unmodelled contact might bring, a joint."""

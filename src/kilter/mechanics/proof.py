@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index, Mask
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.errors import InputError
@@ -25,7 +25,6 @@ from kilter.mechanics.program import CONTACT, JOINT, Program
 
 __all__ = ["FORMAT", "Evidence", "digest_of", "frame_of", "joints_of", "make_proof", "rows_of"]
 
-Array = NDArray[np.float64]
 
 FORMAT = 1
 
@@ -148,13 +147,13 @@ def _verdict(certificate: ForceProof | MotionProof, evidence: Evidence | None) -
     return "stable" if proved else "potentially-stable"
 
 
-def _vectors(program: Program, proof: ForceProof, rows: NDArray[np.int64]) -> list[list[float]]:
+def _vectors(program: Program, proof: ForceProof, rows: Index) -> list[list[float]]:
     """Forces of some contact rows, shape (k, 3)."""
     vectors = proof.forces[rows, None] * program.normal[rows] + proof.friction[rows]
     return [[float(x) for x in vector] for vector in vectors]
 
 
-def _friction(program: Program, evidence: Evidence, rows: NDArray[np.int64]) -> dict[str, Any]:
+def _friction(program: Program, evidence: Evidence, rows: Index) -> dict[str, Any]:
     """The evidence of friction as data."""
     joints = np.flatnonzero(program.kind == JOINT)
     seated, witness = evidence.seated, evidence.witness
@@ -200,12 +199,12 @@ def joints_of(
     return found
 
 
-def rows_of(program: Program, joint: int) -> NDArray[np.int64]:
+def rows_of(program: Program, joint: int) -> Index:
     """The rows of a joint, by its position in the assembly."""
     return np.flatnonzero((program.kind == JOINT) & (program.source == joint))
 
 
-def frame_of(program: Program, rows: NDArray[np.int64]) -> tuple[Array, NDArray[np.bool_], Array]:
+def frame_of(program: Program, rows: Index) -> tuple[Array, Mask, Array]:
     """Normals of the rows of a joint, which are angular, and the point they are taken at."""
     at = program.point[rows[0]] if len(rows) else np.zeros(3)
     return program.normal[rows], program.angular[rows], at

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet, Tolerance
 from kilter.errors import InputError
@@ -25,7 +25,6 @@ from kilter.mechanics.proof import FORMAT, digest_of, frame_of, joints_of, rows_
 
 __all__ = ["Verification", "proof_tolerance", "verify_proof"]
 
-Array = NDArray[np.float64]
 
 SAME = 1e-9
 """Numbers of the file and of the proof agree to this part of their size."""

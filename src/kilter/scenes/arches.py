@@ -13,15 +13,14 @@ import dataclasses
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array
 from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
 from kilter.scenes.pieces import prism
 
 __all__ = ["arch", "arch_with_held_ends", "oppenheim_arch", "voussoirs"]
 
-Array = NDArray[np.float64]
 
 DENSITY = 1000.0
 

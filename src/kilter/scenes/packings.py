@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kilter.assembly import Assembly, Part
 from kilter.scenes.pieces import block, floor
 
 __all__ = ["box_pile"]
-
-Array = NDArray[np.float64]
 
 
 def box_pile(

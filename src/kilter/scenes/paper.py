@@ -21,8 +21,8 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array
 from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
 from kilter.rigid import rotation_between, unit
@@ -41,7 +41,6 @@ __all__ = [
     "two_blocks_in_an_l",
 ]
 
-Array = NDArray[np.float64]
 
 G = 9.81
 DEPTH = 1.0

@@ -7,16 +7,15 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from kilter.arrays import Array, Index, Mask
 from kilter.assembly import Part
 from kilter.errors import InputError
 from kilter.rigid import Pose, unit
 from kilter.shape.primitives import Box, Mesh, Prism
 
 __all__ = ["block", "cells", "compose", "floor", "prism", "ring", "turn", "turned_parts"]
-
-Array = NDArray[np.float64]
 
 
 def block(name: str, low: ArrayLike, high: ArrayLike, **properties: Any) -> Part:
@@ -130,7 +129,7 @@ def cells(xs: ArrayLike, ys: ArrayLike, zs: ArrayLike, solid: ArrayLike) -> Mesh
     return Mesh(vertices, np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]]))
 
 
-def _sides(filled: NDArray[np.bool_], axis: int) -> NDArray[np.int64]:
+def _sides(filled: Mask, axis: int) -> Index:
     """Grid corners, shape (n, 4, 3), of the sides across one axis, turning outwards."""
     padding = [(1, 1) if k == axis else (0, 0) for k in range(3)]
     steps = np.diff(np.pad(filled.astype(np.int8), padding), axis=axis)

@@ -11,7 +11,6 @@ across the rim: the pressure of a liquid of the same density balances every piec
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
@@ -22,7 +21,6 @@ from kilter.shape.primitives import BOX_CORNERS, BOX_QUADS, Mesh
 
 __all__ = ["SIDES", "groove", "pit_wedges", "railed", "seats"]
 
-Array = NDArray[np.float64]
 
 SIDES = {
     "-x": (-1.0, 0.0, 0.0),

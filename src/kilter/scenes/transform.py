@@ -11,8 +11,9 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from kilter.arrays import Array
 from kilter.assembly import GROUND, Assembly, Joint, Load, Part
 from kilter.errors import InputError
 from kilter.rigid import Pose, quaternion_to_matrix
@@ -20,8 +21,6 @@ from kilter.scenes.pieces import compose, turn
 from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Shape, Sphere, surface
 
 __all__ = ["as_single", "moved", "permuted", "renamed", "scaled", "tilted"]
-
-Array = NDArray[np.float64]
 
 
 def moved(

@@ -7,8 +7,8 @@ outside. A cut keeps what lies behind a plane and closes it with one new face.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array
 from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
 from kilter.rigid import unit
@@ -17,7 +17,6 @@ from kilter.shape.primitives import BOX_CORNERS, BOX_QUADS, Mesh
 
 __all__ = ["corner_boxes", "corner_wedges", "keystone"]
 
-Array = NDArray[np.float64]
 
 WALL = 0.5
 """Thickness of the held walls [m]."""

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index, Mask
+
 __all__ = ["open_edges", "welded", "wound_both_ways"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 WELD = 1e-7
 """Vertices closer than this part of the size are one, where edges are open otherwise."""
@@ -121,13 +121,13 @@ def _merged_close(vertices: Array, distance: float) -> Index:
     return merged
 
 
-def _no_area(vertices: Array, triangles: Index) -> NDArray[np.bool_]:
+def _no_area(vertices: Array, triangles: Index) -> Mask:
     a, b, c = triangles.T
     same = (a == b) | (b == c) | (c == a)
     p, q, r = (vertices[k] for k in (a, b, c))
     twice = np.linalg.norm(np.cross(q - p, r - p), axis=1)
     longest = np.maximum.reduce([((u - v) ** 2).sum(axis=1) for u, v in ((p, q), (q, r), (r, p))])
-    flat: NDArray[np.bool_] = same | (twice <= 1e-14 * longest)
+    flat: Mask = same | (twice <= 1e-14 * longest)
     # a sliver that is all that closes an edge stays: dropping it would open the surface
     if flat.any() and not same[flat].all():
         thin = flat & ~same

@@ -5,14 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from kilter.rigid import cross
+from kilter.arrays import Array, Index, Mask, cross
 
 __all__ = ["STEEPEST", "FacetGraph", "facet_graph", "gathered"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 STEEPEST = np.radians(30.5)
 """Facets that meet at more than this belong to different faces [rad]: a prism of 12 even sides
@@ -139,7 +136,7 @@ def _flat(
     pairs: Index,
     edge: Index,
     tolerance: float,
-) -> NDArray[np.bool_]:
+) -> Mask:
     """Pairs in one plane: the far corner of the smaller lies in the plane of the larger.
 
     And their normals agree, where the smaller is wide enough to have one.
@@ -155,7 +152,7 @@ def _flat(
     )
     high = double[less] / np.maximum(length, np.finfo(float).tiny)
     turned = (normal[less] * normal[more]).sum(axis=1) > np.cos(STEEPEST)
-    flat: NDArray[np.bool_] = (off <= tolerance) & (turned | (high <= 10 * tolerance))
+    flat: Mask = (off <= tolerance) & (turned | (high <= 10 * tolerance))
     return flat
 
 

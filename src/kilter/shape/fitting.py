@@ -20,14 +20,12 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-from kilter.rigid import cross
+from kilter.arrays import Array, cross
 from kilter.shape.solid import Surface
 
 __all__ = ["FITS", "fit_cone", "fit_cylinder", "fit_sphere", "perpendicular"]
 
-Array = NDArray[np.float64]
 
 STEPS = 30
 """Gauss-Newton steps at most."""

@@ -13,16 +13,14 @@ from itertools import chain
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index, Mask
 from kilter.errors import InputError
 from kilter.rigid import frozen
 from kilter.shape.solid import Solid
 
 __all__ = ["Box", "Cylinder", "Mesh", "Prism", "Shape", "Sphere", "surface"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 CYLINDER_SIDES = 96
 """Sides of the polygon inscribed in a cylinder's circle, a multiple of 4."""
@@ -312,7 +310,7 @@ def _cut_alike(vertices: Array, faces: Index, number: Index) -> list[Index]:
     return pieces
 
 
-def _convex_in_space(polygons: Array) -> NDArray[np.bool_]:
+def _convex_in_space(polygons: Array) -> Mask:
     """Which polygons, shape (m, n, 3), are convex about their mean normal."""
     step = np.roll(polygons, -1, axis=1) - polygons
     turn = np.cross(step, np.roll(step, -1, axis=1))
@@ -320,7 +318,7 @@ def _convex_in_space(polygons: Array) -> NDArray[np.bool_]:
     normal = np.cross(local, np.roll(local, -1, axis=1)).sum(axis=1)
     along = np.einsum("mnk,mk->mn", turn, normal)
     # three or four corners that never turn back are convex; more could wind twice
-    convex: NDArray[np.bool_] = (along > 0).all(axis=1)
+    convex: Mask = (along > 0).all(axis=1)
     if polygons.shape[1] > 4:
         rows = np.flatnonzero(convex)
         convex[rows] = [_is_convex(_flattened(polygons[k])) for k in rows]

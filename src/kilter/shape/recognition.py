@@ -26,9 +26,9 @@ taken. Whatever is not round is planes, one a facet.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from kilter.rigid import cross
+from kilter.arrays import Array, Index, Mask, cross
 from kilter.shape.facet_graph import facet_graph, gathered
 from kilter.shape.fitting import FITS
 from kilter.shape.round_region import (
@@ -46,8 +46,6 @@ from kilter.shape.solid import Surface, facing
 
 __all__ = ["recognise"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 PATIENCE = 60
 """Seeds without success after which the rest of a region is left flat."""
@@ -165,7 +163,7 @@ def _seeds(mesh: FacetMesh, facets: Index) -> Index:
     return facets[np.argsort(-np.minimum(alike, 2), kind="stable")]
 
 
-def _from_seed(mesh: FacetMesh, seed: int, free: NDArray[np.bool_]) -> tuple[Surface | None, Index]:
+def _from_seed(mesh: FacetMesh, seed: int, free: Mask) -> tuple[Surface | None, Index]:
     """The first surface that grows from a seed and is accepted, plain kinds first.
 
     Where none is, the facets are those of the largest that grew: not to be tried again.
@@ -182,7 +180,7 @@ def _from_seed(mesh: FacetMesh, seed: int, free: NDArray[np.bool_]) -> tuple[Sur
     return None, refused
 
 
-def _starts(mesh: FacetMesh, seed: int, free: NDArray[np.bool_]) -> list[tuple[str, Index]]:
+def _starts(mesh: FacetMesh, seed: int, free: Mask) -> list[tuple[str, Index]]:
     """Kinds and first facets: the seed between two neighbours, with a third for a sphere."""
     graph = mesh.graph
     near = graph.neighbours[graph.first[seed] : graph.first[seed + 1]]
@@ -202,9 +200,7 @@ def _starts(mesh: FacetMesh, seed: int, free: NDArray[np.bool_]) -> list[tuple[s
     return starts
 
 
-def _grow(
-    mesh: FacetMesh, start: Index, kind: str, free: NDArray[np.bool_]
-) -> tuple[Surface | None, Index]:
+def _grow(mesh: FacetMesh, start: Index, kind: str, free: Mask) -> tuple[Surface | None, Index]:
     """A surface that starts with a few facets takes in neighbours while all lie on it."""
     graph, none = mesh.graph, np.empty(0, dtype=np.int64)
     surface, chosen = fitted(mesh, start, kind), start

@@ -8,8 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index
 from kilter.shape.facet_graph import STEEPEST, FacetGraph, gathered
 from kilter.shape.fitting import FITS, perpendicular
 from kilter.shape.solid import Surface, height, outward
@@ -26,8 +26,6 @@ __all__ = [
     "tolerance_of",
 ]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 FEWEST_FACETS = 5
 """Facets of a round region."""

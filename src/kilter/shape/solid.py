@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index, cross
 from kilter.errors import InputError
-from kilter.rigid import Pose, cross, frozen, number, quaternion_to_matrix, unit
+from kilter.rigid import Pose, frozen, number, quaternion_to_matrix, unit
 
 __all__ = [
     "Solid",
@@ -27,8 +27,6 @@ __all__ = [
     "scaled_solid",
 ]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 SurfaceKind = Literal["plane", "cylinder", "cone", "sphere", "torus"]
 

@@ -7,15 +7,14 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+
+from kilter.arrays import Array, Index
 
 if TYPE_CHECKING:
     from kilter.assembly import Assembly
     from kilter.contact import ContactSet
 
 __all__ = ["Answers", "Balance", "MapAnswer", "Orientation"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,7 +33,7 @@ class Balance:
 
     down: Array
     points: Array
-    parts: NDArray[np.int64]
+    parts: Index
     forces: Array
 
     @classmethod

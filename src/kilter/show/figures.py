@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array
 from kilter.rigid import quaternion_to_matrix, rotation_between
 from kilter.show.canvas import blank, legend, title
 from kilter.show.overlay import draw_forces, draw_gravity, draw_motion, draw_names, draw_patches
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
 __all__ = ["VIEW", "draw_assembly", "draw_region"]
 
-Array = NDArray[np.float64]
 
 VIEW = (-32.0, 22.0)
 """Azimuth and elevation of the eye [deg]."""

@@ -9,8 +9,8 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array
 from kilter.rigid import quaternion_to_matrix
 from kilter.show.canvas import INK, label
 from kilter.show.painter import Camera
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
 __all__ = ["draw_forces", "draw_gravity", "draw_motion", "draw_names", "draw_patches"]
 
-Array = NDArray[np.float64]
 
 MOTION, FORCE, PATCH, GRAVITY = "#C2410C", "#1D4ED8", "#0F766E", "#374151"
 PATCH_FILL = (0.06, 0.46, 0.43, 0.15)

@@ -16,12 +16,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from kilter.arrays import Array, Index, Mask
 
 __all__ = ["Camera", "Polygon", "back_to_front", "visible_triangles"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 WORK = 400_000
 """Looks at a polygon after which the order is no longer exact: some thousand polygons."""
@@ -72,7 +71,7 @@ class Polygon:
 
     corners: Array
     normal: Array
-    drawn: NDArray[np.bool_]
+    drawn: Mask
     part: int
 
 

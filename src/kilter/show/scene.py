@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array
 from kilter.show.answers import Answers, Balance, MapAnswer, Orientation
 from kilter.show.colours import part_colours
 from kilter.show.packing import pack, readable
@@ -21,7 +21,6 @@ from kilter.units import metres_per_unit
 
 __all__ = ["build_scene"]
 
-Array = NDArray[np.float64]
 
 HELD_IN_VIEW = 1.5
 """Held parts reach at most this much farther than the free ones in the first view [-]."""

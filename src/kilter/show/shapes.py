@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index
 from kilter.rigid import quaternion_to_matrix
 from kilter.shape.primitives import Box, surface
 
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Drawn", "Placed", "drawn", "feature_edges", "placed"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 GRID = 2.0**-20
 """Positions are rounded to this part of the size of the shape [-]."""

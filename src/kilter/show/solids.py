@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array
 from kilter.rigid import quaternion_to_matrix
 from kilter.show.colours import part_colours
 from kilter.show.painter import Camera, Polygon, back_to_front, visible_triangles
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 __all__ = ["draw_parts"]
 
-Array = NDArray[np.float64]
 Colour = tuple[float, float, float, float]
 
 LIGHT = np.array([0.22, -0.66, 0.72])

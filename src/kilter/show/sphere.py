@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Mask
 from kilter.show.canvas import INK, blank, legend, title
 from kilter.show.painter import Camera
 
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
 __all__ = ["draw_region"]
 
-Array = NDArray[np.float64]
 
 FILL, BORDER = "#7CC4A8", "#00694E"
 BALL, GRID, GIVEN = "#F3F4F6", "#D1D5DB", "#B3261E"
@@ -171,7 +170,7 @@ def _arc(normal: Array, facets: Array) -> Array:
     ends = np.arctan2(-(facets @ first), facets @ second)
     angles = np.sort(np.concatenate([AROUND, ends % (2 * np.pi), (ends + np.pi) % (2 * np.pi)]))
     circle = np.outer(np.cos(angles), first) + np.outer(np.sin(angles), second)
-    allowed: NDArray[np.bool_] = np.asarray((circle @ facets.T >= -ON).all(axis=1))
+    allowed: Mask = np.asarray((circle @ facets.T >= -ON).all(axis=1))
     return np.where(allowed[:, None], circle, np.nan)
 
 

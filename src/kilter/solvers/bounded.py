@@ -23,15 +23,14 @@ from typing import Any
 
 import highspy
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array
 from kilter.errors import SolverError
 from kilter.mechanics.forms import LinearProgram
 from kilter.solvers.linear import highs_model
 
 __all__ = ["BoundedSolution", "BoundedSolver", "safe_bound"]
 
-Array = NDArray[np.float64]
 
 FEASIBLE = 1e-9
 """Feasibility asked of the solver, absolute in the program's own numbers."""

@@ -16,14 +16,13 @@ from typing import Literal
 
 import clarabel
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
+from kilter.arrays import Array
 from kilter.mechanics.coulomb_cones import ConicProgram
 
 __all__ = ["ConicSolution", "solve_conic"]
 
-Array = NDArray[np.float64]
 Outcome = Literal["optimal", "infeasible", "unfinished"]
 
 TOLERANCE = 1e-10

@@ -19,15 +19,15 @@ from dataclasses import dataclass
 
 import highspy
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from kilter.arrays import Array
 from kilter.errors import SolverError
 from kilter.mechanics.forms import LinearProgram
 from kilter.solvers.linear import highs_model
 
 __all__ = ["KeptProgram", "KeptSolution"]
 
-Array = NDArray[np.float64]
 
 FEASIBLE = 1e-10
 """Feasibility asked of the solver, absolute in the program's own numbers."""

@@ -20,14 +20,13 @@ from typing import Literal
 
 import highspy
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array
 from kilter.errors import SolverError
 from kilter.mechanics.forms import LinearProgram
 
 __all__ = ["LinearSolution", "Method", "highs_model", "hipo_available", "optimum", "solve_linear"]
 
-Array = NDArray[np.float64]
 WIDE = 0.1
 """Gap and dual tolerance where only a feasible point is asked for."""
 

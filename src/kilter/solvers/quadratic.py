@@ -16,14 +16,13 @@ from dataclasses import dataclass
 
 import clarabel
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import block_array, csc_array, csc_matrix, diags_array, eye_array
 
+from kilter.arrays import Array, Index
 from kilter.mechanics.forms import QuadraticProgram
 
 __all__ = ["QuadraticSolution", "solve_quadratic"]
 
-Array = NDArray[np.float64]
 
 TOLERANCE = 1e-12
 """Gap and feasibility first asked for."""
@@ -137,7 +136,7 @@ def _polished(program: QuadraticProgram, start: QuadraticSolution) -> list[Quadr
 
 
 def _equations(
-    program: QuadraticProgram, rows: NDArray[np.int64], start: QuadraticSolution
+    program: QuadraticProgram, rows: Index, start: QuadraticSolution
 ) -> tuple[Array, Array]:
     """X and multipliers of the rows held as equations."""
     from scipy.sparse.linalg import splu

@@ -28,15 +28,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array, eye_array
 from scipy.sparse.linalg import splu
 
+from kilter.arrays import Array, Index, Mask
 from kilter.mechanics.gauss import LeastConstraint
 
 __all__ = ["LeastConstraintSolution", "solve_least_constraint"]
 
-Array = NDArray[np.float64]
 
 STEPS = 120
 """Steps of the interior point at most."""
@@ -76,7 +75,7 @@ class _Sorted:
     rows: csr_array
     turned: csr_array
     load: Array
-    two_sided: NDArray[np.bool_]
+    two_sided: Mask
     weight: Array
 
 
@@ -113,7 +112,7 @@ def solve_least_constraint(
     return LeastConstraintSolution(unknowns, f * size, first + second)
 
 
-def _order(problem: LeastConstraint) -> NDArray[np.int64]:
+def _order(problem: LeastConstraint) -> Index:
     """Columns in an order of little fill-in: by minimum degree, of the parts where they are full.
 
     SuperLU's own ordering of a matrix with a strong diagonal is read off.
@@ -265,7 +264,7 @@ def _multipliers(data: _Sorted, b: Array, f: Array) -> tuple[Array, Array, int]:
 
 def _minimised(data: _Sorted, b: Array, f: Array) -> tuple[Array, int]:
     """Newton's method on the piecewise quadratic, with an exact search along each step."""
-    before: NDArray[np.bool_] | None = None
+    before: Mask | None = None
     solve: Callable[[Array], Array] | None = None
     count, least = 0, np.inf
     for _ in range(NEWTON):

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+
+from kilter.arrays import Array
 
 __all__ = ["NAMED", "motion_summary", "motion_words"]
 
-Array = NDArray[np.float64]
 
 SMALL = 1e-3
 """A component below this part of a motion is left out of the words."""

@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kilter.analysis.judge import judge
 from kilter.mechanics.certificate import ForceProof, MotionProof
@@ -20,7 +19,6 @@ from kilter.mechanics.program import CONTACT, Program
 
 __all__ = ["LeastFriction", "find_least_friction"]
 
-Array = NDArray[np.float64]
 
 SMALLEST = 1e-7
 """Coefficients below this count as zero: any friction holds."""

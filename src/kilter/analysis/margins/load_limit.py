@@ -19,15 +19,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
 from kilter.mechanics.coulomb_cones import Spread, largest_load, spread
 from kilter.mechanics.program import Program
 
 __all__ = ["OUTSIDE", "UNLIMITED", "Limit", "find_limit", "with_more"]
 
-Array = NDArray[np.float64]
 
 TOLERANCES = (1e-10, 1e-12)
 """Of the solver: the second where the mechanism of the first is too coarse to prove itself."""

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kilter.analysis.check import Verdict, check
 from kilter.analysis.margins.least_friction import LeastFriction, find_least_friction
@@ -28,6 +27,7 @@ from kilter.analysis.margins.tilt import (
 )
 from kilter.analysis.margins.uncertainty import Ranges, Uncertainty, find_uncertainty
 from kilter.analysis.margins.what_helps import Help, what_helps
+from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet, Tolerance
 from kilter.errors import InputError
@@ -37,7 +37,6 @@ from kilter.rigid import unit
 
 __all__ = ["PUSHED", "Margin", "find_margin"]
 
-Array = NDArray[np.float64]
 
 PUSHED = 20
 """Free parts up to which every part's weakest push is sought where it is not asked for."""

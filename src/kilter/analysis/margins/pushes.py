@@ -12,15 +12,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kilter.analysis.margins.load_limit import OUTSIDE, Limit, find_limit
+from kilter.arrays import Array
 from kilter.mechanics.coulomb_cones import Spread, spread
 from kilter.mechanics.program import Program
 
 __all__ = ["Push", "find_push", "find_weakest_push"]
 
-Array = NDArray[np.float64]
 
 UNLIMITED = 1e6
 """Pushes above this many weights of all parts count as unlimited."""

@@ -19,12 +19,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kilter.analysis.margins.load_limit import OUTSIDE, Limit, find_limit
+from kilter.arrays import Array, cross
 from kilter.mechanics.coulomb_cones import Spread, nearest_load, spread
 from kilter.mechanics.program import Program, tangents
-from kilter.rigid import cross
 
 __all__ = [
     "TiltMargin",
@@ -37,7 +36,6 @@ __all__ = [
     "tilt_about",
 ]
 
-Array = NDArray[np.float64]
 
 STEEPEST = 1e6
 """Tangent of a turn that counts as a right angle."""

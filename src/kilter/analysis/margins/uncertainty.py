@@ -23,7 +23,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kilter.analysis.margins.load_limit import UNLIMITED, find_limit
 from kilter.analysis.margins.tilt import (
@@ -33,19 +32,18 @@ from kilter.analysis.margins.tilt import (
     gravity_wrench,
     nearest_edge,
 )
+from kilter.arrays import Array, cross
 from kilter.errors import InputError
 from kilter.mechanics.affine import UncertainLoad, affine_forces, affine_imbalance
 from kilter.mechanics.coulomb_cones import pyramid
 from kilter.mechanics.forms import Scaled, scaled
 from kilter.mechanics.program import CONTACT, Program
-from kilter.rigid import cross
 
 if TYPE_CHECKING:
     from kilter.solvers.linear import Method
 
 __all__ = ["CORNERS", "Ranges", "Uncertainty", "corner", "find_uncertainty", "weakened"]
 
-Array = NDArray[np.float64]
 Kind = Literal["exact", "inner"]
 
 CORNERS = 32

@@ -17,16 +17,15 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kilter.analysis.margins.load_limit import Limit, find_limit
 from kilter.analysis.margins.tilt import TiltMargin, find_tilt_margin, gravity_wrench
+from kilter.arrays import Array
 from kilter.mechanics.certificate import part_sizes
 from kilter.mechanics.program import CONTACT, Program
 
 __all__ = ["Help", "what_helps"]
 
-Array = NDArray[np.float64]
 
 HELD = 4
 """Parts that are held in turn."""

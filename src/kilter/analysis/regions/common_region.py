@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array, vstack
 
 from kilter.analysis.judge import judge
@@ -20,13 +19,13 @@ from kilter.analysis.regions.cone_oracle import ConeOracle
 from kilter.analysis.regions.growth import grow
 from kilter.analysis.regions.polyhedral_cone import Cone, make_cone
 from kilter.analysis.regions.stable_cone import REACH, Proof
+from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.mechanics.program import TOLERANCE, build_program
 
 __all__ = ["common_proofs", "intersection"]
 
-Array = NDArray[np.float64]
 
 BEYOND = (1e-4, 1e-3, 1e-2, 0.1, 1.0)
 """How far beyond a facet the direction lies that is proved unstable [rad]."""

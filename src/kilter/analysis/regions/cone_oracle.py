@@ -16,10 +16,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array, diags_array, eye_array, hstack, vstack
 
 from kilter.analysis.regions.growth import Reach
+from kilter.arrays import Array, Mask
 from kilter.mechanics.certificate import RATIO
 from kilter.mechanics.forms import LinearProgram
 from kilter.mechanics.program import TOLERANCE
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
 __all__ = ["NOTHING", "ConeOracle"]
 
-Array = NDArray[np.float64]
 
 FORCE_PRICES = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0)
 """Of the force of one weight where forces jam, over the tolerance; the lowest that frees."""
@@ -71,7 +70,7 @@ class ConeOracle:
         self,
         matrix: csc_array,
         loads: csc_array,
-        two_sided: NDArray[np.bool_],
+        two_sided: Mask,
         price: float | None,
         tolerance: float = TOLERANCE,
         spread: float = 1.0,
@@ -97,7 +96,7 @@ class ConeOracle:
         self,
         matrix: csc_array,
         loads: csc_array,
-        two_sided: NDArray[np.bool_],
+        two_sided: Mask,
         price: float | None,
     ) -> LinearProgram:
         """Columns f, g and imbalance; rows of equilibrium and the one that cuts g off."""

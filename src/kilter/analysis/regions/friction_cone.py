@@ -38,13 +38,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from kilter.analysis.judge import judge
 from kilter.analysis.margins.tilt import gravity_wrench
 from kilter.analysis.regions.polyhedral_cone import Cone, make_cone
 from kilter.analysis.regions.spherical import cone_around, edges_of, extreme_rays
 from kilter.analysis.regions.stable_cone import stable_cone
+from kilter.arrays import Array, Mask
 from kilter.errors import InputError
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
 from kilter.mechanics.coulomb_cones import Spread, gathered, nearest_load, pyramid, spread
@@ -52,8 +53,6 @@ from kilter.mechanics.program import Program
 
 __all__ = ["GAP_DEG", "FrictionCone", "friction_cone"]
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 GAP_DEG = 0.1
 """How far apart the inner and the outer cone may be, where not given [deg]."""

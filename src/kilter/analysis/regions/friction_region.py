@@ -12,20 +12,18 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kilter.analysis.regions.friction_cone import GAP_DEG, FrictionCone, friction_cone
 from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.region import Region, find_region
 from kilter.analysis.remarks import remarks, touching_nothing
+from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet, Tolerance, find_contacts
 from kilter.errors import some_names
 from kilter.mechanics.program import build_program
 
 __all__ = ["FrictionRegion", "find_region_with_friction"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

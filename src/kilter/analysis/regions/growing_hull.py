@@ -9,13 +9,10 @@ corners is several simplices in one plane.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from kilter.arrays import Array, Index, Mask
 
 __all__ = ["GrowingHull"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 
 class GrowingHull:

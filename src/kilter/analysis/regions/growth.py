@@ -15,12 +15,11 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+
+from kilter.arrays import Array, Mask
 
 __all__ = ["Grown", "Oracle", "Reach", "grow"]
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 WIDE = 0.1
 """Points with a cosine above this to their mean are asked for from that side alone."""

@@ -14,14 +14,13 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from kilter.arrays import Array, Mask
 from kilter.rigid import frozen
 
 __all__ = ["KINDS", "Cone", "make_cone", "widest_axis"]
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 KINDS = {
     (0, 0): "none",

@@ -14,13 +14,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from kilter.analysis.answers import joints_answer
 from kilter.analysis.regions.common_region import common_proofs, intersection
 from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.region_words import further_forces, warnings_of
 from kilter.analysis.regions.stable_cone import Proof, StableCone, stable_cone
+from kilter.arrays import Array, Mask
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet, Tolerance, find_contacts
 from kilter.errors import InputError
@@ -30,7 +31,6 @@ from kilter.mechanics.proof import make_proof
 
 __all__ = ["Region", "RegionProof", "common_region", "find_region", "region_answer"]
 
-Array = NDArray[np.float64]
 Tell = Callable[[str], None]
 
 
@@ -139,7 +139,7 @@ class Region:
         """Whether every ray, line, facet and equation has a proof that holds."""
         return all(found.proved for found in self.found)
 
-    def contains(self, directions: ArrayLike, margin: float = 0.0) -> NDArray[np.bool_]:
+    def contains(self, directions: ArrayLike, margin: float = 0.0) -> Mask:
         """Whether directions of gravity, shape (..., 3), are stable; see `Cone.contains`.
 
         Parameters

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kilter.analysis.motion import find_motion
 from kilter.analysis.regions.stable_cone import Proof, StableCone
 from kilter.analysis.remarks import remarks, touching_nothing
+from kilter.arrays import Array, Mask
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.errors import some, some_names
@@ -16,8 +16,6 @@ from kilter.mechanics.program import TOLERANCE, Program
 
 __all__ = ["further_forces", "warnings_of"]
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 LIMIT = 100
 """Up to this many free parts, all those that start to move are named."""

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
+
+from kilter.arrays import Array
 
 __all__ = ["cone_around", "edges_of", "extreme_rays"]
 
-Array = NDArray[np.float64]
 
 ON = 1e-9
 """A unit vector is on a plane up to this sine."""

@@ -24,12 +24,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
 from kilter.analysis.regions.cone_oracle import NOTHING, ConeOracle
 from kilter.analysis.regions.growth import Grown, Reach, grow
 from kilter.analysis.regions.polyhedral_cone import Cone, make_cone
+from kilter.arrays import Array
 from kilter.errors import InputError
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
 from kilter.mechanics.forms import Scaled, scaled
@@ -37,7 +37,6 @@ from kilter.mechanics.program import TOLERANCE, Program
 
 __all__ = ["Proof", "StableCone", "stable_cone"]
 
-Array = NDArray[np.float64]
 
 REACH = 10.0
 """Angles below this many tolerances count as zero."""

@@ -21,7 +21,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array, hstack, vstack
 
 from kilter.analysis.turning.virtual_work import (
@@ -30,12 +29,11 @@ from kilter.analysis.turning.virtual_work import (
     facets_of_diamond,
     unit_program,
 )
+from kilter.arrays import Array
 from kilter.mechanics.forms import LinearProgram
 from kilter.mechanics.program import Program
 
 __all__ = ["Joint", "JointFacet", "joint"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

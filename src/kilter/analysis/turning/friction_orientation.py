@@ -6,7 +6,6 @@ import dataclasses
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kilter.analysis.check import check
 from kilter.analysis.judge import Judgement, judge
@@ -20,13 +19,12 @@ from kilter.analysis.turning.orientation import (
     require_turnable,
     tilt_margin_deg,
 )
+from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet, Tolerance, find_contacts
 from kilter.mechanics.program import Program, build_program
 
 __all__ = ["orient_with_friction"]
-
-Array = NDArray[np.float64]
 
 
 def orient_with_friction(

@@ -26,16 +26,15 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kilter.analysis.regions.growing_hull import GrowingHull
 from kilter.analysis.turning.virtual_work import unit_program
+from kilter.arrays import Array, Index
 from kilter.mechanics.forms import QuadraticProgram, Scaled, impending_motion, scaled
 from kilter.mechanics.program import Program
 
 __all__ = ["GAP", "LIMIT", "LeastInstability", "least_instability"]
 
-Array = NDArray[np.float64]
 
 GAP = 1e-6
 """Value and bound of kappa are to be this near."""
@@ -118,7 +117,7 @@ def least_instability(
 class _Known:
     """Directions asked so far: kappa, and b and psi over sqrt(m)."""
 
-    def __init__(self, program: Program, axes: NDArray[np.int64]) -> None:
+    def __init__(self, program: Program, axes: Index) -> None:
         self._problem: Scaled = scaled(program)
         self._axes = axes
         self.kappa: list[float] = []

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kilter.analysis.displacement import find_displacement
 from kilter.analysis.motion import find_motion
@@ -22,12 +21,12 @@ from kilter.analysis.turning.facet_program import Joint, joint
 from kilter.analysis.turning.least_instability import least_instability
 from kilter.analysis.turning.nearest_on_sphere import nearest_on_sphere
 from kilter.analysis.turning.walk import walk
+from kilter.arrays import Array
 from kilter.mechanics.program import Program
 from kilter.rigid import frozen
 
 __all__ = ["Method", "Nearest", "NearestDirection", "nearest"]
 
-Array = NDArray[np.float64]
 Method = Literal["joint", "walk"]
 
 

@@ -11,16 +11,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from kilter.analysis.turning.reachable import OUTSIDE, Reachable
+from kilter.arrays import Array
 from kilter.errors import SolverError
 from kilter.mechanics.program import Program
 
 __all__ = ["SphereDirection", "nearest_on_sphere"]
 
-Array = NDArray[np.float64]
 
 PROGRAMS = 20_000
 """More programs than this are not solved."""

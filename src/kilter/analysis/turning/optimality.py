@@ -14,15 +14,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array, hstack, vstack
 
 from kilter.analysis.turning.virtual_work import OPTIMAL, UnitProgram
+from kilter.arrays import Array
 from kilter.mechanics.forms import LinearProgram
 
 __all__ = ["Optimality", "is_best"]
 
-Array = NDArray[np.float64]
 
 FACE = 1e-10
 """Displacements count as optimal up to this, over the mass."""

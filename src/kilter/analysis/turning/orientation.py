@@ -21,13 +21,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kilter.analysis.answers import joints_answer
 from kilter.analysis.check import Verdict, check
 from kilter.analysis.judge import Judgement, judge
 from kilter.analysis.turning.facet_program import Joint, joint
 from kilter.analysis.turning.nearest import Method, Nearest, NearestDirection, nearest, turned
+from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet, Tolerance, find_contacts
 from kilter.errors import InputError
@@ -49,7 +49,6 @@ __all__ = [
     "tilt_margin_deg",
 ]
 
-Array = NDArray[np.float64]
 Word = Literal["found", "none", "undecided"]
 
 OPPOSITE = 1e-12

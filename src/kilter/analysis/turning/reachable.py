@@ -15,17 +15,14 @@ convex hull algorithm, 1992.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kilter.analysis.regions.growing_hull import GrowingHull
 from kilter.analysis.turning.virtual_work import VirtualWork
+from kilter.arrays import Array, Index
 from kilter.mechanics.program import Program
 
 __all__ = ["OUTSIDE", "Reachable"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 OUTSIDE = 2e-9
 """A point of Q counts as outside a facet from here on, over the mass."""

@@ -18,18 +18,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from kilter.analysis.regions.growing_hull import GrowingHull
 from kilter.analysis.turning.reachable import OUTSIDE, Reachable
+from kilter.arrays import Array, Index
 from kilter.errors import SolverError
 from kilter.mechanics.program import Program
 from kilter.rigid import frozen
 
 __all__ = ["PROGRAMS", "StabilityMap", "stability_map"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 PROGRAMS = 20_000
 """A map that needs more programs than this is given up."""

@@ -16,9 +16,9 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array, diags_array
 
+from kilter.arrays import Array, Index
 from kilter.errors import InputError
 from kilter.mechanics.forms import LinearProgram
 from kilter.mechanics.program import Program
@@ -26,7 +26,6 @@ from kilter.solvers.bases import CostModel
 
 __all__ = ["OPTIMAL", "Support", "UnitProgram", "VirtualWork", "facets_of_diamond", "unit_program"]
 
-Array = NDArray[np.float64]
 
 OPTIMAL = 1e-9
 """Two values of z that differ by less than this part of the mass are the same."""
@@ -53,7 +52,7 @@ class UnitProgram:
     lp: LinearProgram
     pull: Array
     mass: float
-    axes: NDArray[np.int64]
+    axes: Index
     length: Array
 
 

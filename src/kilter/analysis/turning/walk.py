@@ -22,17 +22,16 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
 from kilter.analysis.turning.optimality import Optimality, is_best
 from kilter.analysis.turning.virtual_work import OPTIMAL, Support, VirtualWork, facets_of_diamond
+from kilter.arrays import Array
 from kilter.mechanics.forms import LinearProgram
 from kilter.mechanics.program import Program
 
 __all__ = ["Walk", "WalkFacet", "walk"]
 
-Array = NDArray[np.float64]
 
 START = np.array([0.37, 0.34, 0.29])
 """Where a walk starts, up to signs and size: near the middle, on no line of symmetry."""

@@ -5,16 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from kilter.arrays import Array, Index, Mask
 
 __all__ = [
     "CIRCLE", "LINE", "POINT", "SAME", "Forms", "across", "dot", "forms_together", "make_forms",
     "no_forms", "unit_rows",
 ]  # fmt: skip
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 POINT, LINE, CIRCLE, SAME = range(4)
 """Forms of contact; SAME: one surface in its own counterpart."""

@@ -26,12 +26,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index, Mask, cross
 from kilter.contact.curved.coverage import TURN, frame_of
 from kilter.contact.planar.clip import clip_convex, polygon_area, tidy
 from kilter.contact.planar.outline import convex_hull
-from kilter.rigid import cross
 
 __all__ = [
     "AROUND",
@@ -45,9 +44,6 @@ __all__ = [
     "unrolled_overlap",
 ]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 AROUND = 72
 """Points around a full circle whose forces lean on its axis."""

@@ -11,17 +11,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index, Mask, cross
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import CONE
-from kilter.rigid import cross
 
 __all__ = ["Bands", "bands_of", "common_spans", "covered", "frame_of", "slices", "unrolled"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 TURN = 2 * np.pi
 SEAM = 1e-7

@@ -17,8 +17,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index, Mask
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import KINDS, SPHERE
 from kilter.contact.broad import Boxes, facets_in, joins
@@ -33,9 +33,6 @@ from kilter.contact.planar.facets import Facets
 
 __all__ = ["find_curved"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 INTERFERENCE = 0.1
 """A peg that is thicker than its hole by more than this part of its radius is not meant for it."""

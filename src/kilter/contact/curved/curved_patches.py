@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index, Mask, cross
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import KINDS
 from kilter.contact.broad import Boxes
@@ -15,14 +16,10 @@ from kilter.contact.contact_set import Overlap, PossibleContacts, Rejected
 from kilter.contact.curved.contact_points import Spots
 from kilter.contact.patches import Patches
 from kilter.contact.planar.facets import Facets
-from kilter.rigid import cross
 
 __all__ = ["CurvedContacts", "Made", "Pairs", "Scene", "keep", "on_flat", "packed",
            "without_repeats"]  # fmt: skip
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 ALIKE = 1e-3
 """A line at the rim of a flat patch belongs to it where their normals differ by less."""

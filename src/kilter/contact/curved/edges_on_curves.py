@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index, Mask, cross
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import FREE, Surfaces
 from kilter.contact.broad import Boxes, joins
@@ -12,13 +12,9 @@ from kilter.contact.curved.coverage import covered
 from kilter.contact.curved.curved_patches import CurvedContacts
 from kilter.contact.planar.facets import Facets
 from kilter.contact.sharp.edges import Edges
-from kilter.rigid import cross
 
 __all__ = ["edges_on_faces"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 SHARP = 0.02
 """Faces that meet at less than this pass smoothly into each other [rad]."""

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index, cross
 from kilter.assembly.geometry import Geometry
 from kilter.contact.broad import joins
 from kilter.contact.sharp.edges import segment_distance
-from kilter.rigid import cross
 
 __all__ = ["free_touch"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 LEVEL = 1e-6
 """Edges closer to parallel than this are asked by their ends [rad]."""

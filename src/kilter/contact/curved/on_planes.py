@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index
 from kilter.assembly.surfaces import CONE, CYLINDER, SPHERE, TORUS, Surfaces
 from kilter.contact.curved.candidates import (
     CIRCLE,
@@ -27,9 +27,6 @@ from kilter.contact.curved.candidates import (
 )  # fmt: skip
 
 __all__ = ["Planes", "on_planes"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

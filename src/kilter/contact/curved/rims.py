@@ -6,18 +6,14 @@ The circumscribed polygon bounds the answer from the other side.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index, Mask, cross
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import CONE, CYLINDER, FREE, SPHERE, Surfaces
 from kilter.contact.contact_set import PossibleContacts
-from kilter.rigid import cross
 
 __all__ = ["Force", "coaxial_clear", "possible_forces", "rim_contacts", "rims_clear"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 Force = tuple[int, int, Array, Array]
 """Parts a and b, point, direction."""
 
@@ -101,7 +97,7 @@ def coaxial_clear(geometry: Geometry, vertex: Index, tolerance: Array) -> Mask:
         clear &= (np.ptp(value, axis=2) <= tolerance[:, None]).all(axis=1)
     apart = np.hypot(*(value[:, 0, 0] - value[:, 1, 0] for value in (height, radius)))
     clear &= apart - np.linalg.norm(aside, axis=1) > tolerance
-    result: NDArray[np.bool_] = clear
+    result: Mask = clear
     return result
 
 

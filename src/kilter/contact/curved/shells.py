@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index, Mask
 from kilter.assembly.surfaces import CYLINDER
 from kilter.contact.contact_set import Rejected
 from kilter.contact.curved.candidates import Forms
@@ -20,10 +20,6 @@ from kilter.contact.curved.coverage import TURN, Bands, bands_of, frame_of, unro
 from kilter.contact.curved.curved_patches import Made, Pairs, Scene, keep
 
 __all__ = ["gaps_between", "touching_shells"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 
 def touching_shells(scene: Scene, made: Made, pairs: Pairs, forms: Forms, limit: Array) -> None:

@@ -19,8 +19,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index, Mask, cross
 from kilter.assembly.surfaces import CONE, CYLINDER, FREE, SPHERE, TORUS, Surfaces
 from kilter.contact.curved.candidates import (
     CIRCLE,
@@ -36,13 +36,9 @@ from kilter.contact.curved.candidates import (
     unit_rows,
 )  # fmt: skip
 from kilter.contact.curved.coverage import frame_of
-from kilter.rigid import cross
 
 __all__ = ["meeting"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 LEVEL = 1e-12
 """Directions closer than this to one another have no direction across [rad]."""

@@ -12,8 +12,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index, Mask, cross
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import CYLINDER, FREE, SPHERE
 from kilter.contact.broad import Boxes
@@ -25,16 +25,11 @@ from kilter.contact.curved.rims import Force, possible_forces
 from kilter.contact.patches import Patches
 from kilter.contact.planar.facets import Facets
 from kilter.contact.sharp.edges import Edges
-from kilter.rigid import cross
 
 __all__ = [
     "RoundContacts", "beside_curved", "explained", "in_patch", "no_round_contacts",
     "round_contacts",
 ]  # fmt: skip
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

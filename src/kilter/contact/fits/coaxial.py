@@ -11,8 +11,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import CYLINDER
@@ -20,7 +20,6 @@ from kilter.contact.contact_set import Tolerance
 
 __all__ = ["Fit", "coaxial_fits"]
 
-Array = NDArray[np.float64]
 
 INTERFERENCE = 0.1
 """A shaft that is thicker than its hole by more than this part of its radius is no fit."""

@@ -12,8 +12,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Mask, cross
 from kilter.assembly.geometry import Geometry
 from kilter.contact.broad import Boxes
 from kilter.contact.contact_set import Overlap, Tolerance
@@ -22,7 +22,6 @@ from kilter.contact.curved.unmodelled import in_patch
 from kilter.contact.fits.coaxial import coaxial_fits
 from kilter.contact.fits.shared_volume import HINT, can_cut, overlap_volume
 from kilter.contact.planar.facets import Facets
-from kilter.rigid import cross
 
 if TYPE_CHECKING:
     from kilter.assembly import Assembly
@@ -30,14 +29,12 @@ if TYPE_CHECKING:
 
 __all__ = ["find_overlaps"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 INTERFERE = "interfere"
 """What is said of a shaft that is thicker than its hole: a thread, a press fit."""
 CUTS = 200
 """The volumes of so many overlaps are computed; each takes some milliseconds."""
-Settled = Callable[[Array], NDArray[np.bool_]]
+Settled = Callable[[Array], Mask]
 
 PROBES = 300
 """Corners of a part that is not convex that are looked for inside another."""
@@ -89,7 +86,7 @@ def find_overlaps(
 def _settled(geometry: Geometry, curved: CurvedContacts, row: int, slack: float) -> Settled:
     """Whether points lie on curved faces of a pair that touch all over."""
 
-    def settled(points: Array) -> NDArray[np.bool_]:
+    def settled(points: Array) -> Mask:
         return in_patch(geometry, curved, row, points, slack)
 
     return settled

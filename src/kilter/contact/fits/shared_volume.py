@@ -9,15 +9,14 @@ from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index
 from kilter.assembly.part import Part
 from kilter.shape.closed import welded
 from kilter.shape.primitives import surface
 
 __all__ = ["HINT", "can_cut", "overlap_volume"]
 
-Array = NDArray[np.float64]
 
 HINT = "volumes of overlaps need the extra: pip install 'kilter[overlap]'"
 
@@ -61,14 +60,14 @@ def overlap_volume(part_a: Part, part_b: Part) -> float | None:
     return float((one ^ other).volume()) * size**3
 
 
-def _world(part: Part) -> tuple[Array, NDArray[np.int64]]:
+def _world(part: Part) -> tuple[Array, Index]:
     vertices, triangles = surface(part.shape)
     accuracy = float(getattr(part.shape, "accuracy", 0.0))
     vertices, triangles, _ = welded(vertices, triangles, accuracy=accuracy)
     return part.pose.apply(vertices), triangles
 
 
-def _solid(vertices: Array, triangles: NDArray[np.int64]) -> Any:
+def _solid(vertices: Array, triangles: Index) -> Any:
     import manifold3d
 
     p, q, r = (vertices[triangles[:, k]] for k in range(3))

@@ -14,15 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index, Mask, cross
 from kilter.assembly.geometry import Geometry
-from kilter.rigid import cross
 from kilter.shape.primitives import BOX_QUADS
 
 __all__ = ["Facets", "find_facets"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 Block = dict[str, NDArray[Any]]
 
 CHUNK = 60_000

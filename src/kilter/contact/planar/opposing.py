@@ -16,18 +16,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index, cross
 from kilter.assembly.geometry import Geometry
 from kilter.contact.planar.clip import clip_convex, padded, polygon_area
 from kilter.contact.planar.facets import Facets
 from kilter.contact.planar.outline import overlay
-from kilter.rigid import cross
 
 __all__ = ["FacetFrame", "Pieces", "facet_frames", "overlaps_of"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 MANY_TRIANGLES = 32
 """Facets that are not convex and have more triangles than this are overlaid as outlines."""

@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+
+from kilter.arrays import Array, Mask
 
 if TYPE_CHECKING:
     import shapely
 
 __all__ = ["convex_hull", "overlay", "width_of"]
 
-Array = NDArray[np.float64]
 
 AGREE = 1e-6
 """Two ways to overlay must agree on the area to this part of the smaller outline."""
@@ -47,7 +47,7 @@ def convex_hull(points: Array) -> Array:
     return np.array(chain(rows) + chain(rows[::-1]))
 
 
-def _outer(points: Array) -> NDArray[np.bool_]:
+def _outer(points: Array) -> Mask:
     """Points not inside the octagon of the extremes; keeps the order."""
     directions = np.array([[1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1.0]])
     octagon = points[np.argmax(points @ directions.T, axis=0)]

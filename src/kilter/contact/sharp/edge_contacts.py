@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index
 from kilter.assembly.geometry import Geometry
 from kilter.contact.planar.facets import Facets
 from kilter.contact.sharp.edges import Edges, ragged
@@ -21,8 +22,6 @@ from kilter.contact.sharp.spanning import SAME
 
 __all__ = ["Touches", "no_touches", "touches"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 COLLINEAR = 2e-3
 """Points of an edge, which may be tilted, leave its line by less than this part of its length."""

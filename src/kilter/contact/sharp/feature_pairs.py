@@ -15,13 +15,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index, Mask, cross
 from kilter.assembly.geometry import Geometry
 from kilter.contact.broad import Boxes, facets_in, joins
 from kilter.contact.planar.facets import Facets
 from kilter.contact.sharp.edges import Edges, ragged, segment_distance
-from kilter.rigid import cross
 
 __all__ = [
     "CORNER",
@@ -35,9 +34,6 @@ __all__ = [
     "no_meetings",
 ]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 _Side = tuple[Index, Index]
 
 FACE, EDGE, CORNER = 0, 1, 2

@@ -12,19 +12,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index, Mask, cross
 from kilter.assembly.geometry import Geometry
 from kilter.contact.planar.facets import Facets
 from kilter.contact.sharp.edges import Edges, Rays, ragged
 from kilter.contact.sharp.feature_pairs import CORNER, EDGE, FACE
-from kilter.rigid import cross
 
 __all__ = ["SLACK", "Cones", "Sectors", "convex_pieces", "find_cones", "inside", "spanned"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 SLACK = 1e-3
 """Directions count as lying in a plane, and edges as flat, up to this angle [rad]."""

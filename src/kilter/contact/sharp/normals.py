@@ -10,21 +10,17 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index, Mask, cross
 from kilter.assembly.geometry import Geometry
 from kilter.contact.planar.facets import Facets
 from kilter.contact.sharp.edges import Edges, ragged
 from kilter.contact.sharp.feature_pairs import CORNER, EDGE, FACE, NEAR_PARALLEL, Meetings
 from kilter.contact.sharp.local_cones import SLACK, Cones, find_cones
 from kilter.contact.sharp.spanning import resolve, separating
-from kilter.rigid import cross
 
 __all__ = ["Clauses", "Pushes", "normals_of"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 SNAP = 2e-3
 """A normal this close to that of a facet at the point is the facet's [rad]."""

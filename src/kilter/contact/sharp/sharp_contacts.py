@@ -20,8 +20,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index, Mask, cross
 from kilter.assembly.geometry import Geometry
 from kilter.contact.broad import Boxes
 from kilter.contact.contact_set import Degenerate, PossibleContacts, Unsupported, joined
@@ -40,13 +40,9 @@ from kilter.contact.sharp.edge_contacts import Touches, no_touches, touches
 from kilter.contact.sharp.edges import Edges, find_edges, ragged
 from kilter.contact.sharp.feature_pairs import EDGE, FACE, Block, Meetings, meetings, no_meetings
 from kilter.contact.sharp.normals import SNAP, Clauses, Pushes, normals_of
-from kilter.rigid import cross
 
 __all__ = ["NearContacts", "Touching", "near_contacts"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 PAIRS = 20_000
 """Pairs looked at in one go, so that their candidates fit in memory."""

@@ -22,15 +22,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kilter.arrays import Array, Index, Mask
 from kilter.contact.sharp.local_cones import SLACK, spanned
 
 __all__ = ["SAME", "Resolved", "distinct", "resolve", "separating", "spans"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 SAME = 5e-3
 """Normals closer than this are one [rad]."""

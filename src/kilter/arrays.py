@@ -1,0 +1,202 @@
+"""Arrays, and the idioms of arrays of rows that every room needs; no physics.
+
+    across:  u = e x n / |e x n|,   v = n x u,   e = the axis on which |n| is least
+    ragged:  rows start[w] ... start[w + 1] - 1 of each w, one after the other
+
+Row k of every field of a `Rows` speaks of the same thing: a contact, a pair, a facet.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import field, fields
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__all__ = [
+    "TINY",
+    "Array",
+    "Index",
+    "Mask",
+    "Rows",
+    "across",
+    "columns",
+    "counted",
+    "cross",
+    "ragged",
+    "ratio",
+    "starts",
+    "unit_rows",
+]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+TINY = 1e-300
+"""Below every size that is read [any unit]: keeps a division by nothing finite."""
+
+
+def cross(a: Array, b: Array) -> Array:
+    """Cross products of rows, shape (..., 3); several times faster than `numpy.cross`.
+
+    Examples
+    --------
+    >>> cross(np.array([[1.0, 0, 0]]), np.array([[0, 1.0, 0]]))
+    array([[0., 0., 1.]])
+    """
+    a0, a1, a2 = a[..., 0], a[..., 1], a[..., 2]
+    b0, b1, b2 = b[..., 0], b[..., 1], b[..., 2]
+    result = np.empty(np.broadcast_shapes(a.shape, b.shape))
+    result[..., 0] = a1 * b2 - a2 * b1
+    result[..., 1] = a2 * b0 - a0 * b2
+    result[..., 2] = a0 * b1 - a1 * b0
+    return result
+
+
+def ratio(a: ArrayLike, b: ArrayLike) -> Array:
+    """``a / b`` for sizes b >= 0; finite where b is 0.
+
+    Examples
+    --------
+    >>> ratio([0.0, 1.0], [0.0, 2.0])
+    array([0. , 0.5])
+    """
+    result: Array = np.asarray(a, dtype=np.float64) / np.maximum(b, TINY)
+    return result
+
+
+def unit_rows(v: Array) -> Array:
+    """The unit vectors along vectors, shape (..., m); 0 stays 0.
+
+    Examples
+    --------
+    >>> unit_rows(np.array([[0.0, 0.0, 2.0], [0.0, 0.0, 0.0]]))
+    array([[0., 0., 1.],
+           [0., 0., 0.]])
+    """
+    return ratio(v, np.linalg.norm(v, axis=-1)[..., None])
+
+
+def across(n: Array) -> tuple[Array, Array]:
+    """Two unit directions u, v across unit vectors, each of shape (..., 3).
+
+    (u, v, n) turn right: u x v = n.
+
+    Examples
+    --------
+    >>> u, v = across(np.array([0.0, 0.0, 1.0]))
+    >>> (u + 0.0).tolist(), (v + 0.0).tolist()
+    ([0.0, -1.0, 0.0], [1.0, 0.0, 0.0])
+    """
+    u = unit_rows(cross(np.eye(3)[np.abs(n).argmin(axis=-1)], n))
+    return u, cross(n, u)
+
+
+def starts(count: ArrayLike) -> Index:
+    """First row of each run of `count` rows, and the number of all rows; shape (n + 1,).
+
+    Examples
+    --------
+    >>> starts([2, 0, 1])
+    array([0, 2, 2, 3])
+    """
+    count = np.asarray(count, dtype=np.int64)
+    result = np.zeros(len(count) + 1, dtype=np.int64)
+    np.cumsum(count, out=result[1:])
+    return result
+
+
+def counted(count: ArrayLike) -> tuple[Index, Index]:
+    """Of runs of `count` rows: the run of each row, and its place in that run.
+
+    Examples
+    --------
+    >>> counted([2, 0, 1])
+    (array([0, 0, 2]), array([0, 1, 0]))
+    """
+    count = np.asarray(count, dtype=np.int64)
+    owner: Index = np.repeat(np.arange(len(count)), count)
+    return owner, np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
+
+
+def ragged(start: Index, which: Index) -> tuple[Index, Index]:
+    """Rows ``start[w]`` up to ``start[w + 1]`` of each w of `which`: (place in `which`, row).
+
+    Examples
+    --------
+    >>> ragged(np.array([0, 2, 3]), np.array([1, 0]))
+    (array([0, 1, 1]), array([2, 0, 1]))
+    """
+    first = start[which]
+    owner, place = counted(start[which + 1] - first)
+    return owner, first[owner] + place
+
+
+_KINDS: dict[Any, type] = {
+    "Array": np.float64,
+    "Index": np.int64,
+    "Mask": np.bool_,
+    Array: np.float64,
+    Index: np.int64,
+    Mask: np.bool_,
+}
+
+
+def columns(*shape: int) -> Any:
+    """A field of `Rows` whose rows have this shape; without it a row is one number."""
+    return field(metadata={"row": shape})
+
+
+class Rows:
+    """Arrays of equal length: a base for frozen dataclasses whose fields are all such arrays.
+
+    A field is annotated `Array`, `Index` or `Mask`; ``= columns(3)`` says that its rows have
+    three numbers.
+
+    Examples
+    --------
+    >>> from dataclasses import dataclass
+    >>> @dataclass(frozen=True, slots=True, eq=False)
+    ... class Spheres(Rows):
+    ...     center: Array = columns(3)
+    ...     radius: Array
+    >>> two = Spheres(np.zeros((2, 3)), np.array([1.0, 2.0]))
+    >>> two.take([1]).radius, len(Spheres.join([two, two])), Spheres.none().center.shape
+    (array([2.]), 4, (0, 3))
+    """
+
+    __slots__ = ()
+
+    def __len__(self) -> int:
+        return len(getattr(self, _names(type(self))[0]))
+
+    def take(self, rows: Any) -> Self:
+        """These rows alone: places, a mask, or a slice."""
+        return type(self)(*(getattr(self, name)[rows] for name in _names(type(self))))
+
+    @classmethod
+    def join(cls, blocks: Iterable[Self]) -> Self:
+        """The rows of all blocks, in their order; no blocks: no rows."""
+        blocks = list(blocks)
+        if not blocks:
+            return cls.none()
+        return cls(
+            *(np.concatenate([getattr(block, name) for block in blocks]) for name in _names(cls))
+        )
+
+    @classmethod
+    def none(cls) -> Self:
+        """No rows."""
+        return cls(
+            *(
+                np.empty((0, *f.metadata.get("row", ())), dtype=_KINDS[f.type])
+                for f in fields(cls)  # type: ignore[arg-type]
+            )
+        )
+
+
+def _names(kind: type[Rows]) -> tuple[str, ...]:
+    return tuple(f.name for f in fields(kind))  # type: ignore[arg-type]

@@ -1,0 +1,102 @@
+"""The array idioms of the house, each against its plainest form."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kilter.arrays import (
+    Array,
+    Index,
+    Mask,
+    Rows,
+    across,
+    columns,
+    counted,
+    cross,
+    ragged,
+    ratio,
+    starts,
+    unit_rows,
+)
+
+COUNTS = st.lists(st.integers(0, 4), max_size=8)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Things(Rows):
+    at: Array = columns(3)
+    pair: Index = columns(2)
+    size: Array
+    flat: Mask
+
+
+def things(n: int) -> Things:
+    k = np.arange(n)
+    return Things(np.outer(k, np.ones(3)), np.column_stack([k, k]), k / 2, k % 2 == 0)
+
+
+def test_cross_is_numpys() -> None:
+    a, b = np.random.default_rng(1).normal(size=(2, 50, 3))
+    assert np.allclose(cross(a, b), np.cross(a, b), rtol=0, atol=1e-15)
+
+
+@pytest.mark.parametrize("shape", [(3,), (0, 3), (40, 3), (2, 5, 3)])
+def test_across_makes_a_right_handed_frame(shape: tuple[int, ...]) -> None:
+    n = unit_rows(np.random.default_rng(2).normal(size=shape))
+    u, v = across(n)
+    assert u.shape == v.shape == shape
+    frame = np.stack([u, v, n], axis=-2)
+    assert np.allclose(frame @ frame.swapaxes(-1, -2), np.eye(3), rtol=0, atol=1e-15)
+    assert np.allclose(np.linalg.det(frame), 1.0, rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("axis", [*np.eye(3), *-np.eye(3)])
+def test_across_an_axis_has_no_rounding(axis: Array) -> None:
+    u, v = across(axis)
+    assert sorted(np.abs([*u, *v]).tolist()) == [0, 0, 0, 0, 1, 1]
+
+
+def test_ratio_and_unit_rows_are_finite_where_nothing_is_divided() -> None:
+    assert ratio(0.0, 0.0) == 0.0
+    assert ratio([1.0, 3.0], 2.0).tolist() == [0.5, 1.5]
+    rows = unit_rows(np.array([[3.0, 4.0], [0.0, 0.0]]))
+    assert rows.tolist() == [[0.6, 0.8], [0.0, 0.0]]
+
+
+@given(COUNTS)
+def test_runs_are_what_loops_make_of_them(count: list[int]) -> None:
+    owner, place = counted(count)
+    plain = [(k, j) for k, n in enumerate(count) for j in range(n)]
+    assert list(zip(owner.tolist(), place.tolist(), strict=True)) == plain
+    assert starts(count).tolist() == [sum(count[:k]) for k in range(len(count) + 1)]
+
+
+@given(COUNTS.filter(len), st.data())
+def test_ragged_rows_are_the_slices_one_after_the_other(count: list[int], data: object) -> None:
+    which = data.draw(st.lists(st.integers(0, len(count) - 1), max_size=6))  # type: ignore[attr-defined]
+    start = starts(count)
+    owner, row = ragged(start, np.array(which, dtype=np.int64))
+    plain = [(k, r) for k, w in enumerate(which) for r in range(start[w], start[w + 1])]
+    assert list(zip(owner.tolist(), row.tolist(), strict=True)) == plain
+
+
+def test_rows_are_taken_and_joined_together() -> None:
+    five = things(5)
+    some = five.take(np.array([3, 1]))
+    assert (some.size * 2).tolist() == some.pair[:, 0].tolist() == some.at[:, 0].tolist() == [3, 1]
+    assert five.take(five.flat).pair[:, 0].tolist() == [0, 2, 4]
+    both = Things.join([some, Things.none(), five])
+    assert len(both) == 7
+    assert both.pair[:, 1].tolist() == [3, 1, 0, 1, 2, 3, 4]
+
+
+def test_no_rows_keep_their_shapes_and_types() -> None:
+    for none in (Things.none(), Things.join([]), things(4).take([])):
+        assert len(none) == 0
+        assert (none.at.shape, none.pair.shape, none.size.shape) == ((0, 3), (0, 2), (0,))
+        assert (none.pair.dtype, none.flat.dtype) == (np.int64, np.bool_)
