@@ -29,7 +29,7 @@ IMPORTED = (
     "scipy.sparse.csgraph",
     "scipy.sparse.linalg",
     "scipy.spatial",
-    "kilter.solvers.shortest_vector",
+    "kilter.solvers.projection",
     "kilter.solvers.linear",
     "kilter.solvers.quadratic",
 )

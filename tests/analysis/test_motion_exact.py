@@ -14,7 +14,7 @@ from kilter.scenes import arches, packings, scene, stacks, walls, wedges
 from kilter.scenes.motion import wedge_on_wedge
 from kilter.scenes.pieces import block, floor
 from kilter.scenes.transform import moved, scaled, tilted
-from kilter.solvers.shortest_vector import solve_least_constraint
+from kilter.solvers.projection import solve_projection
 from kilter.tell.words import motion_summary, motion_words
 
 G = 9.81
@@ -49,7 +49,7 @@ def both_ways(program, *, exact=True):
     found = []
     for one in (whole, halved(whole, problem)):
         if one is not None:
-            answer = solve_least_constraint(one, exact=exact)
+            answer = solve_projection(one.cone, exact=exact)
             motion = problem.motion(one.accelerations(answer.unknowns))
             forces = one.forces(answer.multipliers) * heaviest
             found.append((motion, optimality(program, motion, forces)))
@@ -130,7 +130,7 @@ def test_optimality_sees_a_wrong_motion_and_wrong_forces():
     program = program_of(scene("paper-figure-8"))
     problem = scaled_program(program)
     whole = least_constraint(problem)
-    answer = solve_least_constraint(whole)
+    answer = solve_projection(whole.cone)
     motion = problem.motion(whole.accelerations(answer.unknowns))
     heaviest = program.mass[program.free].max() * G
     forces = whole.forces(answer.multipliers) * heaviest

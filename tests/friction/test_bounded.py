@@ -5,8 +5,8 @@ import pytest
 from scipy.optimize import linprog
 from scipy.sparse import csc_array
 
-from kilter.mechanics.forms import LinearProgram
 from kilter.solvers.bounded import BoundedSolver, safe_bound
+from kilter.solvers.problem import LinearProgram
 
 
 def drawn(seed):

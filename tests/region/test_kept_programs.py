@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_array, random_array
 
-from kilter.mechanics.forms import LinearProgram
 from kilter.solvers.kept import KeptProgram, KeptSolution
 from kilter.solvers.linear import solve_linear
+from kilter.solvers.problem import LinearProgram
 
 
 def random_program(seed: int, rows: int = 15, columns: int = 30) -> LinearProgram:

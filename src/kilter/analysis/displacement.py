@@ -15,8 +15,9 @@ import numpy as np
 from scipy.sparse import csc_array, eye_array, vstack
 
 from kilter.arrays import Array
-from kilter.mechanics.forms import LinearProgram, QuadraticProgram, displacement
+from kilter.mechanics.forms import displacement
 from kilter.mechanics.program import Program
+from kilter.solvers.problem import LinearProgram, quadratic_program
 
 __all__ = ["LIMIT", "Displacement", "find_displacement"]
 
@@ -77,7 +78,7 @@ def _shortest(lp: LinearProgram, optimum: Array, z: float) -> Array:
     bound = np.zeros(matrix.shape[0])
     bound[0] = z / float(np.linalg.norm(lp.cost))
     bound[-2 * count :] = -1.0
-    quadratic = QuadraticProgram(
+    quadratic = quadratic_program(
         csc_array(eye_array(count)), np.zeros(count), matrix, bound, 1 + int(two_sided.sum())
     )
     answer = solve_quadratic(quadratic)

@@ -25,7 +25,6 @@ from kilter.analysis.equilibrium import in_cones
 from kilter.errors import SolverError
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
 from kilter.mechanics.forms import (
-    LinearProgram,
     Scaled,
     equilibrium,
     least_imbalance,
@@ -33,6 +32,7 @@ from kilter.mechanics.forms import (
     scaled,
 )
 from kilter.mechanics.program import Program
+from kilter.solvers.problem import LinearProgram
 
 if TYPE_CHECKING:
     from kilter.solvers.linear import LinearSolution, Method

@@ -104,12 +104,12 @@ def _least_constrained(program: Program) -> tuple[Array, float]:
     """The motion over the size of gravity, shape (N, 6), and its residual.
 
     A small program by Clarabel first; any whose conditions are then not met to `GOOD` by the
-    interior point of `kilter.solvers.shortest_vector`, within a plane of reflection where
+    interior point of `kilter.solvers.projection`, within a plane of reflection where
     there is one. The best by the residual, which is recomputed from the rows.
     """
     from kilter.errors import SolverError
+    from kilter.solvers.projection import solve_projection
     from kilter.solvers.quadratic import solve_quadratic
-    from kilter.solvers.shortest_vector import solve_least_constraint
 
     problem = scaled(program)
     whole = least_constraint(problem)
@@ -121,15 +121,15 @@ def _least_constrained(program: Program) -> tuple[Array, float]:
         found.append((motion, residual))
         return residual
 
-    if len(whole.load) <= SMALL:
-        answer = solve_quadratic(whole.quadratic)
+    if len(whole.cone.load) <= SMALL:
+        answer = solve_quadratic(whole.cone.conic)
         if tried(whole, answer.x, answer.multipliers) <= GOOD:
             return found[-1]
-    many = len(whole.load) > MANY
+    many = len(whole.cone.load) > MANY
     smaller = halved(whole, problem)
     for one in (whole,) if smaller is None else (smaller, whole):
         try:
-            solution = solve_least_constraint(one, exact=not many)
+            solution = solve_projection(one.cone, exact=not many)
         except RuntimeError:  # a matrix that is singular to rounding
             continue
         good = ENOUGH if many else GOOD

@@ -19,8 +19,9 @@ import numpy as np
 from scipy.sparse import csc_array, diags_array, hstack, vstack
 
 from kilter.arrays import Array, Mask
-from kilter.mechanics.forms import LinearProgram, Scaled, scaled
+from kilter.mechanics.forms import Scaled, scaled
 from kilter.mechanics.program import Program
+from kilter.solvers.problem import LinearProgram
 
 __all__ = ["LIMIT", "Neutral", "find_neutral"]
 

@@ -24,7 +24,7 @@ from scipy.sparse import csc_array, eye_array
 
 from kilter.arrays import Array, Index, Mask
 from kilter.friction.frictional import Frictional
-from kilter.mechanics.coulomb_cones import ConicProgram
+from kilter.solvers.problem import ConicProgram
 
 __all__ = ["Bipotential", "bipotential"]
 

@@ -24,8 +24,8 @@ from scipy.sparse import csc_array
 from kilter.arrays import Array, Index, Mask
 from kilter.friction.frictional import Frictional
 from kilter.friction.polish import Candidate
-from kilter.mechanics.coulomb_cones import ConicProgram
 from kilter.mechanics.law_check import POWER
+from kilter.solvers.problem import ConicProgram
 
 __all__ = ["by_modes"]
 

@@ -36,7 +36,7 @@ from kilter.arrays import Array, Index
 from kilter.friction.contact_law import ContactLaw
 from kilter.friction.enclosure import Enclosure, reach
 from kilter.friction.twist_cones import sector, widened
-from kilter.mechanics.forms import LinearProgram
+from kilter.solvers.problem import LinearProgram
 
 __all__ = ["Relaxation", "directions_of"]
 

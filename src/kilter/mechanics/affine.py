@@ -25,7 +25,8 @@ import numpy as np
 from scipy.sparse import block_diag, csc_array, eye_array, hstack, kron, vstack
 
 from kilter.arrays import Array
-from kilter.mechanics.forms import LinearProgram, Scaled
+from kilter.mechanics.forms import Scaled
+from kilter.solvers.problem import LinearProgram
 
 __all__ = ["UncertainLoad", "affine_forces", "affine_imbalance"]
 

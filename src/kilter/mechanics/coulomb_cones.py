@@ -25,9 +25,9 @@ from scipy.sparse import csc_array, diags_array, eye_array, hstack, vstack
 from kilter.arrays import Array, Index, cross
 from kilter.mechanics.forms import Scaled, scaled
 from kilter.mechanics.program import Program, tangents
+from kilter.solvers.problem import ConicProgram
 
 __all__ = [
-    "ConicProgram",
     "Spread",
     "gathered",
     "largest_load",
@@ -37,23 +37,6 @@ __all__ = [
     "pyramid",
     "spread",
 ]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class ConicProgram:
-    """min 1/2 x.(quadratic x) + cost.x:  matrix x + s = bound, s in a product of cones.
-
-    The first `equal` rows have s = 0, the next `positive` s >= 0, then one second-order cone
-    |s_1..| <= s_0 of each dimension in `cones`.
-    """
-
-    quadratic: csc_array
-    cost: Array
-    matrix: csc_array
-    bound: Array
-    equal: int
-    positive: int
-    cones: Index
 
 
 @dataclass(frozen=True, slots=True, eq=False)

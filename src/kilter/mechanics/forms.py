@@ -23,10 +23,9 @@ from scipy.sparse import csc_array, hstack, vstack
 
 from kilter.arrays import Array
 from kilter.mechanics.program import Program
+from kilter.solvers.problem import ConicProgram, LinearProgram, quadratic_program
 
 __all__ = [
-    "LinearProgram",
-    "QuadraticProgram",
     "Scaled",
     "displacement",
     "equilibrium",
@@ -39,29 +38,6 @@ __all__ = [
 
 NOTHING = 1e-14
 """Entries of the scaled matrix below this are rounding of an exact zero."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class LinearProgram:
-    """min cost.x: row_lower <= matrix x <= row_upper, lower <= x <= upper."""
-
-    cost: Array
-    matrix: csc_array
-    row_lower: Array
-    row_upper: Array
-    lower: Array
-    upper: Array
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class QuadraticProgram:
-    """min 1/2 x.(quadratic x) + cost.x: matrix x = bound in the first `equal` rows, then >=."""
-
-    quadratic: csc_array
-    cost: Array
-    matrix: csc_array
-    bound: Array
-    equal: int
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -231,7 +207,7 @@ def displacement(program: Program) -> LinearProgram:
     )
 
 
-def impending_motion(problem: Scaled) -> QuadraticProgram:
+def impending_motion(problem: Scaled) -> ConicProgram:
     """Gauss's principle for the initial accelerations, in scaled unknowns.
 
     x = (a, radius x alpha) of the free parts over the size of gravity, in the frame of the
@@ -258,6 +234,6 @@ def impending_motion(problem: Scaled) -> QuadraticProgram:
     cost = (problem.right.reshape(-1, per) * share[:, None]).reshape(-1)
     opening = problem.openings()
     order = np.argsort(~program.two_sided, kind="stable")
-    return QuadraticProgram(
+    return quadratic_program(
         quadratic, cost, opening[order], np.zeros(len(order)), int(program.two_sided.sum())
     )

@@ -17,10 +17,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import bsr_array, csc_array, csr_array, diags_array, eye_array
+from scipy.sparse import bsr_array, csr_array, diags_array
 
 from kilter.arrays import Array, Index, Mask
-from kilter.mechanics.forms import NOTHING, QuadraticProgram, Scaled, impending_motion
+from kilter.mechanics.forms import NOTHING, Scaled, impending_motion
+from kilter.solvers.problem import ConeProjection, ConicProgram
 
 __all__ = ["LeastConstraint", "halved", "least_constraint"]
 
@@ -35,17 +36,12 @@ OFFSET = 0.31830988618
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LeastConstraint:
-    """min 1/2 |b|^2 - load.b: rows b = 0 in the first `equal` rows, then >= 0.
+    """The point of the cone of allowed motions nearest to free fall, and how to read it.
 
     Attributes
     ----------
-    rows : csr_array, shape (K, n)
-        Of unit length.
-    load : ndarray, shape (n,)
-    equal, block : int
-        Two-sided rows; unknowns of each part.
-    unit : ndarray, shape (K,)
-        From slacks and multipliers to accelerations over gravity.
+    cone : ConeProjection
+        Blocks are parts; units turn slacks and multipliers to accelerations over gravity.
     columns : ndarray of int, shape (n,)
         Unknowns of the whole problem that are unknowns here.
     inverse : csr_array, shape (n_all, n_all)
@@ -56,27 +52,11 @@ class LeastConstraint:
         Force of each of those rows over the multiplier here.
     """
 
-    rows: csr_array
-    load: Array
-    equal: int
-    block: int
-    unit: Array
+    cone: ConeProjection
     columns: Index
     inverse: csr_array
     row: Index
     share: Array
-
-    @property
-    def quadratic(self) -> QuadraticProgram:
-        """The same as a quadratic program."""
-        count = len(self.load)
-        return QuadraticProgram(
-            csc_array(eye_array(count, format="csc")),
-            -self.load,
-            csc_array(self.rows),
-            np.zeros(len(self.unit)),
-            self.equal,
-        )
 
     def accelerations(self, unknowns: Array) -> Array:
         """Scaled accelerations of the free parts: what `Scaled.motion` takes."""
@@ -94,7 +74,7 @@ def least_constraint(problem: Scaled) -> LeastConstraint:
     quadratic = impending_motion(problem)
     block = len(problem.program.freedoms)
     inverse = _inverse_root(quadratic, block)
-    rows = csr_array(quadratic.matrix @ inverse)
+    rows = csr_array(-quadratic.matrix @ inverse)
     length = np.sqrt(np.asarray(rows.multiply(rows).sum(axis=1)).ravel())
     length = np.maximum(length, 1e-300)
     rows = csr_array(diags_array(1.0 / length) @ rows)
@@ -103,12 +83,9 @@ def least_constraint(problem: Scaled) -> LeastConstraint:
     order = np.argsort(~problem.program.two_sided, kind="stable")
     place = np.empty(len(order), dtype=np.int64)
     place[order] = np.arange(len(order))
+    load = -np.asarray(inverse.T @ quadratic.cost)
     return LeastConstraint(
-        rows,
-        -np.asarray(inverse.T @ quadratic.cost),
-        quadratic.equal,
-        block,
-        length,
+        ConeProjection(rows, load, quadratic.equal, block, length),
         np.arange(rows.shape[1]),
         inverse,
         place,
@@ -116,7 +93,7 @@ def least_constraint(problem: Scaled) -> LeastConstraint:
     )
 
 
-def _inverse_root(quadratic: QuadraticProgram, block: int) -> csr_array:
+def _inverse_root(quadratic: ConicProgram, block: int) -> csr_array:
     """L^-T of M = L L^T, part by part."""
     count = quadratic.quadratic.shape[0] // block
     parts = np.zeros((count, block, block))
@@ -133,20 +110,21 @@ def _inverse_root(quadratic: QuadraticProgram, block: int) -> csr_array:
 
 def halved(whole: LeastConstraint, problem: Scaled) -> LeastConstraint | None:
     """The same problem within a plane of reflection, if there is one along an axis of the frame."""
-    if whole.block != 6 or whole.equal or not len(whole.unit):
+    cone = whole.cone
+    if cone.block != 6 or cone.equal or not len(cone.unit):
         return None
     for axis in (2, 1, 0):
         odd = np.ones(6, dtype=bool)
         odd[[k for k in range(3) if k != axis]] = False
         odd[3 + axis] = False
-        across = np.tile(odd, whole.rows.shape[1] // 6)
-        if np.abs(whole.load[across]).max(initial=0.0) > SAME * np.abs(whole.load).max():
+        across = np.tile(odd, cone.rows.shape[1] // 6)
+        if np.abs(cone.load[across]).max(initial=0.0) > SAME * np.abs(cone.load).max():
             continue
         if _couples(whole.inverse, across):
             continue
         image = _image(problem, axis)
         sign = diags_array(np.where(across, -1.0, 1.0))
-        difference = abs(whole.rows[image] - whole.rows @ sign)
+        difference = abs(cone.rows[image] - cone.rows @ sign)
         twice = np.array_equal(image[image], np.arange(len(image)))
         if twice and difference.max() <= SAME * 100:
             return _within(whole, across, image)
@@ -178,21 +156,19 @@ def _image(problem: Scaled, axis: int) -> Index:
 
 
 def _within(whole: LeastConstraint, across: Mask, image: Index) -> LeastConstraint:
+    cone = whole.cone
     kept = np.flatnonzero(np.arange(len(image)) <= image)
     columns = np.flatnonzero(~across)
-    rows = csr_array(whole.rows[kept][:, columns])
+    rows = csr_array(cone.rows[kept][:, columns])
     length = np.maximum(np.sqrt(np.asarray(rows.multiply(rows).sum(axis=1)).ravel()), 1e-300)
     number = np.empty(len(image), dtype=np.int64)
     number[kept] = np.arange(len(kept))
     number[image[kept]] = np.arange(len(kept))
     alone = image == np.arange(len(image))
-    share = np.where(alone, 1.0, 0.5) / (length[number] * whole.unit)
+    share = np.where(alone, 1.0, 0.5) / (length[number] * cone.unit)
+    unit_rows = csr_array(diags_array(1.0 / length) @ rows)
     return LeastConstraint(
-        csr_array(diags_array(1.0 / length) @ rows),
-        whole.load[columns],
-        0,
-        3,
-        length * whole.unit[kept],
+        ConeProjection(unit_rows, cone.load[columns], 0, 3, length * cone.unit[kept]),
         columns,
         whole.inverse,
         number,

@@ -26,8 +26,8 @@ from scipy.sparse import csc_array
 
 from kilter.arrays import Array, Index
 from kilter.errors import SolverError
-from kilter.mechanics.forms import LinearProgram
 from kilter.solvers.linear import highs_model
+from kilter.solvers.problem import LinearProgram
 
 __all__ = ["BasicSolution", "CostModel"]
 

@@ -26,8 +26,8 @@ import numpy as np
 
 from kilter.arrays import Array
 from kilter.errors import SolverError
-from kilter.mechanics.forms import LinearProgram
 from kilter.solvers.linear import highs_model
+from kilter.solvers.problem import LinearProgram
 
 __all__ = ["BoundedSolution", "BoundedSolver", "safe_bound"]
 

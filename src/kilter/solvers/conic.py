@@ -19,7 +19,7 @@ import numpy as np
 from scipy.sparse import csc_matrix
 
 from kilter.arrays import Array
-from kilter.mechanics.coulomb_cones import ConicProgram
+from kilter.solvers.problem import ConicProgram
 
 __all__ = ["ConicSolution", "solve_conic"]
 

@@ -23,8 +23,8 @@ from numpy.typing import ArrayLike
 
 from kilter.arrays import Array
 from kilter.errors import SolverError
-from kilter.mechanics.forms import LinearProgram
 from kilter.solvers.linear import highs_model
+from kilter.solvers.problem import LinearProgram
 
 __all__ = ["KeptProgram", "KeptSolution"]
 

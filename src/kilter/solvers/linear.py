@@ -23,7 +23,7 @@ import numpy as np
 
 from kilter.arrays import Array
 from kilter.errors import SolverError
-from kilter.mechanics.forms import LinearProgram
+from kilter.solvers.problem import LinearProgram
 
 __all__ = ["LinearSolution", "Method", "highs_model", "hipo_available", "optimum", "solve_linear"]
 

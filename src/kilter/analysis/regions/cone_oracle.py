@@ -21,8 +21,8 @@ from scipy.sparse import csc_array, diags_array, eye_array, hstack, vstack
 from kilter.analysis.regions.growth import Reach
 from kilter.arrays import Array, Mask
 from kilter.mechanics.certificate import RATIO
-from kilter.mechanics.forms import LinearProgram
 from kilter.mechanics.program import TOLERANCE
+from kilter.solvers.problem import LinearProgram
 
 if TYPE_CHECKING:
     from kilter.solvers.kept import KeptSolution

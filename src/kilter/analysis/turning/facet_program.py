@@ -30,8 +30,8 @@ from kilter.analysis.turning.virtual_work import (
     unit_program,
 )
 from kilter.arrays import Array
-from kilter.mechanics.forms import LinearProgram
 from kilter.mechanics.program import Program
+from kilter.solvers.problem import LinearProgram
 
 __all__ = ["Joint", "JointFacet", "joint"]
 

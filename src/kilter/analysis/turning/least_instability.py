@@ -30,8 +30,9 @@ import numpy as np
 from kilter.analysis.regions.growing_hull import GrowingHull
 from kilter.analysis.turning.virtual_work import unit_program
 from kilter.arrays import Array, Index
-from kilter.mechanics.forms import QuadraticProgram, Scaled, impending_motion, scaled
+from kilter.mechanics.forms import Scaled, impending_motion, scaled
 from kilter.mechanics.program import Program
+from kilter.solvers.problem import ConicProgram
 
 __all__ = ["GAP", "LIMIT", "LeastInstability", "least_instability"]
 
@@ -184,7 +185,7 @@ class _Known:
         return result
 
 
-def _solved(quadratic: QuadraticProgram) -> Array:
+def _solved(quadratic: ConicProgram) -> Array:
     """The minimum; asked for more loosely where rounding keeps the solver from it."""
     from kilter.solvers.quadratic import solve_quadratic
 

@@ -18,7 +18,7 @@ from scipy.sparse import csc_array, hstack, vstack
 
 from kilter.analysis.turning.virtual_work import OPTIMAL, UnitProgram
 from kilter.arrays import Array
-from kilter.mechanics.forms import LinearProgram
+from kilter.solvers.problem import LinearProgram
 
 __all__ = ["Optimality", "is_best"]
 

@@ -20,9 +20,9 @@ from scipy.sparse import csc_array, diags_array
 
 from kilter.arrays import Array, Index
 from kilter.errors import InputError
-from kilter.mechanics.forms import LinearProgram
 from kilter.mechanics.program import Program
 from kilter.solvers.bases import CostModel
+from kilter.solvers.problem import LinearProgram
 
 __all__ = ["OPTIMAL", "Support", "UnitProgram", "VirtualWork", "facets_of_diamond", "unit_program"]
 

@@ -27,8 +27,8 @@ from scipy.sparse import csc_array
 from kilter.analysis.turning.optimality import Optimality, is_best
 from kilter.analysis.turning.virtual_work import OPTIMAL, Support, VirtualWork, facets_of_diamond
 from kilter.arrays import Array
-from kilter.mechanics.forms import LinearProgram
 from kilter.mechanics.program import Program
+from kilter.solvers.problem import LinearProgram
 
 __all__ = ["Walk", "WalkFacet", "walk"]
 

@@ -1,4 +1,4 @@
-"""The shortest vector of a polyhedral cone's problem: an interior point, then exact multipliers.
+"""Projection on a polyhedral cone: an interior point, then exact multipliers.
 
     min 1/2 |b|^2 - v.b,   R b = 0 in the first rows, then R b >= 0
 
@@ -32,9 +32,9 @@ from scipy.sparse import csc_array, csr_array, eye_array
 from scipy.sparse.linalg import splu
 
 from kilter.arrays import Array, Index, Mask
-from kilter.mechanics.gauss import LeastConstraint
+from kilter.solvers.problem import ConeProjection
 
-__all__ = ["LeastConstraintSolution", "solve_least_constraint"]
+__all__ = ["ProjectionSolution", "solve_projection"]
 
 
 STEPS = 120
@@ -60,7 +60,7 @@ EXACT = 3e-12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class LeastConstraintSolution:
+class ProjectionSolution:
     """Unknowns b and multipliers, unjudged; factorisations of both stages."""
 
     unknowns: Array
@@ -79,9 +79,7 @@ class _Sorted:
     weight: Array
 
 
-def solve_least_constraint(
-    problem: LeastConstraint, *, exact: bool = True
-) -> LeastConstraintSolution:
+def solve_projection(problem: ConeProjection, *, exact: bool = True) -> ProjectionSolution:
     """Solve by interior point and, where `exact`, multipliers.
 
     Without them accelerations of walls of 2,000 to 10,000 bricks are good to 1e-7 g.
@@ -93,7 +91,7 @@ def solve_least_constraint(
     """
     size = float(np.abs(problem.load).max(initial=0.0))
     if size == 0.0 or not len(problem.unit):
-        return LeastConstraintSolution(problem.load.copy(), np.zeros(len(problem.unit)), 0)
+        return ProjectionSolution(problem.load.copy(), np.zeros(len(problem.unit)), 0)
     order = _order(problem)
     rows = csr_array(problem.rows[:, order])
     # light parts have small numbers: products of theirs are to vanish sooner
@@ -109,10 +107,10 @@ def solve_least_constraint(
     b, f, second = _multipliers(data, b, f) if exact else (b, f, 0)
     unknowns = np.empty(len(b))
     unknowns[order] = b * size
-    return LeastConstraintSolution(unknowns, f * size, first + second)
+    return ProjectionSolution(unknowns, f * size, first + second)
 
 
-def _order(problem: LeastConstraint) -> Index:
+def _order(problem: ConeProjection) -> Index:
     """Columns in an order of little fill-in: by minimum degree, of the parts where they are full.
 
     SuperLU's own ordering of a matrix with a strong diagonal is read off.
