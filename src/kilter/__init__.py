@@ -15,9 +15,10 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from kilter.analysis.check import Verdict, check
+    from kilter.analysis.check import check
     from kilter.analysis.regions.region import Region, common_region, find_region
     from kilter.analysis.turning.orientation import Orientation, orient
+    from kilter.analysis.verdict import Verdict
     from kilter.assembly import Assembly, FrictionPair, GivenContact, Joint, Load, Part
     from kilter.contact import ContactSet, Tolerance, fastened, find_contacts
     from kilter.errors import InputError, KilterError, SolverError
@@ -50,7 +51,7 @@ _HOMES = {
     "SolverError": "kilter.errors",
     "Sphere": "kilter.shape.primitives",
     "Tolerance": "kilter.contact",
-    "Verdict": "kilter.analysis.check",
+    "Verdict": "kilter.analysis.verdict",
     "check": "kilter.analysis.check",
     "common_region": "kilter.analysis.regions.region",
     "draw_assembly": "kilter.show.figures",

@@ -15,7 +15,7 @@ import pytest
 import stranger
 
 from kilter import InputError, check, find_contacts
-from kilter.analysis.check import Verdict
+from kilter.analysis.verdict import Verdict
 from kilter.assembly import Assembly
 from kilter.files import from_dict, to_dict
 from kilter.mechanics.certificate import check_forces, check_motion

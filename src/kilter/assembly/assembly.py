@@ -163,21 +163,27 @@ class Assembly:
         """Names of the parts, in order."""
         return tuple(part.name for part in self.parts)
 
-    def index_of(self, name: str) -> int:
-        """Position of the part of that name.
+    def index_of(self, part: str | int) -> int:
+        """Position of the part of that name, or at that position.
 
         Raises
         ------
         InputError
             If there is none; it names the nearest.
         """
+        if isinstance(part, int | np.integer):
+            if not -len(self.parts) <= part < len(self.parts):
+                raise InputError(
+                    f"no part has position {part}", hint=f"there are {len(self.parts)}"
+                )
+            return int(part) % len(self.parts)
         try:
-            return self.index[name]
-        except KeyError:
-            near = nearest_name(name, self.index)
+            return self.index[part]
+        except (KeyError, TypeError):
+            near = nearest_name(part, self.index)
             hint = f"did you mean {near!r}?" if near else f"there are: {some_names(self.names, 8)}"
             raise InputError(
-                f"no part is named {name!r}", file=self.source or None, hint=hint
+                f"no part is named {part!r}", file=self.source or None, hint=hint
             ) from None
 
     @cached_property

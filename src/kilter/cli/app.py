@@ -200,11 +200,11 @@ def check(
         verdict = decide(
             assembly, contacts=found, tolerance=tolerance, budget=budget, progress=progress
         )
-        verdict.seconds["contacts"] += joining
         progress("motion")
         _ = verdict.motion, verdict.displacement, verdict.neutral, verdict.forces
     total = time.perf_counter() - started
-    verdict.seconds.update({"read": read, "total": total})
+    touching = verdict.seconds["contacts"] + joining
+    verdict = verdict.with_seconds(contacts=touching, read=read, total=total)
     if proof is not None and verdict.certificate is not None:
         write_whole(proof, as_json(verdict.proof(options=reading.options())))
     caution = [verdict.barely] if verdict.barely else []

@@ -17,8 +17,8 @@ from kilter.arrays import Array
 from kilter.errors import InputError, SolverError
 
 if TYPE_CHECKING:
-    from kilter.analysis.check import Verdict
     from kilter.analysis.regions.region import Region
+    from kilter.analysis.verdict import Verdict
     from kilter.assembly import Assembly
     from kilter.contact import ContactSet, Tolerance
     from kilter.show.answers import Answers, Balance, MapAnswer, Orientation

@@ -21,7 +21,7 @@ from kilter.show.sphere import draw_region
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from kilter.analysis.check import Verdict
+    from kilter.analysis.verdict import Verdict
     from kilter.assembly import Assembly
 
 __all__ = ["VIEW", "draw_assembly", "draw_region"]

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from kilter.analysis.check import Verdict
     from kilter.analysis.regions.region import Region
     from kilter.analysis.turning.orientation import Orientation
+    from kilter.analysis.verdict import Verdict
 
 __all__ = ["orientation_html", "region_html", "verdict_html"]
 

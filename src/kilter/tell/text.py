@@ -13,7 +13,7 @@ from kilter.errors import some
 from kilter.tell.words import NAMED
 
 if TYPE_CHECKING:
-    from kilter.analysis.check import Verdict
+    from kilter.analysis.verdict import Verdict
     from kilter.assembly import Assembly
     from kilter.contact import ContactSet
     from kilter.contact.fits.suggestions import Suggestion

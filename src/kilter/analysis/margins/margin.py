@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from kilter.analysis.check import Verdict, check
+from kilter.analysis.check import check
 from kilter.analysis.margins.least_friction import LeastFriction, find_least_friction
 from kilter.analysis.margins.load_limit import Limit, find_limit
 from kilter.analysis.margins.pushes import Push, find_weakest_push
@@ -27,6 +27,7 @@ from kilter.analysis.margins.tilt import (
 )
 from kilter.analysis.margins.uncertainty import Ranges, Uncertainty, find_uncertainty
 from kilter.analysis.margins.what_helps import Help, what_helps
+from kilter.analysis.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet, Tolerance

@@ -23,10 +23,11 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from kilter.analysis.answers import joints_answer
-from kilter.analysis.check import Verdict, check
+from kilter.analysis.check import check
 from kilter.analysis.judge import Judgement, judge
 from kilter.analysis.turning.facet_program import Joint, joint
 from kilter.analysis.turning.nearest import Method, Nearest, NearestDirection, nearest, turned
+from kilter.analysis.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet, Tolerance, find_contacts

@@ -1,0 +1,402 @@
+"""Verdict: the answer to Problem 1, with its evidence, and what follows from it.
+
+What takes programs of its own (motion, displacements, forces, neutral motions) is found when
+it is first asked for, and kept.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any, Literal
+
+import numpy as np
+
+from kilter.analysis.answers import joints_answer, unsupported_answer
+from kilter.analysis.contact_forces import ContactForces, find_contact_forces
+from kilter.analysis.displacement import LIMIT as DISPLACEMENT_LIMIT
+from kilter.analysis.displacement import Displacement, find_displacement
+from kilter.analysis.frictional_motion import find_motion_with_friction, motion_of
+from kilter.analysis.judge import Judgement
+from kilter.analysis.motion import MOVES, ImpendingMotion, find_motion, still
+from kilter.analysis.neutral import Neutral, find_neutral
+from kilter.assembly import Assembly
+from kilter.assembly.geometry import DEFAULT_DENSITY
+from kilter.contact import ContactSet
+from kilter.friction.answer import BUDGET, FrictionAnswer
+from kilter.mechanics.certificate import ForceProof, MotionProof
+from kilter.mechanics.program import POSSIBLE, TOLERANCE, Program, build_program
+from kilter.mechanics.proof import Evidence, make_proof
+from kilter.tell.words import NAMED, motion_summary, motion_words
+from kilter.units import metres_per_unit
+
+__all__ = ["Verdict", "Word"]
+
+Word = Literal["stable", "potentially-stable", "unstable", "undecided"]
+
+BARELY = 1e-3
+"""Instability below which the accuracy of the data is asked about."""
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """What `check` found, with its evidence.
+
+    Attributes
+    ----------
+    verdict : {"stable", "potentially-stable", "unstable", "undecided"}
+    sentence : str
+        The verdict in words.
+    assembly, contacts, program
+        What was judged. `program` is the one the certificate speaks of.
+    judgement : Judgement
+        Forces and motion, judged.
+    friction : FrictionAnswer or None
+        What friction guarantees, where the verdict rests on it.
+    warnings : tuple of str
+    seconds : mapping from str to float
+        Of each stage [s]; read-only.
+    budget : float
+        For the search of motions with friction [s].
+    """
+
+    verdict: Word
+    sentence: str
+    assembly: Assembly
+    contacts: ContactSet
+    program: Program
+    judgement: Judgement
+    friction: FrictionAnswer | None
+    warnings: tuple[str, ...]
+    seconds: Mapping[str, float]
+    budget: float = BUDGET
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "seconds", MappingProxyType(dict(self.seconds)))
+
+    @property
+    def stable(self) -> bool:
+        """Whether the verdict is "stable"; none of the other three is."""
+        return self.verdict == "stable"
+
+    @property
+    def guarantee(self) -> str:
+        """Is there no other motion that obeys the contact law? proved, refuted or open."""
+        if self.verdict == "potentially-stable" and self.friction is not None:
+            return self.friction.guarantee
+        return {"stable": "proved", "unstable": "refuted"}.get(self.verdict, "open")
+
+    @property
+    def seated(self) -> bool | None:
+        """Does its own weight make the friction that holds it? None where it is not asked."""
+        asked = self.verdict == "potentially-stable" and self.friction is not None
+        return self.friction.seated if asked and self.friction is not None else None
+
+    @property
+    def certificate(self) -> ForceProof | MotionProof | None:
+        """The proof that holds, if any."""
+        if self.verdict in ("stable", "potentially-stable"):
+            return self.judgement.forces
+        return self.judgement.motion if self.verdict == "unstable" else None
+
+    @property
+    def modelled(self) -> Program:
+        """The program with the contacts that are modelled, and no others."""
+        if not self.program.kind.size or not (self.program.kind == POSSIBLE).any():
+            return self.program
+        return build_program(self.assembly, self.contacts)
+
+    @cached_property
+    def displacement(self) -> Displacement:
+        """LP (9) of the paper, without friction: z and displacements."""
+        if self.verdict == "stable" and self.friction is None:
+            count = len(self.program.names)
+            large = int(self.program.free.sum()) > DISPLACEMENT_LIMIT
+            return Displacement(0.0, None if large else np.zeros((count, 6)))
+        return find_displacement(self.modelled)
+
+    @cached_property
+    def motion(self) -> ImpendingMotion:
+        """Initial accelerations; none where the verdict is stable.
+
+        Without friction by Gauss's principle. With friction a motion that obeys Coulomb's
+        law: where the verdict is potentially stable, the one that refutes the guarantee.
+        """
+        if self.verdict == "stable":
+            return still(self.program)
+        if self.verdict == "undecided" or not self.modelled.mu.any():
+            return find_motion(self.modelled)
+        if self.friction is not None:
+            witness = self.friction.witness
+            return still(self.program) if witness is None else motion_of(
+                self.program, witness.acceleration, witness.law.residual
+            )  # fmt: skip
+        found = find_motion_with_friction(self.modelled, self.budget)
+        return find_motion(self.modelled) if found is None else found
+
+    @property
+    def instability(self) -> float | None:
+        """Kappa of the motion [-]; None with loads, or where no motion is known."""
+        unknown = self.verdict == "potentially-stable" and self.guarantee == "open"
+        return None if self.assembly.loads or unknown else self.motion.instability
+
+    @cached_property
+    def forces(self) -> ContactForces | None:
+        """Contact forces of the equilibrium; None where there is none."""
+        proof = self.certificate
+        return find_contact_forces(self.program, proof) if isinstance(proof, ForceProof) else None
+
+    @cached_property
+    def neutral(self) -> Neutral | None:
+        """Motions that cost no energy to first order, without friction."""
+        return find_neutral(self.modelled)
+
+    @property
+    def tolerance(self) -> float:
+        """The relative tolerance of the verdict: the largest of any part [-]."""
+        return float(self.program.tolerance.max(initial=TOLERANCE))
+
+    @property
+    def barely(self) -> str:
+        """A word of caution where it is unstable by so little that rounding could do it."""
+        kappa = self.motion.instability
+        if self.verdict != "unstable" or kappa >= BARELY or self.assembly.loads:
+            return ""
+        return (
+            f"barely unstable (kappa {kappa:.1e}): coordinates rounded by about {kappa:.0e} of a "
+            "part's size would do as much; where they are, state it as the accuracy of the mesh"
+        )
+
+    @property
+    def moving(self) -> list[str]:
+        """Names of the parts that start to move."""
+        return [n for n, m in zip(self.program.names, self.motion.moves, strict=True) if m]
+
+    def words(self, part: int | str, *, slow: bool = False) -> str:
+        """How a part starts to move.
+
+        Parameters
+        ----------
+        part : str or int
+            Its name, or its position in the assembly.
+        slow : bool
+            Also where it starts below the threshold of `moves`.
+
+        Raises
+        ------
+        InputError
+            If there is no such part.
+        """
+        k = self.assembly.index_of(part)
+        if self.assembly.parts[k].grounded:
+            return "is held"
+        motion = self.motion
+        return motion_words(
+            motion.acceleration[k],
+            motion.relative[k] * (slow or motion.moves[k]),
+            self.assembly.down,
+            center=self.program.center[k],
+            unit=metres_per_unit(self.program.units),
+        )
+
+    @property
+    def summary(self) -> str:
+        """The fastest parts and how they start to move, in one sentence."""
+        motion = self.motion
+        which = np.flatnonzero(motion.moves)
+        order = which[np.argsort(-motion.relative[which].max(axis=1), kind="stable")]
+        names = self.program.names
+        fastest = [f"{names[k]} {self.words(int(k))}" for k in order[:NAMED]]
+        return motion_summary(fastest, len(which))
+
+    def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
+        """The proof as data; `options`: how the assembly was read, for `verify`."""
+        return make_proof(
+            self.assembly,
+            self.contacts,
+            self.program,
+            self.certificate,
+            options or {},
+            evidence=self._evidence(),
+        )
+
+    def _evidence(self) -> Evidence | None:
+        answer = self.friction
+        if answer is None:
+            return None
+        exclusion = answer.exclusion
+        return Evidence(
+            answer.guarantee,
+            witness=None if answer.witness is None else answer.witness.law,
+            seated=answer.seat,
+            exclusion=None
+            if exclusion is None or not exclusion.proved
+            else {
+                "kind": exclusion.kind,
+                "programs": exclusion.programs,
+                "assumes": exclusion.assumes,
+            },
+        )
+
+    def with_seconds(self, **more: float) -> Verdict:
+        """The same verdict with times of further stages [s]; what was found is kept."""
+        other = copy.copy(self)
+        object.__setattr__(other, "seconds", MappingProxyType({**self.seconds, **more}))
+        return other
+
+    def to_dict(self) -> dict[str, Any]:
+        """The answer of `kilter check --json`, and every fact that its text tells."""
+        assembly, contacts, neutral = self.assembly, self.contacts, self.neutral
+        return {
+            "verdict": self.verdict,
+            "guarantee": self.guarantee,
+            "seated": self.seated,
+            "sentence": self.sentence,
+            "summary": self.summary,
+            "neutral": None
+            if neutral is None
+            else {"two_sided": neutral.two_sided, "one_sided": neutral.one_sided},
+            "down": assembly.down.tolist(),
+            "gravity": assembly.gravity.tolist(),
+            "units": assembly.units,
+            "density": _density(assembly),
+            "instability": self.instability,
+            "z": self.displacement.z,
+            "parts": [_part(self, k) for k in range(len(assembly.parts))],
+            "contacts": {
+                "pairs": contacts.pairs,
+                "patches": len(contacts),
+                "points": len(contacts.points),
+            },
+            "unsupported": unsupported_answer(assembly, contacts),
+            "joints": joints_answer(assembly),
+            "certificate": _certificate(self),
+            "friction": _friction(self),
+            "forces": None if self.forces is None else _forces(self, self.forces),
+            "tolerance": {
+                "gap": contacts.gap,
+                "angle_deg": float(np.degrees(contacts.tolerance.angle)),
+                "clearance": contacts.tolerance.clearance,
+                "verdict": self.tolerance,
+                "moves": MOVES,
+            },
+            "warnings": [*self.warnings, *([self.barely] if self.barely else [])],
+            "seconds": dict(self.seconds),
+        }
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows."""
+        from kilter.tell.notebook import verdict_html
+
+        return verdict_html(self)
+
+    def __str__(self) -> str:
+        return self.sentence
+
+    def __repr__(self) -> str:
+        return f"Verdict({self.verdict!r}, {len(self.assembly.parts)} parts)"
+
+    def __bool__(self) -> bool:
+        raise TypeError("a verdict is neither true nor false: use .stable, or compare .verdict")
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "seconds": dict(self.seconds)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update({**state, "seconds": MappingProxyType(state["seconds"])})
+
+
+def _part(verdict: Verdict, k: int) -> dict[str, Any]:
+    part, motion = verdict.assembly.parts[k], verdict.motion
+    shift = verdict.displacement.displacement
+    starts = bool(motion.relative[k].any()) and not part.grounded
+    return {
+        "name": part.name,
+        "grounded": part.grounded,
+        "mass": float(verdict.program.mass[k]),
+        "displacement": None if shift is None else (shift[k] + 0.0).tolist(),
+        "acceleration": (motion.acceleration[k] + 0.0).tolist(),
+        "relative": (motion.relative[k] + 0.0).tolist(),
+        "moves": bool(motion.moves[k]),
+        "motion": verdict.words(k),
+        # how it would start, were it faster: to be told where no part is above the threshold
+        "slow_motion": verdict.words(k, slow=True) if starts and not motion.moves[k] else None,
+    }
+
+
+def _density(assembly: Assembly) -> dict[str, Any]:
+    """What the masses of the free parts without a given mass rest on [kg/m^3]."""
+    free = [part.density for part in assembly.parts if not part.grounded and part.mass is None]
+    given = [density for density in free if density is not None]
+    return {
+        "given": [min(given), max(given)] if given else None,
+        "default": DEFAULT_DENSITY if len(given) < len(free) else None,
+    }
+
+
+def _certificate(verdict: Verdict) -> dict[str, Any]:
+    proof, forces, motion = (
+        verdict.certificate,
+        verdict.judgement.forces,
+        verdict.judgement.motion,
+    )
+    kind = None if proof is None else "forces" if isinstance(proof, ForceProof) else "motion"
+    return {
+        "kind": kind,
+        "residual": None if forces is None else forces.residual,
+        "power": None if motion is None else motion.power,
+        "violation": None if motion is None else motion.violation,
+    }
+
+
+def _friction(verdict: Verdict) -> dict[str, Any] | None:
+    """How the guarantee came about, where the verdict rests on friction."""
+    answer = verdict.friction
+    if answer is None:
+        return None
+    witness, seating, exclusion = answer.witness, answer.seating, answer.exclusion
+    return {
+        "witness": None
+        if witness is None
+        else {"power": witness.law.power, "residual": witness.law.residual, "found": witness.found},
+        "seating": {"seated": answer.seated, "residual": seating.residual},
+        "exclusion": None
+        if exclusion is None
+        else {
+            "proved": exclusion.proved,
+            "kind": exclusion.kind,
+            "programs": exclusion.programs,
+            "bound": exclusion.bound,
+            "assumes": exclusion.assumes,
+        },
+        "budget": verdict.budget,
+        "seconds": answer.seconds,
+    }
+
+
+def _forces(verdict: Verdict, found: ContactForces) -> dict[str, Any]:
+    """Forces of equilibrium, on the second part of each patch."""
+    contacts, names = verdict.contacts, verdict.assembly.names
+    rows = np.argsort(found.patch_of, kind="stable")
+    ends = np.cumsum(np.bincount(found.patch_of, minlength=len(found.patch)))
+    points = verdict.program.point[found.rows]
+    patches = []
+    for k, own in enumerate(np.split(rows, ends[:-1]) if len(ends) else []):
+        patch = found.patch[k]
+        presses, rubs = np.isfinite(found.center[k]).all(), np.isfinite(found.utilisation[k])
+        patches.append(
+            {
+                "parts": [names[i] for i in contacts.patch_parts[patch]],
+                "kind": str(contacts.patch_kind[patch]),
+                "resultant": found.resultant[k].tolist(),
+                "normal_force": float(found.normal_force[k]),
+                "center": found.center[k].tolist() if presses else None,
+                "utilisation": float(found.utilisation[k]) if rubs else None,
+                "points": points[own].tolist(),
+                "forces": (found.force[own] + 0.0).tolist(),
+            }
+        )
+    return {"least": found.least, "residual": found.residual, "patches": patches}
