@@ -39,6 +39,8 @@ Word = Literal["stable", "potentially-stable", "unstable", "undecided"]
 
 BARELY = 1e-3
 """Instability below which the accuracy of the data is asked about."""
+ROUNDING = 1e-15
+"""An acceleration up to this is none [g]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -312,7 +314,7 @@ class Verdict:
 def _part(verdict: Verdict, k: int) -> dict[str, Any]:
     part, motion = verdict.assembly.parts[k], verdict.motion
     shift = verdict.displacement.displacement
-    starts = bool(motion.relative[k].any()) and not part.grounded
+    slow = not motion.moves.any() and motion.relative[k].max() > ROUNDING
     return {
         "name": part.name,
         "grounded": part.grounded,
@@ -322,8 +324,8 @@ def _part(verdict: Verdict, k: int) -> dict[str, Any]:
         "relative": (motion.relative[k] + 0.0).tolist(),
         "moves": bool(motion.moves[k]),
         "motion": verdict.words(k),
-        # how it would start, were it faster: to be told where no part is above the threshold
-        "slow_motion": verdict.words(k, slow=True) if starts and not motion.moves[k] else None,
+        # told where no part is above the threshold of `moves`
+        "slow_motion": verdict.words(k, slow=True) if slow and not part.grounded else None,
     }
 
 
