@@ -55,19 +55,22 @@ def test_every_example_is_written_judged_proved_and_verified(
 def test_check_says_everything_that_its_users_rely_on(capsys: pytest.CaptureFixture[str]) -> None:
     _, answer = answered(capsys, "check", written("paper-figure-8"))
     assert set(answer) == {
-        *("verdict", "guarantee", "seated", "sentence", "neutral", "down", "gravity", "units"),
+        *("verdict", "guarantee", "seated", "sentence", "summary", "neutral", "down", "gravity"),
+        "units",
+        "density",
         *("instability", "z", "parts", "contacts", "unsupported", "certificate", "tolerance"),
         *("joints", "friction", "forces", "warnings", "seconds"),
     }
     assert set(answer["seconds"]) == {"read", "contacts", "solve", "total"}
-    assert set(answer["tolerance"]) == {"gap", "angle_deg", "clearance", "verdict"}
+    assert set(answer["tolerance"]) == {"gap", "angle_deg", "clearance", "verdict", "moves"}
     assert answer["guarantee"] == "refuted"
     part = answer["parts"][1]
     assert part["name"] == "C2"
     assert part["moves"]
     assert part["motion"] == "drops at 0.75 g"
     assert set(part) == {
-        *("name", "grounded", "mass", "displacement", "acceleration", "moves", "motion")
+        *("name", "grounded", "mass", "displacement", "acceleration", "relative"),
+        *("moves", "motion", "slow_motion"),
     }
 
 
