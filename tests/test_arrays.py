@@ -20,6 +20,7 @@ from kilter.arrays import (
     cross,
     ragged,
     ratio,
+    read_only,
     starts,
     unit_rows,
 )
@@ -100,3 +101,12 @@ def test_no_rows_keep_their_shapes_and_types() -> None:
         assert len(none) == 0
         assert (none.at.shape, none.pair.shape, none.size.shape) == ((0, 3), (0, 2), (0,))
         assert (none.pair.dtype, none.flat.dtype) == (np.int64, np.bool_)
+
+
+def test_read_only_arrays_are_views_that_refuse() -> None:
+    mine = np.zeros(3)
+    held = Things(np.zeros((3, 3)), np.zeros((3, 2), dtype=np.int64), mine, mine > 0)
+    read_only(held)
+    with pytest.raises(ValueError, match="read-only"):
+        held.size[0] = 1.0
+    mine[0] = 1.0  # the array that was given stays its owner's

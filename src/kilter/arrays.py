@@ -19,6 +19,7 @@ __all__ = [
     "TINY",
     "Array",
     "Index",
+    "Labels",
     "Mask",
     "Rows",
     "across",
@@ -27,6 +28,7 @@ __all__ = [
     "cross",
     "ragged",
     "ratio",
+    "read_only",
     "starts",
     "unit_rows",
 ]
@@ -34,6 +36,7 @@ __all__ = [
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 Mask = NDArray[np.bool_]
+Labels = NDArray[np.str_]
 
 TINY = 1e-300
 """Below every size that is read [any unit]: keeps a division by nothing finite."""
@@ -135,26 +138,35 @@ def ragged(start: Index, which: Index) -> tuple[Index, Index]:
     return owner, first[owner] + place
 
 
-_KINDS: dict[Any, type] = {
+def read_only(arrays: Any) -> None:
+    """Every array among the fields of a frozen dataclass, as a view that nobody can write to."""
+    for f in fields(arrays):
+        value = getattr(arrays, f.name)
+        if isinstance(value, np.ndarray) and value.flags.writeable:
+            view = value.view()
+            view.flags.writeable = False
+            object.__setattr__(arrays, f.name, view)
+
+
+_KINDS: dict[Any, type | str] = {
     "Array": np.float64,
     "Index": np.int64,
+    "Labels": "<U11",
     "Mask": np.bool_,
-    Array: np.float64,
-    Index: np.int64,
-    Mask: np.bool_,
 }
+"""Types of the rows by the annotation of their field, which is a string here."""
 
 
 def columns(*shape: int) -> Any:
-    """A field of `Rows` whose rows have this shape; without it a row is one number."""
+    """A field of `Rows` whose rows have this shape; `columns()`: one number."""
     return field(metadata={"row": shape})
 
 
 class Rows:
     """Arrays of equal length: a base for frozen dataclasses whose fields are all such arrays.
 
-    A field is annotated `Array`, `Index` or `Mask`; ``= columns(3)`` says that its rows have
-    three numbers.
+    A field is annotated `Array`, `Index`, `Labels` or `Mask`; ``= columns(3)`` says that its
+    rows have three numbers. Nothing, or ``columns()``: one number a row.
 
     Examples
     --------
@@ -162,7 +174,7 @@ class Rows:
     >>> @dataclass(frozen=True, slots=True, eq=False)
     ... class Spheres(Rows):
     ...     center: Array = columns(3)
-    ...     radius: Array
+    ...     radius: Array = columns()
     >>> two = Spheres(np.zeros((2, 3)), np.array([1.0, 2.0]))
     >>> two.take([1]).radius, len(Spheres.join([two, two])), Spheres.none().center.shape
     (array([2.]), 4, (0, 3))

@@ -271,9 +271,7 @@ def contacts(
     warnings = [*assembly.notes, *assembly.geometry.warnings, *found.warnings]
     tell_warnings(warnings, quiet or json)
     if json:
-        from kilter.analysis.answers import contacts_answer
-
-        emit(as_json(contacts_answer(assembly, found)), output)
+        emit(as_json(found.to_dict()), output)
     else:
         from kilter.tell.text import contacts_text
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 from collections.abc import Callable
@@ -146,7 +147,8 @@ def fasten(
     from kilter.contact import fastened, find_contacts
 
     contacts = find_contacts(assembly, tolerance=tolerance, progress=progress)
-    return fastened(assembly, reading.fasten, contacts=contacts), contacts
+    joined = fastened(assembly, reading.fasten, contacts=contacts)
+    return joined, dataclasses.replace(contacts, assembly=joined)
 
 
 def read_assembly(file: str, reading: Reading) -> Assembly:

@@ -1,7 +1,9 @@
-"""Contacts from geometry: `find_contacts` turns an assembly into a `ContactSet`."""
+"""Contacts from geometry: `contacts` turns an assembly into a `ContactSet`."""
 
 from kilter.contact.contact_set import ContactSet, Tolerance
-from kilter.contact.detect import find_contacts
+from kilter.contact.detect import contacts
 from kilter.contact.fits.fastening import fastened
 
-__all__ = ["ContactSet", "Tolerance", "fastened", "find_contacts"]
+find_contacts = contacts
+
+__all__ = ["ContactSet", "Tolerance", "contacts", "fastened", "find_contacts"]

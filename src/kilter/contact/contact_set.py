@@ -9,11 +9,12 @@ section 2.1 and Figure 3), so nothing is lost for the equilibrium of rigid parts
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from kilter.arrays import Array, Index, Mask
+from kilter.arrays import Array, Index, Labels, Mask, Rows, columns, read_only
+from kilter.assembly import Assembly
 
 __all__ = [
     "ContactSet",
@@ -23,7 +24,6 @@ __all__ = [
     "Rejected",
     "Tolerance",
     "Unsupported",
-    "joined",
 ]
 
 
@@ -93,7 +93,7 @@ class Unsupported:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class PossibleContacts:
+class PossibleContacts(Rows):
     """Every force that contacts which are not modelled could bring; one row a force.
 
     Used to bound a verdict from the other side: what is unstable although all of these
@@ -103,23 +103,13 @@ class PossibleContacts:
 
     part_a: Index
     part_b: Index
-    points: Array
-    normals: Array
-    two_sided: Mask
-    mu: Array
+    points: Array = columns(3)
+    normals: Array = columns(3)
+    two_sided: Mask = columns()
+    mu: Array = columns()
 
-    def __len__(self) -> int:
-        return len(self.part_a)
-
-
-def joined(first: PossibleContacts, second: PossibleContacts) -> PossibleContacts:
-    """Both, one after the other."""
-    return PossibleContacts(
-        *(
-            np.concatenate([getattr(first, name), getattr(second, name)])
-            for name in PossibleContacts.__slots__
-        )
-    )
+    def __post_init__(self) -> None:
+        read_only(self)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -153,6 +143,9 @@ class Degenerate:
     held_parts: Index
     held_points: Array
     held_normals: Array
+
+    def __post_init__(self) -> None:
+        read_only(self)
 
     def __len__(self) -> int:
         return len(self.part_a)
@@ -223,8 +216,12 @@ def _center(normals: Array) -> Array:
 class ContactSet:
     """Contact patches between parts, struct of arrays; world frame, length unit of the file.
 
+    All arrays are read-only.
+
     Attributes
     ----------
+    assembly : Assembly
+        Of which these are the contacts: its names and units.
     patch_parts : ndarray of int, shape (P, 2)
         Parts a and b of each patch, by position in the assembly.
     patch_normal : ndarray, shape (P, 3)
@@ -262,12 +259,13 @@ class ContactSet:
         Points of contact without one normal; also listed in `unsupported`.
     """
 
+    assembly: Assembly
     patch_parts: Index
     patch_normal: Array
     patch_area: Array
     patch_gap: Array
     patch_mu: Array
-    patch_kind: NDArray[np.str_]
+    patch_kind: Labels
     patch_accuracy: Array
     patch_start: Index
     points: Array
@@ -283,8 +281,22 @@ class ContactSet:
     warnings: tuple[str, ...]
     degenerate: Degenerate = field(default_factory=Degenerate.none)
 
+    def __post_init__(self) -> None:
+        read_only(self)
+
     def __len__(self) -> int:
         return len(self.patch_area)
+
+    def __repr__(self) -> str:
+        counts = {
+            "patches": len(self),
+            "points": len(self.points),
+            "pairs": self.pairs,
+            "not modelled": len(self.unsupported),
+            "overlapping": len(self.overlaps),
+        }
+        words = ", ".join(f"{what} {count}" for what, count in counts.items() if count)
+        return f"<ContactSet: {words or 'nothing touches'}>"
 
     @property
     def approximate(self) -> PossibleContacts:
@@ -309,3 +321,55 @@ class ContactSet:
         if not len(self):
             return 0
         return len(np.unique(np.sort(self.patch_parts, axis=1), axis=0))
+
+    def to_dict(self) -> dict[str, Any]:
+        """As JSON data: the answer of ``kilter contacts --json``."""
+        assembly = self.assembly
+        return {
+            "units": assembly.units,
+            "patches": [self._patch(k) for k in range(len(self))],
+            "unsupported": [
+                {"parts": self._names(u.parts), "kind": u.kind, "point": list(u.point)}
+                for u in self.unsupported
+            ],
+            "rejected": [
+                {
+                    "parts": self._names(r.parts),
+                    "gap": r.gap,
+                    "angle_deg": float(np.degrees(r.angle)),
+                    "why": r.why,
+                }
+                for r in self.rejected
+            ],
+            "overlaps": [
+                {"parts": self._names(o.parts), "volume": o.volume, "depth": o.depth, "why": o.why}
+                for o in self.overlaps
+            ],
+            "joints": [{"parts": list(j.parts), "kind": j.kind} for j in assembly.joints],
+            "histogram": {
+                "edges": [float(e) if np.isfinite(e) else None for e in self.gap_edges],
+                "counts": self.gap_counts.tolist(),
+            },
+            "tolerance": {
+                "gap": self.gap,
+                "angle_deg": float(np.degrees(self.tolerance.angle)),
+                "clearance": self.tolerance.clearance,
+            },
+            "warnings": [*assembly.notes, *assembly.geometry.warnings, *self.warnings],
+        }
+
+    def _names(self, parts: Any) -> list[str]:
+        return [self.assembly.names[k] for k in parts]
+
+    def _patch(self, k: int) -> dict[str, Any]:
+        gap = self.patch_gap[k]
+        return {
+            "parts": self._names(self.patch_parts[k]),
+            "kind": str(self.patch_kind[k]),
+            "area": float(self.patch_area[k]),
+            "gap": float(gap[np.abs(gap).argmax()]),
+            "gap_range": gap.tolist(),
+            "normal": self.patch_normal[k].tolist(),
+            "mu": float(self.patch_mu[k]),
+            "points": self.points[self.patch_start[k] : self.patch_start[k + 1]].tolist(),
+        }

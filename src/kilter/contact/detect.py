@@ -19,7 +19,6 @@ from kilter.contact.contact_set import (
     PossibleContacts,
     Rejected,
     Tolerance,
-    joined,
 )
 from kilter.contact.curved.curved_contacts import find_curved
 from kilter.contact.curved.curved_patches import CurvedContacts, without_repeats
@@ -31,7 +30,7 @@ from kilter.contact.planar.opposing import FacetFrame, Pieces, facet_frames, ove
 from kilter.contact.sharp.sharp_contacts import NearContacts, Touching, near_contacts
 from kilter.errors import InputError
 
-__all__ = ["find_contacts"]
+__all__ = ["contacts"]
 
 
 NEAR = 100.0
@@ -47,7 +46,7 @@ LISTED = 1000
 """Rejected pairs kept, nearest first."""
 
 
-def find_contacts(
+def contacts(
     assembly: Assembly,
     *,
     tolerance: Tolerance | None = None,
@@ -79,9 +78,11 @@ def find_contacts(
     >>> from kilter.assembly import Part
     >>> from kilter.rigid import Pose
     >>> table = Part("table", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
-    >>> contacts = find_contacts(Assembly([table, Part("cube", Box([1, 1, 1]), Pose([0, 0, 0.5]))]))
-    >>> len(contacts), contacts.patch_area, contacts.patch_normal.tolist()
-    (1, array([1.]), [[0.0, 0.0, 1.0]])
+    >>> found = contacts(Assembly([table, Part("cube", Box([1, 1, 1]), Pose([0, 0, 0.5]))]))
+    >>> found
+    <ContactSet: patches 1, points 4, pairs 1>
+    >>> found.patch_area, found.patch_normal.tolist()
+    (array([1.]), [[0.0, 0.0, 1.0]])
     """
     tolerance = tolerance or Tolerance()
     _check(tolerance)
@@ -325,6 +326,7 @@ def _contact_set(
         *(["given"] * len(given)),
     ]
     return ContactSet(
+        assembly=assembly,
         patch_parts=parts,
         patch_normal=np.concatenate(
             [patches.normal, curved.normal, touches.normals[touches.start[:-1]], given_normal]
@@ -340,7 +342,9 @@ def _contact_set(
         ),
         normals=np.concatenate([first, curved.normals, touches.normals, last]),
         unsupported=near.unsupported,
-        possible=_with_friction(assembly, joined(joined(near.possible, rims), curved.possible)),
+        possible=_with_friction(
+            assembly, PossibleContacts.join([near.possible, rims, curved.possible])
+        ),
         rejected=tuple(found.rejected),
         overlaps=overlaps,
         gap_edges=GAP_EDGES,

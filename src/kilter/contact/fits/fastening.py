@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from kilter.assembly import Assembly, Joint
+from kilter.contact import detect
 from kilter.contact.contact_set import ContactSet, Tolerance
-from kilter.contact.detect import find_contacts
 from kilter.errors import InputError, some_names
 
 __all__ = ["fastened", "touching_pairs"]
@@ -51,7 +51,7 @@ def fastened(
         return assembly
     chosen = [tuple(assembly.matching([pattern]) for pattern in pair) for pair in wanted]
     if contacts is None:
-        contacts = find_contacts(assembly, tolerance=tolerance)
+        contacts = detect.contacts(assembly, tolerance=tolerance)
     touching = [tuple(assembly.names[k] for k in pair) for pair in touching_pairs(contacts)]
     there = {frozenset(joint.parts) for joint in assembly.joints if joint.kind == "fixed"}
     joints = []

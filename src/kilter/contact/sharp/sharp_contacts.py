@@ -24,7 +24,7 @@ import numpy as np
 from kilter.arrays import Array, Index, Mask, cross
 from kilter.assembly.geometry import Geometry
 from kilter.contact.broad import Boxes
-from kilter.contact.contact_set import Degenerate, PossibleContacts, Unsupported, joined
+from kilter.contact.contact_set import Degenerate, PossibleContacts, Unsupported
 from kilter.contact.curved.curved_patches import CurvedContacts
 from kilter.contact.curved.rims import coaxial_clear, rims_clear
 from kilter.contact.curved.unmodelled import (
@@ -123,7 +123,7 @@ def near_contacts(
         touches=made,
         degenerate=degenerate,
         unsupported=(*_listed(degenerate, geometry), *rounds.unsupported),
-        possible=joined(degenerate.pushes(), rounds.possible),
+        possible=PossibleContacts.join([degenerate.pushes(), rounds.possible]),
     )
 
 
