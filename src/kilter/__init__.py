@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from kilter.analysis.check import check
-    from kilter.analysis.regions.region import Region, common_region, find_region
+    from kilter.analysis.margins.margin import Margin, margin
+    from kilter.analysis.regions.region import Region, common_region, region
     from kilter.analysis.turning.orientation import Orientation, orient
     from kilter.analysis.verdict import Verdict
     from kilter.assembly import Assembly, FrictionPair, GivenContact, Joint, Load, Part
@@ -42,6 +43,7 @@ _HOMES = {
     "Joint": "kilter.assembly",
     "KilterError": "kilter.errors",
     "Load": "kilter.assembly",
+    "Margin": "kilter.analysis.margins.margin",
     "Mesh": "kilter.shape.primitives",
     "Part": "kilter.assembly",
     "Pose": "kilter.rigid",
@@ -59,9 +61,10 @@ _HOMES = {
     "dump": "kilter.files",
     "fastened": "kilter.contact",
     "find_contacts": "kilter.contact",
-    "find_region": "kilter.analysis.regions.region",
     "load": "kilter.files",
+    "margin": "kilter.analysis.margins.margin",
     "orient": "kilter.analysis.turning.orientation",
+    "region": "kilter.analysis.regions.region",
     "scene": "kilter.scenes",
     "verify_proof": "kilter.mechanics.verification",
 }
@@ -77,6 +80,7 @@ __all__ = [
     "Joint",
     "KilterError",
     "Load",
+    "Margin",
     "Mesh",
     "Orientation",
     "Part",
@@ -94,9 +98,10 @@ __all__ = [
     "dump",
     "fastened",
     "find_contacts",
-    "find_region",
     "load",
+    "margin",
     "orient",
+    "region",
     "scene",
     "verify_proof",
 ]

@@ -8,8 +8,8 @@ import pytest
 from independent import dense_rows
 from judged import judged, program_of, random_turn, reloaded, verified
 
+import kilter
 from kilter import InputError
-from kilter.analysis.regions.region import find_region
 from kilter.analysis.turning.orientation import orient
 from kilter.assembly import Assembly, Joint, Load
 from kilter.mechanics.proof import digest_of
@@ -180,7 +180,7 @@ def test_door_swings_when_its_axis_leans_and_only_then(kinds):
 
 
 def test_overconstrained_door_has_the_region_of_one_hinge():
-    region = find_region(door(("revolute", "revolute")))
+    region = kilter.region(door(("revolute", "revolute")))
     # gravity in the plane of the leaf and its axis holds, either way
     assert region.kind == "plane"
     assert np.allclose(np.abs(region.equations), [[0, 1, 0]], atol=1e-9)
@@ -313,16 +313,16 @@ def test_joint_of_two_held_parts_carries_nothing():
 
 
 def test_regions_of_joints():
-    hanging = find_region(pendulum())
+    hanging = kilter.region(pendulum())
     assert hanging.kind == "plane"  # the axis and the rod: nothing turns it
     assert np.allclose(np.abs(hanging.equations), [[1, 0, 0]], atol=1e-9)
-    ball = find_region(pendulum("spherical"))
+    ball = kilter.region(pendulum("spherical"))
     assert ball.kind == "line"
     assert np.allclose(np.abs(ball.lines), [[0, 0, 1]], atol=1e-9)
-    rail = find_region(pendulum("prismatic"))
+    rail = kilter.region(pendulum("prismatic"))
     assert rail.kind == "plane"
     assert np.allclose(np.abs(rail.equations), [[0, 1, 0]], atol=1e-9)
-    assert find_region(pendulum("fixed")).kind == "all"
+    assert kilter.region(pendulum("fixed")).kind == "all"
     for region in (hanging, ball, rail):
         for proof in region.proofs():
             assert verified(reloaded(proof.assembly), proof.data).holds

@@ -70,7 +70,7 @@ def test_the_dome_opens(opened: Callable) -> None:
 def test_two_hundred_directions_are_judged_as_python_judges_them(
     name: str, opened: Callable
 ) -> None:
-    region = kilter.find_region(scene(name))
+    region = kilter.region(scene(name))
     downs = sampled(region, 200)
     page = opened(name)
     told = page.js("downs => downs.map(d => window.kilter.ask(d).verdict)", downs.tolist())
@@ -103,7 +103,7 @@ def test_directions_are_judged_and_moved_as_a_fresh_check_does(name: str, opened
 
 
 def test_the_margin_on_the_page_is_the_turn_that_flips_the_verdict(opened: Callable) -> None:
-    region = kilter.find_region(scene("corner-wedges"))
+    region = kilter.region(scene("corner-wedges"))
     page = opened("corner-wedges")
     rays = np.asarray(region.rays)
     for down in np.random.default_rng(5).dirichlet(np.ones(len(rays)), size=20) @ rays:
@@ -127,7 +127,7 @@ def knob(page: Any, direction: Any) -> tuple[float, float]:
 
 
 def test_dragging_the_arrow_by_mouse_changes_the_verdict_at_the_boundary(opened: Callable) -> None:
-    region = kilter.find_region(scene("corner-wedges"))
+    region = kilter.region(scene("corner-wedges"))
     page = opened("corner-wedges")
     view = page.js("window.kilter.ball.view")
     rays = np.asarray(region.rays)
@@ -163,7 +163,7 @@ def test_dragging_the_arrow_by_mouse_changes_the_verdict_at_the_boundary(opened:
 
 @pytest.mark.parametrize("name", ["corner-wedges", "paper-figure-11-turned", "paper-figure-9"])
 def test_the_arrow_keys_change_the_verdict_where_the_cone_says(name: str, opened: Callable) -> None:
-    region = kilter.find_region(scene(name))
+    region = kilter.region(scene(name))
     page = opened(name)
     page.page.focus("#ball")
     told = set()
@@ -183,7 +183,7 @@ def test_the_arrow_keys_change_the_verdict_where_the_cone_says(name: str, opened
 
 def test_a_thin_region_draws_the_arrow_in_so_that_a_hand_can_find_it(opened: Callable) -> None:
     page = opened("paper-figure-11")
-    region = kilter.find_region(scene("paper-figure-11"))
+    region = kilter.region(scene("paper-figure-11"))
     page.js("window.kilter.ball.eye = [-0.4, -0.4]; window.kilter.ball.stale = true;")
     ray = np.asarray(region.rays[0])
     mouse = page.page.mouse

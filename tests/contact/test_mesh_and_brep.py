@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from solids import ball, bolt, bore, cone_frustum, cone_socket, mesh_of, peg, socket, trough
 
-from kilter import check, find_contacts, find_region
+import kilter
+from kilter import check, find_contacts
 from kilter.assembly import Assembly, Part
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box
@@ -65,8 +66,8 @@ def test_same_verdict_in_every_direction(name):
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_same_stable_cone(name):
-    exact = find_region(assembly_of(name, sides=48, exact=True))
-    mesh = find_region(assembly_of(name, sides=72, exact=False))
+    exact = kilter.region(assembly_of(name, sides=48, exact=True))
+    mesh = kilter.region(assembly_of(name, sides=72, exact=False))
     assert mesh.kind == exact.kind
     if exact.half_angle_deg is not None:
         assert mesh.half_angle_deg == pytest.approx(exact.half_angle_deg, abs=BOUND_DEG)

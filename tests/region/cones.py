@@ -7,8 +7,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+import kilter
 from kilter.analysis.judge import judge
-from kilter.analysis.regions.region import Region, find_region
+from kilter.analysis.regions.region import Region
 from kilter.assembly import Assembly
 from kilter.mechanics.program import build_program
 from kilter.scenes import arches, paper, rails, stacks, wedges
@@ -116,7 +117,7 @@ def disagreements(region: Region, asked: Array, margin: float = 1e-6) -> list[Ar
 def region_of(name: str) -> Region:
     """The region of a scene by its name here."""
     build = KINDS[name][1] if name in KINDS else MORE[name]
-    return find_region(build())
+    return kilter.region(build())
 
 
 BUILDERS = {name: entry[1] for name, entry in KINDS.items()} | MORE

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from cones import BUILDERS, directions, region_of, same_rays
 
-from kilter.analysis.regions.region import common_region, find_region
+import kilter
+from kilter.analysis.regions.region import common_region
 from kilter.contact import find_contacts
 from kilter.errors import InputError
 from kilter.mechanics.verification import verify_proof
@@ -77,7 +78,7 @@ def test_common_proofs_verify() -> None:
 
 def test_one_is_itself() -> None:
     assembly = wedges.corner_wedges()
-    assert same_rays(common_region([assembly]).rays, list(find_region(assembly).rays))
+    assert same_rays(common_region([assembly]).rays, list(kilter.region(assembly).rays))
 
 
 def test_none_given() -> None:

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 from cones import KINDS, MORE, directions, disagreements, region_of, same_rays, same_span
 
+import kilter
 from kilter.analysis.regions.polyhedral_cone import KINDS as ALL_KINDS
-from kilter.analysis.regions.region import find_region, region_answer
 from kilter.scenes import rails
 
 
 @pytest.mark.parametrize("name", KINDS)
 def test_closed_form(name: str) -> None:
     kind, build, lines, rays = KINDS[name]
-    region = find_region(build())
+    region = kilter.region(build())
     assert region.kind == kind
     assert same_span(region.lines, lines)
     assert same_rays(region.rays, rays)
@@ -40,7 +40,7 @@ def test_twenty_thousand_directions_one_by_one(name: str) -> None:
 @pytest.mark.parametrize("name", [*KINDS, *MORE])
 def test_the_answer_describes_itself(name: str) -> None:
     """Equations, facets, rays and lines of the JSON answer are one and the same cone."""
-    answer = region_answer(region_of(name))
+    answer = region_of(name).to_dict()
     lines, rays, equations, facets = (
         np.array(answer[key]).reshape(-1, 3) for key in ("lines", "rays", "equations", "facets")
     )
@@ -69,7 +69,7 @@ def test_planar_kinds() -> None:
     wanted = {"": "none", "-z": "ray", "-x +x": "line", "-x -z": "fan"}
     wanted |= {"-x +x -z": "half-plane", "-x +x -z +z": "plane"}
     for sides, kind in wanted.items():
-        region = find_region(rails.railed(sides, planar=True))
+        region = kilter.region(rails.railed(sides, planar=True))
         assert region.kind == kind
         assert np.abs(region.equations[:, 1]).max() == 1.0  # y, always
         assert np.abs(region.rays[:, 1]).max(initial=0.0) == 0.0
@@ -78,8 +78,8 @@ def test_planar_kinds() -> None:
 
 def test_grooves_of_many_angles() -> None:
     for angle in (5.0, 20.0, 45.0, 70.0, 85.0):
-        fan = find_region(rails.groove(angle))
+        fan = kilter.region(rails.groove(angle))
         assert (fan.kind, fan.half_angle_deg) == ("fan", pytest.approx(angle, abs=1e-9))
-        wedge = find_region(rails.groove(angle, ends=2))
+        wedge = kilter.region(rails.groove(angle, ends=2))
         assert (wedge.kind, wedge.half_angle_deg) == ("wedge", pytest.approx(angle, abs=1e-9))
-        assert find_region(rails.groove(angle, ends=1)).kind == "cone"
+        assert kilter.region(rails.groove(angle, ends=1)).kind == "cone"

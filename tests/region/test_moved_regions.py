@@ -6,7 +6,7 @@ from cones import BUILDERS, region_of, same_rays, same_span
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kilter.analysis.regions.region import find_region
+import kilter
 from kilter.rigid import quaternion_to_matrix
 from kilter.scenes.transform import as_single, moved, scaled
 
@@ -25,7 +25,7 @@ def test_rigid_motion_and_scale(name: str, seed: int, factor: float, distance: f
     random = np.random.default_rng(seed)
     turn = random.normal(size=4)
     other = scaled(moved(BUILDERS[name](), turn, random.normal(size=3) * distance), factor)
-    here, there = region_of(name), find_region(other)
+    here, there = region_of(name), kilter.region(other)
     matrix = quaternion_to_matrix(turn)
     assert there.kind == here.kind
     assert there.proved
@@ -39,7 +39,7 @@ def test_float32_keeps_the_kind(name: str, pose: int | None) -> None:
     assembly = BUILDERS[name]()
     if pose is not None and not assembly.planar:
         assembly = moved(assembly, *POSES[pose])
-    exact, rounded = find_region(assembly), find_region(as_single(assembly))
+    exact, rounded = kilter.region(assembly), kilter.region(as_single(assembly))
     assert rounded.kind == exact.kind
     blur = rounded.cone.blur
     assert blur < 2e-3
@@ -54,8 +54,8 @@ def test_float32_keeps_the_kind(name: str, pose: int | None) -> None:
 @pytest.mark.parametrize("name", ["tower", "corner-wedges", "groove"])
 def test_the_file_s_gravity_does_not_matter(name: str) -> None:
     assembly = BUILDERS[name]()
-    region = find_region(assembly)
+    region = kilter.region(assembly)
     for down in ([1, 2, 3], [0, 0, 1], [-1, 0, 1e-3]):
-        other = find_region(assembly.with_down(down))
+        other = kilter.region(assembly.with_down(down))
         assert other.kind == region.kind
         assert same_rays(other.rays, list(region.rays))

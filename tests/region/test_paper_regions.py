@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from cones import X, Z, same_rays
 
-from kilter.analysis.regions.region import find_region
+import kilter
 from kilter.scenes import paper
 
 MICRO = np.radians(1e-6)
@@ -20,7 +20,7 @@ def test_figures_11_and_12(
     angle: float, mass_a: float, mass_b: float, from_down: float, planar: bool
 ) -> None:
     assembly = paper.two_blocks_in_an_l(angle, mass_a=mass_a, mass_b=mass_b, planar=planar)
-    region = find_region(assembly)
+    region = kilter.region(assembly)
     assert region.kind == "ray"
     assert region.half_angle_deg == 0.0
     ray = region.rays[0]
@@ -32,29 +32,29 @@ def test_figures_11_and_12(
 @pytest.mark.parametrize("planar", [False, True])
 @pytest.mark.parametrize("stable", [False, True])
 def test_the_l_leans_as_far_as_it_is_turned(stable: bool, planar: bool) -> None:
-    region = find_region(paper.two_blocks_in_an_l(60.0, stable=stable, planar=planar))
+    region = kilter.region(paper.two_blocks_in_an_l(60.0, stable=stable, planar=planar))
     wanted = -Z if stable else np.array([-np.sin(np.pi / 3), 0, -0.5])
     assert np.linalg.norm(region.rays[0] - wanted) < MICRO
 
 
 @pytest.mark.parametrize("planar", [False, True])
 def test_figure_10_is_a_fan(planar: bool) -> None:
-    region = find_region(paper.figure_10(planar=planar))
+    region = kilter.region(paper.figure_10(planar=planar))
     assert region.kind == "fan"
     assert region.half_angle_deg == pytest.approx(45.0, abs=1e-9)
     assert same_rays(region.rays, [-X, -Z])
 
 
 def test_figure_1_has_the_orientation_b() -> None:
-    region = find_region(paper.figure_1())
-    turned = find_region(paper.figure_1("b"))
+    region = kilter.region(paper.figure_1())
+    turned = kilter.region(paper.figure_1("b"))
     assert not region.contains(-Z)
     assert turned.contains(-Z)
     assert region.kind == turned.kind == "ray"
 
 
 def test_figure_4_ends_in_the_region() -> None:
-    region = find_region(paper.figure_4())
+    region = kilter.region(paper.figure_4())
     downs = [paper.figure_4(k).down for k in (1, 2, 3)]
     assert region.contains(downs).tolist() == [False, False, True]
 
@@ -62,7 +62,7 @@ def test_figure_4_ends_in_the_region() -> None:
 @pytest.mark.parametrize("planar", [False, True])
 @pytest.mark.parametrize(("mass_a", "mass_b"), [(1.0, 1.0), (1.0, 2.0), (2.0, 1.0)])
 def test_the_trapped_wedge(mass_a: float, mass_b: float, planar: bool) -> None:
-    region = find_region(paper.trapped_wedge(mass_a=mass_a, mass_b=mass_b, planar=planar))
+    region = kilter.region(paper.trapped_wedge(mass_a=mass_a, mass_b=mass_b, planar=planar))
     most = np.arctan(mass_a / mass_b)
     assert region.kind == "fan"
     assert region.half_angle_deg == pytest.approx(np.degrees(most) / 2, abs=1e-6)
@@ -70,4 +70,4 @@ def test_the_trapped_wedge(mass_a: float, mass_b: float, planar: bool) -> None:
 
 
 def test_the_loop_of_figure_9() -> None:
-    assert find_region(paper.figure_9(planar=True)).kind == "plane"
+    assert kilter.region(paper.figure_9(planar=True)).kind == "plane"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cones import KINDS, MORE, region_of
 
-from kilter.analysis.regions.region import find_region
+import kilter
 from kilter.contact import find_contacts
 from kilter.files import from_dict, to_dict
 from kilter.mechanics.verification import proof_tolerance, verify_proof
@@ -38,7 +38,7 @@ def _count(region) -> int:
 
 
 def test_the_motion_of_a_facet_is_its_normal() -> None:
-    region = find_region(wedges.corner_wedges())
+    region = kilter.region(wedges.corner_wedges())
     for proof in region.found[0].proofs:
         if proof.about != "facet":
             continue
@@ -52,6 +52,6 @@ def test_the_motion_of_a_facet_is_its_normal() -> None:
 
 def test_facets_are_not_claimed_where_friction_may_hold() -> None:
     assembly = rails.railed("-x -z").with_friction(0.5)
-    region = find_region(assembly)
+    region = kilter.region(assembly)
     assert {proof.about for proof in region.proofs()} == {"ray"}
     assert any("friction left out" in text for text in region.warnings)

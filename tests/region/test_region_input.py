@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from kilter.analysis.regions.region import find_region, region_answer
+import kilter
 from kilter.analysis.regions.stable_cone import stable_cone
 from kilter.assembly import Assembly, Joint, Load, Part
 from kilter.contact import find_contacts
@@ -19,11 +19,11 @@ from kilter.shape.primitives import Box, Prism, Sphere
 
 def test_no_free_part() -> None:
     held = block("a", [0, 0, 0], [1, 1, 1], grounded=True)
-    region = find_region(Assembly([held]))
+    region = kilter.region(Assembly([held]))
     assert (region.kind, region.programs) == ("all", 0)
     assert region.contains([[1, 2, 3], [0, 0, 1]]).all()
     assert any("every part is held" in text for text in region.warnings)
-    flat = find_region(Assembly([held], planar=True))
+    flat = kilter.region(Assembly([held], planar=True))
     assert flat.kind == "plane"
     assert flat.equations.tolist() == [[0.0, 1.0, 0.0]]
 
@@ -31,7 +31,7 @@ def test_no_free_part() -> None:
 def test_loads_are_refused() -> None:
     assembly = dataclasses.replace(stacks.tower(2), loads=[Load("cube-1", force=[0, 0, -1])])
     with pytest.raises(InputError, match="loads are given"):
-        find_region(assembly)
+        kilter.region(assembly)
 
 
 def test_loads_on_held_parts_are_refused() -> None:
@@ -41,12 +41,12 @@ def test_loads_on_held_parts_are_refused() -> None:
 
 def test_nothing_held() -> None:
     with pytest.raises(InputError, match="nothing is held"):
-        find_region(Assembly([Part("a", Box([1, 1, 1]))]))
+        kilter.region(Assembly([Part("a", Box([1, 1, 1]))]))
 
 
 def test_a_part_that_touches_nothing() -> None:
     parts = [*stacks.tower(2).parts, Part("lost", Box([1, 1, 1]), Pose([9, 9, 9]))]
-    region = find_region(Assembly(parts))
+    region = kilter.region(Assembly(parts))
     assert region.kind == "none"
     assert region.proved
     assert any("touches nothing" in text and "'lost'" in text for text in region.warnings)
@@ -55,7 +55,7 @@ def test_a_part_that_touches_nothing() -> None:
 def test_a_joint_holds_every_direction() -> None:
     base = block("base", [0, 0, 0], [1, 1, 1], grounded=True)
     arm = block("arm", [5, 0, 0], [6, 1, 1])
-    region = find_region(Assembly([base, arm], joints=[Joint(("base", "arm"))]))
+    region = kilter.region(Assembly([base, arm], joints=[Joint(("base", "arm"))]))
     assert region.kind == "all"
     assert region.proved
     assert not any("touches nothing" in text for text in region.warnings)
@@ -65,28 +65,31 @@ def test_a_joint_and_a_contact() -> None:
     """Two cubes joined to one, on a table under the first alone: they tip, unless held."""
     base = block("base", [0, 0, -1], [1, 1, 0], grounded=True)
     cubes = [block("on", [0, 0, 0], [1, 1, 1]), block("off", [1, 0, 0], [1.5, 1, 1])]
-    region = find_region(Assembly([base, *cubes], joints=[Joint(("on", "off"))]))
+    region = kilter.region(Assembly([base, *cubes], joints=[Joint(("on", "off"))]))
     assert region.kind == "ray"
     assert np.allclose(region.rays, [[0, 0, -1]])
 
 
-def test_what_friction_and_round_parts_leave_out() -> None:
-    rough = find_region(stacks.tower(2, friction=0.5))
-    assert any("friction left out" in text for text in rough.warnings)
-    piled = find_region(rounds.three_cylinders())
+def test_what_is_left_out_is_said() -> None:
+    rough = stacks.tower(2, friction=0.5)
+    assert any("friction left out" in text for text in kilter.common_region([rough]).warnings)
+    counted = kilter.region(rough)
+    assert counted.friction
+    assert not any("left out" in text for text in counted.warnings)
+    piled = kilter.region(rounds.three_cylinders())
     assert not any("not modelled yet" in text for text in piled.warnings)
     ridge = Part("ridge", Prism([[0, 0], [-1, -1], [1, -1]], 2), grounded=True)
-    on_a_ridge = find_region(Assembly([ridge, Part("ball", Sphere(0.5), Pose([0, 0, 0.5]))]))
+    on_a_ridge = kilter.region(Assembly([ridge, Part("ball", Sphere(0.5), Pose([0, 0, 0.5]))]))
     assert any("not modelled yet" in text for text in on_a_ridge.warnings)
 
 
 def test_a_knife_edge_says_what_to_hold() -> None:
-    texts = [text for text in find_region(stacks.tower(2)).warnings if "knife edge" in text]
+    texts = [text for text in kilter.region(stacks.tower(2)).warnings if "knife edge" in text]
     assert len(texts) == 1
     assert "one direction only" in texts[0]
     assert "'cube-1', 'cube-2'" in texts[0]
-    assert not any("knife edge" in t for t in find_region(rails.railed("-x -y -z")).warnings)
-    flat = find_region(rails.railed("-x -z", planar=True))
+    assert not any("knife edge" in t for t in kilter.region(rails.railed("-x -y -z")).warnings)
+    flat = kilter.region(rails.railed("-x -z", planar=True))
     assert not any("knife edge" in text for text in flat.warnings)
 
 
@@ -96,7 +99,7 @@ def test_masses_far_apart() -> None:
         dataclasses.replace(part, mass=10.0 ** (4 * k))
         for k, part in enumerate(rails.railed("-x -y -z", count=3).parts)
     ]
-    region = find_region(Assembly(parts))
+    region = kilter.region(Assembly(parts))
     assert region.kind == "cone"
     assert region.proved
     assert region.cone.half_angle_deg == pytest.approx(35.264389682754654)
@@ -111,13 +114,13 @@ def test_progress_tells_of_each_program() -> None:
 
 
 def test_margin_and_answer() -> None:
-    region = find_region(rails.railed("-x -y -z"))
+    region = kilter.region(rails.railed("-x -y -z"))
     center = region.center
     half = np.radians(region.cone.half_angle_deg)
     assert region.contains(center, margin=0.999 * half)
     assert not region.contains(center, margin=1.001 * half)
     assert not region.contains([0, 0, 0])
-    answer = region_answer(region)
+    answer = region.to_dict()
     assert answer["exact"] is True
     assert answer["programs"] == region.programs
     assert answer["center"] == pytest.approx((-np.ones(3) / np.sqrt(3)).tolist())

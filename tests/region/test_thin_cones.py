@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from cones import KINDS, MORE, disagreements, region_of, same_rays
 
-from kilter.analysis.regions.region import find_region
+import kilter
 from kilter.assembly import Assembly, GivenContact
 from kilter.scenes import rails, stacks, wedges
 from kilter.scenes.pieces import block
 
 
 def test_a_hundred_plates_on_thin_seats() -> None:
-    region = find_region(rails.seats(100, angle=0.3))
+    region = kilter.region(rails.seats(100, angle=0.3))
     directions = np.random.default_rng(0).normal(size=(10_000, 3))
     assert not region.contains(directions).any()
     assert region.kind == "cone"
@@ -35,7 +35,7 @@ def test_ever_thinner(angle: float) -> None:
     base = block("base", [-1, -1, -2], [1, 1, -1], grounded=True)
     cube = block("cube", [-0.5, -0.5, -0.5], [0.5, 0.5, 0.5])
     contacts = [GivenContact(("base", "cube"), [-0.5 * n], n) for n in normals]
-    region = find_region(Assembly([base, cube], contacts=contacts, detect=False))
+    region = kilter.region(Assembly([base, cube], contacts=contacts, detect=False))
     assert region.kind == "cone"
     assert same_rays(region.rays, list(-normals), 1e-9)
     assert region.proved
@@ -44,7 +44,7 @@ def test_ever_thinner(angle: float) -> None:
 
 
 def test_twenty_wedges_with_a_cone_away_from_gravity() -> None:
-    region = find_region(wedges.corner_wedges(20))
+    region = kilter.region(wedges.corner_wedges(20))
     assert region.kind == "cone"
     assert not region.contains(region.assemblies[0].down)
     assert region.proved
@@ -53,9 +53,9 @@ def test_twenty_wedges_with_a_cone_away_from_gravity() -> None:
 @pytest.mark.slow
 def test_a_hundred_wedges() -> None:
     """Cut at random, they hold nowhere in a corner; filling a pit, they hold upright."""
-    nowhere = find_region(wedges.corner_wedges(100))
+    nowhere = kilter.region(wedges.corner_wedges(100))
     assert (nowhere.kind, nowhere.proved) == ("none", True)
-    found = find_region(rails.pit_wedges(30))
+    found = kilter.region(rails.pit_wedges(30))
     assert found.kind == "cone"
     assert found.contains([0, 0, -1])
     assert found.programs <= len(found.rays) + len(found.facets) + 12
@@ -71,5 +71,5 @@ def test_few_programs(name: str) -> None:
 def test_two_hundred_parts_in_seconds(build) -> None:
     """The aim is half a second on a free core; measured 0.03 s and 0.13 s."""
     started = time.perf_counter()
-    assert find_region(build()).proved
+    assert kilter.region(build()).proved
     assert time.perf_counter() - started < 30

@@ -152,7 +152,7 @@ def test_gravity_points_down_on_the_page(down: list[float]) -> None:
 @pytest.mark.parametrize("name", ["floating-block", "closed-frame", "corner-wedges", "channel",
                                   "paper-figure-10", "paper-figure-11", "tower"])  # fmt: skip
 def test_the_region_on_the_sphere_is_the_region(name: str) -> None:
-    region = kilter.find_region(scene(name))
+    region = kilter.region(scene(name))
     figure = draw_region(region)
     for axes, k in zip(figure.axes, (0, 1), strict=True):
         assert axes.get_xlim()[0] < -1, k
@@ -206,7 +206,7 @@ def test_a_notebook_shows_hostile_names_as_text() -> None:
 
 
 def test_answers_show_themselves_in_a_notebook() -> None:
-    region = kilter.find_region(scene("paper-figure-10"))
+    region = kilter.region(scene("paper-figure-10"))
     assert "fan" in region._repr_html_()
     assert "45°" in region._repr_html_()
     answer = kilter.orient(scene("paper-figure-11"))

@@ -112,10 +112,10 @@ def draw(
         assembly = read_assembly(file, reading)
         assembly, contacts = join_touching(assembly, reading, tolerance, progress)
         if what is What.REGION:
-            from kilter.analysis.regions.region import find_region
+            from kilter.analysis.regions.region import region as find
             from kilter.show.figures import draw_region
 
-            region = find_region(assembly, contacts, tolerance=tolerance, progress=progress)
+            region = find(assembly, contacts=contacts, tolerance=tolerance, progress=progress)
             found, warnings = region.kind, region.warnings
             figure = draw_region(region)
         else:

@@ -101,7 +101,7 @@ def _turned(
 ) -> tuple[Region | None, Orientation | None, bool]:
     """The stable region, the direction that is recommended, and whether none is, proved."""
     from kilter.analysis.check import check
-    from kilter.analysis.regions.region import find_region
+    from kilter.analysis.regions.region import region as find_region
     from kilter.analysis.turning.orientation import orient
 
     free = sum(not part.grounded for part in assembly.parts)
@@ -113,14 +113,11 @@ def _turned(
         return None, None, False
     try:
         if free <= NEAREST_PARTS:
-            answer = orient(assembly, contacts, progress=tell)
+            answer = orient(assembly, contacts=contacts, progress=tell)
             turned = check(assembly.with_down(answer.down), contacts=contacts, budget=budget)
-            from kilter.analysis.regions.friction_region import FrictionRegion
-
-            region = None if isinstance(answer.region, FrictionRegion) else answer.region
-            return region, _answered(turned, answer.sentence), answer.verdict == "none"
+            return answer.region, _answered(turned, answer.sentence), answer.verdict == "none"
         tell("stable region")
-        region = find_region(assembly, contacts)
+        region = find_region(assembly, contacts=contacts)
     except InputError as error:
         notes.append(f"other directions of gravity are not answered: {error.what}")
         return None, None, False

@@ -147,7 +147,7 @@ def margin(
     Limits are those of equilibrium forces: above them nothing holds, and the mechanism that
     starts there is named. Exit 0.
     """
-    from kilter.analysis.margins.margin import find_margin
+    from kilter.analysis.margins.margin import margin as find
 
     keep_apart(file, output)
     if not (math.isfinite(budget) and budget >= 0):
@@ -159,7 +159,7 @@ def margin(
         assembly = read_assembly(file, reading)
         tolerance = contact_tolerance(gap, angle, loose, clearance)
         assembly, contacts = join_touching(assembly, reading, tolerance, progress)
-        found = find_margin(
+        found = find(
             assembly,
             push=push,
             about=about,
@@ -258,8 +258,7 @@ def _worst_rows(margin: Margin) -> list[list[str]]:
 
 
 def _moving(margin: Margin, limit: object) -> str:
-    from kilter.analysis.margins.load_limit import Limit
-    from kilter.analysis.margins.margin_answers import starting
+    from kilter.analysis.margins.load_limit import Limit, starting
     from kilter.errors import some
 
     if not isinstance(limit, Limit) or limit.mechanism is None:

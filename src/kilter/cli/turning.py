@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from enum import StrEnum
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -29,10 +29,6 @@ from kilter.cli.output import Progress, as_json, emit, keep_apart, tell_warnings
 from kilter.cli.reading import contact_tolerance, read_assembly, reading_of
 from kilter.cli.reading import fasten as join_touching
 from kilter.errors import InputError
-
-if TYPE_CHECKING:
-    from kilter.analysis.regions.friction_region import FrictionRegion
-    from kilter.analysis.regions.region import Region
 
 __all__ = ["orient", "region"]
 
@@ -77,7 +73,7 @@ def orient(
 
     Exit 0 found, 1 none exists (then the nearest to stable, and what moves there), 4 undecided.
     """
-    from kilter.analysis.turning.friction_orientation import orient_with_friction as find
+    from kilter.analysis.turning.orientation import orient as find
 
     keep_apart(file, output)
     reading = reading_of(ground, floor, without, down, friction, units, density, fasten)
@@ -88,7 +84,7 @@ def orient(
         assembly, found = join_touching(assembly, reading, tolerance, progress)
         answer = find(
             assembly,
-            found,
+            contacts=found,
             tolerance=tolerance,
             method=method.value,
             progress=progress,
@@ -135,8 +131,8 @@ def region(
     With friction, those for which forces that hold it exist, between rays inside and facets
     outside; --common leaves friction out.
     """
-    from kilter.analysis.regions.friction_region import find_region_with_friction
     from kilter.analysis.regions.region import common_region
+    from kilter.analysis.regions.region import region as find
 
     if len(files) > 1 and not common:
         raise InputError(f"{len(files)} files are given", hint="add --common, or give one")
@@ -150,13 +146,10 @@ def region(
             join_touching(read_assembly(file, reading), reading, tolerance, progress)[0]
             for file in files
         ]
-        answer: Region | FrictionRegion
         if common:
             answer = common_region(assemblies, tolerance=tolerance, progress=progress)
         else:
-            answer = find_region_with_friction(
-                assemblies[0], tolerance=tolerance, progress=progress
-            )
+            answer = find(assemblies[0], tolerance=tolerance, progress=progress)
     tell_warnings(answer.warnings, quiet or json)
     if json:
         emit(as_json(answer.to_dict()), output)

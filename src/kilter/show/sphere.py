@@ -51,7 +51,7 @@ def draw_region(region: Region) -> Figure:
     Parameters
     ----------
     region : Region
-        What `kilter.find_region` found.
+        What `kilter.region` found.
 
     Returns
     -------
@@ -136,8 +136,8 @@ def _fill(axes: Axes, region: Region, camera: Camera) -> dict[str, Any]:
     points = u[..., None] * camera.right + v[..., None] * camera.up
     points = points + depth[..., None] * camera.towards
     inside = np.ones(x.shape)
-    if len(region.facets):
-        inside = (points @ region.facets.T).min(axis=-1)
+    if len(region.cone.facets):
+        inside = (points @ region.cone.facets.T).min(axis=-1)
     if (inside > 0).any():
         drawn = axes.contourf(x, y, inside, levels=[0.0, 2.0], colors=[FILL], zorder=1.5)
         drawn.set_clip_path(Circle((0, 0), 1.0, transform=axes.transData))
@@ -152,9 +152,9 @@ def _border(axes: Axes, region: Region, camera: Camera) -> dict[str, Any]:
     if region.dimension < 2:
         return {}
     flat_region = region.dimension == 2
-    normals = region.equations if flat_region else region.facets
+    normals = region.equations if flat_region else region.cone.facets
     for normal in normals:
-        circle = _arc(normal, region.facets)
+        circle = _arc(normal, region.cone.facets)
         _line(axes, circle, camera, BORDER, 3.4 if flat_region else 1.8)
     if not flat_region:
         return {}

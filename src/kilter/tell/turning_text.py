@@ -9,7 +9,6 @@ import numpy as np
 from kilter.tell.text import LISTED, joint_rows, moving_lines, table, vector
 
 if TYPE_CHECKING:
-    from kilter.analysis.regions.friction_region import FrictionRegion
     from kilter.analysis.regions.region import Region
     from kilter.analysis.turning.orientation import Orientation
 
@@ -75,13 +74,10 @@ def _nearest(answer: Orientation) -> list[list[str]]:
     ]
 
 
-def region_text(region: Region | FrictionRegion) -> str:
+def region_text(region: Region) -> str:
     """The answer of `kilter region`."""
-    from kilter.analysis.regions.friction_region import FrictionRegion
-
     head = KINDS[region.kind]
-    rubs = isinstance(region, FrictionRegion)
-    if rubs:
+    if region.friction:
         head = f"{HELD} {head.replace('stable', 'held')}"
     elif not region.exact:
         head = f"Without friction and contacts not modelled: {head[0].lower()}{head[1:]}"
@@ -92,7 +88,7 @@ def region_text(region: Region | FrictionRegion) -> str:
         rows.append(["center", f"{vector(region.center)}: the direction with the widest margin"])
     if half is not None:
         rows.append(["half angle", f"{half:.6g} deg, of the widest circular cone inside"])
-    if isinstance(region, FrictionRegion) and region.gap_deg is not None:
+    if region.gap_deg is not None:
         rows.append(
             ["gap", f"{region.gap_deg:.3g} deg at most between rays inside, facets outside"]
         )
@@ -106,7 +102,6 @@ def region_text(region: Region | FrictionRegion) -> str:
             rows.append([name if k == 0 else "", f"{vector(one)}{f'  ({what})' if k == 0 else ''}"])
         if len(vectors) > LISTED:
             rows.append(["", f"and {len(vectors) - LISTED} more (--json lists all)"])
-    if not isinstance(region, FrictionRegion):
-        rows += joint_rows(region.assemblies[0])
+    rows += joint_rows(region.assemblies[0])
     rows.append(["programs", f"{region.programs} solved"])
     return "\n".join([*lines, *table(rows, indent="")])

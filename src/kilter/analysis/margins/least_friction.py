@@ -9,10 +9,12 @@ between two walls), it tends to zero as forces grow without bound.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from kilter.analysis.judge import judge
+from kilter.analysis.margins.load_limit import starting
 from kilter.mechanics.certificate import ForceProof, MotionProof
 from kilter.mechanics.coulomb_cones import spread
 from kilter.mechanics.program import CONTACT, Program
@@ -56,6 +58,15 @@ class LeastFriction:
     forces: ForceProof
     mechanism: MotionProof | None
     programs: int
+
+    def to_dict(self, program: Program) -> dict[str, Any]:
+        """What lies around the least coefficient, as JSON data."""
+        return {
+            "lower": float(self.lower),
+            "attained": self.attained,
+            "residual": self.forces.residual,
+            "moves": starting(program, self.mechanism),
+        }
 
 
 def find_least_friction(program: Program) -> LeastFriction | None:

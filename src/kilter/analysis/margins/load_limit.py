@@ -17,15 +17,22 @@ constraints, 2001.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from kilter.arrays import Array
-from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
+from kilter.mechanics.certificate import (
+    ForceProof,
+    MotionProof,
+    check_forces,
+    check_motion,
+    part_sizes,
+)
 from kilter.mechanics.coulomb_cones import Spread, largest_load, spread
 from kilter.mechanics.program import Program
 
-__all__ = ["OUTSIDE", "UNLIMITED", "Limit", "find_limit", "with_more"]
+__all__ = ["OUTSIDE", "UNLIMITED", "Limit", "find_limit", "finite", "starting", "with_more"]
 
 
 TOLERANCES = (1e-10, 1e-12)
@@ -34,6 +41,8 @@ UNLIMITED = 1e6
 """Shares of a load above this count as unlimited."""
 OUTSIDE = -1e-7
 """A largest share below this says that none of a load is too little: it is not held as given."""
+MOVES = 1e-6
+"""A part moves in a mechanism where it is faster than this fraction of the fastest."""
 STEPS = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5)
 """How far above the limit a mechanism is proved, relative to it: the first that passes."""
 
@@ -59,6 +68,35 @@ class Limit:
     forces: ForceProof
     mechanism: MotionProof | None
     gap: float
+
+    def to_dict(self, program: Program) -> dict[str, Any]:
+        """The evidence as JSON data: how well forces balance, what moves, what lies between."""
+        return {
+            "residual": self.forces.residual,
+            "gap": finite(self.gap),
+            "moves": starting(program, self.mechanism),
+            "mechanism": None
+            if self.mechanism is None
+            else {
+                name: (self.mechanism.motion[k] + 0.0).tolist()
+                for k, name in enumerate(program.names)
+                if program.free[k]
+            },
+        }
+
+
+def finite(number: float) -> float | None:
+    """A number for JSON: null where it is infinite, never -0."""
+    return float(number) + 0.0 if np.isfinite(number) else None
+
+
+def starting(program: Program, mechanism: MotionProof | None) -> list[str]:
+    """Names of the parts that move in a mechanism."""
+    if mechanism is None:
+        return []
+    size = part_sizes(program, mechanism.motion, per_radius=False)
+    fast = size > MOVES * float(size.max(initial=0.0))
+    return [n for n, moves in zip(program.names, fast & program.free, strict=True) if moves]
 
 
 def with_more(program: Program, wrench: Array, share: float) -> Program:

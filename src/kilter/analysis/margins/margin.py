@@ -14,9 +14,10 @@ from typing import Any
 
 import numpy as np
 
+from kilter.analysis.answers import joints_answer
 from kilter.analysis.check import check
 from kilter.analysis.margins.least_friction import LeastFriction, find_least_friction
-from kilter.analysis.margins.load_limit import Limit, find_limit
+from kilter.analysis.margins.load_limit import Limit, find_limit, finite
 from kilter.analysis.margins.pushes import Push, find_weakest_push
 from kilter.analysis.margins.tilt import (
     TiltMargin,
@@ -36,7 +37,7 @@ from kilter.mechanics.coulomb_cones import spread
 from kilter.mechanics.program import Program, build_program
 from kilter.rigid import unit
 
-__all__ = ["PUSHED", "Margin", "find_margin"]
+__all__ = ["PUSHED", "Margin", "margin"]
 
 
 PUSHED = 20
@@ -45,7 +46,7 @@ ACROSS = 1e-9
 """A tilt axis is across gravity up to this cosine."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Margin:
     """How far an assembly is from falling.
 
@@ -98,16 +99,69 @@ class Margin:
     seconds: dict[str, float]
 
     def to_dict(self) -> dict[str, Any]:
-        """The answer as JSON data."""
-        from kilter.analysis.margins.margin_answers import margin_answer
+        """The answer as JSON data, that of ``kilter margin --json``."""
+        program, tilt, factor = self.program, self.tilt, self.load_factor
+        about, friction, down = self.about, self.friction, self.tilt_down
+        return {
+            "verdict": self.verdict.verdict,
+            "sentence": self.verdict.sentence,
+            "guarantee": self.verdict.guarantee,
+            "units": self.assembly.units,
+            "down": self.assembly.down.tolist(),
+            "joints": joints_answer(self.assembly),
+            "tilt_deg": self.tilt_deg,
+            "tilt_lower_deg": None if tilt is None else float(np.degrees(tilt.lower)),
+            "tilt_down": None if down is None else down.tolist(),
+            "tilt_limit": None if tilt is None else tilt.limit.to_dict(program),
+            "about": None
+            if about is None
+            else {"tilt_deg": finite(np.degrees(about[0])), "limit": _limit(program, about[1])},
+            "friction": None if friction is None else float(friction.value),
+            "friction_limit": None if friction is None else friction.to_dict(program),
+            "load_factor": None if factor is None else _interval(factor),
+            "load_factor_bracket": self._bracket(),
+            "load_limits": None if factor is None else [_limit(program, f) for f in factor],
+            "pushes": [push.to_dict(program) for push in self.pushes],
+            "uncertainty": None if self.uncertainty is None else self.uncertainty.to_dict(program),
+            "helps": [one.to_dict() for one in self.helps],
+            "warnings": list(self.warnings),
+            "seconds": self.seconds,
+        }
 
-        return margin_answer(self)
+    def _bracket(self) -> dict[str, list[float | None] | None] | None:
+        """Where the limits with sliding that does not dilate lie; None: it was not asked."""
+        if self.guaranteed is None or self.load_factor is None:
+            return None
+        sure, most = _interval(self.guaranteed), _interval(self.load_factor)
+        if most is None:
+            return {"least": None, "greatest": None}
+        inner = sure if sure is not None else [None, None]
+        return {"least": [most[0], inner[0]], "greatest": [inner[1], most[1]]}
+
+    def __repr__(self) -> str:
+        tilt = "none" if self.tilt_deg is None else f"{self.tilt_deg:.6g} deg"
+        mu = "none" if self.friction is None else f"{self.friction.value:.6g}"
+        return f"Margin({self.verdict.verdict}, tilt {tilt}, least friction {mu})"
 
 
-def find_margin(
+def _interval(factor: tuple[Limit | None, Limit | None]) -> list[float | None] | None:
+    """Least and greatest load factor; None where none is held."""
+    least, greatest = factor
+    return (
+        None
+        if least is None or greatest is None
+        else [finite(-least.value), finite(greatest.value)]
+    )
+
+
+def _limit(program: Program, limit: Limit | None) -> dict[str, Any] | None:
+    return None if limit is None else limit.to_dict(program)
+
+
+def margin(
     assembly: Assembly,
-    contacts: ContactSet | None = None,
     *,
+    contacts: ContactSet | None = None,
     push: Any = None,
     about: Any = None,
     pushed: list[str] | None = None,
@@ -149,7 +203,7 @@ def find_margin(
     Examples
     --------
     >>> from kilter.scenes import scene
-    >>> round(find_margin(scene("tower")).friction.value, 6)
+    >>> round(margin(scene("tower")).friction.value, 6)
     0.0
     """
     tell = progress or (lambda stage: None)

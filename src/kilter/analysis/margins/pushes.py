@@ -10,10 +10,11 @@ planes outside, and the direction of the hull's nearest facet is tried next, unt
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import OUTSIDE, Limit, find_limit
+from kilter.analysis.margins.load_limit import OUTSIDE, Limit, find_limit, finite
 from kilter.arrays import Array
 from kilter.mechanics.coulomb_cones import Spread, spread
 from kilter.mechanics.program import Program
@@ -53,6 +54,16 @@ class Push:
     lower: float
     limit: Limit
     programs: int
+
+    def to_dict(self, program: Program) -> dict[str, Any]:
+        """The push as JSON data."""
+        return {
+            "part": self.part,
+            "direction": self.direction.tolist(),
+            "force": finite(self.force),
+            "lower": finite(self.lower),
+            "limit": self.limit.to_dict(program),
+        }
 
 
 def find_push(

@@ -20,11 +20,11 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import UNLIMITED, find_limit
+from kilter.analysis.margins.load_limit import UNLIMITED, find_limit, finite
 from kilter.analysis.margins.tilt import (
     across_gravity,
     find_tilt_margin,
@@ -142,6 +142,30 @@ class Uncertainty:
     load_factor: tuple[float, float] | None
     corners: int
     worst: tuple[Array, Array] | None
+
+    def to_dict(self, program: Program) -> dict[str, Any]:
+        """The worst case and where it is, as JSON data."""
+        ranges, at = self.ranges, None
+        if self.worst is not None:
+            mass, shift = self.worst
+            at = {
+                name: {"mass_factor": float(mass[k]), "shift": (shift[k] + 0.0).tolist()}
+                for k, name in enumerate(program.names)
+                if program.free[k]
+            }
+        ends = self.load_factor
+        return {
+            "mass": list(ranges.mass),
+            "com": ranges.center,
+            "mu": list(ranges.mu),
+            "normal_deg": ranges.normal_deg,
+            "kind": self.kind,
+            "held": self.held,
+            "tilt_deg": self.tilt_deg,
+            "load_factor": None if ends is None else [finite(end) for end in ends],
+            "corners": self.corners,
+            "worst": at,
+        }
 
 
 def weakened(program: Program, ranges: Ranges) -> Program:

@@ -14,11 +14,11 @@ which it moves: the parts that drive it most are held in turn, and the margin fo
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import Limit, find_limit
+from kilter.analysis.margins.load_limit import Limit, find_limit, finite
 from kilter.analysis.margins.tilt import TiltMargin, find_tilt_margin, gravity_wrench
 from kilter.arrays import Array
 from kilter.mechanics.certificate import part_sizes
@@ -63,6 +63,16 @@ class Help:
     parts: tuple[str, ...]
     gain: float
     sentence: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """The change as JSON data."""
+        return {
+            "of": self.of,
+            "what": self.what,
+            "parts": list(self.parts),
+            "gain": finite(self.gain),
+            "sentence": self.sentence,
+        }
 
 
 def what_helps(

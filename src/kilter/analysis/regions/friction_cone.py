@@ -35,24 +35,23 @@ polaires, 1962.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from kilter.analysis.judge import judge
 from kilter.analysis.margins.tilt import gravity_wrench
-from kilter.analysis.regions.polyhedral_cone import Cone, make_cone
+from kilter.analysis.regions.polyhedral_cone import make_cone
 from kilter.analysis.regions.spherical import cone_around, edges_of, extreme_rays
-from kilter.analysis.regions.stable_cone import stable_cone
-from kilter.arrays import Array, Mask
+from kilter.analysis.regions.stable_cone import Proof, StableCone, stable_cone
+from kilter.arrays import Array
 from kilter.errors import InputError
-from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
+from kilter.mechanics.certificate import ForceProof, check_forces, check_motion
 from kilter.mechanics.coulomb_cones import Spread, gathered, nearest_load, pyramid, spread
 from kilter.mechanics.program import Program
+from kilter.rigid import frozen
 
-__all__ = ["GAP_DEG", "FrictionCone", "friction_cone"]
-
+__all__ = ["GAP_DEG", "friction_cone"]
 
 GAP_DEG = 0.1
 """How far apart the inner and the outer cone may be, where not given [deg]."""
@@ -74,55 +73,9 @@ PROGRAMS = 600
 """Conic programs after which the search ends with the gap that is left."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class FrictionCone:
-    """The directions of gravity with forces of equilibrium, enclosed.
-
-    Attributes
-    ----------
-    inner : Cone
-        Every direction in it is held, by sums of the forces of its rays.
-    facets : ndarray, shape (f, 3)
-        Unit inward normals of the outer cone: beyond one of them nothing is held.
-    gap : float
-        No direction of the outer cone is farther from the inner one [rad]; 0 where exact.
-    exact : bool
-    forces : tuple of (ndarray, ForceProof)
-        Rays, and what proves them.
-    motions : tuple of (ndarray, MotionProof)
-        Facets, and motions for directions at most `slack` beyond.
-    slack : float
-        [rad], part of `gap`.
-    programs : int
-    """
-
-    inner: Cone
-    facets: Array
-    gap: float
-    exact: bool
-    forces: tuple[tuple[Array, ForceProof], ...]
-    motions: tuple[tuple[Array, MotionProof], ...]
-    slack: float
-    programs: int
-
-    def held(self, directions: ArrayLike) -> Mask:
-        """Whether directions, shape (..., 3), are in the inner cone: proved to be held."""
-        return self.inner.contains(directions)
-
-    def excluded(self, directions: ArrayLike) -> Mask:
-        """Whether directions are beyond a facet: proved not to be held."""
-        given = np.asarray(directions, dtype=np.float64)
-        unit = given / np.linalg.norm(given, axis=-1, keepdims=True)
-        beyond = -(unit @ self.facets.T).min(axis=-1, initial=np.inf)
-        outside: Mask = beyond > np.sin(self.slack)
-        if self.exact:
-            outside = ~self.inner.contains(unit)
-        return outside
-
-
 def friction_cone(
     program: Program, *, gap_deg: float = GAP_DEG, progress: Callable[[str], None] | None = None
-) -> FrictionCone:
+) -> StableCone:
     """The directions of gravity that contacts with friction can hold.
 
     Parameters
@@ -145,7 +98,7 @@ def friction_cone(
     >>> from kilter.mechanics.program import build_program
     >>> block = stacks.block_on_slope(0.0, friction=0.5)
     >>> found = friction_cone(build_program(block, find_contacts(block)))
-    >>> found.inner.kind, bool(found.gap < np.radians(0.1))
+    >>> found.cone.kind, bool(found.gap < np.radians(0.1))
     ('cone', True)
     """
     if program.applied[program.free].any():
@@ -166,21 +119,19 @@ def friction_cone(
     return found
 
 
-def _exact(program: Program, progress: Callable[[str], None] | None) -> FrictionCone:
+def _exact(program: Program, progress: Callable[[str], None] | None) -> StableCone:
     rays = pyramid(program, 2)
     found = stable_cone(rays, progress=progress)
-    forces, motions = [], []
+    proofs = []
     for proof in found.proofs:
         turned = _toward(program, proof.down)
         certificate = proof.certificate
         if isinstance(certificate, ForceProof):
             own = check_forces(turned, *gathered(program, rays, certificate.forces))
-            forces.append((proof.down, own))
+            proofs.append(replace(proof, certificate=own))
         else:
-            motions.append((proof.vector, check_motion(turned, certificate.motion)))
-    return FrictionCone(
-        found.cone, found.cone.facets, 0.0, True, tuple(forces), tuple(motions), 0.0, found.programs
-    )
+            proofs.append(replace(proof, certificate=check_motion(turned, certificate.motion)))
+    return replace(found, proofs=tuple(proofs))
 
 
 def _toward(program: Program, down: Array) -> Program:
@@ -194,18 +145,18 @@ class _Search:
         self.program, self.progress = program, progress
         self.wide: Spread = spread(program)
         self.axes = np.array([gravity_wrench(program, axis) for axis in np.eye(3)])
-        self.rays: list[tuple[Array, ForceProof]] = []
-        self.facets: list[tuple[Array, MotionProof]] = []
+        self.rays: list[Proof] = []
+        self.facets: list[Proof] = []
         self.slack = 0.0
         self.seen = np.empty((0, 3))
         self.angle = np.empty(0)
-        self.between: list[tuple[Array, MotionProof] | None] = []
+        self.between: list[Proof | None] = []
         self.programs = 0
 
     @property
     def normals(self) -> Array:
         """Outward normals, shape (f, 3)."""
-        return np.array([normal for normal, _ in self.facets]).reshape(-1, 3)
+        return -np.array([facet.vector for facet in self.facets]).reshape(-1, 3)
 
     def cut(self, most: float) -> bool:
         """Cut off every extreme ray of the outer cone farther than this; whether there was one."""
@@ -232,7 +183,7 @@ class _Search:
         near = np.linalg.norm(self.seen - direction, axis=1)
         return int(near.argmin()) if len(near) and near.min() < INSIDE else None
 
-    def _project(self, direction: Array) -> tuple[float, tuple[Array, MotionProof] | None]:
+    def _project(self, direction: Array) -> tuple[float, Proof | None]:
         """Angle to the ray found nearest [rad], and the facet between, with their proofs."""
         from kilter.solvers.conic import solve_conic
 
@@ -258,19 +209,19 @@ class _Search:
         """The ray, moved inwards until forces prove it; None where they do not."""
         proof = check_forces(_toward(self.program, down), *forces)
         if proof.holds:
-            self.rays.append((down, proof))
+            self.rays.append(Proof("ray", down, down, proof))
             return down
-        middle: Array = np.sum([ray for ray, _ in self.rays] or [down], axis=0)
+        middle: Array = np.sum([ray.vector for ray in self.rays] or [down], axis=0)
         for pull in PULLED[1 if self.rays else 0 :]:
             moved: Array = down + pull * middle
             moved = moved / float(np.linalg.norm(moved))
             judged = judge(_toward(self.program, moved))
             if judged.stable and judged.forces is not None:
-                self.rays.append((moved, judged.forces))
+                self.rays.append(Proof("ray", moved, moved, judged.forces))
                 return moved
         return None
 
-    def _facet(self, base: Array, motion: Array) -> tuple[Array, MotionProof] | None:
+    def _facet(self, base: Array, motion: Array) -> Proof | None:
         """Outward normal of the facet of a motion, and the motion as a proof just beyond it."""
         program = self.program
         normal = (program.mass * program.free) @ motion[:, :3]
@@ -286,10 +237,10 @@ class _Search:
             proof = check_motion(_toward(program, down), motion)
             if proof.holds:
                 self.slack = max(self.slack, angle if on.any() else 0.0)
-                return normal, proof
+                return Proof("facet", -normal + 0.0, down, proof)
         return self._facet_anew(on, normal)
 
-    def _facet_anew(self, on: Array, normal: Array) -> tuple[Array, MotionProof] | None:
+    def _facet_anew(self, on: Array, normal: Array) -> Proof | None:
         """The facet of a motion that proves a direction a little farther out."""
         program = self.program
         for angle in FARTHER:
@@ -301,7 +252,7 @@ class _Search:
             other = other / float(np.linalg.norm(other))
             beyond = float(np.arcsin(min(float(other @ down), 1.0)))
             self.slack = max(self.slack, beyond if on.any() else 0.0)
-            return other, proof
+            return Proof("facet", -other + 0.0, down, proof)
         return None
 
     def _distance(self, direction: Array, rays: Array) -> float:
@@ -312,9 +263,9 @@ class _Search:
         near = np.linalg.norm(rays - direction, axis=1).min(initial=2.0)
         return float(2 * np.arcsin(min(float(near) / 2, 1.0)))
 
-    def answer(self) -> FrictionCone:
+    def answer(self) -> StableCone:
         """The cone between what was found."""
-        rays = np.array([ray for ray, _ in self.rays]).reshape(-1, 3)
+        rays = np.array([ray.vector for ray in self.rays]).reshape(-1, 3)
         inner = make_cone(*cone_around(rays, INSIDE), rays, INSIDE)
         normals = self.normals
         outer = extreme_rays(normals)
@@ -324,15 +275,14 @@ class _Search:
             sine = max(np.sin(min(distance[k], np.pi / 2)) for k in (first, second))
             widest = max(widest, float(np.arcsin(min(float(sine / np.cos(half)), 1.0))))
         gap = 0.0 if not len(outer) else min(widest + self.slack, np.pi)
-        return FrictionCone(
-            inner,
-            -normals + 0.0,
-            gap,
-            False,
-            tuple(self.rays),
-            tuple((-normal + 0.0, proof) for normal, proof in self.facets),
-            self.slack,
-            self.programs,
+        return StableCone(
+            cone=inner,
+            facets=frozen(-normals + 0.0),
+            proofs=(*self.rays, *self.facets),
+            programs=self.programs,
+            exact=False,
+            gap=gap,
+            slack=self.slack,
         )
 
 

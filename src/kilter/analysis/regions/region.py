@@ -1,9 +1,13 @@
 """Every stable orientation of an assembly, or of several at once.
 
-The stable cone (`kilter.analysis.regions.stable_cone`) with the assembly around it: what was found,
-in which contacts, what it does not know of, and proofs that a stranger can verify. For
-several assemblies the cones are intersected: a plan needs no reorientation where one
-direction is stable for every step of it.
+The directions of gravity with forces that hold the assembly: without friction those for which
+it is stable, found exactly (`kilter.analysis.regions.stable_cone`); with friction those that
+forces in Coulomb's cones can hold, between rays inside and facets outside
+(`kilter.analysis.regions.friction_cone`). Whether friction must hold there is asked of one
+direction at a time (`kilter.analysis.check`).
+
+For several assemblies the cones are intersected, friction left out: a plan needs no
+reorientation where one direction is stable for every step of it.
 """
 
 from __future__ import annotations
@@ -17,7 +21,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.analysis.answers import joints_answer
-from kilter.analysis.regions.common_region import common_proofs, intersection
+from kilter.analysis.regions.friction_cone import GAP_DEG, friction_cone
+from kilter.analysis.regions.intersection import common_proofs, intersection
 from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.region_words import further_forces, warnings_of
 from kilter.analysis.regions.stable_cone import Proof, StableCone, stable_cone
@@ -26,10 +31,10 @@ from kilter.assembly import Assembly
 from kilter.contact import ContactSet, Tolerance, find_contacts
 from kilter.errors import InputError
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
-from kilter.mechanics.program import build_program
-from kilter.mechanics.proof import make_proof
+from kilter.mechanics.program import Program, build_program
+from kilter.mechanics.proof import Evidence, make_proof
 
-__all__ = ["Region", "RegionProof", "common_region", "find_region", "region_answer"]
+__all__ = ["Region", "RegionProof", "common_region", "region"]
 
 Tell = Callable[[str], None]
 
@@ -47,7 +52,7 @@ class RegionProof:
         With gravity along the direction that is proved: the ray, either sign of the line, or
         a direction just outside.
     data : dict
-        For `kilter.mechanics.verification.verify_proof`.
+        For `kilter.verify`.
     """
 
     about: str
@@ -55,15 +60,30 @@ class RegionProof:
     assembly: Assembly
     data: dict[str, Any]
 
+    def __repr__(self) -> str:
+        return f"RegionProof(about={self.about!r}, vector={self.vector.tolist()})"
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Region:
     """Every stable direction of gravity, in the frame of the assembly.
 
+    Without friction (`friction` is False) a direction in it is stable. With friction a
+    direction in it has forces that hold it.
+
     Attributes
     ----------
     cone : Cone
-        Lines, rays, equations and facets.
+        Lines, rays and equations. With friction in space the inner cone: every direction in
+        it is held.
+    facets : ndarray, shape (f, 3)
+        Unit inward normals within the span: beyond one of them nothing is held. Those of
+        `cone`, or with friction in space of the outer cone.
+    friction : bool
+        Whether forces of friction were counted.
+    complete : bool
+        Whether no force was left out that might hold more: friction, or contacts of a kind
+        that is not modelled.
     assemblies : tuple of Assembly
         One, or those that share the region.
     contacts : tuple of ContactSet
@@ -71,13 +91,16 @@ class Region:
     found : tuple of StableCone
         The cone of each, with certificates.
     programs : int
-        How many linear programs were solved.
+        How many programs were solved.
     warnings : tuple of str
     seconds : dict
         Of each stage.
     """
 
     cone: Cone
+    facets: Array
+    friction: bool
+    complete: bool
     assemblies: tuple[Assembly, ...]
     contacts: tuple[ContactSet, ...]
     found: tuple[StableCone, ...]
@@ -111,28 +134,33 @@ class Region:
         return self.cone.equations
 
     @property
-    def facets(self) -> Array:
-        """Unit inward normals within the span, shape (f, 3)."""
-        return self.cone.facets
-
-    @property
     def half_angle_deg(self) -> float | None:
         """Half angle of the widest circular cone inside, within the span [deg]."""
         return self.cone.half_angle_deg
 
     @property
-    def exact(self) -> bool:
-        """Whether this is all of it.
-
-        False where friction, or contacts that are not modelled, could make it larger; then
-        every direction in it is stable, and more may be.
-        """
-        return not any(further_forces(contacts) for contacts in self.contacts)
-
-    @property
     def center(self) -> Array | None:
         """The recommended direction: the axis of the widest circular cone inside; or None."""
         return self.cone.center
+
+    @property
+    def exact(self) -> bool:
+        """Whether rays and facets are of one cone, the true one.
+
+        Where False every direction in it is still held, and more may be.
+        """
+        return self.complete and all(found.exact for found in self.found)
+
+    @property
+    def gap_deg(self) -> float | None:
+        """How far apart the inner and the outer cone may be [deg]; None where they are one."""
+        gaps = [found.gap for found in self.found if not found.exact]
+        return float(np.degrees(max(gaps))) if gaps else None
+
+    @property
+    def none(self) -> bool:
+        """Whether it is proved that no direction is held."""
+        return self.kind == "none" and self.complete and not self.gap_deg and self.proved
 
     @property
     def proved(self) -> bool:
@@ -153,30 +181,76 @@ class Region:
     def proofs(self, *, options: dict[str, Any] | None = None) -> list[RegionProof]:
         """A proof for every ray, line, facet and equation, as data.
 
-        Facets and equations are left out where friction, or contacts that are not modelled,
-        might hold what lies beyond them. For several assemblies a ray has a proof in each, a
-        facet in the first that does not hold beyond it.
+        Facets and equations are left out where forces that were not counted might hold what
+        lies beyond them. For several assemblies a ray has a proof in each, a facet in the
+        first that does not hold beyond it.
         """
-        certified = self._common() if len(self.assemblies) > 1 else self._own()
+        certified = [(proof, 0) for proof in self.found[0].proofs]
+        if len(self.assemblies) > 1:
+            certified = common_proofs(self.cone, self.assemblies, self.contacts)
         proofs = []
         for proof, k in certified:
+            if self.friction and not self.complete and isinstance(proof.certificate, MotionProof):
+                continue
             turned, contacts = self.assemblies[k].with_down(proof.down), self.contacts[k]
-            certificate = _certified(turned, contacts, proof)
+            program = self._program(turned, contacts)
+            certificate = self._certified(turned, contacts, proof)
             if certificate.holds:
-                program = build_program(turned, contacts).frictionless
-                data = make_proof(turned, contacts, program, certificate, options or {})
+                # forces in the cones of friction hold it; what must happen is another question
+                evidence = Evidence("open") if self.friction else None
+                data = make_proof(
+                    turned, contacts, program, certificate, options or {}, evidence=evidence
+                )
                 proofs.append(RegionProof(proof.about, proof.vector, turned, data))
         return proofs
 
-    def _own(self) -> list[tuple[Proof, int]]:
-        return [(proof, 0) for proof in self.found[0].proofs]
+    def _program(self, turned: Assembly, contacts: ContactSet) -> Program:
+        program = build_program(turned, contacts)
+        return program if self.friction else program.frictionless
 
-    def _common(self) -> list[tuple[Proof, int]]:
-        return common_proofs(self.cone, self.assemblies, self.contacts)
+    def _certified(
+        self, turned: Assembly, contacts: ContactSet, proof: Proof
+    ) -> ForceProof | MotionProof:
+        """A certificate judged again, on the program that a stranger will build."""
+        given = proof.certificate
+        if isinstance(given, ForceProof):
+            return check_forces(self._program(turned, contacts), given.forces, given.friction)
+        if self.friction:
+            return check_motion(build_program(turned, contacts), given.motion)
+        outer = build_program(turned, contacts, possible=True, sticking=True).frictionless
+        return check_motion(outer, given.motion)
 
     def to_dict(self) -> dict[str, Any]:
-        """The answer as JSON data."""
-        return region_answer(self)
+        """The answer as JSON data, that of ``kilter region --json``.
+
+        Examples
+        --------
+        >>> from kilter.scenes.rails import railed
+        >>> answer = region(railed("-z")).to_dict()
+        >>> answer["kind"], answer["rays"], answer["half_angle_deg"]
+        ('ray', [[0.0, 0.0, -1.0]], 0.0)
+        """
+        cone, center = self.cone, self.center
+        slack = max(found.slack for found in self.found)
+        return {
+            "kind": cone.kind,
+            "dimension": cone.dimension,
+            "lines": cone.lines.tolist(),
+            "rays": cone.rays.tolist(),
+            "equations": cone.equations.tolist(),
+            "facets": self.facets.tolist(),
+            "center": None if center is None else (center + 0.0).tolist(),
+            "half_angle_deg": cone.half_angle_deg,
+            "programs": self.programs,
+            "exact": self.exact,
+            "friction": self.friction,
+            "joints": joints_answer(self.assemblies[0]),
+            "gap_deg": self.gap_deg,
+            "proved": self.proved,
+            "accuracy_deg": float(np.degrees(max(cone.blur, slack))),
+            "warnings": list(self.warnings),
+            "seconds": {key: round(value, 6) for key, value in self.seconds.items()},
+        }
 
     def _repr_html_(self) -> str:
         """What a notebook shows."""
@@ -185,27 +259,23 @@ class Region:
         return region_html(self)
 
     def __str__(self) -> str:
-        half = self.cone.half_angle_deg
+        half = self.half_angle_deg
         width = "" if half is None else f", half angle {half:.6g} deg"
-        return f"{self.kind}{width}"
+        return f"{self.kind}{width}{', with friction' if self.friction else ''}"
+
+    def __repr__(self) -> str:
+        return f"Region({self})"
 
 
-def _certified(turned: Assembly, contacts: ContactSet, proof: Proof) -> ForceProof | MotionProof:
-    """A certificate judged again, on the program that a stranger will build."""
-    if isinstance(proof.certificate, ForceProof):
-        return check_forces(build_program(turned, contacts).frictionless, proof.certificate.forces)
-    outer = build_program(turned, contacts, possible=True, sticking=True).frictionless
-    return check_motion(outer, proof.certificate.motion)
-
-
-def find_region(
+def region(
     assembly: Assembly,
-    contacts: ContactSet | None = None,
     *,
+    contacts: ContactSet | None = None,
+    gap_deg: float = GAP_DEG,
     tolerance: Tolerance | None = None,
     progress: Tell | None = None,
 ) -> Region:
-    """Every direction of gravity for which the assembly stays together, without friction.
+    """Every direction of gravity for which the assembly stays together.
 
     Parameters
     ----------
@@ -213,6 +283,8 @@ def find_region(
         At least one part must be held.
     contacts : ContactSet, optional
         Found from the geometry where not given.
+    gap_deg : float
+        How far apart the inner and the outer cone may be, with friction in space [deg].
     tolerance : Tolerance, optional
         When faces count as touching.
     progress : callable, optional
@@ -225,35 +297,65 @@ def find_region(
 
     Examples
     --------
-    >>> from kilter.scenes import scene
-    >>> region = find_region(scene("paper-figure-10"))
-    >>> print(region)
-    fan, half angle 45 deg
-    >>> region.contains([[-1, 0, -1], [0, 0, 1]])
+    >>> from kilter.scenes import scene, stacks
+    >>> found = region(scene("paper-figure-10"))
+    >>> found
+    Region(fan, half angle 45 deg)
+    >>> found.contains([[-1, 0, -1], [0, 0, 1]])
     array([ True, False])
+    >>> rough = region(stacks.block_on_slope(0.0, friction=0.5))
+    >>> rough.exact, round(rough.half_angle_deg, 1), rough.gap_deg < 0.1
+    (False, 26.6, True)
     """
     assembly.require_grounded()
     started = time.perf_counter()
     if contacts is None:
         contacts = find_contacts(assembly, tolerance=tolerance, progress=progress)
-    program = build_program(assembly, contacts).frictionless
+    rubs = bool((contacts.patch_mu > 0).any())
+    return _region(assembly, contacts, rubs, gap_deg, started, progress)
+
+
+def _region(
+    assembly: Assembly,
+    contacts: ContactSet,
+    rubs: bool,
+    gap_deg: float,
+    started: float,
+    progress: Tell | None,
+) -> Region:
+    """The region of one assembly, with friction or without it."""
+    program = build_program(assembly, contacts)
+    program = program if rubs else program.frictionless
     between = time.perf_counter()
-    found = stable_cone(program, progress=progress)
+    if rubs:
+        found = friction_cone(program, gap_deg=gap_deg, progress=progress)
+    else:
+        found = stable_cone(program, progress=progress)
     seconds = {"contacts": between - started, "solve": time.perf_counter() - between}
-    warnings = warnings_of(assembly, contacts, program, found)
     return Region(
-        found.cone, (assembly,), (contacts,), (found,), found.programs, tuple(warnings), seconds
+        cone=found.cone,
+        facets=found.facets,
+        friction=rubs,
+        complete=not further_forces(contacts, rubs),
+        assemblies=(assembly,),
+        contacts=(contacts,),
+        found=(found,),
+        programs=found.programs,
+        warnings=tuple(warnings_of(assembly, contacts, program, found, gap_deg)),
+        seconds=seconds,
     )
 
 
 def common_region(
     assemblies: Sequence[Assembly],
-    contacts: Sequence[ContactSet] | None = None,
     *,
+    contacts: Sequence[ContactSet] | None = None,
     tolerance: Tolerance | None = None,
     progress: Tell | None = None,
 ) -> Region:
     """Every direction of gravity that is stable for all of a list of assemblies.
+
+    Friction is left out: the answer is on the safe side.
 
     Parameters
     ----------
@@ -262,12 +364,12 @@ def common_region(
     contacts : sequence of ContactSet, optional
         Of each assembly.
     tolerance, progress
-        As of `find_region`.
+        As of `region`.
 
     Raises
     ------
     InputError
-        If the list is empty, or as `find_region` does.
+        If the list is empty, or as `region` does.
 
     Examples
     --------
@@ -278,64 +380,37 @@ def common_region(
     if not assemblies:
         raise InputError("no assembly is given", hint="give at least one")
     given = list(contacts) if contacts is not None else [None for _ in assemblies]
-    regions = [
-        find_region(assembly, own, tolerance=tolerance, progress=progress)
-        for assembly, own in zip(assemblies, given, strict=True)
-    ]
+    regions = []
+    for assembly, own in zip(assemblies, given, strict=True):
+        assembly.require_grounded()
+        begun = time.perf_counter()
+        touching = own or find_contacts(assembly, tolerance=tolerance, progress=progress)
+        regions.append(_region(assembly, touching, False, GAP_DEG, begun, progress))
     started = time.perf_counter()
-    cone, programs = intersection([region.cone for region in regions], assemblies[0].down)
-    seconds = {key: sum(region.seconds[key] for region in regions) for key in regions[0].seconds}
+    cone, programs = intersection([one.cone for one in regions], assemblies[0].down)
+    seconds = {key: sum(one.seconds[key] for one in regions) for key in regions[0].seconds}
     seconds["solve"] += time.perf_counter() - started
     return Region(
-        cone,
-        tuple(region.assemblies[0] for region in regions),
-        tuple(region.contacts[0] for region in regions),
-        tuple(region.found[0] for region in regions),
-        programs + sum(region.programs for region in regions),
-        tuple(_common_warnings(cone, regions)),
-        seconds,
+        cone=cone,
+        facets=cone.facets,
+        friction=False,
+        complete=all(one.complete for one in regions),
+        assemblies=tuple(assemblies),
+        contacts=tuple(one.contacts[0] for one in regions),
+        found=tuple(one.found[0] for one in regions),
+        programs=programs + sum(one.programs for one in regions),
+        warnings=tuple(_common_warnings(cone, regions)),
+        seconds=seconds,
     )
 
 
 def _common_warnings(cone: Cone, regions: Sequence[Region]) -> list[str]:
     """Warnings of each, and that nothing is left."""
     warnings = [
-        f"{region.assemblies[0].source or f'assembly {k + 1}'}: {text}"
-        for k, region in enumerate(regions)
-        for text in region.warnings
+        f"{one.assemblies[0].source or f'assembly {k + 1}'}: {text}"
+        for k, one in enumerate(regions)
+        for text in one.warnings
     ]
-    if cone.kind == "none" and all(region.kind != "none" for region in regions):
+    if cone.kind == "none" and all(one.kind != "none" for one in regions):
         warnings.append("no direction is stable for all of them, though each has one of its own")
     return warnings
-
-
-def region_answer(region: Region) -> dict[str, Any]:
-    """The answer of `kilter region --json`.
-
-    Examples
-    --------
-    >>> from kilter.scenes.rails import railed
-    >>> answer = region_answer(find_region(railed("-z")))
-    >>> answer["kind"], answer["rays"], answer["half_angle_deg"]
-    ('ray', [[0.0, 0.0, -1.0]], 0.0)
-    """
-    cone = region.cone
-    center = cone.center
-    return {
-        "kind": cone.kind,
-        "dimension": cone.dimension,
-        "lines": cone.lines.tolist(),
-        "rays": cone.rays.tolist(),
-        "equations": cone.equations.tolist(),
-        "facets": cone.facets.tolist(),
-        "center": None if center is None else (center + 0.0).tolist(),
-        "half_angle_deg": cone.half_angle_deg,
-        "programs": region.programs,
-        "exact": region.exact,
-        "joints": joints_answer(region.assemblies[0]),
-        "gap_deg": None,
-        "proved": region.proved,
-        "accuracy_deg": float(np.degrees(cone.blur)),
-        "warnings": list(region.warnings),
-        "seconds": {key: round(value, 6) for key, value in region.seconds.items()},
-    }

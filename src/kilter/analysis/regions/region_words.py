@@ -26,22 +26,36 @@ MOVES = 0.01
 
 
 def warnings_of(
-    assembly: Assembly, contacts: ContactSet, program: Program, found: StableCone
+    assembly: Assembly, contacts: ContactSet, program: Program, found: StableCone, gap_deg: float
 ) -> list[str]:
-    """Warnings about a stable cone and its assembly, in words."""
-    warnings = [*remarks(assembly, contacts), *_inner(assembly, contacts)]
+    """Warnings about a stable cone and its assembly, in words.
+
+    Parameters
+    ----------
+    program : Program
+        What the cone was found of: with friction, or without it.
+    gap_deg : float
+        How far apart the inner and the outer cone were to be at most [deg].
+    """
+    rubs = bool(program.mu.any())
+    warnings = [*remarks(assembly, contacts), *_inner(assembly, contacts, rubs)]
     alone = touching_nothing(assembly, contacts)
     if alone:
         warnings.append(
             f"touches nothing, so it falls whatever the orientation: {some_names(alone)}"
         )
     whole = 2 if program.planar else 3
-    if 0 < found.cone.dimension < whole and not further_forces(contacts):
+    if not rubs and 0 < found.cone.dimension < whole and not further_forces(contacts, rubs):
         warnings.append(_knife_edge(program, found))
     if program.tolerance[program.free].max(initial=0.0) > TOLERANCE:
         warnings.append(
             "within the accuracy of the data: directions nearer to the boundary than "
             f"{np.degrees(found.cone.blur):.2g} deg count as on it"
+        )
+    if np.degrees(found.gap) > gap_deg:
+        warnings.append(
+            f"the inner and the outer cone are up to {np.degrees(found.gap):.2g} deg apart,"
+            f" more than the {gap_deg:g} asked for"
         )
     missing = sum(not proof.certificate.holds for proof in found.proofs)
     if missing:
@@ -51,15 +65,16 @@ def warnings_of(
     return warnings
 
 
-def further_forces(contacts: ContactSet) -> bool:
-    """Whether friction or contacts that are not modelled could hold more."""
-    return bool((contacts.patch_mu > 0).any()) or len(contacts.possible) > 0
+def further_forces(contacts: ContactSet, rubs: bool) -> bool:
+    """Whether contacts not modelled, or friction unless it is counted (`rubs`), may hold more."""
+    friction = not rubs and bool((contacts.patch_mu > 0).any())
+    return friction or len(contacts.possible) > 0 or len(contacts.unsupported) > 0
 
 
-def _inner(assembly: Assembly, contacts: ContactSet) -> list[str]:
+def _inner(assembly: Assembly, contacts: ContactSet, rubs: bool) -> list[str]:
     """What could make the region larger."""
     why = []
-    if (contacts.patch_mu > 0).any():
+    if not rubs and (contacts.patch_mu > 0).any():
         why.append("friction")
     if contacts.unsupported:
         pairs = [
@@ -68,8 +83,9 @@ def _inner(assembly: Assembly, contacts: ContactSet) -> list[str]:
         why.append(f"contacts of a kind that is not modelled yet ({some(pairs)})")
     if not why:
         return []
+    word = "held" if rubs else "stable"
     return [
-        f"{' and '.join(why)} left out: every direction found is stable, and more may be,"
+        f"{' and '.join(why)} left out: every direction found is {word}, and more may be,"
         " since further forces can only help"
     ]
 

@@ -21,7 +21,7 @@ exact scene within the accuracy of its data, and directions nearer to its bounda
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import csc_array
@@ -59,22 +59,35 @@ class Proof:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StableCone:
-    """The stable cone of a program; world frame.
+    """The directions of gravity that hold a program, enclosed; world frame.
 
     Attributes
     ----------
     cone : Cone
+        Every direction in it is held, by sums of the forces of its rays.
+    facets : ndarray, shape (f, 3)
+        Unit inward normals: beyond one of them nothing is held. Those of `cone` where `exact`.
     proofs : tuple of Proof
         Forces for every ray and both signs of every line; a motion for a direction just
         outside of every facet and for both sides of every equation (but that of the plane
         of a planar program).
     programs : int
-        How many linear programs were solved.
+        How many programs were solved.
+    exact : bool
+        Whether rays and facets are of one cone.
+    gap : float
+        No direction within the facets is farther from the cone [rad]; 0 where exact.
+    slack : float
+        How far beyond its facet, at most, the direction of a motion lies [rad]; part of `gap`.
     """
 
     cone: Cone
+    facets: Array
     proofs: tuple[Proof, ...]
     programs: int
+    exact: bool = True
+    gap: float = 0.0
+    slack: float = 0.0
 
     @property
     def proved(self) -> bool:
@@ -122,7 +135,8 @@ def stable_cone(program: Program, *, progress: Callable[[str], None] | None = No
     across = np.array([[0.0, 1.0, 0.0]]) if program.planar else np.empty((0, 3))
     blur = REACH * float(program.tolerance[program.free].max(initial=TOLERANCE))
     if not program.free.any():
-        return StableCone(make_cone(across, np.empty((0, 3)), np.empty((0, 3)), blur), (), 0)
+        cone = make_cone(across, np.empty((0, 3)), np.empty((0, 3)), blur)
+        return StableCone(cone, cone.facets, (), 0)
     problem = scaled(program)
     coarse = blur > REACH * TOLERANCE
     best: StableCone | None = None
@@ -135,7 +149,7 @@ def stable_cone(program: Program, *, progress: Callable[[str], None] | None = No
         if best.proved:
             break
     assert best is not None
-    return StableCone(best.cone, best.proofs, programs)
+    return replace(best, programs=programs)
 
 
 def _held(found: StableCone) -> float:
@@ -168,7 +182,7 @@ def _at_price(
         blur,
     )
     proofs = (*_stable(problem, cone, grown, oracle), *_unstable(problem, cone, grown))
-    return StableCone(cone, proofs, oracle.programs)
+    return StableCone(cone, cone.facets, proofs, oracle.programs)
 
 
 def _loads(problem: Scaled) -> tuple[csc_array, Array]:

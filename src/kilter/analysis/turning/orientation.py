@@ -1,13 +1,15 @@
 """Problem 2 answered in full: the stable orientation with the widest margin, or the nearest.
 
-The stable cone says which directions of gravity are stable and which of them lies farthest from
-the boundary. The verdict there is proved anew by contact forces. Where the cone is empty, one
-motion a facet of the diamond proves that no direction is stable: it gains energy at every
-corner of the facet, hence everywhere on it. Then the nearest direction is given.
+The region says which directions of gravity are stable, or with friction have forces that hold
+it, and which of them lies farthest from the boundary. The verdict there is proved anew by
+contact forces. Where the cone without friction is empty, one motion a facet of the diamond
+proves that no direction is stable: it gains energy at every corner of the facet, hence
+everywhere on it. Then the nearest direction without friction is given.
 
-The cone is that of the frictionless contacts that are modelled; more contacts and friction can
-only make it wider. So a direction that is found is stable; where none is found and such
-contacts exist, "none" is asked again with every force they might bring, else it is undecided.
+The region is that of the contacts that are modelled; more contacts can only make it wider. So
+a direction that is found is held; where none is found and such contacts exist, or the region
+with friction does not prove that it is empty, "none" is asked again with every force they
+might bring, else it is undecided.
 
 References
 ----------
@@ -18,13 +20,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from kilter.analysis.answers import joints_answer
 from kilter.analysis.check import check
 from kilter.analysis.judge import Judgement, judge
+from kilter.analysis.regions.polyhedral_cone import Cone
+from kilter.analysis.regions.region import Region, region
+from kilter.analysis.regions.stable_cone import stable_cone
 from kilter.analysis.turning.facet_program import Joint, joint
 from kilter.analysis.turning.nearest import Method, Nearest, NearestDirection, nearest, turned
 from kilter.analysis.verdict import Verdict
@@ -34,21 +39,9 @@ from kilter.contact import ContactSet, Tolerance, find_contacts
 from kilter.errors import InputError
 from kilter.mechanics.certificate import check_motion
 from kilter.mechanics.program import Program, build_program
-from kilter.rigid import rotation_between
+from kilter.rigid import frozen, rotation_between
 
-if TYPE_CHECKING:
-    from kilter.analysis.regions.friction_region import FrictionRegion
-    from kilter.analysis.regions.region import Region
-
-__all__ = [
-    "Orientation",
-    "candidate_directions",
-    "least_turn",
-    "orient",
-    "orient_answer",
-    "require_turnable",
-    "tilt_margin_deg",
-]
+__all__ = ["Orientation", "orient"]
 
 Word = Literal["found", "none", "undecided"]
 
@@ -73,6 +66,9 @@ class Orientation:
     tilt_margin_deg : float or None
         From `down` to the nearest direction that is not stable; 0 where the region is thinner
         than space (than the plane, if planar); None where none was found.
+    friction : bool
+        Whether forces of friction were counted: what is found then has forces that hold it,
+        and `check` tells what friction guarantees there.
     z : float
         LP (9) at `down`, gravity of length 1 (2-norm, as in `check`) [kg x length unit].
     instability : float
@@ -96,6 +92,7 @@ class Orientation:
     down: Array
     rotation: Array
     tilt_margin_deg: float | None
+    friction: bool
     z: float
     instability: float
     nearest: Nearest | None
@@ -103,7 +100,7 @@ class Orientation:
     programs: int
     judgement: Judgement
     check: Verdict | None
-    region: Region | FrictionRegion
+    region: Region
     warnings: tuple[str, ...]
 
     @property
@@ -111,14 +108,36 @@ class Orientation:
         """Whether `down` is stable, proved by forces."""
         return self.verdict == "found"
 
-    @property
-    def undecided(self) -> bool:
-        """Whether neither was proved: a stable direction, or that there is none."""
-        return self.verdict == "undecided"
-
     def to_dict(self) -> dict[str, Any]:
-        """The answer as JSON data."""
-        return orient_answer(self)
+        """The answer as JSON data, that of ``kilter orient --json``."""
+        near, verdict, forces = self.nearest, self.check, self.judgement.forces
+        half = self.region.half_angle_deg
+        return {
+            "verdict": self.verdict,
+            "found": self.found,
+            "sentence": self.sentence,
+            "down": self.down.tolist(),
+            "rotation": self.rotation.tolist(),
+            "tilt_margin_deg": self.tilt_margin_deg,
+            "friction": self.friction,
+            "residual": forces.residual if self.found and forces is not None else None,
+            "z": self.z,
+            "instability": self.instability,
+            "units": self.assembly.units,
+            "joints": joints_answer(self.assembly),
+            "parts": [] if verdict is None else verdict.to_dict()["parts"],
+            "region": {"kind": self.region.kind, "half_angle_deg": half},
+            "nearest": None
+            if near is None
+            else {
+                "diamond": _direction(near.diamond),
+                "sphere": _direction(near.sphere),
+                "kappa": {**_direction(near.kappa), "bound": near.kappa.bound},
+            },
+            "method": self.method,
+            "programs": self.programs,
+            "warnings": list(self.warnings),
+        }
 
     def _repr_html_(self) -> str:
         """What a notebook shows."""
@@ -129,16 +148,23 @@ class Orientation:
     def __str__(self) -> str:
         return self.sentence
 
+    def __repr__(self) -> str:
+        margin = self.tilt_margin_deg
+        width = "" if margin is None else f", tilt margin {margin:.6g} deg"
+        return f"Orientation({self.verdict}, down {_words(self.down)}{width})"
+
 
 def orient(
     assembly: Assembly,
-    contacts: ContactSet | None = None,
     *,
+    contacts: ContactSet | None = None,
     tolerance: Tolerance | None = None,
     method: Method = "joint",
     progress: Callable[[str], None] | None = None,
 ) -> Orientation:
     """How could the assembly be turned so that it stays together?
+
+    With friction: so that forces that hold it exist, in the middle of those directions.
 
     Parameters
     ----------
@@ -160,36 +186,37 @@ def orient(
 
     Examples
     --------
-    >>> from kilter.scenes import scene
-    >>> answer = orient(scene("paper-figure-11"))
-    >>> answer.verdict, np.round(answer.down, 6) + 0.0
-    ('found', array([-0.707107,  0.      , -0.707107]))
+    >>> from kilter.scenes import scene, stacks
+    >>> orient(scene("paper-figure-11"))
+    Orientation(found, down (-0.707107, 0, -0.707107), tilt margin 0 deg)
+    >>> round(orient(stacks.block_on_slope(40.0, friction=0.5)).tilt_margin_deg, 1)
+    26.6
     """
-    from kilter.analysis.regions.region import find_region
-
     tell = progress or (lambda stage: None)
-    require_turnable(assembly, method)
+    _require_turnable(assembly, method)
     if contacts is None:
         contacts = find_contacts(assembly, tolerance=tolerance, progress=progress)
-    program = build_program(assembly, contacts).frictionless
+    program = build_program(assembly, contacts)
     tell("stable region")
-    region = find_region(assembly, contacts=contacts)
+    every = region(assembly, contacts=contacts, progress=progress if program.mu.any() else None)
     tell("orientation")
-    for direction in candidate_directions(program, region):
-        judgement = judge(turned(program, direction))
-        if judgement.stable:
-            return _found(assembly, program, region, direction, judgement, method)
-    best = joint(program, every=True)
-    judgement = judge(turned(program, best.gravity))
+    smooth = program.frictionless
+    for turned_program, cone in _sides(program, every):
+        for direction in _candidate_directions(program, cone):
+            judgement = judge(turned(turned_program, direction))
+            if judgement.stable:
+                return _found(program, every, direction, judgement, method)
+    best = joint(smooth, every=True)
+    judgement = judge(turned(smooth, best.gravity))
     if judgement.stable:
-        return _found(assembly, program, region, best.gravity, judgement, method)
+        return _found(program, every, best.gravity, judgement, method)
     tell("nearest to stable")
-    near = nearest(program, method=method, solved=best)
-    why = _open_questions(assembly, contacts, program, best)
-    return _not_found(assembly, contacts, region, judgement, near, method, why)
+    near = nearest(smooth, method=method, solved=best)
+    why = [] if every.friction and every.none else _open_questions(contacts, every, smooth, best)
+    return _not_found(every, judgement, near, method, why)
 
 
-def require_turnable(assembly: Assembly, method: str) -> None:
+def _require_turnable(assembly: Assembly, method: str) -> None:
     """Refuse what is not held, or has loads, which do not turn."""
     if method not in ("joint", "walk"):
         raise InputError(f"there is no method {method!r}", hint="give 'joint' or 'walk'")
@@ -203,79 +230,96 @@ def require_turnable(assembly: Assembly, method: str) -> None:
         )
 
 
-def candidate_directions(program: Program, region: Region | FrictionRegion) -> Iterator[Array]:
-    """Directions that the region holds for stable, the one with the widest margin first."""
+def _sides(program: Program, every: Region) -> Iterator[tuple[Program, Cone]]:
+    """The program and its cone; with friction also without it, whose forces hold as well."""
+    yield (program if every.friction else program.frictionless), every.cone
+    if every.friction:
+        yield program.frictionless, stable_cone(program.frictionless).cone
+
+
+def _candidate_directions(program: Program, cone: Cone) -> Iterator[Array]:
+    """Directions that a cone holds for stable, the one with the widest margin first."""
     down = program.gravity / float(np.linalg.norm(program.gravity))
-    if region.center is not None:
-        yield np.asarray(region.center)
-    elif len(region.lines):  # a line, a plane, all: as near to gravity as it goes
-        lines = np.asarray(region.lines)
-        along = lines.T @ (lines @ down)
+    center = cone.center
+    if center is not None:
+        yield center
+    elif len(cone.lines):  # a line, a plane, all: as near to gravity as it goes
+        along = cone.lines.T @ (cone.lines @ down)
         # rounding of an exact zero must not become a direction
         length = float(np.linalg.norm(along))
-        yield down if region.kind == "all" else along / length if length > 1e-9 else lines[0]
-        yield from lines
-    yield from np.asarray(region.rays).reshape(-1, 3)
+        yield down if cone.kind == "all" else along / length if length > 1e-9 else cone.lines[0]
+        yield from cone.lines
+    yield from cone.rays
 
 
 def _found(
-    assembly: Assembly,
-    program: Program,
-    region: Region,
-    direction: Array,
-    judgement: Judgement,
-    method: Method,
+    program: Program, every: Region, direction: Array, judgement: Judgement, method: Method
 ) -> Orientation:
+    """The answer where a direction was proved to have forces that hold it."""
+    assembly, contacts = every.assemblies[0], every.contacts[0]
     down = direction / float(np.linalg.norm(direction)) + 0.0
-    margin = tilt_margin_deg(program, region, down)
+    margin = _tilt_margin_deg(program, every, down)
+    z = instability = 0.0
+    if every.friction:
+        verdict = check(assembly.with_down(down), contacts=contacts, budget=0.0)
+        z, instability = verdict.displacement.z, verdict.motion.instability
     return Orientation(
         verdict="found",
-        sentence=f"Stable with gravity along {_words(down)} of the assembly's frame: "
-        f"{_tilt_words(margin, region)}.",
+        sentence=_sentence(every, down, margin),
         assembly=assembly,
-        down=down,
-        rotation=least_turn(assembly, down),
+        down=frozen(down),
+        rotation=frozen(_least_turn(assembly, down)),
         tilt_margin_deg=margin,
-        z=0.0,
-        instability=0.0,
+        friction=every.friction,
+        z=z,
+        instability=instability,
         nearest=None,
         method=method,
-        programs=region.programs,
+        programs=every.programs,
         judgement=judgement,
         check=None,
-        region=region,
-        warnings=region.warnings,
+        region=every,
+        warnings=every.warnings,
     )
 
 
-def tilt_margin_deg(program: Program, region: Region | FrictionRegion, down: Array) -> float:
+def _sentence(every: Region, down: Array, margin: float) -> str:
+    """What is found, in words."""
+    if not every.friction:
+        words = _tilt_words(margin, every)
+        return f"Stable with gravity along {_words(down)} of the assembly's frame: {words}."
+    x, y, z = (f"{round(float(c), 6) + 0.0:g}" for c in down)
+    turn = "any turn keeps them" if margin >= 180 else f"a tilt by {margin:.4g} degrees keeps them"
+    return (
+        f"Forces that hold it exist with gravity along {_words(down)} of the assembly's frame, and"
+        f" {turn}; 'kilter check --down {x} {y} {z}' tells what friction guarantees there."
+    )
+
+
+def _tilt_margin_deg(program: Program, every: Region, down: Array) -> float:
     """Angle from `down` to the boundary of the region [deg]; 0 where the region is thin."""
-    if region.dimension < (2 if program.planar else 3):
+    if every.dimension < (2 if program.planar else 3):
         return 0.0
-    if not len(region.cone.facets):
+    if not len(every.cone.facets):
         return 180.0
-    return float(np.degrees(np.arcsin(np.clip((region.cone.facets @ down).min(), 0.0, 1.0))))
+    return float(np.degrees(np.arcsin(np.clip((every.cone.facets @ down).min(), 0.0, 1.0))))
 
 
 def _not_found(
-    assembly: Assembly,
-    contacts: ContactSet,
-    region: Region,
-    judgement: Judgement,
-    near: Nearest,
-    method: Method,
-    why: list[str],
+    every: Region, judgement: Judgement, near: Nearest, method: Method, why: list[str]
 ) -> Orientation:
     """The answer where no direction was proved stable; `why` it may be undecided."""
+    assembly = every.assemblies[0]
     down = near.diamond.direction
-    verdict = check(assembly.with_down(down), contacts=contacts)
+    verdict = check(assembly.with_down(down), contacts=every.contacts[0])
     # the region has named the parts that touch nothing
     more = [text for text in verdict.warnings if not text.startswith("touches nothing")]
     if why:
         sentence = f"Undecided: {'; '.join(why)}."
     else:
+        first = "is held, not even with friction; without it" if every.friction else "is stable;"
         sentence = (
-            f"No orientation is stable; the nearest has gravity along {_words(down)} of the "
+            f"No orientation {first} the nearest has gravity along {_words(down)} of the "
             "assembly's frame, and here is what moves there."
         )
     return Orientation(
@@ -283,22 +327,23 @@ def _not_found(
         sentence=sentence,
         assembly=assembly,
         down=down,
-        rotation=least_turn(assembly, down),
+        rotation=frozen(_least_turn(assembly, down)),
         tilt_margin_deg=None,
+        friction=every.friction,
         z=verdict.displacement.z,
         instability=verdict.motion.instability,
         nearest=near,
         method=method,
-        programs=region.programs + near.programs,
+        programs=every.programs + near.programs,
         judgement=judgement,
         check=verdict,
-        region=region,
-        warnings=tuple(dict.fromkeys([*region.warnings, *more])),
+        region=every,
+        warnings=tuple(dict.fromkeys([*every.warnings, *more])),
     )
 
 
 def _open_questions(
-    assembly: Assembly, contacts: ContactSet, program: Program, best: Joint
+    contacts: ContactSet, every: Region, program: Program, best: Joint
 ) -> list[str]:
     """What keeps "no direction is stable" from being proved; nothing where it is proved."""
     if not _none_is_stable(program, best):
@@ -306,13 +351,14 @@ def _open_questions(
             "the numbers carry neither a proof that a direction is stable nor that none is "
             f"(best z = {best.z:.2g} of a mass of {float(program.mass[program.free].sum()):.2g} kg)"
         ]
+    assembly = every.assemblies[0]
     outer = build_program(assembly, contacts, possible=True, sticking=True).frictionless
     if len(outer.part_a) == len(program.part_a):
         return []
     if _none_is_stable(outer, joint(outer, every=True)):
         return []
     why = []
-    if (contacts.patch_mu > 0).any():
+    if every.friction:
         why.append("without friction no orientation is stable, and friction could hold one")
     if contacts.unsupported:
         why.append("contacts of a kind that is not modelled yet could hold it")
@@ -330,7 +376,7 @@ def _none_is_stable(program: Program, best: Joint) -> bool:
     return True
 
 
-def least_turn(assembly: Assembly, down: Array) -> Array:
+def _least_turn(assembly: Assembly, down: Array) -> Array:
     """The least turn that takes `down` to the gravity of the file, shape (4,)."""
     opposite = float(np.linalg.norm(down + assembly.down)) < OPPOSITE
     if assembly.planar and opposite:
@@ -343,46 +389,18 @@ def _words(direction: Array) -> str:
     return f"({x:g}, {y:g}, {z:g})"
 
 
-def _tilt_words(margin: float, region: Region) -> str:
+def _tilt_words(margin: float, every: Region) -> str:
     """How far it may tilt from there, and within what."""
     if margin >= 180.0:
         words = "it may be turned in any way"
     elif margin > 0:
         words = f"it may tilt by {margin:.4g} degrees"
-    elif region.dimension > 1:
-        half = region.half_angle_deg
-        words = f"it may tilt by {half:.4g} degrees within the {region.kind}, not out of it"
+    elif every.dimension > 1:
+        half = every.half_angle_deg
+        words = f"it may tilt by {half:.4g} degrees within the {every.kind}, not out of it"
     else:
         words = "it may not tilt at all"
-    return words if region.exact else f"without friction {words}"
-
-
-def orient_answer(orientation: Orientation) -> dict[str, Any]:
-    """The answer of `kilter orient --json`."""
-    near, verdict = orientation.nearest, orientation.check
-    return {
-        "verdict": orientation.verdict,
-        "found": orientation.found,
-        "sentence": orientation.sentence,
-        "down": orientation.down.tolist(),
-        "rotation": orientation.rotation.tolist(),
-        "tilt_margin_deg": orientation.tilt_margin_deg,
-        "z": orientation.z,
-        "instability": orientation.instability,
-        "units": orientation.assembly.units,
-        "joints": joints_answer(orientation.assembly),
-        "parts": [] if verdict is None else verdict.to_dict()["parts"],
-        "nearest": None
-        if near is None
-        else {
-            "diamond": _direction(near.diamond),
-            "sphere": _direction(near.sphere),
-            "kappa": {**_direction(near.kappa), "bound": near.kappa.bound},
-        },
-        "method": orientation.method,
-        "programs": orientation.programs,
-        "warnings": list(orientation.warnings),
-    }
+    return words if every.exact else f"without friction {words}"
 
 
 def _direction(one: NearestDirection) -> dict[str, Any]:
