@@ -22,7 +22,7 @@ D = np.sqrt(0.5)
 KINDS: dict[str, tuple[str, Callable[[], Assembly], list[Array], list[Array]]] = {
     # name: kind, assembly, lines, rays
     "aside": ("none", lambda: rails.railed(""), [], []),
-    "arch": ("none", arches.arch, [], []),
+    "arch": ("none", lambda: arches.arch(friction=0.0), [], []),
     "tower": ("ray", stacks.tower, [], [-Z]),
     "slot": ("line", lambda: rails.railed("-x +x", count=2), [X], []),
     "corner-rail": ("fan", lambda: rails.railed("-x -z", count=3), [], [-X, -Z]),

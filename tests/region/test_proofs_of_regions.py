@@ -31,8 +31,6 @@ def test_proofs_pass_verify(name: str) -> None:
 
 
 def _count(region) -> int:
-    if (region.contacts[0].patch_mu > 0).any():
-        return 0  # an arch with friction: no forces, and motions that friction might stop
     equations = len(region.equations) - region.assemblies[0].planar
     return len(region.rays) + 2 * len(region.lines) + len(region.facets) + 2 * equations
 
@@ -52,6 +50,17 @@ def test_the_motion_of_a_facet_is_its_normal() -> None:
 
 def test_facets_are_not_claimed_where_friction_may_hold() -> None:
     assembly = rails.railed("-x -z").with_friction(0.5)
-    region = kilter.region(assembly)
+    region = kilter.common_region([assembly])
     assert {proof.about for proof in region.proofs()} == {"ray"}
     assert any("friction left out" in text for text in region.warnings)
+
+
+@pytest.mark.parametrize("planar", [False, True])
+def test_proofs_with_friction_are_verified(planar: bool) -> None:
+    assembly = rails.railed("-z", planar=planar).with_friction(0.5)
+    region = kilter.region(assembly, gap_deg=3.0)
+    proofs = region.proofs()
+    assert {proof.about for proof in proofs} >= {"ray", "facet"}
+    assert region.proved
+    for proof in proofs:
+        assert verify_proof(proof.assembly, find_contacts(proof.assembly), proof.data).holds
