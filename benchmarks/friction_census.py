@@ -15,7 +15,7 @@ import collections
 import sys
 
 from kilter import check
-from kilter.friction.guarantee import prove_no_motion
+from kilter.friction.exclusion import prove_no_motion
 from kilter.friction.motion_search import find_coulomb_motion
 from kilter.friction.seating import find_seating
 from kilter.scenes.frictional import random_assembly

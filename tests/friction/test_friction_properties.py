@@ -10,7 +10,7 @@ from judged import judged
 
 from kilter import check, find_contacts
 from kilter.assembly import FrictionPair
-from kilter.friction.guarantee import prove_no_motion
+from kilter.friction.exclusion import prove_no_motion
 from kilter.friction.seating import find_seating
 from kilter.mechanics.program import build_program
 from kilter.scenes.frictional import FAMILIES, random_assembly

@@ -5,7 +5,7 @@ import pytest
 from held_or_not import program, slope, worst_by_hand
 
 from kilter.assembly import Joint
-from kilter.friction.frictional import frictional
+from kilter.friction.law import coulomb_law
 from kilter.mechanics.law_check import check_law
 from kilter.scenes import friction, stacks, traps
 from kilter.scenes.transform import scaled
@@ -126,7 +126,7 @@ def test_a_speck_that_falls_beside_a_mountain_counts():
     built = program(tower._replace(parts=parts))
     fall = np.zeros((len(mass), 6))
     fall[2, :3] = built.gravity
-    law = frictional(built)
+    law = coulomb_law(built)
     assert law.columns(fall) @ law.load < 1e-8
     moving = check_law(built, fall, np.zeros((len(built.part_a), 3)))
     assert moving.power == pytest.approx(1)
@@ -145,7 +145,7 @@ def test_a_joint_pulls_but_does_not_open():
 
 def test_scaled_unknowns_go_there_and_back():
     built = program(scaled(friction.squeezed_row(3), 10.0))
-    law = frictional(built)
+    law = coulomb_law(built)
     x = np.random.default_rng(0).normal(size=len(law.load))
     assert law.columns(law.acceleration(x)) == pytest.approx(x, abs=1e-12)
     assert np.linalg.norm(law.load) == pytest.approx(1)

@@ -6,26 +6,26 @@ import numpy as np
 import pytest
 from witnessed import witnessed
 
-from kilter.friction.contact_modes import breach, cases
-from kilter.friction.contraction import Clock, contract, power_bound, shrunk
-from kilter.friction.enclosure import first_enclosure, rescaled
-from kilter.friction.guarantee import FORCE, make_search, prove_no_motion
-from kilter.friction.relaxation import POOL
+from kilter.budget import Budget
+from kilter.friction.contraction import contract, power_bound, shrunk
+from kilter.friction.enclosure import rescaled
+from kilter.friction.exclusion import prove_no_motion, start_proof
+from kilter.friction.exclusion_cases import breach, cases
 from kilter.mechanics.program import tangents
 
 ROUNDING = 1e-7
 
 
-def point_of(search, found, scale):
+def point_of(attempt, found, scale):
     """The columns of the true solution (a, f)."""
-    law, program = search.law, found.program
-    at = search.relaxation.columns
+    law, program = attempt.law, found.program
+    at = attempt.relaxation.columns
     cells = np.ix_(program.free, program.freedoms)
     load, acceleration = program.load[cells].ravel(), found.motion[cells].ravel()
     size = np.linalg.norm(law.back.T @ load)
     unit = np.sqrt(program.mass[program.free].sum())
     b = np.linalg.lstsq(law.back.toarray(), acceleration, rcond=None)[0] / size / scale
-    x = np.zeros(search.relaxation.width)
+    x = np.zeros(attempt.relaxation.width)
     fn = (found.forces * program.normal).sum(axis=1) / size / unit
     rough = np.flatnonzero(program.mu > 0)
     across = tangents(program.normal[rough])
@@ -45,27 +45,28 @@ def point_of(search, found, scale):
     x[at["ut"]], x[at["slip"]], x[at["loss"]] = ut.ravel(), slip, fn_group * slip
     x[at["total"]] = fn_group
     x[at["rest"]] = (
-        (law.mu * fn_group)[:, None].repeat(len(search.relaxation.directions), 1).ravel()
+        (law.mu * fn_group)[:, None].repeat(len(attempt.relaxation.directions), 1).ravel()
     )
-    x[at["rest"]] += (ft @ search.relaxation.directions.T).ravel()
-    for columns, rows in zip(search.relaxation._twist_columns, law.twist, strict=True):
+    x[at["rest"]] += (ft @ attempt.relaxation.directions.T).ravel()
+    for columns, rows in zip(attempt.relaxation._twist_columns, law.twist, strict=True):
         x[columns] = rows @ b
     return x
 
 
-def outside(search, bounds, found):
+def outside(attempt, bounds, found):
     """The worst violation of a row or bound by the true solution."""
-    x = point_of(search, found, bounds.scale)
-    program = search.relaxation.program(bounds)
+    x = point_of(attempt, found, bounds.scale)
+    program = attempt.relaxation.program(bounds)
     rows = program.matrix @ x
     worst = [program.row_lower - rows, rows - program.row_upper]
     worst += [program.lower - x, x - program.upper]
     return max(float(one.max(initial=0.0)) for one in worst)
 
 
-def searched(program):
-    search = make_search(program, Clock(5.0, None), 1e-9)
-    return search, first_enclosure(search.law, search.relaxation.reach, FORCE, POOL)
+def begun(program):
+    attempt, bounds = start_proof(program, Budget(5.0))
+    attempt.tolerance = 1e-9
+    return attempt, bounds
 
 
 KINDS = {
@@ -85,32 +86,32 @@ def test_true_motions_are_contained_and_never_excluded(kind):
         found = witnessed(seed, **KINDS[kind])
         if found is None:
             continue
-        search, bounds = searched(found.program)
+        attempt, bounds = begun(found.program)
         tried += 1
-        assert outside(search, bounds, found) < ROUNDING
+        assert outside(attempt, bounds, found) < ROUNDING
         bounds = dataclasses.replace(bounds, cuts=True)
-        assert outside(search, bounds, found) < ROUNDING
-        bounds, power, answer = power_bound(search, bounds)
-        bounds = rescaled(search.relaxation.reach, bounds, power)
-        assert outside(search, bounds, found) < ROUNDING
-        tight = shrunk(search, bounds, answer)
+        assert outside(attempt, bounds, found) < ROUNDING
+        bounds, power, answer = power_bound(attempt, bounds)
+        bounds = rescaled(attempt.relaxation.fastest, bounds, power)
+        assert outside(attempt, bounds, found) < ROUNDING
+        tight = shrunk(attempt, bounds, answer)
         moved += bool((tight.un < 0.99 * bounds.un).any())
-        assert outside(search, tight, found) < ROUNDING
+        assert outside(attempt, tight, found) < ROUNDING
         for _ in range(25):  # down the tree, always in a case that contains it
-            tight, power, answer = power_bound(search, tight)
-            where = breach(search.law, search.relaxation, tight, answer.x)
+            tight, power, answer = power_bound(attempt, tight)
+            where = breach(attempt.law, attempt.relaxation, tight, answer.x)
             if where.largest <= 0.0:
                 break
             kept = [
                 case
-                for case in cases(search.law, tight, where)
-                if outside(search, case, found) < ROUNDING
+                for case in cases(attempt.law, tight, where)
+                if outside(attempt, case, found) < ROUNDING
             ]
             assert kept
             tight = kept[0]
         else:
             power = np.inf
-        assert not search.closed(tight, power)
+        assert not attempt.closed(tight, power)
     assert tried >= 4
     assert moved
 
@@ -127,7 +128,7 @@ def test_never_a_proof_where_a_motion_is_built_in(kind):
 
 def test_contraction_keeps_the_motion():
     found = witnessed(3, planar=True, corners=2)
-    search, bounds = searched(found.program)
-    bounds, power = contract(search, dataclasses.replace(bounds, cuts=True))
+    attempt, bounds = begun(found.program)
+    bounds, power = contract(attempt, dataclasses.replace(bounds, cuts=True))
     assert power > 1e-9
-    assert outside(search, bounds, found) < ROUNDING
+    assert outside(attempt, bounds, found) < ROUNDING

@@ -15,6 +15,7 @@ from held_or_not import (
 )
 
 from kilter.analysis.motion import find_motion
+from kilter.budget import Budget
 from kilter.friction.motion_search import find_coulomb_motion
 from kilter.friction.seating import find_seating
 from kilter.mechanics.law_check import check_law
@@ -211,7 +212,7 @@ def test_radians_and_metres_whatever_the_unit_of_the_file():
 def test_tells_what_it_does_keeps_to_its_budget_and_repeats_itself():
     said = []
     built = program(slope(10))
-    assert find_coulomb_motion(built, budget=0.3, tell=said.append) is None
+    assert find_coulomb_motion(built, budget=Budget(0.3, said.append)) is None
     assert len(said) >= 1
     assert all(isinstance(line, str) for line in said)
     nearest = find_coulomb_motion(built, budget=0.3, nearest=True)

@@ -1,12 +1,14 @@
 """Friction: what must hold, what may, and what cannot.
 
-Equilibrium forces within Coulomb's cones are necessary, not sufficient: the contact law may
-allow a motion as well, with other forces. So three questions after the first:
+Equilibrium forces within Coulomb's cones are necessary for parts to stay, not sufficient: the
+contact law may allow a motion as well, with other forces. So three questions after the first:
 
 1. Is there a motion that obeys the law too? One that is found, with its forces, *refutes*
-   the guarantee.
-2. Does its own weight press the contacts so that friction holds it (*seated*)?
-3. If none was found: can every motion be excluded? Then it is stable.
+   the guarantee (`kilter.friction.motion_search`).
+2. Does its own weight press the contacts so that friction holds it (*seated*,
+   `kilter.friction.seating`)?
+3. If none was found: can every motion be excluded (`kilter.friction.exclusion`)? Then it is
+   stable, *proved*.
 
 What is stable without friction is stable for every mu, since any solution of the contact law
 has a.M a <= w.a, and w.a <= 0 for every admissible a.
@@ -23,14 +25,14 @@ characterizations of rigid body contact problems with Coulomb friction, 2000.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from kilter.friction.guarantee import Guarantee, prove_no_motion
+from kilter.budget import Budget
+from kilter.friction.exclusion import Exclusion, prove_no_motion
 from kilter.friction.motion_search import CoulombMotion, find_coulomb_motion
 from kilter.friction.seating import Seating, find_seating
 from kilter.mechanics.certificate import ForceProof, check_forces
@@ -40,11 +42,14 @@ __all__ = ["BUDGET", "FrictionAnswer", "ask_friction"]
 
 BUDGET = 10.0
 """Seconds for the search of a motion and the proof that there is none, where not given."""
-SEATING_SHARE = 0.1
-"""Part of the budget after which no new start of the seating is made."""
-SHARES = ((0.15, 0.45), (0.65, 1.0))
-"""Parts of the budget at which a search ends, and the proof after it: a short try of both
-first, since most assemblies need little of either."""
+SEATING = 0.1
+"""Fraction of the budget after which no new start of the seating is made."""
+ROUNDS = ((0.15, 0.45), (0.65, 1.0))
+"""Fractions of the budget at which the search of a motion ends, and the proof after it, in two
+rounds. Most assemblies are decided in the first, by a short search or a short proof; what is
+left needs long ones, and which of the two is not known before."""
+
+Answer = Literal["proved", "refuted", "open"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,16 +65,16 @@ class FrictionAnswer:
     seating : Seating
     seat : ForceProof or None
         The forces that seat it, judged; where seated.
-    exclusion : Guarantee or None
+    exclusion : Exclusion or None
         The proof that there is no motion, or how far it came.
     seconds : float
     """
 
-    guarantee: Literal["proved", "refuted", "open"]
+    guarantee: Answer
     witness: CoulombMotion | None
     seating: Seating
     seat: ForceProof | None
-    exclusion: Guarantee | None
+    exclusion: Exclusion | None
     seconds: float
 
     @property
@@ -95,33 +100,28 @@ def ask_friction(
     tell : callable, optional
         Called with a word at each stage.
     """
-    say = tell or (lambda stage: None)
-    started = time.perf_counter()
+    whole = Budget(budget, tell)
+    whole.stage("seating")
+    seating = find_seating(program, budget=whole.until(SEATING))
+    seat = _seat(program, seating)
 
     def answer(
-        guarantee: Literal["proved", "refuted", "open"],
-        witness: CoulombMotion | None = None,
-        exclusion: Guarantee | None = None,
+        guarantee: Answer, witness: CoulombMotion | None = None, exclusion: Exclusion | None = None
     ) -> FrictionAnswer:
-        seconds = time.perf_counter() - started
-        return FrictionAnswer(guarantee, witness, seating, seat, exclusion, seconds)
+        return FrictionAnswer(guarantee, witness, seating, seat, exclusion, whole.spent)
 
-    say("seating")
-    seating = find_seating(program, budget=SEATING_SHARE * budget)
-    seat = _seat(program, seating)
     exclusion, searched = None, False
-    for search_until, proof_until in SHARES:
-        left = started + search_until * budget - time.perf_counter()
+    for search_until, proof_until in ROUNDS:
         if not searched:
-            say("looking for a motion")
-            witness = find_coulomb_motion(program, budget=left, tell=tell, runaway=seating.runaway)
+            whole.stage("looking for a motion")
+            part = whole.until(search_until)
+            witness = find_coulomb_motion(program, budget=part, runaway=seating.runaway)
             if witness is not None:
                 return answer("refuted", witness)
             # a search that ended before its time would find the same again: nothing
-            searched = time.perf_counter() < started + search_until * budget
-        say("excluding every motion")
-        left = started + proof_until * budget - time.perf_counter()
-        exclusion = prove_no_motion(program, budget=left, tell=tell)
+            searched = not part.over
+        whole.stage("excluding every motion")
+        exclusion = prove_no_motion(program, budget=whole.until(proof_until))
         if exclusion.proved:
             return answer("proved", exclusion=exclusion)
     return answer("open", exclusion=exclusion)

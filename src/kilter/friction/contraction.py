@@ -1,83 +1,54 @@
 """Contraction: bounds of all solutions of the contact law, shrunk by linear programs.
 
-Each bounded quantity (opening, force, slip, rest of the cone, total force of a patch) is
-maximised over the relaxation that the present bounds define; the proved bound of the optimum
-replaces the old one, the motion is rescaled to what its greatest power leaves, and so on.
-Where the greatest power falls below the tolerance, no motion can start. Nothing is branched.
-Every bound is that of `kilter.solvers.bounded`, so that each step errs on the safe side.
+Each bounded quantity (opening, force, speed of sliding, distance to the cone, total force of a
+group) is maximised over the relaxation that the present bounds define; the proved bound of
+the optimum replaces the old one, the motion is rescaled to what its greatest power leaves,
+and so on. Where the greatest power falls below the tolerance, no motion can start. Nothing
+is divided into cases. Every bound is that of `kilter.solvers.bounded`, which needs no faith in
+the solver, so that each step errs on the safe side.
 """
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import csr_array, eye_array, kron, vstack
 
-from kilter.arrays import Array
-from kilter.friction.contact_law import ContactLaw
+from kilter.arrays import TINY, Array
+from kilter.budget import Budget
 from kilter.friction.enclosure import Enclosure, rescaled
+from kilter.friction.reduced_law import ReducedLaw
 from kilter.friction.relaxation import Relaxation
 from kilter.solvers.bounded import BoundedSolution, BoundedSolver
 
-__all__ = ["FORCES", "Clock", "Search", "contract", "forces_bounded", "power_bound", "shrunk"]
-
+__all__ = ["FORCES", "ProofAttempt", "contract", "forces_bounded", "power_bound", "shrunk"]
 
 ALL = ("un", "fn", "most", "least", "ut", "rest")
-"""Bounds that are shrunk."""
+"""Bounds that are shrunk, by their names in `Enclosure`."""
 FORCES = ("fn", "least")
-"""Those of forces; in space that of N is that of fn."""
+"""Those of forces; in space a group is one point, and the bound of its N that of its f_n."""
 SEEN = 0.95
-"""A quantity that reached this part of its bound in some solution is not asked about."""
+"""A quantity that reached this fraction of its bound in some solution is not asked about."""
 STALLED = 0.1
 """Mean relative progress of the bounds in a round below which contraction stops."""
 CURVED = 1e-2
-"""Scale below which the kinetic term is too small for its tangents to matter."""
-TALK = 1.0
-"""Seconds between two words of progress."""
-
-
-class Clock:
-    """What is left of a budget [s], and words of progress about once a second."""
-
-    def __init__(self, budget: float, tell: Callable[[str], None] | None) -> None:
-        self.start = self._said = time.perf_counter()
-        self.budget = budget
-        self._tell = tell
-
-    @property
-    def spent(self) -> float:
-        """Seconds since the start."""
-        return time.perf_counter() - self.start
-
-    @property
-    def left(self) -> float:
-        """Seconds left, at least a little."""
-        return max(self.budget - self.spent, 1e-2)
-
-    @property
-    def over(self) -> bool:
-        """Whether the budget is spent."""
-        return self.spent >= self.budget
-
-    def tell(self, word: str) -> None:
-        """Pass on a word if the last one is a second ago."""
-        now = time.perf_counter()
-        if self._tell is not None and now - self._said >= TALK:
-            self._said = now
-            self._tell(word)
+"""Scale |a| below which the kinetic term |a|^2 is too small for its tangents to matter."""
+RESCALINGS = 30
+"""How often the motion is rescaled before the other bounds are shrunk again."""
+RESCALED = 0.95
+"""A rescaling to more than this fraction of the old scale is the last."""
 
 
 @dataclass(slots=True, eq=False)
-class Search:
-    """What the steps of one proof share."""
+class ProofAttempt:
+    """What the steps of one proof share; `tolerance`: power w.a over |w|^2 that counts as none."""
 
-    law: ContactLaw
+    law: ReducedLaw
     relaxation: Relaxation
     solver: BoundedSolver
-    clock: Clock
+    budget: Budget
     tolerance: float
 
     def closed(self, bounds: Enclosure, power: float) -> bool:
@@ -85,62 +56,67 @@ class Search:
         return bounds.scale * power <= self.tolerance
 
 
-def forces_bounded(search: Search, bounds: Enclosure) -> bool:
-    """Whether no solution needs forces as large as the bounds that were assumed.
+def forces_bounded(attempt: ProofAttempt, bounds: Enclosure) -> bool:
+    """Whether no solution needs forces as large as the bounds F that were assumed.
 
     The relaxation without the cuts that rest on those bounds is convex and contains 0: if
-    its part within them touches none of them, there is no other part.
+    within them the sum of f_n / F stays below 1, no solution lies beyond them.
     """
-    search.solver.load(search.relaxation.program(replace(bounds, cuts=False)))
-    cost = np.zeros(search.relaxation.width)
-    cost[search.relaxation.columns["fn"]] = -1.0
-    answer = search.solver.solve(cost, seconds=search.clock.left)
-    return -answer.bound < float(bounds.fn.min(initial=np.inf))
+    if not len(bounds.fn):
+        return True
+    attempt.solver.load(attempt.relaxation.program(replace(bounds, cuts=False)))
+    least = float(bounds.fn.min())
+    cost = np.zeros(attempt.relaxation.width)
+    cost[attempt.relaxation.columns["fn"]] = -least / bounds.fn
+    answer = attempt.solver.solve(cost, seconds=attempt.budget.left)
+    return -answer.bound < least
 
 
 def power_bound(
-    search: Search, bounds: Enclosure, basis: object = None
+    attempt: ProofAttempt, bounds: Enclosure, basis: object = None
 ) -> tuple[Enclosure, float, BoundedSolution]:
     """Bounds rescaled, the greatest power w.b in units of the old scale, the solution."""
-    search.solver.load(search.relaxation.program(bounds), basis)
-    answer = search.solver.solve(seconds=search.clock.left)
+    attempt.solver.load(attempt.relaxation.program(bounds), basis)
+    answer = attempt.solver.solve(seconds=attempt.budget.left)
     power = min(max(-answer.bound, 0.0), bounds.scale)
     if bounds.scale > CURVED and len(answer.x):
-        point = answer.x[search.relaxation.columns["motion"]]
+        point = answer.x[attempt.relaxation.columns["motion"]]
         tangents = np.vstack([bounds.tangents[:2], point, bounds.tangents[2:-1]])
         bounds = replace(bounds, tangents=tangents)
     return bounds, power, answer
 
 
-def contract(search: Search, bounds: Enclosure, until: float = np.inf) -> tuple[Enclosure, float]:
-    """Shrink bounds until the power is excluded, they hardly move, or the time is over.
+def contract(
+    attempt: ProofAttempt, bounds: Enclosure, until: Budget | None = None
+) -> tuple[Enclosure, float]:
+    """Shrink bounds until the power is excluded, they hardly move, or `until` is spent.
 
     Returns
     -------
     (Enclosure, float)
         The bounds, and the greatest power w.a that they leave.
     """
-    relaxation = search.relaxation
+    relaxation = attempt.relaxation
+    until = until or attempt.budget
     while True:
         before = bounds
-        for _ in range(30):
-            bounds, power, answer = power_bound(search, bounds)
-            if search.closed(bounds, power) or search.clock.over:
+        for _ in range(RESCALINGS):
+            bounds, power, answer = power_bound(attempt, bounds)
+            if attempt.closed(bounds, power) or attempt.budget.over:
                 return bounds, bounds.scale * power
             old = bounds.scale
-            bounds = rescaled(relaxation.reach, bounds, power)
-            if bounds.scale > 0.95 * old:
+            bounds = rescaled(relaxation.fastest, bounds, power)
+            if bounds.scale > RESCALED * old:
                 break
-        search.clock.tell(f"motions up to {bounds.scale:.1e} of free fall are not excluded")
-        bounds = shrunk(search, bounds, answer, until=until)
-        late = search.clock.over or search.clock.spent > until
-        if late or _progress(before, bounds) < STALLED:
+        attempt.budget.tell(f"motions up to {bounds.scale:.1e} of free fall are not excluded")
+        bounds = shrunk(attempt, bounds, answer, until=until)
+        if until.over or _progress(before, bounds) < STALLED:
             return bounds, bounds.scale**2
 
 
 def _progress(before: Enclosure, after: Enclosure) -> float:
     """Mean relative shrinking of the bounds, of motions in units of the scale, and scale."""
-    drops = [1.0 - (after.scale / before.scale) ** 2] * 4
+    drops = [1.0 - (after.scale / before.scale) ** 2]
     for old, new in (
         (before.un, after.un),
         (before.fn, after.fn),
@@ -149,9 +125,9 @@ def _progress(before: Enclosure, after: Enclosure) -> float:
         (before.most, after.most),
     ):
         if old.size:
-            share = 1.0 - new / np.maximum(old, 1e-300)
-            drops.append(float(np.maximum(share[old > 0], 0.0).mean()) if (old > 0).any() else 0.0)
-    return max(drops) if drops else 0.0
+            drop = 1.0 - new / np.maximum(old, TINY)
+            drops.append(float(np.maximum(drop[old > 0], 0.0).mean()) if (old > 0).any() else 0.0)
+    return max(drops)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -188,45 +164,55 @@ def _quantities(relaxation: Relaxation, b: Enclosure) -> _Quantities:
 
 
 def shrunk(
-    search: Search,
+    attempt: ProofAttempt,
     bounds: Enclosure,
     start: BoundedSolution,
     kinds: Sequence[str] = ALL,
-    until: float = np.inf,
+    until: Budget | None = None,
 ) -> Enclosure:
-    """Every quantity of some kinds once, over the relaxation of the bounds at the start.
+    """Every quantity of some kinds bounded once, over the relaxation of the given bounds.
 
-    What is not asked until `until` [s of the clock] keeps its bound.
+    Parameters
+    ----------
+    attempt : ProofAttempt
+    bounds : Enclosure
+    start : BoundedSolution
+        Of the greatest power within these bounds.
+    kinds : sequence of str
+        Which of `ALL`.
+    until : Budget, optional
+        What is not asked when it is spent keeps its bound.
     """
-    relaxation = search.relaxation
+    relaxation = attempt.relaxation
+    until = until or attempt.budget
     new = {name: getattr(bounds, name).copy() for name in ALL}
     program = relaxation.program(bounds)
     program.lower[relaxation.columns["one"]] = 1.0  # else no force has a least value but 0
-    search.solver.load(program, start.basis)
+    attempt.solver.load(program, start.basis)
     asked = _quantities(relaxation, bounds)
     best = asked.weights @ start.x if len(start.x) else np.full(len(asked.limits), -np.inf)
     enough = np.where(asked.limits > 0, SEEN * asked.limits, asked.limits / SEEN)
     fixed = np.array([name != "least" for name in asked.names]) & (asked.limits <= 0)
     for number, (name, place) in enumerate(zip(asked.names, asked.places, strict=True)):
-        if search.clock.over or search.clock.spent > until:
+        if until.over:
             break
         if name not in kinds:
             continue
         if fixed[number] or (best[number] >= enough[number] and enough[number] != 0):
             continue
         cost = -asked.weights[[number]].toarray()[0]
-        answer = search.solver.solve(cost, seconds=search.clock.left)
+        answer = attempt.solver.solve(cost, seconds=attempt.budget.left)
         if len(answer.x):
             best = np.maximum(best, asked.weights @ answer.x)
         if name == "least":
             new[name][place] = max(answer.bound, new[name][place])
         else:
             new[name][place] = min(max(-answer.bound, 0.0), new[name][place])
-        search.clock.tell(f"bounding forces and motions, {number} of {len(asked.limits)}")
-    return _consistent(search.law, relaxation, replace(bounds, **new))
+        attempt.budget.tell(f"bounding forces and motions, {number} of {len(asked.limits)}")
+    return _consistent(attempt.law, relaxation, replace(bounds, **new))
 
 
-def _consistent(law: ContactLaw, relaxation: Relaxation, b: Enclosure) -> Enclosure:
+def _consistent(law: ReducedLaw, relaxation: Relaxation, b: Enclosure) -> Enclosure:
     """Bounds that follow from others: |ut| from its directions, N from forces, g from N."""
     wide = law.directions
     members = np.flatnonzero(law.group >= 0)

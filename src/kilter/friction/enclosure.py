@@ -1,31 +1,51 @@
-"""What is known of every solution of the contact law that is asked about: bounds and modes.
+"""What is known of the solutions of the contact law that are left: bounds, and cones of twists.
 
-All bounds hold for the solutions with |a| <= scale and w.a <= scale^2; motions are in units
-of the scale, b = a / scale, and forces in those of `kilter.friction.contact_law`. A mode
-narrows them: a point touches (un = 0) or is without force (fn = 0); the twist of a patch is 0
-or lies in a cone. The children of a mode cover it, so that every solution is in one of them.
+An *enclosure* holds bounds of every solution (a, f) that one step of a proof speaks of, with
+|a| <= scale and w.a <= scale^2. Motions are in units of the scale, b = a / scale, forces in
+those of `kilter.friction.reduced_law`. Contact modes narrow it: a point touches (u_n = 0) or
+bears no force (f_n = 0); the twist of a patch is 0 or lies in a cone.
+
+The twist t of a patch says how one of its two parts slides over the other, in R^d: d = 1 in
+the plane, 2 at a single point, 3 of a flat patch in space (two speeds and a spin). It is 0, or
+lies in one of the 2^d orthants. A *cone of twists* has d unit generators, the columns of a
+matrix; the middle of two generators halves it. Closed cones share their faces, so that every
+t lies in at least one.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import combinations, product
 
 import numpy as np
 
-from kilter.arrays import Array
-from kilter.friction.contact_law import ContactLaw
-from kilter.friction.twist_cones import Cone
+from kilter.arrays import TINY, Array
+from kilter.friction.friction_tolerances import CONE_ROUNDING, POINT_AT_REST, WIDEST_SECTOR
+from kilter.friction.reduced_law import ReducedLaw
 
 __all__ = [
+    "AT_REST",
     "Enclosure",
-    "Reach",
-    "apart",
+    "LargestSpeeds",
+    "TwistCone",
     "first_enclosure",
-    "in_cone",
-    "reach",
+    "halves",
+    "largest_speeds",
+    "open_at",
+    "orthants",
     "rescaled",
-    "touching",
+    "sector",
+    "touching_at",
+    "widened",
+    "width",
+    "with_twist_in",
 ]
+
+TwistCone = Array
+"""Generators as columns, shape (d, d); `AT_REST`, of size 0, for the twist 0."""
+
+AT_REST: TwistCone = np.zeros((0, 0))
+"""The cone that holds the twist 0 alone: the patch sticks."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,7 +57,7 @@ class Enclosure:
     scale : float
         |a| <= scale [-], and w.a <= scale^2.
     un, fn : ndarray, shape (K,)
-        Opening and force are at least 0 and at most these.
+        Opening and normal force are at least 0 and at most these.
     ut : ndarray, shape (G, m)
         d_k.ut is at most this; in space also |ut| is.
     slip : ndarray, shape (G,)
@@ -63,12 +83,12 @@ class Enclosure:
     least: Array
     most: Array
     tangents: Array
-    cones: tuple[Cone | None, ...]
+    cones: tuple[TwistCone | None, ...]
     cuts: bool
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Reach:
+class LargestSpeeds:
     """Largest un, shape (K,), d_k.ut (in space |ut|), (G, m), and |ut|, (G,), for |b| <= 1."""
 
     un: Array
@@ -76,36 +96,55 @@ class Reach:
     slip: Array
 
 
-def reach(law: ContactLaw, directions: Array) -> Reach:
-    """How far unit motions reach; `directions` d_k, shape (m, T)."""
+def largest_speeds(law: ReducedLaw, directions: Array) -> LargestSpeeds:
+    """The largest speeds of contact points in a motion of size 1.
+
+    Parameters
+    ----------
+    law : ReducedLaw
+    directions : ndarray, shape (m, T)
+        The d_k across a contact.
+    """
     opening = np.sqrt(np.asarray(law.normal.multiply(law.normal).sum(axis=1)).ravel())
     rows = [law.tangent[k :: law.directions] for k in range(law.directions)]
     gram = np.array([[np.asarray(a.multiply(b).sum(axis=1)).ravel() for a in rows] for b in rows])
     slip = np.sqrt(np.linalg.eigvalsh(gram.transpose(2, 0, 1)).max(axis=1, initial=0.0))
-    return Reach(opening, np.tile(slip[:, None], len(directions)), slip)
+    return LargestSpeeds(opening, np.tile(slip[:, None], len(directions)), slip)
 
 
-def first_enclosure(law: ContactLaw, far: Reach, force: float, pool: int) -> Enclosure:
-    """Before anything is known but that no force exceeds `force`; no cut rests on that yet."""
-    sides = far.ut.shape[1]
-    members = np.bincount(law.group[law.group >= 0], minlength=len(law.mu)).astype(np.float64)
-    most = force * members
+def first_enclosure(
+    law: ReducedLaw, fastest: LargestSpeeds, force: Array, tangents: int
+) -> Enclosure:
+    """What holds before anything is known; no cut rests on the bounds of forces yet.
+
+    Parameters
+    ----------
+    law : ReducedLaw
+    fastest : LargestSpeeds
+    force : ndarray, shape (K,)
+        No solution with a larger normal force is thought of.
+    tangents : int
+        How many tangents of the ball are kept.
+    """
+    sides = fastest.ut.shape[1]
+    rough = law.group >= 0
+    most: Array = np.bincount(law.group[rough], force[rough], minlength=len(law.mu)).astype(float)
     return Enclosure(
-        1.0,
-        far.un,
-        np.full(len(law.group), force),
-        far.ut,
-        far.slip,
-        np.repeat(2 * law.mu * most, sides).reshape(len(most), sides),
-        np.zeros(len(most)),
-        most,
-        np.vstack([law.load / 2, law.load, np.zeros((pool - 2, len(law.load)))]),
-        (None,) * len(law.twist),
-        False,
+        scale=1.0,
+        un=fastest.un,
+        fn=force,
+        ut=fastest.ut,
+        slip=fastest.slip,
+        rest=np.repeat(2 * law.mu * most, sides).reshape(len(most), sides),
+        least=np.zeros(len(most)),
+        most=most,
+        tangents=np.vstack([law.load / 2, law.load, np.zeros((tangents - 2, len(law.load)))]),
+        cones=(None,) * len(law.twist),
+        cuts=False,
     )
 
 
-def rescaled(far: Reach, bounds: Enclosure, power: float) -> Enclosure:
+def rescaled(fastest: LargestSpeeds, bounds: Enclosure, power: float) -> Enclosure:
     """The bounds in units of the size that a greatest `power` w.b leaves: |a|^2 <= w.a."""
     scale = float(np.sqrt(bounds.scale * max(power, 0.0)))
     if not 0 < scale < bounds.scale:
@@ -114,29 +153,29 @@ def rescaled(far: Reach, bounds: Enclosure, power: float) -> Enclosure:
     return replace(
         bounds,
         scale=scale,
-        un=np.minimum(bounds.un * grown, far.un),
-        ut=np.minimum(bounds.ut * grown, far.ut),
-        slip=np.minimum(bounds.slip * grown, far.slip),
+        un=np.minimum(bounds.un * grown, fastest.un),
+        ut=np.minimum(bounds.ut * grown, fastest.ut),
+        slip=np.minimum(bounds.slip * grown, fastest.slip),
         tangents=bounds.tangents * grown,
     )
 
 
-def touching(bounds: Enclosure, point: int) -> Enclosure:
-    """The solutions where a point stays closed."""
+def touching_at(bounds: Enclosure, point: int) -> Enclosure:
+    """The solutions in which a point stays closed: it sticks or slides."""
     un = bounds.un.copy()
     un[point] = 0.0
     return replace(bounds, un=un)
 
 
-def apart(bounds: Enclosure, point: int) -> Enclosure:
-    """The solutions where a point bears no force."""
+def open_at(bounds: Enclosure, point: int) -> Enclosure:
+    """The solutions in which a point is open: it bears no force."""
     fn = bounds.fn.copy()
     fn[point] = 0.0
     return replace(bounds, fn=fn)
 
 
-def in_cone(law: ContactLaw, bounds: Enclosure, patch: int, cone: Cone) -> Enclosure:
-    """The solutions whose twist of a patch lies in a cone, or is 0 where the cone is empty."""
+def with_twist_in(law: ReducedLaw, bounds: Enclosure, patch: int, cone: TwistCone) -> Enclosure:
+    """The solutions in which the twist of a patch lies in a cone; `AT_REST`: it sticks."""
     cones = tuple(cone if k == patch else old for k, old in enumerate(bounds.cones))
     ut, slip, rest = bounds.ut.copy(), bounds.slip.copy(), bounds.rest.copy()
     members = np.flatnonzero(law.patch == patch)
@@ -148,3 +187,76 @@ def in_cone(law: ContactLaw, bounds: Enclosure, patch: int, cone: Cone) -> Enclo
         slip[members] = ut[members, along]
         rest[members, along] = 0.0
     return replace(bounds, cones=cones, ut=ut, slip=slip, rest=rest)
+
+
+def orthants(size: int) -> list[TwistCone]:
+    """The 2^d cones between the axes of R^d."""
+    return [np.diag(signs).astype(np.float64) for signs in product((1, -1), repeat=size)]
+
+
+def width(cone: TwistCone) -> float:
+    """The largest angle between two generators [rad]; 0 of a single one."""
+    if cone.shape[1] < 2:
+        return 0.0
+    cosine = np.clip(cone.T @ cone, -1.0, 1.0)
+    return float(np.arccos(cosine.min()))
+
+
+def halves(cone: TwistCone) -> list[TwistCone]:
+    """The two cones on both sides of the middle of the widest pair of generators.
+
+    Examples
+    --------
+    >>> [half.round(3).tolist() for half in halves(np.eye(2))]
+    [[[0.707, 0.0], [0.707, 1.0]], [[1.0, 0.707], [0.0, 0.707]]]
+    """
+    pairs = list(combinations(range(cone.shape[1]), 2))
+    i, j = min(pairs, key=lambda pair: float(cone[:, pair[0]] @ cone[:, pair[1]]))
+    middle = cone[:, i] + cone[:, j]
+    middle = middle / np.linalg.norm(middle)
+    found = []
+    for k in (i, j):
+        half = cone.copy()
+        half[:, k] = middle
+        found.append(half)
+    return found
+
+
+def widened(cone: TwistCone) -> TwistCone:
+    """A cone wider by `CONE_ROUNDING`, so that rounding leaves no gap between two."""
+    middle = cone.mean(axis=1, keepdims=True)
+    wider: TwistCone = cone + CONE_ROUNDING * (cone - middle)
+    return wider
+
+
+def sector(cone: TwistCone, lever: Array) -> tuple[Array, float] | None:
+    """The directions in which a point slides while the twist of its patch lies in a cone.
+
+    Parameters
+    ----------
+    cone : ndarray, shape (d, d)
+        Not `AT_REST`.
+    lever : ndarray, shape (2, 3)
+        L of the point, ut = L t.
+
+    Returns
+    -------
+    (ndarray of shape (2,), float) or None
+        Middle direction and half width [rad]. None if the point may be at rest, or if the
+        directions span more than `WIDEST_SECTOR` of half a turn.
+    """
+    moved = lever[:, : len(cone)] @ cone
+    size = np.linalg.norm(moved, axis=0)
+    if size.min() <= POINT_AT_REST * max(float(np.abs(lever).max()), TINY):
+        return None
+    unit = moved / size
+    mean = unit.sum(axis=1)
+    if np.linalg.norm(mean) <= POINT_AT_REST:
+        return None
+    along, across = unit.T @ mean, unit.T @ np.array([-mean[1], mean[0]])
+    angle = np.arctan2(across, along)
+    low, high = float(angle.min()), float(angle.max())
+    if high - low > WIDEST_SECTOR * np.pi:
+        return None
+    start = float(np.arctan2(mean[1], mean[0])) + (low + high) / 2
+    return np.array([np.cos(start), np.sin(start)]), (high - low) / 2 + CONE_ROUNDING

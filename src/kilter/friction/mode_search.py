@@ -1,20 +1,21 @@
-"""Branch and bound over contact modes, in search of motions that repel De Saxce's iteration.
+"""Motions by branch and bound over contact modes: those that repel De Saxce's iteration.
 
-A node asks for the most power in a convex relaxation of the law,
+A node asks for the most power in a convex relaxation of the law (scaled as in
+`kilter.friction.law`),
 
     max w.x:   x = w + H^T f,  u_n >= 0,  f in Coulomb's cone,  |x - w/2| <= 1/2
 
-with some points decided: parting (f = 0), sticking (u = 0) or sliding, u_t in a sector, f_t
-against it, beyond the chord of the sector. (Any solution of the law has |x|^2 <= w.x, and so
-is in the ball.) It splits at the point that breaks the law most, by the power
-f_n u_n + f_t.u_t + mu f_n |u_t| that the law wants to be 0; sectors are halved. The
-relaxation's optimum is a candidate to be made exact. A node without power is left: for the
-search alone, it is no proof.
+with the modes of some points decided: open (f = 0), sticking (u = 0), or sliding with u_t in a
+sector of directions, f_t against it and beyond the chord of the sector. (Any solution of the
+law has |x|^2 <= w.x, and so is in the ball.) A node is divided at the point that breaks the law
+most, by the power f_n u_n + f_t.u_t + mu f_n |u_t| that the law wants to be 0; sectors are
+halved. The optimum of each relaxation is a candidate to be made exact
+(`kilter.friction.polish`). A node without power is dropped on the word of the solver: good
+enough for a search, no proof.
 """
 
 from __future__ import annotations
 
-import heapq
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -22,120 +23,122 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from kilter.arrays import Array, Index, Mask
-from kilter.friction.frictional import Frictional
-from kilter.friction.polish import Candidate
+from kilter.budget import Budget
+from kilter.friction.branching import CaseTree, Mode
+from kilter.friction.friction_tolerances import NODE_GAP, OBEYED
+from kilter.friction.law import CoulombLaw
+from kilter.friction.polish import TrialMotion
 from kilter.mechanics.law_check import POWER
 from kilter.solvers.problem import ConicProgram
 
 __all__ = ["by_modes"]
 
-
-OPEN, PART, STICK, SLIDE = 0, 1, 2, 3
-"""What is decided of a point."""
-OBEYED = 1e-9
-"""Power by which no point breaks the law."""
-NARROW = 0.1
-"""Half a sector of a planar point, whose only tangent is in its middle [rad]."""
+PLANAR_SECTOR = 0.1
+"""Half width of the sector of a point in the plane, whose only tangent is in its middle [rad]."""
 DEPTH_BONUS = 0.9
 """What a node's power counts for a level further up: deep nodes first where powers are equal."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Node:
-    """What is decided: mode of each row, and the sector of those that slide [rad]."""
+class _Decided:
+    """What a node decides: mode of each row, sector of the sliding ones [rad], and its depth."""
 
     mode: Index
     middle: Array
     half: Array
     depth: int
 
+    def with_mode(self, p: int, mode: Mode, middle: float = 0.0, half: float = 0.0) -> _Decided:
+        """The mode of point p decided too; where it slides, its sector."""
+        modes, middles, halves = self.mode.copy(), self.middle.copy(), self.half.copy()
+        modes[p], middles[p], halves[p] = mode, middle, half
+        return replace(self, mode=modes, middle=middles, half=halves, depth=self.depth + 1)
 
-def by_modes(law: Frictional, *, nodes: int, seconds: float) -> Iterator[Candidate]:
-    """Candidates of at most `nodes` relaxations, the most promising first.
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Node:
+    """A node with the optimum of its relaxation, and the power w.x of it."""
+
+    decided: _Decided
+    optimum: TrialMotion
+    power: float
+
+
+def by_modes(law: CoulombLaw, *, nodes: int, budget: Budget) -> Iterator[TrialMotion]:
+    """Optima of at most `nodes` relaxations, the most promising first.
 
     Parameters
     ----------
-    law : Frictional
+    law : CoulombLaw
     nodes : int
-    seconds : float
-        Time limit of one relaxation.
+    budget : Budget
+        It limits each relaxation; who asks decides when to stop.
     """
     count, lines = len(law.mu), law.matrix.toarray()
-    start = _Node(np.full(count, OPEN), np.zeros(count), np.zeros(count), 0)
-    heap: list[tuple[float, int, _Node, Candidate]] = []
-    asked = 0
-    ready: list[_Node] = [start]
-    while ready or heap:
-        for node in ready:
-            if asked >= nodes:
-                return
-            asked += 1
-            candidate = _relaxed(law, lines, node, seconds)
-            power = float(law.load @ candidate.x) if candidate else 0.0
-            if candidate is None or power < POWER:
-                continue
-            yield candidate
-            rank = -power * DEPTH_BONUS**-node.depth
-            heapq.heappush(heap, (rank, asked, node, candidate))
-        if not heap:
-            return
-        _, _, node, candidate = heapq.heappop(heap)
-        ready = _children(law, node, candidate)
+
+    def bound(decided: _Decided, _: _Node | None) -> _Node | None:
+        optimum = _relaxed(law, lines, decided, budget)
+        power = float(law.load @ optimum.x) if optimum else 0.0
+        return None if optimum is None or power < POWER else _Node(decided, optimum, power)
+
+    tree = CaseTree(
+        bound,
+        lambda node: _children(law, node.decided, node.optimum),
+        lambda node: node.power * DEPTH_BONUS**-node.decided.depth,
+    )
+    root = _Decided(np.full(count, Mode.UNDECIDED), np.zeros(count), np.zeros(count), 0)
+    for node in tree.explore(root, most=nodes):
+        yield node.optimum
 
 
-def _children(law: Frictional, node: _Node, now: Candidate) -> list[_Node]:
-    """The node split at the point that breaks the law most."""
+def _children(law: CoulombLaw, node: _Decided, now: TrialMotion) -> list[_Decided]:
+    """The node divided at the point that breaks the law most; none if it obeys the law."""
     u, f = (law.matrix @ now.x).reshape(-1, 3), now.forces
     slip = np.linalg.norm(u[:, 1:], axis=1)
     broken = f[:, 0] * u[:, 0] + (f[:, 1:] * u[:, 1:]).sum(axis=1) + law.mu * f[:, 0] * slip
-    broken = np.where(law.tied | (node.mode == PART) | (node.mode == STICK), 0.0, broken)
+    done = law.tied | (node.mode == Mode.OPEN) | (node.mode == Mode.STICKING)
+    broken = np.where(done, 0.0, broken)
     p = int(broken.argmax()) if len(broken) else 0
     if not len(broken) or broken[p] < OBEYED:
         return []
-    if node.mode[p] == SLIDE:
+    if node.mode[p] == Mode.SLIDING:
         half = node.half[p] / 2
-        return [_decided(node, p, SLIDE, node.middle[p] + s * half, half) for s in (-1, 1)]
-    first = float(np.arctan2(u[p, 2], u[p, 1]))
-    children = [_decided(node, p, PART), _decided(node, p, STICK)]
+        return [node.with_mode(p, Mode.SLIDING, node.middle[p] + s * half, half) for s in (-1, 1)]
+    children = [node.with_mode(p, Mode.OPEN), node.with_mode(p, Mode.STICKING)]
     if law.mu[p] <= 0:
-        return [children[0], _decided(node, p, SLIDE, 0.0, np.pi)]
+        return [children[0], node.with_mode(p, Mode.SLIDING, 0.0, np.pi)]
     if law.program.planar:
         axis = float(np.arctan2(*np.abs(law.basis[p, [2, 1]][:, [0, 2]]).max(axis=1).round()))
-        return children + [_decided(node, p, SLIDE, axis + k * np.pi, NARROW) for k in range(2)]
-    quarter = np.pi / 4
-    sectors = (first + 2 * k * quarter for k in range(4))
-    return children + [_decided(node, p, SLIDE, angle, quarter) for angle in sectors]
+        angles, half = [axis, axis + np.pi], PLANAR_SECTOR
+    else:
+        first, half = float(np.arctan2(u[p, 2], u[p, 1])), np.pi / 4
+        angles = [first + 2 * k * half for k in range(4)]
+    return children + [node.with_mode(p, Mode.SLIDING, angle, half) for angle in angles]
 
 
-def _decided(node: _Node, p: int, mode: int, middle: float = 0.0, half: float = 0.0) -> _Node:
-    modes, middles, halves = node.mode.copy(), node.middle.copy(), node.half.copy()
-    modes[p], middles[p], halves[p] = mode, middle, half
-    return replace(node, mode=modes, middle=middles, half=halves, depth=node.depth + 1)
-
-
-def _relaxed(law: Frictional, lines: Array, node: _Node, seconds: float) -> Candidate | None:
+def _relaxed(law: CoulombLaw, lines: Array, node: _Decided, budget: Budget) -> TrialMotion | None:
     """The optimum of a node's relaxation; None where it is empty or the solver broke down."""
     from kilter.solvers.conic import solve_conic
 
-    answer = solve_conic(_relaxation(law, lines, node), tolerance=1e-8, seconds=seconds)
+    answer = solve_conic(_relaxation(law, lines, node), tolerance=NODE_GAP, seconds=budget.left)
     if answer.outcome == "infeasible" or not np.isfinite(answer.x).all():
         return None
     count = len(law.load)
-    return Candidate(answer.x[:count], answer.x[count:].reshape(-1, 3))
+    return TrialMotion(answer.x[:count], answer.x[count:].reshape(-1, 3))
 
 
-def _relaxation(law: Frictional, lines: Array, node: _Node) -> ConicProgram:
+def _relaxation(law: CoulombLaw, lines: Array, node: _Decided) -> ConicProgram:
     """The convex program of a node, in (x, f); `lines` is H in full."""
     count, total = len(law.load), len(law.load) + 3 * len(law.mu)
-    slide, stick = node.mode == SLIDE, (node.mode == STICK) & ~law.tied
-    part, free = node.mode == PART, ~law.tied
-    idle = np.flatnonzero(law.mu <= 0)
-    still = np.concatenate([_points(stick), 3 * np.flatnonzero(slide | law.tied)])
-    none = np.concatenate([_points(part), 3 * idle + 1, 3 * idle + 2])
-    above = 3 * np.flatnonzero(free & ~stick & ~slide)
-    pushing = 3 * np.flatnonzero(free & (law.mu <= 0) & ~part)
-    rough = _points(free & (law.mu > 0) & ~part)
-    sector_u, sector_f = _sectors(law, node, np.flatnonzero(slide & (law.mu > 0)))
+    slides, free = node.mode == Mode.SLIDING, ~law.tied
+    sticks, is_open = (node.mode == Mode.STICKING) & free, node.mode == Mode.OPEN
+    smooth = np.flatnonzero(law.mu <= 0)
+    still = np.concatenate([_points(sticks), 3 * np.flatnonzero(slides | law.tied)])
+    none = np.concatenate([_points(is_open), 3 * smooth + 1, 3 * smooth + 2])
+    above = 3 * np.flatnonzero(free & ~sticks & ~slides)
+    pushing = 3 * np.flatnonzero(free & (law.mu <= 0) & ~is_open)
+    rough = _points(free & (law.mu > 0) & ~is_open)
+    sector_u, sector_f = _sectors(law, node, np.flatnonzero(slides & (law.mu > 0)))
     weights = np.where(rough % 3 == 0, law.mu[rough // 3], 1.0)
     forces = np.eye(total - count)
     blocks = [
@@ -177,7 +180,7 @@ def _points(chosen: Mask) -> Index:
     return rows
 
 
-def _sectors(law: Frictional, node: _Node, rows: Index) -> tuple[Array, Array]:
+def _sectors(law: CoulombLaw, node: _Decided, rows: Index) -> tuple[Array, Array]:
     """Lines that are not negative: of speeds in their sectors, of forces against them."""
     total, low = 3 * len(law.mu), node.middle[rows] - node.half[rows]
     high, middle = node.middle[rows] + node.half[rows], node.middle[rows]

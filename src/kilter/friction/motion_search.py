@@ -1,10 +1,10 @@
 """A motion that obeys Coulomb's law exactly, though forces of equilibrium may exist.
 
-With friction more than one solution of the contact law may exist: rest and a motion. One such
-motion shows that forces of equilibrium alone do not hold the parts. It is looked for
+With friction more than one solution of the contact law may exist: rest, and a motion. One such
+motion shows that forces of equilibrium alone do not hold the parts. Where no forces of
+equilibrium exist, the motion is the impending one, with friction. It is looked for
 
-1. by De Saxce's iteration s <- mu |u_t(x(s))| (`kilter.friction.bipotential`), from starts
-   with some or all patches lubricated;
+1. by De Saxce's iteration, below, from starts with some or all patches lubricated;
 2. from where the parts ran away when their weight was to seat them (`kilter.friction.seating`);
 3. by branch and bound over contact modes (`kilter.friction.mode_search`), which alone finds
    solutions that repel the iteration.
@@ -12,33 +12,46 @@ motion shows that forces of equilibrium alone do not hold the parts. It is looke
 Every candidate is made exact (`kilter.friction.polish`) and counts only if
 `kilter.mechanics.law_check.check_law` accepts it. That none is found proves nothing.
 
-Where no forces of equilibrium exist, the motion is the impending one, with friction.
+De Saxce's iteration. With s = mu |u_t| held fixed, accelerations x and forces f that obey the
+law (scaled as in `kilter.friction.law`, u = H x) are the optimum and the multipliers of
+
+    min 1/2 |x|^2 - w.x,     u_n + s >= mu |u_t|   a point with friction
+                             u_n >= 0              a point without,  u_n = 0   a joint
+
+so that solutions of the law are the fixed points of s -> mu |H_t x(s)|. A *lubricated* point is
+one without friction for once, in a first step: it starts the iteration where parts slide that
+friction would hold.
+
+References
+----------
+G. De Saxce, Z.-Q. Feng, The bipotential method, Math. Comput. Modelling 28, 1998.
+V. Acary, F. Cadoux, C. Lemaréchal, J. Malick, A formulation of the linear discrete Coulomb
+friction problem via convex optimization, ZAMM 91, 2011, section 3.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
-from time import perf_counter
 
 import numpy as np
+from scipy.sparse import csc_array, eye_array
 
-from kilter.arrays import Array, Mask
-from kilter.friction.bipotential import Bipotential, bipotential
-from kilter.friction.frictional import frictional
+from kilter.arrays import TINY, Array, Index, Mask
+from kilter.budget import Budget
+from kilter.friction.friction_tolerances import CLOSE, EXACTLY, GONE, SHARP, STEADY
+from kilter.friction.law import CoulombLaw, coulomb_law
 from kilter.friction.mode_search import by_modes
-from kilter.friction.polish import Candidate, polished
+from kilter.friction.polish import TrialMotion, polished
 from kilter.friction.seating import find_seating
 from kilter.mechanics.law_check import POWER, LawProof, check_law
 from kilter.mechanics.program import Program
+from kilter.solvers.problem import ConicProgram
 
-__all__ = ["EXACTLY", "CoulombMotion", "find_coulomb_motion"]
+__all__ = ["CoulombMotion", "DeSaxcePrograms", "de_saxce_programs", "find_coulomb_motion"]
 
-
-EXACTLY = 1e-9
-"""Residual of the law that ends the search."""
 STARTS = 8
-"""Starts of De Saxce's iteration."""
+"""Starts of De Saxce's iteration: free fall, all lubricated, none, the rest at random."""
 ITERATIONS = 40
 """Steps of one start."""
 FEW = 2
@@ -49,14 +62,6 @@ MOST_POINTS = 150
 """Contact points above which 300 nodes decide too little to be worth their time."""
 BY_MODES = "contact modes"
 """How a motion was found."""
-CLOSE = 0.01
-"""Residual over |a|^2 / |w|^2 of the nearest motion beyond which it tells nothing."""
-SHARP = 1e-11
-"""Tolerance of the conic programs: an interior point's x is good to its root only."""
-GONE = 1e-5
-"""A start whose |x| falls below this has come to rest."""
-STEADY = 1e-7
-"""Change of s, over |x|, at which a start has converged."""
 TRIES = (0, 1, 3, 10)
 """Steps after which a candidate is made exact, besides the last."""
 
@@ -91,15 +96,14 @@ class CoulombMotion:
         return self.law.holds and self.law.residual <= EXACTLY
 
 
-class _Search:
-    """What one search knows: the law, the time, the best so far."""
+class _MotionSearch:
+    """What one search knows: the law, its budget, the best motion so far."""
 
-    def __init__(self, program: Program, budget: float, tell: Callable[[str], None] | None) -> None:
+    def __init__(self, program: Program, budget: Budget) -> None:
         self.program = program
-        self.law = frictional(program)
-        self.family: Bipotential = bipotential(self.law)
-        self.end = perf_counter() + budget
-        self.tell = tell or (lambda _: None)
+        self.law = coulomb_law(program)
+        self.family = de_saxce_programs(self.law)
+        self.budget = budget
         self.programs = 0
         self.seen: set[bytes] = set()
         self.best: CoulombMotion | None = None
@@ -107,29 +111,19 @@ class _Search:
     @property
     def over(self) -> bool:
         """Whether there is nothing more to do."""
-        found = self.best is not None and self.best.exact
-        return found or self.late()
+        return (self.best is not None and self.best.exact) or self.budget.over
 
-    def late(self) -> bool:
-        """Whether the time is over."""
-        return perf_counter() > self.end
-
-    @property
-    def left(self) -> float:
-        """Time that is left, at least a little [s]."""
-        return max(self.end - perf_counter(), 0.05)
-
-    def solve(self, shift: Array, lubricated: Mask) -> Candidate | None:
+    def solve(self, shift: Array, lubricated: Mask) -> TrialMotion | None:
         """One step of De Saxce's iteration; None where the solver broke down."""
         from kilter.solvers.conic import solve_conic
 
         answer = solve_conic(
-            self.family.program(shift, lubricated), tolerance=SHARP, seconds=self.left
+            self.family.program(shift, lubricated), tolerance=SHARP, seconds=self.budget.left
         )
         self.programs += 1
         if answer.outcome == "infeasible" or not np.isfinite(answer.x).all():
             return None
-        return Candidate(answer.x, self.family.forces(answer.multipliers, lubricated))
+        return TrialMotion(answer.x, self.family.forces(answer.multipliers, lubricated))
 
     def shift(self, x: Array) -> Array:
         """S = mu |u_t|, shape (K,)."""
@@ -137,10 +131,10 @@ class _Search:
         shift: Array = self.law.mu * np.linalg.norm(u[:, 1:], axis=1)
         return shift
 
-    def offer(self, candidate: Candidate, found: str) -> None:
+    def offer(self, candidate: TrialMotion, found: str) -> None:
         """Make a candidate exact, judge it, keep the best."""
         seen = self.seen if found == BY_MODES else set()
-        for one in [candidate, *polished(self.law, candidate, seen, self.late)]:
+        for one in [candidate, *polished(self.law, candidate, seen, self.budget)]:
             acceleration, forces = self.law.acceleration(one.x), self.law.forces(one.forces)
             law = check_law(self.program, acceleration, forces)
             if law.power > POWER and (self.best is None or _merit(law) < _merit(self.best.law)):
@@ -151,15 +145,14 @@ class _Search:
 
 def _merit(law: LawProof) -> tuple[bool, float]:
     """Less is better."""
-    return not law.holds, law.residual / max(law.size, 1e-300)
+    return not law.holds, law.residual / max(law.size, TINY)
 
 
 def find_coulomb_motion(
     program: Program,
     *,
-    budget: float,
+    budget: Budget | float,
     seed: int = 0,
-    tell: Callable[[str], None] | None = None,
     nearest: bool = False,
     runaway: Array | None = None,
 ) -> CoulombMotion | None:
@@ -169,22 +162,19 @@ def find_coulomb_motion(
     ----------
     program : Program
         Contacts with mu, no pyramids.
-    budget : float
-        [s]
+    budget : Budget or float
+        Or seconds.
     seed : int
         Of the patches that are lubricated.
-    tell : callable, optional
-        Called with a line of text before each kind of search.
     nearest : bool
         Also a motion that does not obey the law well enough to count, the nearest.
     runaway : ndarray, shape (N, 6), optional
         Of `find_seating`, where that has been asked already.
     """
-    search = _Search(program, budget, tell)
+    search = _MotionSearch(program, Budget.of(budget))
     if not len(search.law.load) or not search.law.strength:
         return None
-    rng = np.random.default_rng(seed)
-    for found, candidate in _starts(search, rng, runaway):
+    for found, candidate in _starts(search, np.random.default_rng(seed), runaway):
         if candidate is not None:
             _iterate(search, candidate, found)
         if search.over:
@@ -197,13 +187,13 @@ def find_coulomb_motion(
 
 
 def _starts(
-    search: _Search, rng: np.random.Generator, runaway: Array | None
-) -> Iterator[tuple[str, Candidate | None]]:
+    search: _MotionSearch, rng: np.random.Generator, runaway: Array | None
+) -> Iterator[tuple[str, TrialMotion | None]]:
     """First candidates, with what to call them."""
-    law = search.law
+    law, say = search.law, search.budget.stage
     zero, patches = np.zeros(len(law.mu)), int(law.patch.max(initial=-1)) + 1
-    search.tell("looking for a motion: some contacts lubricated")
-    yield "falling freely", Candidate(law.load, np.zeros((len(law.mu), 3)))
+    say("looking for a motion: some contacts lubricated")
+    yield "falling freely", TrialMotion(law.load, np.zeros((len(law.mu), 3)))
     yield "all contacts lubricated", search.solve(zero, np.ones(len(law.mu), dtype=bool))
     yield "cones without sliding", search.solve(zero, np.zeros(len(law.mu), dtype=bool))
     for start in range(3, STARTS):
@@ -212,21 +202,21 @@ def _starts(
             f"contacts lubricated at random, start {start}",
             search.solve(zero, slippery[law.patch]),
         )
-    search.tell("looking for a motion: where the weight does not seat the parts")
+    say("looking for a motion: where the weight does not seat the parts")
     if runaway is None:
-        runaway = find_seating(search.program, starts=1, budget=search.left).runaway
+        runaway = find_seating(search.program, starts=1, budget=search.budget).runaway
     if runaway is not None:
         x = law.columns(runaway)
-        x = x * (law.load @ x) / max(float(x @ x), 1e-300)
-        yield "run-away from its seat", Candidate(x, np.zeros((len(law.mu), 3)))
-    search.tell("looking for a motion: contact modes")
+        x = x * (law.load @ x) / max(float(x @ x), TINY)
+        yield "run-away from its seat", TrialMotion(x, np.zeros((len(law.mu), 3)))
+    say("looking for a motion: contact modes")
     if len(law.mu) <= MOST_POINTS:
-        for candidate in by_modes(law, nodes=NODES, seconds=search.left):
+        for candidate in by_modes(law, nodes=NODES, budget=search.budget):
             search.programs += 1
             yield BY_MODES, candidate
 
 
-def _iterate(search: _Search, candidate: Candidate, found: str) -> None:
+def _iterate(search: _MotionSearch, candidate: TrialMotion, found: str) -> None:
     """De Saxce's iteration from a first candidate."""
     none = np.zeros(len(search.law.mu), dtype=bool)
     shift = search.shift(candidate.x)
@@ -244,3 +234,67 @@ def _iterate(search: _Search, candidate: Candidate, found: str) -> None:
         if float(np.abs(shift - last).max(initial=0.0)) < STEADY * size:
             break
     search.offer(candidate, found)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DeSaxcePrograms:
+    """The family of programs of one contact law.
+
+    Attributes
+    ----------
+    law : CoulombLaw
+    tied, smooth, rough : ndarray of int
+        Rows of joints, without friction, with friction.
+    lines : csc_array
+        Rows of H in the order of the program: joints, smooth, (n, u, v) of each rough row.
+    identity : csc_array
+    """
+
+    law: CoulombLaw
+    tied: Index
+    smooth: Index
+    rough: Index
+    lines: csc_array
+    identity: csc_array
+
+    def program(self, shift: Array, lubricated: Mask) -> ConicProgram:
+        """The program for s = `shift`, shape (K,), and the rows that are lubricated."""
+        law, before = self.law, len(self.tied) + len(self.smooth)
+        scale, bound = np.ones(self.lines.shape[0]), np.zeros(self.lines.shape[0])
+        friction = np.where(lubricated, 0.0, law.mu)[self.rough]
+        scale[before + 1 :: 3] = friction
+        scale[before + 2 :: 3] = friction
+        bound[before::3] = np.where(lubricated, 0.0, shift)[self.rough]
+        lines = self.lines
+        entries = -lines.data * scale[lines.indices]
+        return ConicProgram(
+            self.identity,
+            -law.load,
+            csc_array((entries, lines.indices, lines.indptr), shape=lines.shape),
+            bound,
+            len(self.tied),
+            len(self.smooth),
+            np.full(len(self.rough), 3),
+        )
+
+    def forces(self, multipliers: Array, lubricated: Mask) -> Array:
+        """Scaled forces (n, u, v), shape (K, 3), of the program's multipliers."""
+        forces = np.zeros((len(self.law.mu), 3))
+        before = len(self.tied) + len(self.smooth)
+        forces[self.tied, 0] = multipliers[: len(self.tied)]
+        forces[self.smooth, 0] = multipliers[len(self.tied) : before]
+        own = multipliers[before:].reshape(-1, 3).copy()
+        own[:, 1:] *= np.where(lubricated, 0.0, self.law.mu)[self.rough][:, None]
+        forces[self.rough] = own
+        return forces
+
+
+def de_saxce_programs(law: CoulombLaw) -> DeSaxcePrograms:
+    """The programs of a contact law."""
+    tied = np.flatnonzero(law.tied)
+    smooth = np.flatnonzero(~law.tied & (law.mu <= 0))
+    rough = np.flatnonzero(~law.tied & (law.mu > 0))
+    triples = (3 * rough[:, None] + np.arange(3)).reshape(-1)
+    order = np.concatenate([3 * tied, 3 * smooth, triples])
+    identity = csc_array(eye_array(len(law.load)))
+    return DeSaxcePrograms(law, tied, smooth, rough, csc_array(law.matrix[order]), identity)

@@ -1,97 +1,96 @@
 """From nearly to exactly: the equations of a contact mode, solved by Newton's method.
 
-Each point of a candidate is taken to part, to stick, or to slide, whichever its speeds and
-forces are nearest to. In that mode the law is a system of equations,
+Each point of a candidate is taken to be open, to stick, or to slide, whichever its speeds and
+forces are nearest to. In that mode the law (scaled as in `kilter.friction.law`) is a system of
+equations,
 
     x = w + sum_stick H^T f + sum_slide f_n (H_n - mu H_t^T e),     e = u_t / |u_t|
     u = 0 where points stick,  u_n = 0 where they slide
 
-nonlinear in the directions of sliding e(x) only. Points whose force turns out to pull part,
-points that enter each other touch, points beyond their cone slide: then again. Forces that
-several points share have no unique solution; the steps are regularised, so that they stay
-near those of the candidate.
+nonlinear in the directions of sliding e(x) only. The mode is then corrected where its solution
+contradicts it: points whose force turns out to pull open, points that enter each other touch,
+points whose force leaves its cone slide; and it is solved again. Forces that several points
+share have no unique solution; the steps are regularised, so that they stay near those of the
+candidate.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from scipy.sparse import block_array, csr_array, diags_array, eye_array, vstack
 
-from kilter.arrays import Array, Index
-from kilter.friction.frictional import Frictional
+from kilter.arrays import TINY, Array, Index
+from kilter.budget import Budget
+from kilter.friction.branching import Mode
+from kilter.friction.friction_tolerances import (
+    CLEAR,
+    CREEP,
+    NEAR_ITS_CONE,
+    SLACK,
+    SOFT_MODE,
+    SOLVED,
+)
+from kilter.friction.law import CoulombLaw
 
-__all__ = ["Candidate", "polished"]
+__all__ = ["TrialMotion", "polished"]
 
-
-PART, SLIDE, STICK = 0, 1, 2
-"""Modes of a point."""
-SOFT = 1e-9
-"""Regularisation of the equations, whose terms are near 1."""
 STEPS = 40
 """Newton steps in one mode."""
-CLEAR = 1e-4
-"""Forces below this are taken for none, at first."""
-NEAR = 1e-4
-"""How near a force is to its cone, over its size, to be taken for one on it."""
-CREEP = 1e-7
-"""Points that slide slower than this may as well stick."""
 MOST_RAYS = 1000
 """Rays above which forces at the limit of friction are not sought."""
 HALF, PATIENCE = 0.5, 5
 """Newton steps that may pass without the residual halving."""
 MODES = 8
 """Modes tried for one candidate."""
-DONE = 1e-14
-"""Residual at which a mode is solved."""
-SLACK = 1e-9
-"""Speeds and forces beyond their side by more than this change the mode."""
 DENSE = 250
 """Systems up to this many equations are solved as full matrices."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Candidate:
-    """Scaled accelerations x, shape (n,), and forces (n, u, v), shape (K, 3)."""
+class TrialMotion:
+    """Accelerations x, shape (n,), and forces (n, u, v), shape (K, 3), scaled as the law is.
+
+    They obey the law nearly, or exactly: that is for `check_law` to say.
+    """
 
     x: Array
     forces: Array
 
 
 def polished(
-    law: Frictional, start: Candidate, seen: set[bytes], late: Callable[[], bool]
-) -> list[Candidate]:
-    """Candidates that solve the equations of modes near `start`.
+    law: CoulombLaw, start: TrialMotion, seen: set[bytes], budget: Budget
+) -> list[TrialMotion]:
+    """TrialMotions that solve the equations of modes near `start`.
 
     Parameters
     ----------
-    law : Frictional
-    start : Candidate
+    law : CoulombLaw
+    start : TrialMotion
     seen : set of bytes
         Modes that are not to be solved again; those solved are added.
-    late : callable
-        Whether to end, with what was found.
+    budget : Budget
+        When it is spent, what was found is all.
     """
-    found: list[Candidate] = []
+    found: list[TrialMotion] = []
     for least in (CLEAR, SLACK):
-        found += _followed(law, _modes(law, start, least), start, seen, late)
+        found += _followed(law, _modes(law, start, least), start, seen, budget)
     return found
 
 
 def _followed(
-    law: Frictional, mode: Index, start: Candidate, seen: set[bytes], late: Callable[[], bool]
-) -> list[Candidate]:
+    law: CoulombLaw, mode: Index, start: TrialMotion, seen: set[bytes], budget: Budget
+) -> list[TrialMotion]:
     """Solutions of a mode and of those it leads to."""
-    found: list[Candidate] = []
+    found: list[TrialMotion] = []
     candidate = start
     for _ in range(MODES):
-        if mode.tobytes() in seen or late():
+        if mode.tobytes() in seen or budget.over:
             break
         seen.add(mode.tobytes())
-        solved = _solve(law, mode, candidate, late)
+        solved = _solve(law, mode, candidate, budget)
         if solved is None:
             break
         candidate = solved
@@ -103,32 +102,30 @@ def _followed(
     return found
 
 
-def _modes(law: Frictional, start: Candidate, least: float) -> Index:
+def _modes(law: CoulombLaw, start: TrialMotion, least: float) -> Index:
     """The mode of each row that speeds and forces are nearest to; below `least` none push."""
     u, f = (law.matrix @ start.x).reshape(-1, 3), start.forces
     touches = law.tied | (f[:, 0] > np.maximum(u[:, 0], least))
     room = law.mu * f[:, 0] - np.linalg.norm(f[:, 1:], axis=1)
     slides = (law.mu <= 0) | (np.linalg.norm(u[:, 1:], axis=1) > room)
-    return np.where(~touches, PART, np.where(slides & ~law.tied, SLIDE, STICK))
+    return np.where(~touches, Mode.OPEN, np.where(slides & ~law.tied, Mode.SLIDING, Mode.STICKING))
 
 
-def _changed(law: Frictional, mode: Index, now: Candidate) -> Index:
+def _changed(law: CoulombLaw, mode: Index, now: TrialMotion) -> Index:
     """The mode without its worst contradictions."""
     u, f = (law.matrix @ now.x).reshape(-1, 3), now.forces
     drag = np.linalg.norm(f[:, 1:], axis=1)
     new = mode.copy()
-    new[(mode == PART) & (u[:, 0] < -SLACK)] = SLIDE
-    new[(mode == STICK) & (drag > law.mu * np.maximum(f[:, 0], 0.0) + SLACK)] = SLIDE
-    new[(mode != PART) & (f[:, 0] < -SLACK)] = PART
-    new[law.tied] = STICK
+    new[(mode == Mode.OPEN) & (u[:, 0] < -SLACK)] = Mode.SLIDING
+    new[(mode == Mode.STICKING) & (drag > law.mu * np.maximum(f[:, 0], 0.0) + SLACK)] = Mode.SLIDING
+    new[(mode != Mode.OPEN) & (f[:, 0] < -SLACK)] = Mode.OPEN
+    new[law.tied] = Mode.STICKING
     return new
 
 
-def _solve(
-    law: Frictional, mode: Index, start: Candidate, late: Callable[[], bool]
-) -> Candidate | None:
+def _solve(law: CoulombLaw, mode: Index, start: TrialMotion, budget: Budget) -> TrialMotion | None:
     """The solution of the equations of a mode nearest to `start`; None where they break down."""
-    slide, stick = np.flatnonzero(mode == SLIDE), np.flatnonzero(mode == STICK)
+    slide, stick = np.flatnonzero(mode == Mode.SLIDING), np.flatnonzero(mode == Mode.STICKING)
     held = stick[~law.tied[stick]]
     rows = np.concatenate([3 * slide, 3 * stick, 3 * held + 1, 3 * held + 2])
     lines = law.matrix
@@ -136,10 +133,10 @@ def _solve(
     full = len(rows) + len(law.load) <= DENSE
     if full:
         active, across = active.toarray(), across.toarray()
-    mode_of = _Mode(law.load, law.mu[slide], active, across, full)
+    equations = _ModeEquations(law.load, law.mu[slide], active, across, full)
     flat = start.forces.reshape(-1)
     g = np.concatenate([np.maximum(flat[3 * slide], 0.0), flat[rows[len(slide) :]]])
-    best = mode_of.solve(start.x, g, -start.forces[slide, 1:], late)
+    best = equations.solve(start.x, g, -start.forces[slide, 1:], budget)
     if best is None:
         return None
     x, g, e = best
@@ -147,11 +144,11 @@ def _solve(
     forces[rows] = g
     points = forces.reshape(-1, 3)
     points[slide, 1:] = -(law.mu[slide] * g[: len(slide)])[:, None] * e
-    return Candidate(x, points)
+    return TrialMotion(x, points)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Mode:
+class _ModeEquations:
     """The equations of one mode: lines of H whose speed is 0, and across which points slide."""
 
     load: Array
@@ -161,7 +158,7 @@ class _Mode:
     full: bool
 
     def solve(
-        self, x: Array, g: Array, e: Array, late: Callable[[], bool]
+        self, x: Array, g: Array, e: Array, budget: Budget
     ) -> tuple[Array, Array, Array] | None:
         """Unknowns x, forces g along the active lines and directions e, by Newton's method."""
         best, least, since = None, np.inf, 0
@@ -173,7 +170,7 @@ class _Mode:
             since = 0 if size < HALF * least else since + 1
             if size < least:
                 best, least = (x, g, e), size
-            if size <= DONE or since > PATIENCE or not np.isfinite(size) or late():
+            if size <= SOLVED or since > PATIENCE or not np.isfinite(size) or budget.over:
                 break
             step = self._step(self._bending(x, g, e), push, np.concatenate([-first, -second]))
             if step is None:
@@ -206,7 +203,7 @@ class _Mode:
         limit = self.mu * np.maximum(g[: len(self.mu)], 0.0)
         size = np.linalg.norm((self.across @ x).reshape(-1, 2), axis=1)
         turn = self._combined(np.column_stack([-e[:, 1], e[:, 0]]))
-        weight = np.where(size > DONE, limit / np.maximum(size, DONE), 0.0)
+        weight = np.where(size > SOLVED, limit / np.maximum(size, SOLVED), 0.0)
         if self.full:
             return turn.T @ (weight[:, None] * turn)
         return turn.T @ (diags_array(weight) @ turn)
@@ -223,18 +220,18 @@ class _Mode:
                 system[:count, :count] = bend + np.eye(count)
                 system[:count, count:] = -push.T
                 system[count:, :count] = self.active
-                system[range(count, count + held), range(count, count + held)] = SOFT
+                system[range(count, count + held), range(count, count + held)] = SOFT_MODE
                 step = np.asarray(np.linalg.solve(system, right), np.float64)
             else:
                 top = [bend + eye_array(count), -push.T]
-                blocks = [top, [self.active, SOFT * eye_array(held)]]
+                blocks = [top, [self.active, SOFT_MODE * eye_array(held)]]
                 step = splu(block_array(blocks, format="csc")).solve(right)
         except (RuntimeError, np.linalg.LinAlgError):  # singular
             return None
         return step if np.isfinite(step).all() else None
 
 
-def _at_the_limit(law: Frictional, mode: Index, now: Candidate) -> list[Candidate]:
+def _at_the_limit(law: CoulombLaw, mode: Index, now: TrialMotion) -> list[TrialMotion]:
     """The same motion where points that stick at the limit of friction push along its slides.
 
     Where a stack slides as one, its inner joints stick with forces that just reach their
@@ -243,11 +240,11 @@ def _at_the_limit(law: Frictional, mode: Index, now: Candidate) -> list[Candidat
     u, f = (law.matrix @ now.x).reshape(-1, 3), now.forces
     drag, slip = np.linalg.norm(f[:, 1:], axis=1), np.linalg.norm(u[:, 1:], axis=1)
     full, rough = law.mu * np.maximum(f[:, 0], 0.0), law.mu > 0
-    held = (full > NEAR) & (drag > (1 - NEAR) * full)
-    creeps = (mode == SLIDE) & rough & (slip <= CREEP)
-    limit = np.flatnonzero(((mode == STICK) & held) | (creeps & held))
-    slides = (mode == SLIDE) & ~creeps
-    fast = slides & rough & (slip > NEAR)
+    held = (full > NEAR_ITS_CONE) & (drag > (1 - NEAR_ITS_CONE) * full)
+    creeps = (mode == Mode.SLIDING) & rough & (slip <= CREEP)
+    limit = np.flatnonzero(((mode == Mode.STICKING) & held) | (creeps & held))
+    slides = (mode == Mode.SLIDING) & ~creeps
+    fast = slides & rough & (slip > NEAR_ITS_CONE)
     along = np.einsum("ki,kij->kj", u[fast, 1:] / slip[fast, None], law.basis[fast, 1:])
     if not len(limit) or not len(along):
         return []
@@ -258,13 +255,12 @@ def _at_the_limit(law: Frictional, mode: Index, now: Candidate) -> list[Candidat
     e[limit] = _directions(np.einsum("kj,kij->ki", chosen, law.basis[limit, 1:]), e[limit])
     ray = slides.copy()
     ray[limit] = True
-    forces = _on_rays(
-        law, np.flatnonzero(ray), e, np.flatnonzero(((mode == STICK) | creeps) & ~ray), now.x
-    )
-    return [] if forces is None else [Candidate(now.x, forces)]
+    others = np.flatnonzero(((mode == Mode.STICKING) | creeps) & ~ray)
+    forces = _on_rays(law, np.flatnonzero(ray), e, others, now.x)
+    return [] if forces is None else [TrialMotion(now.x, forces)]
 
 
-def _on_rays(law: Frictional, rays: Index, e: Array, others: Index, x: Array) -> Array | None:
+def _on_rays(law: CoulombLaw, rays: Index, e: Array, others: Index, x: Array) -> Array | None:
     """Forces (n, u, v) of the motion x: along -e on the cones of `rays`, within those of others.
 
     The cones of the others by eight rays each, so that all is nonnegative least squares.
@@ -297,6 +293,6 @@ def _directions(speeds: Array, otherwise: Array) -> Array:
     u = speeds.reshape(-1, 2)
     size = np.linalg.norm(u, axis=1)
     size_otherwise = np.linalg.norm(otherwise, axis=1)
-    other = otherwise / np.maximum(size_otherwise, 1e-300)[:, None]
-    unit: Array = np.where((size > DONE)[:, None], u / np.maximum(size, 1e-300)[:, None], other)
+    other = otherwise / np.maximum(size_otherwise, TINY)[:, None]
+    unit: Array = np.where((size > SOLVED)[:, None], u / np.maximum(size, TINY)[:, None], other)
     return unit

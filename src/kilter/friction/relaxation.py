@@ -1,7 +1,7 @@
 """A linear program that contains every motion that obeys Coulomb's contact law.
 
 With the bounds of `kilter.friction.enclosure` (they hold for every solution (a, f) of the
-law of `kilter.friction.contact_law` that is asked about), e for the size of a, b = a / e,
+law of `kilter.friction.reduced_law` that is asked about), e for the size of a, b = a / e,
 and l for 1 (or less: all rows are homogeneous, so that x = 0 is feasible whatever the modes,
 and no answer rests on a claim that a program is infeasible), the rows are, each implied by
 the law and by the bounds:
@@ -32,10 +32,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csc_array, csr_array
 
-from kilter.arrays import Array, Index
-from kilter.friction.contact_law import ContactLaw
-from kilter.friction.enclosure import Enclosure, reach
-from kilter.friction.twist_cones import sector, widened
+from kilter.arrays import TINY, Array, Index
+from kilter.friction.enclosure import Enclosure, largest_speeds, sector, widened
+from kilter.friction.reduced_law import ReducedLaw
 from kilter.solvers.problem import LinearProgram
 
 __all__ = ["Relaxation", "directions_of"]
@@ -43,11 +42,11 @@ __all__ = ["Relaxation", "directions_of"]
 
 SIDES = 8
 """Sides of the polygon circumscribed about the friction circle."""
-POOL = 12
+TANGENTS = 12
 """Tangents of the ball of accelerations that are kept."""
 
 
-def directions_of(law: ContactLaw) -> Array:
+def directions_of(law: ReducedLaw) -> Array:
     """The directions d_k across a contact, shape (m, T)."""
     if law.directions == 1:
         return np.array([[1.0], [-1.0]])
@@ -60,17 +59,17 @@ class Relaxation:
 
     Parameters
     ----------
-    law : ContactLaw
+    law : ReducedLaw
 
     Attributes
     ----------
-    reach : Reach
-        How far unit motions reach.
+    fastest : LargestSpeeds
+        Of contact points in motions of size 1.
     columns : dict
         Slices of the columns: motion b, one l, q, fn, un, ft, ut, s, d, total N, g, twist.
     """
 
-    def __init__(self, law: ContactLaw) -> None:
+    def __init__(self, law: ReducedLaw) -> None:
         self.law = law
         self.directions = directions_of(law)
         n, points = len(law.load), len(law.group)
@@ -106,7 +105,7 @@ class Relaxation:
         self._cuts()
         self._sectors()
         self._assemble()
-        self.reach = reach(law, self.directions)
+        self.fastest = largest_speeds(law, self.directions)
         own = [np.sqrt(np.asarray(rows.multiply(rows).sum(axis=1)).ravel()) for rows in law.twist]
         self._twist_reach = np.concatenate(
             [
@@ -165,7 +164,7 @@ class Relaxation:
         row = self._rows(1, "<")
         self._put(row, self._of("motion"), law.load)
         self._put(row, self._of("one"), -1.0, "power")
-        rows = self._rows(POOL, ">")
+        rows = self._rows(TANGENTS, ">")
         self._put(rows, self._of("square"), 1.0)
         self._put(rows[:, None], self._of("motion")[None], 0.0, "tangents")
         self._put(rows, self._of("one"), 0.0, "heights")
@@ -310,9 +309,9 @@ class Relaxation:
         if not b.cuts:
             return values
         values |= {"loss most": -b.most, "loss total": -b.slip, "loss one": b.slip * b.most}
-        values["normal force"] = b.un / np.maximum(b.fn, np.maximum(b.un, 1e-300))
+        values["normal force"] = b.un / np.maximum(b.fn, np.maximum(b.un, TINY))
         values["normal one"] = -b.un * (1 + (b.fn < b.un))
-        force = np.maximum(b.rest, np.maximum(b.ut, 1e-300))
+        force = np.maximum(b.rest, np.maximum(b.ut, TINY))
         values["tangential force"] = b.ut / force
         values["tangential one"] = -b.ut * (1 + (b.rest < b.ut))
         return values
@@ -366,7 +365,7 @@ class Relaxation:
                 lower[held] = upper[held] = 0.0
         return lower, upper
 
-    def parts(self, x: Array) -> dict[str, Array]:
+    def named(self, x: Array) -> dict[str, Array]:
         """A solution by the names of its columns."""
         return {name: x[where] for name, where in self.columns.items()}
 

@@ -1,15 +1,17 @@
 """Seating: does the weight of the parts itself make the friction that holds them?
 
 Between contacts that give a little, k along the normal and 0.7 k across it, and that neither
-a gap nor a squeeze parted before, parts under load move by a small displacement x to where
+a gap nor a squeeze separated or pressed before, parts under load move by a small displacement
+x to where
 
     f_n = k max(0, -u_n),  f_t = -0.7 k u_t, cut to |f_t| <= mu f_n,     u = H x
     r(x) = w + H^T f(H x) = 0
 
-if there is such a place: *seated*. The forces are then forces of equilibrium, each exactly in
-its cone. A block squeezed between walls has such forces too, but no displacement makes them:
-it is not seated. The size of k does not matter; its ratio between patches may, so that starts
-after the first vary it at random, by 0.1 to 10 a patch.
+if there is such a place: *seated* (scaled as in `kilter.friction.law`, x being a displacement
+here). The forces are then forces of equilibrium, each exactly in its cone. A block squeezed
+between walls has such forces too, but no displacement makes them: it is not seated. The size
+of k does not matter; its ratio between patches may, so that starts after the first vary it at
+random, by 0.1 to 10 a patch.
 
 The equations are solved by pseudo-transient continuation, (1/h - dr/dx) dx = r with a step h
 that grows as r falls: at first the path of parts in thick oil, at last Newton's method. Where
@@ -25,14 +27,16 @@ Numer. Anal. 35, 1998.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from time import perf_counter
+from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.sparse import bsr_array, csc_array, eye_array
 
-from kilter.arrays import Array
-from kilter.friction.frictional import Frictional, frictional
+from kilter.arrays import TINY, Array
+from kilter.budget import Budget
+from kilter.friction.friction_tolerances import BALANCED, GOAL, SOFT_SQUEEZE
+from kilter.friction.law import CoulombLaw, coulomb_law
 from kilter.mechanics.law_check import check_balance
 from kilter.mechanics.program import Program
 
@@ -42,18 +46,12 @@ if TYPE_CHECKING:
 __all__ = ["Seating", "find_seating"]
 
 
-BALANCED = 1e-9
-"""Largest imbalance of a part, over its weight, of parts that are seated."""
-GOAL = 1e-11
-"""Imbalance at which the iteration ends."""
 ACROSS = 0.7
 """Stiffness across a contact over that along its normal."""
 SPREAD = 10.0
 """Stiffness of a patch varies by this factor, up and down."""
 SQUEEZE = 10.0
 """Largest depth to which a random start presses patches; 1 makes forces of the weight."""
-SOFT = 1e-6
-"""Regularisation of that squeeze."""
 NUDGE = 1.0
 """Size of the random part of a start, each freedom."""
 STEPS = 300
@@ -101,7 +99,7 @@ class Seating:
 
 
 def find_seating(
-    program: Program, *, seed: int = 0, starts: int = 6, budget: float | None = None
+    program: Program, *, seed: int = 0, starts: int = 6, budget: Budget | float = inf
 ) -> Seating:
     """Whether the weight of the parts seats them.
 
@@ -111,8 +109,8 @@ def find_seating(
     seed : int
         Of the stiffnesses and first displacements of all starts but the first.
     starts : int
-    budget : float, optional
-        Time after which the search ends with what it has [s].
+    budget : Budget or float
+        Or seconds; when it is spent, the search ends with what it has.
 
     Examples
     --------
@@ -125,11 +123,11 @@ def find_seating(
     True
     False
     """
-    law = frictional(program)
+    law = coulomb_law(program)
     if not len(law.load) or not law.strength:
         none = np.zeros((len(program.part_a), 3))
         return Seating(True, none, check_balance(program, none), 0, 0, None)
-    end = np.inf if budget is None else perf_counter() + budget
+    budget = Budget.of(budget)
     rng = np.random.default_rng(seed)
     best: Seating | None = None
     stiffness, first = np.ones(len(law.mu)), np.zeros(len(law.load))
@@ -137,28 +135,28 @@ def find_seating(
     for start in range(1, max(starts, 1) + 1):
         if start > 1:
             stiffness, first = _beginning(law, rng)
-        state, steps = _settle(_Springs(law, stiffness), first, end)
+        state, steps = _settle(_Springs(law, stiffness), first, budget)
         iterations += steps
         forces = law.forces(state.forces)
         residual = check_balance(program, forces)
         if residual <= BALANCED:
             return Seating(True, forces, residual, start, iterations, None)
         if best is None or residual < best.residual:
-            away = state.x / max(float(np.linalg.norm(state.x)), 1e-300)
+            away = state.x / max(float(np.linalg.norm(state.x)), TINY)
             best = Seating(False, forces, residual, start, iterations, law.acceleration(away))
-        if perf_counter() > end:
+        if budget.over:
             break
     assert best is not None  # there is at least one start
     return Seating(False, best.forces, best.residual, start, iterations, best.runaway)
 
 
-def _beginning(law: Frictional, rng: np.random.Generator) -> tuple[Array, Array]:
+def _beginning(law: CoulombLaw, rng: np.random.Generator) -> tuple[Array, Array]:
     """A stiffness a patch, and a first displacement that squeezes what it can, and a little."""
     patches = int(law.patch.max(initial=-1)) + 1
     stiffness = SPREAD ** rng.uniform(-1.0, 1.0, patches)[law.patch]
     depth = rng.uniform(0.0, SQUEEZE, patches)[law.patch]
     normal = law.matrix[::3]
-    nearest = normal.T @ normal + SOFT * eye_array(len(law.load))
+    nearest = normal.T @ normal + SOFT_SQUEEZE * eye_array(len(law.load))
     x: Array = _factor(csc_array(nearest)).solve(-(normal.T @ depth))
     return stiffness, x + rng.normal(size=len(x)) * NUDGE
 
@@ -176,13 +174,13 @@ class _State:
 class _Springs:
     """The equations r(x) = 0 of one start."""
 
-    def __init__(self, law: Frictional, stiffness: Array) -> None:
+    def __init__(self, law: CoulombLaw, stiffness: Array) -> None:
         self.law, self.stiffness = law, stiffness
         self.transposed = law.matrix.T.tocsr()
         self.full = law.matrix.toarray() if len(law.load) <= DENSE else None
         part = np.flatnonzero(law.program.free)
         weight = law.program.weight[part] / np.sqrt(law.program.mass[part]) / law.strength
-        self.weight = np.maximum(weight, 1e-300)
+        self.weight = np.maximum(weight, TINY)
 
     def at(self, x: Array) -> _State:
         forces, slope = _response(self.law, self.stiffness, self.law.matrix @ x)
@@ -230,16 +228,16 @@ class _Springs:
         return None, count
 
 
-def _settle(springs: _Springs, x: Array, end: float) -> tuple[_State, int]:
+def _settle(springs: _Springs, x: Array, budget: Budget) -> tuple[_State, int]:
     """The state in which a start ends, and the steps of Newton's method it took."""
     state, step, steps = springs.at(x), 1.0, 0
-    while steps < STEPS and step > SHORTEST and perf_counter() < end:
+    while steps < STEPS and step > SHORTEST and not budget.over:
         new, count = springs.advance(state, step)
         steps += count
         if new is None:
             step *= CUT
             continue
-        fall = float(np.linalg.norm(state.rest)) / max(float(np.linalg.norm(new.rest)), 1e-300)
+        fall = float(np.linalg.norm(state.rest)) / max(float(np.linalg.norm(new.rest)), TINY)
         state = new
         if springs.imbalance(state) <= GOAL or (step > LONGEST and fall < EASING):
             break
@@ -254,7 +252,7 @@ def _factor(matrix: csc_array) -> SuperLU:
     return splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
 
 
-def _response(law: Frictional, stiffness: Array, speeds: Array) -> tuple[Array, Array]:
+def _response(law: CoulombLaw, stiffness: Array, speeds: Array) -> tuple[Array, Array]:
     """Forces (n, u, v) of displacements of the points, and -df/du, shape (K, 3, 3)."""
     u = speeds.reshape(-1, 3)
     k, across = stiffness, ACROSS * stiffness
@@ -264,12 +262,12 @@ def _response(law: Frictional, stiffness: Array, speeds: Array) -> tuple[Array, 
     drag = np.sqrt((pull**2).sum(axis=1))
     limit = np.where(law.tied, 0.0, law.mu * f_n)
     sticks = drag <= limit
-    share = np.where(sticks, 1.0, limit / np.maximum(drag, 1e-300))
+    share = np.where(sticks, 1.0, limit / np.maximum(drag, TINY))
     forces = np.empty_like(u)
     forces[:, 0], forces[:, 1:] = f_n, share[:, None] * pull
     slope = np.zeros((len(u), 3, 3))
     slope[:, 0, 0] = k * touching
-    e = pull / np.maximum(drag, 1e-300)[:, None]
+    e = pull / np.maximum(drag, TINY)[:, None]
     slides = ~sticks & touching & ~law.tied
     slope[:, 1:, 0] = (law.mu * k * slides)[:, None] * e
     bend = (across * share)[:, None, None] * np.eye(2)

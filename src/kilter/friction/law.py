@@ -16,20 +16,17 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array
 
-from kilter.arrays import Array, Index, Mask, cross
+from kilter.arrays import TINY, Array, Index, Mask, cross
+from kilter.friction.friction_tolerances import ZERO_ENTRY
 from kilter.mechanics.law_check import mobilities
 from kilter.mechanics.program import Program, tangents
 from kilter.units import metres_per_unit
 
-__all__ = ["Frictional", "frictional"]
-
-
-NOTHING = 1e-14
-"""Entries of the scaled matrix below this are rounding of an exact zero."""
+__all__ = ["CoulombLaw", "coulomb_law"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Frictional:
+class CoulombLaw:
     """The scaled contact law of a program.
 
     Attributes
@@ -88,7 +85,7 @@ class Frictional:
         return world
 
 
-def frictional(program: Program) -> Frictional:
+def coulomb_law(program: Program) -> CoulombLaw:
     """The scaled contact law of a program."""
     per = len(program.freedoms)
     free = np.flatnonzero(program.free)
@@ -110,10 +107,10 @@ def frictional(program: Program) -> Frictional:
         )
     else:
         patch = np.empty(0, dtype=np.int64)
-    return Frictional(
+    return CoulombLaw(
         program=program,
         matrix=_lines(program, basis, sigma, root, per),
-        load=load / max(strength, 1e-300),
+        load=load / max(strength, TINY),
         basis=basis,
         mu=np.where(program.two_sided, 0.0, program.mu),
         tied=program.two_sided,
@@ -146,7 +143,7 @@ def _lines(program: Program, basis: Array, sigma: Array, root: Array, per: int) 
         lever = lever[:, :, program.freedoms] * (sign / sigma[k])[:, None, None]
         lever = np.linalg.solve(root[owner], np.swapaxes(lever, 1, 2)).swapaxes(1, 2)
         lever[program.two_sided[k], 1:] = 0.0
-        lever[np.abs(lever) < NOTHING] = 0.0
+        lever[np.abs(lever) < ZERO_ENTRY] = 0.0
         row = (3 * k[:, None] + np.arange(3))[:, :, None]
         col = (owner[:, None] * per + np.arange(per))[:, None, :]
         data.append(lever.reshape(-1))

@@ -26,20 +26,15 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array, diags_array
 
-from kilter.arrays import Array, Index
+from kilter.arrays import TINY, Array, Index
+from kilter.friction.friction_tolerances import FLAT, JOINT_RANK
 from kilter.mechanics.program import CONTACT, JOINT, POSSIBLE, Program, tangents
 
-__all__ = ["ContactLaw", "contact_law", "refusal"]
-
-
-FLAT = 1e-9
-"""Normals and offsets of a patch that differ by more, relative to its size, are not flat."""
-RANK = 1e-10
-"""Singular values of joint rows below this part of the largest are zero."""
+__all__ = ["ReducedLaw", "reduced_law", "refusal"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ContactLaw:
+class ReducedLaw:
     """The law in scaled unknowns; n freedoms, K points, G groups, P patches, T = 1 or 2.
 
     Attributes
@@ -96,7 +91,7 @@ def refusal(program: Program) -> str:
     return ""
 
 
-def contact_law(program: Program) -> ContactLaw:
+def reduced_law(program: Program) -> ReducedLaw:
     """The contact law of a program of which `refusal` has nothing to say."""
     contact = np.flatnonzero(program.kind == CONTACT)
     label = _patches(program, contact)
@@ -119,7 +114,7 @@ def contact_law(program: Program) -> ContactLaw:
     normal = csr_array(_some(program, points).jacobian() @ back) * unit
     tangent = csr_array(sideways.jacobian() @ back) * unit
     twist, lever = _twists(program, contact[first], patch_of_group, across, tangent, back, unit)
-    return ContactLaw(
+    return ReducedLaw(
         w / size, normal, group, program.mu[contact[first]], tangent, patch_of_group, twist,
         lever, back,
     )  # fmt: skip
@@ -169,7 +164,7 @@ def _allowed(program: Program, root: csr_array) -> csr_array:
     length = np.linalg.norm(rows, axis=1)
     rows = rows[length > 0] / length[length > 0][:, None]
     _, values, vectors = np.linalg.svd(rows)
-    rank = int((values > RANK * values.max(initial=0.0)).sum())
+    rank = int((values > JOINT_RANK * values.max(initial=0.0)).sum())
     return csr_array(root @ vectors[rank:].T)
 
 
@@ -261,11 +256,11 @@ def _twists(
         spin = _some_rows(program, one, np.tile(at.mean(axis=0), (3, 1)), program.normal[one])
         spin["normal"] = np.vstack([across[members[0]], program.normal[one[:1]]])
         spin["angular"] = np.array([False, False, True])
-        scale = diags_array([unit, unit, unit * max(length, 1e-300)])
+        scale = diags_array([unit, unit, unit * max(length, TINY)])
         found.append(csr_array(scale @ program.with_rows(**spin).jacobian() @ back))
         # ut(x) = v + omega n x r: n x r along tangents (e1, e2, n right-handed) is (-r2, r1)
         basis = across[members[0]]
-        plane = arm @ basis.T / max(length, 1e-300)
+        plane = arm @ basis.T / max(length, TINY)
         turn = np.einsum("gij,kj->gik", across[members], basis)
         lever[members, :, :2] = turn
         lever[members, :, 2] = np.einsum(
