@@ -208,9 +208,9 @@ def test_a_notebook_shows_hostile_names_as_text() -> None:
 def test_answers_show_themselves_in_a_notebook() -> None:
     region = kilter.region(scene("paper-figure-10"))
     assert "fan" in region._repr_html_()
-    assert "45°" in region._repr_html_()
+    assert "45 deg" in region._repr_html_()
     answer = kilter.orient(scene("paper-figure-11"))
-    assert f"{answer.tilt_margin_deg:.6g}°" in answer._repr_html_()
+    assert f"{answer.tilt_margin_deg:.6g} deg" in answer._repr_html_()
     for text in (region._repr_html_(), answer._repr_html_()):
         ET.fromstring(text)
     figure = kilter.draw_region(region)

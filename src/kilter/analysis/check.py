@@ -23,7 +23,7 @@ from kilter.contact import ContactSet, Tolerance, find_contacts
 from kilter.errors import some
 from kilter.friction.answer import BUDGET, FrictionAnswer, ask_friction
 from kilter.mechanics.program import TOLERANCE, Program, build_program
-from kilter.tell.sentences import verdict_sentence
+from kilter.tell.words import verdict_sentence
 
 __all__ = ["check"]
 

@@ -291,9 +291,9 @@ class Verdict:
 
     def _repr_html_(self) -> str:
         """What a notebook shows."""
-        from kilter.tell.notebook import verdict_html
+        from kilter.tell.html import html_of
 
-        return verdict_html(self)
+        return html_of(self.to_dict())
 
     def __str__(self) -> str:
         return self.sentence

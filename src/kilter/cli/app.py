@@ -218,11 +218,13 @@ def check(
             answer["suggested_joints"] = [one.to_dict() for one in suggestions]
         emit(as_json(answer), output)
     else:
-        from kilter.tell.text import check_text, force_lines, suggestions_text
+        from kilter.tell.tables import forces_table
+        from kilter.tell.text import suggestions_text, text_of
 
-        text = "\n".join([check_text(verdict), *(force_lines(verdict) if forces else [])])
+        answer = verdict.to_dict()
+        text = text_of(answer, *([forces_table(answer)] if forces else []))
         if suggest:
-            text += "\n\n" + suggestions_text(suggestions)
+            text += "\n\n" + suggestions_text([one.to_dict() for one in suggestions])
         if proof is not None:
             written = f"written to {proof}" if verdict.certificate else "none to write"
             text += f"\nproof file   {written}"
@@ -270,12 +272,9 @@ def contacts(
         found = known or find_contacts(assembly, tolerance=tolerance, progress=progress)
     warnings = [*assembly.notes, *assembly.geometry.warnings, *found.warnings]
     tell_warnings(warnings, quiet or json)
-    if json:
-        emit(as_json(found.to_dict()), output)
-    else:
-        from kilter.tell.text import contacts_text
+    from kilter.tell.text import text_of
 
-        emit(contacts_text(assembly, found), output)
+    emit(as_json(found.to_dict()) if json else text_of(found.to_dict()), output)
     return 0
 
 
@@ -312,52 +311,23 @@ def verify(
             result = verify_proof(assembly, found, data)
     except InputError as error:
         raise error.located(file=proof) from None
-    if json:
-        answer = {
-            "holds": result.holds,
-            "verdict": result.verdict,
-            "residual": result.residual,
-            "power": result.power,
-            "reasons": list(result.reasons),
-            "notes": list(result.notes),
-            "options": reading.options(),
-            "tolerance": data["tolerance"],
-        }
-        emit(as_json(answer), output)
-    else:
-        emit(_verified(assembly, result, reading, tolerance), output)
+    from kilter.tell.text import text_of
+
+    answer = {
+        "holds": result.holds,
+        "verdict": result.verdict,
+        "residual": result.residual,
+        "power": result.power,
+        "reasons": list(result.reasons),
+        "notes": list(result.notes),
+        "held": [part.name for part in assembly.parts if part.grounded],
+        "gravity": assembly.gravity.tolist(),
+        "units": assembly.units,
+        "options": reading.options(),
+        "tolerance": data["tolerance"],
+    }
+    emit(as_json(answer) if json else text_of(answer), output)
     return 0 if result.holds else 1
-
-
-def _verified(assembly: Any, result: Any, reading: Reading, tolerance: Any) -> str:
-    """The answer of `kilter verify`, with the conditions that it holds under."""
-    from kilter.tell.text import plain
-
-    if not result.holds:
-        return "\n".join(["The proof does not hold:", *(f"  {r}" for r in result.reasons)])
-    held = ", ".join(plain(p.name) for p in assembly.parts if p.grounded)
-    figure = (
-        f"every part is balanced to {result.residual:.1e} of its weight"
-        if result.residual is not None
-        else f"the motion gains {result.power:.4g} W at 1 m/s"
-    )
-    options = reading.options()
-    lines = [
-        f"The proof holds: {result.verdict}; {figure}.",
-        *(f"  {note}" for note in result.notes),
-        f"  held: {held or 'joints to the ground'}; gravity {assembly.gravity.tolist()} m/s^2",
-    ]
-    if options:
-        lines.append("  read with: " + ", ".join(f"{k} {v}" for k, v in options.items()))
-    gap = (
-        f"{tolerance.gap:g} {assembly.units}"
-        if tolerance.gap
-        else f"{tolerance.relative_gap:g} of a part"
-    )
-    lines.append(f"  faces touch up to a gap of {gap} and {math.degrees(tolerance.angle):.3g} deg")
-    if tolerance.clearance is not None:
-        lines.append(f"  clearances up to {tolerance.clearance:g} {assembly.units} taken as closed")
-    return "\n".join(lines)
 
 
 @app.command()
@@ -393,10 +363,10 @@ def example(
             ]
             emit(as_json(listed), output)
         else:
-            from kilter.tell.text import table
+            from kilter.tell.text import aligned
 
             rows = [[s.name, s.answer or "", s.title] for s in SCENES.values()]
-            emit("\n".join(table(rows, indent="")), output)
+            emit("\n".join(aligned(rows)), output)
         return 0
     from kilter.files import to_text
 

@@ -90,12 +90,9 @@ def orient(
             progress=progress,
         )
     tell_warnings(answer.warnings, quiet or json)
-    if json:
-        emit(as_json(answer.to_dict()), output)
-    else:
-        from kilter.tell.turning_text import orient_text
+    from kilter.tell.text import text_of
 
-        emit(orient_text(answer), output)
+    emit(as_json(answer.to_dict()) if json else text_of(answer.to_dict()), output)
     return {"found": 0, "none": 1, "undecided": 4}[answer.verdict]
 
 
@@ -151,10 +148,7 @@ def region(
         else:
             answer = find(assemblies[0], tolerance=tolerance, progress=progress)
     tell_warnings(answer.warnings, quiet or json)
-    if json:
-        emit(as_json(answer.to_dict()), output)
-    else:
-        from kilter.tell.turning_text import region_text
+    from kilter.tell.text import text_of
 
-        emit(region_text(answer), output)
+    emit(as_json(answer.to_dict()) if json else text_of(answer.to_dict()), output)
     return 0

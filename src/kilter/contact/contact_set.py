@@ -325,6 +325,7 @@ class ContactSet:
     def to_dict(self) -> dict[str, Any]:
         """As JSON data: the answer of ``kilter contacts --json``."""
         assembly = self.assembly
+        sizes = assembly.geometry.size
         return {
             "units": assembly.units,
             "patches": [self._patch(k) for k in range(len(self))],
@@ -346,6 +347,7 @@ class ContactSet:
                 for o in self.overlaps
             ],
             "joints": [{"parts": list(j.parts), "kind": j.kind} for j in assembly.joints],
+            "sizes": [float(sizes.min()), float(sizes.max())],
             "histogram": {
                 "edges": [float(e) if np.isfinite(e) else None for e in self.gap_edges],
                 "counts": self.gap_counts.tolist(),

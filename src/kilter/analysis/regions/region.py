@@ -33,6 +33,7 @@ from kilter.errors import InputError
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import Evidence, make_proof
+from kilter.tell.facts import region_phrase
 
 __all__ = ["Region", "RegionProof", "common_region", "region"]
 
@@ -254,14 +255,12 @@ class Region:
 
     def _repr_html_(self) -> str:
         """What a notebook shows."""
-        from kilter.tell.notebook import region_html
+        from kilter.tell.html import html_of
 
-        return region_html(self)
+        return html_of(self.to_dict())
 
     def __str__(self) -> str:
-        half = self.half_angle_deg
-        width = "" if half is None else f", half angle {half:.6g} deg"
-        return f"{self.kind}{width}{', with friction' if self.friction else ''}"
+        return region_phrase(self.kind, self.half_angle_deg, friction=self.friction)
 
     def __repr__(self) -> str:
         return f"Region({self})"

@@ -111,7 +111,8 @@ class Orientation:
     def to_dict(self) -> dict[str, Any]:
         """The answer as JSON data, that of ``kilter orient --json``."""
         near, verdict, forces = self.nearest, self.check, self.judgement.forces
-        half = self.region.half_angle_deg
+        there: dict[str, Any] = {"parts": [], "unsupported": [], "tolerance": None}
+        there = there if verdict is None else verdict.to_dict()
         return {
             "verdict": self.verdict,
             "found": self.found,
@@ -125,8 +126,14 @@ class Orientation:
             "instability": self.instability,
             "units": self.assembly.units,
             "joints": joints_answer(self.assembly),
-            "parts": [] if verdict is None else verdict.to_dict()["parts"],
-            "region": {"kind": self.region.kind, "half_angle_deg": half},
+            "parts": there["parts"],
+            "unsupported": there["unsupported"],
+            "tolerance": there["tolerance"],
+            "region": {
+                "kind": self.region.kind,
+                "half_angle_deg": self.region.half_angle_deg,
+                "friction": self.region.friction,
+            },
             "nearest": None
             if near is None
             else {
@@ -141,9 +148,9 @@ class Orientation:
 
     def _repr_html_(self) -> str:
         """What a notebook shows."""
-        from kilter.tell.notebook import orientation_html
+        from kilter.tell.html import html_of
 
-        return orientation_html(self)
+        return html_of(self.to_dict())
 
     def __str__(self) -> str:
         return self.sentence

@@ -1,0 +1,61 @@
+"""Answers as a notebook shows them: the sentence and the facts, every word escaped."""
+
+from __future__ import annotations
+
+import html
+
+from kilter.tell.facts import Answer, facts
+from kilter.tell.tables import moving_table, sentences
+
+__all__ = ["html_of"]
+
+ROWS = 12
+"""Parts that are listed, the fastest first."""
+LONG = 80
+"""Characters of a name that are shown."""
+COLOURS = {
+    "stable": "#00694E",
+    "found": "#00694E",
+    "potentially-stable": "#8A5A00",
+    "unstable": "#B3261E",
+    "none": "#B3261E",
+    "undecided": "#4B5563",
+}
+"""Of the sentence; the word says it too."""
+
+
+def html_of(answer: Answer) -> str:
+    """The sentence, what moves and how, and the facts.
+
+    Examples
+    --------
+    >>> "&lt;b&gt;" in html_of({"kilter": 1, "parts": [{"name": "<b>", "grounded": True}]})
+    True
+    """
+    moving = moving_table(answer)
+    rows: list[tuple[str, str]] = []
+    if moving is not None:
+        rows += [(row[0], row[1]) for row in moving.rows(ROWS)]
+        if len(moving.items) > ROWS:
+            rows.append(("…", f"and {len(moving.items) - ROWS} more"))
+    body = "".join(
+        f'<tr><td style="text-align:left"><bdi>{_text(name)}</bdi></td>'
+        f'<td style="text-align:left">{_text(value, 1000)}</td></tr>'
+        for name, value in [*rows, *facts(answer)]
+    )
+    warnings = answer.get("warnings", ())
+    told = "".join(f"<li>{_text(warning, 400)}</li>" for warning in warnings[:ROWS])
+    word = str(answer.get("verdict", "none" if answer.get("kind") == "none" else "stable"))
+    style = f"color:{COLOURS.get(word, COLOURS['undecided'])};font-weight:bold"
+    said = "".join(f'<p style="{style}">{_text(line, 1000)}</p>' for line in sentences(answer))
+    return (
+        f'<div class="kilter">{said}<table><tbody>{body}</tbody></table>'
+        f"{f'<ul>{told}</ul>' if told else ''}</div>"
+    )
+
+
+def _text(value: str, length: int = LONG) -> str:
+    """Text as HTML: one line, of limited length."""
+    value = value if len(value) <= length else value[: length - 1] + "…"
+    plain = "".join(c if c.isprintable() else "\ufffd" for c in value)
+    return html.escape(plain, quote=True)

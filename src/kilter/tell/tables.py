@@ -1,0 +1,248 @@
+"""What an answer lists: parts that move, forces, pushes, patches, gaps, as rows of words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from kilter.tell.facts import Answer, kind_of
+from kilter.tell.numbers import count, counts, force, number, vector
+from kilter.tell.words import NAMED
+
+__all__ = ["Name", "Table", "forces_table", "moving_table", "sentences", "tables"]
+
+INTERFERENCE = "an interference fit: join it with --fasten"
+KINDS = {
+    "none": "No direction of gravity is stable.",
+    "ray": "One direction of gravity is stable, and none near it.",
+    "line": "Two opposite directions of gravity are stable, and none near them.",
+    "fan": "The stable directions of gravity are a fan: a flat sector.",
+    "half-plane": "The stable directions of gravity are a half-plane.",
+    "plane": "The stable directions of gravity are all those of a plane.",
+    "cone": "The stable directions of gravity are a cone with a tip.",
+    "wedge": "The stable directions of gravity are a wedge between two planes.",
+    "half-space": "The stable directions of gravity are a half-space.",
+    "all": "Every direction of gravity is stable: it is locked.",
+}
+HELD = "With friction, where forces that hold it exist ('kilter check --down' tells the rest):"
+
+
+class Name(str):
+    """A name from a file: each voice shows it as what cannot disturb it."""
+
+    __slots__ = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Table:
+    """A list in an answer.
+
+    Attributes
+    ----------
+    title : str
+    head : sequence of str
+        Words above the columns; empty where they need none.
+    items : sequence
+        What is listed, a row each.
+    row : callable
+        The cells of an item: words, or a `Name`.
+    """
+
+    title: str
+    head: Sequence[str]
+    items: Sequence[Any]
+    row: Callable[[Any], Sequence[str]]
+
+    def rows(self, limit: int) -> list[Sequence[str]]:
+        """The first rows."""
+        return [self.row(item) for item in self.items[:limit]]
+
+
+def sentences(answer: Answer) -> list[str]:
+    """What an answer says first."""
+    kind = kind_of(answer)
+    if kind == "region":
+        return [_region_sentence(answer)]
+    if kind == "contacts":
+        patches = answer["patches"]
+        pairs = len({tuple(patch["parts"]) for patch in patches})
+        points = sum(len(patch["points"]) for patch in patches)
+        return [f"Parts touch in {counts(pairs=pairs, patches=len(patches), points=points)}."]
+    if kind == "assembly":
+        return [f"An assembly of {count(len(answer['parts']), 'part')}."]
+    if kind == "verify":
+        if not answer["holds"]:
+            return ["The proof does not hold."]
+        return [f"The proof holds: {answer['verdict']}."]
+    lines = [str(answer["sentence"])]
+    moving = sum(part["moves"] for part in answer.get("parts", ()))
+    if kind == "check" and answer["verdict"] == "unstable" and moving > NAMED:
+        lines.append(f"Fastest: {answer['summary']}.")
+    return lines
+
+
+def _region_sentence(answer: Answer) -> str:
+    head = KINDS[answer["kind"]]
+    if answer["friction"]:
+        return f"{HELD} {head.replace('stable', 'held')}"
+    if not answer["exact"]:
+        return f"Without friction and contacts not modelled: {head[0].lower()}{head[1:]}"
+    return head
+
+
+def tables(answer: Answer) -> list[Table]:
+    """What an answer lists after its facts."""
+    kind = kind_of(answer)
+    if kind == "margin" and answer["pushes"]:
+        return [_pushes(answer)]
+    if kind == "contacts":
+        every = [_patches(answer), _gaps(answer), *_doubtful(answer)]
+        return [table for table in every if len(table.items)]
+    return []
+
+
+def moving_table(answer: Answer) -> Table | None:
+    """The parts that move and how, the fastest first; None where it tells of none."""
+    if kind_of(answer) not in ("check", "orient"):
+        return None
+    verdict = answer["verdict"]
+    refuted = answer.get("guarantee") != "open"
+    if verdict in ("stable", "found") or (verdict == "potentially-stable" and not refuted):
+        return None
+    parts = sorted(answer["parts"], key=lambda part: -max(part["relative"]))
+    free = sum(not part["grounded"] for part in parts)
+    moving = [part for part in parts if part["moves"]]
+    left_out = bool(answer["unsupported"])
+    if verdict == "undecided" or (left_out and moving):
+        by = "modelled contacts" if left_out else "modelled, frictionless contacts"
+        title = f"By its {by} alone, {len(moving)} of {free} free parts move:"
+    elif verdict == "potentially-stable":
+        title = f"{len(moving)} of {free} free parts could move:"
+    elif moving or not parts:
+        title = f"{len(moving)} of {free} free parts move:"
+    else:
+        title = f"No part starts faster than {answer['tolerance']['moves']:g} g; the fastest:"
+        moving = [part for part in parts if part["slow_motion"] is not None]
+
+    def row(part: Answer) -> Sequence[str]:
+        return Name(part["name"]), part["motion"] if part["moves"] else part["slow_motion"]
+
+    return Table(title, (), moving, row)
+
+
+def forces_table(answer: Answer) -> Table:
+    """The contact forces of an equilibrium, the greatest first."""
+    found = answer["forces"]
+    head = ("part", "on part", "force", "direction", f"at {answer['units']}", "friction used")
+    if found is None:
+        return Table("No contact forces: there is no equilibrium.", (), (), tuple)
+    patches = sorted(found["patches"], key=lambda patch: -math.hypot(*patch["resultant"]))
+
+    def row(patch: Answer) -> Sequence[str]:
+        size, used = math.hypot(*patch["resultant"]), patch["utilisation"]
+        along = [c / size for c in patch["resultant"]] if size else [0.0, 0.0, 0.0]
+        first, second = patch["parts"]
+        return (
+            Name(first),
+            Name(second),
+            force(size),
+            vector(along, 3) if size else "-",
+            "-" if patch["center"] is None else vector(patch["center"], 4),
+            "-" if used is None else f"{100 * used:.3g} %",
+        )
+
+    which = "least sum of squares" if found["least"] else "as the verdict's proof has them"
+    return Table(f"Contact forces of equilibrium ({which}; one of many):", head, patches, row)
+
+
+def _pushes(answer: Answer) -> Table:
+    """The weakest push of each part, the weakest first."""
+
+    def row(push: Answer) -> Sequence[str]:
+        if push["force"] is None:
+            return Name(push["part"]), "unlimited", ""
+        return Name(push["part"]), force(push["force"]), f"along {vector(push['direction'], 3)}"
+
+    def size(push: Answer) -> float:
+        return math.inf if push["force"] is None else float(push["force"])
+
+    return Table("Weakest push at the centre of mass:", (), sorted(answer["pushes"], key=size), row)
+
+
+def _patches(answer: Answer) -> Table:
+    unit = answer["units"]
+    head = ("part a", "part b", "kind", f"area [{unit}^2]", f"gap [{unit}]", "normal a to b")
+
+    def row(patch: Answer) -> Sequence[str]:
+        return (
+            *_names(patch),
+            patch["kind"],
+            number(patch["area"]),
+            f"{patch['gap'] + 0.0:.1e}",
+            vector(patch["normal"], 4),
+            number(patch["mu"], 4),
+            str(len(patch["points"])),
+        )
+
+    return Table("Where they touch:", (*head, "mu", "points"), answer["patches"], row)
+
+
+def _gaps(answer: Answer) -> Table:
+    """A row a decade of gaps that has any, with a bar."""
+    edges, counts = answer["histogram"]["edges"], answer["histogram"]["counts"]
+    most = max(counts, default=1)
+    bins = [(k, many) for k, many in enumerate(counts) if many]
+    least, largest = answer["sizes"]
+    span = number(least, 3) if least == largest else f"{number(least, 3)} to {number(largest, 3)}"
+
+    def row(one: tuple[int, int]) -> Sequence[str]:
+        k, many = one
+        low, high = (
+            math.copysign(math.inf, side) if edge is None else edge
+            for side, edge in ((-1, edges[k]), (1, edges[k + 1]))
+        )
+        bar = "#" * max(1, round(30 * many / most))
+        return f"{low:8.0e} to {high:8.0e}", str(many), bar
+
+    title = (
+        f"Gaps of opposing faces over the size of the smaller part (sizes {span} "
+        f"{answer['units']}; negative gaps penetrate):"
+    )
+    return Table(title, ("gap / size", "faces", ""), bins, row)
+
+
+def _doubtful(answer: Answer) -> list[Table]:
+    """What is not modelled, what came near, what overlaps."""
+    unit = answer["units"]
+    odd, near, over = (answer[key] for key in ("unsupported", "rejected", "overlaps"))
+
+    def rejected(one: Answer) -> Sequence[str]:
+        size = f"gap {number(one['gap'], 3)} {unit}"
+        return *_names(one), size, f"angle {number(one['angle_deg'], 3)} deg", one["why"]
+
+    def overlap(one: Answer) -> Sequence[str]:
+        volume = one["volume"]
+        return (
+            *_names(one),
+            f"depth {number(one['depth'], 3)} {unit}",
+            "" if volume is None else f"volume {number(volume, 3)} {unit}^3",
+            INTERFERENCE if one["why"] == "interfere" else one["why"],
+        )
+
+    return [
+        Table(
+            f"Touching in a way not modelled yet: {count(len(odd), 'pair')}",
+            (),
+            odd,
+            lambda one: (*_names(one), one["kind"], f"at {vector(one['point'])}"),
+        ),
+        Table(f"Near, but not touching: {count(len(near), 'pair')} of faces", (), near, rejected),
+        Table(f"Overlapping: {count(len(over), 'pair')}", (), over, overlap),
+    ]
+
+
+def _names(one: Answer) -> tuple[Name, Name]:
+    first, second = one["parts"]
+    return Name(first), Name(second)
