@@ -30,8 +30,8 @@ IMPORTED = (
     "scipy.sparse.linalg",
     "scipy.spatial",
     "kilter.solvers.projection",
-    "kilter.solvers.linear",
-    "kilter.solvers.quadratic",
+    "kilter.solvers.highs",
+    "kilter.solvers.clarabel",
 )
 KINDS = ("stable", "unstable", "hanging")
 STAGES = ("build", "geometry", "contacts", "program", "solve", "certificate", "motion", "factor")

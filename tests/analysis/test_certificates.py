@@ -18,7 +18,7 @@ from kilter.mechanics.program import TOLERANCE
 from kilter.scenes import packings, paper, scene, stacks, walls
 from kilter.scenes.pieces import block, floor
 from kilter.scenes.transform import tilted
-from kilter.solvers.linear import solve_linear
+from kilter.solvers.highs import solve_linear
 
 SCENES = {
     "tower": stacks.tower,

@@ -12,7 +12,7 @@ from kilter.mechanics.forms import equilibrium, load_factor, scaled
 from kilter.mechanics.program import build_program
 from kilter.scenes import walls
 from kilter.scenes.transform import moved
-from kilter.solvers import linear
+from kilter.solvers import highs
 
 TURN = np.array([0.3, -0.5, 0.7, 0.4])
 
@@ -48,21 +48,21 @@ def test_a_large_program_goes_to_hipo_first():
 
 
 def test_without_its_extra_package_another_solver_is_named_and_judged(monkeypatch):
-    monkeypatch.setattr(linear, "hipo_available", lambda: False)
+    monkeypatch.setattr(highs, "hipo_available", lambda: False)
     judgement = judge(large(walls.wall(17, 17)))
     assert judgement.stable
     assert judgement.solvers[0].startswith("equilibrium: ipx")
 
 
 def test_the_extra_package_that_hipo_needs_is_installed():
-    assert linear.hipo_available()
+    assert highs.hipo_available()
 
 
 def test_interior_point_and_simplex_give_the_same_load_factor():
     for build in (lambda: walls.wall(8, 8), lambda: walls.short_base(8, 8, held=4.0)):
         problem = scaled(build_program(build(), find_contacts(build())))
         factors = [
-            linear.solve_linear(load_factor(problem), method=method).x[-1]
+            highs.solve_linear(load_factor(problem), method=method).x[-1]
             for method in ("simplex", "interior")
         ]
         assert factors[0] == pytest.approx(factors[1], abs=1e-6)
@@ -70,5 +70,5 @@ def test_interior_point_and_simplex_give_the_same_load_factor():
 
 def test_a_status_is_mapped_to_words():
     problem = scaled(large(walls.short_base(17, 17, held=8.0)))
-    answer = linear.solve_linear(equilibrium(problem), method="interior", forces_only=True)
+    answer = highs.solve_linear(equilibrium(problem), method="interior", forces_only=True)
     assert answer.outcome == "infeasible"

@@ -12,7 +12,7 @@ from kilter.mechanics.forms import displacement
 from kilter.scenes import packings, paper, scene, stacks, traps, walls, wedges
 from kilter.scenes.pieces import block, floor
 from kilter.scenes.transform import moved, scaled, tilted
-from kilter.solvers.linear import solve_linear
+from kilter.solvers.highs import solve_linear
 from kilter.units import METRES
 
 G = 9.81

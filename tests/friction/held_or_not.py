@@ -13,7 +13,7 @@ from kilter.files import load
 from kilter.mechanics.coulomb_cones import load_factor_in_cones, spread
 from kilter.mechanics.program import build_program
 from kilter.scenes import friction, rounds, stacks
-from kilter.solvers.conic import solve_conic
+from kilter.solvers.clarabel import solve_conic
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data" / "compas_cra"
 

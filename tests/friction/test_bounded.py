@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import linprog
 from scipy.sparse import csc_array
 
-from kilter.solvers.bounded import BoundedSolver, safe_bound
+from kilter.solvers.highs import bounding
 from kilter.solvers.problem import LinearProgram
 
 
@@ -34,13 +34,13 @@ def drawn(seed):
 @pytest.mark.parametrize("seed", range(20))
 def test_bound_is_near_the_optimum_and_never_above(seed):
     program, optimum, rng = drawn(seed)
-    solver = BoundedSolver()
+    solver = bounding()
     solver.load(program)
     answer = solver.solve()
     assert optimum - 1e-7 < answer.bound < optimum + 1e-9
     assert answer.objective == pytest.approx(optimum, abs=1e-7)
     for _ in range(20):  # whatever the multipliers are
-        assert safe_bound(program, rng.normal(size=len(program.row_lower))) <= optimum + 1e-9
+        assert program.safe_bound(rng.normal(size=len(program.row_lower))) <= optimum + 1e-9
     turned = rng.normal(size=len(program.cost))
     again = solver.solve(turned)
     assert turned @ answer.x >= again.bound - 1e-9
@@ -48,5 +48,5 @@ def test_bound_is_near_the_optimum_and_never_above(seed):
 
 def test_no_multipliers_no_bound():
     program, _, _ = drawn(0)
-    assert safe_bound(program, np.empty(0)) == -np.inf
-    assert safe_bound(program, np.full(len(program.row_lower), np.nan)) == -np.inf
+    assert program.safe_bound(np.empty(0)) == -np.inf
+    assert program.safe_bound(np.full(len(program.row_lower), np.nan)) == -np.inf

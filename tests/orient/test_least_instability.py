@@ -11,7 +11,7 @@ from kilter.analysis.turning.nearest import nearest, turned
 from kilter.mechanics.forms import impending_motion, scaled
 from kilter.scenes import stacks
 from kilter.scenes.transform import scaled as resized
-from kilter.solvers.quadratic import solve_quadratic
+from kilter.solvers.clarabel import solve_quadratic
 
 
 def kappa_at(program, direction):

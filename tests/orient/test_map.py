@@ -14,7 +14,7 @@ from kilter.analysis.turning.stability_map import stability_map
 from kilter.analysis.turning.virtual_work import VirtualWork
 from kilter.mechanics.forms import displacement
 from kilter.scenes import paper, scene, stacks, wedges
-from kilter.solvers.linear import solve_linear
+from kilter.solvers.highs import solve_linear
 
 BIG = {"wall", "wall-with-lintel", "pierced-wall", "box-pile", "short-base-turned", "corner-wedges"}
 SMALL = [name for name in ALL if name not in BIG]

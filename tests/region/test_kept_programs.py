@@ -1,12 +1,16 @@
 """A kept program: the same optimum as one solved afresh, and never believed unseen."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.sparse import csc_array, random_array
 
-from kilter.solvers.kept import KeptProgram, KeptSolution
-from kilter.solvers.linear import solve_linear
-from kilter.solvers.problem import LinearProgram
+from kilter.errors import SolverError
+from kilter.solvers.clarabel import solve_conic, solve_quadratic
+from kilter.solvers.highs import KeptProgram, find_optimum, solve_linear
+from kilter.solvers.problem import LinearProgram, quadratic_program
+from kilter.solvers.solution import Solution
 
 
 def random_program(seed: int, rows: int = 15, columns: int = 30) -> LinearProgram:
@@ -57,11 +61,11 @@ def test_a_wrong_answer_is_solved_again(monkeypatch: pytest.MonkeyPatch) -> None
     right = kept.solve()
     run, told = KeptProgram._run, []
 
-    def wrong_once(self: KeptProgram, strategy: int, steps: int) -> KeptSolution:
+    def wrong_once(self: KeptProgram, strategy: int, steps: int) -> Solution:
         found = run(self, strategy, steps)
-        told.append(found.gap)
+        told.append(found.residual)
         if len(told) == 1:
-            return KeptSolution(found.x, found.multipliers, found.reduced, found.objective, 1.0)
+            return replace(found, x=found.x + 1.0)
         return found
 
     monkeypatch.setattr(KeptProgram, "_run", wrong_once)
@@ -71,23 +75,88 @@ def test_a_wrong_answer_is_solved_again(monkeypatch: pytest.MonkeyPatch) -> None
 
 
 def test_the_gap_sees_what_is_wrong() -> None:
-    from kilter.solvers.kept import _recomputed
-
     kept = KeptProgram(random_program(3))
     found = kept.solve()
-    program = kept.program
     worse = found.x.copy()
     inner = int(np.argmin(np.abs(worse - 1.0)))
     worse[inner] = 3.0  # beyond its bound
-    assert not _recomputed(program, worse, found.multipliers).holds
-    assert not _recomputed(program, found.x, found.multipliers * 1.01 + 0.01).holds
-    assert not _recomputed(program, found.x * np.nan, found.multipliers).holds
+    assert not replace(found, x=worse).holds
+    assert not replace(found, multipliers=found.multipliers * 1.01 + 0.01).holds
+    assert not replace(found, x=found.x * np.nan).holds
+    assert found.bound <= found.objective <= found.bound + 1e-7
+    assert replace(found, multipliers=found.multipliers * 1.01).bound < found.bound
+
+
+def line(low: float, high: float, *, cost: float = 1.0, end: float = 1.0) -> LinearProgram:
+    """Low <= x <= high, 0 <= x <= end."""
+    one = np.ones(1)
+    return LinearProgram(
+        cost * one, csc_array(one[None]), low * one, high * one, 0 * one, end * one
+    )
 
 
 def test_infeasible_and_unbounded_do_not_hold() -> None:
-    one = np.ones(1)
-    matrix = csc_array(one[None])
-    infeasible = LinearProgram(one, matrix, 5 * one, 6 * one, 0 * one, one)
-    assert not KeptProgram(infeasible).solve().holds
-    unbounded = LinearProgram(-one, matrix, -np.inf * one, np.inf * one, 0 * one, np.inf * one)
-    assert not KeptProgram(unbounded).solve().holds
+    none = KeptProgram(line(5, 6)).solve()
+    assert not none.holds
+    assert none.outcome == "infeasible"
+    assert none.proves_none
+    endless = KeptProgram(line(-np.inf, np.inf, cost=-1.0, end=np.inf)).solve()
+    assert not endless.holds
+    assert endless.outcome == "unbounded"
+    assert not endless.proves_none
+
+
+@pytest.mark.parametrize("end", [1.0, np.inf])
+def test_that_there_is_none_is_rechecked_and_one_number_flips_it(end: float) -> None:
+    pair = csc_array([[1.0, 1.0], [1.0, 1.0]])
+    zero, two = np.zeros(2), np.ones(2)
+
+    def between(low: float) -> LinearProgram:  # low <= x + y <= 1
+        sides = np.array([low, -np.inf]), np.array([np.inf, 1.0])
+        return LinearProgram(two, pair, *sides, zero, end * two)
+
+    none = solve_linear(between(1.5), presolve=False)
+    assert (none.outcome, none.proves_none) == ("infeasible", True)
+    # the same ray says nothing of a program that has a point
+    assert not replace(none, problem=between(0.5)).proves_none
+    some = solve_linear(between(0.5), presolve=False)
+    assert some.optimal
+    assert not some.proves_none
+
+
+def test_a_solver_that_is_stopped_says_failed_not_that_there_is_none(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from kilter.solvers import highs
+
+    program = random_program(4)
+    right = solve_linear(program)
+    assert right.optimal
+    monkeypatch.setattr(highs, "INTERIOR_STEPS", 1)
+    stopped = solve_linear(program, method="interior")
+    assert stopped.outcome == "failed"
+    assert not stopped.proves_none
+    monkeypatch.setattr(highs, "FEW", 1)
+    monkeypatch.setattr(highs, "MANY", 0)
+    assert solve_linear(program, presolve=False).outcome == "failed"
+    assert find_optimum(program).outcome == "failed"
+    with pytest.raises(SolverError, match="the figure"):
+        find_optimum(program).required("the figure")
+    assert not KeptProgram(program).solve().holds
+
+
+def test_conic_answers_say_none_endless_or_a_point() -> None:
+    def inside(low: float) -> Solution:  # low <= x <= 1, min x^2
+        rows = csc_array([[1.0], [-1.0]])
+        square = csc_array(2 * np.eye(1))
+        return solve_quadratic(
+            quadratic_program(square, np.zeros(1), rows, np.array([low, -1.0]), 0)
+        )
+
+    assert inside(0.5).x == pytest.approx([0.5])
+    assert inside(0.5).holds
+    none = inside(1.5)
+    assert (none.outcome, none.found, none.proves_none) == ("infeasible", False, True)
+    free = quadratic_program(csc_array((1, 1)), np.ones(1), csc_array([[-1.0]]), np.zeros(1), 0)
+    endless = solve_conic(free)
+    assert (endless.outcome, endless.found) == ("unbounded", False)

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.arrays import Array, Index
-from kilter.errors import SolverError
 from kilter.mechanics.certificate import ForceProof, check_forces
 from kilter.mechanics.coulomb_cones import least_forces, spread
 from kilter.mechanics.program import CONTACT, Program
@@ -120,16 +119,13 @@ def _sums(group: Index, vectors: Array, count: int) -> Array:
 
 def _least(program: Program) -> ForceProof | None:
     """Forces of the least sum of squares, where they pass as a proof."""
-    from kilter.solvers.conic import solve_conic
+    from kilter.solvers.clarabel import solve_conic
 
     if not program.free.any():
         return None
     wide = spread(program)
-    try:
-        answer = solve_conic(least_forces(wide))
-    except SolverError:
-        return None
-    if not np.isfinite(answer.x).all():
+    answer = solve_conic(least_forces(wide))
+    if not answer.found:
         return None
     judged = check_forces(program, *wide.decoded(answer.x))
     return judged if judged.holds else None

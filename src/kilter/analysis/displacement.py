@@ -47,7 +47,7 @@ def find_displacement(program: Program) -> Displacement:
     >>> [round(float(x), 3) + 0.0 for x in found.displacement[1:, [0, 2]].ravel()]
     [0.0, -1.0, 0.577, 0.0]
     """
-    from kilter.solvers.linear import optimum
+    from kilter.solvers.highs import find_optimum
 
     count = int(program.free.sum())
     if not count:
@@ -55,7 +55,8 @@ def find_displacement(program: Program) -> Displacement:
     lp = displacement(program)
     size = max(float(np.abs(lp.cost).max(initial=0.0)), 1e-300)
     scaled = dataclasses.replace(lp, cost=lp.cost / size)
-    answer = optimum(scaled, method="simplex" if count <= LIMIT else "interior")
+    answer = find_optimum(scaled, method="simplex" if count <= LIMIT else "interior")
+    answer.required("the displacements")
     z = min(float(lp.cost @ answer.x), 0.0)
     if count > LIMIT:
         return Displacement(z, None)
@@ -64,7 +65,7 @@ def find_displacement(program: Program) -> Displacement:
 
 def _shortest(lp: LinearProgram, optimum: Array, z: float) -> Array:
     """The optimal x of least 2-norm: a projection of 0 on the optimal face."""
-    from kilter.solvers.quadratic import solve_quadratic
+    from kilter.solvers.clarabel import solve_quadratic
 
     count = len(lp.cost)
     size = float(np.abs(lp.cost).max(initial=0.0))

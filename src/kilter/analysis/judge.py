@@ -8,22 +8,26 @@ one certificate passes:
 3. the least imbalance, which gives the strongest of both proofs, where the data are coarse;
 4. tighter, without presolve.
 
-Then `undecided`, with the two figures. Programs with friction go by
-`kilter.analysis.equilibrium`.
+Then `undecided`, with the two figures. With friction an order of its own:
+
+1. planar: the cone has two rays, so the program is linear and is judged as one;
+2. large: an inner pyramid, linear, whose forces are forces of equilibrium;
+3. the load factor in exact cones, by interior point;
+4. pyramids of more and more sides, the inner ones for forces, the outer ones for a motion:
+   by simplex, which is exact where the set of equilibria has no inside.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypedDict, Unpack
+from typing import TYPE_CHECKING, NamedTuple, TypedDict, Unpack
 
 import numpy as np
 
-from kilter.analysis.candidates import Candidate
-from kilter.analysis.equilibrium import in_cones
-from kilter.errors import SolverError
+from kilter.arrays import Array
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
+from kilter.mechanics.coulomb_cones import Spread, gathered, load_factor_in_cones, pyramid, spread
 from kilter.mechanics.forms import (
     Scaled,
     equilibrium,
@@ -35,7 +39,8 @@ from kilter.mechanics.program import Program
 from kilter.solvers.problem import LinearProgram
 
 if TYPE_CHECKING:
-    from kilter.solvers.linear import LinearSolution, Method
+    from kilter.solvers.highs import Method
+    from kilter.solvers.solution import Solution
 
 __all__ = ["SIMPLEX_ROWS", "Judgement", "judge"]
 
@@ -44,6 +49,12 @@ SIMPLEX_ROWS = 1500
 """Programs with up to this many freedoms are solved by simplex first."""
 TINY_ROWS = 200
 """Programs with up to this many freedoms are solved without presolve first."""
+LARGE = 12_000
+"""Programs with friction and more freedoms than this try a pyramid first."""
+SIDES = (4, 16, 64)
+"""Sides of the pyramids, in turn."""
+LARGEST_PYRAMID = 20_000
+"""Rays above which finer pyramids are left out."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,6 +77,18 @@ class Judgement:
     forces: ForceProof | None
     motion: MotionProof | None
     solvers: tuple[str, ...]
+
+
+class _Candidate(NamedTuple):
+    """What a solver offers as a proof, before it is judged.
+
+    Forces along the rows (K,) and across them (K, 3) [N], or a motion (N, 6), or both.
+    """
+
+    word: str
+    forces: Array | None = None
+    friction: Array | None = None
+    motion: Array | None = None
 
 
 class _Options(TypedDict, total=False):
@@ -93,7 +116,7 @@ def judge(program: Program) -> Judgement:
     tried: list[str] = []
     if not program.free.any():
         return Judgement(True, check_forces(program, np.zeros(len(program.part_a))), None, ())
-    candidates = in_cones(program) if program.mu.any() else _candidates(program)
+    candidates = _in_cones(program) if program.mu.any() else _without_friction(program)
     for word, forces, friction, motion in candidates:
         tried.append(word)
         if forces is not None:
@@ -115,7 +138,7 @@ def _better(one: MotionProof, other: MotionProof) -> bool:
     return (one.holds, one.ratio) > (other.holds, other.ratio)
 
 
-def _candidates(program: Program) -> Iterator[Candidate]:
+def _without_friction(program: Program) -> Iterator[_Candidate]:
     """Candidate forces and motions, the cheapest way first."""
     problem = scaled(program)
     small = len(problem.right) <= SIMPLEX_ROWS
@@ -134,40 +157,89 @@ def _candidates(program: Program) -> Iterator[Candidate]:
         yield from _by_load_factor(problem, method="simplex")
 
 
-def _solved(
-    lp: LinearProgram, word: str, **options: Unpack[_Options]
-) -> tuple[LinearSolution | None, str]:
-    """The answer, None where the solver broke down, and a word about it."""
-    from kilter.solvers.linear import solve_linear
+def _solved(lp: LinearProgram, word: str, **options: Unpack[_Options]) -> tuple[Solution, str]:
+    """The answer, and a word about it."""
+    from kilter.solvers.highs import solve_linear
 
-    try:
-        answer = solve_linear(lp, **options)
-    except SolverError as error:
-        return None, f"{word}: {error.status}"
+    answer = solve_linear(lp, **options)
     return answer, f"{word}: {answer.solver}, {answer.iterations} iterations, {answer.outcome}"
 
 
-def _by_equilibrium(problem: Scaled) -> Iterator[Candidate]:
+def _by_equilibrium(problem: Scaled) -> Iterator[_Candidate]:
     answer, word = _solved(equilibrium(problem), "equilibrium", method="interior", forces_only=True)
-    if answer is not None and len(answer.x):
-        yield Candidate(word, problem.forces(answer.x))
+    yield _Candidate(word, problem.forces(answer.x) if answer.found else None)
 
 
-def _by_load_factor(problem: Scaled, **options: Unpack[_Options]) -> Iterator[Candidate]:
+def _by_load_factor(problem: Scaled, **options: Unpack[_Options]) -> Iterator[_Candidate]:
     answer, word = _solved(load_factor(problem), "load factor", **options)
-    if answer is None or not len(answer.x):
+    if not answer.found:
+        yield _Candidate(word)
         return
     factor = float(answer.x[-1])
     forces = problem.forces(answer.x[:-1]) / factor if factor > 0.5 else None
-    motion = problem.motion(problem.over_weight(-answer.multipliers)) if factor < 0.5 else None
-    yield Candidate(word, forces, motion=motion)
+    motion = None
+    if factor < 0.5 and len(answer.multipliers):
+        motion = problem.motion(problem.over_weight(-answer.multipliers))
+    yield _Candidate(word, forces, motion=motion)
 
 
-def _by_least_imbalance(problem: Scaled, **options: Unpack[_Options]) -> Iterator[Candidate]:
+def _by_least_imbalance(problem: Scaled, **options: Unpack[_Options]) -> Iterator[_Candidate]:
     answer, word = _solved(least_imbalance(problem), "least imbalance", **options)
-    if answer is None or not len(answer.x):
+    if not answer.found:
+        yield _Candidate(word)
         return
-    rows = len(problem.right)
-    multipliers = answer.multipliers[:rows] + answer.multipliers[rows:]
-    motion = problem.motion(problem.over_weight(-multipliers))
-    yield Candidate(word, problem.forces(answer.x[:-1]), motion=motion)
+    rows, motion = len(problem.right), None
+    if len(answer.multipliers):
+        multipliers = answer.multipliers[:rows] + answer.multipliers[rows:]
+        motion = problem.motion(problem.over_weight(-multipliers))
+    yield _Candidate(word, problem.forces(answer.x[:-1]), motion=motion)
+
+
+def _in_cones(program: Program) -> Iterator[_Candidate]:
+    """Candidates for a program with friction, the cheapest way first."""
+    if program.planar:
+        yield _by_pyramid(program, 2)
+        return
+    large = int(program.free.sum()) * len(program.freedoms) > LARGE
+    if large:
+        yield _by_pyramid(program, SIDES[0])
+    yield _by_cones(spread(program))
+    for sides in SIDES:
+        if sides * len(program.rough) > LARGEST_PYRAMID:
+            return
+        yield _by_pyramid(program, sides)
+        yield _by_pyramid(program, sides, outer=True)
+
+
+def _by_pyramid(program: Program, sides: int, *, outer: bool = False) -> _Candidate:
+    """The proof that a pyramid carries: forces of an inner one, a motion of an outer one.
+
+    A planar pyramid is the cone itself and is both.
+    """
+    rays = pyramid(program, sides, outer=outer)
+    judged = judge(rays)
+    word = f"{'outer' if outer else 'inner'} pyramid of {sides} sides"
+    words = "; ".join((word, *judged.solvers))
+    both = program.planar
+    forces = friction = None
+    if judged.forces is not None and (both or not outer):
+        forces, friction = gathered(program, rays, judged.forces.forces)
+    motion = judged.motion.motion if judged.motion is not None and (both or outer) else None
+    return _Candidate(words, forces, friction, motion)
+
+
+def _by_cones(wide: Spread) -> _Candidate:
+    """The load factor in exact cones."""
+    from kilter.solvers.clarabel import solve_conic
+
+    problem = wide.problem
+    answer = solve_conic(load_factor_in_cones(wide))
+    word = f"load factor in cones: clarabel, {answer.iterations} iterations, {answer.outcome}"
+    if not answer.found:
+        return _Candidate(word)
+    factor = float(answer.x[-1])
+    if factor > 0.5:
+        forces, friction = wide.decoded(answer.x[:-1] / factor)
+        return _Candidate(word, forces, friction)
+    motion = problem.motion(problem.over_weight(answer.multipliers[: len(problem.right)]))
+    return _Candidate(word, motion=motion)

@@ -108,8 +108,8 @@ def _least_constrained(program: Program) -> tuple[Array, float]:
     there is one. The best by the residual, which is recomputed from the rows.
     """
     from kilter.errors import SolverError
+    from kilter.solvers.clarabel import solve_quadratic
     from kilter.solvers.projection import solve_projection
-    from kilter.solvers.quadratic import solve_quadratic
 
     problem = scaled(program)
     whole = least_constraint(problem)

@@ -89,7 +89,7 @@ def _rank(matrix: Array, blur: float) -> int:
 
 def _never_open(problem: Scaled, opening: Array, load: Array, blur: float) -> Mask:
     """Rows that no motion of the cone opens."""
-    from kilter.solvers.linear import optimum
+    from kilter.solvers.highs import find_optimum
 
     rows, count = opening.shape
     two_sided = problem.program.two_sided
@@ -108,6 +108,6 @@ def _never_open(problem: Scaled, opening: Array, load: Array, blur: float) -> Ma
         lower=np.concatenate([np.full(count, -reach), np.zeros(rows)]),
         upper=np.concatenate([np.full(count, reach), np.ones(rows)]),
     )
-    answer = optimum(lp)
+    answer = find_optimum(lp).required("the neutral motions")
     never: Mask = (answer.x[count:] < 0.5) | two_sided
     return never

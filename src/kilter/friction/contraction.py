@@ -4,7 +4,7 @@ Each bounded quantity (opening, force, speed of sliding, distance to the cone, t
 group) is maximised over the relaxation that the present bounds define; the proved bound of
 the optimum replaces the old one, the motion is rescaled to what its greatest power leaves,
 and so on. Where the greatest power falls below the tolerance, no motion can start. Nothing
-is divided into cases. Every bound is that of `kilter.solvers.bounded`, which needs no faith in
+is divided into cases. Every bound is that of `kilter.solvers.solution`, which needs no faith in
 the solver, so that each step errs on the safe side.
 """
 
@@ -21,7 +21,8 @@ from kilter.budget import Budget
 from kilter.friction.enclosure import Enclosure, rescaled
 from kilter.friction.reduced_law import ReducedLaw
 from kilter.friction.relaxation import Relaxation
-from kilter.solvers.bounded import BoundedSolution, BoundedSolver
+from kilter.solvers.highs import KeptProgram
+from kilter.solvers.solution import Solution
 
 __all__ = ["FORCES", "ProofAttempt", "contract", "forces_bounded", "power_bound", "shrunk"]
 
@@ -47,7 +48,7 @@ class ProofAttempt:
 
     law: ReducedLaw
     relaxation: Relaxation
-    solver: BoundedSolver
+    solver: KeptProgram
     budget: Budget
     tolerance: float
 
@@ -74,7 +75,7 @@ def forces_bounded(attempt: ProofAttempt, bounds: Enclosure) -> bool:
 
 def power_bound(
     attempt: ProofAttempt, bounds: Enclosure, basis: object = None
-) -> tuple[Enclosure, float, BoundedSolution]:
+) -> tuple[Enclosure, float, Solution]:
     """Bounds rescaled, the greatest power w.b in units of the old scale, the solution."""
     attempt.solver.load(attempt.relaxation.program(bounds), basis)
     answer = attempt.solver.solve(seconds=attempt.budget.left)
@@ -166,7 +167,7 @@ def _quantities(relaxation: Relaxation, b: Enclosure) -> _Quantities:
 def shrunk(
     attempt: ProofAttempt,
     bounds: Enclosure,
-    start: BoundedSolution,
+    start: Solution,
     kinds: Sequence[str] = ALL,
     until: Budget | None = None,
 ) -> Enclosure:
@@ -176,7 +177,7 @@ def shrunk(
     ----------
     attempt : ProofAttempt
     bounds : Enclosure
-    start : BoundedSolution
+    start : Solution
         Of the greatest power within these bounds.
     kinds : sequence of str
         Which of `ALL`.

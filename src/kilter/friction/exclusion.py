@@ -111,7 +111,7 @@ def prove_no_motion(program: Program, *, budget: Budget | float = 10.0) -> Exclu
     return Exclusion(
         proved,
         kind if proved else None,
-        attempt.solver.programs,
+        attempt.solver.solves,
         left.nodes,
         left.power,
         "" if bounded or not proved else limit,
@@ -121,10 +121,10 @@ def prove_no_motion(program: Program, *, budget: Budget | float = 10.0) -> Exclu
 
 def start_proof(program: Program, budget: Budget) -> tuple[ProofAttempt, Enclosure]:
     """Law, relaxation and solver of a program, and what is known before anything is asked."""
-    from kilter.solvers.bounded import BoundedSolver
+    from kilter.solvers.highs import bounding
 
     law = reduced_law(program)
-    attempt = ProofAttempt(law, Relaxation(law), BoundedSolver(), budget, _tolerance(program))
+    attempt = ProofAttempt(law, Relaxation(law), bounding(), budget, _tolerance(program))
     force = np.full(len(law.group), LARGEST_FORCE)
     return attempt, first_enclosure(law, attempt.relaxation.fastest, force, TANGENTS)
 

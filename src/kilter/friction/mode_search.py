@@ -118,10 +118,10 @@ def _children(law: CoulombLaw, node: _Decided, now: TrialMotion) -> list[_Decide
 
 def _relaxed(law: CoulombLaw, lines: Array, node: _Decided, budget: Budget) -> TrialMotion | None:
     """The optimum of a node's relaxation; None where it is empty or the solver broke down."""
-    from kilter.solvers.conic import solve_conic
+    from kilter.solvers.clarabel import solve_conic
 
     answer = solve_conic(_relaxation(law, lines, node), tolerance=NODE_GAP, seconds=budget.left)
-    if answer.outcome == "infeasible" or not np.isfinite(answer.x).all():
+    if not answer.found:
         return None
     count = len(law.load)
     return TrialMotion(answer.x[:count], answer.x[count:].reshape(-1, 3))

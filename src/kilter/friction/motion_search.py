@@ -115,13 +115,13 @@ class _MotionSearch:
 
     def solve(self, shift: Array, lubricated: Mask) -> TrialMotion | None:
         """One step of De Saxce's iteration; None where the solver broke down."""
-        from kilter.solvers.conic import solve_conic
+        from kilter.solvers.clarabel import solve_conic
 
         answer = solve_conic(
             self.family.program(shift, lubricated), tolerance=SHARP, seconds=self.budget.left
         )
         self.programs += 1
-        if answer.outcome == "infeasible" or not np.isfinite(answer.x).all():
+        if not answer.found:
             return None
         return TrialMotion(answer.x, self.family.forces(answer.multipliers, lubricated))
 

@@ -150,11 +150,11 @@ def _limit_at(
     program: Program, wide: Spread, wrench: Array, most: float, tolerance: float
 ) -> Limit | None:
     """The limit that the solver finds at one tolerance, judged."""
-    from kilter.solvers.conic import solve_conic
+    from kilter.solvers.clarabel import solve_conic
 
     problem = wide.problem
     answer = solve_conic(largest_load(wide, wrench, most), tolerance=tolerance)
-    if answer.outcome == "infeasible" or not np.isfinite(answer.x).all():
+    if not answer.found:
         return None
     value = float(answer.x[-1])
     at_limit = with_more(program, wrench, value)

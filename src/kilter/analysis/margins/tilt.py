@@ -141,15 +141,17 @@ def find_nearest_held(program: Program) -> tuple[float, Array] | None:
 
     None where none is held within a right angle. A convex projection: one conic program.
     """
-    from kilter.solvers.conic import solve_conic
+    from kilter.solvers.clarabel import solve_conic
 
     start = program.gravity / float(np.linalg.norm(program.gravity))
     axes = np.eye(3)[[0, 2]] if program.planar else np.eye(3)
     wrenches = np.array([gravity_wrench(program, axis) for axis in axes])
     answer = solve_conic(nearest_load(spread(program), wrenches, axes @ start))
+    if not answer.found:
+        return None
     found = answer.x[-len(axes) :] @ axes
     size = float(np.linalg.norm(found))
-    if not np.isfinite(size) or size < NOTHING:
+    if size < NOTHING:
         return None
     turn = float(np.arctan2(np.linalg.norm(cross(start, found)), start @ found))
     return turn, found / size

@@ -40,7 +40,7 @@ from kilter.mechanics.forms import Scaled, scaled
 from kilter.mechanics.program import CONTACT, Program
 
 if TYPE_CHECKING:
-    from kilter.solvers.linear import Method
+    from kilter.solvers.highs import Method
 
 __all__ = ["CORNERS", "Ranges", "Uncertainty", "corner", "find_uncertainty", "weakened"]
 
@@ -363,7 +363,7 @@ class _Following:
         return self._solved(load, most)
 
     def _solved(self, load: UncertainLoad, most: float) -> float | None:
-        from kilter.solvers.linear import solve_linear
+        from kilter.solvers.highs import solve_linear
 
         program = affine_forces(self.problem, load, min(most, STEEP))
         methods: tuple[Method, ...] = ("simplex", "interior")
@@ -373,7 +373,7 @@ class _Following:
             answer = solve_linear(program, method=method, seconds=SECONDS)
             if answer.outcome == "infeasible":
                 return None
-            if answer.outcome != "solved" or not len(answer.x):
+            if not answer.optimal:
                 continue
             if affine_imbalance(self.problem, load, answer.x) <= BALANCED:
                 share = float(answer.x[0])

@@ -25,7 +25,7 @@ from kilter.mechanics.program import TOLERANCE
 from kilter.solvers.problem import LinearProgram
 
 if TYPE_CHECKING:
-    from kilter.solvers.kept import KeptSolution
+    from kilter.solvers.solution import Solution
 
 __all__ = ["NOTHING", "ConeOracle"]
 
@@ -75,7 +75,7 @@ class ConeOracle:
         tolerance: float = TOLERANCE,
         spread: float = 1.0,
     ) -> None:
-        from kilter.solvers.kept import KeptProgram
+        from kilter.solvers.highs import KeptProgram
 
         self.dimension = loads.shape[1]
         self._rows, self._forces = matrix.shape
@@ -126,23 +126,28 @@ class ConeOracle:
     def support(self, direction: Array) -> Reach:
         """How far the cone reaches in a unit direction."""
         self._kept.change_cost(self._columns, -direction)
-        found = self._kept.solve()
+        found = self._solved()
         for share in FORCE_PRICES:
             if not self._jams(found):
                 break
             price = np.full(len(self._pushes), share * self._tolerance)
             self._kept.change_cost(self._pushes, price)
-            found = self._kept.solve()
+            found = self._solved()
             self._kept.change_cost(self._pushes, np.zeros(len(self._pushes)))
         return self._reach(direction, found)
 
-    def _jams(self, found: KeptSolution) -> bool:
+    def _solved(self) -> Solution:
+        """The present program's optimum; a point at least, for what is judged afterwards."""
+        found = self._kept.solve()
+        return found if found.found and len(found.multipliers) else found.required("the region")
+
+    def _jams(self, found: Solution) -> bool:
         """Whether the forces are so large that only the rounding of the data holds them."""
         size = float(np.linalg.norm(found.x[self._columns]))
         largest = float(np.abs(found.x[: self._forces]).max(initial=0.0))
         return largest > size * self._jam
 
-    def _reach(self, direction: Array, found: KeptSolution) -> Reach:
+    def _reach(self, direction: Array, found: Solution) -> Reach:
         g = found.x[self._columns]
         length = float(np.linalg.norm(g))
         witness = -found.multipliers[: self._rows]
@@ -161,7 +166,7 @@ class ConeOracle:
         """Forces that balance a direction of the cone as well as they can, shape (n,)."""
         self._kept.change_cost(self._columns, np.zeros(self.dimension))
         self._kept.change_bounds(self._columns, direction, direction)
-        found = self._kept.solve()
+        found = self._solved()
         far = np.full(self.dimension, FAR)
         self._kept.change_bounds(self._columns, -far, far)
         forces: Array = found.x[: self._forces] / self._size

@@ -185,16 +185,16 @@ class _Search:
 
     def _project(self, direction: Array) -> tuple[float, Proof | None]:
         """Angle to the ray found nearest [rad], and the facet between, with their proofs."""
-        from kilter.solvers.conic import solve_conic
+        from kilter.solvers.clarabel import solve_conic
 
         self.programs += 1
         if self.progress is not None:
             self.progress(f"directions that are held: conic program {self.programs}")
         answer = solve_conic(nearest_load(self.wide, self.axes, direction), tolerance=SHARP)
+        if not answer.found:
+            return np.pi, None
         nearest = answer.x[-3:]
         size = float(np.linalg.norm(nearest))
-        if not np.isfinite(answer.x).all():
-            return np.pi, None
         angle = np.pi / 2
         if size > NOTHING:
             ray = self._ray(nearest / size, self.wide.decoded(answer.x[:-3] / size))

@@ -104,24 +104,24 @@ def joint(program: Program, *, every: bool = False) -> Joint:
     >>> np.round(best.gravity, 9) + 0.0, round(best.z, 9) + 0.0
     (array([-0.5,  0. , -0.5]), 0.0)
     """
-    from kilter.solvers.bases import CostModel
+    from kilter.solvers.highs import KeptProgram
 
     unit = unit_program(program)
     signs = facets_of_diamond(program)
-    model = CostModel(_program(unit))
+    model = KeptProgram(_program(unit), warm="dual")
     found: list[JointFacet] = []
     for facet in signs:
         first = len(unit.lp.row_lower)
         lower = np.concatenate([np.where(facet[unit.axes] > 0, 0.0, -np.inf)] * 2)
         lower[len(unit.axes) :] = np.where(facet[unit.axes] < 0, 0.0, -np.inf)
         rows = first + np.arange(len(lower))
-        model.set_rows(rows, lower, np.full(len(lower), np.inf))
-        answer = model.solve()
+        model.change_sides(rows, lower, np.full(len(lower), np.inf))
+        answer = model.solve().required("the orientation of a facet")
         found.append(_facet(program, unit, facet, answer.x, answer.multipliers[rows]))
         if not every and found[-1].z >= -OPTIMAL * unit.mass:
             break
     best = max(found, key=lambda one: one.z)
-    return Joint(best.gravity, best.z, tuple(found), model.programs)
+    return Joint(best.gravity, best.z, tuple(found), model.solves)
 
 
 def _program(unit: UnitProgram) -> LinearProgram:

@@ -187,7 +187,7 @@ class _Known:
 
 def _solved(quadratic: ConicProgram) -> Array:
     """The minimum; asked for more loosely where rounding keeps the solver from it."""
-    from kilter.solvers.quadratic import solve_quadratic
+    from kilter.solvers.clarabel import solve_quadratic
 
     answer = solve_quadratic(quadratic, tolerance=1e-10, polish=False)
     if answer.residual > EXACT:

@@ -42,7 +42,7 @@ class Optimality:
 
 def is_best(unit: UnitProgram, signs: Array, gravity: Array, z: float) -> Optimality:
     """Test a direction of a facet for optimality; `z` is z(gravity) over the mass."""
-    from kilter.solvers.linear import solve_linear
+    from kilter.solvers.highs import solve_linear
 
     lp, axes = unit.lp, unit.axes
     count, rows = len(lp.cost), lp.matrix.shape[0]
@@ -67,7 +67,7 @@ def is_best(unit: UnitProgram, signs: Array, gravity: Array, z: float) -> Optima
             np.append(lp.upper, 1.0 + 1e-6),
         )
     )
-    if answer.outcome != "solved":
+    if not answer.optimal:
         return Optimality(False, np.inf, gravity)
     shares = np.maximum(answer.multipliers[rows + 1 :], 0.0)
     toward = np.zeros(3)

@@ -21,7 +21,7 @@ from scipy.sparse import csc_array, diags_array
 from kilter.arrays import Array, Index
 from kilter.errors import InputError
 from kilter.mechanics.program import Program
-from kilter.solvers.bases import CostModel
+from kilter.solvers.highs import KeptProgram
 from kilter.solvers.problem import LinearProgram
 
 __all__ = ["OPTIMAL", "Support", "UnitProgram", "VirtualWork", "facets_of_diamond", "unit_program"]
@@ -119,17 +119,17 @@ class VirtualWork:
 
     def __init__(self, program: Program) -> None:
         self.unit = unit_program(program)
-        self._model = CostModel(self.unit.lp)
+        self._model = KeptProgram(self.unit.lp, warm="dual")
 
     @property
     def programs(self) -> int:
         """LPs solved so far."""
-        return self._model.programs
+        return self._model.solves
 
     def solve(self, gravity: Array) -> Support:
         """z(g) and a vertex of A that reaches it; g of any length, shape (3,)."""
         cost = -(gravity @ self.unit.pull)
-        x = self._model.solve(cost).x
+        x = self._model.solve(cost).required("the virtual work").x
         q = self.unit.pull @ x
         return Support(min(-float(q @ gravity), 0.0), q, x)
 

@@ -244,7 +244,7 @@ def _summit(
     work: VirtualWork, trail: _Trail, found: Support, partition: Array, here: Array
 ) -> Array:
     """The g of facet and partition with the greatest z = -q.g; `here` if none is greater."""
-    from kilter.solvers.linear import solve_linear
+    from kilter.solvers.highs import solve_linear
 
     axes, signs = work.unit.axes, trail.signs[work.unit.axes]
     rows = np.vstack([partition[:, axes] * signs, np.ones((1, len(axes)))])
@@ -258,7 +258,7 @@ def _summit(
         presolve=False,
     )  # fmt: skip
     trail.programs += 1
-    if answer.outcome != "solved" or answer.objective >= -found.z - 1e-3 * OPTIMAL:
+    if not answer.optimal or answer.objective >= -found.z - 1e-3 * OPTIMAL:
         return here
     there = np.zeros(3)
     there[axes] = signs * answer.x
