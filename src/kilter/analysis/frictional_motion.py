@@ -26,7 +26,7 @@ def motion_of(program: Program, acceleration: Array, residual: float) -> Impendi
     residual : float
         In the contact law [-].
     """
-    size = float(np.linalg.norm(program.gravity))
+    size = program.g
     motion = acceleration / max(size, np.finfo(float).tiny)
     motion[:, 3:] *= metres_per_unit(program.units)
     relative = np.column_stack(

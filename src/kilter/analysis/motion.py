@@ -81,7 +81,7 @@ def find_motion(program: Program) -> ImpendingMotion:
     if not program.free.any():
         return still(program)
     motion, residual = _least_constrained(program)
-    size = float(np.linalg.norm(program.gravity))
+    size = program.g
     relative = np.column_stack(
         [
             np.linalg.norm(motion[:, :3], axis=1),
@@ -155,7 +155,7 @@ def optimality(program: Program, motion: Array, forces: Array) -> float:
     forces : ndarray, shape (K,)
         Of the rows [N].
     """
-    gravity = float(np.linalg.norm(program.gravity))
+    gravity = program.g
     rest = -program.wrenches(forces) - program.load
     rest[:, :3] += program.mass[:, None] * motion[:, :3] * gravity
     rest[:, 3:] += np.einsum("nij,nj->ni", program.inertia, motion[:, 3:]) * gravity
@@ -179,7 +179,7 @@ def optimality(program: Program, motion: Array, forces: Array) -> float:
 
 
 def _heaviest(program: Program) -> float:
-    return float(program.mass[program.free].max() * np.linalg.norm(program.gravity))
+    return float(program.mass[program.free].max() * program.g)
 
 
 def still(program: Program) -> ImpendingMotion:

@@ -187,13 +187,12 @@ def _map(
 def _motion(program: Any, found: Any, vertex: int) -> Array:
     """The displacement of LP (9) of least 2-norm in the middle of a partition, shape (N, 6)."""
     from kilter.analysis.displacement import find_displacement
-    from kilter.analysis.turning.nearest import turned
 
     nothing = np.zeros((len(program.names), 6))
     middle = found.partition(vertex).sum(axis=0)
     if not middle.any() or not found.vertices[vertex].any():
         return nothing
-    motion = find_displacement(turned(program, middle)).displacement
+    motion = find_displacement(program.turned(middle)).displacement
     return nothing if motion is None else motion
 
 

@@ -192,7 +192,7 @@ def displacement(program: Program) -> LinearProgram:
     divided by its length, which changes no solution.
     """
     cost = -program.load[np.ix_(program.free, program.freedoms)].reshape(-1)
-    cost = cost / float(np.linalg.norm(program.gravity))
+    cost = cost / program.g
     matrix = program.jacobian()
     length = np.sqrt(np.asarray(matrix.multiply(matrix).sum(axis=1)).ravel())
     matrix = csc_array(matrix.multiply(1.0 / np.maximum(length, 1e-300)[:, None]))
@@ -229,7 +229,7 @@ def impending_motion(problem: Scaled) -> ConicProgram:
     shape = (per * len(free),) * 2
     where = (np.broadcast_to(row, blocks.shape).ravel(), np.broadcast_to(col, blocks.shape).ravel())
     quadratic = csc_array((blocks.ravel(), where), shape=shape)
-    largest = program.mass[free].max(initial=1e-300) * float(np.linalg.norm(program.gravity))
+    largest = program.mass[free].max(initial=1e-300) * program.g
     share = program.weight[free] / largest
     cost = (problem.right.reshape(-1, per) * share[:, None]).reshape(-1)
     opening = problem.openings()

@@ -28,6 +28,7 @@ from kilter.assembly import GROUND, Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.joints import joint_rows
+from kilter.rigid import unit
 
 __all__ = ["CONTACT", "JOINT", "POSSIBLE", "TOLERANCE", "Program", "build_program", "tangents"]
 
@@ -103,6 +104,16 @@ class Program:
     units: str
 
     @property
+    def g(self) -> float:
+        """Size of gravity [m/s^2]."""
+        return float(np.linalg.norm(self.gravity))
+
+    @property
+    def down(self) -> Array:
+        """Unit direction of gravity, shape (3,)."""
+        return unit(self.gravity)
+
+    @property
     def load(self) -> Array:
         """Force [N] and torque [N x length unit] on each part but those of contacts, (N, 6)."""
         load = self.applied.copy()
@@ -115,7 +126,7 @@ class Program:
         """The one force of each part [N], shape (N,): its weight plus the loads on it."""
         force = np.linalg.norm(self.applied[:, :3], axis=1)
         torque = np.linalg.norm(self.applied[:, 3:], axis=1) / self.radius
-        weight: Array = self.mass * float(np.linalg.norm(self.gravity)) + force + torque
+        weight: Array = self.mass * self.g + force + torque
         return weight
 
     @property
@@ -244,6 +255,10 @@ class Program:
         motion = np.zeros((len(self.names), 6))
         motion[np.ix_(self.free, self.freedoms)] = columns.reshape(-1, len(self.freedoms))
         return motion
+
+    def turned(self, down: Array) -> Program:
+        """The program with gravity, at its size, along `down`, shape (3,), of any length."""
+        return self.with_rows(gravity=unit(down, "down") * self.g)
 
     def with_rows(self, **changes: object) -> Program:
         """A copy with other rows or load."""

@@ -76,7 +76,7 @@ class TiltMargin:
 def gravity_wrench(program: Program, direction: Array) -> Array:
     """The weights as if gravity pointed along `direction`, shape (N, 6) [N]."""
     wrench = np.zeros((len(program.names), 6))
-    size = float(np.linalg.norm(program.gravity))
+    size = program.g
     wrench[:, :3] = (program.mass * program.free)[:, None] * size * direction
     return wrench
 
@@ -87,13 +87,13 @@ def tilt_about(program: Program, axis: Array) -> tuple[float, Limit | None] | No
     By the right-hand rule, from 0 to pi, infinite where a full turn is held; None where the
     given direction is not held. One conic program for each right angle.
     """
-    start = program.gravity / float(np.linalg.norm(program.gravity))
+    start = program.down
     axis = axis / float(np.linalg.norm(axis))
     aside = cross(axis, start)
     limit: Limit | None = None
     quarter = ((start, aside), (aside, -start), (-start, -aside), (-aside, start))
     for turns, (down, along) in enumerate(quarter):
-        turned = program.with_rows(gravity=down * float(np.linalg.norm(program.gravity)))
+        turned = program.turned(down)
         limit = find_limit(turned, gravity_wrench(program, along), most=STEEPEST)
         if limit is None:
             return None
@@ -122,7 +122,7 @@ def find_tilt_margin(program: Program) -> TiltMargin | None:
     """
     if program.applied.any():
         raise ValueError("given loads do not turn with gravity")
-    start = program.gravity / float(np.linalg.norm(program.gravity))
+    start = program.down
     across = across_gravity(program, start)
     region = _Region(program, start, across)
     for direction in first_directions(len(across)):
@@ -143,7 +143,7 @@ def find_nearest_held(program: Program) -> tuple[float, Array] | None:
     """
     from kilter.solvers.clarabel import solve_conic
 
-    start = program.gravity / float(np.linalg.norm(program.gravity))
+    start = program.down
     axes = np.eye(3)[[0, 2]] if program.planar else np.eye(3)
     wrenches = np.array([gravity_wrench(program, axis) for axis in axes])
     answer = solve_conic(nearest_load(spread(program), wrenches, axes @ start))

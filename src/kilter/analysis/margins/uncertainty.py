@@ -328,7 +328,7 @@ class _Following:
     def _sides(self, direction: Array) -> Array:
         """What each unknown adds to the load of a body force along a direction, (K, rows)."""
         program = self.program
-        size = program.mass * float(np.linalg.norm(program.gravity))
+        size = program.mass * program.g
         sides = []
         for part, what in self.unknowns:
             wrench = np.zeros((len(program.names), 6))
@@ -344,7 +344,7 @@ class _Following:
     ) -> float | None:
         """The largest share of given wrenches, or of a body force, held for all; None: none is."""
         program = self.program
-        down = program.gravity / float(np.linalg.norm(program.gravity))
+        down = program.down
         base = self.middle * gravity_wrench(program, down)
         if wrench is None or not program.applied.any():
             base = base + program.applied
@@ -382,7 +382,7 @@ class _Following:
 
     def tilt(self) -> float | None:
         """A turn of gravity [rad] up to which every direction is held for all."""
-        start = self.program.gravity / float(np.linalg.norm(self.program.gravity))
+        start = self.program.down
         across = across_gravity(self.program, start)
         points: list[Array] = []
         queue, nearest = list(first_directions(len(across))), 0.0

@@ -99,7 +99,7 @@ def what_helps(
     ['hold', 'friction']
     """
     if tilt is not None and tilt.angle < np.pi / 2:
-        start = program.gravity / float(np.linalg.norm(program.gravity))
+        start = program.down
         aside = tilt.down / float(tilt.down @ start) - start
         size = float(np.linalg.norm(aside))
         if size < NOTHING:

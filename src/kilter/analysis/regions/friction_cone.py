@@ -124,7 +124,7 @@ def _exact(program: Program, progress: Callable[[str], None] | None) -> StableCo
     found = stable_cone(rays, progress=progress)
     proofs = []
     for proof in found.proofs:
-        turned = _toward(program, proof.down)
+        turned = program.turned(proof.down)
         certificate = proof.certificate
         if isinstance(certificate, ForceProof):
             own = check_forces(turned, *gathered(program, rays, certificate.forces))
@@ -132,10 +132,6 @@ def _exact(program: Program, progress: Callable[[str], None] | None) -> StableCo
         else:
             proofs.append(replace(proof, certificate=check_motion(turned, certificate.motion)))
     return replace(found, proofs=tuple(proofs))
-
-
-def _toward(program: Program, down: Array) -> Program:
-    return program.with_rows(gravity=down * float(np.linalg.norm(program.gravity)))
 
 
 class _Search:
@@ -207,7 +203,7 @@ class _Search:
 
     def _ray(self, down: Array, forces: tuple[Array, Array]) -> Array | None:
         """The ray, moved inwards until forces prove it; None where they do not."""
-        proof = check_forces(_toward(self.program, down), *forces)
+        proof = check_forces(self.program.turned(down), *forces)
         if proof.holds:
             self.rays.append(Proof("ray", down, down, proof))
             return down
@@ -215,7 +211,7 @@ class _Search:
         for pull in PULLED[1 if self.rays else 0 :]:
             moved: Array = down + pull * middle
             moved = moved / float(np.linalg.norm(moved))
-            judged = judge(_toward(self.program, moved))
+            judged = judge(self.program.turned(moved))
             if judged.stable and judged.forces is not None:
                 self.rays.append(Proof("ray", moved, moved, judged.forces))
                 return moved
@@ -234,7 +230,7 @@ class _Search:
         on = on - (on @ normal) * normal
         for angle in BEYOND:
             down = np.cos(angle) * on + np.sin(angle) * normal if on.any() else normal
-            proof = check_motion(_toward(program, down), motion)
+            proof = check_motion(program.turned(down), motion)
             if proof.holds:
                 self.slack = max(self.slack, angle if on.any() else 0.0)
                 return Proof("facet", -normal + 0.0, down, proof)
@@ -245,7 +241,7 @@ class _Search:
         program = self.program
         for angle in FARTHER:
             down = np.cos(angle) * on + np.sin(angle) * normal if on.any() else normal
-            proof = judge(_toward(program, down)).motion
+            proof = judge(program.turned(down)).motion
             if proof is None or not proof.holds:
                 continue
             other = (program.mass * program.free) @ proof.motion[:, :3]

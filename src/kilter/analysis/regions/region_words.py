@@ -120,8 +120,7 @@ def _starts(program: Program, proof: Proof) -> Mask:
     if int(program.free.sum()) <= LIMIT:
         side = np.sign(proof.vector @ proof.down)
         down = proof.down + TILT * side * proof.vector
-        gravity = down * float(np.linalg.norm(program.gravity) / np.linalg.norm(down))
-        return find_motion(program.with_rows(gravity=gravity)).moves
+        return find_motion(program.turned(down)).moves
     assert isinstance(proof.certificate, MotionProof)
     sizes = part_sizes(program, proof.certificate.motion, per_radius=False)
     starts: Mask = sizes > MOVES * sizes.max(initial=0.0)

@@ -199,10 +199,6 @@ def _loads(problem: Scaled) -> tuple[csc_array, Array]:
     return loads, problem.frame[[0, 2]] if problem.program.planar else problem.frame
 
 
-def _toward(program: Program, down: Array) -> Program:
-    return program.with_rows(gravity=down * float(np.linalg.norm(program.gravity)))
-
-
 def _stable(problem: Scaled, cone: Cone, grown: Grown, oracle: ConeOracle) -> list[Proof]:
     """Forces for every ray and both signs of every line."""
     _, axes = _loads(problem)
@@ -218,7 +214,7 @@ def _forces(
     problem: Scaled, axes: Array, down: Array, grown: Grown, oracle: ConeOracle
 ) -> ForceProof:
     """Forces for one direction: those it was found with, or asked for anew."""
-    program = _toward(problem.program, down)
+    program = problem.program.turned(down)
     for found in grown.points:
         if np.linalg.norm(found.point @ axes - down) <= 1e-9:
             proof = check_forces(program, problem.forces(found.forces))
@@ -266,7 +262,7 @@ def _motion(
     for angle in (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0):
         down = base + angle * outward
         down = down / np.linalg.norm(down)
-        proof = check_motion(_toward(program, down), motion)
+        proof = check_motion(program.turned(down), motion)
         last = Proof(about, vector, down, proof)
         if proof.holds:
             break
@@ -275,5 +271,5 @@ def _motion(
         return last
     from kilter.analysis.judge import judge
 
-    other = judge(_toward(program, last.down)).motion
+    other = judge(program.turned(last.down)).motion
     return last if other is None or not other.holds else Proof(about, vector, last.down, other)

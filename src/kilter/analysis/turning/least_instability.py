@@ -97,7 +97,7 @@ def least_instability(
     """
     axes = unit_program(program).axes
     if not program.free.any():
-        return LeastInstability(program.gravity / np.linalg.norm(program.gravity), 0.0, 0.0, 0)
+        return LeastInstability(program.down, 0.0, 0.0, 0)
     known = _Known(program, axes)
     hull = GrowingHull(known.first(), 1e-13)
     bounds = known.bounds(hull)

@@ -111,19 +111,13 @@ def nearest(program: Program, *, method: Method = "joint", solved: Joint | None 
         frozen(least.direction),
         least.value,
         least.bound,
-        frozen(find_motion(turned(program, least.direction)).acceleration),
+        frozen(find_motion(program.turned(least.direction)).acceleration),
         least.programs,
     )
     return Nearest(on_diamond, on_sphere, kappa)
 
 
-def turned(program: Program, direction: Array) -> Program:
-    """The program with its gravity, at its size, in another direction (of any length)."""
-    size = float(np.linalg.norm(program.gravity)) / float(np.linalg.norm(direction))
-    return program.with_rows(gravity=direction * size)
-
-
 def _displaced(program: Program, direction: Array, z: float, programs: int) -> NearestDirection:
-    shift = find_displacement(turned(program, direction)).displacement
+    shift = find_displacement(program.turned(direction)).displacement
     motion = None if shift is None else frozen(shift)
     return NearestDirection(frozen(direction), z, z, motion, programs)

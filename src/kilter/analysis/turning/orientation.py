@@ -31,7 +31,7 @@ from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.region import Region, region
 from kilter.analysis.regions.stable_cone import stable_cone
 from kilter.analysis.turning.facet_program import Joint, joint
-from kilter.analysis.turning.nearest import Method, Nearest, NearestDirection, nearest, turned
+from kilter.analysis.turning.nearest import Method, Nearest, NearestDirection, nearest
 from kilter.analysis.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
@@ -210,11 +210,11 @@ def orient(
     smooth = program.frictionless
     for turned_program, cone in _sides(program, every):
         for direction in _candidate_directions(program, cone):
-            judgement = judge(turned(turned_program, direction))
+            judgement = judge(turned_program.turned(direction))
             if judgement.stable:
                 return _found(program, every, direction, judgement, method)
     best = joint(smooth, every=True)
-    judgement = judge(turned(smooth, best.gravity))
+    judgement = judge(smooth.turned(best.gravity))
     if judgement.stable:
         return _found(program, every, best.gravity, judgement, method)
     tell("nearest to stable")
@@ -246,7 +246,7 @@ def _sides(program: Program, every: Region) -> Iterator[tuple[Program, Cone]]:
 
 def _candidate_directions(program: Program, cone: Cone) -> Iterator[Array]:
     """Directions that a cone holds for stable, the one with the widest margin first."""
-    down = program.gravity / float(np.linalg.norm(program.gravity))
+    down = program.down
     center = cone.center
     if center is not None:
         yield center
@@ -378,7 +378,7 @@ def _none_is_stable(program: Program, best: Joint) -> bool:
         for axis in np.flatnonzero(facet.signs):
             corner = np.zeros(3)
             corner[axis] = facet.signs[axis]
-            if not check_motion(turned(program, corner), facet.motion).holds:
+            if not check_motion(program.turned(corner), facet.motion).holds:
                 return False
     return True
 
