@@ -35,7 +35,9 @@ class InputError(KilterError):
     part : str, optional
         The part it is about.
     hint : str, optional
-        What to do about it.
+        What to do about it, in Python.
+    option : str, optional
+        What to do about it on the command line, where that differs.
 
     Examples
     --------
@@ -50,22 +52,44 @@ class InputError(KilterError):
         file: str | None = None,
         part: str | None = None,
         hint: str | None = None,
+        option: str | None = None,
     ) -> None:
         super().__init__(what)
         self.what = what
         self.file = file
         self.part = part
         self.hint = hint
+        self.option = option
 
     def __str__(self) -> str:
+        return self._said(self.hint)
+
+    @property
+    def for_command(self) -> str:
+        """The message for who typed a command: options in place of Python."""
+        return self._said(self.option or self.hint)
+
+    def _said(self, hint: str | None) -> str:
         place = [self.file] if self.file else []
         place += [f"part {_short(self.part)}"] if self.part is not None else []
         message = ": ".join([*place, self.what])
-        return f"{message}; {self.hint}" if self.hint else message
+        return f"{message}; {hint}" if hint else message
 
     def located(self, *, file: str | None = None, part: str | None = None) -> InputError:
         """The same error with the place filled in where it was unknown."""
-        return type(self)(self.what, file=self.file or file, part=self.part or part, hint=self.hint)
+        return type(self)(
+            self.what,
+            file=self.file or file,
+            part=self.part or part,
+            hint=self.hint,
+            option=self.option,
+        )
+
+    def about(self, what: str, *, part: str | None = None) -> InputError:
+        """The same error with other words for what is wrong, and the same remedy."""
+        return type(self)(
+            what, file=self.file, part=self.part or part, hint=self.hint, option=self.option
+        )
 
 
 class SolverError(KilterError):

@@ -1,4 +1,4 @@
-"""Rotations, poses, and the checks of the numbers they are made of.
+"""Rotations and poses.
 
     x_world = R x_part + t,     R from the unit quaternion (w, x, y, z)
 
@@ -16,83 +16,20 @@ from numpy.typing import ArrayLike
 
 from kilter.arrays import Array
 from kilter.errors import InputError
+from kilter.validate import frozen
 
 __all__ = [
     "Pose",
-    "frozen",
-    "in_range",
-    "number",
+    "in_brackets",
+    "matrix_to_quaternion",
     "quaternion_to_matrix",
     "rotation_between",
     "skew",
     "unit",
 ]
 
-
-def frozen(values: ArrayLike, shape: tuple[int, ...] | None = None) -> Array:
-    """A read-only float64 copy of `values`.
-
-    Raises
-    ------
-    InputError
-        If the values are not numbers of the given shape (-1 = any length).
-    """
-    try:
-        array = np.array(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InputError(
-            f"expected numbers, got {repr(values)[:80]}", hint="give a list of numbers"
-        ) from None
-    if shape is not None and array.shape != shape and not _fits(array.shape, shape):
-        wanted = " x ".join("n" if n == -1 else str(n) for n in shape)
-        raise InputError(f"expected {wanted} numbers, got shape {array.shape}")
-    array.flags.writeable = False
-    return array
-
-
-LARGEST = 1e100
-"""Numbers above this, or below its inverse, are taken for mistakes."""
-
-
-def number(value: Any, what: str, *, lowest: float = -np.inf, above: bool = False) -> float:
-    """`value` as a finite float, at least (or above) `lowest`, and in range.
-
-    Raises
-    ------
-    InputError
-        If it is none; it names `what`.
-    """
-    bound = f"{'above' if above else 'at least'} {lowest:g}" if lowest > -np.inf else "finite"
-    hint = f"give a number {bound}" if lowest > -np.inf else "give a finite number"
-    if isinstance(value, bool | str) or value is None:
-        raise InputError(f"{what} is {value!r}", hint=hint)
-    result = float(value)
-    if not np.isfinite(result) or result < lowest or (above and result == lowest):
-        raise InputError(f"{what} is {result:g}", hint=hint)
-    in_range(result, what)
-    return result
-
-
-def in_range(values: Any, what: str) -> None:
-    """Refuse numbers so large or small that no digit of an answer would be right.
-
-    Raises
-    ------
-    InputError
-        If a number is not zero and its size is above 1e100 or below 1e-100.
-    """
-    size = float(np.abs(values).max())
-    if size > LARGEST or 0 < size < 1 / LARGEST:
-        raise InputError(
-            f"{what} is of size {size:g}, out of range",
-            hint="check its unit: sizes from 1e-100 to 1e100 are read",
-        )
-
-
-def _fits(shape: tuple[int, ...], wanted: tuple[int, ...]) -> bool:
-    return len(shape) == len(wanted) and all(
-        n in (-1, m) for n, m in zip(wanted, shape, strict=True)
-    )
+ORTHOGONAL = 1e-6
+"""A rotation matrix times its transpose is the identity to this [-]."""
 
 
 def skew(v: ArrayLike) -> Array:
@@ -172,6 +109,48 @@ def rotation_between(a: ArrayLike, b: ArrayLike) -> Array:
     return q / float(np.linalg.norm(q))
 
 
+def in_brackets(values: ArrayLike) -> str:
+    """Numbers of a vector as a word, to six digits.
+
+    Examples
+    --------
+    >>> in_brackets([0.5, -0.0, 1 / 3])
+    '(0.5, 0, 0.333333)'
+    """
+    return "(" + ", ".join(f"{value + 0.0:.6g}" for value in np.asarray(values).ravel()) + ")"
+
+
+def matrix_to_quaternion(matrix: ArrayLike) -> Array:
+    """Unit quaternion (w, x, y, z), w >= 0, of a rotation matrix, shape (3, 3).
+
+    Raises
+    ------
+    InputError
+        If the matrix is no rotation: it scales, shears or mirrors.
+
+    Examples
+    --------
+    >>> matrix_to_quaternion([[0, -1, 0], [1, 0, 0], [0, 0, 1]]).round(6)
+    array([0.707107, 0.      , 0.      , 0.707107])
+    """
+    m = frozen(matrix, (3, 3))
+    if not (np.abs(m @ m.T - np.eye(3)) <= ORTHOGONAL).all() or np.linalg.det(m) < 0:
+        raise InputError(
+            "the matrix is no rotation", hint="give one that neither scales, shears nor mirrors"
+        )
+    xx, yy, zz = np.diag(m)
+    # squares of twice each number: the largest is never near zero
+    squares = np.array([1 + xx + yy + zz, 1 + xx - yy - zz, 1 - xx + yy - zz, 1 - xx - yy + zz])
+    skewed = np.array([m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]])
+    products = m + m.T
+    k = int(squares.argmax())
+    q = np.array([squares[0], *skewed]) if k == 0 else np.array([skewed[k - 1], *products[k - 1]])
+    if k:
+        q[k] = squares[k]
+    q = q / float(np.linalg.norm(q))
+    return q if q[0] >= 0 else -q
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Pose:
     """Position [length unit] and rotation (unit quaternion w x y z) of a part.
@@ -185,6 +164,8 @@ class Pose:
     --------
     >>> Pose(position=[0, 0, 5]).apply([[1, 0, 0]])
     array([[1., 0., 5.]])
+    >>> Pose.of([[0, -1, 0], [1, 0, 0], [0, 0, 1]])
+    Pose(position=(0, 0, 0), rotation=(0.707107, 0, 0, 0.707107))
     """
 
     position: Any = field(default=(0.0, 0.0, 0.0))
@@ -199,6 +180,31 @@ class Pose:
         object.__setattr__(self, "position", position)
         object.__setattr__(self, "rotation", rotation)
 
+    @classmethod
+    def of(cls, pose: Any) -> Pose:
+        """A pose from a pose, a rotation matrix (3 x 3) or a rigid transform (4 x 4).
+
+        Raises
+        ------
+        InputError
+            If it is none of them, or the matrix scales, shears or mirrors.
+        """
+        if isinstance(pose, Pose):
+            return pose
+        shape = np.shape(pose) if isinstance(pose, np.ndarray | list | tuple) else ()
+        if shape not in ((3, 3), (4, 4)):
+            raise InputError(
+                f"a pose is {repr(pose)[:60]}",
+                hint="give a kilter.Pose, a 3 x 3 rotation, or a 4 x 4 transform",
+            )
+        matrix = frozen(pose, shape)
+        if shape == (4, 4) and matrix[3].tolist() != [0, 0, 0, 1]:
+            raise InputError(
+                f"the last row of a transform is {matrix[3].tolist()}", hint="give 0, 0, 0, 1"
+            )
+        position = matrix[:3, 3] if shape == (4, 4) else (0.0, 0.0, 0.0)
+        return cls(position, matrix_to_quaternion(matrix[:3, :3]))
+
     @property
     def matrix(self) -> Array:
         """Rotation matrix, shape (3, 3)."""
@@ -208,3 +214,6 @@ class Pose:
         """Points of the part, shape (n, 3), in the world frame."""
         moved: Array = np.asarray(points, dtype=np.float64) @ self.matrix.T + self.position
         return moved
+
+    def __repr__(self) -> str:
+        return f"Pose(position={in_brackets(self.position)}, rotation={in_brackets(self.rotation)})"

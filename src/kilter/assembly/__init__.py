@@ -1,7 +1,16 @@
 """Assemblies: parts, which are held, what acts on them, and what follows from their shapes."""
 
-from kilter.assembly.assembly import Assembly
+from kilter.assembly.assembly import Assembly, require_assembly
 from kilter.assembly.interactions import FrictionPair, GivenContact, Joint, Load
 from kilter.assembly.part import GROUND, Part
 
-__all__ = ["GROUND", "Assembly", "FrictionPair", "GivenContact", "Joint", "Load", "Part"]
+__all__ = [
+    "GROUND",
+    "Assembly",
+    "FrictionPair",
+    "GivenContact",
+    "Joint",
+    "Load",
+    "Part",
+    "require_assembly",
+]

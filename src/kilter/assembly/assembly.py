@@ -9,35 +9,42 @@ from __future__ import annotations
 
 import dataclasses
 import fnmatch
-from collections.abc import Iterable, Sequence
+import os
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.arrays import Array
+from kilter.assembly.geometry import Geometry, build_geometry
 from kilter.assembly.interactions import FrictionPair, GivenContact, Joint, Load
 from kilter.assembly.part import GROUND, Part
 from kilter.errors import InputError, nearest_name, some_names
-from kilter.rigid import Pose, frozen, in_range, number, rotation_between, unit
+from kilter.rigid import Pose, rotation_between, unit
 from kilter.shape.primitives import Box
 from kilter.units import metres_per_unit
+from kilter.validate import frozen, in_range, number
 
-if TYPE_CHECKING:
-    from kilter.assembly.geometry import Geometry
+__all__ = ["Assembly", "require_assembly"]
 
-__all__ = [
-    "GROUND",
-    "Assembly",
-    "FrictionPair",
-    "GivenContact",
-    "Joint",
-    "Load",
-    "Part",
-    "nearest_name",
-]
+Entry = FrictionPair | GivenContact | Joint
+ENTRIES: dict[str, type] = {
+    "parts": Part,
+    "friction_pairs": FrictionPair,
+    "loads": Load,
+    "contacts": GivenContact,
+    "joints": Joint,
+    "notes": str,
+}
+"""What the sequences of an assembly hold."""
+SPACIOUS = 4.0
+"""Width of the floor over the width of the parts that it lies under."""
+THICK = 0.25
+"""Thickness of the floor over the same."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,21 +98,27 @@ class Assembly:
     notes: Sequence[str] = ()
 
     def __post_init__(self) -> None:
-        for name in ("parts", "friction_pairs", "loads", "contacts", "joints", "notes"):
-            object.__setattr__(self, name, tuple(getattr(self, name)))
         try:
-            self._validate()
+            for name, kind in ENTRIES.items():
+                object.__setattr__(self, name, _entries(name, getattr(self, name), kind))
+            self._validate_parts()
+            self._validate_gravity()
+            object.__setattr__(self, "friction", number(self.friction, "friction", lowest=0))
+            self._validate_entries()
+            for load in self.loads:
+                self._validate_load(load)
         except InputError as error:
             raise error.located(file=self.source or None) from None
 
-    def _validate(self) -> None:
+    def _validate_parts(self) -> None:
         metres_per_unit(self.units)
         if not self.parts:
             raise InputError("no parts", hint="give at least one part")
         if len(self.index) < len(self.parts):
-            names = [part.name for part in self.parts]
-            twice = next(name for name in names if names.count(name) > 1)
+            twice = next(name for name in self.names if self.names.count(name) > 1)
             raise InputError(f"two parts are named {twice!r}", hint="give each its own name")
+
+    def _validate_gravity(self) -> None:
         gravity = frozen(self.gravity, (3,))
         if not np.isfinite(gravity).all() or not gravity.any():
             raise InputError(
@@ -117,26 +130,22 @@ class Assembly:
             )
         in_range(gravity, "gravity")
         object.__setattr__(self, "gravity", gravity)
-        object.__setattr__(self, "friction", number(self.friction, "friction", lowest=0))
-        entries: list[FrictionPair | GivenContact | Joint] = []
-        entries += [*self.friction_pairs, *self.contacts, *self.joints]
-        for entry in entries:
-            self._check_pair(entry)
+
+    def _validate_entries(self) -> None:
+        """Friction pairs, contacts and joints name two parts each, and no pair twice."""
+        entries: list[tuple[str, Entry]] = [
+            *(("friction pair", entry) for entry in self.friction_pairs),
+            *(("contact", entry) for entry in self.contacts),
+            *(("joint", entry) for entry in self.joints),
+        ]
+        for what, entry in entries:
+            if len(entry.parts) != 2 or entry.parts[0] == entry.parts[1]:
+                raise InputError(f"a {what} names {list(entry.parts)}", hint="name two parts")
+            for name in entry.parts:
+                if not (isinstance(entry, Joint) and name == GROUND):
+                    self.index_of(name)
         for joint in self.joints if self.planar else ():
             joint.require_planar()
-        for load in self.loads:
-            if self.parts[self.index_of(load.part)].grounded:
-                raise InputError(
-                    "a load acts on a held part, where it moves nothing",
-                    part=load.part,
-                    hint="leave the load out, or do not hold the part",
-                )
-            if self.planar and (load.force[1] or load.torque[0] or load.torque[2]):
-                raise InputError(
-                    "a load leaves the x-z plane of a planar assembly",
-                    part=load.part,
-                    hint="give forces along x and z, torques about y",
-                )
         pairs = [frozenset(entry.parts) for entry in self.friction_pairs]
         if len(set(pairs)) < len(pairs):
             both = next(pair for pair in pairs if pairs.count(pair) > 1)
@@ -144,14 +153,36 @@ class Assembly:
                 f"two friction pairs name {some_names(sorted(both))}", hint="leave one out"
             )
 
-    def _check_pair(self, entry: FrictionPair | GivenContact | Joint) -> None:
-        what = {"FrictionPair": "friction pair", "GivenContact": "contact", "Joint": "joint"}
-        label = what[type(entry).__name__]
-        if len(entry.parts) != 2 or entry.parts[0] == entry.parts[1]:
-            raise InputError(f"a {label} names {list(entry.parts)}", hint="name two parts")
-        for name in entry.parts:
-            if not (isinstance(entry, Joint) and name == GROUND):
-                self.index_of(name)
+    def _validate_load(self, load: Load) -> None:
+        if self[load.part].grounded:
+            raise InputError(
+                "a load acts on a held part, where it moves nothing",
+                part=load.part,
+                hint="leave the load out, or do not hold the part",
+            )
+        if self.planar and (load.force[1] or load.torque[0] or load.torque[2]):
+            raise InputError(
+                "a load leaves the x-z plane of a planar assembly",
+                part=load.part,
+                hint="give forces along x and z, torques about y",
+            )
+
+    def __len__(self) -> int:
+        return len(self.parts)
+
+    def __iter__(self) -> Iterator[Part]:
+        return iter(self.parts)
+
+    def __getitem__(self, part: str | int) -> Part:
+        return self.parts[self.index_of(part)]
+
+    def __contains__(self, part: object) -> bool:
+        return part in self.index if isinstance(part, str) else part in self.parts
+
+    def __repr__(self) -> str:
+        held = sum(part.grounded for part in self.parts)
+        source = f", from {Path(self.source).name!r}" if self.source else ""
+        return f"Assembly({len(self)} parts, {held} held, in {self.units}{source})"
 
     @cached_property
     def index(self) -> dict[str, int]:
@@ -173,9 +204,7 @@ class Assembly:
         """
         if isinstance(part, int | np.integer):
             if not -len(self.parts) <= part < len(self.parts):
-                raise InputError(
-                    f"no part has position {part}", hint=f"there are {len(self.parts)}"
-                )
+                raise InputError(f"no part has position {part}", hint=f"there are {len(self)}")
             return int(part) % len(self.parts)
         try:
             return self.index[part]
@@ -189,14 +218,15 @@ class Assembly:
     @cached_property
     def geometry(self) -> Geometry:
         """What follows from the shapes: vertices, masses, centres, inertia, in arrays."""
-        from kilter.assembly.geometry import build_geometry
-
-        return build_geometry(self)
+        try:
+            return build_geometry(self.parts, self.units)
+        except InputError as error:
+            raise error.located(file=self.source or None) from None
 
     @property
     def down(self) -> Array:
         """Unit direction of gravity, shape (3,)."""
-        return unit(self.gravity)
+        return unit(self.gravity, "gravity")
 
     # changed copies ------------------------------------------------------------------
 
@@ -209,7 +239,7 @@ class Assembly:
         """The friction coefficient of contacts that have none of their own."""
         return self._replace(friction=friction)
 
-    def with_grounded(self, patterns: Iterable[str]) -> Assembly:
+    def with_grounded(self, patterns: str | Iterable[str]) -> Assembly:
         """The parts that match (``*`` and ``?`` are globs) held, besides those held before."""
         chosen = self.matching(patterns)
         return self._replace(
@@ -223,7 +253,7 @@ class Assembly:
         """Joints besides those there are; `kilter.contact.fastened` makes those of bolts."""
         return self._replace(joints=[*self.joints, *joints])
 
-    def without(self, patterns: Iterable[str]) -> Assembly:
+    def without(self, patterns: str | Iterable[str]) -> Assembly:
         """The assembly without the parts that match, and all that names them."""
         gone = self.matching(patterns)
         keep = [part for part in self.parts if part.name not in gone]
@@ -252,21 +282,21 @@ class Assembly:
         lowest = float(heights.min()) if height is None else number(height, "height of the floor")
         size = float(np.ptp(geometry.vertices, axis=0).max())
         middle = (geometry.vertices.min(axis=0) + geometry.vertices.max(axis=0)) / 2
-        thick = size / 4
+        thick = THICK * size
         center = middle + up * (lowest - thick / 2 - middle @ up)
         name = "floor"
         while name in self.index:
             name += "_"
         table = Part(
             name,
-            Box([4 * size, 4 * size, thick]),
+            Box([SPACIOUS * size, SPACIOUS * size, thick]),
             Pose(center, rotation_between([0, 0, 1], up)),
             grounded=True,
             density=1000.0,
         )
         return self._replace(parts=[*self.parts, table])
 
-    def matching(self, patterns: Iterable[str]) -> set[str]:
+    def matching(self, patterns: str | Iterable[str]) -> set[str]:
         """Names that match any of the patterns.
 
         Raises
@@ -275,7 +305,7 @@ class Assembly:
             If a pattern matches no part.
         """
         chosen: set[str] = set()
-        for pattern in patterns:
+        for pattern in [patterns] if isinstance(patterns, str) else patterns:
             if pattern in self.index:
                 chosen.add(pattern)
                 continue
@@ -302,8 +332,61 @@ class Assembly:
         raise InputError(
             f"nothing is held; the parts are {some_names(self.names, 8)}, the lowest is {lowest!r}",
             file=self.source or None,
-            hint=f"hold one with --ground {lowest!r}, or put a table under them with --floor",
+            hint=f"hold one with assembly.with_grounded({lowest!r}), or put a table under them "
+            "with assembly.with_floor()",
+            option=f"hold one with --ground {lowest!r}, or put a table under them with --floor",
         )
 
     def _replace(self, **changes: Any) -> Assembly:
         return dataclasses.replace(self, **changes)
+
+
+def _entries(name: str, given: Any, kind: type) -> tuple[Any, ...]:
+    """A sequence of one kind of value, as a tuple."""
+    try:
+        entries = None if isinstance(given, str | bytes | kind) else tuple(given)
+    except TypeError:
+        entries = None
+    if entries is None:
+        raise InputError(
+            f"{name} is {'one' if isinstance(given, kind) else 'a'} {type(given).__name__}",
+            hint=f"give a list of {kind.__name__}",
+        )
+    for k, entry in enumerate(entries):
+        if not isinstance(entry, kind):
+            raise InputError(
+                f"{name}[{k}] is a {type(entry).__name__}", hint=f"give a kilter.{kind.__name__}"
+            )
+    return entries
+
+
+def require_assembly(value: object, verb: str) -> None:
+    """Refuse what is no assembly, and say how to make one of it.
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> require_assembly("arch.stl", "check")
+    Traceback (most recent call last):
+    ...
+    kilter.errors.InputError: check wants an assembly, not a path; read it: kilter.load('arch.stl')
+    """
+    if isinstance(value, Assembly):
+        return
+    if isinstance(value, str | os.PathLike):
+        raise InputError(
+            f"{verb} wants an assembly, not a path",
+            hint=f"read it: kilter.load({os.fspath(value)!r:.60})",
+        )
+    hint = "make one: kilter.Assembly([kilter.Part(...), ...]), or read one with kilter.load(path)"
+    if hasattr(value, "vertices") and hasattr(value, "faces"):
+        hint = (
+            "save it to a file for kilter.load, or make parts of it: "
+            "kilter.Part(name, kilter.Mesh(mesh.vertices, mesh.faces))"
+        )
+    elif isinstance(value, Part):
+        hint = "put it into one: kilter.Assembly([part, ...])"
+    raise InputError(f"{verb} wants an assembly, not a {type(value).__name__}", hint=hint)

@@ -13,11 +13,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, cross
+from kilter.assembly.part import Part
 from kilter.assembly.surfaces import Surfaces, join_surfaces, surfaces_of
 from kilter.errors import InputError, some_names
 from kilter.rigid import quaternion_to_matrix
@@ -34,10 +33,6 @@ from kilter.shape.primitives import (
 )
 from kilter.shape.solid import Solid
 from kilter.units import metres_per_unit
-
-if TYPE_CHECKING:
-    from kilter.assembly.assembly import Assembly
-    from kilter.assembly.part import Part
 
 __all__ = ["DEFAULT_DENSITY", "Geometry", "build_geometry", "polyhedron_moments"]
 
@@ -117,22 +112,14 @@ class Geometry:
         return np.repeat(np.arange(len(self.mass)), np.diff(self.triangle_start))
 
 
-def build_geometry(assembly: Assembly) -> Geometry:
-    """The geometry of an assembly.
+def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
+    """The geometry of parts, lengths in `units`.
 
     Raises
     ------
     InputError
         If a mesh is open, flat or empty; it names the part.
     """
-    try:
-        return _build(assembly)
-    except InputError as error:
-        raise error.located(file=assembly.source or None) from None
-
-
-def _build(assembly: Assembly) -> Geometry:
-    parts = assembly.parts
     boxes = np.array([isinstance(part.shape, Box) for part in parts])
     warnings: list[str] = []
     local = _local_surfaces(parts, boxes, warnings)
@@ -168,7 +155,7 @@ def _build(assembly: Assembly) -> Geometry:
             part=parts[flat[0]].name,
             hint="give a closed solid",
         )
-    mass, center, second = _masses(assembly, volume, center, second, warnings)
+    mass, center, second = _masses(parts, units, (volume, center, second), warnings)
 
     world = np.einsum("nij,nj->ni", rotation[owner], vertices) + position[owner]
     world_center = np.einsum("nij,nj->ni", rotation, center) + position
@@ -184,8 +171,6 @@ def _build(assembly: Assembly) -> Geometry:
     )
     slack = np.zeros(len(parts))
     np.maximum.at(slack, surfaces.part, surfaces.sagitta)
-    for array in (world, triangles, mass, world_center, inertia, volume, accuracy):
-        array.flags.writeable = False
     return Geometry(
         vertices=world,
         vertex_start=vertex_start,
@@ -356,11 +341,14 @@ def _moments(
 
 
 def _masses(
-    assembly: Assembly, volume: Array, center: Array, second: Array, warnings: list[str]
+    parts: Sequence[Part],
+    units: str,
+    moments: tuple[Array, Array, Array],
+    warnings: list[str],
 ) -> tuple[Array, Array, Array]:
     """Masses [kg], centres and mass-weighted second moments from geometry and overrides."""
-    parts = assembly.parts
-    cubic_metres = volume * metres_per_unit(assembly.units) ** 3
+    volume, center, second = moments
+    cubic_metres = volume * metres_per_unit(units) ** 3
     density = np.array([part.density or DEFAULT_DENSITY for part in parts])
     given = np.array([part.mass is not None for part in parts])
     mass = density * cubic_metres

@@ -8,7 +8,8 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from kilter.errors import InputError, nearest_name
-from kilter.rigid import frozen, in_range, number, unit
+from kilter.rigid import unit
+from kilter.validate import frozen, in_range, number
 
 __all__ = ["FrictionPair", "GivenContact", "Joint", "JointKind", "Load"]
 

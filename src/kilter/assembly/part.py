@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from kilter.errors import InputError
-from kilter.rigid import Pose, frozen, in_range, number
+from kilter.rigid import Pose
 from kilter.shape.primitives import Shape
+from kilter.validate import frozen, in_range, number
 
 __all__ = ["GROUND", "Part"]
 

@@ -18,9 +18,10 @@ from kilter.assembly import Assembly, FrictionPair, GivenContact, Joint, Load, P
 from kilter.errors import InputError, nearest_name
 from kilter.files.checked_solid import checked
 from kilter.files.named_files import NamedFiles
-from kilter.rigid import Pose, frozen
+from kilter.rigid import Pose
 from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Shape, Sphere
 from kilter.shape.solid import Solid, Surface
+from kilter.validate import frozen
 
 if TYPE_CHECKING:
     from kilter.files.models import AssemblyFile, PartEntry, SolidEntry

@@ -16,8 +16,8 @@ import numpy as np
 
 from kilter.arrays import Array, Index, Mask
 from kilter.errors import InputError
-from kilter.rigid import frozen
 from kilter.shape.solid import Solid
+from kilter.validate import frozen
 
 __all__ = ["Box", "Cylinder", "Mesh", "Prism", "Shape", "Sphere", "surface"]
 

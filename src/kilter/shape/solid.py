@@ -13,7 +13,8 @@ import numpy as np
 
 from kilter.arrays import Array, Index, cross
 from kilter.errors import InputError
-from kilter.rigid import Pose, frozen, number, quaternion_to_matrix, unit
+from kilter.rigid import Pose, quaternion_to_matrix, unit
+from kilter.validate import frozen, number
 
 __all__ = [
     "Solid",

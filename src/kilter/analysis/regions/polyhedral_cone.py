@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.arrays import Array, Mask
-from kilter.rigid import frozen
+from kilter.validate import frozen
 
 __all__ = ["KINDS", "Cone", "make_cone", "widest_axis"]
 

@@ -23,7 +23,7 @@ from kilter.analysis.turning.nearest_on_sphere import nearest_on_sphere
 from kilter.analysis.turning.walk import walk
 from kilter.arrays import Array
 from kilter.mechanics.program import Program
-from kilter.rigid import frozen
+from kilter.validate import frozen
 
 __all__ = ["Method", "Nearest", "NearestDirection", "nearest"]
 

@@ -25,7 +25,7 @@ from kilter.analysis.turning.reachable import OUTSIDE, Reachable
 from kilter.arrays import Array, Index
 from kilter.errors import SolverError
 from kilter.mechanics.program import Program
-from kilter.rigid import frozen
+from kilter.validate import frozen
 
 __all__ = ["PROGRAMS", "StabilityMap", "stability_map"]
 
