@@ -9,8 +9,8 @@ Row k of every field of a `Rows` speaks of the same thing: a contact, a pair, a 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import field, fields
-from typing import Any, Self
+from dataclasses import field, fields, is_dataclass
+from typing import Any, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,6 +29,7 @@ __all__ = [
     "ragged",
     "ratio",
     "read_only",
+    "sealed",
     "starts",
     "unit_rows",
 ]
@@ -146,6 +147,35 @@ def read_only(arrays: Any) -> None:
             view = value.view()
             view.flags.writeable = False
             object.__setattr__(arrays, f.name, view)
+
+
+Held = TypeVar("Held")
+SCALAR = str | int | float
+
+
+def sealed(value: Held) -> Held:
+    """The value itself, every array that it holds read-only: of dataclasses, tuples and lists.
+
+    Examples
+    --------
+    >>> sealed((np.zeros(2), 1))[0].flags.writeable
+    False
+    """
+    waiting: list[Any] = [value]
+    seen: set[int] = set()
+    while waiting:
+        one = waiting.pop()
+        if id(one) in seen:
+            continue
+        seen.add(id(one))
+        if isinstance(one, np.ndarray):
+            one.flags.writeable = False
+        elif isinstance(one, tuple | list):
+            plain = one and isinstance(one[0], SCALAR) and isinstance(one[-1], SCALAR)
+            waiting += [] if plain else one
+        elif is_dataclass(one):
+            waiting += [getattr(one, f.name) for f in fields(one)]
+    return value
 
 
 _KINDS: dict[Any, type | str] = {

@@ -54,23 +54,24 @@ def in_range(values: Any, what: str) -> None:
         )
 
 
-def frozen(values: ArrayLike, shape: tuple[int, ...] | None = None) -> Array:
+def frozen(values: ArrayLike, shape: tuple[int, ...] | None = None, what: str = "") -> Array:
     """A read-only float64 copy of `values`.
 
     Raises
     ------
     InputError
-        If the values are not numbers of the given shape (-1 = any length).
+        If the values are not numbers of the given shape (-1 = any length); it names `what`.
     """
+    name = f"{what}: " if what else ""
     try:
         array = np.array(values, dtype=np.float64)
     except (TypeError, ValueError):
         raise InputError(
-            f"expected numbers, got {repr(values)[:80]}", hint="give a list of numbers"
+            f"{name}expected numbers, got {repr(values)[:80]}", hint="give a list of numbers"
         ) from None
     if shape is not None and array.shape != shape and not _fits(array.shape, shape):
         wanted = " x ".join("n" if n == -1 else str(n) for n in shape)
-        raise InputError(f"expected {wanted} numbers, got shape {array.shape}")
+        raise InputError(f"{name}expected {wanted} numbers, got shape {array.shape}")
     array.flags.writeable = False
     return array
 
@@ -83,7 +84,7 @@ def finite(values: ArrayLike, shape: tuple[int, ...], what: str) -> Array:
     InputError
         As `frozen`; or if a number is not finite; it names `what`.
     """
-    array = frozen(values, shape)
+    array = frozen(values, shape, what)
     if not np.isfinite(array).all():
         raise InputError(f"{what} is {array.tolist()}", hint="give finite numbers")
     return array

@@ -63,7 +63,9 @@ def test_order_and_repetition_change_nothing():
 def test_nothing_that_touches_is_said_with_how_near_it_comes():
     with pytest.raises(InputError, match=r"'post' 'arm-2'.*none touches any of 'arm-2'; see"):
         fastened(stack(), [("post", "arm-2")])
-    with pytest.raises(InputError, match=r"come within 0\.0001 m; set --gap or --clearance"):
+    with pytest.raises(
+        InputError, match=r"come within 0\.0001 m; give a tolerance of more gap or clearance"
+    ):
         fastened(stack(1e-4), [("post", "arm-1")])
     near = fastened(stack(1e-4), [("post", "arm-1")], tolerance=Tolerance(clearance=2e-4))
     assert len(near.joints) == 1

@@ -18,12 +18,13 @@ from kilter.analysis.degenerate_branches import decide_degenerate
 from kilter.analysis.judge import Judgement, judge
 from kilter.analysis.remarks import loose_parts, remarks
 from kilter.analysis.verdict import Verdict, Word
-from kilter.assembly import Assembly
+from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance, find_contacts
-from kilter.errors import some
+from kilter.errors import InputError, some
 from kilter.friction.answer import BUDGET, FrictionAnswer, ask_friction
 from kilter.mechanics.program import TOLERANCE, Program, build_program
 from kilter.tell.words import verdict_sentence
+from kilter.validate import number
 
 __all__ = ["check"]
 
@@ -70,6 +71,10 @@ def check(
     ('unstable', ['C2', 'C3'])
     """
     tell = progress or (lambda stage: None)
+    if contacts is not None and not isinstance(contacts, ContactSet):
+        raise InputError(f"contacts are {contacts!r:.60}", hint="give what kilter.contacts returns")
+    budget = number(budget, "budget", lowest=0)
+    require_assembly(assembly, "check")
     assembly.require_grounded()
     seconds: dict[str, float] = {}
     started = time.perf_counter()

@@ -39,7 +39,7 @@ def _nearest(assembly: Assembly, contacts: ContactSet, alone: list[str]) -> str:
         if set(pair) & set(alone):
             return (
                 f"; {pair[0]!r} and {pair[1]!r} come within {abs(rejected.gap):.3g} {unit} "
-                f"({rejected.why}): see kilter contacts, set --gap or --loose"
+                f"({rejected.why}): see the contacts, or loosen the tolerance"
             )
     return ""
 

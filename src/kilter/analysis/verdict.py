@@ -23,6 +23,7 @@ from kilter.analysis.frictional_motion import find_motion_with_friction, motion_
 from kilter.analysis.judge import Judgement
 from kilter.analysis.motion import MOVES, ImpendingMotion, find_motion, still
 from kilter.analysis.neutral import Neutral, find_neutral
+from kilter.arrays import sealed
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import DEFAULT_DENSITY
 from kilter.contact import ContactSet
@@ -78,6 +79,7 @@ class Verdict:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "seconds", MappingProxyType(dict(self.seconds)))
+        sealed((self.program, self.judgement, self.friction))
 
     @property
     def stable(self) -> bool:
@@ -109,7 +111,7 @@ class Verdict:
         """The program with the contacts that are modelled, and no others."""
         if not self.program.kind.size or not (self.program.kind == POSSIBLE).any():
             return self.program
-        return build_program(self.assembly, self.contacts)
+        return sealed(build_program(self.assembly, self.contacts))
 
     @cached_property
     def displacement(self) -> Displacement:
@@ -117,8 +119,8 @@ class Verdict:
         if self.verdict == "stable" and self.friction is None:
             count = len(self.program.names)
             large = int(self.program.free.sum()) > DISPLACEMENT_LIMIT
-            return Displacement(0.0, None if large else np.zeros((count, 6)))
-        return find_displacement(self.modelled)
+            return sealed(Displacement(0.0, None if large else np.zeros((count, 6))))
+        return sealed(find_displacement(self.modelled))
 
     @cached_property
     def motion(self) -> ImpendingMotion:
@@ -127,6 +129,9 @@ class Verdict:
         Without friction by Gauss's principle. With friction a motion that obeys Coulomb's
         law: where the verdict is potentially stable, the one that refutes the guarantee.
         """
+        return sealed(self._motion())
+
+    def _motion(self) -> ImpendingMotion:
         if self.verdict == "stable":
             return still(self.program)
         if self.verdict == "undecided" or not self.modelled.mu.any():
@@ -149,7 +154,9 @@ class Verdict:
     def forces(self) -> ContactForces | None:
         """Contact forces of the equilibrium; None where there is none."""
         proof = self.certificate
-        return find_contact_forces(self.program, proof) if isinstance(proof, ForceProof) else None
+        if not isinstance(proof, ForceProof):
+            return None
+        return sealed(find_contact_forces(self.program, proof))
 
     @cached_property
     def neutral(self) -> Neutral | None:
@@ -299,7 +306,7 @@ class Verdict:
         return self.sentence
 
     def __repr__(self) -> str:
-        return f"Verdict({self.verdict!r}, {len(self.assembly.parts)} parts)"
+        return f"<Verdict: {self.verdict}, {len(self.assembly)} parts>"
 
     def __bool__(self) -> bool:
         raise TypeError("a verdict is neither true nor false: use .stable, or compare .verdict")

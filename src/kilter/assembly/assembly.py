@@ -119,7 +119,7 @@ class Assembly:
             raise InputError(f"two parts are named {twice!r}", hint="give each its own name")
 
     def _validate_gravity(self) -> None:
-        gravity = frozen(self.gravity, (3,))
+        gravity = frozen(self.gravity, (3,), "gravity")
         if not np.isfinite(gravity).all() or not gravity.any():
             raise InputError(
                 f"gravity is {gravity.tolist()}", hint="give a vector that is not zero, in m/s^2"
@@ -182,7 +182,7 @@ class Assembly:
     def __repr__(self) -> str:
         held = sum(part.grounded for part in self.parts)
         source = f", from {Path(self.source).name!r}" if self.source else ""
-        return f"Assembly({len(self)} parts, {held} held, in {self.units}{source})"
+        return f"<Assembly: {len(self)} parts, {held} held, in {self.units}{source}>"
 
     @cached_property
     def index(self) -> dict[str, int]:
@@ -349,13 +349,14 @@ def _entries(name: str, given: Any, kind: type) -> tuple[Any, ...]:
         entries = None
     if entries is None:
         raise InputError(
-            f"{name} is {'one' if isinstance(given, kind) else 'a'} {type(given).__name__}",
+            f"{name} is one {type(given).__name__}",
             hint=f"give a list of {kind.__name__}",
         )
     for k, entry in enumerate(entries):
         if not isinstance(entry, kind):
             raise InputError(
-                f"{name}[{k}] is a {type(entry).__name__}", hint=f"give a kilter.{kind.__name__}"
+                f"{name}[{k}] is of type {type(entry).__name__}",
+                hint=f"give a kilter.{kind.__name__}",
             )
     return entries
 
@@ -372,13 +373,13 @@ def require_assembly(value: object, verb: str) -> None:
     >>> require_assembly("arch.stl", "check")
     Traceback (most recent call last):
     ...
-    kilter.errors.InputError: check wants an assembly, not a path; read it: kilter.load('arch.stl')
+    kilter.errors.InputError: check wants an assembly, got a path; read it: kilter.load('arch.stl')
     """
     if isinstance(value, Assembly):
         return
     if isinstance(value, str | os.PathLike):
         raise InputError(
-            f"{verb} wants an assembly, not a path",
+            f"{verb} wants an assembly, got a path",
             hint=f"read it: kilter.load({os.fspath(value)!r:.60})",
         )
     hint = "make one: kilter.Assembly([kilter.Part(...), ...]), or read one with kilter.load(path)"
@@ -389,4 +390,4 @@ def require_assembly(value: object, verb: str) -> None:
         )
     elif isinstance(value, Part):
         hint = "put it into one: kilter.Assembly([part, ...])"
-    raise InputError(f"{verb} wants an assembly, not a {type(value).__name__}", hint=hint)
+    raise InputError(f"{verb} wants an assembly, got {type(value).__name__}", hint=hint)

@@ -13,9 +13,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross
+from kilter.arrays import Array, Index, Mask, cross, read_only
 from kilter.assembly.part import Part
 from kilter.assembly.surfaces import Surfaces, join_surfaces, surfaces_of
 from kilter.errors import InputError, some_names
@@ -100,6 +101,12 @@ class Geometry:
     triangle_surface: Index
     slack: Array
     warnings: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        read_only(self)
+
+    def __repr__(self) -> str:
+        return f"<Geometry: {len(self.mass)} parts, {len(self.triangles)} triangles>"
 
     @property
     def vertex_part(self) -> Index:

@@ -8,8 +8,8 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from kilter.errors import InputError, nearest_name
-from kilter.rigid import unit
-from kilter.validate import frozen, in_range, number
+from kilter.rigid import in_brackets, unit
+from kilter.validate import finite, frozen, in_range, number
 
 __all__ = ["FrictionPair", "GivenContact", "Joint", "JointKind", "Load"]
 
@@ -21,6 +21,14 @@ PLANAR = 1e-9
 """Sine of the angle up to which the axis of a joint lies along or across y."""
 
 
+def _names(parts: Any) -> tuple[str, ...]:
+    """Names of parts, as a tuple; how many there must be, the assembly asks."""
+    names = tuple(parts) if isinstance(parts, tuple | list) else ()
+    if not names or not all(isinstance(name, str) for name in names):
+        raise InputError(f"parts are {parts!r:.60}", hint="give a pair of names")
+    return names
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class FrictionPair:
     """Friction coefficient [-] of every contact between two parts."""
@@ -29,7 +37,7 @@ class FrictionPair:
     mu: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "parts", tuple(self.parts))
+        object.__setattr__(self, "parts", _names(self.parts))
         object.__setattr__(self, "mu", number(self.mu, "friction coefficient", lowest=0))
 
 
@@ -51,15 +59,17 @@ class Load:
             value = getattr(self, name)
             if value is None and name == "point":
                 continue
-            value = frozen(value, (3,))
-            if not np.isfinite(value).all():
-                raise InputError(
-                    f"{name} of a load is {value.tolist()}",
-                    part=self.part,
-                    hint="give finite numbers",
-                )
-            in_range(value, f"{name} of a load")
+            try:
+                value = finite(value, (3,), f"{name} of a load")
+                in_range(value, f"{name} of a load")
+            except InputError as error:
+                raise error.located(part=self.part) from None
             object.__setattr__(self, name, value)
+
+    def __repr__(self) -> str:
+        words = [f"{name}={in_brackets(getattr(self, name))}" for name in ("force", "torque")]
+        at = "" if self.point is None else f", point={in_brackets(self.point)}"
+        return f"Load({self.part!r}, {', '.join(words)}{at})"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,7 +86,7 @@ class GivenContact:
     mu: float | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "parts", tuple(self.parts))
+        object.__setattr__(self, "parts", _names(self.parts))
         points = frozen(self.points, (-1, 3)) if len(self.points) else np.empty((0, 3))
         if not len(points) or not np.isfinite(points).all():
             raise InputError(
@@ -87,6 +97,11 @@ class GivenContact:
         object.__setattr__(self, "normal", unit(self.normal, "normal of a contact"))
         if self.mu is not None:
             object.__setattr__(self, "mu", number(self.mu, "friction coefficient", lowest=0))
+
+    def __repr__(self) -> str:
+        mu = "" if self.mu is None else f", mu={self.mu:g}"
+        normal = in_brackets(self.normal)
+        return f"GivenContact({self.parts}, {len(self.points)} points, normal={normal}{mu})"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -132,7 +147,7 @@ class Joint:
     axis: Any = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "parts", tuple(self.parts))
+        object.__setattr__(self, "parts", _names(self.parts))
         label = " and ".join(repr(name) for name in self.parts)
         if self.kind not in KINDS:
             near = nearest_name(str(self.kind), KINDS)
@@ -146,14 +161,14 @@ class Joint:
             what = "slides along" if self.kind == "prismatic" else "turns about"
             raise InputError(f"{label} has no axis", hint=f'give "axis", the direction it {what}')
         if self.point is not None:
-            point = frozen(self.point, (3,))
-            if not np.isfinite(point).all():
-                raise InputError(
-                    f"point of the {label} is {point.tolist()}", hint="give finite numbers"
-                )
-            object.__setattr__(self, "point", point)
+            object.__setattr__(self, "point", finite(self.point, (3,), f"point of the {label}"))
         if self.axis is not None:
             object.__setattr__(self, "axis", unit(self.axis, f"axis of the {label}"))
+
+    def __repr__(self) -> str:
+        places = {"point": self.point, "axis": self.axis}
+        words = [f", {k}={in_brackets(v)}" for k, v in places.items() if v is not None]
+        return f"Joint({self.parts}, {self.kind!r}{''.join(words)})"
 
     def require_planar(self) -> None:
         """Refuse a joint that means nothing in the x-z plane.

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from kilter.errors import InputError
-from kilter.rigid import Pose
+from kilter.rigid import Pose, in_brackets
 from kilter.shape.primitives import Shape
-from kilter.validate import frozen, in_range, number
+from kilter.validate import finite, in_range, number
 
 __all__ = ["GROUND", "Part"]
 
@@ -28,8 +28,8 @@ class Part:
         Unique in the assembly; not "ground".
     shape : Box, Cylinder, Sphere, Prism, Mesh or Solid
         In the part's own frame [length unit].
-    pose : Pose
-        From the part's frame to the world.
+    pose : Pose, or array_like of shape (3, 3) or (4, 4)
+        From the part's frame to the world; a matrix is a rotation, or a rigid transform.
     grounded : bool
         Held: it does not move.
     density : float, optional
@@ -71,7 +71,9 @@ class Part:
         if self.name == GROUND:
             raise InputError(f"the name {GROUND!r} is reserved", hint="give it another name")
         if not isinstance(self.shape, Shape):
-            raise InputError(f"shape is {type(self.shape).__name__}", hint="give a kilter shape")
+            raise _no_shape(self.shape)
+        object.__setattr__(self, "pose", Pose.of(self.pose))
+        object.__setattr__(self, "grounded", _flag(self.grounded))
         if self.density is not None:
             object.__setattr__(
                 self, "density", number(self.density, "density", lowest=0, above=True)
@@ -79,8 +81,24 @@ class Part:
         if self.mass is not None:
             object.__setattr__(self, "mass", number(self.mass, "mass", lowest=0, above=True))
         if self.center_of_mass is not None:
-            center = frozen(self.center_of_mass, (3,))
-            if not np.isfinite(center).all():
-                raise InputError(f"center_of_mass is {center.tolist()}", hint="give finite numbers")
+            center = finite(self.center_of_mass, (3,), "center_of_mass")
             in_range(center, "center_of_mass")
             object.__setattr__(self, "center_of_mass", center)
+
+    def __repr__(self) -> str:
+        held = ", grounded=True" if self.grounded else ""
+        return f"Part({self.name!r}, {self.shape!r}, at {in_brackets(self.pose.position)}{held})"
+
+
+def _flag(value: Any) -> bool:
+    if not isinstance(value, bool | np.bool_):
+        raise InputError(f"grounded is {value!r:.60}", hint="give True or False")
+    return bool(value)
+
+
+def _no_shape(value: Any) -> InputError:
+    """What to do with something that is no shape."""
+    hint = "give a kilter.Box, Cylinder, Sphere, Prism or Mesh"
+    if hasattr(value, "vertices") and hasattr(value, "faces"):
+        hint = "give kilter.Mesh(mesh.vertices, mesh.faces)"
+    return InputError(f"shape is of type {type(value).__name__}", hint=hint)

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross
+from kilter.arrays import Array, Index, Mask, cross, read_only
 from kilter.shape.primitives import CYLINDER_SIDES, Cylinder, Mesh, Shape, Sphere
 from kilter.shape.solid import Solid, Surface
 
@@ -90,6 +90,9 @@ class Surfaces:
 
     def __len__(self) -> int:
         return len(self.part)
+
+    def __repr__(self) -> str:
+        return f"<Surfaces: {len(self)}>"
 
     def triangles_of(self, row: int) -> Index:
         """Rows of the geometry's triangles that lie on a surface."""
@@ -261,6 +264,7 @@ def join_surfaces(
     )
     exact = np.array([row[2] for row in rows], dtype=bool)
     _measure(surfaces, vertices, triangles, label, exact)
+    read_only(surfaces)
     return surfaces, label
 
 

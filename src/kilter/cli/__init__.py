@@ -50,7 +50,7 @@ def _run(words: list[str]) -> int:
         _say("interrupted")
         return INTERRUPTED
     except InputError as error:
-        _say(str(error))
+        _say(error.for_command)
         return USAGE
     except (KeyboardInterrupt, BrokenPipeError):
         raise

@@ -239,7 +239,7 @@ def _kept(server: PageServer, job: _Job, seen: tuple[Stamp, ...]) -> tuple[Stamp
     try:
         text, verdict = job.page("view", live=True)
     except InputError as error:
-        text, verdict = error_page(str(error), job.title), f"not judged: {error}"
+        text, verdict = error_page(error.for_command, job.title), f"not judged: {error.for_command}"
     server.publish(text)
     if not job.quiet:
         print(f"kilter: changed: {verdict}", file=sys.stderr, flush=True)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask
-from kilter.assembly import Assembly
+from kilter.assembly import Assembly, require_assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.broad import Boxes, facet_pairs, make_boxes, part_pairs
 from kilter.contact.closing import CLUSTER, closed_by_clearance, tolerance_warnings
@@ -84,7 +84,8 @@ def contacts(
     >>> found.patch_area, found.patch_normal.tolist()
     (array([1.]), [[0.0, 0.0, 1.0]])
     """
-    tolerance = tolerance or Tolerance()
+    require_assembly(assembly, "contacts")
+    tolerance = Tolerance() if tolerance is None else tolerance
     _check(tolerance)
     tell = progress or (lambda stage: None)
     geometry = assembly.geometry
@@ -130,6 +131,10 @@ class _Found:
 
 
 def _check(tolerance: Tolerance) -> None:
+    if not isinstance(tolerance, Tolerance):
+        raise InputError(
+            f"the tolerance is {tolerance!r:.60}", hint="give kilter.Tolerance(gap=...)"
+        )
     named = ("gap", tolerance.gap), ("angle", tolerance.angle), ("clearance", tolerance.clearance)
     for name, value in named:
         if value is not None and not (np.isfinite(value) and value > 0):

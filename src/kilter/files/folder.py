@@ -112,7 +112,8 @@ def _units(
         raise InputError(
             f"files are in {' and '.join(stated)}, {silent[0]!r} states no units",
             file=str(path),
-            hint="give --units",
+            hint="give the units: load(path, units='mm')",
+            option="give --units",
         )
     return stated[0] if len(stated) == 1 else "m"
 

@@ -43,6 +43,7 @@ BLUR = 10.0
 """Tolerance over the accuracy of coordinates that are coarser than float64."""
 
 PLANE = np.array([0, 2, 4])
+PLANE.setflags(write=False)
 """Freedoms of a planar part among the six: x, z, rotation about y."""
 
 

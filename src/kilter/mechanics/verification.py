@@ -73,13 +73,19 @@ def verify_proof(assembly: Assembly, contacts: ContactSet, proof: dict[str, Any]
         return _verify(assembly, contacts, proof)
     except (KeyError, TypeError, ValueError, IndexError) as error:
         what = f"the proof cannot be read ({type(error).__name__}: {error})"
-        raise InputError(what, hint="make it anew with kilter check --proof") from None
+        raise InputError(
+            what,
+            hint="make it anew with verdict.proof()",
+            option="make it anew with kilter check --proof",
+        ) from None
 
 
 def _verify(assembly: Assembly, contacts: ContactSet, proof: dict[str, Any]) -> Verification:
     if proof.get("kilter_proof") != FORMAT:
         raise InputError(
-            f"this is no kilter proof of format {FORMAT}", hint="give a file of check --proof"
+            f"this is no kilter proof of format {FORMAT}",
+            hint="give what verdict.proof() returns",
+            option="give a file of check --proof",
         )
     reasons = []
     if proof.get("digest") != digest_of(proof):

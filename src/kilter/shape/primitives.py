@@ -16,8 +16,9 @@ import numpy as np
 
 from kilter.arrays import Array, Index, Mask
 from kilter.errors import InputError
+from kilter.rigid import in_brackets
 from kilter.shape.solid import Solid
-from kilter.validate import frozen
+from kilter.validate import frozen, number
 
 __all__ = ["Box", "Cylinder", "Mesh", "Prism", "Shape", "Sphere", "surface"]
 
@@ -37,13 +38,7 @@ BOX_CORNERS: Array = np.array(
 
 
 def _positive(value: Any, what: str) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        raise InputError(f"{what} is {value!r}", hint="give a number above zero") from None
-    if not (np.isfinite(number) and number > 0):
-        raise InputError(f"{what} is {number:g}", hint="give a number above zero")
-    return number
+    return number(value, what, lowest=0, above=True)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,6 +58,9 @@ class Box:
         if not (np.isfinite(size).all() and (size > 0).all()):
             raise InputError(f"box is {size.tolist()}", hint="give three lengths above zero")
         object.__setattr__(self, "size", size)
+
+    def __repr__(self) -> str:
+        return f"Box{in_brackets(self.size)}"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -118,6 +116,9 @@ class Prism:
             raise InputError("polygon crosses itself", hint="list its corners around its edge")
         object.__setattr__(self, "polygon", polygon)
         object.__setattr__(self, "depth", _positive(self.depth, "depth of the polygon"))
+
+    def __repr__(self) -> str:
+        return f"Prism({len(self.polygon)} corners, depth={self.depth:g})"
 
 
 class Mesh:

@@ -128,6 +128,9 @@ class Solid:
         ):
             raise InputError("a solid names a surface it has not", hint="name them by position")
 
+    def __repr__(self) -> str:
+        return f"<Solid: {len(self.surfaces)} surfaces, {len(self.triangles)} triangles>"
+
 
 def height(surface: Surface, points: Array) -> Array:
     """How far points are outside of a surface, negative inside, shape (n,) [length unit].

@@ -96,7 +96,10 @@ def _nothing_touches(
         f"nothing to fasten with {pair[0]!r} {pair[1]!r}: of {left} none touches any of "
         f"{right}{near}",
         file=assembly.source or None,
-        hint="set --gap or --clearance, or list a joint in the file"
+        hint="give a tolerance of more gap or clearance, or list a joint in the assembly"
+        if near
+        else "see kilter.contacts for what touches, or list a joint in the assembly",
+        option="set --gap or --clearance, or list a joint in the file"
         if near
         else "see 'kilter contacts' for what touches, or list a joint in the file",
     )

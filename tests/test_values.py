@@ -1,0 +1,243 @@
+"""Values that are pleasant to hold: one line each, no truth value, read-only, told apart."""
+
+from __future__ import annotations
+
+import dataclasses
+import pickle
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+import kilter
+from kilter import Assembly, Box, InputError, Joint, Load, Mesh, Part, Pose
+from kilter.scenes import scene
+from kilter.shape.primitives import surface
+
+CUBE = Part("cube", Box([1, 1, 1]))
+
+
+@pytest.fixture(scope="module")
+def wall() -> Assembly:
+    return scene("wall")
+
+
+@pytest.fixture(scope="module")
+def unstable() -> kilter.Verdict:
+    return kilter.check(scene("paper-figure-8"))
+
+
+# one line ----------------------------------------------------------------------------------
+
+
+def values() -> Iterator[Any]:
+    assembly = scene("ladder")
+    yield from (assembly, *assembly, *assembly.contacts, assembly.geometry)
+    yield from (part.shape for name in ("bracket", "three-cylinders") for part in scene(name))
+    yield from (part.pose for part in assembly)
+    yield from scene("books").friction_pairs
+    yield from scene("books").loads
+    yield Joint(("cube", "ground"), "revolute", point=[0, 0, 1], axis=[0, 1, 0])
+    yield kilter.Tolerance(clearance=0.5)
+    yield kilter.check(assembly)
+    yield kilter.check(assembly).contacts
+
+
+@pytest.mark.parametrize("value", list(values()), ids=lambda value: type(value).__name__)
+def test_shown_in_one_short_line(value: Any) -> None:
+    shown = repr(value)
+    assert "\n" not in shown
+    assert len(shown) <= 150
+    assert type(value).__name__ in shown
+
+
+def test_of_an_assembly_counts_are_shown_and_no_numbers(wall: Assembly) -> None:
+    held = sum(part.grounded for part in wall)
+    assert repr(wall) == f"<Assembly: {len(wall)} parts, {held} held, in m>"
+
+
+# parts by name -----------------------------------------------------------------------------
+
+
+def test_an_assembly_is_a_sequence_of_parts_with_names(wall: Assembly) -> None:
+    name = wall.names[3]
+    assert len(wall) == len(wall.parts) == len(list(wall))
+    assert wall[name] is wall[3] is wall.parts[3]
+    assert wall[-1] is wall.parts[-1]
+    assert name in wall
+    assert wall[name] in wall
+    assert "nobody" not in wall
+
+
+@pytest.mark.parametrize("wrong", ["brik-1-1", 1000, -1000, None, 1.5])
+def test_no_such_part(wall: Assembly, wrong: Any) -> None:
+    with pytest.raises(InputError, match="no part"):
+        wall[wrong]
+
+
+def test_words_of_a_part_by_name_and_by_position(unstable: kilter.Verdict) -> None:
+    assert unstable.words("C2") == unstable.words(1) == "drops at 0.75 g"
+    assert unstable.words("C1") == "is held"
+    with pytest.raises(InputError, match="did you mean 'C2'"):
+        unstable.words("c2")
+
+
+# a verdict is no truth value ---------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["tower", "paper-figure-8", "trough"])
+def test_stable_says_so_and_truth_is_refused(name: str) -> None:
+    verdict = kilter.check(scene(name), budget=0)
+    assert verdict.stable == (verdict.verdict == "stable")
+    with pytest.raises(TypeError, match=r"use \.stable"):
+        bool(verdict)
+
+
+def test_times_are_read_only_and_more_of_them_make_another_verdict(
+    unstable: kilter.Verdict,
+) -> None:
+    motion = unstable.motion
+    with pytest.raises(TypeError):
+        unstable.seconds["read"] = 1.0  # type: ignore[index]
+    timed = unstable.with_seconds(read=1.0)
+    assert timed.seconds["read"] == 1.0
+    assert "read" not in unstable.seconds
+    assert timed.motion is motion  # nothing is found twice
+
+
+def test_a_verdict_can_be_sent_to_another_process(unstable: kilter.Verdict) -> None:
+    copy = pickle.loads(pickle.dumps(unstable))
+    assert copy.to_dict() == unstable.to_dict()
+
+
+# read-only ---------------------------------------------------------------------------------
+
+
+def arrays_of(value: Any, seen: set[int]) -> Iterator[tuple[str, np.ndarray]]:
+    """Every array that public attributes lead to, with the way to it."""
+    if id(value) in seen or isinstance(value, type):
+        return
+    seen.add(id(value))
+    if isinstance(value, np.ndarray):
+        yield "", value
+    elif isinstance(value, list | tuple):
+        for one in value:
+            yield from ((f"[]{way}", array) for way, array in arrays_of(one, seen))
+    elif type(value).__module__.startswith("kilter"):
+        for name in (n for n in dir(value) if not n.startswith("_")):
+            attribute = getattr(value, name)
+            kept = getattr(value, name) is attribute  # else computed anew: nobody else's
+            if kept and not callable(attribute):
+                yield from ((f".{name}{way}", a) for way, a in arrays_of(attribute, seen))
+
+
+@pytest.mark.parametrize(
+    "name", ["paper-figure-8", "ladder", "trough", "three-cylinders", "corner-wedges"]
+)
+def test_no_array_of_a_verdict_can_be_written_to(name: str) -> None:
+    verdict = kilter.check(scene(name), budget=0.5)
+    found = list(arrays_of(verdict, set()))
+    assert len(found) > 50
+    writable = [way for way, array in found if array.flags.writeable]
+    assert not writable
+
+
+def test_what_is_handed_over_is_copied() -> None:
+    corners, faces = (np.array(a) for a in surface(Box([1, 1, 1])))
+    mesh = Mesh(corners, faces)
+    corners[:] = 0.0
+    assert np.ptp(mesh.vertices) == 1.0
+
+
+# what a wrong type is told -----------------------------------------------------------------
+
+
+class Trimesh:
+    """As much of a trimesh as is looked at."""
+
+    vertices = np.zeros((3, 3))
+    faces = np.zeros((1, 3), dtype=int)
+
+
+VERBS = (kilter.check, kilter.find_contacts)
+
+
+@pytest.mark.parametrize("verb", VERBS, ids=lambda verb: verb.__name__)
+@pytest.mark.parametrize(
+    ("given", "hint"),
+    [
+        ("arch.stl", r"kilter\.load\('arch\.stl'\)"),
+        (Trimesh(), r"kilter\.Mesh\(mesh\.vertices, mesh\.faces\)"),
+        (CUBE, r"kilter\.Assembly\(\[part"),
+        ([CUBE], r"kilter\.load\(path\)"),
+        (None, r"kilter\.load\(path\)"),
+    ],
+    ids=["path", "trimesh", "part", "list", "None"],
+)
+def test_what_is_no_assembly_is_told_how_to_become_one(verb: Any, given: Any, hint: str) -> None:
+    with pytest.raises(InputError, match=hint) as caught:
+        verb(given)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("build", "words"),
+    [
+        (lambda: Part("a", "box"), "shape is of type str"),
+        (lambda: Part("a", Trimesh()), r"kilter\.Mesh\(mesh"),
+        (lambda: Part("a", Box([1, 1, 1]), [1, 2, 3]), r"a pose is \[1, 2, 3\]"),
+        (lambda: Part("a", Box([1, 1, 1]), np.diag([1, 1, 2])), "no rotation"),
+        (lambda: Part("a", Box([1, 1, 1]), np.diag([1, 1, -1])), "no rotation"),
+        (lambda: Part("a", Box([1, 1, 1]), np.full((4, 4), 1.0)), "last row"),
+        (lambda: Part("a", Box([1, 1, 1]), grounded="yes"), "grounded is 'yes'"),
+        (lambda: Part("a", Box([1, 1, 1]), density=[1]), r"density is \[1\]"),
+        (lambda: Assembly(CUBE), "parts is one Part"),
+        (lambda: Assembly(["cube"]), r"parts\[0\] is of type str"),
+        (lambda: Assembly([CUBE], loads=Load("cube")), "loads is one Load"),
+        (lambda: Assembly([CUBE], gravity=-9.81), "gravity: expected 3 numbers"),
+        (lambda: Assembly([CUBE], joints=[("cube", "ground")]), r"kilter\.Joint"),
+        (lambda: Joint("ab"), "give a pair of names"),
+        (lambda: kilter.check(Assembly([CUBE]).with_grounded("*"), tolerance=0.1), "Tolerance"),
+        (lambda: kilter.check(Assembly([CUBE]).with_grounded("*"), contacts=[]), "contacts"),
+        (lambda: kilter.check(Assembly([CUBE]).with_grounded("*"), budget=-1), "budget"),
+    ],
+)
+def test_wrong_types_fail_at_once_in_one_sentence(build: Any, words: str) -> None:
+    with pytest.raises(InputError, match=words) as caught:
+        build()
+    assert "\n" not in str(caught.value)
+    assert "--" not in str(caught.value)
+
+
+def test_an_error_says_python_to_python_and_options_to_a_command() -> None:
+    with pytest.raises(InputError) as caught:
+        kilter.check(Assembly([CUBE]))
+    assert "with_grounded('cube')" in str(caught.value)
+    assert "--ground 'cube'" in caught.value.for_command
+    assert "--" not in str(caught.value)
+
+
+# poses -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("as_list", [False, True])
+def test_a_pose_may_be_a_matrix(as_list: bool) -> None:
+    random = np.random.default_rng(11)
+    for _ in range(20):
+        pose = Pose(random.normal(size=3), random.normal(size=4))
+        matrix = np.eye(4)
+        matrix[:3, :3], matrix[:3, 3] = pose.matrix, pose.position
+        given = matrix.tolist() if as_list else matrix
+        part = Part("cube", Box([1, 1, 1]), given)
+        assert np.allclose(part.pose.matrix, pose.matrix, atol=1e-14)
+        assert part.pose.position.tolist() == pose.position.tolist()
+        turned = Part("cube", Box([1, 1, 1]), [row[:3] for row in given[:3]])
+        assert np.allclose(turned.pose.matrix, pose.matrix, atol=1e-14)
+        assert not turned.pose.position.any()
+
+
+def test_a_part_can_be_changed_by_replace() -> None:
+    held = dataclasses.replace(CUBE, grounded=True)
+    assert held.grounded
+    assert held.pose is CUBE.pose
