@@ -49,7 +49,7 @@ from kilter.errors import InputError
 from kilter.mechanics.certificate import ForceProof, check_forces, check_motion
 from kilter.mechanics.coulomb_cones import Spread, gathered, nearest_load, pyramid, spread
 from kilter.mechanics.program import Program
-from kilter.rigid import frozen
+from kilter.validate import frozen
 
 __all__ = ["GAP_DEG", "friction_cone"]
 

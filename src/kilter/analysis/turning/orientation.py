@@ -39,7 +39,8 @@ from kilter.contact import ContactSet, Tolerance, find_contacts
 from kilter.errors import InputError
 from kilter.mechanics.certificate import check_motion
 from kilter.mechanics.program import Program, build_program
-from kilter.rigid import frozen, rotation_between
+from kilter.rigid import rotation_between
+from kilter.validate import frozen
 
 __all__ = ["Orientation", "orient"]
 
