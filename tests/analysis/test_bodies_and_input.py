@@ -232,7 +232,7 @@ def test_w10_same_geometry_under_two_names_is_named():
         (lambda: Pose(rotation=[0, 0, 0, 0]), "zero quaternion"),
         (lambda: Part("", CUBE), "name"),
         (lambda: Part("ground", CUBE), "reserved"),
-        (lambda: Part("C", "cube"), "shape is str"),
+        (lambda: Part("C", "cube"), "shape is of type str"),
         (lambda: Load("C", force=[0, 0, np.nan]), "force"),
         (lambda: FrictionPair(("A", "B"), -0.1), "friction"),
         (lambda: GivenContact(("A", "B"), [], [0, 0, 1]), "no usable points|n x 3"),

@@ -89,7 +89,7 @@ def test_units_of_files_that_state_theirs(write, tmp_path: Path, obj_box) -> Non
     assert load(folder).units == "mm"  # the only ones that a file states
     assert load(folder, units="cm").geometry.volume == pytest.approx([1, 1e-3])
     trimesh.creation.box().export(folder / "c.glb")
-    assert "files are in m and mm, 'a.obj' states no units; give --units" in refused(folder)
+    assert "files are in m and mm, 'a.obj' states no units; give the units" in refused(folder)
     (folder / "a.obj").unlink()
     assert load(folder).geometry.volume == pytest.approx([1e-9, 1])
 
