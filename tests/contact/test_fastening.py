@@ -12,7 +12,7 @@ from kilter import InputError, Tolerance, check, fastened, find_contacts
 from kilter.assembly import Assembly, Joint, Part
 from kilter.cli import main
 from kilter.contact.fits.coaxial import coaxial_fits
-from kilter.contact.fits.shared_volume import can_cut, overlap_volume
+from kilter.contact.fits.overlap import can_cut, overlap_volume
 from kilter.contact.fits.suggestions import suggest_joints
 from kilter.files import dump, from_dict, to_dict
 from kilter.mechanics.proof import digest_of
@@ -283,7 +283,7 @@ def test_volume_of_a_bolt_in_its_nut_is_that_of_the_ring():
 
 
 def test_without_the_extra_the_volume_is_unknown_and_a_hint_says_what_to_install(monkeypatch):
-    monkeypatch.setattr("kilter.contact.fits.shared_volume.find_spec", lambda name: None)
+    monkeypatch.setattr("kilter.contact.fits.overlap.find_spec", lambda name: None)
     found = find_contacts(bolted(1.05))
     assert [o.volume for o in found.overlaps if set(o.parts) == {1, 2}] == [None]
     assert sum("pip install 'kilter[overlap]'" in text for text in found.warnings) == 1

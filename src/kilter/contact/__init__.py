@@ -1,8 +1,9 @@
 """Contacts from geometry: `contacts` turns an assembly into a `ContactSet`."""
 
-from kilter.contact.contact_set import ContactSet, Tolerance
+from kilter.contact.contact_set import ContactSet
 from kilter.contact.detect import contacts
 from kilter.contact.fits.fastening import fastened
+from kilter.contact.gaps import Tolerance
 
 find_contacts = contacts
 

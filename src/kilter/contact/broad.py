@@ -13,8 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kilter.arrays import Array, Index, Mask
+from kilter.arrays import TINY, Array, Index, Mask, counted, ragged
 from kilter.assembly.geometry import Geometry
+from kilter.contact.contact_tolerances import FRAME_ALIKE, FRAME_SQUARE, FRAME_TIE
 from kilter.contact.planar.facets import Facets
 
 __all__ = ["Boxes", "facet_pairs", "facets_in", "joins", "make_boxes", "part_pairs"]
@@ -85,7 +86,7 @@ def common_frame(normals: Array, areas: Array) -> Array:
     strongest = np.take_along_axis(normals, np.abs(normals).argmax(axis=1)[:, None], axis=1)
     normals = normals * np.where(strongest < 0, -1.0, 1.0)
     first = _most_common(normals, areas)
-    square = np.abs(normals @ first) < 1e-3
+    square = np.abs(normals @ first) < FRAME_SQUARE
     second = (
         _most_common(normals[square], areas[square])
         if square.any()
@@ -99,13 +100,13 @@ def common_frame(normals: Array, areas: Array) -> Array:
 def _most_common(normals: Array, areas: Array) -> Array:
     """The direction (up to a sense that is the same for all) with the largest area."""
     if len(normals) <= ALL_PAIRS:
-        alike = np.abs(normals @ normals.T) > 1 - 1e-10
+        alike = np.abs(normals @ normals.T) > 1 - FRAME_ALIKE
         total = np.where(alike, areas, 0.0).sum(axis=1)
     else:
         _, label = np.unique(np.round(normals, 5), axis=0, return_inverse=True)
         label = label.reshape(-1)
         total = np.bincount(label, weights=areas)[label]
-    best = total >= total.max() * (1 - 1e-12)
+    best = total >= total.max() * (1 - FRAME_TIE)
     chosen: Array = normals[np.argmax(np.where(best, areas, -1.0))]
     return chosen
 
@@ -181,11 +182,7 @@ def facets_in(
     facets: Facets, boxes: Boxes, part: Index, low: Array, high: Array
 ) -> tuple[Index, Index]:
     """Facets of ``part[k]`` whose box meets box k: pairs (k, facet), ordered by k."""
-    count = facets.start[part + 1] - facets.start[part]
-    owner = np.repeat(np.arange(len(part)), count)
-    facet = np.arange(len(owner)) + np.repeat(
-        facets.start[part] - (np.cumsum(count) - count), count
-    )
+    owner, facet = ragged(facets.start, part)
     keep = np.ones(len(owner), dtype=bool)
     for axis in range(3):
         keep &= boxes.facet_low[facet, axis] <= high[owner, axis]
@@ -246,8 +243,8 @@ def _products(owner_a: Index, owner_b: Index, count: int) -> Iterator[tuple[Inde
         end = max(begin + 1, int(np.searchsorted(behind, before + BATCH, side="right")))
         rows = np.arange(begin, end)
         width = width_of_row[rows]
-        row_a = np.repeat(rows, width)
-        k = np.arange(len(row_a)) - np.repeat(np.cumsum(width) - width, width)
+        row, k = counted(width)
+        row_a = rows[row]
         if len(row_a):
             yield owner_a[row_a], row_a, first_b[owner_a[row_a]] + k
         begin = end
@@ -257,7 +254,7 @@ def _tree_join(low_a: Array, high_a: Array, low_b: Array, high_b: Array) -> tupl
     """Rows of a and b whose boxes meet, by a tree in the two directions of least crowding."""
     import shapely
 
-    spread = np.maximum(np.ptp(np.concatenate([low_a, low_b]), axis=0), 1e-300)
+    spread = np.maximum(np.ptp(np.concatenate([low_a, low_b]), axis=0), TINY)
     crowding = ((high_a - low_a).mean(axis=0) + (high_b - low_b).mean(axis=0)) / spread
     u, v = np.argsort(crowding)[:2]
 

@@ -13,61 +13,34 @@ from typing import Any
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Labels, Mask, Rows, columns, read_only
+from kilter.arrays import (
+    TINY,
+    Array,
+    Index,
+    Labels,
+    Mask,
+    Rows,
+    across,
+    columns,
+    read_only,
+    unit_rows,
+)
 from kilter.assembly import Assembly
+from kilter.contact.contact_tolerances import MEAN_NORMAL
+from kilter.contact.gaps import Rejected, Tolerance
 
 __all__ = [
+    "INTERFERE",
     "ContactSet",
     "Degenerate",
     "Overlap",
     "PossibleContacts",
-    "Rejected",
-    "Tolerance",
     "Unsupported",
 ]
 
 
-@dataclass(frozen=True, slots=True)
-class Tolerance:
-    """When two faces count as touching.
-
-    Parameters
-    ----------
-    gap : float or None
-        Largest gap [length unit]; None: `relative_gap` times the size of the smaller part.
-    relative_gap : float
-        [-]
-    angle : float
-        Largest angle between the faces [rad].
-    clearance : float or None
-        Designed clearance [length unit]: opposed faces that stand apart by up to this count
-        as touching too; faces that penetrate do not.
-
-    Examples
-    --------
-    >>> Tolerance.loose().angle
-    0.02
-    """
-
-    gap: float | None = None
-    relative_gap: float = 1e-5
-    angle: float = 1e-3
-    clearance: float | None = None
-
-    @classmethod
-    def loose(cls) -> Tolerance:
-        """For scanned, rounded or hand-made data: gaps to 1e-3, tilts to 2e-2 rad."""
-        return cls(relative_gap=1e-3, angle=2e-2)
-
-
-@dataclass(frozen=True, slots=True)
-class Rejected:
-    """A pair of faces that came near but does not count as touching, and why."""
-
-    parts: tuple[int, int]
-    gap: float
-    angle: float
-    why: str
+INTERFERE = "interfere"
+"""What is said of a shaft that is thicker than its hole: a thread, a press fit."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,22 +167,20 @@ class Degenerate:
 
 def _center(normals: Array) -> Array:
     """The centre of the convex cone that unit normals span, unit."""
-    mean = normals.sum(axis=0)
-    mean = mean / max(float(np.linalg.norm(mean)), np.finfo(float).tiny)
+    mean = unit_rows(normals.sum(axis=0))
     if len(normals) > 2:
-        u = np.cross(np.eye(3)[np.abs(mean).argmin()], mean)
-        order = np.argsort(np.arctan2(normals @ np.cross(mean, u), normals @ u))
+        u, v = across(mean)
+        order = np.argsort(np.arctan2(normals @ v, normals @ u))
         around = normals[order]
         following = np.roll(around, -1, axis=0)
-        across = np.cross(around, following)
-        sine = np.linalg.norm(across, axis=1)
+        turns = np.cross(around, following)
+        sine = np.linalg.norm(turns, axis=1)
         angle = np.arctan2(sine, np.einsum("ij,ij->i", around, following))
-        total = (angle / np.maximum(sine, np.finfo(float).tiny)) @ across
+        total = (angle / np.maximum(sine, TINY)) @ turns
         size = float(np.linalg.norm(total))
-        if size > 1e-9:
+        if size > MEAN_NORMAL:
             mean = total / size
-    result: Array = mean
-    return result
+    return mean
 
 
 @dataclass(frozen=True, slots=True, eq=False)

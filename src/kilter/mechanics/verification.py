@@ -14,7 +14,8 @@ import numpy as np
 
 from kilter.arrays import Array
 from kilter.assembly import Assembly
-from kilter.contact.contact_set import ContactSet, Tolerance
+from kilter.contact.contact_set import ContactSet
+from kilter.contact.gaps import Tolerance
 from kilter.errors import InputError
 from kilter.mechanics.certificate import check_forces, check_motion, part_sizes
 from kilter.mechanics.degenerate import allowed_program

@@ -6,11 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask
+from kilter.arrays import Array, Index, Rows, columns
 
 __all__ = [
-    "CIRCLE", "LINE", "POINT", "SAME", "Forms", "across", "dot", "forms_together", "make_forms",
-    "no_forms", "unit_rows",
+    "CIRCLE", "LINE", "POINT", "SAME", "Forms", "dot", "make_forms", "without_along",
 ]  # fmt: skip
 
 
@@ -19,7 +18,7 @@ POINT, LINE, CIRCLE, SAME = range(4)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Forms:
+class Forms(Rows):
     """Candidate contacts, one row each.
 
     Attributes
@@ -45,18 +44,14 @@ class Forms:
 
     row: Index
     form: Index
-    at: Array
-    along: Array
-    normal: Array
-    radius: Array
-    gap: Array
-    slope: Array
-    swing: Array
-    bend: Array
-
-    def take(self, rows: Index | Mask) -> Forms:
-        """The rows chosen."""
-        return Forms(*(getattr(self, name)[rows] for name in self.__slots__))
+    at: Array = columns(3)
+    along: Array = columns(3)
+    normal: Array = columns(3)
+    radius: Array = columns()
+    gap: Array = columns()
+    slope: Array = columns()
+    swing: Array = columns()
+    bend: Array = columns()
 
 
 def make_forms(row: Index, form: int, at: Array, normal: Array, gap: Array, **more: Array) -> Forms:
@@ -77,30 +72,13 @@ def make_forms(row: Index, form: int, at: Array, normal: Array, gap: Array, **mo
     )
 
 
-def forms_together(found: list[Forms]) -> Forms:
-    """Candidates one after the other."""
-    return Forms(*(np.concatenate([getattr(f, name) for f in found]) for name in Forms.__slots__))
-
-
 def dot(a: Array, b: Array) -> Array:
     """Dot products of rows, shape (n,)."""
     result: Array = np.einsum("ij,ij->i", a, b)
     return result
 
 
-def unit_rows(v: Array) -> Array:
-    """Rows of length one; zero rows stay zero."""
-    result: Array = v / np.maximum(np.linalg.norm(v, axis=1), 1e-300)[:, None]
-    return result
-
-
-def across(v: Array, axis: Array) -> Array:
-    """The part of vectors across an axis."""
+def without_along(v: Array, axis: Array) -> Array:
+    """Vectors less what they have along unit axes, shape (n, 3)."""
     result: Array = v - dot(v, axis)[:, None] * axis
     return result
-
-
-def no_forms() -> Forms:
-    """No candidates."""
-    empty = np.empty(0)
-    return make_forms(np.empty(0, np.int64), POINT, np.empty((0, 3)), np.empty((0, 3)), empty)

@@ -27,10 +27,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross
-from kilter.contact.curved.coverage import TURN, frame_of
-from kilter.contact.planar.clip import clip_convex, polygon_area, tidy
-from kilter.contact.planar.outline import convex_hull
+from kilter.arrays import TINY, Array, Index, Mask, across, counted, cross
+from kilter.contact.broad import joins
+from kilter.contact.contact_tolerances import (
+    DIRECTION_CORNER,
+    EDGE_ON,
+    FULL_TURN,
+    LEAN,
+    LEAST_ARC,
+    LEAST_OVERLAP,
+    ROUND_CONE,
+    THROUGH_CENTER,
+)
+from kilter.contact.curved.coverage import TURN
+from kilter.contact.planar.polygons import clip_convex, convex_hull, polygon_area, tidy
 
 __all__ = [
     "AROUND",
@@ -53,12 +63,6 @@ PROBES = 144
 """Angles at which a circle is asked whether its faces cover it."""
 HALVINGS = 30
 """Halvings that find the end of an arc."""
-LEANS = 1e-9
-"""Normals that lean on the axis less than this lie across it [-]."""
-SAME = 1e-7
-"""Corners of a cone of directions closer than this part of its width are one."""
-FLAT = 1e-9
-"""A face of a hull closer to the centre than this passes through it [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,11 +87,11 @@ def angles_between(begin: float, width: float, step: float) -> Array:
     >>> angles_between(0.0, 1.0, 0.6).tolist()
     [0.0, 0.5, 1.0]
     """
-    if width >= TURN - 1e-6:
-        count = int(np.ceil(TURN / step - 1e-9))
+    if width >= TURN - FULL_TURN:
+        count = int(np.ceil(TURN / step - LEAST_ARC))
         around: Array = begin + np.arange(count, dtype=np.float64) * (TURN / count)
         return around
-    count = max(1, int(np.ceil(width / step - 1e-9)))
+    count = max(1, int(np.ceil(width / step - LEAST_ARC)))
     result: Array = begin + np.arange(count + 1, dtype=np.float64) * (width / count)
     return result
 
@@ -128,9 +132,9 @@ def ring(
         Components of the normal away from the axis and along it.
     arcs : list of (begin, width)
     """
-    leaning = abs(lean[1]) > LEANS
+    leaning = abs(lean[1]) > LEAN
     step = TURN / AROUND if leaning else STEP
-    u, v = (x[0] for x in frame_of(axis[None]))
+    u, v = across(axis)
     points, normals, outer_points, outer_normals = [], [], [], []
     for begin, width in arcs:
         angle = angles_between(begin, width, step)
@@ -149,7 +153,7 @@ def ring(
 
 def _between(angle: Array, width: float) -> tuple[Array, float]:
     """Angles half-way between neighbours, and how far out tangents at those meet."""
-    following = np.append(angle[1:], angle[0] + TURN) if width >= TURN - 1e-6 else angle[1:]
+    following = np.append(angle[1:], angle[0] + TURN) if width >= TURN - FULL_TURN else angle[1:]
     here = angle[: len(following)]
     half = float((following - here).max(initial=0.0)) / 2
     return (here + following) / 2, 1 / np.cos(half)
@@ -173,7 +177,7 @@ def shell(
 
     `outer`: angles and heights of a region around the true one, if the points are not exact.
     """
-    u, v = (x[0] for x in frame_of(axis[None]))
+    u, v = across(axis)
     cosine, sine = np.cos(half_angle), np.sin(half_angle)
 
     def at(angle: Array, height: Array, stretch: float) -> tuple[Array, Array]:
@@ -218,12 +222,12 @@ def _overlap(one: Array, other: Array) -> tuple[Array, Array]:
     middle /= np.linalg.norm(middle, axis=1)[:, None]
     front = np.einsum("nki,ni->nk", other[j], middle).min(axis=1) > 0.05
     i, j, middle = i[front], j[front], middle[front]
-    u, v = frame_of(middle)
+    u, v = across(middle)
     flat_i, flat_j = (_gnomonic(p, middle, u, v) for p in (one[i], other[j]))
     three = np.full(len(i), 3)
     points, count = clip_convex(_left(flat_i), three, _left(flat_j), three)
     area = polygon_area(points, count)
-    keep = np.flatnonzero((count >= 3) & (area > 1e-12))
+    keep = np.flatnonzero((count >= 3) & (area > LEAST_OVERLAP))
     points, count, area = points[keep], count[keep], area[keep]
     real = np.arange(points.shape[1]) < count[:, None]
     row = np.repeat(keep, count)
@@ -242,8 +246,7 @@ def _solid_angles(corners: Array, count: Index) -> Array:
     """
     first = np.cumsum(count) - count
     fan = count - 2
-    owner = np.repeat(np.arange(len(count)), fan)
-    k = np.arange(len(owner)) - np.repeat(np.cumsum(fan) - fan, fan)
+    owner, k = counted(fan)
     a, b, c = (corners[first[owner] + step] for step in (0 * k, k + 1, k + 2))
     top = np.einsum("ij,ij->i", a, cross(b, c))
     bottom = 1 + sum(np.einsum("ij,ij->i", p, q) for p, q in ((a, b), (b, c), (c, a)))
@@ -253,8 +256,6 @@ def _solid_angles(corners: Array, count: Index) -> Array:
 
 def _box_pairs(one: Array, other: Array) -> tuple[Index, Index]:
     """Triangles whose boxes meet."""
-    from kilter.contact.broad import joins
-
     zero = np.zeros(1)
     found = [(np.empty(0, np.int64), np.empty(0, np.int64))]
     boxes = [(p.min(axis=1), p.max(axis=1)) for p in (one, other)]
@@ -267,7 +268,7 @@ def _box_pairs(one: Array, other: Array) -> tuple[Index, Index]:
 
 
 def _gnomonic(points: Array, middle: Array, u: Array, v: Array) -> Array:
-    depth = np.maximum(np.einsum("nki,ni->nk", points, middle), 1e-3)
+    depth = np.maximum(np.einsum("nki,ni->nk", points, middle), EDGE_ON)
     flat = [np.einsum("nki,ni->nk", points, w) / depth for w in (u, v)]
     return np.stack(flat, axis=2)
 
@@ -286,15 +287,15 @@ def _extreme(corners: Array, mean: Array, blur: float) -> tuple[Array, Array]:
 
     hull = ConvexHull(np.vstack([corners, np.zeros(3)]))
     size = float(np.linalg.norm(mean))
-    through = np.abs(hull.equations[:, 3]) <= FLAT
+    through = np.abs(hull.equations[:, 3]) <= THROUGH_CENTER
     if not through.any():  # the centre lies inside: any force at all
         return _spread(corners), _NONE
     rim = np.unique(hull.simplices[through])
     rim = rim[rim < len(corners)]
-    middle = mean / max(size, 1e-300)
+    middle = mean / max(size, TINY)
     rays = corners[rim]
     lowest = float((rays @ middle).min())
-    if lowest <= FLAT * 10:  # half of the sphere
+    if lowest <= 10 * THROUGH_CENTER:  # half of the sphere
         return np.vstack([_spread(rays), middle]), _NONE
     rays = _corners_of(rays, middle)
     circle = _as_circle(rays)
@@ -308,11 +309,11 @@ def _extreme(corners: Array, mean: Array, blur: float) -> tuple[Array, Array]:
 
 def _corners_of(rays: Array, middle: Array) -> Array:
     """Rays without those between two others, about a middle one."""
-    u, v = (x[0] for x in frame_of(middle[None]))
+    u, v = across(middle)
     depth = rays @ middle
     hull = convex_hull(np.column_stack([rays @ u / depth, rays @ v / depth]))
     size = float(np.ptp(hull, axis=0).max())
-    tidied, count = tidy(hull[None], np.array([len(hull)]), np.array([SAME * size]))
+    tidied, count = tidy(hull[None], np.array([len(hull)]), np.array([DIRECTION_CORNER * size]))
     flat = tidied[0, : count[0]]
     corners = middle + flat[:, :1] * u + flat[:, 1:] * v
     unit: Array = corners / np.linalg.norm(corners, axis=1)[:, None]
@@ -335,9 +336,9 @@ def _as_circle(rays: Array) -> tuple[Array, tuple[float, float]] | None:
     axis = np.linalg.svd(rays - center)[2][2]
     axis = axis if center @ axis > 0 else -axis
     height = rays @ axis
-    if float(np.ptp(height)) > 1e-7:
+    if float(np.ptp(height)) > ROUND_CONE:
         return None
-    u, v = (x[0] for x in frame_of(axis[None]))
+    u, v = across(axis)
     angle = np.sort(np.arctan2(rays @ v, rays @ u))
     if float(np.diff(np.append(angle, angle[0] + TURN)).max()) > np.pi / 4:
         return None
@@ -360,8 +361,6 @@ def unrolled_overlap(
     shift = np.round((flat_one[:, :, 0].mean() - flat_other[:, :, 0].mean()) / TURN)
     turns = [np.array([TURN * (shift + k), 0.0]) for k in (-2, -1, 0, 1, 2)]
     flat_other = np.concatenate([flat_other + turn for turn in turns])
-    from kilter.contact.broad import joins
-
     boxes = [(p.min(axis=1), p.max(axis=1)) for p in (flat_one, flat_other)]
     boxes3 = [tuple(np.column_stack([c, np.zeros(len(c))]) for c in box) for box in boxes]
     owners = [np.zeros(len(p), dtype=np.int64) for p in (flat_one, flat_other)]
@@ -376,7 +375,7 @@ def unrolled_overlap(
         three = np.full(len(i), 3)
         points, count = clip_convex(_left(flat_one[i]), three, _left(flat_other[j]), three)
         size = polygon_area(points, count)
-        keep = (count >= 3) & (size > 1e-12)
+        keep = (count >= 3) & (size > LEAST_OVERLAP)
         real = (np.arange(points.shape[1]) < count[:, None]) & keep[:, None]
         corners.append(points[real])
         area += float(size[keep].sum())

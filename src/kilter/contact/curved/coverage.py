@@ -12,18 +12,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross
+from kilter.arrays import TINY, Array, Index, Mask, across, cross, ragged, unit_rows
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import CONE
+from kilter.contact.contact_tolerances import APEX, BAND_FILLED, GRAZING, SEAM_ANGLE
 
-__all__ = ["Bands", "bands_of", "common_spans", "covered", "frame_of", "slices", "unrolled"]
+__all__ = ["Bands", "bands_of", "common_spans", "covered", "slices", "unrolled"]
 
 
 TURN = 2 * np.pi
-SEAM = 1e-7
-"""Angles closer than this are one [rad]."""
-FILLED = 1e-6
-"""A band is whole where its triangles cover it but for this part."""
 BATCH = 500_000
 """Points times triangles compared in one go."""
 
@@ -45,20 +42,18 @@ def covered(triangles: Array, points: Array, normals: Array, reach: float, grow:
         return inside
     near = _near(triangles, points, reach + grow)
     p, q, r = triangles[near].transpose(1, 0, 2)
-    across = cross(q - p, r - p)
-    across /= np.maximum(np.linalg.norm(across, axis=1), 1e-300)[:, None]
+    upright = unit_rows(cross(q - p, r - p))
     step = max(1, BATCH // max(len(p), 1))
     for begin in range(0, len(points), step):
         rows = slice(begin, begin + step)
         x, n = points[rows, None], normals[rows, None]
-        along = np.einsum("ntk,tk->nt", n, across)
-        flat = np.abs(along) < 1e-6
-        t = np.einsum("ntk,tk->nt", p - x, across) / np.where(flat, 1.0, along)
+        along = np.einsum("ntk,tk->nt", n, upright)
+        flat = np.abs(along) < GRAZING
+        t = np.einsum("ntk,tk->nt", p - x, upright) / np.where(flat, 1.0, along)
         foot = x + t[..., None] * n
         hit = ~flat & (np.abs(t) <= reach + grow)
         for start, end in ((p, q), (q, r), (r, p)):
-            side = cross(across, end - start)
-            side /= np.maximum(np.linalg.norm(side, axis=1), 1e-300)[:, None]
+            side = unit_rows(cross(upright, end - start))
             hit &= np.einsum("ntk,tk->nt", foot - start, side) >= -grow
         inside[rows] = hit.any(axis=1)
     return inside
@@ -151,14 +146,6 @@ class Bands:
     whole: Mask
 
 
-def frame_of(axis: Array) -> tuple[Array, Array]:
-    """Unit directions u, v across each axis, shape (n, 3): (u, v, axis) turn right."""
-    helper = np.eye(3)[np.abs(axis).argmin(axis=1)] if len(axis) else np.empty((0, 3))
-    u = cross(helper, axis)
-    u /= np.linalg.norm(u, axis=1)[:, None]
-    return u, cross(axis, u)
-
-
 def unrolled(geometry: Geometry, rows: Index) -> tuple[Index, Array, Array, Mask]:
     """Triangles of cylinders or cones by angle and height.
 
@@ -172,19 +159,17 @@ def unrolled(geometry: Geometry, rows: Index) -> tuple[Index, Array, Array, Mask
         Triangles with a corner in the apex: they stand for a whole rectangle.
     """
     surfaces = geometry.surfaces
-    count = np.diff(surfaces.triangle_start)[rows]
-    owner = np.repeat(np.arange(len(rows)), count)
-    first = np.repeat(surfaces.triangle_start[rows] - (np.cumsum(count) - count), count)
-    names = surfaces.triangle[first + np.arange(len(owner))]
+    owner, triangle = ragged(surfaces.triangle_start, rows)
+    names = surfaces.triangle[triangle]
     local = geometry.vertices[geometry.triangles[names]] - surfaces.point[rows][owner][:, None]
-    u, v = frame_of(surfaces.axis[rows])
+    u, v = across(surfaces.axis[rows])
     axis = surfaces.axis[rows]
     height = np.einsum("mki,mi->mk", local, axis[owner])
     x = np.einsum("mki,mi->mk", local, u[owner])
     y = np.einsum("mki,mi->mk", local, v[owner])
     angle = np.arctan2(y, x)
     reach = np.hypot(x, y)
-    at_apex = reach < 1e-9 * np.maximum(reach.max(axis=1), 1e-300)[:, None]
+    at_apex = reach < APEX * np.maximum(reach.max(axis=1), TINY)[:, None]
     at_apex &= (surfaces.kind[rows][owner] == CONE)[:, None]
     base = np.where(at_apex[:, 0], angle[:, 1], angle[:, 0])[:, None]
     angle = base + np.remainder(angle - base + np.pi, TURN) - np.pi
@@ -205,7 +190,7 @@ def bands_of(geometry: Geometry, rows: Index) -> Bands:
     area = np.bincount(owner, np.where(tip, 2 * area, area), minlength=count)
     begin, width, arcs = _arcs(owner, angle.min(axis=1), np.ptp(angle, axis=1), count)
     full = width * (high - low)
-    whole = (arcs == 1) & (np.abs(area - full) <= FILLED * full)
+    whole = (arcs == 1) & (np.abs(area - full) <= BAND_FILLED * full)
     return Bands(low, high, begin, width, whole)
 
 
@@ -222,7 +207,7 @@ def _arcs(owner: Index, start: Array, length: Array, count: int) -> tuple[Array,
     before = np.empty(len(owner))
     before[1:] = end[:-1]
     before[first] = around
-    hole = start > np.maximum(before, around[owner]) + SEAM
+    hole = start > np.maximum(before, around[owner]) + SEAM_ANGLE
     arcs = np.bincount(owner, hole, minlength=count).astype(np.int64)
     begin, width = np.zeros(count), np.full(count, TURN)
     begin[owner[hole]] = start[hole]

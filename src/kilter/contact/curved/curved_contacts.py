@@ -18,83 +18,64 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask
-from kilter.assembly.geometry import Geometry
+from kilter.arrays import Array, Index, Mask, across, ragged
 from kilter.assembly.surfaces import KINDS, SPHERE
-from kilter.contact.broad import Boxes, facets_in, joins
+from kilter.contact.broad import facets_in, joins
+from kilter.contact.contact_search import ContactSearch
+from kilter.contact.contact_tolerances import INTERFERENCE
 from kilter.contact.curved.candidates import CIRCLE, LINE, POINT, SAME, Forms
 from kilter.contact.curved.contact_points import Spots, arcs_of, ring, socket
-from kilter.contact.curved.coverage import common_spans, covered, frame_of, slices
-from kilter.contact.curved.curved_patches import CurvedContacts, Made, Pairs, Scene, keep, packed
+from kilter.contact.curved.coverage import common_spans, covered, slices
+from kilter.contact.curved.curved_patches import CurvedContacts, Found, Made, Pairs, keep, packed
 from kilter.contact.curved.on_planes import Planes, on_planes
 from kilter.contact.curved.shells import gaps_between, touching_shells
 from kilter.contact.curved.tangency import meeting
-from kilter.contact.planar.facets import Facets
 
 __all__ = ["find_curved"]
 
 
-INTERFERENCE = 0.1
-"""A peg that is thicker than its hole by more than this part of its radius is not meant for it."""
-
-
-def find_curved(
-    geometry: Geometry,
-    facets: Facets,
-    boxes: Boxes,
-    pairs: Index,
-    gap: Array,
-    margin: Array,
-    angle: float,
-) -> CurvedContacts:
-    """Contacts of curved faces of pairs of parts.
-
-    Parameters
-    ----------
-    pairs : ndarray of int, shape (n, 2)
-        Parts a and b whose boxes come near.
-    gap, margin : ndarray, shape (n,)
-        Gap tolerance, and the distance up to which a pair is looked at [length unit].
-    angle : float
-        Angle tolerance [rad].
-    """
-    scene = Scene(geometry, facets, boxes, pairs, gap, margin, angle)
+def find_curved(search: ContactSearch) -> CurvedContacts:
+    """Contacts of curved faces of the pairs of a search."""
+    geometry, pairs = search.geometry, search.pairs
     made, unknown, raised = Made(), np.empty((0, 3), dtype=np.int64), 0
     owners = np.diff(geometry.surfaces.start) > 0
     rows = np.flatnonzero(owners[pairs].any(axis=1))
     if len(rows):
-        both, flat = _candidates(scene, rows)
-        made, unknown = _touching(scene, both, flat)
+        both, flat = _candidates(search, rows)
+        made, unknown = _touching(search, both, flat)
         doubt = geometry.surfaces.doubt
-        raised = len({p for p, s in zip(made.pair, made.surface, strict=True)
-                      if max(doubt[k] if k >= 0 else 0.0 for k in s) > gap[p]})  # fmt: skip
-    return packed(scene, made, unknown, raised)
+        raised = len(
+            {
+                one.pair
+                for one in made.found
+                if max(doubt[k] if k >= 0 else 0.0 for k in one.surface)
+                > search.limits.gap[one.pair]
+            }
+        )
+    return packed(search, made, unknown, raised)
 
 
 # candidates ---------------------------------------------------------------------------
 
 
-def _candidates(scene: Scene, rows: Index) -> tuple[Pairs, Pairs]:
+def _candidates(search: ContactSearch, rows: Index) -> tuple[Pairs, Pairs]:
     """Pairs of curved surfaces, and of curved surfaces and flat facets, whose boxes meet."""
-    geometry, boxes = scene.geometry, scene.boxes
-    low, high, some = _surface_boxes(scene)
-    a, b = scene.pairs[rows].T
-    grow = scene.margin[rows]
+    geometry, boxes = search.geometry, search.boxes
+    low, high, some = _surface_boxes(search)
+    a, b = search.pairs[rows].T
+    grow = search.limits.margin[rows]
     box_low = np.maximum(boxes.part_low[a], boxes.part_low[b]) - grow[:, None]
     box_high = np.minimum(boxes.part_high[a], boxes.part_high[b]) + grow[:, None]
 
     def surfaces(part: Index) -> tuple[Index, Index]:
-        start = geometry.surfaces.start
-        count = np.diff(start)[part]
-        owner = np.repeat(np.arange(len(part)), count)
-        row = np.arange(len(owner)) + np.repeat(start[part] - (np.cumsum(count) - count), count)
+        owner, row = ragged(geometry.surfaces.start, part)
         keep = some[row] & (low[row] <= box_high[owner]).all(axis=1)
         keep &= (high[row] >= box_low[owner]).all(axis=1)
         return owner[keep], row[keep]
 
     def flats(part: Index) -> tuple[Index, Index]:
-        owner, facet = facets_in(scene.facets, boxes, part, box_low, box_high)
-        keep = ~scene.facets.curved[facet]
+        owner, facet = facets_in(search.facets, boxes, part, box_low, box_high)
+        keep = ~search.facets.curved[facet]
         return owner[keep], facet[keep]
 
     def joined(
@@ -110,26 +91,20 @@ def _candidates(scene: Scene, rows: Index) -> tuple[Pairs, Pairs]:
             yield Pairs(rows[pair], one[1][x], other[1][y], np.zeros(len(x), dtype=bool))
 
     round_a, round_b = surfaces(a), surfaces(b)
-    both = _joined(list(joined(round_a, round_b, False)))
-    forth = _joined(list(joined(round_a, flats(b), True)))
-    back = _joined(list(joined(round_b, flats(a), True)))
+    both = Pairs.join(joined(round_a, round_b, False))
+    forth = Pairs.join(joined(round_a, flats(b), True))
+    back = Pairs.join(joined(round_b, flats(a), True))
     back = Pairs(back.pair, back.i, back.j, ~back.turned)
-    return both, _joined([forth, back])
+    return both, Pairs.join([forth, back])
 
 
-def _joined(found: list[Pairs]) -> Pairs:
-    none = np.empty(0, dtype=np.int64)
-    found = [*found, Pairs(none, none, none, np.empty(0, dtype=bool))]
-    return Pairs(*(np.concatenate([getattr(f, name) for f in found]) for name in Pairs.__slots__))
-
-
-def _surface_boxes(scene: Scene) -> tuple[Array, Array, Mask]:
+def _surface_boxes(search: ContactSearch) -> tuple[Array, Array, Mask]:
     """Boxes of curved surfaces in the frame of the boxes, and which have triangles."""
-    geometry, surfaces = scene.geometry, scene.geometry.surfaces
+    geometry, surfaces = search.geometry, search.geometry.surfaces
     low = np.full((len(surfaces), 3), np.inf)
     high = -low
     some = np.diff(surfaces.triangle_start) > 0
-    points = geometry.vertices[geometry.triangles[surfaces.triangle]] @ scene.boxes.frame.T
+    points = geometry.vertices[geometry.triangles[surfaces.triangle]] @ search.boxes.frame.T
     first = surfaces.triangle_start[:-1][some]
     if len(first):
         low[some] = np.minimum.reduceat(points.min(axis=1), first)
@@ -141,39 +116,39 @@ def _surface_boxes(scene: Scene) -> tuple[Array, Array, Mask]:
 # where they touch ---------------------------------------------------------------------
 
 
-def _touching(scene: Scene, both: Pairs, flat: Pairs) -> tuple[Made, Index]:
-    surfaces, facets = scene.geometry.surfaces, scene.facets
+def _touching(search: ContactSearch, both: Pairs, flat: Pairs) -> tuple[Made, Index]:
+    surfaces, facets = search.geometry.surfaces, search.facets
     made = Made()
-    limit = scene.gap[both.pair] + surfaces.doubt[both.i] + surfaces.doubt[both.j]
-    angle = np.full(len(both.i), scene.angle)
+    limit = search.limits.gap[both.pair] + surfaces.doubt[both.i] + surfaces.doubt[both.j]
+    angle = np.full(len(both.i), search.angle)
     forms, unknown = meeting(surfaces, both.i, both.j, limit, angle)
     planes = Planes(facets.normal[flat.j], facets.origin[flat.j])
-    flat_limit = scene.gap[flat.pair] + surfaces.doubt[flat.i]
-    flats = on_planes(surfaces, flat.i, planes, np.full(len(flat.i), scene.angle))
-    near = _within(scene, both, forms, limit)
+    flat_limit = search.limits.gap[flat.pair] + surfaces.doubt[flat.i]
+    flats = on_planes(surfaces, flat.i, planes, np.full(len(flat.i), search.angle))
+    near = _within(search, both, forms, limit)
     shells = near & (forms.form == SAME) & (surfaces.kind[both.i[forms.row]] != SPHERE)
-    touching_shells(scene, made, both, forms.take(np.flatnonzero(shells)), limit)
-    _each(scene, made, both, forms.take(np.flatnonzero(near & ~shells)), limit, False)
-    near = _within(scene, flat, flats, flat_limit)
-    _each(scene, made, flat, flats.take(np.flatnonzero(near)), flat_limit, True)
-    return made, _unknown(scene, both, flat, unknown)
+    touching_shells(search, made, both, forms.take(np.flatnonzero(shells)), limit)
+    _each(search, made, both, forms.take(np.flatnonzero(near & ~shells)), limit, False)
+    near = _within(search, flat, flats, flat_limit)
+    _each(search, made, flat, flats.take(np.flatnonzero(near)), flat_limit, True)
+    return made, _unknown(search, both, flat, unknown)
 
 
-def _within(scene: Scene, pairs: Pairs, forms: Forms, limit: Array) -> Mask:
+def _within(search: ContactSearch, pairs: Pairs, forms: Forms, limit: Array) -> Mask:
     """Forms whose gap may come within the margin where the parts overlap."""
     pair = pairs.pair[forms.row]
-    a, b = scene.pairs[pair].T
-    boxes = scene.boxes
+    a, b = search.pairs[pair].T
+    boxes = search.boxes
     low = np.maximum(boxes.part_low[a], boxes.part_low[b])
     high = np.minimum(boxes.part_high[a], boxes.part_high[b])
     middle = (low + high) / 2 @ boxes.frame
     half = np.linalg.norm(high - low, axis=1) / 2
-    margin = np.maximum(scene.margin[pair], limit[forms.row])
+    margin = np.maximum(search.limits.margin[pair], limit[forms.row])
     line = forms.form == LINE
     t = np.where(line, np.einsum("ij,ij->i", middle - forms.at, forms.along), 0.0)
     there = forms.gap + forms.slope * t
     spread = np.where(line, np.abs(forms.slope) * half, forms.swing)
-    surfaces = scene.geometry.surfaces
+    surfaces = search.geometry.surfaces
     near: Mask = np.abs(there) <= margin + spread
     same = forms.form == SAME
     size = surfaces.radius[pairs.i[forms.row]]
@@ -184,9 +159,9 @@ def _within(scene: Scene, pairs: Pairs, forms: Forms, limit: Array) -> Mask:
     return possible
 
 
-def _unknown(scene: Scene, both: Pairs, flat: Pairs, unknown: Mask) -> Index:
+def _unknown(search: ContactSearch, both: Pairs, flat: Pairs, unknown: Mask) -> Index:
     """Row of the pair and surfaces of candidates without a formula."""
-    surfaces = scene.geometry.surfaces
+    surfaces = search.geometry.surfaces
     k = np.flatnonzero(unknown)
     free = np.flatnonzero(surfaces.kind[flat.i] == len(KINDS) - 1)
     free = free[np.unique(np.column_stack([flat.pair, flat.i])[free], axis=0, return_index=True)[1]]
@@ -196,23 +171,31 @@ def _unknown(scene: Scene, both: Pairs, flat: Pairs, unknown: Mask) -> Index:
     return np.concatenate([np.column_stack([both.pair[k], both.i[k], both.j[k]]), flats])
 
 
-def _each(scene: Scene, made: Made, pairs: Pairs, forms: Forms, limit: Array, plane: bool) -> None:
+def _each(
+    search: ContactSearch, made: Made, pairs: Pairs, forms: Forms, limit: Array, plane: bool
+) -> None:
     """Points, lines, circles and sockets, one by one."""
     for k in range(len(forms.row)):
         row = int(forms.row[k])
         one = forms.take(np.array([k]))
-        _place(scene, made, pairs, row, one, float(limit[row]), plane)
+        _place(search, made, pairs, row, one, float(limit[row]), plane)
 
 
 def _place(
-    scene: Scene, made: Made, pairs: Pairs, row: int, form: Forms, limit: float, plane: bool
+    search: ContactSearch,
+    made: Made,
+    pairs: Pairs,
+    row: int,
+    form: Forms,
+    limit: float,
+    plane: bool,
 ) -> None:
     i, j, pair = int(pairs.i[row]), int(pairs.j[row]), int(pairs.pair[row])
-    surfaces = scene.geometry.surfaces
-    slack = float(scene.geometry.slack[scene.pairs[pair]].max())
+    surfaces = search.geometry.surfaces
+    slack = float(search.geometry.slack[search.pairs[pair]].max())
     faces = [
-        (scene.face(i), float(surfaces.sagitta[i]) + limit),
-        (scene.flat(j), np.inf) if plane else (scene.face(j), float(surfaces.sagitta[j]) + limit),
+        (search.face(i), float(surfaces.sagitta[i]) + limit),
+        (search.flat(j), np.inf) if plane else (search.face(j), float(surfaces.sagitta[j]) + limit),
     ]
     what = int(form.form[0])
     gap = float(form.gap[0])
@@ -221,8 +204,8 @@ def _place(
     if what == POINT:
         spots = _at_point(form, faces, reach, limit)
     elif what == LINE:
-        spots, low, high = _along(form, faces, reach + scene.angle * float(
-            scene.geometry.size[scene.pairs[pair]].min()), limit)  # fmt: skip
+        spots, low, high = _along(form, faces, reach + search.angle * float(
+            search.geometry.size[search.pairs[pair]].min()), limit)  # fmt: skip
     elif what == CIRCLE:
         spots = _around(form, faces, reach, limit)
     else:
@@ -231,14 +214,14 @@ def _place(
     if spots is None:
         return
     if not plane and what in (SAME, CIRCLE):
-        low, high = gaps_between(scene, i, j, spots.points, float(form.swing[0]), limit)
-    bend = float(form.bend[0]) or float(scene.geometry.size[scene.pairs[pair]].min())
+        low, high = gaps_between(search, i, j, spots.points, float(form.swing[0]), limit)
+    bend = float(form.bend[0]) or float(search.geometry.size[search.pairs[pair]].min())
     zone = limit + float(np.sqrt(2 * bend * (limit + 2 * slack)))
     names = (i, -1) if plane else (i, j)
     turned = bool(pairs.turned[row])
     if what == SAME and surfaces.hollow[i]:  # the normals of a socket are those of the ball
         names, turned = (j, i), not turned
-    keep(scene, made, pair, names, (low, high), limit, spots, zone, turned)
+    keep(search, made, Found(pair, names, (low, high), limit, spots, zone, turned))
 
 
 _Face = tuple[Array, float]
@@ -275,7 +258,7 @@ def _along(
 def _around(form: Forms, faces: list[_Face], reach: float, grow: float) -> Spots | None:
     center, axis, radius = form.at[0], form.along[0], float(form.radius[0])
     out, up = (float(x) for x in form.normal[0, :2])
-    u, v = (x[0] for x in frame_of(axis[None]))
+    u, v = across(axis)
 
     def inside(angle: Array) -> Mask:
         away = np.cos(angle)[:, None] * u + np.sin(angle)[:, None] * v

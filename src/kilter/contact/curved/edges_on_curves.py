@@ -4,43 +4,48 @@ from __future__ import annotations
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross
+from kilter.arrays import Array, Index, Mask, cross, ragged
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import FREE, Surfaces
 from kilter.contact.broad import Boxes, joins
+from kilter.contact.contact_tolerances import FACETED_ANGLE, SMOOTH_ANGLE
 from kilter.contact.curved.coverage import covered
 from kilter.contact.curved.curved_patches import CurvedContacts
 from kilter.contact.planar.facets import Facets
 from kilter.contact.sharp.edges import Edges
+from kilter.contact.touching import Touching
 
 __all__ = ["edges_on_faces"]
 
 
-SHARP = 0.02
-"""Faces that meet at less than this pass smoothly into each other [rad]."""
-FACETED = 0.35
-"""The same for faces known by their triangles only [rad]."""
-
-
 def edges_on_faces(
-    geometry: Geometry,
-    facets: Facets,
-    boxes: Boxes,
-    edges: Edges,
-    pairs: Index,
-    tolerance: Array,
-    rows: Index,
-    curved: CurvedContacts,
-    turn: bool,
+    touching: Touching, edges: Edges, rows: Index, *, turn: bool
 ) -> tuple[Index, Array, Index]:
-    """Where sharp edges of b (of a, if `turn`) touch curved faces of the other part."""
+    """Where sharp edges of b (of a, if `turn`) touch curved faces of the other part.
+
+    Parameters
+    ----------
+    touching : Touching
+    edges : Edges
+        Of all parts of the pairs `rows`.
+    rows : ndarray of int, shape (n,)
+    turn : bool
+
+    Returns
+    -------
+    pair : ndarray of int, shape (m,)
+    points : ndarray, shape (m, 3)
+    surfaces : ndarray of int, shape (m,)
+        The curved faces.
+    """
+    search, curved = touching.search, touching.curved
+    geometry, facets, boxes = search.geometry, search.facets, search.boxes
+    pairs, tolerance = search.pairs, search.limits.gap
     s = geometry.surfaces
     a, b = pairs[rows].T[::-1] if turn else pairs[rows].T
     slack = geometry.slack[b]
     grow = tolerance[rows] + slack
-    count = np.diff(s.start)[a]
-    owner = np.repeat(np.arange(len(rows)), count)
-    face = np.arange(len(owner)) + np.repeat(s.start[a] - (np.cumsum(count) - count), count)
+    owner, face = ragged(s.start, a)
     keep = (s.kind[face] != FREE) & (np.diff(s.triangle_start)[face] > 0)
     owner, face = owner[keep], face[keep]
     low, high = _face_boxes(geometry, boxes, face)
@@ -99,7 +104,7 @@ def _sharp(geometry: Geometry, facets: Facets, edges: Edges, edge: Index) -> Mas
     bend = np.arctan2(sine, np.einsum("ij,ij->i", *normals))
     alone = (one < 0) | (other < 0)
     inner = (facets.surface[one] == facets.surface[other]) & (facets.surface[one] >= 0)
-    sharp: Mask = alone | (~inner & (bend > np.where(exact, SHARP, FACETED)))
+    sharp: Mask = alone | (~inner & (bend > np.where(exact, SMOOTH_ANGLE, FACETED_ANGLE)))
     return sharp
 
 
@@ -108,11 +113,9 @@ def _on_patch(
     limit: Array,
 ) -> Mask:  # fmt: skip
     """Edges both of whose ends lie on a surface that has a patch of contact in the pair."""
-    area = curved.area > 0
-    names = np.unique(
-        np.concatenate([np.column_stack([curved.pair, side])[area] for side in curved.surface.T]),
-        axis=0,
-    )
+    patches = curved.patches
+    both = [np.column_stack([patches.pair, side])[patches.area > 0] for side in curved.surface.T]
+    names = np.unique(np.concatenate(both), axis=0)
     if not len(names):
         return np.zeros(len(pair), dtype=bool)
     big = len(s) + 1
@@ -138,7 +141,7 @@ def _true_middle(
         for _ in range(3):
             off = s.distance(row, middle[known])
             steep = np.einsum("ij,ij->i", s.outward(row, middle[known]), out)
-            step = off / np.where(np.abs(steep) > SHARP, steep, np.inf)
+            step = off / np.where(np.abs(steep) > SMOOTH_ANGLE, steep, np.inf)
             middle[known] -= step[:, None] * out
     return exact, middle
 

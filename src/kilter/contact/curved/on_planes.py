@@ -11,19 +11,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index
+from kilter.arrays import Array, Index, unit_rows
 from kilter.assembly.surfaces import CONE, CYLINDER, SPHERE, TORUS, Surfaces
 from kilter.contact.curved.candidates import (
     CIRCLE,
     LINE,
     POINT,
     Forms,
-    across,
     dot,
-    forms_together,
     make_forms,
-    no_forms,
-    unit_rows,
+    without_along,
 )  # fmt: skip
 
 __all__ = ["Planes", "on_planes"]
@@ -40,7 +37,7 @@ class Planes:
 def on_planes(s: Surfaces, i: Index, planes: Planes, angle: Array) -> Forms:
     """Where solid surfaces `i`, shape (n,), touch planes, shape (n,); `angle`: tolerance."""
     rows = np.arange(len(i))
-    found = [no_forms()]
+    found: list[Forms] = []
     for kind, kernel in (
         (SPHERE, _sphere_plane),
         (CYLINDER, _cylinder_plane),
@@ -51,7 +48,7 @@ def on_planes(s: Surfaces, i: Index, planes: Planes, angle: Array) -> Forms:
         if len(k):
             n, o = planes.normal[k], planes.origin[k]
             found.append(kernel(s, rows[k], i[k], n, o, angle[k]))
-    return forms_together(found)
+    return Forms.join(found)
 
 
 def _sphere_plane(s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle: Array) -> Forms:
@@ -66,8 +63,8 @@ def _cylinder_plane(s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle
     k = np.flatnonzero(np.abs(slope) <= np.sin(angle))
     row, i, n, o, slope = row[k], i[k], n[k], o[k], slope[k]
     r, axis = s.radius[i], s.axis[i]
-    normal = -unit_rows(n + unit_rows(across(n, axis)))
-    along = unit_rows(across(axis, normal))
+    normal = -unit_rows(n + unit_rows(without_along(n, axis)))
+    along = unit_rows(without_along(axis, normal))
     gap = dot(s.point[i] - o, n) - r
     at = s.point[i] + (r + gap / 2)[:, None] * normal
     return make_forms(row, LINE, at, normal, gap, along=along, slope=slope, bend=r)
@@ -78,19 +75,19 @@ def _cone_plane(s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle: Ar
     k = np.flatnonzero(np.abs(np.arcsin(np.clip(lift, -1, 1)) - alpha) <= angle)
     row, i, n, o, alpha = row[k], i[k], n[k], o[k], alpha[k]
     axis = s.axis[i]
-    out = -unit_rows(across(n, axis))
+    out = -unit_rows(without_along(n, axis))
     side = np.cos(alpha)[:, None] * out - np.sin(alpha)[:, None] * axis
     normal = unit_rows(side - n)
     generator = np.cos(alpha)[:, None] * axis + np.sin(alpha)[:, None] * out
     gap, slope = dot(s.point[i] - o, n), dot(generator, n)
     at = s.point[i] + (gap / 2)[:, None] * normal
-    along = unit_rows(across(generator, normal))
+    along = unit_rows(without_along(generator, normal))
     return make_forms(row, LINE, at, normal, gap, along=along, slope=slope, bend=s.radius[i])
 
 
 def _torus_plane(s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle: Array) -> Forms:
     center, axis, radius, tube = s.point[i], s.axis[i], s.radius[i], s.tube[i]
-    aside = across(n, axis)
+    aside = without_along(n, axis)
     sine = np.linalg.norm(aside, axis=1)
     upright = sine <= np.sin(angle)
     k = np.flatnonzero(upright)
@@ -106,4 +103,4 @@ def _torus_plane(s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle: A
     gap = dot(lowest - o[k], n[k]) - tube[k]
     at = lowest - (tube[k] + gap / 2)[:, None] * n[k]
     bend = tube[k] + radius[k] / sine[k]
-    return forms_together([circle, make_forms(row[k], POINT, at, -n[k], gap, bend=bend)])
+    return Forms.join([circle, make_forms(row[k], POINT, at, -n[k], gap, bend=bend)])

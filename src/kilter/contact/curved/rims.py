@@ -11,14 +11,13 @@ from kilter.arrays import Array, Index, Mask, cross
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import CONE, CYLINDER, FREE, SPHERE, Surfaces
 from kilter.contact.contact_set import PossibleContacts
+from kilter.contact.contact_tolerances import RIM_LEVEL
+from kilter.contact.patches import Patches
 
 __all__ = ["Force", "coaxial_clear", "possible_forces", "rim_contacts", "rims_clear"]
 
 Force = tuple[int, int, Array, Array]
 """Parts a and b, point, direction."""
-
-LEVEL = 1e-6
-"""A face counts as lying across an axis up to this angle [rad]."""
 
 
 def possible_forces(forces: list[Force], *, two_sided: bool) -> PossibleContacts:
@@ -86,7 +85,7 @@ def coaxial_clear(geometry: Geometry, vertex: Index, tolerance: Array) -> Mask:
     )
     one, other = surface[:, :, 0].T
     axis, base = s.axis[one], s.point[one]
-    clear &= np.linalg.norm(cross(axis, s.axis[other]), axis=1) <= LEVEL
+    clear &= np.linalg.norm(cross(axis, s.axis[other]), axis=1) <= RIM_LEVEL
     out = geometry.vertices[vertex] - base[:, None, None]
     height = np.einsum("nkei,ni->nke", out, axis)
     across = out - height[..., None] * axis[:, None, None]
@@ -101,30 +100,22 @@ def coaxial_clear(geometry: Geometry, vertex: Index, tolerance: Array) -> Mask:
     return result
 
 
-def rim_contacts(
-    geometry: Geometry, parts: Index, normals: Array, start: Index, points: Array
-) -> PossibleContacts:
-    """Corners of the circumscribed polygon where a flat patch ends at the rim of a round face.
-
-    Parameters
-    ----------
-    parts : ndarray of int, shape (P, 2)
-        Parts of each patch, with their `normals` (P, 3) and `points` by `start`.
-    """
+def rim_contacts(geometry: Geometry, flat: Patches) -> PossibleContacts:
+    """Corners of the circumscribed polygon where a flat patch ends at the rim of a round face."""
     s = geometry.surfaces
     forces: list[Force] = []
     round_part = np.diff(s.start) > 0
-    for patch in np.flatnonzero(round_part[parts].any(axis=1)):
-        a, b = (int(k) for k in parts[patch])
-        corners = points[start[patch] : start[patch + 1]]
+    for patch in np.flatnonzero(round_part[flat.parts].any(axis=1)):
+        a, b = (int(k) for k in flat.parts[patch])
+        corners, normal = flat.corners(int(patch)), flat.normal[patch]
         for part in (a, b):
             for surface in range(int(s.start[part]), int(s.start[part + 1])):
-                rim = _rim(s, surface, normals[patch], corners)
+                rim = _rim(s, surface, normal, corners)
                 if rim is None:
                     continue
                 out, stretch = rim
                 forces.extend(
-                    (a, b, point + (stretch - 1) * away, normals[patch])
+                    (a, b, point + (stretch - 1) * away, normal)
                     for point, away in zip(corners, out, strict=True)
                     if away.any()
                 )
@@ -136,7 +127,7 @@ def _rim(s: Surfaces, surface: int, normal: Array, corners: Array) -> tuple[Arra
     kind, axis, center = int(s.kind[surface]), s.axis[surface], s.point[surface]
     if kind == SPHERE:
         axis = normal
-    if kind == FREE or s.hollow[surface] or abs(float(axis @ normal)) < 1 - LEVEL:
+    if kind == FREE or s.hollow[surface] or abs(float(axis @ normal)) < 1 - RIM_LEVEL:
         return None
     height = float((corners[0] - center) @ axis)
     radius = _radius_at(s, surface, height)
@@ -146,7 +137,7 @@ def _rim(s: Surfaces, surface: int, normal: Array, corners: Array) -> tuple[Arra
     out = out - np.outer(out @ axis, axis)
     sagitta = min(float(s.sagitta[surface]), radius / 2)
     off = radius - np.linalg.norm(out, axis=1)
-    rim = (off <= sagitta + 1e-6 * radius) & (off >= -1e-6 * radius)
+    rim = (off <= sagitta + RIM_LEVEL * radius) & (off >= -RIM_LEVEL * radius)
     if not rim.any() or sagitta <= 0:
         return None
     return np.where(rim[:, None], out, 0.0), radius / (radius - sagitta)
@@ -163,6 +154,6 @@ def _radius_at(s: Surfaces, surface: int, height: float) -> float | None:
         cut = float(np.sqrt(max(radius**2 - height**2, 0.0)))
     else:
         tube = float(s.tube[surface])
-        near = abs(height) <= tube * (1 + LEVEL)
+        near = abs(height) <= tube * (1 + RIM_LEVEL)
         cut = radius + float(np.sqrt(max(tube**2 - height**2, 0.0))) if near else 0.0
     return cut if cut > 0 else None

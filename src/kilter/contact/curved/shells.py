@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask
+from kilter.arrays import TINY, Array, Index, Mask, across
 from kilter.assembly.surfaces import CYLINDER
-from kilter.contact.contact_set import Rejected
+from kilter.contact.contact_search import ContactSearch
+from kilter.contact.contact_tolerances import FULL_TURN, LEAST_ARC
 from kilter.contact.curved.candidates import Forms
 from kilter.contact.curved.contact_points import (
     AROUND,
@@ -16,61 +17,64 @@ from kilter.contact.curved.contact_points import (
     shell,
     unrolled_overlap,
 )
-from kilter.contact.curved.coverage import TURN, Bands, bands_of, frame_of, unrolled
-from kilter.contact.curved.curved_patches import Made, Pairs, Scene, keep
+from kilter.contact.curved.coverage import TURN, Bands, bands_of, unrolled
+from kilter.contact.curved.curved_patches import Found, Made, Pairs, keep
+from kilter.contact.gaps import THIN, Rejected
 
 __all__ = ["gaps_between", "touching_shells"]
 
 
-def touching_shells(scene: Scene, made: Made, pairs: Pairs, forms: Forms, limit: Array) -> None:
+def touching_shells(
+    search: ContactSearch, made: Made, pairs: Pairs, forms: Forms, limit: Array
+) -> None:
     """Surfaces in their own counterparts, unrolled about the axis of the solid one."""
     if not len(forms.row):
         return
-    surfaces = scene.geometry.surfaces
+    surfaces = search.geometry.surfaces
     first, second = pairs.i[forms.row], pairs.j[forms.row]
     used, place = np.unique(np.concatenate([first, second]), return_inverse=True)
-    bands = bands_of(scene.geometry, used)
+    bands = bands_of(search.geometry, used)
     mine, other = place.reshape(2, -1)
     for k in range(len(forms.row)):
         i, j = int(first[k]), int(second[k])
         turned = bool(pairs.turned[forms.row[k]]) ^ bool(surfaces.hollow[i])
         solid, hollow = (i, j) if not surfaces.hollow[i] else (j, i)
         x, y = (mine[k], other[k]) if solid == i else (other[k], mine[k])
-        found = _shell(scene, bands, (solid, hollow), (int(x), int(y)))
+        found = _shell(search, bands, (solid, hollow), (int(x), int(y)))
         if found is None:
             continue
         spots, (bottom, top) = found
         bound = float(limit[forms.row[k]])
-        off = _off(scene, solid, hollow, bottom, top)
-        gap = gaps_between(scene, solid, hollow, spots.points, off, bound)
+        off = _off(search, solid, hollow, bottom, top)
+        gap = gaps_between(search, solid, hollow, spots.points, off, bound)
         pair = int(pairs.pair[forms.row[k]])
         if top - bottom <= 2 * bound:
-            a, b = (int(p) for p in scene.pairs[pair])
-            why = "thinner than twice the gap tolerance"
-            made.rejected.append(Rejected((a, b), gap[0], 0.0, why))
+            a, b = (int(p) for p in search.pairs[pair])
+            made.rejected.append(Rejected((a, b), gap[0], 0.0, THIN))
             continue
         zone = bound + float(np.ptp(spots.points, axis=0).max())
-        keep(scene, made, pair, (solid, hollow), gap, bound, spots, zone, turned)
+        found_here = Found(pair, (solid, hollow), gap, bound, spots, zone, turned)
+        keep(search, made, found_here)
 
 
-def _off(scene: Scene, i: int, j: int, bottom: float, top: float) -> float:
+def _off(search: ContactSearch, i: int, j: int, bottom: float, top: float) -> float:
     """Least distance of the axis of j from that of i between two heights of i."""
-    s = scene.geometry.surfaces
+    s = search.geometry.surfaces
     apart = []
     for height in (bottom, top):
         center = s.point[i] + height * s.axis[i]
         to = center - s.point[j]
         apart.append(to - (to @ s.axis[j]) * s.axis[j])
     step = apart[1] - apart[0]
-    share = float(np.clip(-(apart[0] @ step) / max(float(step @ step), 1e-300), 0, 1))
+    share = float(np.clip(-(apart[0] @ step) / max(float(step @ step), TINY), 0, 1))
     return float(np.linalg.norm(apart[0] + share * step))
 
 
 def _shell(
-    scene: Scene, bands: Bands, names: tuple[int, int], at: tuple[int, int]
+    search: ContactSearch, bands: Bands, names: tuple[int, int], at: tuple[int, int]
 ) -> tuple[Spots, tuple[float, float]] | None:
     """Points where two coaxial faces lie on each other, and between which heights."""
-    s, (i, j), (x, y) = scene.geometry.surfaces, names, at
+    s, (i, j), (x, y) = search.geometry.surfaces, names, at
     axis = s.axis[i]
     turn = 1.0 if float(axis @ s.axis[j]) > 0 else -1.0
     shift = float((s.point[j] - s.point[i]) @ axis)
@@ -78,7 +82,7 @@ def _shell(
     bottom, top = max(float(bands.low[x]), ends[0]), min(float(bands.high[x]), ends[1])
     if top <= bottom:
         return None
-    u, v = frame_of(s.axis[[i, j]])
+    u, v = across(s.axis[[i, j]])
     zero = float(np.arctan2(u[1] @ v[0], u[1] @ u[0]))
     begin = zero + turn * float(bands.begin[y])
     begin = begin - float(bands.width[y]) if turn < 0 else begin
@@ -97,7 +101,7 @@ def _shell(
     slant = (bottom + top) / 2 * np.tan(alpha) / np.cos(alpha)
     area = width * (top - bottom) * (radius + slant)
     if not whole:
-        exact = _unfilled(scene, names, zero, turn, shift, radius or abs(bottom) + abs(top))
+        exact = _unfilled(search, names, zero, turn, shift, radius or abs(bottom) + abs(top))
         if exact is None:
             return None
         if not cone:
@@ -116,15 +120,15 @@ def _sized(spots: Spots, area: float) -> Spots:
 
 def _common_arcs(one: tuple[float, float], other: tuple[float, float]) -> list[tuple[float, float]]:
     """Arcs (begin, width) in both of two arcs."""
-    if one[1] >= TURN - 1e-6:
+    if one[1] >= TURN - FULL_TURN:
         return [other]
-    if other[1] >= TURN - 1e-6:
+    if other[1] >= TURN - FULL_TURN:
         return [one]
     found = []
     start = (other[0] - one[0]) % TURN
     for begin in (start - TURN, start):
         low, high = max(begin, 0.0), min(begin + other[1], one[1])
-        if high > low + 1e-9:
+        if high > low + LEAST_ARC:
             found.append((one[0] + low, high - low))
     return found
 
@@ -136,7 +140,7 @@ def _filled(
     angles = [angles_between(begin, width, step) for begin, width in arcs]
     between = []
     for angle, (_, width) in zip(angles, arcs, strict=True):
-        closed = np.append(angle, angle[0] + TURN) if width >= TURN - 1e-6 else angle
+        closed = np.append(angle, angle[0] + TURN) if width >= TURN - FULL_TURN else angle
         between.append((closed[1:] + closed[:-1]) / 2)
     made = []
     for some in (np.concatenate(angles), np.concatenate(between)):
@@ -145,10 +149,15 @@ def _filled(
 
 
 def _unfilled(
-    scene: Scene, names: tuple[int, int], zero: float, turn: float, shift: float, scale: float
+    search: ContactSearch,
+    names: tuple[int, int],
+    zero: float,
+    turn: float,
+    shift: float,
+    scale: float,
 ) -> tuple[Array, Array, float] | None:
     """Corners of the overlap of faces that are no whole bands, and its area."""
-    owner, angle, height, tip = unrolled(scene.geometry, np.array(names))
+    owner, angle, height, tip = unrolled(search.geometry, np.array(names))
     angle[owner == 1] = zero + turn * angle[owner == 1]
     height[owner == 1] = shift + turn * height[owner == 1]
     if tip.any():
@@ -187,7 +196,7 @@ def _without_tips(
 
 
 def gaps_between(
-    scene: Scene, i: int, j: int, points: Array, off: float, limit: float
+    search: ContactSearch, i: int, j: int, points: Array, off: float, limit: float
 ) -> tuple[float, float]:
     """Range of the gap between surfaces i and j at points half-way between them.
 
@@ -195,7 +204,7 @@ def gaps_between(
     they are farther apart (`off`) than the tolerance, the face is in the way on one side
     (that depth is given) or away from it.
     """
-    s = scene.geometry.surfaces
+    s = search.geometry.surfaces
     rows = np.ones(len(points), dtype=np.int64)
     gaps = s.distance(i * rows, points) + s.distance(j * rows, points)
     low, high = float(gaps.min()), float(gaps.max())

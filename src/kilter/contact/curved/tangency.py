@@ -17,37 +17,31 @@ generator; two of them touch where their generators of one plane cross.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross
+from kilter.arrays import TINY, Array, Index, Mask, across, cross, unit_rows
 from kilter.assembly.surfaces import CONE, CYLINDER, FREE, SPHERE, TORUS, Surfaces
+from kilter.contact.contact_tolerances import GENERATOR_SINE, NO_DIRECTION
 from kilter.contact.curved.candidates import (
     CIRCLE,
     LINE,
     POINT,
     SAME,
     Forms,
-    across,
     dot,
-    forms_together,
     make_forms,
-    no_forms,
-    unit_rows,
+    without_along,
 )  # fmt: skip
-from kilter.contact.curved.coverage import frame_of
 
 __all__ = ["meeting"]
 
 
-LEVEL = 1e-12
-"""Directions closer than this to one another have no direction across [rad]."""
-
-
 def _inverse(one: Array, other: Array, sign: float) -> Array:
     """1 / (1/one + sign/other), the radius by which two curves part."""
-    curvature = 1 / np.maximum(one, 1e-300) + sign / np.maximum(other, 1e-300)
-    result: Array = 1 / np.maximum(curvature, 1e-12 / np.maximum(one, 1e-300))
+    curvature = 1 / np.maximum(one, TINY) + sign / np.maximum(other, TINY)
+    result: Array = 1 / np.maximum(curvature, NO_DIRECTION / np.maximum(one, TINY))
     return result
 
 
@@ -75,7 +69,7 @@ def meeting(s: Surfaces, i: Index, j: Index, gap: Array, angle: Array) -> tuple[
     inside = s.hollow[second] & ~s.hollow[first]
     outside = ~s.hollow[second] & ~s.hollow[first]
     socket = s.hollow[first] & ~s.hollow[second]
-    found = [no_forms()]
+    found: list[Forms] = []
     rows = np.arange(len(i))
     for (one, other, which), kernel in _KERNELS.items():
         k = (s.kind[first] == one) & (s.kind[second] == other)
@@ -86,15 +80,10 @@ def meeting(s: Surfaces, i: Index, j: Index, gap: Array, angle: Array) -> tuple[
                 kernel(s, rows[chosen], first[chosen], second[chosen], gap[chosen], angle[chosen])
             )
     unknown |= _unmodelled(s, first, second, inside, outside, socket)
-    forms = forms_together(found)
+    forms = Forms.join(found)
     unknown[forms.row] = False  # a kernel spoke of them
     turned = swap[forms.row][:, None]
-    return _with_normal(forms, np.where(turned, -forms.normal, forms.normal)), unknown
-
-
-def _with_normal(forms: Forms, normal: Array) -> Forms:
-    values = {name: getattr(forms, name) for name in Forms.__slots__}
-    return Forms(**{**values, "normal": normal})
+    return replace(forms, normal=np.where(turned, -forms.normal, forms.normal)), unknown
 
 
 def _unmodelled(s: Surfaces, i: Index, j: Index, inside: Mask, outside: Mask, socket: Mask) -> Mask:
@@ -129,7 +118,7 @@ def _nested(s: Surfaces, row: Index, i: Index, j: Index, apart: Array, gap: Arra
     pressed = make_forms(
         row[tight], SAME, s.point[i[tight]], away[tight], play[tight], swing=off[tight]
     )
-    return forms_together([everywhere, point, pressed])
+    return Forms.join([everywhere, point, pressed])
 
 
 def _sphere_sphere(s: Surfaces, row: Index, i: Index, j: Index, gap: Array, angle: Array) -> Forms:
@@ -148,14 +137,14 @@ def _outer(s: Surfaces, row: Index, i: Index, apart: Array, other: Array) -> For
 def _sphere_cylinder(
     s: Surfaces, row: Index, i: Index, j: Index, gap: Array, angle: Array
 ) -> Forms:
-    apart = -across(s.point[i] - s.point[j], s.axis[j])
+    apart = -without_along(s.point[i] - s.point[j], s.axis[j])
     return _outer(s, row, i, apart, s.radius[j])
 
 
 def _sphere_in_cylinder(
     s: Surfaces, row: Index, i: Index, j: Index, gap: Array, angle: Array
 ) -> Forms:
-    apart = across(s.point[i] - s.point[j], s.axis[j])
+    apart = without_along(s.point[i] - s.point[j], s.axis[j])
     play, off = s.radius[j] - s.radius[i], np.linalg.norm(apart, axis=1)
     ring = np.abs(play) <= gap
     k, m = np.flatnonzero(ring), np.flatnonzero(~ring & (play > 0))
@@ -167,7 +156,7 @@ def _sphere_in_cylinder(
     )  # fmt: skip
     at = s.point[i] + (s.radius[i] + (play - off) / 2)[:, None] * away
     bend = np.maximum(_inverse(s.radius[i], s.radius[j], -1.0), s.radius[i])
-    return forms_together(
+    return Forms.join(
         [circle, make_forms(row[m], POINT, at[m], away[m], (play - off)[m], bend=bend[m])]
     )
 
@@ -197,9 +186,7 @@ def _sphere_in_cone(s: Surfaces, row: Index, i: Index, j: Index, gap: Array, ang
         radius=(s.radius[i] * cosine)[k], swing=(rho * cosine)[k], bend=s.radius[i[k]],
     )  # fmt: skip
     bend = 10 * s.radius[i]
-    return forms_together(
-        [circle, make_forms(row[m], POINT, at[m], normal[m], open_[m], bend=bend[m])]
-    )
+    return Forms.join([circle, make_forms(row[m], POINT, at[m], normal[m], open_[m], bend=bend[m])])
 
 
 def _sphere_torus(s: Surfaces, row: Index, i: Index, j: Index, gap: Array, angle: Array) -> Forms:
@@ -216,7 +203,7 @@ def _sphere_torus(s: Surfaces, row: Index, i: Index, j: Index, gap: Array, angle
         np.column_stack([out, down, 0 * out])[k], (core - s.tube[j] - s.radius[i])[k],
         along=axis[k], radius=(s.radius[i] * out)[k], swing=rho[k], bend=s.radius[i[k]],
     )  # fmt: skip
-    return forms_together([circle, point])
+    return Forms.join([circle, point])
 
 
 def _sphere_in_torus(
@@ -236,7 +223,7 @@ def _sphere_in_torus(
     at = s.point[i] + (s.radius[i] + (play - off) / 2)[:, None] * normal
     bend = np.maximum(_inverse(s.radius[i], s.tube[j], -1.0), 10 * s.radius[i])
     point = make_forms(row[m], POINT, at[m], normal[m], (play - off)[m], bend=bend[m])
-    return forms_together([circle, point])
+    return Forms.join([circle, point])
 
 
 def _cylinder_cylinder(
@@ -253,7 +240,7 @@ def _cylinder_cylinder(
     line = make_forms(
         row[k], LINE, at, normal, open_, along=along, slope=dot(slope, normal), bend=bend
     )
-    return forms_together([line, _swept(s, row[m], i[m], j[m], gap[m], angle[m])])
+    return Forms.join([line, _swept(s, row[m], i[m], j[m], gap[m], angle[m])])
 
 
 def _parallel(s: Surfaces, i: Index, j: Index) -> tuple[Array, Array, Array, Array]:
@@ -285,7 +272,7 @@ def _cylinder_in_cylinder(
         along=along[k], radius=s.radius[i[k]], slope=sine[k], swing=off[k], bend=s.radius[i[k]],
     )  # fmt: skip
     # axes that are one leave a gap all around: any direction shows it
-    normal = np.where((off > LEVEL * s.radius[i])[:, None], normal, frame_of(along)[0])
+    normal = np.where((off > NO_DIRECTION * s.radius[i])[:, None], normal, across(along)[0])
     open_ = play - off
     at = at + (s.radius[i] + open_ / 2)[:, None] * normal
     bend = _inverse(s.radius[i], s.radius[j], -1.0)
@@ -293,7 +280,7 @@ def _cylinder_in_cylinder(
         row[m], LINE, at[m], normal[m], open_[m],
         along=along[m], slope=dot(slope, normal)[m], bend=bend[m],
     )  # fmt: skip
-    return forms_together([everywhere, line])
+    return Forms.join([everywhere, line])
 
 
 def _cone_in_cone(s: Surfaces, row: Index, i: Index, j: Index, gap: Array, angle: Array) -> Forms:
@@ -307,7 +294,7 @@ def _cone_in_cone(s: Surfaces, row: Index, i: Index, j: Index, gap: Array, angle
     alpha = (s.half_angle[i] + s.half_angle[j]) / 2
     shift = s.point[i] - s.point[j]
     lift = dot(shift, axis) * np.sin(alpha)
-    off = np.linalg.norm(across(shift, axis), axis=1) * np.cos(alpha)
+    off = np.linalg.norm(without_along(shift, axis), axis=1) * np.cos(alpha)
     slope = s.half_angle[j] - s.half_angle[i]
     return make_forms(
         row, SAME, s.point[i], np.zeros((len(row), 3)), lift,
@@ -317,38 +304,39 @@ def _cone_in_cone(s: Surfaces, row: Index, i: Index, j: Index, gap: Array, angle
 
 def _swept(s: Surfaces, row: Index, i: Index, j: Index, gap: Array, angle: Array) -> Forms:
     """Cylinders and cones side by side: both common planes between them."""
-    found = [no_forms()]
+    found: list[Forms] = []
     ai, aj = s.axis[i], s.axis[j]
     want_i = np.where(s.kind[i] == CONE, -np.sin(s.half_angle[i]), 0.0)
     want_j = np.where(s.kind[j] == CONE, np.sin(s.half_angle[j]), 0.0)
     third = cross(ai, aj)
     cosine, square = dot(ai, aj), dot(third, third)
-    safe = np.maximum(square, 1e-300)
+    safe = np.maximum(square, TINY)
     x, y = (want_i - cosine * want_j) / safe, (want_j - cosine * want_i) / safe
     rest = 1 - (x * want_i + y * want_j)
     for turn in (1.0, -1.0):
-        k = np.flatnonzero((rest > LEVEL) & (square > LEVEL))
+        k = np.flatnonzero((rest > NO_DIRECTION) & (square > NO_DIRECTION))
         z = turn * np.sqrt(rest[k] / square[k])
         m = x[k, None] * ai[k] + y[k, None] * aj[k] + z[:, None] * third[k]
         foot_i, line_i = _generator(s, i[k], m)
         foot_j, line_j = _generator(s, j[k], -m)
         open_ = dot(foot_j - foot_i, m)
-        across = cross(line_i, line_j)
-        bottom = dot(across, m)
+        bottom = dot(cross(line_i, line_j), m)
         crossing = np.abs(bottom) > np.sin(angle[k])
         t = dot(cross(foot_j - foot_i, line_j), m) / np.where(crossing, bottom, 1.0)
         at = foot_i + t[:, None] * line_i + (open_ / 2)[:, None] * m
-        bend = np.maximum(s.radius[i[k]], s.radius[j[k]]) / np.maximum(np.abs(bottom), 1e-9)
+        bend = np.maximum(s.radius[i[k]], s.radius[j[k]]) / np.maximum(
+            np.abs(bottom), GENERATOR_SINE
+        )
         made = make_forms(row[k], POINT, at, m, open_, bend=bend)
         found.append(made.take(np.flatnonzero(crossing)))
-    return forms_together(found)
+    return Forms.join(found)
 
 
 def _generator(s: Surfaces, i: Index, m: Array) -> tuple[Array, Array]:
     """A point and the direction of the generator of a cylinder or cone with outward normal m."""
     axis, alpha = s.axis[i], s.half_angle[i]
     cone = (s.kind[i] == CONE)[:, None]
-    out = unit_rows(across(m, axis))
+    out = unit_rows(without_along(m, axis))
     foot = np.where(cone, s.point[i], s.point[i] + s.radius[i][:, None] * m)
     side = np.cos(alpha)[:, None] * axis + np.sin(alpha)[:, None] * out
     return foot, np.where(cone, side, axis)
@@ -359,7 +347,7 @@ def _torus_on_axis(inner: bool) -> Kernel:
 
     def kernel(s: Surfaces, row: Index, i: Index, j: Index, gap: Array, angle: Array) -> Forms:
         turned = np.linalg.norm(cross(s.axis[i], s.axis[j]), axis=1)
-        off = np.linalg.norm(across(s.point[j] - s.point[i], s.axis[i]), axis=1)
+        off = np.linalg.norm(without_along(s.point[j] - s.point[i], s.axis[i]), axis=1)
         k = np.flatnonzero((turned <= np.sin(angle)) & (off <= gap))
         row, i, j, off = row[k], i[k], j[k], off[k]
         side = -1.0 if inner else 1.0

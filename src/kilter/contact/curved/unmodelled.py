@@ -13,23 +13,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross
+from kilter.arrays import Array, Index, Mask, across, cross, ragged, ratio, unit_rows
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import CYLINDER, FREE, SPHERE
-from kilter.contact.broad import Boxes
+from kilter.contact.broad import joins
 from kilter.contact.contact_set import PossibleContacts, Unsupported
-from kilter.contact.curved.curved_patches import CurvedContacts, on_flat
+from kilter.contact.contact_tolerances import FREE_PARALLEL
 from kilter.contact.curved.edges_on_curves import edges_on_faces
-from kilter.contact.curved.free_forms import free_touch
 from kilter.contact.curved.rims import Force, possible_forces
-from kilter.contact.patches import Patches
-from kilter.contact.planar.facets import Facets
-from kilter.contact.sharp.edges import Edges
+from kilter.contact.sharp.edges import Edges, segment_distance
+from kilter.contact.touching import Touching, explained
 
-__all__ = [
-    "RoundContacts", "beside_curved", "explained", "in_patch", "no_round_contacts",
-    "round_contacts",
-]  # fmt: skip
+__all__ = ["RoundContacts", "beside_curved", "no_round_contacts", "round_contacts"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,115 +45,47 @@ def beside_curved(geometry: Geometry, parts: Index, points: Array, slack: Array)
     s = geometry.surfaces
     found = np.zeros(len(points), dtype=bool)
     for side in parts.T:
-        count = np.diff(s.start)[side]
-        owner = np.repeat(np.arange(len(side)), count)
-        row = np.arange(len(owner)) + np.repeat(s.start[side] - (np.cumsum(count) - count), count)
+        owner, row = ragged(s.start, side)
         off = np.abs(s.distance(row, points[owner]))
         near = (off <= slack[owner]) | (s.kind[row] == FREE)
         found[owner[near]] = True
     return found
 
 
-# what a patch explains ----------------------------------------------------------------
-
-
-def explained(
-    geometry: Geometry,
-    curved: CurvedContacts,
-    patches: Patches,
-    pair: int,
-    points: Array,
-    slack: float,
-) -> Mask:
-    """Points, shape (n, 3), where patches of the pair say what touches."""
-    held = np.zeros(len(points), dtype=bool)
-    first, last = np.searchsorted(curved.pair, [pair, pair + 1])
-    for patch in range(int(first), int(last)):
-        held |= _on_curved(geometry, curved, patch, points, slack)
-    first, last = np.searchsorted(patches.pair, [pair, pair + 1])
-    for patch in range(int(first), int(last)):
-        corners = patches.points[patches.start[patch] : patches.start[patch + 1]]
-        held |= on_flat(points, corners, patches.normal[patch], slack)
-    return held
-
-
-def in_patch(
-    geometry: Geometry, curved: CurvedContacts, pair: int, points: Array, slack: float
-) -> Mask:
-    """Points, shape (n, 3), on a curved face that touches all over."""
-    held = np.zeros(len(points), dtype=bool)
-    first, last = np.searchsorted(curved.pair, [pair, pair + 1])
-    for patch in range(int(first), int(last)):
-        if curved.area[patch] > 0:
-            held |= _on_curved(geometry, curved, patch, points, slack)
-    return held
-
-
-def _on_curved(
-    geometry: Geometry, curved: CurvedContacts, patch: int, points: Array, slack: float
-) -> Mask:
-    corners = curved.points[curved.start[patch] : curved.start[patch + 1]]
-    zone = max(float(curved.zone[patch]), slack)
-    if curved.area[patch] > 0:
-        rows = np.full(len(points), curved.surface[patch].max())
-        size = float(np.ptp(corners, axis=0).max())
-        low, high = corners.min(axis=0) - 0.1 * size, corners.max(axis=0) + 0.1 * size
-        near: Mask = np.abs(geometry.surfaces.distance(rows, points)) <= slack
-        near &= ((points >= low) & (points <= high)).all(axis=1)
-        return near
-    if len(corners) > 2:  # a circle
-        zone += 0.05 * float(np.ptp(corners, axis=0).max())
-    following = np.roll(corners, -1, axis=0)
-    step = following - corners
-    t = np.einsum("nki,ki->nk", points[:, None] - corners, step)
-    t = np.clip(t / np.maximum((step**2).sum(axis=1), 1e-300), 0, 1)
-    foot = corners + t[..., None] * step
-    beside: Mask = np.linalg.norm(points[:, None] - foot, axis=2).min(axis=1) <= zone
-    return beside
-
-
-# what touches without a formula -------------------------------------------------------
-
-
 def round_contacts(
-    geometry: Geometry,
-    facets: Facets,
-    boxes: Boxes,
-    edges: Edges,
-    pairs: Index,
-    tolerance: Array,
-    rows: Index,
-    rims: tuple[Index, Array],
-    curved: CurvedContacts,
-    patches: Patches,
+    touching: Touching, edges: Edges, rows: Index, rims: tuple[Index, Array]
 ) -> RoundContacts:
     """Which of the pairs `rows` touch at a curved surface without a patch that says how.
 
     Parameters
     ----------
+    touching : Touching
     edges : Edges
         Of all parts of these pairs.
+    rows : ndarray of int, shape (n,)
     rims : (pair, point)
         Where corners and edges beside curved faces touch the other part.
     """
+    search, curved = touching.search, touching.curved
+    geometry, pairs, gap = search.geometry, search.pairs, search.limits.gap
     found: dict[int, list[tuple[Array, int]]] = {}
 
     def note(pair: Index, point: Array, surface: Index) -> None:
         for name in np.unique(pair).tolist():
             mine = np.flatnonzero(pair == name)
-            both = pairs[name]
-            slack = float(tolerance[name] + 2 * geometry.slack[both].max())
-            free = ~explained(geometry, curved, patches, name, point[mine], slack)
+            slack = float(gap[name] + 2 * geometry.slack[pairs[name]].max())
+            free = ~explained(touching, name, point[mine], slack)
             found.setdefault(name, []).extend((point[k], int(surface[k])) for k in mine[free])
 
     note(rims[0], rims[1], np.full(len(rims[0]), -1))
     for turn in (False, True):
-        note(*edges_on_faces(geometry, facets, boxes, edges, pairs, tolerance, rows, curved, turn))
+        note(*edges_on_faces(touching, edges, rows, turn=turn))
     chosen = curved.unknown[np.isin(curved.unknown[:, 0], rows)]
-    known = {(int(k), *s) for k, s in zip(curved.pair, curved.surface.tolist(), strict=True)}
+    known = np.column_stack([curved.patches.pair, curved.surface]).tolist()
+    known = {tuple(row) for row in known}
     chosen = chosen[[tuple(row) not in known for row in chosen.tolist()]]
     for pair, i, j in chosen.tolist():
-        point = free_touch(geometry, pairs[pair], (i, j), float(tolerance[pair]))
+        point = _free_touch(geometry, pairs[pair], (i, j), float(gap[pair]))
         note(np.full(len(point), pair), point, np.full(len(point), -1))
     return _listed(geometry, pairs, found)
 
@@ -199,9 +126,81 @@ def _forces(geometry: Geometry, surface: int) -> list[tuple[Array, Array]]:
     center, axis = s.point[surface], s.axis[surface]
     if s.kind[surface] == SPHERE:
         return [(center, direction) for direction in np.eye(3)]
-    u = cross(np.eye(3)[np.abs(axis).argmin()], axis)
-    u /= np.linalg.norm(u)
     corners = geometry.vertices[geometry.triangles[s.triangles_of(surface)]].reshape(-1, 3)
     along = (corners - center) @ axis
     ends = (center + along.min() * axis, center + along.max() * axis)
-    return [(end, d) for end in ends for d in (u, cross(axis, u))]
+    return [(end, d) for end in ends for d in across(axis)]
+
+
+# faces without a formula: where their triangles come near each other --------------------
+
+
+def _free_touch(
+    geometry: Geometry, parts: Index, names: tuple[int, int], tolerance: float
+) -> Array:
+    """Points where triangles of two faces come within tolerance and both sagittas, (n, 3)."""
+    s = geometry.surfaces
+    sides = []
+    for part, name in zip(parts.tolist(), names, strict=True):
+        if name >= 0:
+            chosen = s.triangles_of(name)
+        else:
+            span = np.arange(geometry.triangle_start[part], geometry.triangle_start[part + 1])
+            chosen = span[geometry.triangle_surface[span] < 0]
+        sides.append(geometry.vertices[geometry.triangles[chosen]])
+    grow = tolerance + float(sum(s.sagitta[k] for k in names if k >= 0))
+    boxes = [(side.min(axis=1), side.max(axis=1)) for side in sides]
+    owners = [np.zeros(len(side), dtype=np.int64) for side in sides]
+    found = [np.empty((0, 3))]
+    for _, i, j in joins(owners[0], boxes[0], owners[1], boxes[1], np.array([grow])):
+        off, point = _triangles_apart(sides[0][i], sides[1][j])
+        found.append(point[off <= grow])
+    return np.concatenate(found)
+
+
+def _triangles_apart(one: Array, other: Array) -> tuple[Array, Array]:
+    """Distance of triangles, shape (n, 3, 3), and a point between them; 0 where they cross."""
+    off, best = np.full(len(one), np.inf), one[:, 0].copy()
+
+    def better(value: Array, point: Array) -> None:
+        use = value < off
+        off[use], best[use] = value[use], point[use]
+
+    for mine, its in ((one, other), (other, one)):
+        normal = unit_rows(cross(its[:, 1] - its[:, 0], its[:, 2] - its[:, 0]))
+        for k in range(3):
+            p, q = mine[:, k], mine[:, (k + 1) % 3]
+            for start, end in ((p, p), (p, q)):
+                height = [np.einsum("ij,ij->i", x - its[:, 0], normal) for x in (start, end)]
+                apart = height[0] - height[1]
+                t = np.where(apart != 0, height[0] / np.where(apart != 0, apart, 1.0), 0.0)
+                crossing = (t >= 0) & (t <= 1)
+                at = start + np.where(crossing, t, 0.0)[:, None] * (end - start)
+                up = np.einsum("ij,ij->i", at - its[:, 0], normal)
+                foot = at - up[:, None] * normal
+                inside = np.ones(len(at), dtype=bool)
+                for m in range(3):
+                    edge = its[:, (m + 1) % 3] - its[:, m]
+                    inside &= np.einsum("ij,ij->i", cross(edge, foot - its[:, m]), normal) >= 0
+                better(np.where(inside, np.abs(up), np.inf), (at + foot) / 2)
+            for m in range(3):
+                start, end = its[:, m], its[:, (m + 1) % 3]
+                better(*_point_edge(p, start, end))
+                sine = np.linalg.norm(cross(q - p, end - start), axis=1)
+                size = np.linalg.norm(q - p, axis=1) * np.linalg.norm(end - start, axis=1)
+                some = np.flatnonzero(sine > FREE_PARALLEL * size)
+                value, point = np.full(len(p), np.inf), p.copy()
+                value[some], here, there = segment_distance(
+                    p[some], q[some], start[some], end[some]
+                )
+                point[some] = (here + there) / 2
+                better(value, point)
+    return off, best
+
+
+def _point_edge(x: Array, start: Array, end: Array) -> tuple[Array, Array]:
+    """Distance of points from edges, and the point half-way."""
+    along = end - start
+    t = ratio(np.einsum("ij,ij->i", x - start, along), (along**2).sum(axis=1))
+    foot = start + np.clip(t, 0, 1)[:, None] * along
+    return np.linalg.norm(x - foot, axis=1), (x + foot) / 2

@@ -16,15 +16,10 @@ from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import CYLINDER
-from kilter.contact.contact_set import Tolerance
+from kilter.contact.contact_tolerances import FIT_LENGTH, INTERFERENCE
+from kilter.contact.gaps import Tolerance
 
 __all__ = ["Fit", "coaxial_fits"]
-
-
-INTERFERENCE = 0.1
-"""A shaft that is thicker than its hole by more than this part of its radius is no fit."""
-OVERLAP = 1e-3
-"""A fit shorter than this part of its radius is none."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,8 +82,7 @@ def coaxial_fits(
         for part in (a, b):
             if part not in bores:
                 bores[part] = _bores(assembly, part)
-        size = float(assembly.geometry.size[[a, b]].min())
-        gap = tolerance.gap if tolerance.gap is not None else tolerance.relative_gap * size
+        gap = float(tolerance.gap_of(assembly.geometry.size[[a, b]]).min())
         for shaft, hole in ((a, b), (b, a)):
             fits = [
                 fit
@@ -118,7 +112,7 @@ def _fit(
         return []
     ends = float(shaft.axis @ apart) + along * np.array([hole.low, hole.high])
     low, high = max(shaft.low, float(ends.min())), min(shaft.high, float(ends.max()))
-    if high - low <= OVERLAP * shaft.radius:
+    if high - low <= FIT_LENGTH * shaft.radius:
         return []
     middle = shaft.point + shaft.axis * (low + high) / 2
     return [

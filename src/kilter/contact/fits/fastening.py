@@ -6,7 +6,8 @@ from collections.abc import Iterable, Sequence
 
 from kilter.assembly import Assembly, Joint
 from kilter.contact import detect
-from kilter.contact.contact_set import ContactSet, Tolerance
+from kilter.contact.contact_set import ContactSet
+from kilter.contact.gaps import Tolerance
 from kilter.errors import InputError, some_names
 
 __all__ = ["fastened", "touching_pairs"]

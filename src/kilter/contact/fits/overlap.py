@@ -3,35 +3,37 @@
 Two convex parts share no volume where the plane of a facet of one has the other in front
 of it (within tolerance). Where no facet's plane separates them, the largest ball in both
 decides; it also tells apart parts that only an edge against an edge separates.
+
+Volumes of other parts are those of their meshes, cut by manifold3d (Apache-2.0) where it is
+installed: the extra ``overlap``.
 """
 
 from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from importlib.util import find_spec
+from typing import Any
 
 import numpy as np
 
-from kilter.arrays import Array, Mask, cross
+from kilter.arrays import TINY, Array, Index, Mask, cross, ratio, unit_rows
+from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
-from kilter.contact.broad import Boxes
-from kilter.contact.contact_set import Overlap, Tolerance
-from kilter.contact.curved.curved_patches import CurvedContacts
-from kilter.contact.curved.unmodelled import in_patch
+from kilter.assembly.part import Part
+from kilter.contact.contact_set import INTERFERE, Overlap
+from kilter.contact.contact_tolerances import SAME_PLACE
 from kilter.contact.fits.coaxial import coaxial_fits
-from kilter.contact.fits.shared_volume import HINT, can_cut, overlap_volume
+from kilter.contact.gaps import Tolerance
 from kilter.contact.planar.facets import Facets
+from kilter.contact.touching import Touching, in_patch
+from kilter.shape.closed import welded
+from kilter.shape.primitives import surface
 
-if TYPE_CHECKING:
-    from kilter.assembly import Assembly
-    from kilter.contact.sharp.sharp_contacts import Touching
-
-__all__ = ["find_overlaps"]
+__all__ = ["can_cut", "find_overlaps", "overlap_volume"]
 
 
-INTERFERE = "interfere"
-"""What is said of a shaft that is thicker than its hole: a thread, a press fit."""
+HINT = "volumes of overlaps need the extra: pip install 'kilter[overlap]'"
 CUTS = 200
 """The volumes of so many overlaps are computed; each takes some milliseconds."""
 Settled = Callable[[Array], Mask]
@@ -41,18 +43,15 @@ PROBES = 300
 
 
 def find_overlaps(
-    assembly: Assembly,
-    geometry: Geometry,
-    facets: Facets,
-    boxes: Boxes,
-    touching: Touching,
-    allowed: Tolerance,
+    assembly: Assembly, touching: Touching, allowed: Tolerance
 ) -> tuple[tuple[Overlap, ...], list[str]]:
     """Pairs that share volume, and warnings that name them."""
-    a, b = touching.pairs.T
+    search = touching.search
+    geometry, facets, boxes = search.geometry, search.facets, search.boxes
+    a, b = search.pairs.T
     both_convex = facets.convex_part[a] & facets.convex_part[b]
     # tessellations of curved faces enter each other by their sagittas
-    tolerance = touching.tolerance + geometry.slack[a] + geometry.slack[b]
+    tolerance = search.limits.gap + geometry.slack[a] + geometry.slack[b]
     grow = tolerance[:, None]
     deep = (boxes.part_high[a] - boxes.part_low[b] > grow).all(axis=1)
     deep &= (boxes.part_high[b] - boxes.part_low[a] > grow).all(axis=1)
@@ -60,8 +59,8 @@ def find_overlaps(
     found = list({overlap.parts: overlap for overlap in touching.curved.overlaps}.values())
     known = {overlap.parts for overlap in found}
     for row in rows:
-        one, other = (int(k) for k in touching.pairs[row])
-        settled = _settled(geometry, touching.curved, int(row), 2 * float(tolerance[row]))
+        one, other = (int(k) for k in search.pairs[row])
+        settled = _settled(touching, int(row), 2 * float(tolerance[row]))
         convex = bool(both_convex[row])
         overlap = _overlap(geometry, facets, (one, other), float(tolerance[row]), convex, settled)
         if overlap is not None and overlap.parts not in known:
@@ -83,11 +82,11 @@ def find_overlaps(
     return tuple(found), warnings
 
 
-def _settled(geometry: Geometry, curved: CurvedContacts, row: int, slack: float) -> Settled:
+def _settled(touching: Touching, row: int, slack: float) -> Settled:
     """Whether points lie on curved faces of a pair that touch all over."""
 
     def settled(points: Array) -> Mask:
-        return in_patch(geometry, curved, row, points, slack)
+        return in_patch(touching, row, points, slack)
 
     return settled
 
@@ -136,7 +135,7 @@ def _identical(geometry: Geometry, a: int, b: int) -> bool:
     one, other = _corners(geometry, a), _corners(geometry, b)
     if one.shape != other.shape:
         return False
-    close = 1e-9 * geometry.size[a] + geometry.accuracy[a] + geometry.accuracy[b]
+    close = SAME_PLACE * geometry.size[a] + geometry.accuracy[a] + geometry.accuracy[b]
     if np.abs(one.mean(axis=0) - other.mean(axis=0)).max() > close:
         return False
     from scipy.spatial import cKDTree
@@ -173,7 +172,7 @@ def _ball(
     from scipy.optimize import linprog
     from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
-    scale = max(float(np.abs(offsets).max()), 1e-300)
+    scale = max(float(np.abs(offsets).max()), TINY)
     ball = linprog(
         [0, 0, 0, -1],
         A_ub=np.column_stack([normals, np.ones(len(normals))]),
@@ -258,8 +257,7 @@ def _winding(points: Array, triangles: Array) -> Array:
 def _distance(points: Array, triangles: Array) -> Array:
     """Distance of each point from the nearest triangle's plane it lies over, or edge."""
     p, q, r = triangles.transpose(1, 0, 2)
-    normal = np.cross(q - p, r - p)
-    normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
+    normal = unit_rows(cross(q - p, r - p))
     height = np.einsum("ntk,tk->nt", points[:, None] - p, normal)
     foot = points[:, None] - height[..., None] * normal
     inside = np.ones(height.shape, dtype=bool)
@@ -267,10 +265,71 @@ def _distance(points: Array, triangles: Array) -> Array:
     for start, end in ((p, q), (q, r), (r, p)):
         along = end - start
         local = points[:, None] - start
-        inside &= np.einsum("ntk,tk->nt", np.cross(along, foot - start), normal) >= 0
-        t = np.clip(
-            np.einsum("ntk,tk->nt", local, along) / np.maximum((along**2).sum(1), 1e-300), 0, 1
-        )
+        inside &= np.einsum("ntk,tk->nt", cross(along, foot - start), normal) >= 0
+        t = np.clip(ratio(np.einsum("ntk,tk->nt", local, along), (along**2).sum(1)), 0, 1)
         nearest = np.minimum(nearest, np.linalg.norm(local - t[..., None] * along, axis=2))
     least: Array = np.where(inside, np.abs(height), nearest).min(axis=1)
     return least
+
+
+# volumes, by whatever kernel there is ---------------------------------------------------
+
+
+def can_cut() -> bool:
+    """Whether there is a kernel that cuts meshes."""
+    return find_spec("manifold3d") is not None
+
+
+def overlap_volume(part_a: Part, part_b: Part) -> float | None:
+    """The volume that two parts share [length unit^3], of their triangles.
+
+    Cylinders and spheres count as their inscribed polyhedra.
+
+    Returns
+    -------
+    float or None
+        None where no kernel is installed, or it refuses a mesh: see `can_cut`.
+
+    Examples
+    --------
+    >>> from kilter.shape.primitives import Box
+    >>> from kilter.rigid import Pose
+    >>> one, other = Part("a", Box([1, 1, 1])), Part("b", Box([1, 1, 1]), Pose([0.5, 0, 0.25]))
+    >>> overlap_volume(one, other) in (None, 0.375)
+    True
+    """
+    if not can_cut():
+        return None
+    meshes = [_world(part) for part in (part_a, part_b)]
+    low = np.maximum(*(vertices.min(axis=0) for vertices, _ in meshes))
+    high = np.minimum(*(vertices.max(axis=0) for vertices, _ in meshes))
+    if (low >= high).any():
+        return 0.0
+    # in a frame at the overlap, in units of the larger part: digits and tolerances keep their size
+    middle = (low + high) / 2
+    size = max(float(np.ptp(vertices, axis=0).max()) for vertices, _ in meshes)
+    one, other = (_solid((vertices - middle) / size, triangles) for vertices, triangles in meshes)
+    if one is None or other is None:
+        return None
+    return float((one ^ other).volume()) * size**3
+
+
+def _world(part: Part) -> tuple[Array, Index]:
+    vertices, triangles = surface(part.shape)
+    accuracy = float(getattr(part.shape, "accuracy", 0.0))
+    vertices, triangles, _ = welded(vertices, triangles, accuracy=accuracy)
+    return part.pose.apply(vertices), triangles
+
+
+def _solid(vertices: Array, triangles: Index) -> Any:
+    import manifold3d
+
+    p, q, r = (vertices[triangles[:, k]] for k in range(3))
+    if float(np.einsum("ij,ij->", p, np.cross(q, r))) < 0:
+        triangles = triangles[:, ::-1]
+    mesh = manifold3d.Mesh64(
+        vert_properties=np.ascontiguousarray(vertices),
+        tri_verts=np.ascontiguousarray(triangles, dtype=np.uint64),
+    )
+    solid = manifold3d.Manifold(mesh)
+    return solid if solid.status() == manifold3d.Error.NoError else None

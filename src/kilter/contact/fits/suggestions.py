@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 
 from kilter.assembly import Assembly
-from kilter.contact import ContactSet
+from kilter.contact.contact_set import INTERFERE, ContactSet
+from kilter.contact.contact_tolerances import AXIS_ROUNDING
 from kilter.contact.fits.coaxial import Fit, coaxial_fits
 from kilter.contact.fits.fastening import touching_pairs
 
@@ -25,10 +26,6 @@ __all__ = ["Suggestion", "suggest_joints"]
 
 NUT = re.compile(r"(?<![a-z])nut(?![a-z])", re.IGNORECASE)
 """Names of parts whose hole is taken for a thread."""
-SMALL = 1e-15
-"""A component of a unit axis that is rounding."""
-INTERFERE = "interfere"
-"""What the contacts say of two parts that interfere by design."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,7 +91,7 @@ def _of_fit(assembly: Assembly, fit: Fit) -> Suggestion:
         "parts": list(parts),
         "kind": "cylindrical",
         "point": (fit.point + 0.0).tolist(),
-        "axis": np.where(np.abs(fit.axis) < SMALL, 0.0, fit.axis).tolist(),
+        "axis": np.where(np.abs(fit.axis) < AXIS_ROUNDING, 0.0, fit.axis).tolist(),
     }
     return Suggestion(parts, why, _option(parts), joint)
 

@@ -14,8 +14,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kilter.arrays import Array, Index, Mask, cross
+from kilter.arrays import TINY, Array, Index, Mask, counted, cross, ragged, starts, unit_rows
 from kilter.assembly.geometry import Geometry
+from kilter.contact.contact_tolerances import (
+    FACET_BEND,
+    FACET_FLATNESS,
+    FACET_REFLEX,
+    ROUNDINGS,
+    SAME_PLACE,
+    THICKNESS,
+)
 from kilter.shape.primitives import BOX_QUADS
 
 __all__ = ["Facets", "find_facets"]
@@ -24,12 +32,6 @@ Block = dict[str, NDArray[Any]]
 
 CHUNK = 60_000
 """Triangles grouped in one go: larger chunks are bound by memory."""
-FLAT = 1e-6
-"""Facet tolerance over the size of the part; 2e-7 of the coordinates for float32."""
-THIN = 0.1
-"""The facet tolerance is at most this part of the thickness of the part."""
-BEND = 1e-3
-"""Largest angle between neighbours in a facet [rad], besides what rounding explains."""
 LONG_LOOP = 256
 """Facets with more corners than this are given by their triangles."""
 
@@ -114,9 +116,9 @@ def _joined(geometry: Geometry, blocks: list[Block], convex_part: Mask) -> Facet
         for key in ("part", "convex", "length", "corners", "surface")
     )
     order = np.argsort(part, kind="stable")
-    corners = corners[_rows(np.cumsum(length) - length, length, order)]
+    corners = corners[ragged(starts(length), order)[1]]
     part, convex, length, surface = part[order], convex[order], length[order], surface[order]
-    first = np.concatenate([[0], np.cumsum(length)])
+    first = starts(length)
     owner, triangles = _triangles_of(first, convex)
     normal, origin, area = _planes(geometry.vertices[corners[triangles]], owner, len(part))
     apart = geometry.vertices[corners] - np.repeat(origin, length, axis=0)
@@ -136,20 +138,11 @@ def _joined(geometry: Geometry, blocks: list[Block], convex_part: Mask) -> Facet
     )
 
 
-def _rows(first: Index, length: Index, order: Index) -> Index:
-    """Rows of the groups `order`, each starting at `first` and `length` long."""
-    chosen = length[order]
-    shift = first[order] - (np.cumsum(chosen) - chosen)
-    rows: Index = np.repeat(shift, chosen) + np.arange(int(chosen.sum()))
-    return rows
-
-
 def _triangles_of(first: Index, convex: Mask) -> tuple[Index, Index]:
     """Facet and corner positions, shape (T, 3), of triangles that make up the facets."""
     length = np.diff(first)
     count = np.where(convex, length - 2, length // 3)
-    owner = np.repeat(np.arange(len(length)), count)
-    k = np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
+    owner, k = counted(count)
     base = first[owner]
     fan = convex[owner]
     return owner, np.column_stack(
@@ -168,7 +161,7 @@ def _planes(points: Array, owner: Index, count: int) -> tuple[Array, Array, Arra
     p, q, r = (points[:, k] - base[owner] for k in range(3))
     twice = cross(q - p, r - p)
     total = np.add.reduceat(twice, first, axis=0)
-    size = np.maximum(np.linalg.norm(total, axis=1), np.finfo(float).tiny)
+    size = np.maximum(np.linalg.norm(total, axis=1), TINY)
     normal = total / size[:, None]
     weight = np.einsum("ij,ij->i", twice, normal[owner])
     moment = np.add.reduceat(weight[:, None] * (p + q + r), first, axis=0)
@@ -180,18 +173,17 @@ def _planes(points: Array, owner: Index, count: int) -> tuple[Array, Array, Arra
 
 def _grouped(geometry: Geometry, parts: Index, convex_part: Mask) -> list[Block]:
     """Facets of some parts, from their triangles; marks the parts that are convex."""
-    start, count = geometry.triangle_start[parts], np.diff(geometry.triangle_start)[parts]
-    rows = _rows(start, count, np.arange(len(parts)))
+    owner, rows = ragged(geometry.triangle_start, parts)
     triangles, curved = geometry.triangles[rows], geometry.triangle_surface[rows]
-    part = np.repeat(parts, count)
+    part = parts[owner]
     points = geometry.vertices[triangles]
     area = cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
     surface = np.bincount(part, np.linalg.norm(area, axis=1) / 2, minlength=len(geometry.mass))
     thickness = np.zeros(len(geometry.mass))
     thickness[parts] = 2 * geometry.volume[parts] / surface[parts]
-    flat = np.minimum(FLAT * geometry.size, THIN * thickness)
-    tolerance = np.maximum(flat, np.minimum(4 * geometry.accuracy, thickness / 2))[part]
-    rounding = (4 * geometry.accuracy + 1e-9 * geometry.size)[part]
+    flat = np.minimum(FACET_FLATNESS * geometry.size, THICKNESS * thickness)
+    tolerance = np.maximum(flat, np.minimum(ROUNDINGS * geometry.accuracy, thickness / 2))[part]
+    rounding = (ROUNDINGS * geometry.accuracy + SAME_PLACE * geometry.size)[part]
     edges = _shared_edges(triangles)
     first, second = edges[0] // 3, edges[1] // 3
     convex = _convex_parts(geometry.vertices, triangles, part, tolerance, rounding, first, second)
@@ -216,13 +208,13 @@ def _convex_parts(
     """Parts in one piece whose neighbouring triangles nowhere bend inwards."""
     points = vertices[triangles]
     area = cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
-    normal = area / np.maximum(np.linalg.norm(area, axis=1), np.finfo(float).tiny)[:, None]
+    normal = unit_rows(area)
     rise = np.einsum("nki,ni->nk", points[second] - points[first, 0][:, None, :], normal[first])
     back = np.einsum("nki,ni->nk", points[first] - points[second, 0][:, None, :], normal[second])
     inwards = np.minimum(rise.max(axis=1), back.max(axis=1))
     sine = np.linalg.norm(cross(normal[first], normal[second]), axis=1)
     # a warped face bends a little; the many sides of a fine hole bend more, and rise little
-    reflex = (inwards > 2 * tolerance[first]) | ((inwards > rounding[first]) & (sine > BEND))
+    reflex = (inwards > 2 * tolerance[first]) | ((inwards > rounding[first]) & (sine > FACET_BEND))
     count = int(part.max()) + 1
     bad = np.bincount(part[first[reflex]], minlength=count) > 0
     open_somewhere = np.bincount(part[first], minlength=count) * 2 != 3 * np.bincount(
@@ -240,7 +232,7 @@ def _coplanar_groups(
     """A facet number for each triangle."""
     points = vertices[triangles]
     area = cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
-    twice = np.maximum(np.linalg.norm(area, axis=1), np.finfo(float).tiny)
+    twice = np.maximum(np.linalg.norm(area, axis=1), TINY)
     normal = area / twice[:, None]
     bend, drop = _bend(points, normal, twice, first, second)
     group = np.arange(len(triangles))
@@ -249,7 +241,7 @@ def _coplanar_groups(
     for _ in range(6):
         limit = np.minimum(scale[first], scale[second])
         joined = (drop <= limit) & (
-            bend <= BEND + 4 * limit / _height(points, twice, first, second)
+            bend <= FACET_BEND + 4 * limit / _height(points, twice, first, second)
         )
         joined &= active[first] & active[second]
         group = _relabelled(
@@ -299,8 +291,8 @@ def _bend(
 def _height(points: Array, twice: Array, first: Index, second: Index) -> Array:
     """Least height of the narrower of two triangles."""
     edges = np.linalg.norm(points - np.roll(points, -1, axis=1), axis=2).max(axis=1)
-    height = twice / np.maximum(edges, np.finfo(float).tiny)
-    lowest: Array = np.maximum(np.minimum(height[first], height[second]), np.finfo(float).tiny)
+    height = twice / np.maximum(edges, TINY)
+    lowest: Array = np.maximum(np.minimum(height[first], height[second]), TINY)
     return lowest
 
 
@@ -362,7 +354,7 @@ def _boundaries(
     rest = np.flatnonzero(~convex)
     if len(rest):
         number = np.diff(np.append(first, len(group)))
-        rows = _rows(first, number, rest)
+        rows = ragged(np.append(first, len(group)), rest)[1]
         blocks.append(
             {
                 "part": part[first[rest]],
@@ -419,6 +411,6 @@ def _turning_left(
     turn = np.einsum("nki,ni->nk", cross(after - here, beyond - after), normal)
     chord = np.linalg.norm(beyond - here, axis=2)
     # depth of a reflex corner below the chord that would cut it off
-    reflex = inside & (turn < -0.01 * tolerance[:, None] * np.maximum(chord, 1e-300))
+    reflex = inside & (turn < -FACET_REFLEX * tolerance[:, None] * np.maximum(chord, TINY))
     result: Mask = ~reflex.any(axis=1)
     return result

@@ -1,4 +1,4 @@
-"""Touches: accepted points of edges and corners as patches, in the form of `ContactSet`.
+"""Accepted points of edges and corners as patches without area.
 
 An edge that lies on a facet is one patch, its two ends on that facet; every other point is
 a patch of its own.
@@ -6,59 +6,28 @@ a patch of its own.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
-from numpy.typing import NDArray
 
-from kilter.arrays import Array, Index
-from kilter.assembly.geometry import Geometry
-from kilter.contact.planar.facets import Facets
-from kilter.contact.sharp.edges import Edges, ragged
+from kilter.arrays import TINY, Array, Index, Labels, ragged
+from kilter.contact.contact_search import ContactSearch
+from kilter.contact.contact_tolerances import CONE_ANGLE, EDGE_STRAIGHTNESS, NORMAL_ANGLE
+from kilter.contact.patches import Patches
+from kilter.contact.sharp.edges import Edges
 from kilter.contact.sharp.feature_pairs import CORNER, EDGE, FACE, Meetings
-from kilter.contact.sharp.local_cones import SLACK
 from kilter.contact.sharp.normals import Pushes
-from kilter.contact.sharp.spanning import SAME
 
-__all__ = ["Touches", "no_touches", "touches"]
-
-
-COLLINEAR = 2e-3
-"""Points of an edge, which may be tilted, leave its line by less than this part of its length."""
+__all__ = ["edge_contacts"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Touches:
-    """Patches without area: see `ContactSet`; `pair` is the row of the pair of parts.
+def edge_contacts(search: ContactSearch, edges: Edges, met: Meetings, pushes: Pushes) -> Patches:
+    """Accepted points as patches, ordered by pair.
 
-    `accuracy`: of the coordinates over the size of the features that touch, shape (n,) [-];
-    `normals`: of each point.
+    `accuracy` is that of the coordinates over the size of the features that touch.
     """
-
-    pair: Index
-    kind: NDArray[np.str_]
-    gap: Array
-    accuracy: Array
-    start: Index
-    points: Array
-    normals: Array
-
-
-def no_touches() -> Touches:
-    """None at all."""
-    empty, index = np.empty((0, 3)), np.empty(0, dtype=np.int64)
-    none = np.empty(0, dtype="<U11")
-    return Touches(index, none, np.empty((0, 2)), np.empty(0), np.zeros(1, np.int64), empty, empty)
-
-
-def touches(
-    geometry: Geometry, facets: Facets, edges: Edges, met: Meetings, pushes: Pushes
-) -> Touches:
-    """Accepted points as patches, ordered by pair."""
     if not len(pushes.meeting):
-        return no_touches()
+        return Patches.none()
     pushes = pushes.take(np.argsort(met.pair[pushes.meeting], kind="stable"))
-    label = _on_one_edge(geometry, edges, met, pushes)
+    label = _on_one_edge(search, edges, met, pushes)
     point = met.middle[pushes.meeting]
     pushes_kept = _ends_only(point, label)
     pushes, label = pushes.take(pushes_kept), label[pushes_kept]
@@ -69,10 +38,14 @@ def touches(
     gap = np.einsum("ij,ij->i", met.at[row, 1] - met.at[row, 0], pushes.normal)
     first = start[:-1]
     gaps = [reduce.reduceat(gap, first) for reduce in (np.minimum, np.maximum)]
-    blur = _blur(geometry, facets, edges, met, row)
-    return Touches(
-        pair=met.pair[row[first]],
+    blur = _blur(search, edges, met, row)
+    pair = met.pair[row[first]]
+    return Patches(
+        pair=pair,
+        parts=search.pairs[pair],
         kind=_kinds(met, pushes, start),
+        normal=pushes.normal[first],
+        area=np.zeros(len(pair)),
         gap=np.column_stack(gaps),
         accuracy=np.maximum.reduceat(blur, first),
         start=start,
@@ -81,17 +54,17 @@ def touches(
     )
 
 
-def _kinds(met: Meetings, pushes: Pushes, start: Index) -> NDArray[np.str_]:
+def _kinds(met: Meetings, pushes: Pushes, start: Index) -> Labels:
     first = start[:-1]
     kind = met.kind[pushes.meeting[first]]
     crossing = (kind == EDGE).all(axis=1) | ~pushes.of_facet[first].any(axis=1)
     crossing &= ~(kind == FACE).any(axis=1)
-    kinds: NDArray[np.str_] = np.where(crossing, "edge-edge", "vertex-face").astype("<U11")
+    kinds: Labels = np.where(crossing, "edge-edge", "vertex-face").astype("<U11")
     kinds[np.diff(start) > 1] = "edge-face"
     return kinds
 
 
-def _on_one_edge(geometry: Geometry, edges: Edges, met: Meetings, pushes: Pushes) -> Index:
+def _on_one_edge(search: ContactSearch, edges: Edges, met: Meetings, pushes: Pushes) -> Index:
     """A number for each point, the same for points of one edge on one facet."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
@@ -101,15 +74,15 @@ def _on_one_edge(geometry: Geometry, edges: Edges, met: Meetings, pushes: Pushes
     for side in (0, 1):
         point, edge = _edges_at(edges, met, pushes, side)
         flat = pushes.of_facet[point, 1 - side]
-        level = np.einsum("ij,ij->i", edges.direction(geometry, edge), pushes.normal[point])
-        flat &= np.abs(level) <= SLACK
+        level = np.einsum("ij,ij->i", edges.direction(search.geometry, edge), pushes.normal[point])
+        flat &= np.abs(level) <= CONE_ANGLE
         point, edge = point[flat], edge[flat]
         order = np.lexsort((edge, met.pair[pushes.meeting[point]]))
         point, edge = point[order], edge[order]
         p, q = point[:-1], point[1:]
         same = np.diff(edge) == 0
         same &= met.pair[pushes.meeting[p]] == met.pair[pushes.meeting[q]]
-        same &= np.linalg.norm(pushes.normal[p] - pushes.normal[q], axis=1) <= SAME
+        same &= np.linalg.norm(pushes.normal[p] - pushes.normal[q], axis=1) <= NORMAL_ANGLE
         first.append(p[same])
         second.append(q[same])
     i, j = np.concatenate(first), np.concatenate(second)
@@ -136,16 +109,17 @@ def _ends_only(point: Array, label: Index) -> Index:
         away = point[rows] - point[rows[0]]
         far = away[np.linalg.norm(away, axis=1).argmax()]
         length = float(np.linalg.norm(far))
-        along = away @ far / max(length, np.finfo(float).tiny)
-        aside = away - np.outer(along, far) / max(length, np.finfo(float).tiny)
-        if np.abs(aside).max() <= COLLINEAR * length:
+        along = away @ far / max(length, TINY)
+        aside = away - np.outer(along, far) / max(length, TINY)
+        if np.abs(aside).max() <= EDGE_STRAIGHTNESS * length:
             keep[rows] = False
             keep[rows[[along.argmin(), along.argmax()]]] = True
     return np.flatnonzero(keep)
 
 
-def _blur(geometry: Geometry, facets: Facets, edges: Edges, met: Meetings, rows: Index) -> Array:
+def _blur(search: ContactSearch, edges: Edges, met: Meetings, rows: Index) -> Array:
     """Accuracy of the coordinates over the least of the features that touch."""
+    geometry, facets = search.geometry, search.facets
     width = np.full(len(rows), np.inf)
     blur = np.zeros(len(rows))
     for side in (0, 1):

@@ -6,12 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross
+from kilter.arrays import TINY, Array, Index, Mask, Rows, counted, cross, ragged, unit_rows
 from kilter.assembly.geometry import Geometry
 from kilter.contact.broad import Boxes
+from kilter.contact.contact_tolerances import RAY_ANGLE, VERTEX_ON_EDGE
 from kilter.contact.planar.facets import Facets
 
-__all__ = ["Edges", "Rays", "find_edges", "ragged", "segment_distance"]
+__all__ = ["Edges", "Rays", "find_edges", "segment_distance"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,8 +48,7 @@ class Edges:
     def direction(self, geometry: Geometry, which: Index) -> Array:
         """Unit directions of edges, shape (n, 3)."""
         p, q = self.ends(geometry, which)
-        unit: Array = (q - p) / np.maximum(np.linalg.norm(q - p, axis=1), 1e-300)[:, None]
-        return unit
+        return unit_rows(q - p)
 
     def inside(
         self, geometry: Geometry, boxes: Boxes, part: Index, box: tuple[Array, Array]
@@ -101,7 +101,7 @@ class Edges:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Rays:
+class Rays(Rows):
     """Edges that leave vertices, seen from there: row of the vertex, unit direction.
 
     `left`, `right`: the facets on either side, seen from outside (-1: none).
@@ -115,29 +115,11 @@ class Rays:
 
     def once(self) -> Rays:
         """Each direction between the same two facets once, those inside of a facet never."""
-        place = np.round(self.direction / SAME_WAY).astype(np.int64)
+        place = np.round(self.direction / RAY_ANGLE).astype(np.int64)
         names = np.column_stack([self.owner, self.left, self.right, place])
         keep = np.unique(names, axis=0, return_index=True)[1]
         keep = np.sort(keep[self.left[keep] != self.right[keep]])
-        return Rays(*(getattr(self, name)[keep] for name in self.__slots__))
-
-
-SAME_WAY = 1e-3
-"""Edges between the same two facets that leave a corner closer than this are one [rad]."""
-
-
-def ragged(start: Index, which: Index) -> tuple[Index, Index]:
-    """Rows ``start[w]`` to ``start[w + 1]`` of each w of `which`: (place in `which`, row).
-
-    Examples
-    --------
-    >>> ragged(np.array([0, 2, 3]), np.array([1, 0]))
-    (array([0, 1, 1]), array([2, 0, 1]))
-    """
-    count = start[which + 1] - start[which]
-    owner = np.repeat(np.arange(len(which)), count)
-    shift = start[which] - (np.cumsum(count) - count)
-    return owner, np.arange(len(owner)) + np.repeat(shift, count)
+        return self.take(keep)
 
 
 def find_edges(geometry: Geometry, facets: Facets, parts: Index) -> Edges:
@@ -175,8 +157,6 @@ def find_edges(geometry: Geometry, facets: Facets, parts: Index) -> Edges:
     )
 
 
-ON_LINE = 1e-7
-"""A vertex this part of the size from an edge splits it."""
 OPEN = 4000
 """Up to this many edges of a part with a facet on one side only are matched."""
 
@@ -200,12 +180,12 @@ def _across_open(geometry: Geometry, ends: Index, sides: Index) -> tuple[Index, 
             away = (start[row] + end[row]) / 2 - start
             at = np.einsum("ij,ij->i", away, along)
             off = np.linalg.norm(away - at[:, None] * along, axis=1)
-            near = (off <= ON_LINE * geometry.size[k]) & (at >= 0) & (at <= length)
+            near = (off <= VERTEX_ON_EDGE * geometry.size[k]) & (at >= 0) & (at <= length)
             # the longer of the two holds the middle of the shorter
             away = (start + end) / 2 - start[row]
             at = away @ along[row]
             off = np.linalg.norm(away - np.outer(at, along[row]), axis=1)
-            near |= (off <= ON_LINE * geometry.size[k]) & (at >= 0) & (at <= length[row])
+            near |= (off <= VERTEX_ON_EDGE * geometry.size[k]) & (at >= 0) & (at <= length[row])
             own = sides[edge].max()
             other = np.setdiff1d(known[part == k][near], [own])
             if len(other):
@@ -244,8 +224,8 @@ def _without_slivers(facets: Facets, ends: Index, sides: Index) -> tuple[Index, 
 def _boundary(facets: Facets, which: Index) -> tuple[Index, Index, Index]:
     """Directed edges around the facets: start, end, facet; the facet lies left of them."""
     length = np.diff(facets.corner_start)[which]
-    owner = np.repeat(which, length)
-    k = np.arange(len(owner)) - np.repeat(np.cumsum(length) - length, length)
+    place, k = counted(length)
+    owner = which[place]
     row = facets.corner_start[owner] + k
     step = np.where(facets.convex[owner], np.repeat(length, length), 3)
     following = row + np.where((k + 1) % step == 0, 1 - step, 1)
@@ -272,9 +252,9 @@ def segment_distance(p1: Array, q1: Array, p2: Array, q2: Array) -> tuple[Array,
     """
     d1, d2, r = q1 - p1, q2 - p2, p1 - p2
     a, e, b = (np.einsum("ij,ij->i", x, y) for x, y in ((d1, d1), (d2, d2), (d1, d2)))
-    a, e = np.maximum(a, 1e-300), np.maximum(e, 1e-300)
+    a, e = np.maximum(a, TINY), np.maximum(e, TINY)
     across = cross(d1, d2)  # a e - b b, without its cancellation
-    bottom = np.maximum(np.einsum("ij,ij->i", across, across), 1e-300)
+    bottom = np.maximum(np.einsum("ij,ij->i", across, across), TINY)
     s = t = np.zeros(len(a))
     for _ in range(3):  # from where the last step led: nearly parallel lines lose digits
         gap = r + s[:, None] * d1 - t[:, None] * d2

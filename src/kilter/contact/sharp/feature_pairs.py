@@ -16,36 +16,31 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross
+from kilter.arrays import Array, Index, Mask, Rows, columns, counted, cross, ragged, ratio
 from kilter.assembly.geometry import Geometry
 from kilter.contact.broad import Boxes, facets_in, joins
+from kilter.contact.contact_search import ContactSearch
+from kilter.contact.contact_tolerances import EDGE_NEARLY_PARALLEL, EDGE_PARALLEL
 from kilter.contact.planar.facets import Facets
-from kilter.contact.sharp.edges import Edges, ragged, segment_distance
+from kilter.contact.sharp.edges import Edges, segment_distance
 
 __all__ = [
     "CORNER",
     "EDGE",
     "FACE",
-    "NEAR_PARALLEL",
-    "PARALLEL",
-    "Block",
     "Meetings",
+    "PairBlock",
     "meetings",
-    "no_meetings",
 ]
 
 _Side = tuple[Index, Index]
 
 FACE, EDGE, CORNER = 0, 1, 2
 """Kinds of feature."""
-PARALLEL = 1e-9
-"""Edges closer to parallel than this have no normal of their own [rad]."""
-NEAR_PARALLEL = 1e-3
-"""Edges closer to parallel than this may be parallel in truth [rad]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Meetings:
+class Meetings(Rows):
     """Points where features of two parts come within tolerance.
 
     Attributes
@@ -59,16 +54,9 @@ class Meetings:
     """
 
     pair: Index
-    kind: Index
-    feature: Index
-    at: Array
-
-    def take(self, rows: Index) -> Meetings:
-        """The rows chosen."""
-        return Meetings(self.pair[rows], self.kind[rows], self.feature[rows], self.at[rows])
-
-    def __len__(self) -> int:
-        return len(self.pair)
+    kind: Index = columns(2)
+    feature: Index = columns(2)
+    at: Array = columns(2, 3)
 
     @property
     def middle(self) -> Array:
@@ -78,23 +66,34 @@ class Meetings:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Block:
-    """Some of the pairs (a, b), by row, and the box in which the parts of each may meet.
+class PairBlock:
+    """Some of the pairs (a, b) of a search, and the box in which the parts of each may meet.
 
-    `a`, `b`, `rows`, `tolerance`: shape (n,); `low`, `high`: shape (n, 3), in the frame of
-    the boxes; `edges`: of all their parts.
+    `edges`: of all their parts; `rows`: of the pairs, shape (n,); `tolerance`: shape (n,);
+    `low`, `high`: shape (n, 3), in the frame of the boxes.
     """
 
-    geometry: Geometry
-    facets: Facets
-    boxes: Boxes
+    search: ContactSearch
     edges: Edges
     rows: Index
-    a: Index
-    b: Index
     tolerance: Array
     low: Array
     high: Array
+
+    @property
+    def geometry(self) -> Geometry:
+        """Of all parts."""
+        return self.search.geometry
+
+    @property
+    def facets(self) -> Facets:
+        """Of all parts."""
+        return self.search.facets
+
+    @property
+    def boxes(self) -> Boxes:
+        """Of all parts and facets."""
+        return self.search.boxes
 
     def facets_near(self, part: Index) -> _Side:
         """Flat facets of ``part[k]`` in box k: pairs (k, facet)."""
@@ -125,20 +124,15 @@ class Block:
         return at
 
 
-def no_meetings() -> Meetings:
-    """None at all."""
-    none, two = np.empty(0, dtype=np.int64), np.empty((0, 2), dtype=np.int64)
-    return Meetings(none, two, two, np.empty((0, 2, 3)))
-
-
-def meetings(block: Block) -> list[Meetings]:
+def meetings(block: PairBlock) -> list[Meetings]:
     """Where corners and edges of the pairs of a block meet."""
     geometry, edges = block.geometry, block.edges
-    near = block.edges_near(block.a), block.edges_near(block.b)
+    a, b = block.search.pairs[block.rows].T
+    near = block.edges_near(a), block.edges_near(b)
     corners = [block.corners_near(near[0]), block.corners_near(near[1])]
     around = [edges.boxes(geometry, block.boxes.frame, edge) for _, edge in near]
     found, free = _corners_on_corners(block, corners[0], corners[1])
-    facets = [block.facets_near(block.b), block.facets_near(block.a)]
+    facets = [block.facets_near(b), block.facets_near(a)]
     for side in (0, 1):
         found += _edges_along_facets(block, near[side], around[side], facets[side], side)
         mine = tuple(rows[free[side]] for rows in corners[side])
@@ -149,14 +143,14 @@ def meetings(block: Block) -> list[Meetings]:
 
 
 def _made(
-    block: Block, pair: Index, kinds: tuple[int, ...], features: list[Index], at: list[Array]
+    block: PairBlock, pair: Index, kinds: tuple[int, ...], features: list[Index], at: list[Array]
 ) -> Meetings:
     kind = np.tile(np.array(kinds), (len(pair), 1))
     return Meetings(block.rows[pair], kind, np.column_stack(features), np.stack(at, axis=1))
 
 
 def _corners_on_corners(
-    block: Block, corners_a: _Side, corners_b: _Side
+    block: PairBlock, corners_a: _Side, corners_b: _Side
 ) -> tuple[list[Meetings], list[Mask]]:
     """Corners on corners, and which corners of a and of b meet none."""
     at_a, at_b = block.turned(corners_a[1]), block.turned(corners_b[1])
@@ -175,7 +169,11 @@ def _corners_on_corners(
 
 
 def _corners_on_edges(
-    block: Block, corners: tuple[Index, ...], near: _Side, around: tuple[Array, Array], side: int
+    block: PairBlock,
+    corners: tuple[Index, ...],
+    near: _Side,
+    around: tuple[Array, Array],
+    side: int,
 ) -> tuple[list[Meetings], Mask]:
     """Corners of one part (`side` 0: of a) on edges of the other, and which are on none."""
     owner, corner = corners
@@ -188,8 +186,8 @@ def _corners_on_edges(
         p = block.geometry.vertices[v]
         start, end = block.edges.ends(block.geometry, edge)
         along = end - start
-        length = np.maximum(np.einsum("ij,ij->i", along, along), np.finfo(float).tiny)
-        t = np.clip(np.einsum("ij,ij->i", p - start, along) / length, 0, 1)
+        square = np.einsum("ij,ij->i", along, along)
+        t = np.clip(ratio(np.einsum("ij,ij->i", p - start, along), square), 0, 1)
         foot = start + t[:, None] * along
         k = np.flatnonzero(np.linalg.norm(p - foot, axis=1) <= block.tolerance[pair])
         free[x[k]] = False
@@ -199,7 +197,7 @@ def _corners_on_edges(
 
 
 def _corners_on_facets(
-    block: Block, corners: tuple[Index, ...], near_facets: _Side, side: int
+    block: PairBlock, corners: tuple[Index, ...], near_facets: _Side, side: int
 ) -> list[Meetings]:
     """Corners of one part in facets of the other."""
     geometry, facets = block.geometry, block.facets
@@ -233,7 +231,7 @@ def _corners_on_facets(
 
 
 def _edges_along_facets(
-    block: Block, near: _Side, around: tuple[Array, Array], near_facets: _Side, side: int
+    block: PairBlock, near: _Side, around: tuple[Array, Array], near_facets: _Side, side: int
 ) -> list[Meetings]:
     """Both ends of slightly tilted edges of one part over facets of the other."""
     geometry, facets, boxes = block.geometry, block.facets, block.boxes
@@ -248,7 +246,7 @@ def _edges_along_facets(
         far = np.maximum(np.abs(off[0]), np.abs(off[1])) > block.tolerance[pair]
         k = np.flatnonzero(far & _touch(off, block.tolerance[pair]))
         length = np.linalg.norm((end - start)[k], axis=1)
-        flat = np.abs(off[1][k] - off[0][k]) <= NEAR_PARALLEL * length
+        flat = np.abs(off[1][k] - off[0][k]) <= EDGE_NEARLY_PARALLEL * length
         k, length = k[flat], length[flat]
         low, high = _over(facets, geometry, start[k], end[k], facet[k])
         ends = [off[0][k] + t * (off[1] - off[0])[k] for t in (low, high)]
@@ -266,21 +264,21 @@ def _edges_along_facets(
     return found
 
 
-def _beside_rim(block: Block, edge: Index, facet: Index, tolerance: Array) -> Mask:
+def _beside_rim(block: PairBlock, edge: Index, facet: Index, tolerance: Array) -> Mask:
     """Whether edges run along an edge of their facet: they may lie on either side of it."""
     geometry, edges = block.geometry, block.edges
     owner, rim = ragged(edges.start, block.facets.part[facet])
     mine = (edges.facet[rim] == facet[owner][:, None]).any(axis=1)
     owner, rim = owner[mine], rim[mine]
     first, second = edges.direction(geometry, edge[owner]), edges.direction(geometry, rim)
-    along = np.linalg.norm(cross(first, second), axis=1) < NEAR_PARALLEL
+    along = np.linalg.norm(cross(first, second), axis=1) < EDGE_NEARLY_PARALLEL
     owner, rim = owner[along], rim[along]
     ends = [*edges.ends(geometry, edge[owner]), *edges.ends(geometry, rim)]
     distance = segment_distance(*ends)[0]
     for p, start, end in ((0, 2, 3), (1, 2, 3), (2, 0, 1), (3, 0, 1)):
         reach = ends[end] - ends[start]
-        size = np.maximum(np.einsum("ij,ij->i", reach, reach), np.finfo(float).tiny)
-        t = np.clip(np.einsum("ij,ij->i", ends[p] - ends[start], reach) / size, 0, 1)
+        square = np.einsum("ij,ij->i", reach, reach)
+        t = np.clip(ratio(np.einsum("ij,ij->i", ends[p] - ends[start], reach), square), 0, 1)
         off = np.linalg.norm(ends[p] - ends[start] - t[:, None] * reach, axis=1)
         distance = np.minimum(distance, off)
     beside = np.zeros(len(edge), dtype=bool)
@@ -330,13 +328,13 @@ def _triangles_of(facets: Facets, near: _Side) -> tuple[Index, Index, Index]:
     fan = facets.convex[facet]
     length = np.diff(facets.corner_start)[facet]
     count = np.where(fan, length - 2, length // 3)
-    k = np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count)
-    fan, base = np.repeat(fan, count), np.repeat(facets.corner_start[facet], count)
+    place, k = counted(count)
+    fan, base = fan[place], facets.corner_start[facet][place]
     corners = np.column_stack(
         [np.where(fan, base, base + 3 * k)]
         + [np.where(fan, base + k + step, base + 3 * k + step) for step in (1, 2)]
     )
-    return np.repeat(owner, count), corners, np.repeat(facet, count)
+    return owner[place], corners, facet[place]
 
 
 def _in_triangle(p: Array, triangle: Array, normal: Array, tolerance: Array) -> Mask:
@@ -345,14 +343,14 @@ def _in_triangle(p: Array, triangle: Array, normal: Array, tolerance: Array) -> 
     for k in range(3):
         start = triangle[:, k]
         along = triangle[:, (k + 1) % 3] - start
-        length = np.maximum(np.linalg.norm(along, axis=1), np.finfo(float).tiny)
-        side = np.einsum("ij,ij->i", cross(along, p - start), normal) / length
+        side = np.einsum("ij,ij->i", cross(along, p - start), normal)
+        side = ratio(side, np.linalg.norm(along, axis=1))
         inside &= side >= -tolerance
     return inside
 
 
 def _crossings(
-    block: Block, near: tuple[_Side, _Side], around: list[tuple[Array, Array]]
+    block: PairBlock, near: tuple[_Side, _Side], around: list[tuple[Array, Array]]
 ) -> list[Meetings]:
     """Edges of a that cross edges of b inside of both, or nearly run along them."""
     geometry, edges = block.geometry, block.edges
@@ -365,11 +363,11 @@ def _crossings(
         across = cross(d1, d2)
         length1, length2 = np.linalg.norm(d1, axis=1), np.linalg.norm(d2, axis=1)
         size = np.linalg.norm(across, axis=1)
-        sine = size / np.maximum(length1 * length2, np.finfo(float).tiny)
-        k = np.flatnonzero(sine > PARALLEL)
+        sine = ratio(size, length1 * length2)
+        k = np.flatnonzero(sine > EDGE_PARALLEL)
         unit = across[k] / size[k, None]
         gap = np.einsum("ij,ij->i", (r - p)[k], unit)
-        keep = (np.abs(gap) <= block.tolerance[pair[k]]) | (sine[k] < NEAR_PARALLEL)
+        keep = (np.abs(gap) <= block.tolerance[pair[k]]) | (sine[k] < EDGE_NEARLY_PARALLEL)
         k = k[keep]
         distance, first, second = segment_distance(p[k], q[k], r[k], s[k])
         keep = distance <= block.tolerance[pair[k]]

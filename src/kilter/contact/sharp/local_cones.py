@@ -13,19 +13,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross
+from kilter.arrays import Array, Index, Mask, Rows, across, columns, cross, ragged, unit_rows
 from kilter.assembly.geometry import Geometry
+from kilter.contact.contact_tolerances import CONE_ANGLE, EXACT_ANGLE
 from kilter.contact.planar.facets import Facets
-from kilter.contact.sharp.edges import Edges, Rays, ragged
+from kilter.contact.sharp.edges import Edges, Rays
 from kilter.contact.sharp.feature_pairs import CORNER, EDGE, FACE
 
-__all__ = ["SLACK", "Cones", "Sectors", "convex_pieces", "find_cones", "inside", "spanned"]
+__all__ = ["Cones", "Sectors", "convex_pieces", "find_cones", "inside", "spanned"]
 
 
-SLACK = 1e-3
-"""Directions count as lying in a plane, and edges as flat, up to this angle [rad]."""
-EXACT = 1e-9
-"""Directions that are the same but for rounding differ by less than this [rad]."""
 WIDE = -0.8
 """Facets whose edges at a corner make an angle of a lesser cosine give a direction between."""
 FLAT = 0.9
@@ -67,16 +64,16 @@ class Sectors:
     @property
     def middle(self) -> Array:
         """The direction half-way, also of sectors wider than a half turn."""
-        return _unit(cross(self.normal, self.first - self.last) + EXACT * self.first)
+        return unit_rows(cross(self.normal, self.first - self.last) + EXACT_ANGLE * self.first)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Rows:
+class _Rays(Rows):
     """Directions: `owner` (feature), piece of it."""
 
     owner: Index
     piece: Index
-    ray: Array
+    ray: Array = columns(3)
 
 
 def find_cones(
@@ -102,12 +99,10 @@ def find_cones(
     return _together(len(kind), blocks, beside)
 
 
-def _together(count: int, blocks: list[_Rows], beside: list[Index]) -> Cones:
-    owner, piece, ray = (
-        np.concatenate([getattr(block, name) for block in blocks]) for name in _Rows.__slots__
-    )
-    order = np.lexsort((piece, owner))
-    owner, piece, ray = owner[order], piece[order], ray[order]
+def _together(count: int, blocks: list[_Rays], beside: list[Index]) -> Cones:
+    rows = _Rays.join(blocks)
+    rows = rows.take(np.lexsort((rows.piece, rows.owner)))
+    owner, piece, ray = rows.owner, rows.piece, rows.ray
     fresh = np.ones(len(owner), dtype=bool)
     fresh[1:] = (np.diff(owner) != 0) | (np.diff(piece) != 0)
     facet = np.unique(np.concatenate(beside), axis=0)
@@ -121,63 +116,46 @@ def _together(count: int, blocks: list[_Rows], beside: list[Index]) -> Cones:
     )
 
 
-def _unit(vectors: Array) -> Array:
-    unit: Array = vectors / np.maximum(np.linalg.norm(vectors, axis=-1), 1e-300)[..., None]
-    return unit
-
-
-def _rows(owner: Index, piece: int, directions: list[Array]) -> _Rows:
+def _rows(owner: Index, piece: int, directions: list[Array]) -> _Rays:
     count = len(directions)
-    return _Rows(
+    return _Rays(
         np.tile(owner, count), np.full(count * len(owner), piece), np.concatenate(directions)
     )
 
 
-def _joined(blocks: list[_Rows]) -> _Rows:
-    return _Rows(
-        *(np.concatenate([getattr(block, name) for block in blocks]) for name in _Rows.__slots__)
-    )
-
-
-def _across(normal: Array) -> Array:
-    """A unit direction in each plane."""
-    helper = np.eye(3)[np.abs(normal).argmin(axis=-1)]
-    return _unit(cross(helper, normal))
-
-
-def _half_spaces(owner: Index, piece: int, normal: Array, along: Array) -> _Rows:
+def _half_spaces(owner: Index, piece: int, normal: Array, along: Array) -> _Rays:
     side = cross(normal, along)
     return _rows(owner, piece, [along, -along, side, -side, -normal])
 
 
-def _faces(facets: Facets, which: Index, feature: Index) -> tuple[_Rows, Index]:
+def _faces(facets: Facets, which: Index, feature: Index) -> tuple[_Rays, Index]:
     normal = facets.normal[feature[which]]
-    rows = _half_spaces(which, 0, normal, _across(normal))
+    rows = _half_spaces(which, 0, normal, across(normal)[0])
     return rows, np.column_stack([which, feature[which]])
 
 
 def _edges(
     geometry: Geometry, facets: Facets, edges: Edges, which: Index, feature: Index
-) -> tuple[_Rows, Index]:
+) -> tuple[_Rays, Index]:
     sides = edges.facet[feature[which]]
     beside = np.column_stack([np.repeat(which, 2), sides.reshape(-1)])
     sides = np.where(sides < 0, sides[:, ::-1], sides)  # open there: as if flat
     left, right = facets.normal[sides].transpose(1, 0, 2)
     along = edges.direction(geometry, feature[which])
     into_left, into_right = cross(left, along), -cross(right, along)
-    reflex = np.einsum("ij,ij->i", into_left, right) > SLACK
-    inward = _unit(into_left + into_right - left - right)
+    reflex = np.einsum("ij,ij->i", into_left, right) > CONE_ANGLE
+    inward = unit_rows(into_left + into_right - left - right)
     wedge, notch = np.flatnonzero(~reflex), np.flatnonzero(reflex)
     directions = [x[wedge] for x in (along, -along, into_left, into_right, inward)]
     blocks = [_rows(which[wedge], 0, directions)]
     for piece, normal in enumerate((left, right)):
         blocks.append(_half_spaces(which[notch], piece, normal[notch], along[notch]))
-    return _joined(blocks), beside
+    return _Rays.join(blocks), beside
 
 
 def _corners(
     geometry: Geometry, facets: Facets, edges: Edges, which: Index, feature: Index
-) -> tuple[_Rows, Index]:
+) -> tuple[_Rays, Index]:
     rays = edges.rays(geometry, feature[which])
     beside = np.column_stack([which[rays.owner], rays.left])
     convex = facets.convex_part[geometry.vertex_part[feature[which]]]
@@ -193,8 +171,8 @@ def _corners(
             pieces = convex_pieces(sectors)
         for number, directions in enumerate(pieces):
             full = np.full(len(directions), which[k])
-            blocks.append(_Rows(full, np.full(len(directions), number), directions))
-    return _joined(blocks), beside
+            blocks.append(_Rays(full, np.full(len(directions), number), directions))
+    return _Rays.join(blocks), beside
 
 
 def _bends_outwards(facets: Facets, rays: Rays, count: int) -> Mask:
@@ -205,14 +183,14 @@ def _bends_outwards(facets: Facets, rays: Rays, count: int) -> Mask:
     one, other = one[seen], other[seen]
     rise = np.einsum("ij,ij->i", facets.normal[rays.left[one]], rays.direction[other])
     convex = np.ones(count, dtype=bool)
-    convex[rays.owner[one[rise > SLACK]]] = False
+    convex[rays.owner[one[rise > CONE_ANGLE]]] = False
     return convex
 
 
-def _convex_corners(facets: Facets, rays: Rays, which: Index, convex: Mask) -> _Rows:
+def _convex_corners(facets: Facets, rays: Rays, which: Index, convex: Mask) -> _Rays:
     mine = np.flatnonzero(convex[rays.owner])
     owner, direction = rays.owner[mine], rays.direction[mine]
-    blocks = [_Rows(which[owner], np.zeros(len(mine), np.int64), direction)]
+    blocks = [_Rays(which[owner], np.zeros(len(mine), np.int64), direction)]
     # between edges that nearly run on: the side of a facet that they alone do not span
     count = len(facets.part) + 1
     key, wanted = owner * count + rays.left[mine], owner * count + rays.right[mine]
@@ -223,15 +201,15 @@ def _convex_corners(facets: Facets, rays: Rays, which: Index, convex: Mask) -> _
         wide = np.einsum("ij,ij->i", direction, direction[at]) < WIDE
         wide &= (wanted[at] == key) & (rays.left[mine] >= 0)
         between = Sectors(normal[wide], direction[wide], direction[at][wide]).middle
-        blocks.append(_Rows(which[owner[wide]], np.zeros(len(between), np.int64), between))
+        blocks.append(_Rays(which[owner[wide]], np.zeros(len(between), np.int64), between))
         total = np.zeros((len(which), 3))
         np.add.at(total, owner, normal)
-        mean = _unit(total)
+        mean = unit_rows(total)
         lowest = np.ones(len(which))
         np.minimum.at(lowest, owner, np.einsum("ij,ij->i", normal, mean[owner]))
         flat = np.flatnonzero(convex & (lowest > FLAT))
-        blocks.append(_Rows(which[flat], np.zeros(len(flat), np.int64), -mean[flat]))
-    return _joined(blocks)
+        blocks.append(_Rays(which[flat], np.zeros(len(flat), np.int64), -mean[flat]))
+    return _Rays.join(blocks)
 
 
 def _sectors(facets: Facets, rays: Rays, mine: Index) -> Sectors:
@@ -281,7 +259,7 @@ def _distinct(normals: Array) -> Array:
     """Normals of different planes, whichever their sense."""
     kept: list[Array] = []
     for normal in normals:
-        if all(1 - abs(float(normal @ other)) > 0.5 * SLACK**2 for other in kept):
+        if all(1 - abs(float(normal @ other)) > 0.5 * CONE_ANGLE**2 for other in kept):
             kept.append(normal)
     return np.array(kept)
 
@@ -292,14 +270,13 @@ def _samples(planes: Array) -> Array:
     if count == 1:
         return np.concatenate([planes, -planes])
     i, j = np.triu_indices(count, 1)
-    lines = _unit(cross(planes[i], planes[j]))
+    lines = unit_rows(cross(planes[i], planes[j]))
     found = []
     for line in np.concatenate([lines, -lines]):
         height = np.abs(planes @ line)
-        through = np.flatnonzero(height <= SLACK**1.5)
-        step = 0.3 * height[height > SLACK**1.5].min(initial=1.0)
-        u = _across(line)
-        v = cross(line, u)
+        through = np.flatnonzero(height <= CONE_ANGLE**1.5)
+        step = 0.3 * height[height > CONE_ANGLE**1.5].min(initial=1.0)
+        u, v = across(line)
         traces = cross(planes[through], np.tile(line, (len(through), 1)))
         angle = np.arctan2(traces @ v, traces @ u)
         angle = np.sort(np.concatenate([angle, angle + np.pi]) % (2 * np.pi))
@@ -315,7 +292,7 @@ def inside(sectors: Sectors, directions: Array) -> Mask:
     Those to which the first facet on a straight way from there to the surface shows its
     back, by a majority of ways: one that passes through an edge says nothing.
     """
-    targets = _unit(_unit(sectors.first + ASKEW * sectors.middle) + ASKEW * sectors.middle)
+    targets = unit_rows(unit_rows(sectors.first + ASKEW * sectors.middle) + ASKEW * sectors.middle)
     votes = [_shows_its_back(sectors, directions, target) for target in targets]
     result: Mask = np.mean(votes, axis=0) > 0.5
     return result
@@ -328,14 +305,16 @@ def _shows_its_back(sectors: Sectors, directions: Array, target: Array) -> Mask:
         sectors.normal, sectors.first, sectors.last, sectors.middle, strict=True
     ):
         here, there = directions @ normal, float(target @ normal)
-        if np.abs(there) < EXACT:
+        if np.abs(there) < EXACT_ANGLE:
             there = 0.0  # the facet that the way leads to, or one in its plane
         with np.errstate(divide="ignore", invalid="ignore"):
             at = here / (here - there)
         x = directions + at[:, None] * (target - directions)
         met = np.zeros(len(directions), dtype=bool)
         for one, other in ((first, half), (half, last)):
-            met |= (np.cross(one, x) @ normal >= -EXACT) & (np.cross(x, other) @ normal >= -EXACT)
+            met |= (np.cross(one, x) @ normal >= -EXACT_ANGLE) & (
+                np.cross(x, other) @ normal >= -EXACT_ANGLE
+            )
         met &= (at >= 0) & (at <= 1) & (at < nearest)
         nearest = np.where(met, at, nearest)
         result = np.where(met, here < 0, result)
@@ -352,18 +331,18 @@ def spanned(outward: Array) -> Array:
     """
     i, j = np.triu_indices(len(outward), 1)
     lines = cross(outward[i], outward[j])
-    lines = _unit(lines[np.linalg.norm(lines, axis=1) > EXACT])
+    lines = unit_rows(lines[np.linalg.norm(lines, axis=1) > EXACT_ANGLE])
     found = [lines, -lines]
-    if np.linalg.matrix_rank(outward, tol=EXACT**0.5) < 3:
-        flat = _across(outward) if not len(lines) else np.empty((0, 3))
+    if np.linalg.matrix_rank(outward, tol=EXACT_ANGLE**0.5) < 3:
+        flat = across(outward)[0] if not len(lines) else np.empty((0, 3))
         side = cross(np.repeat(np.vstack([lines, flat]), len(outward), axis=0),
                      np.tile(outward, (len(lines) + len(flat), 1)))  # fmt: skip
-        side = _unit(side)
-        found += [flat, -flat, side, -side, _unit(-outward.sum(axis=0))[None]]
+        side = unit_rows(side)
+        found += [flat, -flat, side, -side, unit_rows(-outward.sum(axis=0))[None]]
     every = np.concatenate(found)
-    every = every[(every @ outward.T <= EXACT**0.5).all(axis=1)]
+    every = every[(every @ outward.T <= EXACT_ANGLE**0.5).all(axis=1)]
     kept: list[Array] = []
     for ray in every:
-        if all(float(np.linalg.norm(ray - other)) > EXACT**0.5 for other in kept):
+        if all(float(np.linalg.norm(ray - other)) > EXACT_ANGLE**0.5 for other in kept):
             kept.append(ray)
     return np.array(kept).reshape(-1, 3)

@@ -11,23 +11,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross
+from kilter.arrays import Array, Index, Mask, Rows, cross, ragged, starts, unit_rows
 from kilter.assembly.geometry import Geometry
+from kilter.contact.contact_tolerances import CONE_ANGLE, EDGE_NEARLY_PARALLEL, NORMAL_SNAP
 from kilter.contact.planar.facets import Facets
-from kilter.contact.sharp.edges import Edges, ragged
-from kilter.contact.sharp.feature_pairs import CORNER, EDGE, FACE, NEAR_PARALLEL, Meetings
-from kilter.contact.sharp.local_cones import SLACK, Cones, find_cones
+from kilter.contact.sharp.edges import Edges
+from kilter.contact.sharp.feature_pairs import CORNER, EDGE, FACE, Meetings
+from kilter.contact.sharp.local_cones import Cones, find_cones
 from kilter.contact.sharp.spanning import resolve, separating
 
 __all__ = ["Clauses", "Pushes", "normals_of"]
 
 
-SNAP = 2e-3
-"""A normal this close to that of a facet at the point is the facet's [rad]."""
-
-
 @dataclass(frozen=True, slots=True, eq=False)
-class Pushes:
+class Pushes(Rows):
     """Points with a normal: row of the meeting, normal from a to b, whose facet has it.
 
     `of_facet`: shape (n, 2), of part a, of part b.
@@ -36,10 +33,6 @@ class Pushes:
     meeting: Index
     normal: Array
     of_facet: Mask
-
-    def take(self, rows: Index) -> Pushes:
-        """The rows chosen."""
-        return Pushes(self.meeting[rows], self.normal[rows], self.of_facet[rows])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,7 +56,7 @@ class Clauses:
     def take(self, rows: Index) -> Clauses:
         """The rows chosen."""
         _, at = ragged(self.start, rows)
-        start = np.concatenate([[0], np.cumsum(np.diff(self.start)[rows])])
+        start = starts(np.diff(self.start)[rows])
         return Clauses(self.meeting[rows], start, self.normal[at], self.exact[rows])
 
     @property
@@ -86,7 +79,7 @@ def normals_of(
     first, second = (np.where(met.kind[:, k] == EDGE, met.feature[:, k], 0) for k in (0, 1))
     crossing = np.flatnonzero((met.kind == EDGE).all(axis=1))
     along = [edges.direction(geometry, rows[crossing]) for rows in (first, second)]
-    crossing = crossing[np.linalg.norm(cross(*along), axis=1) > NEAR_PARALLEL]
+    crossing = crossing[np.linalg.norm(cross(*along), axis=1) > EDGE_NEARLY_PARALLEL]
     rest = ~on_face
     rest[crossing] = False
     row, normal, clauses = _by_cones(geometry, facets, edges, met, np.flatnonzero(rest))
@@ -115,9 +108,9 @@ def _in_facets(
     corner = np.flatnonzero(met.kind[rows, 1 - side] == CORNER)
     rays = edges.rays(geometry, other[corner])
     rise = np.einsum("ij,ij->i", rays.direction, normal[corner[rays.owner]])
-    fits[corner[rays.owner[rise < -SLACK]]] = False
+    fits[corner[rays.owner[rise < -CONE_ANGLE]]] = False
     edge = np.flatnonzero(met.kind[rows, 1 - side] == EDGE)
-    fits[edge] = edges.behind(facets, geometry, other[edge], -normal[edge], SLACK)
+    fits[edge] = edges.behind(facets, geometry, other[edge], -normal[edge], CONE_ANGLE)
     sign = np.where(side == 0, 1.0, -1.0)[:, None]
     return rows[fits], (sign * normal)[fits]
 
@@ -127,13 +120,14 @@ def _of_crossings(
 ) -> tuple[Index, Array]:
     """Edges that cross: accepted if both are convex and lie on either side of the plane."""
     e, f = met.feature[rows].T
-    normal = cross(edges.direction(geometry, e), edges.direction(geometry, f))
-    normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
-    convex = ~edges.reflex(facets, geometry, e, SLACK) & ~edges.reflex(facets, geometry, f, SLACK)
+    normal = unit_rows(cross(edges.direction(geometry, e), edges.direction(geometry, f)))
+    convex = ~edges.reflex(facets, geometry, e, CONE_ANGLE) & ~edges.reflex(
+        facets, geometry, f, CONE_ANGLE
+    )
     found_rows, found = [], []
     for turn in (1.0, -1.0):
-        fits = convex & edges.behind(facets, geometry, e, turn * normal, SLACK)
-        fits &= edges.behind(facets, geometry, f, -turn * normal, SLACK)
+        fits = convex & edges.behind(facets, geometry, e, turn * normal, CONE_ANGLE)
+        fits &= edges.behind(facets, geometry, f, -turn * normal, CONE_ANGLE)
         found_rows.append(rows[fits])
         found.append(turn * normal[fits])
     return np.concatenate(found_rows), np.concatenate(found)
@@ -145,14 +139,14 @@ def _snapped(
     """Normals as those of facets at the points where these agree; and whose they are."""
     of_facet = np.zeros((len(rows), 2), dtype=bool)
     result = normals.copy()
-    nearest = np.full(len(rows), SNAP)
+    nearest = np.full(len(rows), NORMAL_SNAP)
     for side, sign in ((0, 1.0), (1, -1.0)):
         kind, feature = met.kind[rows, side], met.feature[rows, side]
         owner, facet = _facets_at(edges, kind, feature)
         apart = np.linalg.norm(sign * facets.normal[facet] - normals[owner], axis=1)
         order = np.lexsort((apart, owner))
         first = order[np.unique(owner[order], return_index=True)[1]]
-        first = first[apart[first] <= SNAP]
+        first = first[apart[first] <= NORMAL_SNAP]
         of_facet[owner[first], side] = True
         first = first[apart[first] < nearest[owner[first]]]
         nearest[owner[first]] = apart[first]
@@ -194,9 +188,9 @@ def _by_cones(
     several = np.flatnonzero(plain & (count > 1))
     accepted, found = [owner[one]], [normals[one, 0]]
     clauses = [(owner[several], count[several], _flat(normals, count, several), exact[several])]
-    starts = np.searchsorted(owner, np.arange(len(rows) + 1))
+    first = np.searchsorted(owner, np.arange(len(rows) + 1))
     for k in np.flatnonzero(pieces > 1).tolist():
-        span = [j for j in range(int(starts[k]), int(starts[k + 1])) if count[j]]
+        span = [j for j in range(int(first[k]), int(first[k + 1])) if count[j]]
         result = resolve(
             [
                 (_rays(cones, piece_a[j]), _rays(cones, piece_b[j]), normals[j, : count[j]])
@@ -210,11 +204,10 @@ def _by_cones(
         sure = np.full(len(length), bool(exact[span].all()))
         clauses.append((np.full(len(length), k), length, stacked, sure))
     at, length, stacked, sure = (np.concatenate([c[i] for c in clauses]) for i in range(4))
-    start = np.concatenate([[0], np.cumsum(length)])
     return (
         rows[np.concatenate(accepted)],
         np.concatenate(found),
-        Clauses(rows[at], start, stacked, sure),
+        Clauses(rows[at], starts(length), stacked, sure),
     )
 
 

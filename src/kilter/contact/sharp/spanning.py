@@ -23,18 +23,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask
-from kilter.contact.sharp.local_cones import SLACK, spanned
+from kilter.arrays import Array, Index, Mask, across, ratio
+from kilter.contact.contact_tolerances import CONE_ANGLE, CUT_COSINE, LITERAL_ANGLE, NORMAL_ANGLE
+from kilter.contact.sharp.local_cones import spanned
 
-__all__ = ["SAME", "Resolved", "distinct", "resolve", "separating", "spans"]
+__all__ = ["Resolved", "distinct", "resolve", "separating", "spans"]
 
 
-SAME = 5e-3
-"""Normals closer than this are one [rad]."""
-SHARP = 1e-7
-"""Slack where the coordinates are taken at their word [rad]."""
-TINY = 1e-6
-"""Cosines below this are zero where cones are cut by a plane."""
 BATCH = 2_000_000
 """Candidates compared in one go."""
 
@@ -83,18 +78,18 @@ def _separating(rays_a: Array, rays_b: Array) -> tuple[Array, Index, Mask]:
     i, j = np.triu_indices(ahead.shape[1], 1)
     lines = np.cross(ahead[:, i], ahead[:, j])
     sine = np.linalg.norm(lines, axis=2)
-    lines /= np.maximum(sine, 1e-300)[..., None]
+    lines = ratio(lines, sine[..., None])
     rise = np.einsum("nci,nki->nck", lines, ahead)
     lowest, highest = rise.min(axis=2), rise.max(axis=2)
     lines, sine = np.concatenate([lines, -lines], axis=1), np.concatenate([sine, sine], axis=1)
     lowest = np.concatenate([lowest, -highest], axis=1)
-    loose = (lowest >= -SLACK) & (sine > SLACK)
+    loose = (lowest >= -CONE_ANGLE) & (sine > CONE_ANGLE)
     normals, count = _clusters(lines, loose, sine)
     exact = np.ones(len(normals), dtype=bool)
     several = np.flatnonzero(count > 1)
-    tight = ((lowest >= -SHARP) & (sine > SHARP))[several]
+    tight = ((lowest >= -LITERAL_ANGLE) & (sine > LITERAL_ANGLE))[several]
     for k in range(int(count.max(initial=0))):
-        near = np.linalg.norm(lines[several] - normals[several, k, None], axis=2) <= SAME
+        near = np.linalg.norm(lines[several] - normals[several, k, None], axis=2) <= NORMAL_ANGLE
         found = (near & tight).any(axis=1)
         exact[several] &= found | (k >= count[several])
     return normals, count, exact
@@ -116,7 +111,7 @@ def _clusters(candidates: Array, valid: Mask, weight: Array) -> tuple[Array, Ind
             normals = np.concatenate([normals, np.zeros((len(rows), 1, 3))], axis=1)
         normals[rows[some], count[some]] = chosen[some]
         count[some] += 1
-        left &= np.linalg.norm(candidates - chosen[:, None], axis=2) > SAME
+        left &= np.linalg.norm(candidates - chosen[:, None], axis=2) > NORMAL_ANGLE
     return normals, count
 
 
@@ -158,13 +153,13 @@ def distinct(normals: list[Array]) -> Array:
     """The normals that differ, shape (k, 3)."""
     kept: list[Array] = []
     for normal in normals:
-        if not any(float(np.linalg.norm(normal - other)) <= SAME for other in kept):
+        if not any(float(np.linalg.norm(normal - other)) <= NORMAL_ANGLE for other in kept):
             kept.append(normal)
     return np.array(kept).reshape(-1, 3)
 
 
 def _among(normal: Array, normals: Array) -> bool:
-    return bool((np.linalg.norm(normals - normal, axis=1) <= SAME).any())
+    return bool((np.linalg.norm(normals - normal, axis=1) <= NORMAL_ANGLE).any())
 
 
 def _implied(clause: Array, accepted: Array) -> bool:
@@ -174,7 +169,7 @@ def _implied(clause: Array, accepted: Array) -> bool:
     allowed = spanned(np.vstack([clause, -accepted]))
     if not len(allowed):
         return True
-    return bool((clause @ allowed.sum(axis=0)).max() > -SLACK)
+    return bool((clause @ allowed.sum(axis=0)).max() > -CONE_ANGLE)
 
 
 def spans(normal: Array, pairs: list[tuple[Array, Array, Array]]) -> bool:
@@ -187,9 +182,7 @@ def spans(normal: Array, pairs: list[tuple[Array, Array, Array]]) -> bool:
     >>> spans(z, [(face, tip, z[None])]), spans(z, [(-tip, tip, z[None])])
     (True, False)
     """
-    u = np.cross(np.eye(3)[np.abs(normal).argmin()], normal)
-    u /= np.linalg.norm(u)
-    axes = np.stack([u, np.cross(normal, u)], axis=1)
+    axes = np.stack(across(normal), axis=1)
     arcs = []
     for rays_a, rays_b, _ in pairs:
         below, above = _trace(rays_a, -normal), _trace(rays_b, normal)
@@ -204,10 +197,10 @@ def spans(normal: Array, pairs: list[tuple[Array, Array, Array]]) -> bool:
 def _trace(rays: Array, side: Array) -> Array | None:
     """In-plane directions that span what the plane cuts from a cone with material on a side."""
     height = rays @ side
-    if height.max() <= TINY:
+    if height.max() <= CUT_COSINE:
         return None
-    level = rays[np.abs(height) <= TINY]
-    over, under = np.flatnonzero(height > TINY), np.flatnonzero(height < -TINY)
+    level = rays[np.abs(height) <= CUT_COSINE]
+    over, under = np.flatnonzero(height > CUT_COSINE), np.flatnonzero(height < -CUT_COSINE)
     cut = (
         height[over][:, None, None] * rays[under][None]
         - height[under][None, :, None] * (rays[over][:, None])
@@ -218,13 +211,13 @@ def _trace(rays: Array, side: Array) -> Array | None:
 def _arc(directions: Array) -> tuple[float, float] | None:
     """The cone in the plane that directions span: first angle and width."""
     size = np.linalg.norm(directions, axis=1)
-    directions = directions[size > TINY]
+    directions = directions[size > CUT_COSINE]
     if not len(directions):
         return None
     angle = np.sort(np.arctan2(directions[:, 1], directions[:, 0]))
     gap = np.diff(np.append(angle, angle[0] + 2 * np.pi))
     widest = int(gap.argmax())
-    if gap[widest] < np.pi - TINY:
+    if gap[widest] < np.pi - CUT_COSINE:
         return float(angle[0]), 2 * np.pi
     return float(angle[(widest + 1) % len(angle)]), float(2 * np.pi - gap[widest])
 
@@ -235,5 +228,5 @@ def _cover(arcs: list[tuple[float, float]]) -> bool:
     if not len(ends):
         return False
     following = np.append(ends[1:], ends[0] + 2 * np.pi)
-    middle = ((ends + following) / 2)[following - ends > TINY]
+    middle = ((ends + following) / 2)[following - ends > CUT_COSINE]
     return all(any((x - a) % (2 * np.pi) <= w for a, w in arcs) for x in middle.tolist())

@@ -17,11 +17,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index, cross
+from kilter.arrays import Array, Index, Rows, across, counted, cross
 from kilter.assembly.geometry import Geometry
-from kilter.contact.planar.clip import clip_convex, padded, polygon_area
 from kilter.contact.planar.facets import Facets
-from kilter.contact.planar.outline import overlay
+from kilter.contact.planar.polygons import clip_convex, overlay, padded, polygon_area
 
 __all__ = ["FacetFrame", "Pieces", "facet_frames", "overlaps_of"]
 
@@ -33,7 +32,7 @@ BATCH = 2_000_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class FacetFrame:
+class FacetFrame(Rows):
     """A frame for each candidate pair of facets, arrays of length n.
 
     `u`, `v`, `normal`: unit axes; `origin`; the height of each facet over the plane is
@@ -50,10 +49,6 @@ class FacetFrame:
     angle: Array
     height: Array
     slope: Array
-
-    def take(self, rows: Index) -> FacetFrame:
-        """The rows chosen."""
-        return FacetFrame(*(getattr(self, name)[rows] for name in self.__slots__))
 
     def flat(self, points: Array, rows: Index) -> Array:
         """Points, shape (n, m, 3), in the plane of the frames `rows`, shape (n, m, 2)."""
@@ -87,7 +82,7 @@ class FacetFrame:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Pieces:
+class Pieces(Rows):
     """Overlaps of facets, one row a convex piece.
 
     `frame`: row of the `FacetFrame`; `points`: shape (n, m, 2), padded, in its plane;
@@ -99,10 +94,6 @@ class Pieces:
     count: Index
     area: Array
     gap: Array
-
-    def take(self, rows: Index) -> Pieces:
-        """The rows chosen."""
-        return Pieces(*(getattr(self, name)[rows] for name in self.__slots__))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -142,14 +133,11 @@ def facet_frames(facets: Facets, pair: Index, i: Index, j: Index, margin: Array)
     near = (
         np.abs(height[:, 1] - height[:, 0]) <= margin + 1.01 * np.tan(angle) * facets.reach[smaller]
     )
-    across = np.linalg.norm(facets.origin[i] - facets.origin[j], axis=1)
-    near &= across <= (facets.reach[i] + facets.reach[j]) * 1.01 + margin
+    aside = np.linalg.norm(facets.origin[i] - facets.origin[j], axis=1)
+    near &= aside <= (facets.reach[i] + facets.reach[j]) * 1.01 + margin
     keep = np.flatnonzero(near)
     normal, n_i, n_j = normal[keep], n_i[keep], n_j[keep]
-    helper = np.eye(3)[np.abs(normal).argmin(axis=1)]
-    u = cross(helper, normal)
-    u /= np.linalg.norm(u, axis=1)[:, None]
-    v = cross(normal, u)
+    u, v = across(normal)
     slopes = []
     for n in (n_i, n_j):
         along = np.einsum("ij,ij->i", n, normal)
@@ -195,8 +183,7 @@ def _pieces_of(geometry: Geometry, facets: Facets) -> _ConvexPieces:
     """Convex facets whole, others in triangles."""
     length = np.diff(facets.corner_start)
     number = np.where(facets.convex, 1, length // 3)
-    owner = np.repeat(np.arange(len(facets)), number)
-    k = np.arange(len(owner)) - np.repeat(np.cumsum(number) - number, number)
+    owner, k = counted(number)
     first = facets.corner_start[owner] + 3 * k
     count = np.where(facets.convex[owner], length[owner], 3)
     return _ConvexPieces(geometry.vertices, facets.corners, first, count)
@@ -208,8 +195,7 @@ def _piece_products(facets: Facets, frames: FacetFrame, rows: Index) -> tuple[In
     first = np.cumsum(number) - number
     i, j = frames.i[rows], frames.j[rows]
     total = number[i] * number[j]
-    row = np.repeat(np.arange(len(rows)), total)
-    k = np.arange(len(row)) - np.repeat(np.cumsum(total) - total, total)
+    row, k = counted(total)
     width = number[j][row]
     return rows[row], first[i][row] + k // width, first[j][row] + k % width
 

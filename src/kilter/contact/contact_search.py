@@ -1,0 +1,86 @@
+"""The search for contacts: pairs of parts that come near, and what every step asks of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from kilter.arrays import Array, Index
+from kilter.assembly import Assembly
+from kilter.assembly.geometry import Geometry
+from kilter.contact.broad import Boxes, make_boxes, part_pairs
+from kilter.contact.gaps import GapLimits, Tolerance, gap_limits, reach_of
+from kilter.contact.planar.facets import Facets, find_facets
+
+__all__ = ["ContactSearch", "begin_search"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ContactSearch:
+    """Parts, their facets and boxes, and the pairs to look at.
+
+    Attributes
+    ----------
+    geometry : Geometry
+    facets : Facets
+    boxes : Boxes
+    pairs : ndarray of int, shape (n, 2)
+        Parts a < b whose boxes come near and whose contacts are not given.
+    limits : GapLimits
+        One row a pair.
+    angle : float
+        Angle tolerance [rad].
+    """
+
+    geometry: Geometry
+    facets: Facets
+    boxes: Boxes
+    pairs: Index
+    limits: GapLimits
+    angle: float
+
+    def face(self, row: int) -> Array:
+        """Triangles of a curved surface, shape (m, 3, 3)."""
+        geometry = self.geometry
+        return geometry.vertices[geometry.triangles[geometry.surfaces.triangles_of(row)]]
+
+    def flat(self, facet: int) -> Array:
+        """Triangles of a flat face, shape (m, 3, 3)."""
+        facets = self.facets
+        corners = facets.corners[facets.corner_start[facet] : facets.corner_start[facet + 1]]
+        points = self.geometry.vertices[corners]
+        if not facets.convex[facet]:
+            return points.reshape(-1, 3, 3)
+        k = np.arange(1, len(points) - 1)
+        return points[np.column_stack([0 * k, k, k + 1])]
+
+
+def begin_search(
+    assembly: Assembly, tolerance: Tolerance, progress: Callable[[str], None]
+) -> ContactSearch:
+    """The pairs of parts that come near, with their limits."""
+    geometry = assembly.geometry
+    progress("facets")
+    facets = find_facets(geometry)
+    progress("near pairs")
+    boxes = make_boxes(geometry, facets)
+    pairs = _pairs_to_detect(assembly, boxes, tolerance)
+    limits = gap_limits(geometry, facets, pairs, tolerance)
+    return ContactSearch(geometry, facets, boxes, pairs, limits, tolerance.angle)
+
+
+def _pairs_to_detect(assembly: Assembly, boxes: Boxes, tolerance: Tolerance) -> Index:
+    """Pairs of parts that come near, without those whose contacts are given."""
+    if not assembly.detect:
+        return np.empty((0, 2), dtype=np.int64)
+    geometry = assembly.geometry
+    pairs = part_pairs(boxes, geometry.grounded, reach_of(geometry, tolerance))
+    given = {
+        frozenset(assembly.index_of(n) for n in contact.parts) for contact in assembly.contacts
+    }
+    if given:
+        keep = [frozenset(pair) not in given for pair in pairs.tolist()]
+        pairs = pairs[np.array(keep, dtype=bool)]
+    return pairs

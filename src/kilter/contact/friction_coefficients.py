@@ -1,0 +1,45 @@
+"""The friction coefficient of each contact: its own, else its pair's, else the assembly's."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from kilter.arrays import Array, Index
+from kilter.assembly import Assembly
+
+__all__ = ["friction_coefficients"]
+
+
+def friction_coefficients(
+    assembly: Assembly, parts: Index, own: Sequence[float | None] = ()
+) -> Array:
+    """Friction coefficients [-] of contacts between pairs of parts, shape (n,).
+
+    Parameters
+    ----------
+    assembly : Assembly
+    parts : ndarray of int, shape (n, 2)
+        By position.
+    own : sequence of float or None
+        Of the last contacts, what the file says of that contact itself, if it does.
+
+    Examples
+    --------
+    >>> from kilter.scenes import scene
+    >>> friction_coefficients(scene("tower"), np.array([[0, 1], [1, 2]]), [0.5])
+    array([0. , 0.5])
+    """
+    mu = np.full(len(parts), assembly.friction)
+    if assembly.friction_pairs:
+        by_pair = {
+            frozenset(assembly.index_of(n) for n in entry.parts): entry.mu
+            for entry in assembly.friction_pairs
+        }
+        for k, pair in enumerate(parts.tolist()):
+            mu[k] = by_pair.get(frozenset(pair), mu[k])
+    for k, value in enumerate(own, start=len(parts) - len(own)):
+        if value is not None:
+            mu[k] = value
+    return mu

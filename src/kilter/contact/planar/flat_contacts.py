@@ -1,0 +1,100 @@
+"""Contacts of flat faces: the overlay of opposed facets, what touches, what came near."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kilter.arrays import Array, Index
+from kilter.contact.broad import facet_pairs
+from kilter.contact.contact_search import ContactSearch
+from kilter.contact.contact_tolerances import LOOKED_AT_ANGLE, ROUNDINGS
+from kilter.contact.gaps import (
+    APART,
+    PENETRATES,
+    THIN,
+    TILTED,
+    Rejected,
+    nearest_gap,
+    touches,
+)
+from kilter.contact.patches import Patches
+from kilter.contact.planar.facet_overlays import FacetFrame, Pieces, facet_frames, overlaps_of
+from kilter.contact.planar.merging import merge
+
+__all__ = ["GAP_EDGES", "FlatContacts", "find_flat"]
+
+
+DECADES: Array = np.power(10.0, np.arange(-12, -1))
+GAP_EDGES: Array = np.concatenate([[-np.inf], -DECADES[::-1], [0.0], DECADES, [np.inf]])
+"""Edges of the histogram of gaps, over the size of the smaller part [-]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FlatContacts:
+    """Patches of flat faces; what came near; how many faces have which gap (`GAP_EDGES`)."""
+
+    patches: Patches
+    rejected: list[Rejected]
+    counts: Index
+
+
+def find_flat(search: ContactSearch) -> FlatContacts:
+    """Contacts of flat faces of the pairs of a search."""
+    geometry, facets, limits = search.geometry, search.facets, search.limits
+    widest = max(LOOKED_AT_ANGLE, 2 * search.angle)
+    cosine = float(np.cos(widest))
+    pair, i, j = facet_pairs(facets, search.boxes, search.pairs, limits.margin, cosine)
+    flat = ~(facets.curved[i] | facets.curved[j])
+    pair, i, j = pair[flat], i[flat], j[flat]
+    frames = facet_frames(facets, pair, i, j, limits.margin[pair])
+    angle = search.angle + _angle_rounding(search, frames)
+    size = np.minimum(geometry.size[facets.part[frames.i]], geometry.size[facets.part[frames.j]])
+    accepted, refused, counts = [], [], np.zeros(len(GAP_EDGES) - 1, dtype=np.int64)
+    for block in overlaps_of(geometry, facets, frames):
+        pair_of = frames.pair[block.frame]
+        limit = limits.gap[pair_of]
+        opposed = frames.angle[block.frame] <= angle[block.frame]
+        touch = opposed & touches(block.gap, limit, limits.closed[pair_of])
+        accepted.append(block.take(np.flatnonzero(touch)))
+        refused.append(block.take(np.flatnonzero(~touch)))
+        wide = block.area > limit * np.sqrt(block.area)  # a cut of no width has no gap
+        relative = (nearest_gap(block.gap) / size[block.frame])[wide & opposed]
+        counts += np.histogram(relative, bins=GAP_EDGES)[0]
+    patches, thin = merge(search, frames, accepted)
+    rejected = _rejected(search, frames, refused, angle)
+    rejected += _rejected(search, frames, thin, angle, THIN)
+    return FlatContacts(patches, rejected, counts)
+
+
+def _angle_rounding(search: ContactSearch, frames: FacetFrame) -> Array:
+    """Error of the angle between two facets that rounding of the coordinates explains [rad]."""
+    geometry, facets = search.geometry, search.facets
+    blur = np.zeros(len(frames))
+    for facet in (frames.i, frames.j):
+        part = facets.part[facet]
+        width = facets.area[facet] / facets.reach[facet]
+        blur += np.where(geometry.single[part], ROUNDINGS * geometry.accuracy[part] / width, 0.0)
+    return np.minimum(blur, LOOKED_AT_ANGLE)
+
+
+def _rejected(
+    search: ContactSearch, frames: FacetFrame, blocks: list[Pieces], angle: Array, why: str = ""
+) -> list[Rejected]:
+    """The nearest rejected piece of each pair of parts and reason."""
+    limits = search.limits
+    nearest: dict[tuple[int, str], Rejected] = {}
+    for block in blocks:
+        row = block.frame
+        pair = frames.pair[row]
+        gap = nearest_gap(block.gap)
+        wide = (block.area > (2 * limits.gap[pair]) ** 2) & (np.abs(gap) <= limits.margin[pair])
+        for k in np.flatnonzero(wide | bool(why)):
+            tilt = float(frames.angle[row[k]])
+            plain = TILTED if tilt > angle[row[k]] else APART if gap[k] > 0 else PENETRATES
+            key = (int(pair[k]), why or plain)
+            if key not in nearest or abs(gap[k]) < abs(nearest[key].gap):
+                a, b = (int(part) for part in search.pairs[pair[k]])
+                nearest[key] = Rejected((a, b), float(gap[k]), tilt, key[1])
+    return list(nearest.values())
