@@ -6,9 +6,11 @@ from held_or_not import program, slope, worst_by_hand
 
 from kilter.assembly import Joint
 from kilter.friction.law import coulomb_law
-from kilter.mechanics.law_check import check_law
+from kilter.friction.reduced_law import reduced_law
+from kilter.mechanics.law_check import check_law, point_speeds
 from kilter.scenes import friction, stacks, traps
 from kilter.scenes.transform import scaled
+from kilter.units import metres_per_unit
 
 G = 9.81
 
@@ -150,6 +152,68 @@ def test_scaled_unknowns_go_there_and_back():
     assert law.columns(law.acceleration(x)) == pytest.approx(x, abs=1e-12)
     assert np.linalg.norm(law.load) == pytest.approx(1)
     assert law.load @ law.load == pytest.approx(law.columns(_free_fall(built)) @ law.load)
+
+
+@pytest.mark.parametrize("planar", [False, True])
+def test_the_scaled_law_is_the_law(planar):
+    """Of any accelerations and forces, whether they obey it or not: the same rest, the same speeds.
+
+    `check_law` is written apart; its rest is in the metric of the masses over |w|, as x is.
+    """
+    built = program(scaled(friction.ladder(50.0, planar=planar), 100.0))
+    law = coulomb_law(built)
+    rng = np.random.default_rng(1)
+    x, g = rng.normal(size=len(law.load)), rng.normal(size=(len(law.mu), 3))
+    g[:, 2] *= not planar
+    acceleration, forces = law.acceleration(x), law.forces(g)
+    rest = x - law.load - law.matrix.T @ g.reshape(-1)
+    assert check_law(built, acceleration, forces).balance == pytest.approx(np.linalg.norm(rest))
+    assert np.einsum("kij,kj->ki", law.basis, forces) == pytest.approx(
+        g * (law.strength / law.sigma)[:, None]
+    )
+    motion = acceleration * np.repeat([1.0, metres_per_unit(built.units)], 3)
+    speeds = np.einsum("kij,kj->ki", law.basis, point_speeds(built, motion))
+    speeds[:, 2] *= not planar  # across the plane nothing counts
+    own = (law.matrix @ x).reshape(-1, 3) * (law.strength * law.sigma)[:, None]
+    assert own == pytest.approx(speeds, abs=1e-9 * np.abs(speeds).max())
+
+
+def test_points_of_a_patch_share_their_scale_and_stay_near_one():
+    built = program(friction.books(4))
+    law = coulomb_law(built)
+    for patch in np.unique(law.patch):
+        assert np.ptp(law.sigma[law.patch == patch]) == 0
+    sizes = np.linalg.norm((law.matrix.toarray()).reshape(-1, 3, len(law.load)), axis=(1, 2))
+    assert 0.5 < sizes.min() <= sizes.max() < 3.0  # sqrt 3, but for levers that differ in a patch
+
+
+@pytest.mark.parametrize("planar", [False, True])
+def test_the_reduced_law_is_the_law(planar):
+    tower = friction.squeezed_row(3, planar=planar)
+    built = program(tower._replace(joints=[Joint(("block-0", "block-1"))]))
+    law, reduced = coulomb_law(built), reduced_law(built)
+    basis = reduced.allowed.toarray()
+    joint = law.matrix[3 * np.flatnonzero(law.tied)].toarray()
+    assert len(joint)
+    assert basis.T @ basis == pytest.approx(np.eye(basis.shape[1]))
+    assert joint @ basis == pytest.approx(0, abs=1e-12)
+    assert basis.shape[1] == len(law.load) - np.linalg.matrix_rank(joint)
+    assert np.linalg.norm(reduced.load) == pytest.approx(1)
+    a = np.random.default_rng(0).normal(size=basis.shape[1])
+    u = (law.matrix @ (basis @ a)).reshape(-1, 3)
+    assert reduced.normal @ a == pytest.approx(u[reduced.rows, 0])
+    ut = (reduced.tangent @ a).reshape(-1, reduced.directions)
+    for group, patch in enumerate(reduced.patch):
+        twist = reduced.twist[patch] @ a
+        assert reduced.lever[group][:, : len(twist)] @ twist == pytest.approx(ut[group])
+        row = reduced.rows[np.flatnonzero(reduced.group == group)]
+        assert ut[group] == pytest.approx(u[row[0], 1 : 1 + reduced.directions])
+    # the faces are flat: in space one spin each beside two speeds
+    assert {rows.shape[0] for rows in reduced.twist} == {1 if planar else 3}
+    # the weight of all free parts, given back in newtons
+    size = np.linalg.norm(reduced.allowed.T @ law.load)
+    newtons = reduced.weight * size * law.strength / law.sigma[reduced.rows]
+    assert newtons == pytest.approx(built.mass[built.free].sum() * G)
 
 
 def _free_fall(built):

@@ -11,7 +11,6 @@ from kilter.friction.contraction import contract, power_bound, shrunk
 from kilter.friction.enclosure import rescaled
 from kilter.friction.exclusion import prove_no_motion, start_proof
 from kilter.friction.exclusion_cases import breach, cases
-from kilter.mechanics.program import tangents
 
 ROUNDING = 1e-7
 
@@ -20,19 +19,14 @@ def point_of(attempt, found, scale):
     """The columns of the true solution (a, f)."""
     law, program = attempt.law, found.program
     at = attempt.relaxation.columns
-    cells = np.ix_(program.free, program.freedoms)
-    load, acceleration = program.load[cells].ravel(), found.motion[cells].ravel()
-    size = np.linalg.norm(law.back.T @ load)
-    unit = np.sqrt(program.mass[program.free].sum())
-    b = np.linalg.lstsq(law.back.toarray(), acceleration, rcond=None)[0] / size / scale
+    scaled = law.law
+    size = np.linalg.norm(law.allowed.T @ scaled.load)
+    b = law.allowed.T @ scaled.columns(found.motion) / size / scale
+    pushes = np.einsum("kij,kj->ki", scaled.basis, found.forces)
+    pushes *= (scaled.sigma / scaled.strength / size)[:, None]
     x = np.zeros(attempt.relaxation.width)
-    fn = (found.forces * program.normal).sum(axis=1) / size / unit
-    rough = np.flatnonzero(program.mu > 0)
-    across = tangents(program.normal[rough])
-    if program.planar:
-        n = program.normal[rough]
-        across = np.stack([n[:, 2], 0 * n[:, 0], -n[:, 0]], axis=1)[:, None]
-    ft = np.einsum("gij,gj->gi", across, found.forces[rough]) / size / unit
+    fn, rough = pushes[:, 0], np.flatnonzero(program.mu > 0)
+    ft = pushes[rough, 1 : 1 + law.directions]
     if program.planar:  # the points of a patch share it
         fn_group = np.bincount(law.group[rough], fn[rough], minlength=len(law.mu))
         ft = np.bincount(law.group[rough], ft[:, 0], minlength=len(law.mu))[:, None]

@@ -17,8 +17,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Literal
 
-import numpy as np
-
 from kilter.budget import Budget
 from kilter.friction.contraction import (
     FORCES,
@@ -125,7 +123,7 @@ def start_proof(program: Program, budget: Budget) -> tuple[ProofAttempt, Enclosu
 
     law = reduced_law(program)
     attempt = ProofAttempt(law, Relaxation(law), bounding(), budget, _tolerance(program))
-    force = np.full(len(law.group), LARGEST_FORCE)
+    force = LARGEST_FORCE * law.weight
     return attempt, first_enclosure(law, attempt.relaxation.fastest, force, TANGENTS)
 
 

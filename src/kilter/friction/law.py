@@ -1,12 +1,38 @@
-"""The contact law in scaled unknowns: M is the identity, w a unit vector, points alike.
+"""Coulomb's law of a program in scaled unknowns: the one scaling of the friction wing.
 
-With M = L L^T part by part, x = L^T a / |w| and rows of J L^-T divided by the sigma of their
-point (`kilter.mechanics.law_check.mobilities`), three a point along (n, u, v):
+With a the accelerations of the free parts, M their masses and inertias, w the loads on them,
+J the relative accelerations of part b past part a at the contact points along (n, u, v) (n the
+normal from a to b, u and v across it), and f the forces on b along the same:
 
-    x = w + H^T f,    speeds H x,    |w| = 1
+    M a = w + J^T f                                              the parts
+    u_n >= 0,  f_n >= 0,  u_n f_n = 0                            each contact point, u = J a
+    |f_t| <= mu f_n,   f_t.u_t = -mu f_n |u_t|
+    u_n = 0                                                      each row of a joint
 
-Forces f are in units of |w| / sigma. A row that is two-sided (a joint) has only the first
-of its three lines; the others are zero.
+M = L L^T part by part, |w| = (w.M^-1 w)^(1/2), and sigma is the size of the mobility of a point
+(force in, acceleration out: `kilter.mechanics.law_check.mobilities`). In
+
+    x = L^T a / |w|,     H = J L^-T / sigma,     g = sigma f / |w|
+
+the first line, multiplied by L^-1 / |w|, becomes
+
+    x = w' + H^T g,     u' = H x = J a / (sigma |w|),     |w'| = 1
+
+and the others stay as they are, for u' and g in the place of u and f, since all three lines of
+a point share their sigma. So no unit is left: |x|^2 is a.M a / |w|^2, w'.x the power, 1 in free
+fall, and the numbers of light and heavy parts, of points near and far, are near 1. As
+
+    |x|^2 = w'.x + g.u' = w'.x - sum of mu g_n |u_t'|  <=  w'.x  <=  |x|
+
+every solution has |x| <= 1. All points of a contact patch share the root mean square of
+their sigmas, so that their forces and speeds can be added.
+
+Two views of the one law are used. The search of motions (`kilter.friction.motion_search`), the
+polishing and the seating take it as it stands here: a row a point, joints as equations, whose
+forces they need. The proof that there is no motion takes `kilter.friction.reduced_law`, where
+joints are eliminated and points that must slide alike are grouped: it bounds unknowns one by
+one, and forces of joints have no bounds. The judge of a motion,
+`kilter.mechanics.law_check.check_law`, uses neither.
 """
 
 from __future__ import annotations
@@ -19,7 +45,7 @@ from scipy.sparse import csr_array
 from kilter.arrays import TINY, Array, Index, Mask, cross
 from kilter.friction.friction_tolerances import ZERO_ENTRY
 from kilter.mechanics.law_check import mobilities
-from kilter.mechanics.program import Program, tangents
+from kilter.mechanics.program import CONTACT, Program, tangents
 from kilter.units import metres_per_unit
 
 __all__ = ["CoulombLaw", "coulomb_law"]
@@ -27,27 +53,29 @@ __all__ = ["CoulombLaw", "coulomb_law"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CoulombLaw:
-    """The scaled contact law of a program.
+    """The scaled contact law of a program with K rows and n freedoms.
 
     Attributes
     ----------
     program : Program
     matrix : csr_array, shape (3 K, n)
-        H; rows 3 k, 3 k + 1, 3 k + 2 along the normal and two tangents of row k.
+        H; lines 3 k, 3 k + 1, 3 k + 2 along n, u and v of row k. A row that is two-sided (a
+        joint) has only the first of them; in the plane v is across it, and its line is 0.
     load : ndarray, shape (n,)
-        w, of length 1 (0 where nothing pulls).
+        w', of length 1 (0 where nothing pulls).
     basis : ndarray, shape (K, 3, 3)
         Unit vectors n, u, v of each row, world frame.
     mu : ndarray, shape (K,)
     tied : ndarray of bool, shape (K,)
         Rows that are equations.
     patch : ndarray of int, shape (K,)
-        From 0; points of one patch share theirs.
+        From 0; points of one contact patch, or rows of one joint, share theirs.
     strength : float
         |w|, the root of w.M^-1 w.
     sigma : ndarray, shape (K,)
+        One of each contact patch.
     root : ndarray, shape (F, d, d)
-        L of each free part.
+        L of each free part, of its d freedoms.
     """
 
     program: Program
@@ -87,7 +115,6 @@ class CoulombLaw:
 
 def coulomb_law(program: Program) -> CoulombLaw:
     """The scaled contact law of a program."""
-    per = len(program.freedoms)
     free = np.flatnonzero(program.free)
     mass = np.zeros((len(free), 6, 6))
     mass[:, range(3), range(3)] = program.mass[free][:, None]
@@ -97,37 +124,57 @@ def coulomb_law(program: Program) -> CoulombLaw:
     load = program.load[free][:, program.freedoms]
     load = np.asarray(np.linalg.solve(root, load[..., None]), np.float64).reshape(-1)
     strength = float(np.linalg.norm(load))
-    sigma = mobilities(program)
-    basis = np.concatenate([program.normal[:, None], tangents(program.normal)], axis=1)
-    if len(program.source):
-        _, patch = np.unique(
-            np.column_stack([program.kind, program.source, _alone(program)]),
-            axis=0,
-            return_inverse=True,
-        )
-    else:
-        patch = np.empty(0, dtype=np.int64)
+    patch = _patches(program)
+    sigma = _shared(mobilities(program), patch, program.kind == CONTACT)
+    basis = np.concatenate([program.normal[:, None], _directions(program)], axis=1)
     return CoulombLaw(
         program=program,
-        matrix=_lines(program, basis, sigma, root, per),
+        matrix=_matrix(program, basis, sigma, root),
         load=load / max(strength, TINY),
         basis=basis,
         mu=np.where(program.two_sided, 0.0, program.mu),
         tied=program.two_sided,
-        patch=patch.reshape(-1),
+        patch=patch,
         strength=strength,
         sigma=sigma,
         root=root,
     )
 
 
-def _alone(program: Program) -> Index:
-    """A number of its own for every row without a source."""
-    return np.where(program.source < 0, np.arange(len(program.source)), -1)
+def _directions(program: Program) -> Array:
+    """Unit u and v of each row, shape (K, 2, 3); in the plane y = 0 u is in it, v across it."""
+    directions = tangents(program.normal)
+    if program.planar:
+        n = program.normal
+        u = cross(np.array([0.0, 1.0, 0.0]), n)
+        size = np.linalg.norm(u, axis=1)
+        within = size > 0  # else it is a face in the plane
+        u = u[within] / size[within, None]
+        directions[within] = np.stack([u, cross(n[within], u)], axis=1)
+    return directions
 
 
-def _lines(program: Program, basis: Array, sigma: Array, root: Array, per: int) -> csr_array:
+def _patches(program: Program) -> Index:
+    """The number of the patch, or joint, of each row; of its own where it has no source."""
+    count = len(program.source)
+    if not count:
+        return np.empty(0, dtype=np.int64)
+    alone = np.where(program.source < 0, np.arange(count), -1)
+    keys = [program.kind, program.source, program.part_a, program.part_b, alone]
+    _, patch = np.unique(np.column_stack(keys), axis=0, return_inverse=True)
+    return patch.reshape(-1)
+
+
+def _shared(sigma: Array, patch: Index, contact: Mask) -> Array:
+    """One sigma for all points of a contact patch: the root of the mean square."""
+    square = np.bincount(patch, sigma**2) / np.maximum(np.bincount(patch), 1)
+    shared: Array = np.where(contact, np.sqrt(square[patch]), sigma)
+    return shared
+
+
+def _matrix(program: Program, basis: Array, sigma: Array, root: Array) -> csr_array:
     """H, from the levers of each row on its two parts."""
+    per = len(program.freedoms)
     column = np.full(len(program.names) + 1, -1)
     column[:-1][program.free] = np.arange(len(root))
     data, rows, cols = [], [], []

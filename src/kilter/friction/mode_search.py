@@ -108,8 +108,7 @@ def _children(law: CoulombLaw, node: _Decided, now: TrialMotion) -> list[_Decide
     if law.mu[p] <= 0:
         return [children[0], node.with_mode(p, Mode.SLIDING, 0.0, np.pi)]
     if law.program.planar:
-        axis = float(np.arctan2(*np.abs(law.basis[p, [2, 1]][:, [0, 2]]).max(axis=1).round()))
-        angles, half = [axis, axis + np.pi], PLANAR_SECTOR
+        angles, half = [0.0, np.pi], PLANAR_SECTOR  # along u, or against it
     else:
         first, half = float(np.arctan2(u[p, 2], u[p, 1])), np.pi / 4
         angles = [first + 2 * k * half for k in range(4)]
