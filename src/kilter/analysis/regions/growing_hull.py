@@ -57,6 +57,36 @@ class GrowingHull:
         self.normals, self.offsets = self._planes(self.facets)
         self.done: Mask = np.zeros(size + 1, dtype=bool)
 
+    @classmethod
+    def of(cls, points: Array, tolerance: float) -> GrowingHull | None:
+        """The hull of points, shape (n, d); None where they are flat up to the tolerance.
+
+        Examples
+        --------
+        >>> GrowingHull.of(np.array([[0.0, 0], [1, 1], [2, 2]]), 1e-9) is None
+        True
+        >>> hull = GrowingHull.of(np.array([[0.0, 0], [1, 1], [1, 0], [0, 1]]), 1e-9)
+        >>> len(hull.facets)
+        4
+        """
+        if not len(points):
+            return None
+        chosen = [int(np.linalg.norm(points - points.mean(axis=0), axis=1).argmax())]
+        rest = points - points[chosen[0]]
+        for _ in range(points.shape[1]):
+            # the point farthest from the span of those before
+            length = np.linalg.norm(rest, axis=1)
+            farthest = int(length.argmax())
+            if length[farthest] <= tolerance:
+                return None
+            chosen.append(farthest)
+            along = rest[farthest] / length[farthest]
+            rest = rest - np.outer(rest @ along, along)
+        hull = cls(points[chosen], tolerance)
+        for point in points:
+            hull.add(point)
+        return hull
+
     def add(self, point: Array) -> bool:
         """Take a point in; False, and no change, where it is not outside."""
         seen = self.normals @ point > self.offsets + self.tolerance

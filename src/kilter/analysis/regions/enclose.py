@@ -1,0 +1,200 @@
+"""A convex set around 0 that an oracle knows: a hull inside, planes outside, one loop.
+
+An oracle is asked in a unit direction and answers with a point of the set and with a plane
+beyond which nothing of it lies,  normal . x <= reach. The hull of the points is in the set, the
+planes are around it. The next direction is the normal of a facet of the hull: there is a point
+beyond it, and the hull grows, or the facet is one of the set and is settled. So every question
+brings a point or a facet.
+
+    nearest boundary      the facet nearest to 0 is asked until hull and planes agree: the least
+                          push, the least tilt, the least tilt over intervals, and the direction
+                          on the sphere that is nearest to stable
+    the whole boundary    all facets are asked: the stability map
+
+Three others find a convex set, or walk a sphere, with what is here and another loop:
+
+- `growth.grow` finds a cone, whose facets all pass through 0: it has no nearest one, its span
+  may be thinner than space, and with rounded data its points lie on a facet up to a width, so
+  its facets are fitted (`cone_hull.facets_of`).
+- `friction_cone` cuts the outer cone at its extreme rays: its oracle projects, which brings a
+  point and a plane that a support in a facet's direction would not bring as near, and its gap
+  is an angle over the whole sphere.
+- `least_instability` bounds a function that is not convex on the triangles of a sphere: only
+  the hull is the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from kilter.analysis.regions.growing_hull import GrowingHull
+from kilter.arrays import Array
+
+__all__ = ["Enclosure", "Face", "Found", "nearest_face"]
+
+FINEST = 1e-13
+"""Of the largest coordinate: rounding of the hull lies below this."""
+FINER = 0.1
+"""How much finer than the agreement that is asked for the hull is kept."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Found:
+    """What an oracle answers: a `point` of the set, shape (d,), and a plane around the set.
+
+    `normal`, unit, shape (d,), and `reach`: normal . x <= reach for all of the set.
+    """
+
+    point: Array
+    normal: Array
+    reach: float
+
+
+Oracle = Callable[[Array], Found | None]
+"""Asked in a unit direction, shape (d,); None where its numbers failed."""
+
+
+class Enclosure:
+    """The set as far as it is known.
+
+    Attributes
+    ----------
+    hull : GrowingHull or None
+        Inside; a facet that is `done` is one of the set. None: flat as far as it is known.
+    outer, normal : float, ndarray, shape (d,)
+        Distance from 0 of the nearest plane around it, and the unit normal of that plane.
+    answer : int
+        Which answer of the oracle brought that plane; -1: none yet.
+    asked : int
+        Questions so far.
+    failed : bool
+        Whether the oracle failed at one of them.
+    """
+
+    def __init__(self, oracle: Oracle, hull: GrowingHull | None = None) -> None:
+        self.hull = hull
+        self.outer, self.normal, self.answer = np.inf, np.zeros(0), -1
+        self.asked = 0
+        self.failed = False
+        self._oracle = oracle
+        size = 0 if hull is None else hull.points.shape[1]
+        self._planes, self._levels = np.zeros((0, size)), np.zeros(0)
+
+    @property
+    def inner(self) -> float:
+        """Every point nearer to 0 than this is in the set."""
+        return 0.0 if self.hull is None else max(float(self.hull.offsets.min()), 0.0)
+
+    def ask(self, direction: Array) -> Found | None:
+        """One question; its plane is taken in, its point is left to the caller."""
+        found = self._oracle(direction)
+        self.asked += 1
+        if found is None:
+            self.failed = True
+        elif found.reach < self.outer:
+            self.outer, self.normal, self.answer = found.reach, found.normal, self.asked - 1
+        return found
+
+    def settle(self, facet: int) -> bool:
+        """Confirm a facet of the hull, or add a point beyond it; True where it is confirmed."""
+        assert self.hull is not None
+        hull = self.hull
+        normal, offset = hull.normals[facet], float(hull.offsets[facet])
+        if not self._is_known(facet):
+            found = self.ask(normal)
+            if found is not None and hull.add(found.point):
+                return False
+            self._planes = np.vstack([self._planes.reshape(-1, len(normal)), normal])
+            self._levels = np.append(self._levels, offset)
+        hull.done[facet] = True
+        return True
+
+    def _is_known(self, facet: int) -> bool:
+        """Whether it lies in the plane of a facet that was confirmed, on the same side."""
+        assert self.hull is not None
+        hull, planes = self.hull, self._planes
+        if not len(planes):
+            return False
+        corners = hull.points[hull.facets[facet]]
+        off = np.abs(corners @ planes.T - self._levels).max(axis=0)
+        return bool(((off <= 2 * hull.tolerance) & (planes @ hull.normals[facet] > 0)).any())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Face:
+    """The distance from 0 to the boundary of a set, from both sides.
+
+    Attributes
+    ----------
+    inner : float
+        Every point nearer than this is in the set.
+    outer : float
+        Distance of the nearest plane outside.
+    normal : ndarray, shape (d,)
+        Of that plane, unit.
+    answer : int
+        Which answer of the oracle brought it, from 0.
+    asked : int
+        How many questions there were.
+    failed : bool
+        Whether the oracle failed at one of them: then the distances may be farther apart.
+    """
+
+    inner: float
+    outer: float
+    normal: Array
+    answer: int
+    asked: int
+    failed: bool
+
+
+def nearest_face(
+    oracle: Oracle, directions: Array, *, agree: float, limit: int, most: float = np.inf
+) -> Face | None:
+    """Where the boundary of a set around 0 comes nearest to 0; None where the first answer fails.
+
+    Parameters
+    ----------
+    oracle : callable
+    directions : ndarray, shape (n, d)
+        Unit, asked first; on all sides of 0.
+    agree : float
+        Ends where inner and outer distance differ by no more than this fraction.
+    limit : int
+        Of questions.
+    most : float
+        Distances from here on count as unlimited: the search ends.
+
+    Examples
+    --------
+    >>> corner = np.array([1.0, 2.0])  # of a box around 0
+    >>> def box(direction):
+    ...     scale = np.abs(direction) / corner
+    ...     side = int(scale.argmax())
+    ...     normal = np.eye(2)[side] * np.sign(direction[side])
+    ...     return Found(direction / scale[side], normal, corner[side])
+    >>> face = nearest_face(box, np.array([[0.6, 0.8], [-0.8, 0.6], [0, -1.0]]), agree=1e-9,
+    ...                     limit=50)
+    >>> round(face.inner, 9), face.outer
+    (1.0, 1.0)
+    """
+    known = Enclosure(oracle)
+    points = []
+    for direction in directions:
+        found = known.ask(direction)
+        if found is not None:
+            points.append(found.point)
+        elif not points:
+            return None
+    size = float(np.abs(np.array(points)).max(initial=0.0))
+    tolerance = max(FINER * agree * min(known.outer, size), FINEST * size)
+    known.hull = GrowingHull.of(np.array(points), tolerance)
+    while known.asked < limit and known.hull is not None and known.outer < most * (1 - agree):
+        nearest = int(known.hull.offsets.argmin())
+        if known.inner >= known.outer * (1 - agree) or known.settle(nearest):
+            break
+    inner = min(known.inner, known.outer)
+    return Face(inner, known.outer, known.normal, known.answer, known.asked, known.failed)
