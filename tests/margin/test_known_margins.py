@@ -11,12 +11,11 @@ from margins import by_points, force_of, leaning, loaded, program_of, small_asse
 
 from kilter.analysis.judge import judge
 from kilter.analysis.margins.least_friction import find_least_friction
-from kilter.analysis.margins.load_limit import find_limit, with_more
+from kilter.analysis.margins.load_limit import Limit, NoLimit, find_limit, gravity_wrench, with_more
 from kilter.analysis.margins.pushes import find_weakest_push
 from kilter.analysis.margins.tilt import (
     find_nearest_held,
     find_tilt_margin,
-    gravity_wrench,
     tilt_about,
 )
 from kilter.assembly import Load
@@ -30,7 +29,7 @@ def factor(assembly, along=X) -> float:
     """The greatest body force in a direction, in weights."""
     program = program_of(assembly)
     limit = find_limit(program, gravity_wrench(program, np.asarray(along, dtype=float)))
-    assert limit is not None
+    assert isinstance(limit, Limit)
     assert limit.forces.holds
     assert limit.mechanism is not None
     assert limit.mechanism.holds
@@ -104,9 +103,9 @@ def test_least_thickness_of_a_semicircle(sectors, least):
     )
     assert judge(below).stable is False
     assert judge(above).stable is True
-    assert find_limit(below, gravity_wrench(below, X)) is None
+    assert find_limit(below, gravity_wrench(below, X)) == NoLimit("none")
     spare = find_limit(above, gravity_wrench(above, X))
-    assert spare is not None
+    assert isinstance(spare, Limit)
     assert 0.0 < spare.value < 1e-3
 
 
@@ -129,7 +128,7 @@ def test_a_staircase_is_at_its_limit_where_nothing_is_left_to_lean(count):
     limit = 1 / (count + 1)
     program = program_of(dataclasses.replace(stacks.staircase(count, offset=limit), friction=2.0))
     at = find_limit(program, gravity_wrench(program, X))
-    assert at is not None
+    assert isinstance(at, Limit)
     assert at.value == pytest.approx(0.0, abs=1e-7)
     share = 0.9
     inside = dataclasses.replace(stacks.staircase(count, offset=share * limit), friction=2.0)
@@ -148,9 +147,9 @@ def test_books_are_held_from_a_least_force(mu):
     base = program.with_rows(applied=np.zeros_like(program.applied))
     # how much of the force may be taken away
     found = find_limit(program, -program.applied)
-    assert found is not None
+    assert isinstance(found, Limit)
     assert found.value == pytest.approx(0.5, abs=1e-7)
-    assert find_limit(base, 0.0 * program.applied) is None  # it is not held without
+    assert find_limit(base, 0.0 * program.applied) == NoLimit("none")  # it is not held without
     for share, verdicts in ((1.001, HOLDS), (0.999, ("unstable",))):
         given = friction.books(n, force=share * least, friction=mu)
         assert judged(given, budget=0.1).verdict in verdicts
@@ -241,7 +240,7 @@ def test_the_conic_limit_is_where_the_verdict_changes(seed):
     wrench = gravity_wrench(program, along / np.linalg.norm(along))
     limit = find_limit(program, wrench)
     if judge(program).stable is False:
-        assert limit is None
+        assert limit == NoLimit("none")
         return
     low, high = 0.0, 4.0
     if judge(with_more(program, wrench, high)).stable:  # pressed down more than aside
@@ -269,8 +268,8 @@ def test_what_is_not_held_as_given_has_no_tilt_margin_but_a_way_back(planar):
     """A block past its edge: the distance to the nearest held direction, negative."""
     slope = dataclasses.replace(stacks.block_on_slope(50.0, friction=3.0), planar=planar)
     program = program_of(slope)
-    assert find_tilt_margin(program) is None
-    assert find_weakest_push(program, 1) is None
+    assert find_tilt_margin(program) == NoLimit("none")
+    assert find_weakest_push(program, 1) == NoLimit("none")
     turn, down = find_nearest_held(program)
     assert np.degrees(turn) == pytest.approx(5.0, abs=1e-5)
     assert judge(program.with_rows(gravity=9.81 * down)).stable is not False

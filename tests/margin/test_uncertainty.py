@@ -10,8 +10,8 @@ from margins import program_of, small_assembly
 
 from kilter.analysis.judge import judge
 from kilter.analysis.margins import uncertainty
-from kilter.analysis.margins.load_limit import find_limit
-from kilter.analysis.margins.tilt import find_tilt_margin, gravity_wrench
+from kilter.analysis.margins.load_limit import find_limit, gravity_wrench
+from kilter.analysis.margins.tilt import find_tilt_margin
 from kilter.analysis.margins.uncertainty import Ranges, corner, find_uncertainty
 from kilter.arrays import cross
 from kilter.mechanics.program import CONTACT

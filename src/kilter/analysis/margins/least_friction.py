@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from kilter.analysis.judge import judge
-from kilter.analysis.margins.load_limit import starting
+from kilter.analysis.margins.load_limit import NoLimit, starting
 from kilter.mechanics.certificate import ForceProof, MotionProof
 from kilter.mechanics.coulomb_cones import spread
 from kilter.mechanics.program import CONTACT, Program
@@ -69,8 +69,8 @@ class LeastFriction:
         }
 
 
-def find_least_friction(program: Program) -> LeastFriction | None:
-    """The least friction coefficient that holds the assembly; None where none does.
+def find_least_friction(program: Program) -> LeastFriction | NoLimit:
+    """The least friction coefficient that holds the assembly; no limit: none does, or failed.
 
     Examples
     --------
@@ -87,19 +87,21 @@ def find_least_friction(program: Program) -> LeastFriction | None:
         assert smooth.forces is not None
         return LeastFriction(0.0, 0.0, True, smooth.forces, None, 1)
     if not (program.kind == CONTACT).any():
-        return None
-    if not _sticks(program):
-        return None
+        return NoLimit("none" if smooth.stable is False else "failed")
+    sticks = _sticks(program)
+    if not sticks:
+        return NoLimit("failed" if sticks is None else "none")
     start: ForceProof | None = None
-    lower, upper, mechanism = 0.0, LARGEST, smooth.motion
+    lower, upper, mechanism, undecided = 0.0, LARGEST, smooth.motion, False
     for upper in TRIED:
         judged = judge(_with(program, upper))
         if judged.stable:
             start = judged.forces
             break
-        lower = upper
+        undecided = undecided or judged.stable is None
+        lower = lower if undecided else upper
     if start is None:
-        return None
+        return NoLimit("failed" if undecided else "none")
     best = start
     upper = min(upper, _used(program, best))
     solved = 2
@@ -128,11 +130,11 @@ def _with(program: Program, mu: float) -> Program:
     return program.with_rows(mu=np.where(program.kind == CONTACT, mu, 0.0))
 
 
-def _sticks(program: Program) -> bool:
+def _sticks(program: Program) -> bool | None:
     """Whether forces balance where friction has no limit, not even without a push."""
     wide = spread(_with(program, LARGEST)).problem.program
     across = np.arange(len(wide.part_a)) >= len(program.part_a)
-    return bool(judge(wide.with_rows(two_sided=wide.two_sided | across)).stable)
+    return judge(wide.with_rows(two_sided=wide.two_sided | across)).stable
 
 
 def _used(program: Program, proof: ForceProof) -> float:

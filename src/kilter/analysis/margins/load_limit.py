@@ -17,7 +17,7 @@ constraints, 2001.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -32,8 +32,20 @@ from kilter.mechanics.certificate import (
 from kilter.mechanics.coulomb_cones import Spread, largest_load, spread
 from kilter.mechanics.program import Program
 
-__all__ = ["OUTSIDE", "UNLIMITED", "Limit", "find_limit", "finite", "starting", "with_more"]
+__all__ = [
+    "OUTSIDE",
+    "UNLIMITED",
+    "Limit",
+    "NoLimit",
+    "find_limit",
+    "finite",
+    "gravity_wrench",
+    "starting",
+    "with_more",
+]
 
+
+Why = Literal["none", "failed"]
 
 TOLERANCES = (1e-10, 1e-12)
 """Of the solver: the second where the mechanism of the first is too coarse to prove itself."""
@@ -85,6 +97,20 @@ class Limit:
         }
 
 
+@dataclass(frozen=True, slots=True)
+class NoLimit:
+    """No limit is known, and why: "none", no share is held, proved; "failed", the numbers did."""
+
+    why: Why
+
+
+def gravity_wrench(program: Program, direction: Array) -> Array:
+    """The weights as if gravity pointed along `direction`, shape (N, 6) [N]."""
+    wrench = np.zeros((len(program.names), 6))
+    wrench[:, :3] = (program.mass * program.free)[:, None] * program.g * direction
+    return wrench
+
+
 def finite(number: float) -> float | None:
     """A number for JSON: null where it is infinite, never -0."""
     return float(number) + 0.0 if np.isfinite(number) else None
@@ -106,8 +132,8 @@ def with_more(program: Program, wrench: Array, share: float) -> Program:
 
 def find_limit(
     program: Program, wrench: Array, *, wide: Spread | None = None, most: float = UNLIMITED
-) -> Limit | None:
-    """The largest share of further wrenches that contacts can hold; None: no share is held.
+) -> Limit | NoLimit:
+    """The largest share of further wrenches that contacts can hold.
 
     It may be negative, and where it is not, a share of 0 need not be held: the shares that are
     held are an interval, of which this is the upper end.
@@ -136,31 +162,35 @@ def find_limit(
     0.5
     """
     wide = wide or spread(program)
-    best: Limit | None = None
+    best: Limit | NoLimit = NoLimit("failed")
     for tolerance in TOLERANCES:
         found = _limit_at(program, wide, wrench, most, tolerance)
-        if found is not None and (best is None or found.gap < best.gap):
+        if isinstance(found, NoLimit):
+            if found.why == "none" and isinstance(best, NoLimit):
+                return found
+            continue
+        if isinstance(best, NoLimit) or found.gap < best.gap:
             best = found
-        if found is None or found.gap < np.inf:
+        if found.gap < np.inf:
             break
     return best
 
 
 def _limit_at(
     program: Program, wide: Spread, wrench: Array, most: float, tolerance: float
-) -> Limit | None:
+) -> Limit | NoLimit:
     """The limit that the solver finds at one tolerance, judged."""
     from kilter.solvers.clarabel import solve_conic
 
     problem = wide.problem
     answer = solve_conic(largest_load(wide, wrench, most), tolerance=tolerance)
     if not answer.found:
-        return None
+        return NoLimit("none" if answer.proves_none else "failed")
     value = float(answer.x[-1])
     at_limit = with_more(program, wrench, value)
     forces = check_forces(at_limit, *wide.decoded(answer.x[:-1]))
     if not forces.holds:
-        return None
+        return NoLimit("failed")
     if value >= most * (1 - STEPS[-1]):
         return Limit(np.inf, forces, None, 0.0)
     multipliers = answer.multipliers[: len(problem.right)]

@@ -10,20 +10,26 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from kilter.analysis.answers import joints_answer
 from kilter.analysis.check import check
 from kilter.analysis.margins.least_friction import LeastFriction, find_least_friction
-from kilter.analysis.margins.load_limit import Limit, find_limit, finite
+from kilter.analysis.margins.load_limit import (
+    Limit,
+    NoLimit,
+    Why,
+    find_limit,
+    finite,
+    gravity_wrench,
+)
 from kilter.analysis.margins.pushes import Push, find_weakest_push
 from kilter.analysis.margins.tilt import (
     TiltMargin,
     find_nearest_held,
     find_tilt_margin,
-    gravity_wrench,
     tilt_about,
 )
 from kilter.analysis.margins.uncertainty import Ranges, Uncertainty, find_uncertainty
@@ -32,13 +38,15 @@ from kilter.analysis.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet, Tolerance
-from kilter.errors import InputError
+from kilter.errors import InputError, some_names
 from kilter.mechanics.coulomb_cones import spread
 from kilter.mechanics.program import Program, build_program
 from kilter.rigid import unit
 
 __all__ = ["PUSHED", "Margin", "margin"]
 
+
+T = TypeVar("T")
 
 PUSHED = 20
 """Free parts up to which every part's weakest push is sought where it is not asked for."""
@@ -62,7 +70,7 @@ class Margin:
         Least turn of gravity to the boundary; negative when outside.
     tilt_down : ndarray, shape (3,), or None
         Direction of gravity there.
-    about : tuple of (float, Limit or None), or None
+    about : tuple of (float, Limit), or None
         Angle [rad] about the axis that was asked for, and the limit.
     friction : LeastFriction or None
         None where none is enough.
@@ -73,6 +81,10 @@ class Margin:
         does not dilate (not associative) the limits lie between these and `load_factor`.
         None where it was not asked for.
     pushes : tuple of Push
+    missing : dict
+        What was asked for and is not there, "tilt", "about", "friction", "load_factor",
+        "bracket" or "push of NAME", and why: "none", proved that there is none (it is not held
+        as given, or no friction or factor is enough); "failed", the numbers did.
     uncertainty : Uncertainty or None
         The worst case over `ranges`; None where none were given, or it is too large.
     helps : tuple of Help
@@ -88,11 +100,12 @@ class Margin:
     tilt: TiltMargin | None
     tilt_deg: float | None
     tilt_down: Array | None
-    about: tuple[float, Limit | None] | None
+    about: tuple[float, Limit] | None
     friction: LeastFriction | None
     load_factor: tuple[Limit | None, Limit | None] | None
     guaranteed: tuple[Limit | None, Limit | None] | None
     pushes: tuple[Push, ...]
+    missing: dict[str, Why]
     uncertainty: Uncertainty | None
     helps: tuple[Help, ...]
     warnings: tuple[str, ...]
@@ -115,13 +128,14 @@ class Margin:
             "tilt_limit": None if tilt is None else tilt.limit.to_dict(program),
             "about": None
             if about is None
-            else {"tilt_deg": finite(np.degrees(about[0])), "limit": _limit(program, about[1])},
+            else {"tilt_deg": finite(np.degrees(about[0])), "limit": about[1].to_dict(program)},
             "friction": None if friction is None else float(friction.value),
             "friction_limit": None if friction is None else friction.to_dict(program),
             "load_factor": None if factor is None else _interval(factor),
             "load_factor_bracket": self._bracket(),
             "load_limits": None if factor is None else [_limit(program, f) for f in factor],
             "pushes": [push.to_dict(program) for push in self.pushes],
+            "missing": dict(self.missing),
             "uncertainty": None if self.uncertainty is None else self.uncertainty.to_dict(program),
             "helps": [one.to_dict() for one in self.helps],
             "warnings": list(self.warnings),
@@ -220,7 +234,8 @@ def margin(
     if verdict.contacts.unsupported:
         warnings.append("contacts that are not modelled are left out: margins may be larger")
     tell("tilt")
-    tilt, degrees, down = _tilt(program, warnings)
+    missing: dict[str, Why] = {}
+    tilt, degrees, down = _tilt(program, warnings, missing)
     turned = None if axis is None else tilt_about(program, axis)
     tell("friction")
     friction = find_least_friction(program)
@@ -229,9 +244,17 @@ def margin(
     sure = _load_factor(assembly, program.frictionless, direction) if bracket else None
     tell("pushes")
     wide = spread(program)
-    found = [find_weakest_push(program, part, wide=wide) for part in parts]
+    pushes = {part: find_weakest_push(program, part, wide=wide) for part in parts}
+    asked: dict[str, object] = {"about": turned, "friction": friction}
+    asked |= {f"push of {program.names[part]}": push for part, push in pushes.items()}
+    missing |= {what: one.why for what, one in asked.items() if isinstance(one, NoLimit)}
+    for what, ends in (("load_factor", factor), ("bracket", sure)):
+        whys = [end.why for end in ends or () if isinstance(end, NoLimit)]
+        if whys:
+            missing[what] = "failed" if "failed" in whys else "none"
+    warnings += _missing_words(missing)
     worst = _worst(program, ranges, direction, warnings, tell)
-    greatest = None if factor is None else factor[1]
+    greatest = None if factor is None else _known(factor[1])
     helps = what_helps(program, tilt, greatest, direction)
     seconds = {**verdict.seconds, "total": time.perf_counter() - started}
     return Margin(
@@ -242,16 +265,31 @@ def margin(
         tilt=tilt,
         tilt_deg=degrees,
         tilt_down=down,
-        about=turned,
-        friction=friction,
-        load_factor=factor,
-        guaranteed=sure,
-        pushes=tuple(p for p in found if p is not None),
+        about=_known(turned),
+        friction=_known(friction),
+        load_factor=None if factor is None else (_known(factor[0]), _known(factor[1])),
+        guaranteed=None if sure is None else (_known(sure[0]), _known(sure[1])),
+        pushes=tuple(push for push in pushes.values() if isinstance(push, Push)),
+        missing=missing,
         uncertainty=worst,
         helps=helps,
         warnings=tuple(warnings),
         seconds=seconds,
     )
+
+
+def _known(found: T | NoLimit | None) -> T | None:
+    """What was found; None where there is no limit."""
+    return None if isinstance(found, NoLimit) else found
+
+
+def _missing_words(missing: dict[str, Why]) -> list[str]:
+    """Warnings: what the numbers failed to give, and that nothing resists a push."""
+    failed = [what for what, why in missing.items() if why == "failed"]
+    words = [f"the numbers failed, so this is not said: {some_names(failed)}"] if failed else []
+    if any(what.startswith("push of") and why == "none" for what, why in missing.items()):
+        words.append("not in balance as given, so no push is resisted")
+    return words
 
 
 def _axis(assembly: Assembly, about: Any) -> Array:
@@ -306,24 +344,25 @@ def _worst(
 
 
 def _tilt(
-    program: Program, warnings: list[str]
+    program: Program, warnings: list[str], missing: dict[str, Why]
 ) -> tuple[TiltMargin | None, float | None, Array | None]:
     """The margin, in degrees, and the direction at the boundary."""
     if program.applied.any():
         warnings.append("given loads do not turn with gravity: no tilt margin")
         return None, None, None
     tilt = find_tilt_margin(program)
-    if tilt is not None:
+    if isinstance(tilt, TiltMargin):
         return tilt, float(np.degrees(tilt.angle)), tilt.down
     nearest = find_nearest_held(program)
-    if nearest is None:
+    if tilt.why == "failed" or isinstance(nearest, NoLimit):
+        missing["tilt"] = nearest.why if isinstance(nearest, NoLimit) else tilt.why
         return None, None, None
     return None, -float(np.degrees(nearest[0])), nearest[1]
 
 
 def _load_factor(
     assembly: Assembly, program: Program, direction: Array | None
-) -> tuple[Limit | None, Limit | None] | None:
+) -> tuple[Limit | NoLimit, Limit | NoLimit] | None:
     """Least and greatest factor of a body force, or of the given loads."""
     if direction is not None:
         base, wrench = program, gravity_wrench(program, direction)

@@ -4,7 +4,7 @@ The forces F at its centre of mass with which an equilibrium exists are a convex
 (where it is in balance without a push). In a direction e the limit is one conic program, max
 t with F = t e; its mechanism gives a supporting plane of the set. The weakest push is the
 distance from 0 to the boundary: the hull of the limits found so far lies inside the set, the
-planes outside, and the direction of the hull's nearest facet is tried next, until both agree.
+planes outside (`kilter.analysis.regions.enclose`).
 """
 
 from __future__ import annotations
@@ -14,7 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import OUTSIDE, Limit, find_limit, finite
+from kilter.analysis.margins.load_limit import Limit, NoLimit, finite
+from kilter.analysis.margins.tilt import held_limit
+from kilter.analysis.regions.enclose import Found, nearest_face
 from kilter.arrays import Array
 from kilter.mechanics.coulomb_cones import Spread, spread
 from kilter.mechanics.program import Program
@@ -25,7 +27,7 @@ __all__ = ["Push", "find_push", "find_weakest_push"]
 UNLIMITED = 1e6
 """Pushes above this many weights of all parts count as unlimited."""
 SAME = 1e-6
-"""Hull and planes agree when their distances do to this part."""
+"""Hull and planes agree when their distances do to this fraction."""
 PROGRAMS = 80
 """Programs a part after which the search ends with the gap that is left."""
 
@@ -68,8 +70,8 @@ class Push:
 
 def find_push(
     program: Program, part: int, direction: Array, *, wide: Spread | None = None
-) -> Push | None:
-    """The largest push at the centre of mass in a direction; None: not in balance without it.
+) -> Push | NoLimit:
+    """The largest push at the centre of mass in a direction; no limit: no balance without it.
 
     Parameters
     ----------
@@ -82,14 +84,14 @@ def find_push(
     wrench = np.zeros((len(program.names), 6))
     weight = float(program.weight[program.free].sum())
     wrench[part, :3] = weight * direction
-    limit = find_limit(program, wrench, wide=wide, most=UNLIMITED)
-    if limit is None or limit.value < OUTSIDE:
-        return None
+    limit = held_limit(program, wrench, wide=wide or spread(program), most=UNLIMITED)
+    if isinstance(limit, NoLimit):
+        return limit
     force = max(limit.value, 0.0) * weight
     return Push(program.names[part], direction, force, force, limit, 1)
 
 
-def find_weakest_push(program: Program, part: int, *, wide: Spread | None = None) -> Push | None:
+def find_weakest_push(program: Program, part: int, *, wide: Spread | None = None) -> Push | NoLimit:
     """The least push at the centre of mass that sets something in motion.
 
     Examples
@@ -103,34 +105,27 @@ def find_weakest_push(program: Program, part: int, *, wide: Spread | None = None
     0.2873
     """
     wide = wide or spread(program)
-    best: Push | None = None
-    points, normals, reach = [], [], []
-    queue = list(_first(program.planar))
-    programs = 0
-    weight = float(program.weight[program.free].sum())
-    cap = UNLIMITED * weight
-    while queue and programs < PROGRAMS:
-        push = find_push(program, part, queue.pop(0), wide=wide)
-        programs += 1
-        if push is None:
+    cap = UNLIMITED * float(program.weight[program.free].sum())
+    axes = np.eye(3)[[0, 2]] if program.planar else np.eye(3)
+    pushes: list[Push | NoLimit] = []
+
+    def ask(direction: Array) -> Found | None:
+        push = find_push(program, part, direction @ axes, wide=wide)
+        pushes.append(push)
+        if isinstance(push, NoLimit):
             return None
-        points.append(min(push.force, cap) * push.direction)
         normal, distance = _plane(program, part, push)
-        normals.append(normal)
-        reach.append(distance)
-        if best is None or distance < best.force:
-            best = Push(push.part, normal, distance, 0.0, push.limit, programs)
-        if not queue:
-            inner, toward = _nearest_facet(np.array(points), program.planar)
-            done = inner >= best.force * (1 - SAME) or best.force >= cap * (1 - SAME)
-            best = Push(
-                best.part, best.direction, best.force, min(inner, best.force), best.limit, programs
-            )
-            if not done and toward is not None:
-                queue.append(toward)
-    if best is not None and best.force >= cap * (1 - SAME):
-        return Push(best.part, best.direction, np.inf, np.inf, best.limit, programs)
-    return best
+        return Found(min(push.force, cap) * direction, axes @ normal, min(distance, cap))
+
+    first = _first(program.planar) @ axes.T
+    face = nearest_face(ask, first, agree=SAME, limit=PROGRAMS, most=cap)
+    if face is None or NoLimit("none") in pushes:
+        return NoLimit("none" if NoLimit("none") in pushes else "failed")
+    push = pushes[face.answer]
+    assert isinstance(push, Push)
+    unlimited = face.outer >= cap * (1 - SAME)
+    force, lower = (np.inf, np.inf) if unlimited else (face.outer, face.inner)
+    return Push(push.part, face.normal @ axes, force, lower, push.limit, face.asked)
 
 
 def _first(planar: bool) -> Array:
@@ -155,19 +150,3 @@ def _plane(program: Program, part: int, push: Push) -> tuple[Array, float]:
     if not 0.0 <= distance <= push.force * (1 + SAME):
         return push.direction, push.force
     return step / size, distance
-
-
-def _nearest_facet(points: Array, planar: bool) -> tuple[float, Array | None]:
-    """Least distance from 0 of the facets of the hull, and the normal there."""
-    from scipy.spatial import ConvexHull, QhullError
-
-    flat = points[:, [0, 2]] if planar else points
-    try:
-        hull = ConvexHull(flat / np.abs(flat).max())
-    except (QhullError, ValueError):
-        return 0.0, None  # flat: some direction is not resisted at all
-    equations = hull.equations
-    k = int((-equations[:, -1]).argmin())
-    distance = max(float(-equations[k, -1]) * float(np.abs(flat).max()), 0.0)
-    normal = equations[k, :-1]
-    return distance, np.array([normal[0], 0.0, normal[1]]) if planar else normal

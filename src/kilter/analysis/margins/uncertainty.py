@@ -24,14 +24,20 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import UNLIMITED, find_limit, finite
+from kilter.analysis.margins.load_limit import (
+    UNLIMITED,
+    NoLimit,
+    find_limit,
+    finite,
+    gravity_wrench,
+)
 from kilter.analysis.margins.tilt import (
+    TiltMargin,
     across_gravity,
     find_tilt_margin,
     first_directions,
-    gravity_wrench,
-    nearest_edge,
 )
+from kilter.analysis.regions.enclose import Found, nearest_face
 from kilter.arrays import Array, cross
 from kilter.errors import InputError
 from kilter.mechanics.affine import UncertainLoad, affine_forces, affine_imbalance
@@ -55,7 +61,7 @@ STEEP = 1e3
 SHOTS = 16
 """Directions looked at for the least tilt where forces follow."""
 CLOSER = 1e-3
-"""The search ends where the least distance grows by less than this part."""
+"""The search ends where what is known from both sides differs by less than this fraction."""
 BALANCED = 1e-8
 """Imbalance over the weight of a part that forces which follow may leave."""
 SIMPLEX = 30_000
@@ -230,24 +236,31 @@ def find_uncertainty(
 
 
 def _by_corners(program: Program, ranges: Ranges, push: Array | None, kind: Kind) -> Uncertainty:
+    """The least of the corners; where the numbers fail at one, nothing is shown of all."""
     tilt, factor, worst, held, count = np.inf, (-np.inf, np.inf), None, True, 0
     loaded = bool(program.applied.any())
+    failed = False
     for mass, shift in _corners(program, ranges):
         count += 1
         one = corner(program, mass, shift)
         limits = _limits(one, push)
-        factor = max(factor[0], limits[0]), min(factor[1], limits[1])
-        if loaded:
-            held = held and find_limit(one, np.zeros_like(one.applied), most=1.0) is not None
-            continue
-        found = find_tilt_margin(one)
-        held = held and found is not None
-        if found is not None and found.angle < tilt:
-            tilt, worst = found.angle, (mass, shift)
+        if limits is None:
+            failed, factor = True, (np.inf, -np.inf)
+        else:
+            factor = max(factor[0], limits[0]), min(factor[1], limits[1])
+        still = (
+            find_limit(one, np.zeros_like(one.applied), most=1.0)
+            if loaded
+            else find_tilt_margin(one)
+        )
+        if isinstance(still, NoLimit):
+            held, failed = False, failed or still.why == "failed"
+        elif isinstance(still, TiltMargin) and still.angle < tilt:
+            tilt, worst = still.angle, (mass, shift)
     asked = push is not None or loaded
     return Uncertainty(
         ranges,
-        kind,
+        "inner" if failed else kind,
         held,
         float(np.degrees(tilt)) if held and not loaded else None,
         factor if asked and factor[0] <= factor[1] else None,
@@ -271,8 +284,8 @@ def _corners(program: Program, ranges: Ranges) -> Iterator[tuple[Array, Array]]:
         yield mass, shift
 
 
-def _limits(program: Program, push: Array | None) -> tuple[float, float]:
-    """Least and greatest load factor; an empty interval where none is held."""
+def _limits(program: Program, push: Array | None) -> tuple[float, float] | None:
+    """Least and greatest load factor, empty where none is held; None where the numbers fail."""
     if push is None and not program.applied.any():
         return -np.inf, np.inf
     base, wrench = program, program.applied
@@ -280,10 +293,10 @@ def _limits(program: Program, push: Array | None) -> tuple[float, float]:
         wrench = gravity_wrench(program, push)
     else:
         base = program.with_rows(applied=np.zeros_like(program.applied))
-    ends = [find_limit(base, sign * wrench) for sign in (-1.0, 1.0)]
-    if ends[0] is None or ends[1] is None:
-        return np.inf, -np.inf
-    return -ends[0].value, ends[1].value
+    least, greatest = (find_limit(base, sign * wrench) for sign in (-1.0, 1.0))
+    if isinstance(least, NoLimit) or isinstance(greatest, NoLimit):
+        return None if NoLimit("failed") in (least, greatest) else (np.inf, -np.inf)
+    return -least.value, greatest.value
 
 
 def _by_following(program: Program, ranges: Ranges, push: Array | None) -> Uncertainty | None:
@@ -382,19 +395,12 @@ class _Following:
 
     def tilt(self) -> float | None:
         """A turn of gravity [rad] up to which every direction is held for all."""
-        start = self.program.down
-        across = across_gravity(self.program, start)
-        points: list[Array] = []
-        queue, nearest = list(first_directions(len(across))), 0.0
-        while queue and len(points) < SHOTS:
-            direction = queue.pop(0)
-            share = self.reach(None, direction @ across, STEEP)
-            if share is None:
-                return None
-            points.append(share * direction)
-            if not queue:
-                inner, toward = nearest_edge(np.array(points))
-                if len(across) > 1 and inner > nearest * (1 + CLOSER):
-                    queue.append(toward)
-                nearest = max(inner, nearest)
-        return float(np.arctan(nearest))
+        basis = across_gravity(self.program)
+
+        def shoot(direction: Array) -> Found | None:
+            share = self.reach(None, direction @ basis, STEEP)
+            return None if share is None else Found(share * direction, direction, share)
+
+        first = first_directions(len(basis))
+        face = nearest_face(shoot, first, agree=CLOSER, limit=SHOTS)
+        return None if face is None or face.failed else float(np.arctan(face.inner))

@@ -18,8 +18,14 @@ from typing import Any, Literal
 
 import numpy as np
 
-from kilter.analysis.margins.load_limit import Limit, find_limit, finite
-from kilter.analysis.margins.tilt import TiltMargin, find_tilt_margin, gravity_wrench
+from kilter.analysis.margins.load_limit import (
+    Limit,
+    NoLimit,
+    find_limit,
+    finite,
+    gravity_wrench,
+)
+from kilter.analysis.margins.tilt import TiltMargin, find_tilt_margin
 from kilter.arrays import Array
 from kilter.mechanics.certificate import part_sizes
 from kilter.mechanics.program import CONTACT, Program
@@ -99,13 +105,14 @@ def what_helps(
     ['hold', 'friction']
     """
     if tilt is not None and tilt.angle < np.pi / 2:
-        start = program.down
-        aside = tilt.down / float(tilt.down @ start) - start
+        aside = tilt.down / float(tilt.down @ program.down) - program.down
         size = float(np.linalg.norm(aside))
         if size < NOTHING:
             return ()
         along = gravity_wrench(program, aside / size)
         limit = find_limit(program, along)
+        if isinstance(limit, NoLimit):
+            return ()
         slope = float(np.degrees(np.cos(tilt.angle) ** 2))
         return _helps(program, limit, along, True, slope, "tilt")
     if factor is None:
@@ -118,14 +125,14 @@ def what_helps(
 
 def _helps(
     program: Program,
-    limit: Limit | None,
+    limit: Limit,
     along: Array,
     by_mass: bool,
     slope: float,
     of: Literal["tilt", "load factor"],
 ) -> tuple[Help, ...]:
     """The best of each kind; `along` grows with the masses where `by_mass`."""
-    if limit is None or limit.mechanism is None or not np.isfinite(limit.value):
+    if limit.mechanism is None or not np.isfinite(limit.value):
         return ()
     motion = limit.mechanism.motion
     pace = float((along * motion).sum())
@@ -178,12 +185,14 @@ def _gain_of_holding(program: Program, part: int, limit: Limit, along: Array, of
     held = program.with_rows(free=free)
     if of == "tilt":
         found = find_tilt_margin(held) if free.any() else None
-        after = np.pi / 2 if not free.any() else 0.0 if found is None else found.angle
+        if isinstance(found, NoLimit):  # also where the numbers fail: no gain is known
+            return 0.0
+        after = np.pi / 2 if found is None else found.angle
         return float(np.degrees(after - np.arctan(limit.value)))
     if not free.any():
         return np.inf
     again = find_limit(held, along * free[:, None])
-    return 0.0 if again is None else again.value - limit.value
+    return 0.0 if isinstance(again, NoLimit) else again.value - limit.value
 
 
 def _friction(

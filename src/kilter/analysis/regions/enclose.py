@@ -178,7 +178,7 @@ def nearest_face(
     ...     return Found(direction / scale[side], normal, corner[side])
     >>> face = nearest_face(box, np.array([[0.6, 0.8], [-0.8, 0.6], [0, -1.0]]), agree=1e-9,
     ...                     limit=50)
-    >>> round(face.inner, 9), face.outer
+    >>> round(face.inner, 9), float(face.outer)
     (1.0, 1.0)
     """
     known = Enclosure(oracle)

@@ -40,7 +40,7 @@ from dataclasses import replace
 import numpy as np
 
 from kilter.analysis.judge import judge
-from kilter.analysis.margins.tilt import gravity_wrench
+from kilter.analysis.margins.load_limit import gravity_wrench
 from kilter.analysis.regions.polyhedral_cone import make_cone
 from kilter.analysis.regions.spherical import cone_around, edges_of, extreme_rays
 from kilter.analysis.regions.stable_cone import Proof, StableCone, stable_cone
