@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from kilter import Assembly, Box, Load, Mesh, Part, Pose, Prism, check, find_contacts
 from kilter.analysis.degenerate_branches import decide_degenerate
+from kilter.mechanics.degenerate import without_degenerate
 from kilter.mechanics.program import build_program
 from kilter.mechanics.verification import verify_proof
 from kilter.scenes import arches, walls
@@ -207,3 +210,28 @@ def test_arches_and_walls_have_the_contacts_they_had():
         contacts = find_contacts(assembly)
         assert set(contacts.patch_kind) == {"plane"}
         assert len(build_program(assembly, contacts).part_a)
+
+
+# rows by their labels ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_rows_of_degenerate_points_are_found_by_label_in_whatever_order_they_come(seed):
+    ridge = prism("ridge", [[-1, -1], [1, -1], [0, 0]], 2.0, grounded=True)
+    top = prism("top", [[0, 0], [1, 1], [-1, 1]], 2.0)
+    shelf = block("shelf", [-3, -1, -1], [-2, 1, 0], grounded=True)
+    box = block("box", [-3, -1, 0], [-2, 1, 1])
+    assembly = Assembly([ridge, top, shelf, box], friction=0.3)
+    contacts = find_contacts(assembly)
+    exact = int(contacts.degenerate.exact[contacts.degenerate.owner].sum())
+    assert exact > 0
+    order = np.random.default_rng(seed).permutation(len(contacts.possible))
+    shuffled = dataclasses.replace(contacts, possible=contacts.possible.take(order))
+    every = build_program(assembly, contacts, possible=True, sticking=True)
+    left = [without_degenerate(assembly, c) for c in (contacts, shuffled)]
+    for program in left:
+        assert len(program.kind) == len(every.kind) - exact
+    ends = [np.lexsort(np.column_stack([p.point, p.normal]).round(9).T) for p in left]
+    for name in ("point", "normal", "kind", "two_sided"):
+        first, second = (getattr(p, name)[end] for p, end in zip(left, ends, strict=True))
+        assert np.allclose(first, second)

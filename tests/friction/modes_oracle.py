@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import least_squares, linprog
 from witnessed import bare, openings
 
-from kilter.mechanics.program import CONTACT
+from kilter.mechanics.rows import CONTACT
 
 __all__ = ["found_in_space", "greatest_power", "standing"]
 

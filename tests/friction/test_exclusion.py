@@ -11,7 +11,7 @@ from witnessed import jointed, witnessed
 from kilter.budget import Budget
 from kilter.friction.exclusion import prove_no_motion
 from kilter.friction.friction_tolerances import NO_POWER
-from kilter.mechanics.program import POSSIBLE
+from kilter.mechanics.rows import POSSIBLE
 from kilter.scenes import arches, friction, stacks
 
 LADDER, LADDER_WALL = 1.25, (1 - 0.4 * 0.3) / 0.8  # tan of the least angle

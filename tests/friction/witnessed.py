@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.mechanics.program import CONTACT, JOINT, Program
+from kilter.mechanics.program import Program
+from kilter.mechanics.rows import CONTACT, JOINT
 
 __all__ = ["Witnessed", "bare", "mass_matrix", "openings", "witnessed"]
 

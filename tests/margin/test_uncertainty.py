@@ -14,7 +14,7 @@ from kilter.analysis.margins.load_limit import find_limit, gravity_wrench
 from kilter.analysis.margins.tilt import find_tilt_margin
 from kilter.analysis.margins.uncertainty import Ranges, corner, find_uncertainty
 from kilter.arrays import cross
-from kilter.mechanics.program import CONTACT
+from kilter.mechanics.rows import CONTACT
 from kilter.scenes import stacks, walls
 
 X = np.array([1.0, 0.0, 0.0])

@@ -15,7 +15,8 @@ import numpy as np
 from kilter.arrays import Array, Index
 from kilter.mechanics.certificate import ForceProof, check_forces
 from kilter.mechanics.coulomb_cones import least_forces, spread
-from kilter.mechanics.program import CONTACT, Program
+from kilter.mechanics.program import Program
+from kilter.mechanics.rows import CONTACT
 
 __all__ = ["LIMIT", "ContactForces", "find_contact_forces"]
 

@@ -132,7 +132,7 @@ class _Branches:
         points = contacts.degenerate
         pushes = points.pushes()
         self.clauses = [
-            [_row(pushes, row) for row in range(int(points.start[k]), int(points.start[k + 1]))]
+            [pushes.take([row]) for row in range(int(points.start[k]), int(points.start[k + 1]))]
             for k in np.flatnonzero(points.exact).tolist()
         ]
 
@@ -159,7 +159,7 @@ class _Branches:
     def _entered(self, program: Program, motion: Array) -> list[PossibleContacts] | None:
         """The pushes of the point that a motion enters most; None: it enters nowhere."""
         between_them = [
-            [_row(pushes, row) for row in range(len(pushes))]
+            [pushes.take([row]) for row in range(len(pushes))]
             for pushes in between(program, self.contacts, motion)
         ]
         clauses = self.clauses + between_them
@@ -182,8 +182,3 @@ class _Branches:
         self.program = program
         self.judgement = Judgement(False, None, proof, judgement.solvers)
         return False
-
-
-def _row(pushes: PossibleContacts, row: int) -> PossibleContacts:
-    names = PossibleContacts.__slots__
-    return PossibleContacts(*(getattr(pushes, name)[row : row + 1] for name in names))

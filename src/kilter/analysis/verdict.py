@@ -29,8 +29,9 @@ from kilter.assembly.geometry import DEFAULT_DENSITY
 from kilter.contact import ContactSet
 from kilter.friction.answer import BUDGET, FrictionAnswer
 from kilter.mechanics.certificate import ForceProof, MotionProof
-from kilter.mechanics.program import POSSIBLE, TOLERANCE, Program, build_program
+from kilter.mechanics.program import TOLERANCE, Program, build_program
 from kilter.mechanics.proof import Evidence, make_proof
+from kilter.mechanics.rows import POSSIBLE
 from kilter.tell.words import NAMED, motion_summary, motion_words
 from kilter.units import metres_per_unit
 

@@ -71,7 +71,8 @@ class PossibleContacts(Rows):
 
     Used to bound a verdict from the other side: what is unstable although all of these
     may push is unstable. Rows with `two_sided` may also pull. `mu` is the friction
-    coefficient of the pair.
+    coefficient of the pair; `degenerate` the number of the degenerate point that the row is a
+    normal of, -1 for other rows.
     """
 
     part_a: Index
@@ -80,6 +81,7 @@ class PossibleContacts(Rows):
     normals: Array = columns(3)
     two_sided: Mask = columns()
     mu: Array = columns()
+    degenerate: Index = columns()
 
     def __post_init__(self) -> None:
         read_only(self)
@@ -162,6 +164,7 @@ class Degenerate:
             self.normals,
             none > 0,
             none,
+            owner,
         )
 
 
@@ -217,7 +220,7 @@ class ContactSet:
         Unit normal from a to b at each point; that of its patch where the patch is flat.
     unsupported : tuple of Unsupported
     possible : PossibleContacts
-        Its first rows are the normals of `degenerate`, in order.
+        Also the normals of `degenerate`, by number of their point.
     rejected : tuple of Rejected
     overlaps : tuple of Overlap
     gap_edges, gap_counts : ndarray, shape (n + 1,) and (n,)
@@ -278,8 +281,9 @@ class ContactSet:
         points = self.degenerate
         none = np.zeros(len(points))
         return PossibleContacts(
-            points.part_a, points.part_b, points.points, points.centers, none > 0, none
-        )
+            points.part_a, points.part_b, points.points, points.centers, none > 0, none,
+            np.arange(len(points)),
+        )  # fmt: skip
 
     @property
     def point_patch(self) -> Index:

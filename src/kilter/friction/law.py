@@ -42,10 +42,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array
 
-from kilter.arrays import TINY, Array, Index, Mask, cross
+from kilter.arrays import TINY, Array, Index, Mask, across, cross
 from kilter.friction.friction_tolerances import ZERO_ENTRY
 from kilter.mechanics.law_check import mobilities
-from kilter.mechanics.program import CONTACT, Program, tangents
+from kilter.mechanics.program import Program
+from kilter.mechanics.rows import CONTACT, JOINT
 from kilter.units import metres_per_unit
 
 __all__ = ["CoulombLaw", "coulomb_law"]
@@ -143,7 +144,7 @@ def coulomb_law(program: Program) -> CoulombLaw:
 
 def _directions(program: Program) -> Array:
     """Unit u and v of each row, shape (K, 2, 3); in the plane y = 0 u is in it, v across it."""
-    directions = tangents(program.normal)
+    directions = np.stack(across(program.normal), axis=1)
     if program.planar:
         n = program.normal
         u = cross(np.array([0.0, 1.0, 0.0]), n)
@@ -155,11 +156,12 @@ def _directions(program: Program) -> Array:
 
 
 def _patches(program: Program) -> Index:
-    """The number of the patch, or joint, of each row; of its own where it has no source."""
+    """The number of the patch, or joint, of each row; of its own where it is of neither."""
     count = len(program.source)
     if not count:
         return np.empty(0, dtype=np.int64)
-    alone = np.where(program.source < 0, np.arange(count), -1)
+    sourced = np.isin(program.kind, (CONTACT, JOINT)) & (program.source >= 0)
+    alone = np.where(sourced, -1, np.arange(count))
     keys = [program.kind, program.source, program.part_a, program.part_b, alone]
     _, patch = np.unique(np.column_stack(keys), axis=0, return_inverse=True)
     return patch.reshape(-1)

@@ -28,7 +28,8 @@ from scipy.sparse import csr_array, eye_array
 from kilter.arrays import TINY, Array, Index
 from kilter.friction.friction_tolerances import FLAT, JOINT_RANK, ZERO_ENTRY
 from kilter.friction.law import CoulombLaw, coulomb_law
-from kilter.mechanics.program import CONTACT, POSSIBLE, Program
+from kilter.mechanics.program import Program
+from kilter.mechanics.rows import CONTACT, POSSIBLE, STICKING
 
 __all__ = ["ReducedLaw", "reduced_law", "refusal"]
 
@@ -85,7 +86,7 @@ class ReducedLaw:
 
 def refusal(program: Program) -> str:
     """Why the law of this program cannot be written, or ""."""
-    if (program.kind == POSSIBLE).any():
+    if np.isin(program.kind, (POSSIBLE, STICKING)).any():
         return "contacts that are not modelled"
     contact = program.kind == CONTACT
     if (program.two_sided & contact).any() or (program.mu[contact] < 0).any():

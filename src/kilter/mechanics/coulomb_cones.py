@@ -22,9 +22,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csc_array, diags_array, eye_array, hstack, vstack
 
-from kilter.arrays import Array, Index, cross
+from kilter.arrays import Array, Index, across, cross
 from kilter.mechanics.forms import Scaled, scaled
-from kilter.mechanics.program import Program, tangents
+from kilter.mechanics.program import Program
 from kilter.solvers.problem import ConicProgram
 
 __all__ = [
@@ -94,17 +94,8 @@ def spread(program: Program) -> Spread:
     directions = _directions(program, rough)
     rows = np.concatenate([np.arange(len(program.part_a)), *[rough] * directions.shape[1]])
     aside = [directions[:, k] for k in range(directions.shape[1])]
-    wide = program.with_rows(
-        part_a=program.part_a[rows],
-        part_b=program.part_b[rows],
-        point=program.point[rows],
-        normal=np.concatenate([program.normal, *aside]),
-        kind=program.kind[rows],
-        two_sided=program.two_sided[rows],
-        angular=program.angular[rows],
-        mu=np.zeros(len(rows)),
-        source=program.source[rows],
-    )
+    normal = np.concatenate([program.normal, *aside])
+    wide = program.taking(rows).with_rows(normal=normal, mu=np.zeros(len(rows)))
     return Spread(program, scaled(wide), rough, directions)
 
 
@@ -112,7 +103,7 @@ def _directions(program: Program, rough: Index) -> Array:
     normal = program.normal[rough]
     if program.planar:
         return cross(np.array([0.0, 1.0, 0.0]), normal)[:, None, :]
-    return tangents(normal)
+    return np.stack(across(normal), axis=1)
 
 
 def load_factor_in_cones(wide: Spread) -> ConicProgram:
@@ -234,17 +225,8 @@ def pyramid(program: Program, sides: int, *, outer: bool = False) -> Program:
     rays = rays / np.linalg.norm(rays, axis=2)[:, :, None]
     smooth = np.flatnonzero(program.mu <= 0)
     rows = np.concatenate([smooth, np.repeat(rough, rays.shape[1])])
-    return program.with_rows(
-        part_a=program.part_a[rows],
-        part_b=program.part_b[rows],
-        point=program.point[rows],
-        normal=np.concatenate([program.normal[smooth], rays.reshape(-1, 3)]),
-        kind=program.kind[rows],
-        two_sided=program.two_sided[rows],
-        angular=program.angular[rows],
-        mu=np.zeros(len(rows)),
-        source=program.source[rows],
-    )
+    normal = np.concatenate([program.normal[smooth], rays.reshape(-1, 3)])
+    return program.taking(rows).with_rows(normal=normal, mu=np.zeros(len(rows)))
 
 
 def gathered(program: Program, rays: Program, forces: Array) -> tuple[Array, Array]:

@@ -20,7 +20,8 @@ import numpy as np
 from kilter.arrays import Array, Index, cross
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet, PossibleContacts
-from kilter.mechanics.program import CONTACT, POSSIBLE, Program, build_program
+from kilter.mechanics.program import Program, build_program
+from kilter.mechanics.rows import POSSIBLE, ForceRows, pushing_rows
 
 __all__ = ["MOST", "allowed_program", "between", "openings", "with_pushes", "without_degenerate"]
 
@@ -33,33 +34,15 @@ SAME = 1e-6
 
 def with_pushes(program: Program, pushes: PossibleContacts) -> Program:
     """The program with further rows that push, of kind POSSIBLE."""
-    count = len(pushes)
-    none = np.zeros(count, dtype=bool)
-    more = {
-        "part_a": pushes.part_a,
-        "part_b": pushes.part_b,
-        "point": pushes.points,
-        "normal": pushes.normals,
-        "kind": np.full(count, POSSIBLE),
-        "two_sided": none,
-        "angular": none,
-        "mu": np.zeros(count),
-        "source": np.full(count, -1),
-    }
-    both = {key: np.concatenate([getattr(program, key), rows]) for key, rows in more.items()}
-    return program.with_rows(**both)
+    return program.with_force_rows(ForceRows.join([program.force_rows, pushing_rows(pushes)]))
 
 
 def without_degenerate(assembly: Assembly, contacts: ContactSet) -> Program:
     """Every force there may be but those at degenerate points that are so exactly."""
     outer = build_program(assembly, contacts, possible=True, sticking=True).frictionless
-    points = contacts.degenerate
-    keep = np.ones(len(outer.part_a), dtype=bool)
-    first = int((outer.kind == CONTACT).sum())
-    keep[first : first + len(points.normals)] = ~points.exact[points.owner]
-    rows = np.flatnonzero(keep)
-    names = ("part_a", "part_b", "point", "normal", "kind", "two_sided", "angular", "mu", "source")
-    return outer.with_rows(**{name: getattr(outer, name)[rows] for name in names})
+    exact = np.append(contacts.degenerate.exact, False)[contacts.possible.degenerate]
+    pushes = np.flatnonzero((outer.kind == POSSIBLE) & ~outer.two_sided)
+    return outer.taking(np.delete(np.arange(len(outer.kind)), pushes[exact[outer.source[pushes]]]))
 
 
 def openings(program: Program, pushes: PossibleContacts, motion: Array) -> Array:
@@ -115,8 +98,9 @@ def _at(pair: Index, point: Array, normals: Array) -> PossibleContacts:
     none = np.zeros(count)
     where = np.tile(point, (count, 1))
     return PossibleContacts(
-        np.full(count, pair[0]), np.full(count, pair[1]), where, normals, none > 0, none
-    )
+        np.full(count, pair[0]), np.full(count, pair[1]), where, normals, none > 0, none,
+        np.full(count, -1),
+    )  # fmt: skip
 
 
 def allowed_program(assembly: Assembly, contacts: ContactSet, motion: Array) -> Program | None:
@@ -136,12 +120,8 @@ def allowed_program(assembly: Assembly, contacts: ContactSet, motion: Array) -> 
         for start, end, exact in zip(points.start[:-1], points.start[1:], points.exact, strict=True)
         if exact
     ]
-    program = with_pushes(program, _rows(pushes, np.array(rows, dtype=np.int64)))
+    program = with_pushes(program, pushes.take(np.array(rows, dtype=np.int64)))
     for some in between(program, contacts, motion):
         best = int(openings(program, some, motion).argmax())
-        program = with_pushes(program, _rows(some, np.array([best])))
+        program = with_pushes(program, some.take(np.array([best])))
     return program
-
-
-def _rows(pushes: PossibleContacts, rows: Index) -> PossibleContacts:
-    return PossibleContacts(*(getattr(pushes, name)[rows] for name in PossibleContacts.__slots__))

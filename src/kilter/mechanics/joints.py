@@ -23,53 +23,23 @@ act out of the plane are left out.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross
+from kilter.arrays import Array, Mask, across, cross
 from kilter.assembly import GROUND, Assembly, Joint
 from kilter.assembly.geometry import Geometry
 
-__all__ = ["JointRows", "carried", "carriers", "constraints", "joint_rows", "reference_point"]
+__all__ = ["carried", "carriers", "constraints", "joint_constraints", "reference_point"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class JointRows:
-    """Rows of all joints of an assembly; `joint` is the position of each row's joint."""
-
-    part_a: Index
-    part_b: Index
-    point: Array
-    normal: Array
-    angular: Mask
-    joint: Index
-
-
-def joint_rows(assembly: Assembly, geometry: Geometry) -> JointRows:
-    """The rows of the joints that act on a free part."""
-    blocks = []
-    for number, joint in enumerate(assembly.joints):
-        a, b = _parts(assembly, joint)
-        if not any(k >= 0 and not geometry.grounded[k] for k in (a, b)):
-            continue
-        linear, angular = constraints(joint, planar=assembly.planar)
-        count = len(linear) + len(angular)
-        blocks.append(
-            JointRows(
-                np.full(count, a),
-                np.full(count, b),
-                np.tile(_anchor(assembly, geometry, joint), (count, 1)),
-                np.concatenate([linear, angular]),
-                np.arange(count) >= len(linear),
-                np.full(count, number),
-            )
-        )
-    if not blocks:
-        none, vectors = np.empty(0, dtype=np.int64), np.empty((0, 3))
-        return JointRows(none, none, vectors, vectors, np.empty(0, dtype=bool), none)
-    names = JointRows.__slots__
-    return JointRows(*(np.concatenate([getattr(block, key) for block in blocks]) for key in names))
+def joint_constraints(
+    assembly: Assembly, number: int
+) -> tuple[tuple[int, int], Array, Array, Array]:
+    """Parts of a joint (-1: ground), the point its rows are taken at, forces and torques."""
+    joint = assembly.joints[number]
+    linear, angular = constraints(joint, planar=assembly.planar)
+    anchor = _anchor(assembly, assembly.geometry, joint)
+    return _parts(assembly, joint), anchor, linear, angular
 
 
 def constraints(joint: Joint, *, planar: bool = False) -> tuple[Array, Array]:
@@ -86,23 +56,20 @@ def constraints(joint: Joint, *, planar: bool = False) -> tuple[Array, Array]:
     [2, 0]
     """
     every, none = np.eye(3), np.empty((0, 3))
-    across = none if joint.axis is None else _across(joint.axis, planar)
-    linear = across if joint.kind in ("prismatic", "cylindrical") else every
-    angular = {"revolute": across, "cylindrical": across, "spherical": none}.get(joint.kind, every)
+    aside = none if joint.axis is None else _aside(joint.axis, planar)
+    linear = aside if joint.kind in ("prismatic", "cylindrical") else every
+    angular = {"revolute": aside, "cylindrical": aside, "spherical": none}.get(joint.kind, every)
     if planar:  # directions are along y or across it: see `Joint.require_planar`
         return linear[np.abs(linear[:, 1]) < 0.5], angular[np.abs(angular[:, 1]) > 0.5]
     return linear, angular
 
 
-def _across(axis: Array, planar: bool) -> Array:
+def _aside(axis: Array, planar: bool) -> Array:
     """Two unit directions across an axis, shape (2, 3); planar: along y and across it."""
     if planar:
         sideways = abs(axis[1]) > 0.5
         return np.eye(3)[[0, 2]] if sideways else np.array([[0, 1.0, 0], [-axis[2], 0, axis[0]]])
-    helper = np.eye(3)[np.abs(axis).argmin()]
-    u = np.cross(helper, axis)
-    u /= np.linalg.norm(u)
-    return np.stack([u, np.cross(axis, u)])
+    return np.stack(across(np.asarray(axis, dtype=np.float64)))
 
 
 def _parts(assembly: Assembly, joint: Joint) -> tuple[int, int]:

@@ -20,27 +20,33 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from kilter.arrays import Array, Index, Mask, cross
 from kilter.assembly import GROUND, Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.contact_set import ContactSet
-from kilter.mechanics.joints import joint_rows
+from kilter.mechanics.rows import (
+    KINDS,
+    ForceRows,
+    contact_rows,
+    joint_rows,
+    possible_rows,
+    sticking_rows,
+)
 from kilter.rigid import unit
 
-__all__ = ["CONTACT", "JOINT", "POSSIBLE", "TOLERANCE", "Program", "build_program", "tangents"]
+__all__ = ["TOLERANCE", "Program", "build_program"]
 
-
-CONTACT, POSSIBLE, JOINT = 0, 1, 2
-"""Kinds of row: a contact point, a force that an unmodelled contact might bring, a joint."""
 
 TOLERANCE = 1e-9
 """Relative tolerance of a verdict, for data that are exact in float64."""
 
 BLUR = 10.0
 """Tolerance over the accuracy of coordinates that are coarser than float64."""
+
+ROW_FIELDS = ForceRows.__slots__
+"""The members of a program that are arrays of its rows."""
 
 PLANE = np.array([0, 2, 4])
 PLANE.setflags(write=False)
@@ -67,16 +73,8 @@ class Program:
         [m/s^2]
     applied : ndarray, shape (N, 6)
         Given loads: force [N] and torque about the centre of mass [N x length unit].
-    part_a, part_b : ndarray of int, shape (K,)
-        Parts of each row; -1 is the ground.
-    point, normal : ndarray, shape (K, 3)
-    kind : ndarray of int, shape (K,)
-        CONTACT, POSSIBLE or JOINT.
-    two_sided, angular : ndarray of bool, shape (K,)
-    mu : ndarray, shape (K,)
-        Friction coefficient of each contact row [-]; 0 for the other kinds.
-    source : ndarray of int, shape (K,)
-        Patch of a contact row, joint of a joint row, -1 otherwise.
+    part_a, part_b, point, normal, kind, two_sided, angular, mu, source : ndarray
+        Of the K rows, as `kilter.mechanics.rows.ForceRows` has them.
     tolerance : ndarray, shape (N,)
         Relative tolerance of a verdict about each part [-].
     planar : bool
@@ -154,11 +152,10 @@ class Program:
 
     @property
     def rows(self) -> list[tuple[str, str, str, int]]:
-        """Labels (kind, part a, part b, patch or joint) of the rows."""
-        words = ("contact", "possible", "joint")
+        """Labels (kind, part a, part b, patch, possible force or joint) of the rows."""
         names = (*self.names, GROUND)
         return [
-            (words[kind], names[a], names[b], int(source))
+            (KINDS[kind], names[a], names[b], int(source))
             for kind, a, b, source in zip(
                 self.kind, self.part_a, self.part_b, self.source, strict=True
             )
@@ -191,6 +188,19 @@ class Program:
     def rough(self) -> Index:
         """Rows with friction, shape (R,)."""
         return np.flatnonzero(self.mu > 0)
+
+    @property
+    def force_rows(self) -> ForceRows:
+        """The rows by themselves."""
+        return ForceRows(*(getattr(self, name) for name in ROW_FIELDS))
+
+    def with_force_rows(self, rows: ForceRows) -> Program:
+        """The program with these rows in place of its own."""
+        return self.with_rows(**{name: getattr(rows, name) for name in ROW_FIELDS})
+
+    def taking(self, rows: Index | Mask) -> Program:
+        """The program with some of its rows, by place or mask."""
+        return self.with_force_rows(self.force_rows.take(rows))
 
     @property
     def frictionless(self) -> Program:
@@ -284,14 +294,13 @@ def build_program(
         own: a bound for questions that leave Coulomb's law out.
     """
     geometry = assembly.geometry
-    blocks = [_contact_rows(contacts, geometry)]
+    blocks = [contact_rows(contacts, geometry)]
     if possible:
-        blocks += [_possible_rows(contacts), _sticking_possible(contacts)]
-        blocks += [_rough_rows(contacts, geometry)]
+        blocks.append(possible_rows(contacts.possible, geometry))
     if sticking:
-        blocks.append(_sticking_rows(contacts, geometry))
-    blocks.append(_joint_rows(assembly, geometry))
-    rows = {key: np.concatenate([block[key] for block in blocks]) for key in blocks[0]}
+        blocks.append(sticking_rows(contacts, geometry))
+    blocks.append(joint_rows(assembly, geometry))
+    rows = ForceRows.join(blocks)
     return Program(
         names=assembly.names,
         free=~geometry.grounded,
@@ -304,124 +313,8 @@ def build_program(
         tolerance=_tolerances(contacts, geometry),
         planar=assembly.planar,
         units=assembly.units,
-        **rows,
+        **{name: getattr(rows, name) for name in ROW_FIELDS},
     )
-
-
-def _block(
-    a: Index, b: Index, point: Array, normal: Array, kind: int, two_sided: Mask, source: Index
-) -> dict[str, NDArray[np.generic]]:
-    """Rows without friction, along given directions."""
-    return {
-        "part_a": a,
-        "part_b": b,
-        "point": point,
-        "normal": normal,
-        "kind": np.full(len(a), kind),
-        "two_sided": two_sided,
-        "angular": np.zeros(len(a), dtype=bool),
-        "mu": np.zeros(len(a)),
-        "source": source,
-    }
-
-
-def _contact_rows(contacts: ContactSet, geometry: Geometry) -> dict[str, NDArray[np.generic]]:
-    patch = contacts.point_patch
-    a, b = contacts.patch_parts[patch].T
-    live = np.flatnonzero(~(geometry.grounded[a] & geometry.grounded[b]))
-    patch = patch[live]
-    block = _block(
-        a[live],
-        b[live],
-        contacts.points[live],
-        contacts.normals[live],
-        CONTACT,
-        np.zeros(len(live), dtype=bool),
-        patch,
-    )
-    block["mu"] = contacts.patch_mu[patch]
-    return block
-
-
-def _possible_rows(contacts: ContactSet) -> dict[str, NDArray[np.generic]]:
-    possible = contacts.possible
-    none = np.full(len(possible), -1)
-    return _block(
-        possible.part_a,
-        possible.part_b,
-        possible.points,
-        possible.normals,
-        POSSIBLE,
-        possible.two_sided,
-        none,
-    )
-
-
-def _sticking_rows(contacts: ContactSet, geometry: Geometry) -> dict[str, NDArray[np.generic]]:
-    """Tangential forces of any size at contact points with friction."""
-    patch = contacts.point_patch
-    a, b = contacts.patch_parts[patch].T
-    rough = (contacts.patch_mu[patch] > 0) & ~(geometry.grounded[a] & geometry.grounded[b])
-    rows = np.flatnonzero(rough)
-    return _sticking(a[rows], b[rows], contacts.points[rows], contacts.normals[rows])
-
-
-def _sticking_possible(contacts: ContactSet) -> dict[str, NDArray[np.generic]]:
-    """Tangential forces of any size at possible points with friction."""
-    possible = contacts.possible
-    sharp = np.flatnonzero((possible.mu > 0) & ~possible.two_sided)
-    parts = possible.part_a[sharp], possible.part_b[sharp]
-    return _sticking(*parts, possible.points[sharp], possible.normals[sharp])
-
-
-def _sticking(a: Index, b: Index, point: Array, normal: Array) -> dict[str, NDArray[np.generic]]:
-    twice = np.tile(np.arange(len(normal)), 2)
-    directions = tangents(normal)
-    both = np.concatenate([directions[:, 0], directions[:, 1]])
-    return _tied(a[twice], b[twice], point[twice], both)
-
-
-def tangents(normal: Array) -> Array:
-    """Two unit directions across each normal, shape (K, 2, 3): (u, v, n) turn right.
-
-    Examples
-    --------
-    >>> (tangents(np.array([[0.0, 0.0, 1.0]]))[0] + 0.0).tolist()
-    [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0]]
-    """
-    helper = np.eye(3)[np.abs(normal).argmin(axis=1)] if len(normal) else np.empty((0, 3))
-    u = cross(helper, normal)
-    u /= np.maximum(np.linalg.norm(u, axis=1), 1e-300)[:, None]
-    return np.stack([u, cross(normal, u)], axis=1)
-
-
-def _rough_rows(contacts: ContactSet, geometry: Geometry) -> dict[str, NDArray[np.generic]]:
-    """Any force and torque between parts that touch at a round surface with friction."""
-    possible = contacts.possible
-    round_rows = np.flatnonzero((possible.mu > 0) & possible.two_sided)
-    pairs = np.column_stack([possible.part_a, possible.part_b])[round_rows]
-    _, first = np.unique(pairs, axis=0, return_index=True)
-    a, b = pairs[first].T
-    at, arm = possible.points[round_rows][first], geometry.radius[np.minimum(a, b)][:, None]
-    x, y, z = np.eye(3)
-    forces = ((0 * x, x), (0 * x, y), (0 * x, z), (x, y), (x, z), (y, z))
-    points = np.concatenate([at + arm * shift for shift, _ in forces])
-    directions = np.concatenate([np.tile(along, (len(at), 1)) for _, along in forces])
-    return _tied(np.tile(a, 6), np.tile(b, 6), points, directions)
-
-
-def _tied(a: Index, b: Index, point: Array, normal: Array) -> dict[str, NDArray[np.generic]]:
-    """Rows that may push and pull, of contacts that are not modelled."""
-    count = len(a)
-    return _block(a, b, point, normal, POSSIBLE, np.ones(count, dtype=bool), np.full(count, -1))
-
-
-def _joint_rows(assembly: Assembly, geometry: Geometry) -> dict[str, NDArray[np.generic]]:
-    rows = joint_rows(assembly, geometry)
-    both_ways = np.ones(len(rows.joint), dtype=bool)
-    block = _block(rows.part_a, rows.part_b, rows.point, rows.normal, JOINT, both_ways, rows.joint)
-    block["angular"] = rows.angular
-    return block
 
 
 def _applied(assembly: Assembly, geometry: Geometry) -> Array:

@@ -21,7 +21,8 @@ from kilter.errors import InputError
 from kilter.mechanics.certificate import ForceProof, MotionProof
 from kilter.mechanics.joints import carried, reference_point
 from kilter.mechanics.law_check import LawProof
-from kilter.mechanics.program import CONTACT, JOINT, Program
+from kilter.mechanics.program import Program
+from kilter.mechanics.rows import CONTACT, JOINT
 
 __all__ = ["FORMAT", "Evidence", "digest_of", "frame_of", "joints_of", "make_proof", "rows_of"]
 

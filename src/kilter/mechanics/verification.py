@@ -21,8 +21,9 @@ from kilter.mechanics.certificate import check_forces, check_motion, part_sizes
 from kilter.mechanics.degenerate import allowed_program
 from kilter.mechanics.joints import carried, carriers
 from kilter.mechanics.law_check import LawProof, check_law
-from kilter.mechanics.program import CONTACT, JOINT, Program, build_program
+from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import FORMAT, digest_of, frame_of, joints_of, rows_of
+from kilter.mechanics.rows import CONTACT, JOINT
 
 __all__ = ["Verification", "proof_tolerance", "verify_proof"]
 

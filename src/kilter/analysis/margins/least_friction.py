@@ -17,7 +17,8 @@ from kilter.analysis.judge import judge
 from kilter.analysis.margins.load_limit import NoLimit, starting
 from kilter.mechanics.certificate import ForceProof, MotionProof
 from kilter.mechanics.coulomb_cones import spread
-from kilter.mechanics.program import CONTACT, Program
+from kilter.mechanics.program import Program
+from kilter.mechanics.rows import CONTACT
 
 __all__ = ["LeastFriction", "find_least_friction"]
 

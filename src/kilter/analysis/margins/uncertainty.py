@@ -43,7 +43,8 @@ from kilter.errors import InputError
 from kilter.mechanics.affine import UncertainLoad, affine_forces, affine_imbalance
 from kilter.mechanics.coulomb_cones import pyramid
 from kilter.mechanics.forms import Scaled, scaled
-from kilter.mechanics.program import CONTACT, Program
+from kilter.mechanics.program import Program
+from kilter.mechanics.rows import CONTACT
 
 if TYPE_CHECKING:
     from kilter.solvers.highs import Method
@@ -178,18 +179,8 @@ def weakened(program: Program, ranges: Ranges) -> Program:
     """The program with the least friction, and cones that all normals have inside."""
     contact = program.kind == CONTACT
     half = np.arctan(program.mu * ranges.mu[0]) - np.radians(ranges.normal_deg)
-    kept = np.flatnonzero(~contact | (half >= 0))
-    return program.with_rows(
-        part_a=program.part_a[kept],
-        part_b=program.part_b[kept],
-        point=program.point[kept],
-        normal=program.normal[kept],
-        kind=program.kind[kept],
-        two_sided=program.two_sided[kept],
-        angular=program.angular[kept],
-        mu=np.where(contact, np.tan(np.maximum(half, 0.0)), 0.0)[kept],
-        source=program.source[kept],
-    )
+    mu = np.where(contact, np.tan(np.maximum(half, 0.0)), 0.0)
+    return program.with_rows(mu=mu).taking(~contact | (half >= 0))
 
 
 def corner(program: Program, factor: Array, shift: Array) -> Program:

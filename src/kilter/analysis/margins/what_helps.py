@@ -28,7 +28,8 @@ from kilter.analysis.margins.load_limit import (
 from kilter.analysis.margins.tilt import TiltMargin, find_tilt_margin
 from kilter.arrays import Array
 from kilter.mechanics.certificate import part_sizes
-from kilter.mechanics.program import CONTACT, Program
+from kilter.mechanics.program import Program
+from kilter.mechanics.rows import CONTACT
 
 __all__ = ["Help", "what_helps"]
 

@@ -186,6 +186,7 @@ def packed(search: ContactSearch, made: Made, unknown: Index, raised: int) -> Cu
         normals=_stacked([one.sense * one.spots.outer_normals for one in found]),
         two_sided=np.zeros(len(outer), dtype=bool),
         mu=np.zeros(len(outer)),
+        degenerate=np.full(len(outer), -1),
     )
     return CurvedContacts(
         patches=patches,

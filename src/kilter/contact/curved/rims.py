@@ -30,6 +30,7 @@ def possible_forces(forces: list[Force], *, two_sided: bool) -> PossibleContacts
         normals=np.array([normal for _, _, _, normal in forces]).reshape(count, 3),
         two_sided=np.full(count, two_sided),
         mu=np.zeros(count),
+        degenerate=np.full(count, -1),
     )
 
 
