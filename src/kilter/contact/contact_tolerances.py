@@ -149,5 +149,9 @@ MEAN_NORMAL = 1e-9
 """Unit normals whose mean is shorter than this cancel each other [-]."""
 EDGE_ON = 1e-3
 """Least depth that a point is taken for when it is projected through the centre [-]."""
+BESIDE = 0.1
+"""A curved patch reaches this fraction of its size beyond its points [-]."""
+BESIDE_CIRCLE = 0.05
+"""A circle of contact reaches this fraction of its size to its sides [-]."""
 AXIS_ROUNDING = 1e-15
 """A component of a unit axis that is rounding [-]."""

@@ -8,17 +8,11 @@ import numpy as np
 
 from kilter.arrays import Array, Index, Mask, cross, ragged, ratio
 from kilter.contact.contact_search import ContactSearch
-from kilter.contact.contact_tolerances import NORMAL_SNAP
+from kilter.contact.contact_tolerances import BESIDE, BESIDE_CIRCLE, NORMAL_SNAP
 from kilter.contact.curved.curved_patches import CurvedContacts, on_flat
 from kilter.contact.patches import Patches
 
 __all__ = ["Touching", "explained", "in_patch", "on_patches"]
-
-
-BESIDE = 0.1
-"""A curved patch reaches this fraction of its size beyond its points [-]."""
-BESIDE_CIRCLE = 0.05
-"""A circle of contact reaches this fraction of its size to its sides [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

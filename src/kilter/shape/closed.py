@@ -14,12 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kilter.arrays import Array, Index, Mask
+from kilter.shape.shape_tolerances import EDGE_END, NO_AREA, WELD
 
 __all__ = ["open_edges", "welded", "wound_both_ways"]
-
-
-WELD = 1e-7
-"""Vertices closer than this part of the size are one, where edges are open otherwise."""
 
 
 def welded(
@@ -127,7 +124,7 @@ def _no_area(vertices: Array, triangles: Index) -> Mask:
     p, q, r = (vertices[k] for k in (a, b, c))
     twice = np.linalg.norm(np.cross(q - p, r - p), axis=1)
     longest = np.maximum.reduce([((u - v) ** 2).sum(axis=1) for u, v in ((p, q), (q, r), (r, p))])
-    flat: Mask = same | (twice <= 1e-14 * longest)
+    flat: Mask = same | (twice <= NO_AREA * longest)
     # a sliver that is all that closes an edge stays: dropping it would open the surface
     if flat.any() and not same[flat].all():
         thin = flat & ~same
@@ -177,7 +174,7 @@ def _split_at_vertices(vertices: Array, edges: Index) -> Index:
         relative = vertices[points] - start[k]
         t = relative @ along[k] / length[k] ** 2
         off = np.linalg.norm(relative - t[:, None] * along[k], axis=1)
-        inside = (t > 1e-9) & (t < 1 - 1e-9) & (off <= WELD * size)
+        inside = (t > EDGE_END) & (t < 1 - EDGE_END) & (off <= WELD * size)
         chain = [p, *points[inside][np.argsort(t[inside])].tolist(), q]
         pieces.extend([u, v] for u, v in pairwise(chain) if u != v)
     return np.array(pieces, dtype=np.int64).reshape(-1, 2)

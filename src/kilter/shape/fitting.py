@@ -21,18 +21,22 @@ from collections.abc import Callable
 
 import numpy as np
 
-from kilter.arrays import Array, cross
+from kilter.arrays import Array, across, ratio
+from kilter.shape.shape_tolerances import (
+    BEHIND_APEX,
+    FIT_RANK,
+    LARGEST_RATIO,
+    NARROWEST_CONE,
+    STEP_RANK,
+    WIDEST_CONE,
+)
 from kilter.shape.solid import Surface
 
-__all__ = ["FITS", "fit_cone", "fit_cylinder", "fit_sphere", "perpendicular"]
+__all__ = ["FITS", "fit_cone", "fit_cylinder", "fit_sphere"]
 
 
 STEPS = 30
 """Gauss-Newton steps at most."""
-LARGEST_RATIO = 1e6
-"""Radii above this many sizes of the points are taken for planes."""
-NARROWEST, WIDEST = 1e-4, np.pi / 2 - 1e-4
-"""Half angles of cones; beyond them they are cylinders or planes [rad]."""
 
 
 def fit_sphere(points: Array, normals: Array, weights: Array) -> Surface | None:
@@ -59,7 +63,7 @@ def fit_sphere(points: Array, normals: Array, weights: Array) -> Surface | None:
         return None
     p = p / size
     matrix = np.column_stack([2 * p, np.ones(len(p))])
-    solution, _, rank, _ = np.linalg.lstsq(matrix, (p * p).sum(axis=1), rcond=1e-10)
+    solution, _, rank, _ = np.linalg.lstsq(matrix, (p * p).sum(axis=1), rcond=FIT_RANK)
     square = float(solution[3] + solution[:3] @ solution[:3])
     if rank < 4 or not 0 < square < LARGEST_RATIO**2:
         return None
@@ -74,10 +78,10 @@ def fit_cylinder(points: Array, normals: Array, weights: Array) -> Surface | Non
     if len(points) < 5 or size == 0.0:
         return None
     p = (points - middle) / size
-    u, v = perpendicular(axis)
+    u, v = across(axis)
     matrix = np.column_stack([2 * p @ u, 2 * p @ v, np.ones(len(p))])
     flat = p - (p @ axis)[:, None] * axis
-    solution, _, rank, _ = np.linalg.lstsq(matrix, (flat * flat).sum(axis=1), rcond=1e-10)
+    solution, _, rank, _ = np.linalg.lstsq(matrix, (flat * flat).sum(axis=1), rcond=FIT_RANK)
     square = float(solution[2] + solution[:2] @ solution[:2])
     if rank < 3 or not 0 < square < LARGEST_RATIO**2:
         return None
@@ -85,14 +89,14 @@ def fit_cylinder(points: Array, normals: Array, weights: Array) -> Surface | Non
 
     def change(state: tuple[Array, Array, float]) -> tuple[Array, Array]:
         center, axis, radius = state
-        u, v = perpendicular(axis)
-        along, across, e = _split(p - center, axis)
+        u, v = across(axis)
+        along, aside, e = _split(p - center, axis)
         eu, ev = e @ u, e @ v
-        return across - radius, np.column_stack([-eu, -ev, -eu * along, -ev * along, -1 + 0 * eu])
+        return aside - radius, np.column_stack([-eu, -ev, -eu * along, -ev * along, -1 + 0 * eu])
 
     def moved(state: tuple[Array, Array, float], step: Array) -> tuple[Array, Array, float]:
         center, axis, radius = state
-        u, v = perpendicular(axis)
+        u, v = across(axis)
         turned = axis + step[2] * u + step[3] * v
         shift = step[0] * u + step[1] * v
         return center + shift, turned / float(np.linalg.norm(turned)), radius + step[4]
@@ -120,25 +124,25 @@ def fit_cone(points: Array, normals: Array, weights: Array) -> Surface | None:
 
     def change(state: tuple[Array, Array, float]) -> tuple[Array, Array]:
         apex, axis, angle = state
-        u, v = perpendicular(axis)
-        along, across, e = _split(p - apex, axis)
+        u, v = across(axis)
+        along, aside, e = _split(p - apex, axis)
         cos, sin = np.cos(angle), np.sin(angle)
         eu, ev = e @ u, e @ v
-        side = along * cos + across * sin
+        side = along * cos + aside * sin
         columns = [-eu * cos, -ev * cos, sin + 0 * eu, -eu * side, -ev * side, -side]
-        return across * cos - along * sin, np.column_stack(columns)
+        return aside * cos - along * sin, np.column_stack(columns)
 
     def moved(state: tuple[Array, Array, float], step: Array) -> tuple[Array, Array, float]:
         apex, axis, angle = state
-        u, v = perpendicular(axis)
+        u, v = across(axis)
         turned = axis + step[3] * u + step[4] * v
         shift = step[0] * u + step[1] * v + step[2] * axis
         return apex + shift, turned / float(np.linalg.norm(turned)), angle + step[5]
 
     apex, axis, angle = _gauss_newton(start, change, moved)
-    if not NARROWEST < angle < WIDEST or float(np.abs(apex).max()) > LARGEST_RATIO:
+    if not NARROWEST_CONE < angle < WIDEST_CONE or float(np.abs(apex).max()) > LARGEST_RATIO:
         return None
-    if float(((p - apex) @ axis).min()) < -1e-6:
+    if float(((p - apex) @ axis).min()) < -BEHIND_APEX:
         return None
     return Surface("cone", middle + apex * size, axis, half_angle=float(angle))
 
@@ -156,19 +160,12 @@ def _middle_and_size(points: Array) -> tuple[Array, float]:
     return middle, float(np.abs(points - middle).max())
 
 
-def perpendicular(axis: Array) -> tuple[Array, Array]:
-    """Two unit vectors perpendicular to the axis and to each other."""
-    u = cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
-    u /= np.linalg.norm(u)
-    return u, cross(axis, u)
-
-
 def _split(p: Array, axis: Array) -> tuple[Array, Array, Array]:
     """Along the axis, distance from it, and the unit vector away from it."""
     along = p @ axis
     away = p - along[:, None] * axis
-    across = np.linalg.norm(away, axis=1)
-    return along, across, away / np.maximum(across, np.finfo(float).tiny)[:, None]
+    aside = np.linalg.norm(away, axis=1)
+    return along, aside, ratio(away, aside[:, None])
 
 
 def _cone_start(p: Array, axis: Array) -> tuple[Array, Array, float] | None:
@@ -177,14 +174,14 @@ def _cone_start(p: Array, axis: Array) -> tuple[Array, Array, float] | None:
     Points of a cone obey |across - c|^2 = (along - h)^2 tan^2 w, which is linear in c, the
     foot of the axis, beside unknowns that are not needed; then |across - c| is linear in along.
     """
-    u, v = perpendicular(axis)
+    u, v = across(axis)
     x, y, z = p @ u, p @ v, p @ axis
     matrix = np.column_stack([2 * x, 2 * y, z * z, z, np.ones(len(p))])
-    solution, *_ = np.linalg.lstsq(matrix, x * x + y * y, rcond=1e-10)
-    across = np.hypot(x - solution[0], y - solution[1])
+    solution, *_ = np.linalg.lstsq(matrix, x * x + y * y, rcond=FIT_RANK)
+    aside = np.hypot(x - solution[0], y - solution[1])
     line = np.column_stack([z, np.ones(len(z))])
-    (slope, offset), *_ = np.linalg.lstsq(line, across, rcond=1e-10)
-    if abs(slope) < NARROWEST:
+    (slope, offset), *_ = np.linalg.lstsq(line, aside, rcond=FIT_RANK)
+    if abs(slope) < NARROWEST_CONE:
         return None
     apex = solution[0] * u + solution[1] * v - offset / slope * axis
     return apex, axis * np.sign(slope), float(np.arctan(abs(slope)))
@@ -203,7 +200,7 @@ def _gauss_newton(
     residual, jacobian = change(state)
     best = float(residual @ residual)
     for _ in range(STEPS):
-        found = np.linalg.lstsq(jacobian.T @ jacobian, -jacobian.T @ residual, rcond=1e-14)[0]
+        found = np.linalg.lstsq(jacobian.T @ jacobian, -jacobian.T @ residual, rcond=STEP_RANK)[0]
         trial = moved(state, np.asarray(found, dtype=np.float64))
         residual, jacobian = change(trial)
         now = float(residual @ residual)

@@ -14,9 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask
+from kilter.arrays import Array, Index, Mask, across
 from kilter.errors import InputError
 from kilter.rigid import in_brackets
+from kilter.shape.shape_tolerances import CUT_AREA, POLYGON_AREA, WHOLE_TURN
 from kilter.shape.solid import Solid
 from kilter.validate import frozen, number
 
@@ -110,7 +111,7 @@ class Prism:
         if not np.isfinite(polygon).all():
             raise InputError("polygon has a number that is not finite", hint="give finite numbers")
         area = _signed_area(polygon)
-        if abs(area) <= 1e-12 * float(np.ptp(polygon, axis=0).max()) ** 2:
+        if abs(area) <= POLYGON_AREA * float(np.ptp(polygon, axis=0).max()) ** 2:
             raise InputError("polygon has no area", hint="list its corners around its edge")
         if not _is_convex(polygon) and not _is_simple(polygon):
             raise InputError("polygon crosses itself", hint="list its corners around its edge")
@@ -333,11 +334,9 @@ def _flattened(points: Array) -> Array:
     if length == 0.0:
         return np.array(points[:, :2])
     normal = normal / length
-    helper = np.eye(3)[np.argmin(np.abs(normal))]
-    u = np.cross(helper, normal)
-    u /= np.linalg.norm(u)
+    u, v = across(normal)
     relative = points - points.mean(axis=0)
-    return np.column_stack([relative @ u, relative @ np.cross(normal, u)])
+    return np.column_stack([relative @ u, relative @ v])
 
 
 def _cut(polygon: Array) -> Index:
@@ -355,7 +354,7 @@ def _cut(polygon: Array) -> Index:
     areas = np.array([_signed_area(polygon[t]) for t in cut])
     whole = _signed_area(polygon)
     # an outline that rounding lets touch itself is cut all the same, if its area comes out
-    if abs(np.abs(areas).sum() - abs(whole)) > 1e-6 * abs(whole):
+    if abs(np.abs(areas).sum() - abs(whole)) > CUT_AREA * abs(whole):
         raise InputError("crosses or touches itself", hint="cut it into triangles")
     turned = areas * whole < 0
     cut[turned] = cut[turned][:, ::-1]
@@ -374,7 +373,7 @@ def _is_convex(polygon: Array) -> bool:
     if not ((turn >= 0).all() or (turn <= 0).all()):
         return False
     angles = np.arctan2(turn, (edge * following).sum(axis=1))
-    return bool(abs(abs(float(angles.sum())) - 2 * np.pi) < 1e-6)
+    return bool(abs(abs(float(angles.sum())) - 2 * np.pi) < WHOLE_TURN)
 
 
 def _is_simple(polygon: Array) -> bool:

@@ -28,8 +28,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kilter.arrays import Array, Index, Mask, cross
-from kilter.shape.facet_graph import facet_graph, gathered
+from kilter.arrays import Array, Index, Mask, cross, ragged, starts, unit_rows
 from kilter.shape.fitting import FITS
 from kilter.shape.round_region import (
     FEWEST_FACETS,
@@ -37,11 +36,14 @@ from kilter.shape.round_region import (
     accepted,
     depth,
     deviation,
+    facet_graph,
     fitted,
+    gathered,
     most_sagitta,
     sagitta_of,
     tolerance_of,
 )
+from kilter.shape.shape_tolerances import GROWING
 from kilter.shape.solid import Surface, facing
 
 __all__ = ["recognise"]
@@ -53,8 +55,6 @@ SAMPLE = 1000
 """Facets of a region that are looked at first."""
 MOST_NEIGHBOURS = 12
 """Neighbours of a seed that are looked at."""
-LOOSE = 30.0
-"""Times the tolerance that corners may be off while a surface grows from a few facets."""
 
 
 def recognise(
@@ -104,7 +104,7 @@ def _round_surfaces(mesh: FacetMesh) -> _Found:
     region = mesh.graph.region
     order = np.argsort(region, kind="stable")
     count = np.bincount(region)
-    start = np.concatenate([[0], np.cumsum(count)])
+    start = starts(count)
     found: _Found = []
     for k in np.flatnonzero(count >= FEWEST_FACETS).tolist():
         facets = order[start[k] : start[k + 1]]
@@ -119,7 +119,7 @@ def _whole(mesh: FacetMesh, facets: Index) -> Surface | None:
     tolerance = tolerance_of(mesh, mesh.points(facets))
     for kind in FITS:
         rough = fitted(mesh, some, kind)
-        if rough is None or deviation(mesh, some, rough).max() > LOOSE * tolerance:
+        if rough is None or deviation(mesh, some, rough).max() > GROWING * tolerance:
             continue
         surface = fitted(mesh, facets, kind)
         if surface is not None and accepted(mesh, facets, surface, whole=True):
@@ -156,8 +156,8 @@ def _grown(mesh: FacetMesh, facets: Index) -> _Found:
 def _seeds(mesh: FacetMesh, facets: Index) -> Index:
     """Facets by how many neighbours are about as large as they, most first."""
     graph = mesh.graph
-    near = gathered(facets, graph.first, graph.neighbours)
-    owner = np.repeat(np.arange(len(facets)), np.diff(graph.first)[facets])
+    owner, rows = ragged(graph.first, facets)
+    near = graph.neighbours[rows]
     ratio = graph.area[near] / graph.area[facets][owner]
     alike = np.bincount(owner, (ratio > 0.5) & (ratio < 2.0), len(facets))
     return facets[np.argsort(-np.minimum(alike, 2), kind="stable")]
@@ -185,19 +185,18 @@ def _starts(mesh: FacetMesh, seed: int, free: Mask) -> list[tuple[str, Index]]:
     graph = mesh.graph
     near = graph.neighbours[graph.first[seed] : graph.first[seed + 1]]
     near = near[free[near]][:MOST_NEIGHBOURS]
-    bend = graph.normal[near] - graph.normal[seed]
-    bend /= np.maximum(np.linalg.norm(bend, axis=1), np.finfo(float).tiny)[:, None]
+    bend = unit_rows(graph.normal[near] - graph.normal[seed])
     # neighbours on either side along a band bend opposite ways in one plane with the seed
     out_of_plane = np.abs(cross(bend[:, None], bend[None]) @ graph.normal[seed])
     a, b = np.nonzero(np.triu(bend @ bend.T < 0, 1))
     order = np.argsort(out_of_plane[a, b], kind="stable")[:2]
-    starts = []
+    found = []
     for g, h in zip(a[order].tolist(), b[order].tolist(), strict=True):
         three = np.array([seed, near[g], near[h]])
-        starts += [("cylinder", three), ("cone", three)]
+        found += [("cylinder", three), ("cone", three)]
         others = [k for k in range(len(near)) if k not in (g, h)][:2]
-        starts += [("sphere", np.append(three, near[k])) for k in others]
-    return starts
+        found += [("sphere", np.append(three, near[k])) for k in others]
+    return found
 
 
 def _grow(mesh: FacetMesh, start: Index, kind: str, free: Mask) -> tuple[Surface | None, Index]:
@@ -217,7 +216,7 @@ def _grow(mesh: FacetMesh, start: Index, kind: str, free: Mask) -> tuple[Surface
         if not len(near) or not len(chosen):
             break
         within = tolerance_of(mesh, mesh.points(chosen))
-        front = near[deviation(mesh, near, surface) <= LOOSE * within]
+        front = near[deviation(mesh, near, surface) <= GROWING * within]
         inside[front] = True
         chosen = np.concatenate([chosen, front])
         if len(chosen) > 1.3 * fitted_to:

@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from kilter.arrays import Array, Index, cross
+from kilter.arrays import TINY, Array, Index, cross
 from kilter.errors import InputError
 from kilter.rigid import Pose, quaternion_to_matrix, unit
 from kilter.validate import frozen, number
@@ -171,7 +171,7 @@ def outward(surface: Surface, points: Array) -> Array:
     across = relative - along[:, None] * surface.axis
     if surface.kind == "cylinder":
         return np.asarray(across)
-    length = np.maximum(np.linalg.norm(across, axis=1), np.finfo(float).tiny)[:, None]
+    length = np.maximum(np.linalg.norm(across, axis=1), TINY)[:, None]
     if surface.kind == "cone":
         cos, sin = np.cos(surface.half_angle), np.sin(surface.half_angle)
         return np.asarray(across / length * cos - surface.axis * sin)
