@@ -42,7 +42,7 @@ def point_of(attempt, found, scale):
         (law.mu * fn_group)[:, None].repeat(len(attempt.relaxation.directions), 1).ravel()
     )
     x[at["rest"]] += (ft @ attempt.relaxation.directions.T).ravel()
-    for columns, rows in zip(attempt.relaxation._twist_columns, law.twist, strict=True):
+    for columns, rows in zip(attempt.relaxation.twist_columns, law.twist, strict=True):
         x[columns] = rows @ b
     return x
 

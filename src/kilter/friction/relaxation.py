@@ -1,57 +1,62 @@
 """A linear program that contains every motion that obeys Coulomb's contact law.
 
-With the bounds of `kilter.friction.enclosure` (they hold for every solution (a, f) of the
-law of `kilter.friction.reduced_law` that is asked about), e for the size of a, b = a / e,
-and l for 1 (or less: all rows are homogeneous, so that x = 0 is feasible whatever the modes,
-and no answer rests on a claim that a program is infeasible), the rows are, each implied by
-the law and by the bounds:
+The law (`kilter.friction.reduced_law`) is not convex: un fn = 0 at each point, and in each
+group friction dissipates mu N |ut|. Given bounds of all its solutions (`kilter.friction.
+enclosure`), each of the two is replaced by linear rows that every solution satisfies. So the
+greatest power w.b of the program bounds the power of every motion; where it is nothing, there
+is no motion.
 
-    e b = l w + Jn^T fn + Jt^T ft,   un = Jn b,   ut = Jt b,   N = sum of fn of a group
-    g_k = mu N + d_k.ft >= 0                  cone: exact in the plane, circumscribed in space
-    un + (U/F) fn <= U l                      un fn = 0, un <= U, fn <= F
-    d_k.ut + (S_k/G_k) g_k <= S_k l           see below
-    s >= d_k.ut,  D >= Nmin s,  D >= Nmax s + S (N - Nmax l)      s = |ut|, D = N |ut|
-    w.b >= e q + sum of mu D,   q >= 2 c.b - |c|^2 l              q = |b|^2, at points c
-    N >= Nmin l,   w.b <= e l
-    un1 + (U1/U2) un2 <= U1 l   in the plane, of the two ends of a patch with Nmin > 0, which
-                                cannot both open
+Motions are in units of a size e, b = a / e with |b| <= 1. The column l is 1, or less where a
+program is asked for its greatest power: all rows are homogeneous in the columns, so that 0 is
+feasible whatever the bounds and modes, and no answer rests on a claim that a program is
+infeasible. Upper bounds: U of un, F of fn, S of |ut|, Nmin and Nmax of N. The rows:
 
-The tangential cut: in the plane g_k ut_k+ = 0, as where it slides along d_k, ft = -mu N d_k.
-In space let c be the cosine between ut and d_k: then g_k = (1 - c) mu N, and the cut holds if
-S bounds the norm |ut| (not d_k.ut alone) and G_k both mu N and g_k: for c >= 0 it says
-c |ut|/S + (1 - c) mu N/G <= 1, for c < 0 the first term is negative.
+    e b = l w + Jn^T fn + Jt^T ft,   un = Jn b,   ut = Jt b        the law's equations, and
+    N = sum of fn of a group                                       its inequalities
+    g_k = mu N + d_k.ft >= 0       the cone: exact in the plane, in space a polygon about it
 
-Where the twist of a patch lies in a cone that makes ut of a group point between two
-directions less than half a turn apart, -ft / (mu N) lies in the circular segment between
-them; its chord, the two sides of the sector and three tangents of the circle are rows. They
-contain the segment: every true solution is in. Twist 0 is not: it is a case of its own.
+    w.b >= e q + sum of mu D       power is kinetic energy and dissipation, where
+    q >= 2 c.b - |c|^2 l           q = |b|^2 lies above its tangents at points c
+    s >= d_k.ut                    s = |ut|
+    D >= Nmin s                    D = N |ut| lies above its two tangent planes at the
+    D >= Nmax s + S (N - Nmax l)   corners of the box of N and |ut|
+    w.b <= e l,   N >= Nmin l
+
+    un + (U/F) fn <= U l           *normal cut*: un = 0 or fn = 0
+    d_k.ut + (S_k/G_k) g_k <= S_k l                 *tangential cut*, G_k a bound of g_k
+    un1 + (U1/U2) un2 <= U1 l      *hinge*: in the plane, of the two ends of a patch with
+                                   Nmin > 0, which cannot both open
+
+The tangential cut: in the plane g_k (d_k.ut) = 0 where d_k.ut > 0, as a group that slides along
+d_k has ft = -mu N d_k. In space let c be the cosine between ut and d_k: then g_k = (1 - c) mu N,
+and the cut holds if S bounds the norm |ut| (not d_k.ut alone) and G_k both mu N and g_k: for
+c >= 0 it says c |ut|/S + (1 - c) mu N/G <= 1, for c < 0 the first term is negative.
+
+*Sectors*, in space. Where the twist of a patch lies in a cone that makes ut of a group point
+between two directions less than half a turn apart, -ft / (mu N) lies in the circular segment
+between them; its chord, the two sides of the sector and three tangents of the circle are
+rows. They contain the segment: every true solution is in. Twist 0 is not: it is a case of its
+own.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import csc_array, csr_array
 
 from kilter.arrays import TINY, Array, Index
 from kilter.friction.enclosure import Enclosure, largest_speeds, sector, widened
 from kilter.friction.reduced_law import ReducedLaw
+from kilter.friction.template import MatrixTemplate
 from kilter.solvers.problem import LinearProgram
 
-__all__ = ["Relaxation", "directions_of"]
-
+__all__ = ["TANGENTS", "Relaxation"]
 
 SIDES = 8
 """Sides of the polygon circumscribed about the friction circle."""
 TANGENTS = 12
-"""Tangents of the ball of accelerations that are kept."""
-
-
-def directions_of(law: ReducedLaw) -> Array:
-    """The directions d_k across a contact, shape (m, T)."""
-    if law.directions == 1:
-        return np.array([[1.0], [-1.0]])
-    angle = 2 * np.pi * np.arange(SIDES) / SIDES
-    return np.stack([np.cos(angle), np.sin(angle)], axis=1)
+"""Tangents of the ball of accelerations that are kept, by their points c."""
+SEGMENT_SIDES = 6
+"""Rows of a circular segment: chord, two sides of its sector, three tangents of the circle."""
 
 
 class Relaxation:
@@ -63,229 +68,178 @@ class Relaxation:
 
     Attributes
     ----------
+    directions : ndarray, shape (m, T)
+        The d_k across a contact: in the plane both ways, in space `SIDES` around.
     fastest : LargestSpeeds
         Of contact points in motions of size 1.
     columns : dict
-        Slices of the columns: motion b, one l, q, fn, un, ft, ut, s, d, total N, g, twist.
+        Slices of the columns: "motion" b, "one" l, "square" q, "fn", "un", "ft", "ut",
+        "slip" s, "loss" D, "total" N, "rest" g, "twist" t of flat patches in space.
     """
 
     def __init__(self, law: ReducedLaw) -> None:
         self.law = law
-        self.directions = directions_of(law)
-        n, points = len(law.load), len(law.group)
-        groups, sides = len(law.mu), len(self.directions)
-        self.sizes = (n, points, groups, law.directions, sides)
-        wide = groups * law.directions
-        self._twist_at, spare = self._twists()
-        lengths = {
-            "motion": n, "one": 1, "square": 1, "fn": points, "un": points, "ft": wide,
-            "ut": wide, "slip": groups, "loss": groups, "total": groups,
-            "rest": groups * sides, "twist": spare,
-        }  # fmt: skip
-        ends = np.cumsum([0, *lengths.values()])
-        self.columns = {
-            name: slice(int(a), int(b))
-            for name, a, b in zip(lengths, ends[:-1], ends[1:], strict=True)
-        }
-        self.width = int(ends[-1])
-        self._blocks: list[tuple[Index, Index, Array]] = []
-        self._places: dict[str, slice] = {}
-        self._kinds: list[tuple[str, int]] = []
-        self._height = self._filled = 0
-        self._twist_columns = [
-            self._of("ut")[at] if own else self._of("twist")[at] for own, at in self._twist_at
-        ]
-        order = np.argsort(law.group, kind="stable")
-        double = np.bincount(law.group + 1, minlength=groups + 1)[law.group[order] + 1] == 2
-        chosen = order[double & (law.group[order] >= 0) & (law.directions == 1)]
-        self._ends = chosen.reshape(-1, 2)
+        self.directions = _directions(law)
+        self.fastest = largest_speeds(law, self.directions)
+        groups, wide = len(law.mu), len(law.mu) * law.directions
+        points = len(law.group)
+        # a twist that is not just ut of a group has columns of its own
+        own = [law.directions == 2 and rows.shape[0] == 3 for rows in law.twist]
+        self._template = MatrixTemplate({
+            "motion": len(law.load), "one": 1, "square": 1, "fn": points, "un": points,
+            "ft": wide, "ut": wide, "slip": groups, "loss": groups, "total": groups,
+            "rest": groups * len(self.directions), "twist": 3 * sum(own),
+        })  # fmt: skip
+        self.columns, self.width = self._template.columns, self._template.width
+        self._of = self._template.of
+        self._ut, self._ft = (
+            self._of(name).reshape(groups, law.directions) for name in ("ut", "ft")
+        )
+        self._own_twist, self.twist_columns = np.array(own, dtype=bool), self._twists(own)
+        self._ends = _ends(law)
         self._dynamics()
+        self._power()
         self._kinematics()
         self._friction()
         self._cuts()
         self._sectors()
-        self._assemble()
-        self.fastest = largest_speeds(law, self.directions)
-        own = [np.sqrt(np.asarray(rows.multiply(rows).sum(axis=1)).ravel()) for rows in law.twist]
-        self._twist_reach = np.concatenate(
-            [
-                np.empty(0),
-                *(far for far, (same, _) in zip(own, self._twist_at, strict=True) if not same),
-            ]
-        )
+        self._template.finish()
+        self._twist_reach = np.concatenate([
+            np.empty(0),
+            *(np.sqrt(np.asarray(rows.multiply(rows).sum(axis=1)).ravel())
+              for rows, alone in zip(law.twist, own, strict=True) if alone),
+        ])  # fmt: skip
 
-    def _of(self, name: str) -> Index:
-        part = self.columns[name]
-        return np.arange(part.start, part.stop)
+    # rows ------------------------------------------------------------------------------------
 
-    def _twists(self) -> tuple[list[tuple[bool, Index]], int]:
-        """For each patch: whether its twist is ut itself, and where; extra columns."""
-        law, found, spare = self.law, [], 0
-        for patch, rows in enumerate(law.twist):
-            members = np.flatnonzero(law.patch == patch)
-            if law.directions == 2 and rows.shape[0] == 3:
-                found.append((False, spare + np.arange(3)))
-                spare += 3
+    def _twists(self, own: list[bool]) -> list[Index]:
+        """The columns of the twist of each patch."""
+        columns, place = [], self.columns["twist"].start
+        for patch, alone in enumerate(own):
+            if alone:
+                columns.append(place + np.arange(3))
+                place += 3
             else:
-                found.append((True, members[0] * law.directions + np.arange(law.directions)))
-        return found, spare
-
-    def _rows(self, count: int, kind: str) -> Index:
-        """Numbers of `count` new rows; kind "=" 0, ">" >= 0, "<" <= 0."""
-        at = self._height + np.arange(count)
-        self._kinds.append((kind, count))
-        self._height += count
-        return at
-
-    def _put(self, rows: Index, columns: Index, values: object, name: str = "") -> None:
-        """Entries; named ones are set anew for each program."""
-        rows, columns = np.broadcast_arrays(rows, columns)
-        data = np.broadcast_to(np.asarray(values, dtype=np.float64), rows.shape)
-        self._blocks.append((rows.ravel(), columns.ravel(), data.ravel()))
-        if name:
-            self._places[name] = slice(self._filled, self._filled + rows.size)
-        self._filled += rows.size
-
-    def _put_matrix(self, rows: Index, matrix: csr_array, start: int, sign: float) -> None:
-        coo = matrix.tocoo()
-        self._put(rows[coo.row], start + coo.col, sign * coo.data)
+                columns.append(self._ut[np.flatnonzero(self.law.patch == patch)[0]])
+        return columns
 
     def _dynamics(self) -> None:
-        law, n = self.law, len(self.law.load)
-        rows = self._rows(n, "=")
-        self._put(rows, self._of("motion"), 1.0, "scale")
-        self._put(rows, self._of("one")[0], -law.load)
-        self._put_matrix(rows, csr_array(law.normal.T), self.columns["fn"].start, -1.0)
-        self._put_matrix(rows, csr_array(law.tangent.T), self.columns["ft"].start, -1.0)
-        row = self._rows(1, ">")
-        self._put(row, self._of("motion"), law.load)
-        self._put(row, self._of("square"), -1.0, "kinetic")
-        self._put(row, self._of("loss"), -law.mu)
-        row = self._rows(1, "<")
-        self._put(row, self._of("motion"), law.load)
-        self._put(row, self._of("one"), -1.0, "power")
-        rows = self._rows(TANGENTS, ">")
-        self._put(rows, self._of("square"), 1.0)
-        self._put(rows[:, None], self._of("motion")[None], 0.0, "tangents")
-        self._put(rows, self._of("one"), 0.0, "heights")
+        """E b = l w + Jn^T fn + Jt^T ft."""
+        law, add = self.law, self._template
+        rows = add.rows(len(law.load), "=")
+        add.put(rows, self._of("motion"), 1.0, "scale")
+        add.put(rows, self._of("one")[0], -law.load)
+        add.put_matrix(rows, "fn", law.normal.T, -1.0)
+        add.put_matrix(rows, "ft", law.tangent.T, -1.0)
+
+    def _power(self) -> None:
+        """w.b >= e q + sum of mu D,  w.b <= e l,  q >= 2 c.b - |c|^2 l."""
+        law, add = self.law, self._template
+        row = add.rows(1, ">")
+        add.put(row, self._of("motion"), law.load)
+        add.put(row, self._of("square"), -1.0, "kinetic")
+        add.put(row, self._of("loss"), -law.mu)
+        row = add.rows(1, "<")
+        add.put(row, self._of("motion"), law.load)
+        add.put(row, self._of("one"), -1.0, "power")
+        rows = add.rows(TANGENTS, ">")
+        add.put(rows, self._of("square"), 1.0)
+        add.put(rows[:, None], self._of("motion")[None], 0.0, "tangents")
+        add.put(rows, self._of("one"), 0.0, "heights")
 
     def _kinematics(self) -> None:
-        law = self.law
-        rows = self._rows(len(law.group), "=")
-        self._put(rows, self._of("un"), 1.0)
-        self._put_matrix(rows, law.normal, self.columns["motion"].start, -1.0)
-        wide, own = law.directions, np.zeros(len(law.mu), dtype=bool)
-        for patch, (same, at) in enumerate(self._twist_at):
-            own[law.patch == patch] = same
-            if not same:
-                rows = self._rows(3, "=")
-                self._put(rows, self._of("twist")[at], 1.0)
-                self._put_matrix(rows, law.twist[patch], self.columns["motion"].start, -1.0)
-        ut = self._of("ut").reshape(-1, wide)
-        rows = self._rows(int(own.sum()) * wide, "=")
-        self._put(rows, ut[own].ravel(), 1.0)
-        chosen = np.repeat(own, wide)
-        self._put_matrix(rows, law.tangent[chosen], self.columns["motion"].start, -1.0)
-        for group in np.flatnonzero(~own):
-            rows = self._rows(wide, "=")
-            self._put(rows, ut[group], 1.0)
-            columns = self._twist_columns[law.patch[group]]
-            self._put(rows[:, None], columns[None], -law.lever[group])
+        """Equations un = Jn b and ut = Jt b; of a flat patch in space t first, then ut = L t."""
+        law, add = self.law, self._template
+        rows = add.rows(len(law.group), "=")
+        add.put(rows, self._of("un"), 1.0)
+        add.put_matrix(rows, "motion", law.normal, -1.0)
+        for patch in np.flatnonzero(self._own_twist):
+            rows = add.rows(3, "=")
+            add.put(rows, self.twist_columns[patch], 1.0)
+            add.put_matrix(rows, "motion", law.twist[patch], -1.0)
+        direct = ~self._own_twist[law.patch]
+        rows = add.rows(int(direct.sum()) * law.directions, "=")
+        add.put(rows, self._ut[direct].ravel(), 1.0)
+        add.put_matrix(rows, "motion", law.tangent[np.repeat(direct, law.directions)], -1.0)
+        for group in np.flatnonzero(~direct):
+            rows = add.rows(law.directions, "=")
+            add.put(rows, self._ut[group], 1.0)
+            columns = self.twist_columns[law.patch[group]]
+            add.put(rows[:, None], columns[None], -law.lever[group])
 
     def _friction(self) -> None:
-        law, (_, _, groups, wide, sides) = self.law, self.sizes
-        rows = self._rows(groups, "=")
-        self._put(rows, self._of("total"), 1.0)
+        """N = sum of fn,  g_k = mu N + d_k.ft."""
+        law, add = self.law, self._template
+        groups, sides = len(law.mu), len(self.directions)
+        rows = add.rows(groups, "=")
+        add.put(rows, self._of("total"), 1.0)
         rough = np.flatnonzero(law.group >= 0)
-        self._put(rows[law.group[rough]], self._of("fn")[rough], -1.0)
-        rows = self._rows(groups * sides, "=").reshape(groups, sides)
-        self._put(rows, self._of("rest").reshape(groups, sides), 1.0)
-        self._put(rows, self._of("total")[:, None], -law.mu[:, None])
-        ft = self._of("ft").reshape(groups, wide)
-        self._put(rows[:, :, None], ft[:, None, :], -self.directions[None])
+        add.put(rows[law.group[rough]], self._of("fn")[rough], -1.0)
+        rows = add.rows(groups * sides, "=").reshape(groups, sides)
+        add.put(rows, self._of("rest").reshape(groups, sides), 1.0)
+        add.put(rows, self._of("total")[:, None], -law.mu[:, None])
+        add.put(rows[:, :, None], self._ft[:, None, :], -self.directions[None])
 
     def _cuts(self) -> None:
-        _, points, groups, wide, sides = self.sizes
-        one, ut = self._of("one")[0], self._of("ut").reshape(groups, wide)
-        rows = self._rows(points, "<")
-        self._put(rows, self._of("un"), 1.0)
-        self._put(rows, self._of("fn"), 0.0, "normal force")
-        self._put(rows, one, 0.0, "normal one")
-        ends = self._ends
-        rows = self._rows(len(ends), "<")
-        self._put(rows, self._of("un")[ends[:, 0]], 1.0)
-        self._put(rows, self._of("un")[ends[:, 1]], 0.0, "hinge")
-        self._put(rows, one, 0.0, "hinge one")
-        rows = self._rows(groups * sides, "<").reshape(groups, sides)
-        self._put(rows[:, :, None], ut[:, None, :], self.directions[None])
-        self._put(rows, self._of("rest").reshape(groups, sides), 0.0, "tangential force")
-        self._put(rows, one, 0.0, "tangential one")
-        rows = self._rows(groups * sides, ">").reshape(groups, sides)
-        self._put(rows, self._of("slip")[:, None], 1.0)
-        self._put(rows[:, :, None], ut[:, None, :], -self.directions[None])
-        rows = self._rows(groups, ">")
-        self._put(rows, self._of("loss"), 1.0)
-        self._put(rows, self._of("slip"), 0.0, "loss least")
-        rows = self._rows(groups, ">")
-        self._put(rows, self._of("loss"), 1.0)
-        self._put(rows, self._of("slip"), 0.0, "loss most")
-        self._put(rows, self._of("total"), 0.0, "loss total")
-        self._put(rows, one, 0.0, "loss one")
-        rows = self._rows(groups, ">")
-        self._put(rows, self._of("total"), 1.0)
-        self._put(rows, one, 0.0, "least")
+        """The cuts, s >= d_k.ut, the planes below D, and N >= Nmin l."""
+        add, groups, sides = self._template, len(self.law.mu), len(self.directions)
+        one, ut, slip = self._of("one")[0], self._ut[:, None, :], self._of("slip")
+        rows = add.rows(len(self.law.group), "<")
+        add.put(rows, self._of("un"), 1.0)
+        add.put(rows, self._of("fn"), 0.0, "normal force")
+        add.put(rows, one, 0.0, "normal one")
+        rows = add.rows(len(self._ends), "<")
+        add.put(rows, self._of("un")[self._ends[:, 0]], 1.0)
+        add.put(rows, self._of("un")[self._ends[:, 1]], 0.0, "hinge")
+        add.put(rows, one, 0.0, "hinge one")
+        rows = add.rows(groups * sides, "<").reshape(groups, sides)
+        add.put(rows[:, :, None], ut, self.directions[None])
+        add.put(rows, self._of("rest").reshape(groups, sides), 0.0, "tangential force")
+        add.put(rows, one, 0.0, "tangential one")
+        rows = add.rows(groups * sides, ">").reshape(groups, sides)
+        add.put(rows, slip[:, None], 1.0)
+        add.put(rows[:, :, None], ut, -self.directions[None])
+        rows = add.rows(groups, ">")
+        add.put(rows, self._of("loss"), 1.0)
+        add.put(rows, slip, 0.0, "loss least")
+        rows = add.rows(groups, ">")
+        add.put(rows, self._of("loss"), 1.0)
+        add.put(rows, slip, 0.0, "loss most")
+        add.put(rows, self._of("total"), 0.0, "loss total")
+        add.put(rows, one, 0.0, "loss one")
+        rows = add.rows(groups, ">")
+        add.put(rows, self._of("total"), 1.0)
+        add.put(rows, one, 0.0, "least")
 
     def _sectors(self) -> None:
-        """In space: cones of twists (3 rows a patch), sectors of groups (6 + 1 rows)."""
-        _, _, groups, wide, _ = self.sizes
-        if wide == 1:
+        """In space: cones of twists (a row a generator), segments and sectors of groups."""
+        add, groups = self._template, len(self.law.mu)
+        if self.law.directions == 1:
             return
-        for patch, columns in enumerate(self._twist_columns):
-            rows = self._rows(len(columns), ">")
-            self._put(rows[:, None], columns[None], 0.0, f"cone {patch}")
-        ft, ut = self._of("ft").reshape(groups, wide), self._of("ut").reshape(groups, wide)
-        rows = self._rows(groups * 6, "<").reshape(groups, 6)
-        self._put(rows[:, :, None], ft[:, None, :], 0.0, "segment")
-        self._put(rows, self._of("total")[:, None], 0.0, "segment total")
-        rows = self._rows(groups, ">")
-        self._put(rows, self._of("slip"), 1.0)
-        self._put(rows[:, None], ut, 0.0, "along")
+        for patch, columns in enumerate(self.twist_columns):
+            rows = add.rows(len(columns), ">")
+            add.put(rows[:, None], columns[None], 0.0, f"cone {patch}")
+        rows = add.rows(groups * SEGMENT_SIDES, "<").reshape(groups, SEGMENT_SIDES)
+        add.put(rows[:, :, None], self._ft[:, None, :], 0.0, "segment")
+        add.put(rows, self._of("total")[:, None], 0.0, "segment total")
+        rows = add.rows(groups, ">")
+        add.put(rows, self._of("slip"), 1.0)
+        add.put(rows[:, None], self._ut, 0.0, "along")
 
-    def _assemble(self) -> None:
-        row, column, self._data = (
-            np.concatenate([block[k] for block in self._blocks]) for k in range(3)
-        )
-        self._blocks = []
-        order = np.lexsort((row, column))
-        self._order = order
-        self._index = row[order].astype(np.int32)
-        starts = np.searchsorted(column[order], np.arange(self.width + 1))
-        self._start = starts.astype(np.int32)
-        kind = np.concatenate([np.full(count, ord(name)) for name, count in self._kinds])
-        self._lower = np.where(kind == ord("<"), -np.inf, 0.0)
-        self._upper = np.where(kind == ord(">"), np.inf, 0.0)
+    # numbers ---------------------------------------------------------------------------------
 
-    def program(self, bounds: Enclosure, cost: Array | None = None) -> LinearProgram:
-        """The linear program for bounds and modes; `cost` of all columns, to be minimised.
-
-        Without `cost` the power w.b is maximised.
-        """
-        data = self._data.copy()
-        for name, value in self._numbers(bounds).items():
-            data[self._places[name]] = np.ravel(value) if np.ndim(value) else value
-        matrix = csc_array(
-            (data[self._order], self._index, self._start), shape=(self._height, self.width)
-        )
+    def program(self, bounds: Enclosure) -> LinearProgram:
+        """The linear program for bounds and modes: the greatest power w.b, as a least cost."""
         lower, upper = self._limits(bounds)
-        if cost is None:
-            cost = self.power()
-        return LinearProgram(cost, matrix, self._lower, self._upper, lower, upper)
-
-    def power(self) -> Array:
-        """The cost whose minimum is the greatest power."""
         cost = np.zeros(self.width)
         cost[self.columns["motion"]] = -self.law.load
-        return cost
+        add = self._template
+        matrix = add.matrix(self._numbers(bounds))
+        return LinearProgram(cost, matrix, add.lower, add.upper, lower, upper)
+
+    def named(self, x: Array) -> dict[str, Array]:
+        """A solution by the names of its columns."""
+        return {name: x[where] for name, where in self.columns.items()}
 
     def _numbers(self, b: Enclosure) -> dict[str, Array | float]:
         """Values of the named entries."""
@@ -309,6 +263,7 @@ class Relaxation:
         if not b.cuts:
             return values
         values |= {"loss most": -b.most, "loss total": -b.slip, "loss one": b.slip * b.most}
+        # where F < U a cut would have a large coefficient: un + fn <= 2 U instead, which is idle
         values["normal force"] = b.un / np.maximum(b.fn, np.maximum(b.un, TINY))
         values["normal one"] = -b.un * (1 + (b.fn < b.un))
         force = np.maximum(b.rest, np.maximum(b.ut, TINY))
@@ -317,15 +272,13 @@ class Relaxation:
         return values
 
     def _sector_numbers(self, b: Enclosure) -> dict[str, Array | float]:
+        """Of cones, the rows of their inverses; of groups, the rows of their segments."""
         groups = len(self.law.mu)
         values: dict[str, Array | float] = {}
-        segment, total, along = (
-            np.zeros((groups, 6, 2)),
-            np.zeros((groups, 6)),
-            np.zeros((groups, 2)),
-        )
+        segment, total = np.zeros((groups, SEGMENT_SIDES, 2)), np.zeros((groups, SEGMENT_SIDES))
+        along = np.zeros((groups, 2))
         for patch, cone in enumerate(b.cones):
-            size = len(self._twist_columns[patch])
+            size = len(self.twist_columns[patch])
             if cone is None or not cone.size:
                 values[f"cone {patch}"] = np.zeros((size, size))
                 continue
@@ -334,7 +287,8 @@ class Relaxation:
             for group in np.flatnonzero(self.law.patch == patch):
                 found = sector(cone, self.law.lever[group])
                 if found is not None:
-                    segment[group], total[group], along[group] = _segment(*found)
+                    segment[group], total[group] = _segment(*found)
+                    along[group] = found[0]
         values["segment"] = segment
         values["segment total"] = total * self.law.mu[:, None]
         values["along"] = -along
@@ -343,8 +297,7 @@ class Relaxation:
     def _limits(self, b: Enclosure) -> tuple[Array, Array]:
         """Bounds of the columns."""
         lower, upper = np.zeros(self.width), np.zeros(self.width)
-        at = self.columns
-        wide = self.sizes[3]
+        at, wide = self.columns, self.law.directions
         lower[at["motion"]], upper[at["motion"]] = -1.0, 1.0
         upper[at["one"]] = upper[at["square"]] = 1.0
         upper[at["fn"]], upper[at["un"]] = b.fn, b.un
@@ -361,19 +314,32 @@ class Relaxation:
         lower[at["twist"]], upper[at["twist"]] = -self._twist_reach, self._twist_reach
         for patch, cone in enumerate(b.cones):
             if cone is not None and not cone.size:
-                held = self._twist_columns[patch]
+                held = self.twist_columns[patch]
                 lower[held] = upper[held] = 0.0
         return lower, upper
 
-    def named(self, x: Array) -> dict[str, Array]:
-        """A solution by the names of its columns."""
-        return {name: x[where] for name, where in self.columns.items()}
+
+def _directions(law: ReducedLaw) -> Array:
+    """The directions d_k across a contact, shape (m, T)."""
+    if law.directions == 1:
+        return np.array([[1.0], [-1.0]])
+    angle = 2 * np.pi * np.arange(SIDES) / SIDES
+    return np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
 
-def _segment(middle: Array, half: float) -> tuple[Array, Array, Array]:
-    """Rows n.ft + c mu N <= 0 of a circular segment, and its middle direction."""
+def _ends(law: ReducedLaw) -> Index:
+    """In the plane, the two points of each group that has two, shape (E, 2)."""
+    order = np.argsort(law.group, kind="stable")
+    members = np.bincount(law.group + 1, minlength=len(law.mu) + 1)[law.group[order] + 1]
+    chosen = order[(members == 2) & (law.group[order] >= 0) & (law.directions == 1)]
+    ends: Index = chosen.reshape(-1, 2)
+    return ends
+
+
+def _segment(middle: Array, half: float) -> tuple[Array, Array]:
+    """Rows n.ft + c mu N <= 0 of a circular segment about a direction of sliding."""
     turn = np.array([[np.cos(half), -np.sin(half)], [np.sin(half), np.cos(half)]])
     left, right = turn @ middle, turn.T @ middle
     # -ft = mu N d: d.middle >= cos(half); d right of `left`, left of `right`; d.x <= 1
     rows = np.array([middle, [left[1], -left[0]], [-right[1], right[0]], -middle, -left, -right])
-    return rows, np.array([np.cos(half), 0.0, 0.0, -1.0, -1.0, -1.0]), middle
+    return rows, np.array([np.cos(half), 0.0, 0.0, -1.0, -1.0, -1.0])

@@ -1,0 +1,105 @@
+"""A sparse matrix of fixed structure, some of whose entries are named and set anew each time.
+
+Branch and bound solves thousands of linear programs that differ in some numbers only. The
+places of all entries are found once; a program then costs one copy of its numbers, and a
+basis of one serves as a start for the next.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.sparse import csc_array, sparray
+
+from kilter.arrays import Array, Index, starts
+
+__all__ = ["MatrixTemplate"]
+
+
+class MatrixTemplate:
+    """Rows over named columns; every row is = 0, >= 0 or <= 0.
+
+    Parameters
+    ----------
+    lengths : dict
+        How many columns each name has, in their order.
+
+    Attributes
+    ----------
+    columns : dict
+        The slice of the columns of each name.
+    width, height : int
+        Columns, and rows so far.
+
+    Examples
+    --------
+    >>> template = MatrixTemplate({"x": 2, "y": 1})
+    >>> (row,) = template.rows(1, ">")  # x0 + x1 - slope y >= 0
+    >>> template.put(row, template.of("x"), 1.0)
+    >>> template.put(row, template.of("y"), 0.0, "slope")
+    >>> template.finish()
+    >>> template.matrix({"slope": -3.0}).toarray().tolist()
+    [[1.0, 1.0, -3.0]]
+    """
+
+    def __init__(self, lengths: Mapping[str, int]) -> None:
+        ends = starts(list(lengths.values()))
+        self.columns = {
+            name: slice(int(a), int(b))
+            for name, a, b in zip(lengths, ends[:-1], ends[1:], strict=True)
+        }
+        self.width, self.height = int(ends[-1]), 0
+        self._blocks: list[tuple[Index, Index, Array]] = []
+        self._places: dict[str, slice] = {}
+        self._lower: list[Array] = []
+        self._upper: list[Array] = []
+        self._filled = 0
+
+    def of(self, name: str) -> Index:
+        """The numbers of the columns of a name."""
+        columns = self.columns[name]
+        return np.arange(columns.start, columns.stop)
+
+    def rows(self, count: int, kind: Literal["=", ">", "<"]) -> Index:
+        """The numbers of `count` new rows, which are = 0, >= 0 or <= 0."""
+        at = self.height + np.arange(count)
+        self._lower.append(np.full(count, -np.inf if kind == "<" else 0.0))
+        self._upper.append(np.full(count, np.inf if kind == ">" else 0.0))
+        self.height += count
+        return at
+
+    def put(self, rows: ArrayLike, columns: ArrayLike, values: ArrayLike, name: str = "") -> None:
+        """Entries, broadcast together; those with a name are set anew in each matrix."""
+        at, across = np.broadcast_arrays(np.asarray(rows), np.asarray(columns))
+        data = np.broadcast_to(np.asarray(values, dtype=np.float64), at.shape)
+        self._blocks.append((at.ravel(), across.ravel(), data.ravel()))
+        if name:
+            self._places[name] = slice(self._filled, self._filled + at.size)
+        self._filled += at.size
+
+    def put_matrix(self, rows: Index, columns: str, matrix: sparray, sign: float) -> None:
+        """Times a sign, a matrix over rows and the columns of a name."""
+        coo = matrix.tocoo()
+        self.put(rows[coo.row], self.columns[columns].start + coo.col, sign * coo.data)
+
+    def finish(self) -> None:
+        """Order the entries by columns: no more rows then."""
+        row, column, self._data = (
+            np.concatenate([block[k] for block in self._blocks]) for k in range(3)
+        )
+        self._blocks = []
+        self._order = np.lexsort((row, column))
+        self._index = row[self._order].astype(np.int32)
+        self._start = starts(np.bincount(column, minlength=self.width)).astype(np.int32)
+        self.lower, self.upper = np.concatenate(self._lower), np.concatenate(self._upper)
+
+    def matrix(self, values: Mapping[str, ArrayLike]) -> csc_array:
+        """The matrix with these values in the places of their names, 0 in all others named."""
+        data = self._data.copy()
+        for name, value in values.items():
+            data[self._places[name]] = np.ravel(np.asarray(value))
+        entries = (data[self._order], self._index, self._start)
+        return csc_array(entries, shape=(self.height, self.width))
