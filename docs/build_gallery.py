@@ -35,7 +35,7 @@ def drawn(scene: Any) -> tuple[bytes, str]:
     from kilter.show.canvas import rendered
 
     verdict = kilter.check(scene.build(), budget=BUDGET)
-    picture = rendered(kilter.draw_assembly(verdict), ".png")
+    picture = rendered(kilter.draw(verdict), ".png")
     entry = (
         f"\n## {scene.name}\n\n"
         f"{html.escape(scene.title)} ({html.escape(scene.source)}).\n\n"

@@ -25,10 +25,10 @@ if TYPE_CHECKING:
     from kilter.errors import InputError, KilterError, SolverError
     from kilter.files import dump, load
     from kilter.mechanics.verification import verify_proof
+    from kilter.publish import Report, draw, report, view
     from kilter.rigid import Pose
     from kilter.scenes import scene
     from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Sphere
-    from kilter.show.figures import draw_assembly, draw_region
 
 __version__ = "0.1.0"
 
@@ -49,6 +49,7 @@ _HOMES = {
     "Pose": "kilter.rigid",
     "Orientation": "kilter.analysis.turning.orientation",
     "Prism": "kilter.shape.primitives",
+    "Report": "kilter.publish",
     "Region": "kilter.analysis.regions.region",
     "SolverError": "kilter.errors",
     "Sphere": "kilter.shape.primitives",
@@ -56,8 +57,7 @@ _HOMES = {
     "Verdict": "kilter.analysis.verdict",
     "check": "kilter.analysis.check",
     "common_region": "kilter.analysis.regions.region",
-    "draw_assembly": "kilter.show.figures",
-    "draw_region": "kilter.show.figures",
+    "draw": "kilter.publish",
     "dump": "kilter.files",
     "fastened": "kilter.contact",
     "find_contacts": "kilter.contact",
@@ -65,8 +65,10 @@ _HOMES = {
     "margin": "kilter.analysis.margins.margin",
     "orient": "kilter.analysis.turning.orientation",
     "region": "kilter.analysis.regions.region",
+    "report": "kilter.publish",
     "scene": "kilter.scenes",
     "verify_proof": "kilter.mechanics.verification",
+    "view": "kilter.publish",
 }
 
 __all__ = [
@@ -87,14 +89,14 @@ __all__ = [
     "Pose",
     "Prism",
     "Region",
+    "Report",
     "SolverError",
     "Sphere",
     "Tolerance",
     "Verdict",
     "check",
     "common_region",
-    "draw_assembly",
-    "draw_region",
+    "draw",
     "dump",
     "fastened",
     "find_contacts",
@@ -102,8 +104,10 @@ __all__ = [
     "margin",
     "orient",
     "region",
+    "report",
     "scene",
     "verify_proof",
+    "view",
 ]
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 import kilter
-from kilter.cli.gather import gather
+from kilter.analysis.everything import everything
 from kilter.scenes import scene
 from kilter.show.page import render
 
@@ -103,7 +103,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     def written(name: str) -> Path:
         path = folder / f"{name}.html"
         if not path.exists():
-            path.write_text(render(gather(scene(name)), name), encoding="utf-8")
+            path.write_text(render(everything(scene(name)), name), encoding="utf-8")
         return path
 
     return written
@@ -122,7 +122,7 @@ def opened(chromium: Any, pages: Callable[[str], Path]) -> Iterator[Callable[...
         all_.append(one)
         if isinstance(what, kilter.Assembly):
             path = pages("paper-figure-8").parent / f"assembly-{len(all_)}-{id(what)}.html"
-            path.write_text(render(gather(what), "an assembly"), encoding="utf-8")
+            path.write_text(render(everything(what), "an assembly"), encoding="utf-8")
         else:
             path = what if isinstance(what, Path) else pages(what)
         return one.open(path.as_uri())

@@ -418,11 +418,11 @@ def test_a_thousand_bricks_are_drawn_at_once_and_turn_smoothly(opened: Callable)
 
 
 def test_view_turns_the_page_over_when_the_file_changes(chromium: Any) -> None:
-    from kilter.cli.gather import gather
+    from kilter.analysis.everything import everything
     from kilter.show.page import error_page, render
     from kilter.show.serve import PageServer
 
-    with PageServer(render(gather(scene("tower")), "tower", live=True)) as server:
+    with PageServer(render(everything(scene("tower")), "tower", live=True)) as server:
         page = chromium.new_page()
         asked: list[str] = []
         page.on("request", lambda request: asked.append(request.url))
@@ -432,12 +432,12 @@ def test_view_turns_the_page_over_when_the_file_changes(chromium: Any) -> None:
         server.publish(error_page("part '<i>': is wrong", "tower"))
         page.wait_for_selector(".problem")
         assert page.inner_text(".problem") == "part '<i>': is wrong"
-        server.publish(render(gather(scene("hanging-brick")), "tower", live=True))
+        server.publish(render(everything(scene("hanging-brick")), "tower", live=True))
         page.wait_for_selector("#banner[data-verdict='unstable']")
         assert page.inner_text("#verdict") == "Unstable"
         # where the user had turned it, it stays turned
         page.evaluate("window.kilter.ask([0, 0.6, -0.8])")
-        server.publish(render(gather(scene("wall")), "tower", live=True))
+        server.publish(render(everything(scene("wall")), "tower", live=True))
         page.wait_for_selector("button.link:has-text('brick-5-5')")
         assert np.allclose(page.evaluate("window.kilter.down"), [0, 0.6, -0.8])
         assert all(url.startswith(server.url) for url in asked)

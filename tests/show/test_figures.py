@@ -213,7 +213,7 @@ def test_answers_show_themselves_in_a_notebook() -> None:
     assert f"{answer.tilt_margin_deg:.6g} deg" in answer._repr_html_()
     for text in (region._repr_html_(), answer._repr_html_()):
         ET.fromstring(text)
-    figure = kilter.draw_region(region)
+    figure = kilter.draw(region)
     assert figure._repr_png_().startswith(b"\x89PNG")
 
 
@@ -227,7 +227,7 @@ def test_import_stays_light_and_pyplot_is_never_touched() -> None:
         "import sys, kilter; assert 'matplotlib' not in sys.modules\n"
         "v = kilter.check(kilter.scene('tower')); v._repr_html_()\n"
         "assert 'matplotlib' not in sys.modules and 'kilter.show' not in sys.modules\n"
-        "kilter.draw_assembly(v); assert 'matplotlib.pyplot' not in sys.modules\n"
+        "kilter.draw(v); assert 'matplotlib.pyplot' not in sys.modules\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True, timeout=120)
 

@@ -14,7 +14,7 @@ import pytest
 
 import kilter
 from kilter import Assembly, Box, Part, Pose
-from kilter.cli.gather import gather
+from kilter.analysis.everything import everything
 from kilter.scenes import SCENES, scene
 from kilter.scenes.walls import wall_of
 from kilter.show.page import error_page, render
@@ -77,11 +77,13 @@ def hostile() -> Assembly:
 
 @pytest.fixture(scope="module")
 def bad() -> str:
-    return render(gather(hostile(), command="kilter report '<b>'"), "</title><script>x</script>")
+    return render(
+        everything(hostile()), "</title><script>x</script>", command="kilter report '<b>'"
+    )
 
 
 def test_names_are_text_and_nothing_else(bad: str) -> None:
-    plain = Tags(render(gather(scene("tower")), "tower"))
+    plain = Tags(render(everything(scene("tower")), "tower"))
     tags = Tags(bad)
     kinds = lambda page: {tag for tag, _ in page.found}  # noqa: E731
     assert kinds(tags) <= kinds(plain) | {"ul", "li", "p", "h3"}
@@ -110,7 +112,7 @@ def test_a_name_in_the_table_stands_apart_from_the_direction_of_its_line(bad: st
 
 @pytest.mark.parametrize("live", [False, True])
 def test_only_the_programs_of_the_page_may_run_and_nothing_may_be_asked_for(live: bool) -> None:
-    page = render(gather(scene("tower")), "tower", live=live)
+    page = render(everything(scene("tower")), "tower", live=live)
     policy = re.search(r'http-equiv="Content-Security-Policy" content="([^"]*)"', page)
     assert policy is not None
     rules = dict(rule.strip().split(" ", 1) for rule in policy[1].split(";"))
@@ -130,7 +132,7 @@ def test_only_the_programs_of_the_page_may_run_and_nothing_may_be_asked_for(live
 
 
 def test_the_page_names_no_address() -> None:
-    page = render(gather(scene("paper-figure-8")), "f8")
+    page = render(everything(scene("paper-figure-8")), "f8")
     found = set(re.findall(r"[a-z]+://[^\s\"'`<>)]+", page))
     # the name of a kind of element, which is asked of nobody
     assert found <= {"http://www.w3.org/1999/xhtml"}
@@ -139,12 +141,12 @@ def test_the_page_names_no_address() -> None:
 
 
 def test_a_hundred_parts_take_less_than_a_megabyte_and_a_half() -> None:
-    page = render(gather(wall_of(100)), "wall")
+    page = render(everything(wall_of(100)), "wall")
     assert len(page.encode()) < 1.5e6
 
 
 def test_the_page_is_the_same_each_time_but_for_the_seconds() -> None:
-    first, second = (render(gather(scene("paper-figure-8")), "f8") for _ in range(2))
+    first, second = (render(everything(scene("paper-figure-8")), "f8") for _ in range(2))
     seconds = re.compile(r"<dt>seconds</dt><dd>.*?</dd>")
     assert seconds.sub("", first) == seconds.sub("", second)
 
@@ -153,7 +155,7 @@ def test_the_page_is_the_same_each_time_but_for_the_seconds() -> None:
 def test_what_is_drawn_is_what_was_answered(name: str) -> None:
     assembly = scene(name)
     # without time for a proof, so that what is found does not depend on the machine
-    answers = gather(assembly, budget=0.0)
+    answers = everything(assembly, budget=0.0)
     data = data_of(render(answers, name))
     verdict = kilter.check(assembly, budget=0.0)
     assert data["given"]["verdict"] == verdict.verdict
@@ -174,7 +176,7 @@ def test_what_is_drawn_is_what_was_answered(name: str) -> None:
 @pytest.mark.parametrize("name", ["tower", "corner-wedges", "paper-figure-10", "closed-frame"])
 def test_forces_of_the_rays_balance_every_part(name: str) -> None:
     assembly = scene(name)
-    data = data_of(render(gather(assembly), name))
+    data = data_of(render(everything(assembly), name))
     rays, center = data["rays"], np.array(data["center"])
     count = len(rays["downs"])
     forces = unpacked(rays["forces"]).reshape(count, -1, 3).astype(float)
@@ -199,7 +201,7 @@ def test_the_map_of_the_page_gives_z_of_the_program() -> None:
     from kilter.contact import find_contacts
 
     assembly = scene("paper-figure-8")
-    data = data_of(render(gather(assembly), "f8"))
+    data = data_of(render(everything(assembly), "f8"))
     vertices = unpacked(data["map"]["vertices"]).reshape(-1, 3)
     motions = unpacked(data["map"]["motions"]).reshape(len(vertices), -1, 6)
     contacts = find_contacts(assembly)
@@ -214,11 +216,11 @@ def test_the_map_of_the_page_gives_z_of_the_program() -> None:
 
 
 def test_what_is_left_out_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    import kilter.cli.gather as module
+    import kilter.analysis.everything as module
 
     monkeypatch.setattr(module, "MAP_PARTS", 3)
     monkeypatch.setattr(module, "NEAREST_PARTS", 3)
-    answers = gather(scene("hanging-brick"))
+    answers = everything(scene("hanging-brick"))
     assert answers.map is None
     assert answers.recommended is None
     page = Tags(render(answers, "x")).text
@@ -227,20 +229,20 @@ def test_what_is_left_out_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_above_its_limit_the_region_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    import kilter.cli.gather as module
+    import kilter.analysis.everything as module
 
     monkeypatch.setattr(module, "REGION_PARTS", 3)
-    answers = gather(scene("tower"))
+    answers = everything(scene("tower"))
     assert answers.region is None
     assert data_of(render(answers, "x"))["given"]["verdict"] == "stable"
     assert any("up to 3 free parts" in note for note in answers.notes)
 
 
 def test_a_map_that_needs_too_many_programs_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    import kilter.cli.gather as module
+    import kilter.analysis.everything as module
 
     monkeypatch.setattr(module, "MAP_PROGRAMS", 20)
-    answers = gather(scene("corner-wedges"))
+    answers = everything(scene("corner-wedges"))
     assert answers.map is None
     assert any("more than 20 programs" in note for note in answers.notes)
     assert answers.region is not None
@@ -250,7 +252,7 @@ def test_loads_leave_the_given_direction_alone() -> None:
     assembly = scene("tower")
     load = kilter.Load("cube-5", [1.0, 0, 0])
     loaded = Assembly(assembly.parts, loads=[load])
-    answers = gather(loaded)
+    answers = everything(loaded)
     assert answers.region is None
     assert "does not turn" in answers.notes[0] or "loads" in answers.notes[0]
     data = data_of(render(answers, "x"))
@@ -260,11 +262,11 @@ def test_loads_leave_the_given_direction_alone() -> None:
 
 def test_everything_held_is_a_page_too() -> None:
     frame = Assembly([Part("a", Box([1, 1, 1]), grounded=True)])
-    assert data_of(render(gather(frame), "x"))["given"]["verdict"] == "stable"
+    assert data_of(render(everything(frame), "x"))["given"]["verdict"] == "stable"
 
 
 def test_nothing_touching_is_a_page_too() -> None:
-    data = data_of(render(gather(scene("floating-block")), "x"))
+    data = data_of(render(everything(scene("floating-block")), "x"))
     assert data["given"]["verdict"] == "unstable"
 
 

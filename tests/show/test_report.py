@@ -18,8 +18,8 @@ import pytest
 
 import kilter
 from kilter.cli import main
-from kilter.cli.watch import fingerprint
 from kilter.errors import InputError
+from kilter.publish import fingerprint
 from kilter.scenes import scene
 from kilter.show.serve import PageServer
 

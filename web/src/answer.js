@@ -6,14 +6,6 @@ import { angleBetween, scaled } from "./vector.js";
 
 const SAME = 1e-9; // directions closer than this are one [rad]
 
-export const VERDICTS = {
-  stable: "Stable",
-  "potentially-stable": "Potentially stable",
-  unstable: "Unstable",
-  undecided: "Undecided",
-  unknown: "Not known",
-};
-
 /**
  * Verdict, words, margin, motion and forces for a direction of gravity.
  *
@@ -73,6 +65,7 @@ function known_(page, name, known, down) {
     instability: known.instability,
     sentence: known.sentence,
     words: known.words,
+    forceWords: known.force_words,
     forces: held ? known.forces : null,
   };
 }

@@ -1,6 +1,6 @@
 // The numbers of one part, for the direction of gravity that is shown.
 
-import { direction, number, short } from "./words.js";
+import { direction, force, number, short } from "./words.js";
 
 const LISTED = 12; // parts that it touches
 
@@ -26,7 +26,7 @@ export function factsOf(page, found, k) {
     rows.push(["dr", `${direction([...m.subarray(0, 3)])} ${units}`]);
     rows.push(["dθ", `${direction([...m.subarray(3, 6)])} rad`]);
   }
-  if (found.forces) rows.push(["pressed", `${number(pressed(found.forces, k), 4)} N in all`]);
+  if (found.forces) rows.push(["pressed", `${force(pressed(found.forces, k))} in all`]);
   return rows;
 }
 

@@ -1,6 +1,6 @@
 // The page: what the controls do. All words from the data are set as text, never as HTML.
 
-import { VERDICTS, answer } from "./answer.js";
+import { answer } from "./answer.js";
 import { Ball } from "./ball.js";
 import { themeOf } from "./colours.js";
 import { factsOf } from "./card.js";
@@ -12,7 +12,7 @@ import { keepPlace } from "./place.js";
 import { reachOf } from "./pose.js";
 import { Stage } from "./stage.js";
 import { angleBetween, unit } from "./vector.js";
-import { basis, degrees, direction, marginWords, movingWords, number, plainly } from "./words.js";
+import { basis, degrees, direction, force, marginWords, movingWords, number, plainly } from "./words.js";
 
 const SIGNS = {
   stable: "✓",
@@ -121,7 +121,7 @@ class Page {
       const size = share * this.page.radius * Number(id("force-size").value);
       const { straight, most } = forceArrows(stage, found.forces, size);
       stage.forces.set({ straight });
-      label = `contact forces, the longest ${number(most, 3)} N`;
+      label = `contact forces ${found.forceWords || `at points up to ${force(most)}`}`;
     } else stage.forces.set({});
     id("force-label").textContent = label;
     stage.loads.set(this.loads());
@@ -147,9 +147,9 @@ class Page {
     const banner = id("banner");
     banner.dataset.verdict = found.verdict;
     id("sign").textContent = SIGNS[found.verdict] || "?";
-    id("verdict").textContent = VERDICTS[found.verdict] || found.verdict;
+    id("verdict").textContent = page.words[found.verdict] || found.verdict;
     id("sentence").textContent = found.sentence
-      ? plainly(found.sentence)
+      ? plainly(found.sentence, page.words[found.verdict])
       : marginWords(page, found);
     const lines = [movingWords(page, found)];
     if (found.sentence) lines.unshift(marginWords(page, found));
@@ -170,7 +170,7 @@ class Page {
     const at = (name) => page[name] && angleBetween(page[name].down, this.down) < 1e-9;
     id("go-given").setAttribute("aria-pressed", String(Boolean(at("given"))));
     id("go-recommended").setAttribute("aria-pressed", String(Boolean(at("recommended"))));
-    const label = `gravity along ${direction(this.down, 2)}: ${VERDICTS[found.verdict]}`;
+    const label = `gravity along ${direction(this.down, 2)}: ${page.words[found.verdict]}`;
     this.ball.canvas.setAttribute("aria-valuetext", label);
     this.ball.canvas.setAttribute("aria-valuenow", String(Math.round((away * 180) / Math.PI)));
     id("motion").disabled = !found.motion;

@@ -11,6 +11,13 @@ export function degrees(angle) {
 export const number = (value, digits = 4) =>
   Number.isFinite(value) ? String(Number(Number(value).toPrecision(digits))) : "–";
 
+/** A force with a unit that suits its size, as `kilter.tell` shows it. */
+export function force(newtons) {
+  const units = [[1e6, "MN"], [1e3, "kN"], [1, "N"], [1e-3, "mN"]];
+  const [size, unit] = units.find(([least]) => newtons >= least) || [1, "N"];
+  return `${number(newtons / size)} ${unit}`;
+}
+
 /** A direction as text: (0, 0, −1). */
 export const direction = (u, digits = 4) =>
   `(${u.map((c) => (Math.abs(c) < 5e-7 ? 0 : Number(c.toFixed(digits)))).join(", ")})`.replaceAll("-", "−");
@@ -20,15 +27,12 @@ export function marginWords(page, found) {
   const { region } = page;
   if (!region) return "no stable region is known for this assembly";
   if (region.kind === "none") {
-    return region.exact
-      ? "no direction of gravity is stable"
-      : "no direction of gravity is held by the frictionless contacts alone; further forces might";
+    return region.words.none;
   }
   if (found.margin === null || found.margin === undefined) {
     if (found.away === undefined || found.away === null) return "";
     if (!found.away) return "on the edge of the region that surely holds";
-    const what = region.exact ? "stable direction" : "direction that surely holds";
-    return `${degrees(found.away)} away from the nearest ${what}`;
+    return `${degrees(found.away)} away from the nearest ${region.words.nearest}`;
   }
   if (!region.facets.length && !region.equations.length) return "every direction holds";
   if (isThin(region, page.planar)) {
@@ -51,7 +55,8 @@ export function movingWords(page, found, limit = 8) {
   }
   const names = found.moving.slice(0, limit).map((k) => short(page.parts.names[k]));
   const more = found.moving.length > limit ? ` and ${found.moving.length - limit} more` : "";
-  const alone = found.verdict === "undecided" ? "by the frictionless contacts alone " : "";
+  const rough = page.region && page.region.friction && found.from === "cone";
+  const alone = rough || found.verdict === "undecided" ? "by the frictionless contacts alone " : "";
   const count = `${found.moving.length} of ${free} free ${free === 1 ? "part moves" : "parts move"}`;
   return `${alone}${count}: ${names.join(", ")}${more}`;
 }
@@ -66,18 +71,14 @@ export function basis(page, found) {
   if (found.from === "given") return "Answered in full: gravity as given.";
   if (found.from === "recommended") return "Answered in full: the recommended direction.";
   if (!region) return "Only the given direction is answered.";
-  const cone = region.exact
-    ? "Live: by the exact cone of stable directions; margin = angle to its nearest facet."
-    : region.band
-      ? "Live: between an inner and an outer cone, since friction makes the boundary round; in between it is undecided."
-      : "Live: by the cone that holds without friction and without contacts that are not modelled; outside of it they may hold it, so it is undecided there.";
-  if (found.motion) return `${cone} Motion: displacement of LP (9), from the stability map.`;
+  const cone = region.words.basis;
+  if (found.motion) return `${cone} Motion: displacement of LP (9), without friction, from the stability map.`;
   if (found.forces) return `${cone} Forces: those of the cone's rays, mixed as the direction is.`;
   return cone;
 }
 
 /** A sentence without the verdict that it begins with, where that stands above it. */
-export function plainly(sentence) {
-  const rest = sentence.replace(/^(Potentially stable|Stable|Unstable|Undecided): /, "");
+export function plainly(sentence, verdict) {
+  const rest = sentence.replace(`${verdict}: `, "");
   return rest.charAt(0).toUpperCase() + rest.slice(1);
 }

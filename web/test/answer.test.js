@@ -7,9 +7,10 @@ import { basis, degrees, direction, marginWords, movingWords, short } from "../s
 import { cones, pyramid } from "./cones.js";
 
 const DOWN = [0, 0, -1];
+const words = { none: "none is held", basis: "Live: by the cone.", nearest: "stable direction" };
 
 function page(more = {}) {
-  const region = { ...pyramid, inside: "stable", outside: "unstable", exact: true, band: false };
+  const region = { ...pyramid, inside: "stable", outside: "unstable", words, band: false };
   return {
     planar: false,
     given: {
@@ -59,9 +60,9 @@ test("without a region nothing but the given direction is known", () => {
 });
 
 test("where the region is an inner one, outside of it is undecided", () => {
-  const region = { ...page().region, exact: false, outside: "undecided" };
+  const region = { ...page().region, outside: "undecided" };
   assert.equal(answer(page({ region }), [3, 0, -1]).verdict, "undecided");
-  assert.match(basis(page({ region }), answer(page({ region }), [3, 0, -1])), /undecided there/);
+  assert.match(basis(page({ region }), answer(page({ region }), [3, 0, -1])), /by the cone/);
 });
 
 test("between inner rays and outer facets it is undecided", () => {
@@ -74,7 +75,6 @@ test("between inner rays and outer facets it is undecided", () => {
     ...pyramid,
     facets: wide,
     band: true,
-    exact: false,
     inside: "potentially-stable",
     outside: "unstable",
   });
@@ -101,7 +101,7 @@ test("between is judged by the rays and lines themselves where they make no hull
 });
 
 test("a thin region has no margin out of it, and says so", () => {
-  const region = { ...cones.fan, inside: "stable", outside: "unstable", exact: true };
+  const region = { ...cones.fan, inside: "stable", outside: "unstable", words };
   const fan = page({ region, map: null });
   const found = answer(fan, [1, 0, 1]);
   assert.equal(found.margin, 0);
@@ -152,12 +152,17 @@ test("words for one part that moves, and for motions that further forces may hol
   assert.equal(movingWords(page(), { verdict: "stable", moving: [] }), "no part moves");
 });
 
-test("that no direction holds is said of all forces only where it is known of all", () => {
-  const region = { ...cones.none, exact: true, inside: "stable", outside: "unstable" };
+test("that no direction holds is said in the words of the region", () => {
+  const region = { ...cones.none, words, inside: "stable", outside: "unstable" };
   const found = answer(page({ region }), [1, 0, 0]);
-  assert.equal(marginWords(page({ region }), found), "no direction of gravity is stable");
-  const open = { ...region, exact: false, outside: "undecided" };
-  assert.match(marginWords(page({ region: open }), found), /further forces might/);
+  assert.equal(marginWords(page({ region }), found), "none is held");
+});
+
+test("with friction the motion of the map is said to be without it", () => {
+  const region = { ...page().region, friction: true };
+  const found = { verdict: "unstable", from: "cone", moving: [1] };
+  assert.match(movingWords(page({ region }), found), /^by the frictionless contacts alone 1 of 1/);
+  assert.match(movingWords(page({ region }), { ...found, from: "given" }), /^1 of 1/);
 });
 
 test("words: angles, directions and names", () => {

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 import { factsOf, pressed, touching } from "../src/card.js";
-import { plainly } from "../src/words.js";
+import { force, plainly } from "../src/words.js";
 
 const page = {
   units: "mm",
@@ -35,6 +35,10 @@ test("what a part does is not known where that is so, and held is held", () => {
 });
 
 test("a sentence stands without the verdict above it", () => {
-  assert.equal(plainly("Stable: it stays."), "It stays.");
-  assert.equal(plainly("Stable within limits: x."), "Stable within limits: x.");
+  assert.equal(plainly("Stable: it stays.", "Stable"), "It stays.");
+  assert.equal(plainly("Stable within limits: x.", "Stable"), "Stable within limits: x.");
+});
+
+test("a force has a unit that suits its size", () => {
+  assert.deepEqual([246200, 9.81, 0.00123, 0].map(force), ["246.2 kN", "9.81 N", "1.23 mN", "0 N"]);
 });

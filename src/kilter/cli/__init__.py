@@ -1,7 +1,7 @@
 """The command line: the only place that prints.
 
 `main` turns every way a command can end into an exit code and at most one message:
-0 to 4 are answers, 2 wrong usage or input, 70 a fault of kilter, 130 interrupted.
+see `kilter.cli.exit_codes`.
 """
 
 from __future__ import annotations
@@ -10,26 +10,27 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-__all__ = ["main"]
+from kilter.cli.exit_codes import FAULT, INTERRUPTED, USAGE, WRITTEN
 
-USAGE, FAULT, INTERRUPTED = 2, 70, 130
+__all__ = ["main"]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; the exit code is returned, and used by the console script."""
     import warnings
 
-    warnings.simplefilter("ignore")
     words = list(sys.argv[1:] if arguments is None else arguments)
     try:
-        return _run(words)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return _run(words)
     except KeyboardInterrupt:
         _say("interrupted")
         return INTERRUPTED
     except BrokenPipeError:
         # the reader of a pipe has seen enough; nothing is left to tell it
         sys.stdout = None
-        return 0
+        return WRITTEN
 
 
 def _run(words: list[str]) -> int:

@@ -1,31 +1,21 @@
-"""Options that commands share."""
+"""Options that commands share, and the one place where commands get them.
+
+``@asks()`` gives a command the file and the twelve options of how it is read; the command
+itself takes an `Asked` and its own options.
+"""
 
 from __future__ import annotations
 
+import inspect
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-__all__ = [
-    "Angle",
-    "Budget",
-    "Clearance",
-    "Density",
-    "Down",
-    "Fasten",
-    "File",
-    "Floor",
-    "Friction",
-    "Gap",
-    "Ground",
-    "Json",
-    "Loose",
-    "Output",
-    "Quiet",
-    "Units",
-    "Without",
-]
+from kilter.cli.asked import Asked
+
+__all__ = ["FORM", "File", "Json", "Output", "Quiet", "asks"]
 
 HELD = "What is held, and how it lies"
 TOUCH = "When faces count as touching"
@@ -190,3 +180,67 @@ Quiet = Annotated[
         "--quiet", help="No progress and no warnings on the error stream.", rich_help_panel=FORM
     ),
 ]
+READING: dict[str, tuple[Any, Any]] = {
+    "ground": (Ground, None),
+    "floor": (Floor, None),
+    "without": (Without, None),
+    "down": (Down, None),
+    "friction": (Friction, None),
+    "units": (Units, None),
+    "density": (Density, None),
+    "fasten": (Fasten, None),
+    "gap": (Gap, None),
+    "angle": (Angle, None),
+    "clearance": (Clearance, None),
+    "loose": (Loose, False),
+}
+"""How a file is read, and when its faces count as touching."""
+FORMS: dict[str, tuple[Any, Any]] = {"json": (Json, False), "output": (Output, None)}
+
+
+def asks(
+    *, budget: float | None = None, answers: bool = True
+) -> Callable[[Callable[..., int]], Callable[..., int]]:
+    """Give a command ``act(asked, **own)`` the options that commands share.
+
+    Parameters
+    ----------
+    budget : float, optional
+        What ``--budget`` is where it is not given [s]; without it there is no such option.
+    answers : bool
+        The command has an answer: ``--json`` and ``--output``. Else it writes a page or a
+        figure, and says itself where.
+    """
+
+    def made(act: Callable[..., int]) -> Callable[..., int]:
+        _, *own = inspect.signature(act, eval_str=True).parameters.values()
+        shared = READING | ({} if budget is None else {"budget": (Budget, budget)})
+        last = (FORMS if answers else {}) | {"quiet": (Quiet, False)}
+        several = any(one.name == "files" for one in own)
+        first = [] if several else [_parameter("file", File)]
+        parameters = [
+            *first,
+            *(one for one in own if one.default is inspect.Parameter.empty),
+            *(_parameter(name, *one) for name, one in shared.items()),
+            *(one for one in own if one.default is not inspect.Parameter.empty),
+            *(_parameter(name, *one) for name, one in last.items()),
+        ]
+        names = {one.name for one in own}
+
+        def command(**given: Any) -> int:
+            mine = {name: value for name, value in given.items() if name in names}
+            return act(Asked.of({k: v for k, v in given.items() if k not in names}), **mine)
+
+        signature = inspect.Signature(parameters, return_annotation=int)
+        command.__signature__ = signature  # type: ignore[attr-defined]
+        command.__annotations__ = {one.name: one.annotation for one in parameters}
+        command.__name__, command.__doc__ = act.__name__, act.__doc__
+        return command
+
+    return made
+
+
+def _parameter(name: str, kind: Any, default: Any = inspect.Parameter.empty) -> inspect.Parameter:
+    return inspect.Parameter(
+        name, inspect.Parameter.POSITIONAL_OR_KEYWORD, default=default, annotation=kind
+    )

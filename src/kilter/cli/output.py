@@ -6,6 +6,7 @@ import json
 import sys
 import threading
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -77,7 +78,7 @@ def read_json(path: str, what: str) -> Any:
         raise InputError(f"is no JSON ({error})", file=path, hint=f"give a {what}") from None
 
 
-def tell_warnings(warnings: tuple[str, ...] | list[str], quiet: bool, limit: int = 20) -> None:
+def tell_warnings(warnings: Sequence[str], quiet: bool, limit: int = 20) -> None:
     """Warnings on the error stream."""
     if quiet:
         return
@@ -127,6 +128,11 @@ class Progress:
         return self
 
     def __exit__(self, *_: object) -> None:
+        self.done()
+
+    def done(self) -> None:
+        """Nothing is at work."""
         self._stop()
         if self._shown:
             print("\r\x1b[K", end="", file=sys.stderr, flush=True)
+            self._shown = False

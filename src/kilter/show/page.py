@@ -10,28 +10,37 @@ import base64
 import hashlib
 import re
 from importlib import resources
+from importlib.metadata import PackageNotFoundError, version
+from typing import TYPE_CHECKING
 
-from kilter.show.answers import Answers
 from kilter.show.packing import as_json, readable
 from kilter.show.scene import build_scene
 from kilter.show.sections import sections, text
 
+if TYPE_CHECKING:
+    from kilter.analysis.everything import Everything
+
 __all__ = ["error_page", "render"]
 
+PACKAGES = ("kilter", "numpy", "scipy", "highspy", "clarabel")
 
-def render(answers: Answers, title: str, *, live: bool = False) -> str:
+
+def render(answers: Everything, title: str, *, command: str = "", live: bool = False) -> str:
     """The page of an assembly and its answers.
 
     Parameters
     ----------
-    answers : Answers
+    answers : Everything
     title : str
         Shown above; usually the name of the file.
+    command : str
+        How to make the page again.
     live : bool
         For `kilter view`: the page asks its own server whether it has changed.
     """
     data = as_json({"title": readable(title), **build_scene(answers)})
-    return _filled(title, sections(answers), data, live=live)
+    body = sections(answers, command=command, versions=_versions())
+    return _filled(title, body, data, live=live)
 
 
 def error_page(message: str, title: str) -> str:
@@ -63,6 +72,17 @@ def _filled(title: str, body: str, data: str, *, live: bool) -> str:
     }
     # one pass: what is filled in is not looked at again
     return re.sub(r"\{\{(\w+)\}\}", lambda found: values[found[1]], _asset("page.html"))
+
+
+def _versions() -> dict[str, str]:
+    """Of kilter and of what it computes with."""
+    found = {}
+    for package in PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            found[package] = "unknown"
+    return found
 
 
 def _digest(script: str) -> str:

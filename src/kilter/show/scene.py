@@ -8,16 +8,20 @@ an assembly far from the origin keeps its digits.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from kilter.arrays import Array
-from kilter.show.answers import Answers, Balance, MapAnswer, Orientation
 from kilter.show.colours import part_colours
 from kilter.show.packing import pack, readable
 from kilter.show.shapes import placed
+from kilter.tell.facts import forces_phrase
+from kilter.tell.words import VERDICTS, live_words
 from kilter.units import metres_per_unit
+
+if TYPE_CHECKING:
+    from kilter.analysis.everything import Answered, Balance, Everything, MapMotions
 
 __all__ = ["build_scene"]
 
@@ -26,26 +30,14 @@ HELD_IN_VIEW = 1.5
 """Held parts reach at most this much farther than the free ones in the first view [-]."""
 
 
-def build_scene(answers: Answers) -> dict[str, Any]:
-    """What the page draws, as JSON data.
-
-    Examples
-    --------
-    >>> from kilter.contact import find_contacts
-    >>> from kilter.scenes import scene
-    >>> from kilter.show.answers import Answers, Orientation
-    >>> assembly = scene("tower")
-    >>> check = {"verdict": "stable", "sentence": "Stable.", "parts": []}
-    >>> given = Orientation(assembly.down, check, None)
-    >>> found = build_scene(Answers(assembly, find_contacts(assembly), given))
-    >>> found["parts"]["names"][0], len(found["shapes"]), found["region"]
-    ('base', 1, None)
-    """
+def build_scene(answers: Everything) -> dict[str, Any]:
+    """What the page draws, as JSON data."""
     assembly = answers.assembly
     center, extent = _view(answers)
     names = [readable(name) for name in assembly.names]
     recommended = answers.recommended
     return {
+        "words": VERDICTS,
         "units": assembly.units,
         "planar": assembly.planar,
         "gravity": float(np.linalg.norm(assembly.gravity)),
@@ -72,7 +64,7 @@ def build_scene(answers: Answers) -> dict[str, Any]:
     }
 
 
-def _view(answers: Answers) -> tuple[Array, Array]:
+def _view(answers: Everything) -> tuple[Array, Array]:
     """Middle and half lengths of the box that the first view must hold [length unit]."""
     geometry = answers.assembly.geometry
     free = ~geometry.grounded[geometry.vertex_part]
@@ -85,7 +77,7 @@ def _view(answers: Answers) -> tuple[Array, Array]:
     return (low + high) / 2, (high - low) / 2
 
 
-def _shapes(answers: Answers) -> list[dict[str, Any]]:
+def _shapes(answers: Everything) -> list[dict[str, Any]]:
     return [
         {
             "positions": pack(shape.positions),
@@ -96,7 +88,7 @@ def _shapes(answers: Answers) -> list[dict[str, Any]]:
     ]
 
 
-def _parts(answers: Answers, center: Array, names: list[str]) -> dict[str, Any]:
+def _parts(answers: Everything, center: Array, names: list[str]) -> dict[str, Any]:
     geometry, places = answers.assembly.geometry, placed(answers.assembly)
     return {
         "names": names,
@@ -112,7 +104,7 @@ def _parts(answers: Answers, center: Array, names: list[str]) -> dict[str, Any]:
     }
 
 
-def _patches(answers: Answers, center: Array) -> dict[str, Any]:
+def _patches(answers: Everything, center: Array) -> dict[str, Any]:
     contacts = answers.contacts
     kinds, kind = np.unique(contacts.patch_kind, return_inverse=True)
     widest = np.abs(contacts.patch_gap).argmax(axis=1) if len(contacts) else np.zeros(0, int)
@@ -129,7 +121,7 @@ def _patches(answers: Answers, center: Array) -> dict[str, Any]:
     }
 
 
-def _orientation(answers: Answers, one: Orientation, center: Array) -> dict[str, Any]:
+def _orientation(answers: Everything, one: Answered, center: Array) -> dict[str, Any]:
     """One direction of gravity: words and figures, motion a part, forces a point."""
     check, units = one.check, answers.assembly.units
     count = len(answers.assembly.parts)
@@ -151,6 +143,7 @@ def _orientation(answers: Answers, one: Orientation, center: Array) -> dict[str,
         "moves": pack(moves, "u1"),
         "words": words,
         "forces": None if one.balance is None else _balance(one.balance, center),
+        "force_words": forces_phrase(check["forces"]["patches"]) if check["forces"] else None,
     }
 
 
@@ -174,7 +167,7 @@ def _rays(rays: Sequence[Balance], center: Array) -> dict[str, Any] | None:
     }
 
 
-def _region(answers: Answers) -> dict[str, Any] | None:
+def _region(answers: Everything) -> dict[str, Any] | None:
     """The region, and what lies within, outside and between.
 
     Where friction makes it round, `rays` span what surely holds and `facets` bound what may;
@@ -184,21 +177,22 @@ def _region(answers: Answers) -> dict[str, Any] | None:
     if region is None:
         return None
     keys = ("kind", "dimension", "lines", "rays", "equations", "facets", "center")
-    rubs = bool((answers.contacts.patch_mu > 0).any())
-    band = region.get("gap_deg") is not None
+    band, rough = region["gap_deg"] is not None, region["friction"]
     exact = region["exact"] or answers.none
     return {
         **{key: region[key] for key in keys},
         "half_angle_deg": region["half_angle_deg"],
         "exact": exact,
-        "blur": float(np.radians(region.get("accuracy_deg") or 0.0)),
+        "friction": rough,
+        "blur": float(np.radians(region["accuracy_deg"] or 0.0)),
         "band": band,
-        "inside": "potentially-stable" if band and rubs else "stable",
-        "outside": "unstable" if exact or band else "undecided",
+        "inside": "potentially-stable" if rough else "stable",
+        "outside": "unstable" if region["complete"] or answers.none else "undecided",
+        "words": live_words(exact=exact, band=band, friction=rough),
     }
 
 
-def _map(found: MapAnswer | None) -> dict[str, Any] | None:
+def _map(found: MapMotions | None) -> dict[str, Any] | None:
     if found is None:
         return None
     return {

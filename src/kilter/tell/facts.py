@@ -13,7 +13,16 @@ from typing import Any
 from kilter.errors import some
 from kilter.tell.numbers import angle, counts, force, number, plain, vector
 
-__all__ = ["ROWS", "Answer", "Fact", "facts", "kind_of", "region_phrase"]
+__all__ = [
+    "ROWS",
+    "Answer",
+    "Fact",
+    "facts",
+    "forces_phrase",
+    "kind_of",
+    "region_phrase",
+    "region_words",
+]
 
 Answer = Mapping[str, Any]
 Fact = tuple[str, str]
@@ -95,7 +104,7 @@ def _check(answer: Answer) -> list[Fact]:
     if answer["seated"] is not None:
         found.append(("seated", SEATED[answer["seated"]]))
     if answer["forces"] is not None and answer["forces"]["patches"]:
-        found.append(("forces", _forces(answer["forces"]["patches"])))
+        found.append(("forces", forces_phrase(answer["forces"]["patches"])))
     if answer["verdict"] != "stable":
         found.append(("instability", _instability(answer)))
     if answer["neutral"] is not None:
@@ -164,7 +173,7 @@ def _guarantee(guarantee: str, friction: Answer) -> str:
     """What friction guarantees, and how that is known."""
     words = GUARANTEE[guarantee]
     if guarantee == "open":
-        words += f" in {friction['seconds']:.2g} s (a longer budget may decide)"
+        words += f" (a budget of more than {number(friction['budget'])} s may decide)"
     exclusion, witness = friction["exclusion"], friction["witness"]
     if exclusion is not None and exclusion["proved"]:
         words += f" ({exclusion['kind']}, {exclusion['programs']} programs)"
@@ -173,7 +182,7 @@ def _guarantee(guarantee: str, friction: Answer) -> str:
     return words
 
 
-def _forces(patches: Sequence[Answer]) -> str:
+def forces_phrase(patches: Sequence[Answer]) -> str:
     """The greatest contact force, and where most of the friction is used."""
     greatest = max(patches, key=lambda patch: math.hypot(*patch["resultant"]))
     words = f"up to {force(math.hypot(*greatest['resultant']))}, {_pair(greatest)}"
@@ -253,6 +262,14 @@ def region_phrase(kind: str, half_angle_deg: float | None, *, friction: bool) ->
     """
     width = "" if half_angle_deg is None else f", half angle {angle(half_angle_deg)}"
     return f"{kind}{width}{', with friction' if friction else ''}"
+
+
+def region_words(answer: Answer, *, proved_none: bool) -> str:
+    """A region in few words, and whether it is all of it."""
+    words = region_phrase(answer["kind"], answer["half_angle_deg"], friction=answer["friction"])
+    if answer["complete"] or proved_none:
+        return words
+    return f"{words}; an inner one: further forces may make it larger"
 
 
 def _region(answer: Answer) -> list[Fact]:

@@ -8,9 +8,17 @@ import numpy as np
 
 from kilter.arrays import Array
 
-__all__ = ["NAMED", "motion_summary", "motion_words", "verdict_sentence"]
+__all__ = ["NAMED", "VERDICTS", "live_words", "motion_summary", "motion_words", "verdict_sentence"]
 
 
+VERDICTS = {
+    "stable": "Stable",
+    "potentially-stable": "Potentially stable",
+    "unstable": "Unstable",
+    "undecided": "Undecided",
+    "unknown": "Not known",
+}
+"""Of a page also `unknown`: a direction of gravity that was not answered."""
 SMALL = 1e-3
 """A component below this part of a motion is left out of the words."""
 ALONG = 1e-6
@@ -45,6 +53,28 @@ SENTENCES = {
 """Sentence of a verdict and of what friction guarantees."""
 
 
+BASIS = {
+    "exact": "the exact cone of stable directions; margin = angle to its nearest facet",
+    "friction": "the cone of directions for which forces that hold it exist",
+    "band": (
+        "the cone of directions for which forces that hold it exist, between an inner and an outer "
+        "one, since friction makes the boundary round; in between it is undecided"
+    ),
+    "inner": (
+        "the cone that holds without friction and without contacts that are not modelled; outside "
+        "of it they may hold it, so it is undecided there"
+    ),
+}
+"""What the answer of a page for a direction rests on."""
+NONE = {
+    "exact": "no direction of gravity is stable",
+    "friction": "no direction of gravity is held by the modelled contacts, not even with friction",
+    "inner": (
+        "no direction of gravity is held by the frictionless contacts alone; further forces might"
+    ),
+}
+
+
 def verdict_sentence(verdict: str, *, guarantee: str | None, seated: bool, coarse: bool) -> str:
     """The sentence of a verdict that is not undecided.
 
@@ -71,6 +101,31 @@ def verdict_sentence(verdict: str, *, guarantee: str | None, seated: bool, coars
         within=" within the accuracy of the data" if coarse else "",
         beyond=" beyond the accuracy of the data" if coarse else "",
     )
+
+
+def live_words(*, exact: bool, band: bool, friction: bool) -> dict[str, str]:
+    """What a page says of a direction of gravity that it answers by the region alone.
+
+    Parameters
+    ----------
+    exact : bool
+        The region is all of it.
+    band : bool
+        There is an inner and an outer cone.
+    friction : bool
+        Friction was counted.
+
+    Examples
+    --------
+    >>> live_words(exact=True, band=False, friction=False)["nearest"]
+    'stable direction'
+    """
+    basis = BASIS["band" if band else "friction" if friction else "exact" if exact else "inner"]
+    return {
+        "none": NONE["exact" if exact else "friction" if friction else "inner"],
+        "basis": f"Live: by {basis}.",
+        "nearest": "stable direction" if exact else "direction that surely holds",
+    }
 
 
 def motion_words(

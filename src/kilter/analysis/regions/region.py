@@ -244,6 +244,7 @@ class Region:
             "half_angle_deg": cone.half_angle_deg,
             "programs": self.programs,
             "exact": self.exact,
+            "complete": self.complete,
             "friction": self.friction,
             "joints": joints_answer(self.assemblies[0]),
             "gap_deg": self.gap_deg,

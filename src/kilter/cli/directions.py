@@ -1,59 +1,108 @@
-"""The command about margins: by how much does it hold?"""
+"""Commands about directions and limits: orient, region, margin."""
 
 from __future__ import annotations
 
-import math
+from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from kilter.cli.options import (
-    Angle,
-    Budget,
-    Clearance,
-    Density,
-    Down,
-    Fasten,
-    File,
-    Floor,
-    Friction,
-    Gap,
-    Ground,
-    Json,
-    Loose,
-    Output,
-    Quiet,
-    Units,
-    Without,
-)
-from kilter.cli.output import Progress, as_json, emit, keep_apart, tell_warnings
-from kilter.cli.reading import contact_tolerance, read_assembly, reading_of
-from kilter.cli.reading import fasten as join_touching
+from kilter.cli.asked import Asked
+from kilter.cli.exit_codes import ORIENT, WRITTEN
+from kilter.cli.options import FORM, asks
+from kilter.cli.output import Progress
 from kilter.errors import InputError
 
 if TYPE_CHECKING:
     from kilter.analysis.margins.uncertainty import Ranges
 
-__all__ = ["margin"]
+__all__ = ["margin", "orient", "region"]
 
 ASKED = "Which margins"
 UNSURE = "The worst case of tilt and load factor, where data are not exact"
 
 
+class Method(StrEnum):
+    """Ways to the nearest direction."""
+
+    JOINT = "joint"
+    WALK = "walk"
+
+
+@asks()
+def orient(
+    asked: Asked,
+    method: Annotated[
+        Method,
+        typer.Option(
+            "--method",
+            help="For the nearest direction: joint programs, or the walk of the paper.",
+            rich_help_panel=FORM,
+        ),
+    ] = Method.JOINT,
+) -> int:
+    """How could it be turned so that it stays: the stable orientation with the widest margin.
+
+    With friction: the middle of the directions for which forces that hold it exist; 'kilter
+    check --down' tells what is guaranteed there.
+
+    Exit 0 found, 1 none exists (then the nearest to stable, and what moves there), 4 undecided.
+    """
+    from kilter.analysis.turning.orientation import orient as find
+
+    with Progress(asked.quiet) as progress:
+        assembly, contacts = asked.read(progress)
+        answer = find(
+            assembly,
+            contacts=contacts,
+            tolerance=asked.tolerance,
+            method=method.value,
+            progress=progress,
+        )
+    asked.tell(answer.to_dict())
+    return ORIENT[answer.verdict]
+
+
+@asks()
+def region(
+    asked: Asked,
+    files: Annotated[
+        list[str],
+        typer.Argument(metavar="FILE...", help="One assembly; several with --common."),
+    ],
+    common: Annotated[
+        bool,
+        typer.Option(
+            "--common", help="The directions stable for all of the files: no reorientation between."
+        ),
+    ] = False,
+) -> int:
+    """Every direction of gravity for which it stays: exactly, with a proof for each boundary.
+
+    With friction, those for which forces that hold it exist, between rays inside and facets
+    outside; --common leaves friction out.
+    """
+    from kilter.analysis.regions.region import common_region
+    from kilter.analysis.regions.region import region as find
+
+    if len(files) > 1 and not common:
+        raise InputError(f"{len(files)} files are given", hint="add --common, or give one")
+    tolerance = asked.tolerance
+    with Progress(asked.quiet) as progress:
+        given = [asked.of_file(file).read(progress) for file in files]
+        if common:
+            each = [assembly for assembly, _ in given]
+            answer = common_region(each, tolerance=tolerance, progress=progress)
+        else:
+            [(assembly, contacts)] = given
+            answer = find(assembly, contacts=contacts, tolerance=tolerance, progress=progress)
+    asked.tell(answer.to_dict())
+    return WRITTEN
+
+
+@asks(budget=1.0)
 def margin(
-    file: File,
-    ground: Ground = None,
-    floor: Floor = None,
-    without: Without = None,
-    fasten: Fasten = None,
-    down: Down = None,
-    friction: Friction = None,
-    units: Units = None,
-    density: Density = None,
-    gap: Gap = None,
-    angle: Angle = None,
-    loose: Loose = False,
-    clearance: Clearance = None,
+    asked: Asked,
     push: Annotated[
         tuple[float, float, float] | None,
         typer.Option(
@@ -134,10 +183,6 @@ def margin(
             show_default=False,
         ),
     ] = None,
-    budget: Budget = 1.0,
-    json: Json = False,
-    output: Output = None,
-    quiet: Quiet = False,
 ) -> int:
     """By how much does it hold: tilt, least friction, load factor, the push each part resists.
 
@@ -146,16 +191,9 @@ def margin(
     """
     from kilter.analysis.margins.margin import margin as find
 
-    keep_apart(file, output)
-    if not (math.isfinite(budget) and budget >= 0):
-        raise InputError(f"--budget is {budget}", hint="give seconds, 0 or more")
     ranges = _ranges(mass_range, com_range, mu_range, normal_tilt)
-    reading = reading_of(ground, floor, without, down, friction, units, density, fasten)
-    with Progress(quiet) as progress:
-        progress("reading")
-        assembly = read_assembly(file, reading)
-        tolerance = contact_tolerance(gap, angle, loose, clearance)
-        assembly, contacts = join_touching(assembly, reading, tolerance, progress)
+    with Progress(asked.quiet) as progress:
+        assembly, contacts = asked.read(progress)
         found = find(
             assembly,
             push=push,
@@ -164,15 +202,12 @@ def margin(
             ranges=ranges,
             bracket=bracket,
             contacts=contacts,
-            tolerance=tolerance,
-            budget=budget,
+            tolerance=asked.tolerance,
+            budget=asked.budget,
             progress=progress,
         )
-    tell_warnings(found.warnings, quiet or json)
-    from kilter.tell.text import text_of
-
-    emit(as_json(found.to_dict()) if json else text_of(found.to_dict()), output)
-    return 0
+    asked.tell(found.to_dict())
+    return WRITTEN
 
 
 def _ranges(

@@ -1,0 +1,329 @@
+"""Every answer about an assembly that a page shows, asked for once, each within its limit.
+
+The verdict and the region are found at every size that a page can show; what takes many
+programs (the nearest direction where none is stable, the stability map, forces for every
+ray) only where the assembly is small, and `notes` says what was left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from kilter.analysis.check import check
+from kilter.analysis.displacement import find_displacement
+from kilter.analysis.regions.region import Region, common_region, region
+from kilter.analysis.turning.orientation import orient
+from kilter.analysis.turning.stability_map import StabilityMap, stability_map
+from kilter.analysis.verdict import Verdict
+from kilter.arrays import Array, Index
+from kilter.assembly import Assembly
+from kilter.contact import ContactSet, Tolerance
+from kilter.contact import contacts as find_contacts
+from kilter.errors import InputError, SolverError
+from kilter.mechanics.program import Program, build_program
+
+__all__ = ["Answered", "Balance", "Everything", "MapMotions", "everything"]
+
+Tell = Callable[[str], None]
+
+REGION_PARTS = 3000
+"""Up to this many free parts the stable region is looked for."""
+FRICTION_PARTS = 60
+"""In space, up to this many free parts its region is found with friction."""
+NEAREST_PARTS = 40
+"""Up to this many free parts the nearest direction is looked for where none is stable."""
+MAP_PARTS = 40
+"""Up to this many free parts the stability map is looked for."""
+MAP_PROGRAMS = 1500
+"""A map that needs more programs is left out."""
+MAP_MOTIONS = 12_000
+"""Vertices of the map times free parts: above this its motions take too long."""
+RAY_FORCES = 60_000
+"""Rays times contact points: above this their forces would fill the page."""
+BUDGET = 5.0
+"""For the search of motions with friction [s]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Balance:
+    """Contact forces that balance every part for one direction of gravity.
+
+    Attributes
+    ----------
+    down : ndarray, shape (3,)
+    points : ndarray, shape (K, 3)
+        Where they act [length unit].
+    parts : ndarray of int, shape (K, 2)
+    forces : ndarray, shape (K, 3)
+        On the second part [N].
+    """
+
+    down: Array
+    points: Array
+    parts: Index
+    forces: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Answered:
+    """One direction of gravity, answered in full.
+
+    Attributes
+    ----------
+    down : ndarray, shape (3,)
+    check : dict
+        The answer of `kilter check --json`.
+    balance : Balance or None
+        The forces of that answer.
+    sentence : str
+        What is special about this direction.
+    """
+
+    down: Array
+    check: dict[str, Any]
+    balance: Balance | None
+    sentence: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MapMotions:
+    """The stability map with a motion a vertex; world frame, without friction.
+
+    Attributes
+    ----------
+    vertices : ndarray, shape (V, 3)
+        z(g) = -max over vertices of q.g [kg x length unit].
+    mass : float
+        Of the free parts [kg].
+    motions : ndarray, shape (V, N, 6)
+        The displacement of LP (9) of least 2-norm where that vertex is the farthest.
+    """
+
+    vertices: Array
+    mass: float
+    motions: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Everything:
+    """All that a page shows.
+
+    Attributes
+    ----------
+    assembly : Assembly
+    contacts : ContactSet
+    given : Answered
+        Gravity as in the file or as asked for.
+    recommended : Answered or None
+    region : dict or None
+        The answer of `kilter region --json`.
+    none : bool
+        It is proved that no direction is stable, whatever further forces there may be.
+    rays : sequence of Balance
+        Forces for each ray, and both signs of each line, of the region.
+    map : MapMotions or None
+    notes : sequence of str
+        What is not shown, and why.
+    """
+
+    assembly: Assembly
+    contacts: ContactSet
+    given: Answered
+    recommended: Answered | None
+    region: dict[str, Any] | None
+    none: bool
+    rays: Sequence[Balance]
+    map: MapMotions | None
+    notes: Sequence[str]
+
+    def __repr__(self) -> str:
+        return f"Everything({self.given.check['verdict']!r}, {len(self.assembly.parts)} parts)"
+
+
+def everything(
+    assembly: Assembly,
+    *,
+    contacts: ContactSet | None = None,
+    tolerance: Tolerance | None = None,
+    budget: float = BUDGET,
+    progress: Tell | None = None,
+) -> Everything:
+    """Every answer about an assembly that a page shows.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        At least one part must be held.
+    contacts, tolerance, budget, progress
+        As of `kilter.check`.
+
+    Raises
+    ------
+    InputError
+        If nothing is held, or the geometry is not usable.
+
+    Examples
+    --------
+    >>> from kilter.scenes import scene
+    >>> everything(scene("tower"))
+    Everything('stable', 6 parts)
+    """
+    tell = progress or (lambda stage: None)
+    assembly.require_grounded()
+    if contacts is None:
+        contacts = find_contacts(assembly, tolerance=tolerance, progress=progress)
+    verdict = check(assembly, contacts=contacts, budget=budget, progress=progress)
+    tell("motion")
+    given = _answered(verdict)
+    notes: list[str] = []
+    found, recommended, none = _turned(assembly, contacts, budget, tell, notes)
+    return Everything(
+        assembly=assembly,
+        contacts=contacts,
+        given=given,
+        recommended=recommended,
+        region=None if found is None else found.to_dict(),
+        none=none,
+        rays=() if found is None else _rays(assembly, contacts, found),
+        map=None if found is None else _map(assembly, contacts, tell, notes),
+        notes=tuple(notes),
+    )
+
+
+def _answered(verdict: Verdict, sentence: str = "") -> Answered:
+    """One direction in full, with the forces of its answer where it holds."""
+    answer, down = verdict.to_dict(), verdict.assembly.down
+    if answer["forces"] is None:
+        return Answered(down, answer, None, sentence)
+    index, patches = verdict.assembly.index, answer["forces"]["patches"]
+    parts = [[index[n] for n in patch["parts"]] for patch in patches for _ in patch["points"]]
+    balance = _balance(
+        down,
+        [point for patch in patches for point in patch["points"]],
+        parts,
+        [force for patch in patches for force in patch["forces"]],
+    )
+    return Answered(down, answer, balance, sentence)
+
+
+def _balance(down: Any, points: Any, parts: Any, forces: Any) -> Balance:
+    return Balance(
+        np.array(down, dtype=np.float64),
+        np.array(points, dtype=np.float64).reshape(-1, 3),
+        np.array(parts, dtype=np.int64).reshape(-1, 2),
+        np.array(forces, dtype=np.float64).reshape(-1, 3),
+    )
+
+
+def _free(assembly: Assembly) -> int:
+    return sum(not part.grounded for part in assembly.parts)
+
+
+def _turned(
+    assembly: Assembly, contacts: ContactSet, budget: float, tell: Tell, notes: list[str]
+) -> tuple[Region | None, Answered | None, bool]:
+    """The region, the direction that is recommended, and whether none is, proved."""
+    free = _free(assembly)
+    if free > REGION_PARTS:
+        notes.append(
+            f"the stable region is found up to {REGION_PARTS} free parts, so only the given "
+            "direction is answered; 'kilter region' looks at every size"
+        )
+        return None, None, False
+    try:
+        if free <= NEAREST_PARTS:
+            answer = orient(assembly, contacts=contacts, progress=tell)
+            there = check(assembly.with_down(answer.down), contacts=contacts, budget=budget)
+            return answer.region, _answered(there, answer.sentence), answer.verdict == "none"
+        tell("stable region")
+        found = _region(assembly, contacts, notes)
+    except InputError as error:
+        notes.append(f"other directions of gravity are not answered: {error.what}")
+        return None, None, False
+    center = found.center if found.center is not None else _first(found, assembly.down)
+    if center is None:
+        notes.append(
+            f"the direction nearest to stable is looked for up to {NEAREST_PARTS} free parts; "
+            "'kilter orient' looks at every size"
+        )
+        return found, None, False
+    tell("recommended direction")
+    there = check(assembly.with_down(center), contacts=contacts, budget=budget)
+    return found, _answered(there, there.sentence), False
+
+
+def _region(assembly: Assembly, contacts: ContactSet, notes: list[str]) -> Region:
+    """The region; of what is large and rough in space, the part that needs no friction."""
+    rubs = bool((contacts.patch_mu > 0).any()) and not assembly.planar
+    if not rubs or _free(assembly) <= FRICTION_PARTS:
+        return region(assembly, contacts=contacts)
+    notes.append(
+        f"the region with friction is found up to {FRICTION_PARTS} free parts, so that without "
+        "friction is shown; 'kilter region' looks at every size"
+    )
+    return common_region([assembly], contacts=[contacts])
+
+
+def _first(found: Region, down: Array) -> Array | None:
+    """The direction of a region without a centre that is nearest to gravity; None where none."""
+    if not len(found.lines):
+        return None
+    along: Array = found.lines.T @ (found.lines @ down)
+    length = float(np.linalg.norm(along))
+    # rounding of an exact zero must not become a direction
+    return along / length if length > 1e-9 else np.asarray(found.lines[0])
+
+
+def _rays(assembly: Assembly, contacts: ContactSet, found: Region) -> tuple[Balance, ...]:
+    """Forces for each ray and both signs of each line, where they are not too many."""
+    directions = len(found.rays) + 2 * len(found.lines)
+    if not directions or directions * len(contacts.points) > RAY_FORCES:
+        return ()
+    index = assembly.index
+    return tuple(
+        _balance(
+            proof.data["down"],
+            [point["x"] for point in proof.data["points"]],
+            [[index[name] for name in point["parts"]] for point in proof.data["points"]],
+            proof.data["forces"],
+        )
+        for proof in found.proofs()
+        if proof.about in ("ray", "line") and "forces" in proof.data
+    )
+
+
+def _map(
+    assembly: Assembly, contacts: ContactSet, tell: Tell, notes: list[str]
+) -> MapMotions | None:
+    """The stability map with a motion a vertex, where it is small enough."""
+    free = _free(assembly)
+    left = "so the ball shows the stable region and no colour, and no motion but for the buttons"
+    if free > MAP_PARTS:
+        notes.append(f"the stability map is found up to {MAP_PARTS} free parts, {left}")
+        return None
+    tell("stability map")
+    program = build_program(assembly, contacts)
+    try:
+        found = stability_map(program, limit=MAP_PROGRAMS)
+    except SolverError:
+        notes.append(f"the stability map needs more than {MAP_PROGRAMS} programs, {left}")
+        return None
+    if len(found.vertices) * free > MAP_MOTIONS:
+        notes.append(f"the stability map has {len(found.vertices)} partitions, {left}")
+        return None
+    motions = np.array([_motion(program, found, k) for k in range(len(found.vertices))])
+    return MapMotions(np.asarray(found.vertices), found.mass, motions)
+
+
+def _motion(program: Program, found: StabilityMap, vertex: int) -> Array:
+    """The displacement of LP (9) of least 2-norm in the middle of a partition, shape (N, 6)."""
+    nothing = np.zeros((len(program.names), 6))
+    middle = found.partition(vertex).sum(axis=0)
+    if not middle.any() or not found.vertices[vertex].any():
+        return nothing
+    motion = find_displacement(program.turned(middle)).displacement
+    return nothing if motion is None else motion

@@ -1,0 +1,133 @@
+"""What a command was asked: a file, how it is read, when faces touch, and where answers go."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from kilter.cli.output import as_json, emit, keep_apart, tell_warnings
+from kilter.cli.reading import LOWEST, Reading, contact_tolerance, fasten, read_assembly, reading_of
+from kilter.publish import require_budget
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kilter.assembly import Assembly
+    from kilter.contact import ContactSet, Tolerance
+    from kilter.tell.tables import Table
+
+__all__ = ["Asked"]
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """The options that commands share.
+
+    Attributes
+    ----------
+    file : str
+    reading : Reading
+    tolerance : Tolerance
+    touch : tuple of str
+        The options of the tolerance, as they are typed.
+    budget : float
+        [s]
+    json, quiet : bool
+    output : Path or None
+    """
+
+    file: str
+    reading: Reading
+    tolerance: Tolerance
+    touch: tuple[str, ...]
+    budget: float
+    json: bool
+    output: Path | None
+    quiet: bool
+
+    @classmethod
+    def of(cls, given: Mapping[str, Any]) -> Asked:
+        """From the values of the options.
+
+        Raises
+        ------
+        InputError
+            If a value makes no sense, or the answer would be written over the file.
+        """
+        reading = reading_of(
+            *(given[key] for key in ("ground", "floor", "without", "down", "friction")),
+            *(given[key] for key in ("units", "density", "fasten")),
+        )
+        gap, angle, clearance = (given[key] for key in ("gap", "angle", "clearance"))
+        budget = given.get("budget", 0.0)
+        require_budget(budget)
+        words = [
+            word
+            for name, value in (("gap", gap), ("angle", angle), ("clearance", clearance))
+            if value is not None
+            for word in (f"--{name}", f"{value:g}")
+        ]
+        asked = cls(
+            file=given.get("file", ""),
+            reading=reading,
+            tolerance=contact_tolerance(gap, angle, given["loose"], clearance),
+            touch=(*words, *(["--loose"] if given["loose"] else [])),
+            budget=budget,
+            json=given.get("json", False),
+            output=given.get("output"),
+            quiet=given["quiet"],
+        )
+        asked.apart()
+        return asked
+
+    def of_file(self, file: str) -> Asked:
+        """The same of another file."""
+        asked = replace(self, file=file)
+        asked.apart()
+        return asked
+
+    def apart(self, *outputs: Path | None) -> None:
+        """Refuse to write over the file, or two answers to one file."""
+        keep_apart(self.file or "-", self.output, *outputs)
+
+    def read(self, progress: Callable[[str], None]) -> tuple[Assembly, ContactSet | None]:
+        """The assembly, and its contacts where they had to be found to read it."""
+        progress("reading")
+        assembly = read_assembly(self.file, self.reading)
+        return fasten(assembly, self.reading, self.tolerance, progress)
+
+    def tell(self, answer: Mapping[str, Any], *more: Table, after: str = "") -> None:
+        """Warnings on the error stream, the answer as JSON or as text.
+
+        Parameters
+        ----------
+        answer : mapping
+            The data of an answer.
+        *more : Table
+            Lists that were asked for; of the text alone.
+        after : str
+            What the text ends with.
+        """
+        from kilter.tell.text import text_of
+
+        tell_warnings(answer.get("warnings", ()), self.quiet or self.json)
+        emit(as_json(answer) if self.json else text_of(answer, *more) + after, self.output)
+
+    def command(self, name: str, *rest: str) -> str:
+        """The command, as it is typed."""
+        found: list[str] = []
+        for key, value in self.reading.options().items():
+            if key == "floor":
+                found += ["--floor"] if value == LOWEST else ["--floor", str(value)]
+            elif key == "down":
+                found += ["--down", *(f"{v:.17g}" for v in value)]
+            elif key == "fasten":
+                found += [word for pair in value for word in ("--fasten", *pair)]
+            elif isinstance(value, list):
+                found += [word for one in value for word in (f"--{key}", str(one))]
+            else:
+                found += [f"--{key}", f"{value:g}" if isinstance(value, float) else str(value)]
+        return shlex.join(["kilter", name, self.file, *found, *self.touch, *rest])

@@ -1,0 +1,208 @@
+"""Commands that judge and list: check, contacts, verify, example."""
+
+from __future__ import annotations
+
+import sys
+import time
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from kilter.cli.asked import Asked
+from kilter.cli.exit_codes import VERDICT, VERIFY, WRITTEN
+from kilter.cli.options import FORM, File, Json, Output, Quiet, asks
+from kilter.cli.output import Progress, as_json, emit, keep_apart, read_json, write_whole
+from kilter.cli.reading import Reading, fasten, read_assembly
+from kilter.errors import InputError
+
+__all__ = ["check", "contacts", "example", "verify"]
+
+
+@asks(budget=10.0)
+def check(
+    asked: Asked,
+    proof: Annotated[
+        Path | None,
+        typer.Option(
+            "--proof",
+            metavar="P.json",
+            help="Write the proof here; 'kilter verify FILE P.json' rechecks it.",
+            rich_help_panel=FORM,
+            show_default=False,
+        ),
+    ] = None,
+    forces: Annotated[
+        bool,
+        typer.Option(
+            "--forces",
+            help="List the contact forces of equilibrium, the greatest first.",
+            rich_help_panel=FORM,
+        ),
+    ] = False,
+    suggest: Annotated[
+        bool,
+        typer.Option(
+            "--suggest-joints",
+            help="List pairs that look like fasteners, each with the joint to add.",
+            rich_help_panel=FORM,
+        ),
+    ] = False,
+) -> int:
+    """Does it stay together under gravity; if not, what moves, and how?
+
+    Exit 0 stable, 1 unstable, 3 potentially stable (friction can hold it, but need not), 4
+    undecided. All of it is of first order.
+
+    Displacements of LP (9) are given for up to 300 free parts, neutral motions for up to 100.
+    """
+    from kilter.analysis.check import check as decide
+    from kilter.contact.fits.suggestions import suggest_joints
+    from kilter.tell.tables import forces_table
+    from kilter.tell.text import suggestions_text
+
+    asked.apart(proof)
+    with Progress(asked.quiet) as progress:
+        started = time.perf_counter()
+        assembly, found = asked.read(progress)
+        _ = assembly.geometry
+        read = time.perf_counter() - started
+        verdict = decide(
+            assembly,
+            contacts=found,
+            tolerance=asked.tolerance,
+            budget=asked.budget,
+            progress=progress,
+        )
+        progress("motion")
+        answer = verdict.to_dict()
+    answer["seconds"] |= {"read": read, "total": time.perf_counter() - started}
+    after = ""
+    if proof is not None and verdict.certificate is not None:
+        write_whole(proof, as_json(verdict.proof(options=asked.reading.options())))
+        after = f"\nproof file   written to {proof}"
+    elif proof is not None:
+        after = "\nproof file   none to write"
+        if proof.exists():
+            caution = f"undecided: no proof to write, {proof} is left as it was"
+            answer["warnings"].append(caution)
+    if suggest:
+        listed = [one.to_dict() for one in suggest_joints(verdict.assembly, verdict.contacts)]
+        answer["suggested_joints"] = listed
+        after = "\n\n" + suggestions_text(listed) + after
+    asked.tell(answer, *([forces_table(answer)] if forces else []), after=after)
+    return VERDICT[verdict.verdict]
+
+
+@asks()
+def contacts(asked: Asked) -> int:
+    """What touches: patches with area, gap, normal; what came near, and why it does not count."""
+    from kilter.contact import contacts as find
+
+    with Progress(asked.quiet) as progress:
+        assembly, known = asked.read(progress)
+        found = known or find(assembly, tolerance=asked.tolerance, progress=progress)
+    asked.tell(found.to_dict())
+    return WRITTEN
+
+
+def verify(
+    file: File,
+    proof: Annotated[
+        str, typer.Argument(metavar="P.json", help="A proof that 'kilter check --proof' wrote.")
+    ],
+    json: Json = False,
+    output: Output = None,
+    quiet: Quiet = False,
+) -> int:
+    """Recompute a proof from the file, without any solver. Exit 0 it holds, 1 it does not.
+
+    The file is read as it was for the proof (parts held, left out, direction of gravity);
+    the answer names these conditions.
+    """
+    from kilter.contact import contacts as find
+    from kilter.mechanics.verification import proof_tolerance, verify_proof
+    from kilter.tell.text import text_of
+
+    keep_apart(file, output)
+    data = read_json(proof, "proof file")
+    if not isinstance(data, dict) or "kilter_proof" not in data:
+        raise InputError("is no proof", file=proof, hint="give a file of kilter check --proof")
+    try:
+        reading = Reading.from_options(data.get("options", {}))
+        tolerance = proof_tolerance(data)
+        with Progress(quiet) as progress:
+            progress("reading")
+            assembly = read_assembly(file, reading)
+            assembly, known = fasten(assembly, reading, tolerance, progress)
+            found = known or find(assembly, tolerance=tolerance, progress=progress)
+            result = verify_proof(assembly, found, data)
+    except InputError as error:
+        raise error.located(file=proof) from None
+    answer = {
+        "holds": result.holds,
+        "verdict": result.verdict,
+        "residual": result.residual,
+        "power": result.power,
+        "reasons": list(result.reasons),
+        "notes": list(result.notes),
+        "held": [part.name for part in assembly.parts if part.grounded],
+        "gravity": assembly.gravity.tolist(),
+        "units": assembly.units,
+        "options": reading.options(),
+        "tolerance": data["tolerance"],
+    }
+    emit(as_json(answer) if json else text_of(answer), output)
+    return VERIFY[result.holds]
+
+
+def example(
+    name: Annotated[
+        str | None,
+        typer.Argument(metavar="[NAME]", help="Example to write; without it, all are listed."),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="FILE",
+            help="Where to; NAME.kilter.json in this folder where not given, "
+            "- for standard output.",
+            show_default=False,
+        ),
+    ] = None,
+    force: Annotated[
+        bool, typer.Option("--force", help="Replace a file that is there already.")
+    ] = False,
+    json: Json = False,
+) -> int:
+    """List the built-in examples, or write one as an assembly file."""
+    from kilter.scenes import SCENES, scene
+
+    if name is None:
+        if json:
+            listed = [
+                {"name": s.name, "title": s.title, "source": s.source, "answer": s.answer}
+                for s in SCENES.values()
+            ]
+            emit(as_json(listed), output)
+        else:
+            from kilter.tell.text import aligned
+
+            rows = [[s.name, s.answer or "", s.title] for s in SCENES.values()]
+            emit("\n".join(aligned(rows)), output)
+        return WRITTEN
+    from kilter.files import to_text
+
+    text = to_text(scene(name))
+    if output is not None and str(output) == "-":
+        sys.stdout.write(text)
+        return WRITTEN
+    target = output or Path(f"{name}.kilter.json")
+    if target.exists() and not force:
+        raise InputError("is there already", file=str(target), hint="add --force to replace it")
+    write_whole(target, text)
+    print(f"{target}: {SCENES[name].title}")
+    print(f"next: kilter check {target}")
+    return WRITTEN

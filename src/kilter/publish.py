@@ -1,0 +1,419 @@
+"""Pages and figures of an assembly: `report`, `view`, `draw`.
+
+Every answer is asked for first (`kilter.analysis.everything`), then handed to what draws
+(`kilter.show`), which computes nothing.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from kilter.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from kilter.analysis.regions.region import Region
+    from kilter.analysis.verdict import Verdict
+    from kilter.assembly import Assembly
+    from kilter.contact import ContactSet, Tolerance
+    from kilter.show.serve import PageServer
+
+__all__ = ["Report", "draw", "fingerprint", "report", "view"]
+
+BUDGET = 5.0
+"""For the search of motions with friction, where a page is made [s]."""
+FIGURE_BUDGET = 10.0
+"""Where a figure is drawn [s]."""
+PAUSE = 0.4
+"""Between two looks at a file [s]."""
+PAGES = (".html", ".htm")
+"""Endings of pages: no input ends so, and a slip cannot write over one."""
+Tell = Callable[[str], None]
+Stamp = tuple[str, int, int]
+Given = tuple["Assembly", "ContactSet | None"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Report:
+    """One offline page.
+
+    Attributes
+    ----------
+    html : str
+    verdict : {"stable", "potentially-stable", "unstable", "undecided"}
+        Of gravity as given.
+    """
+
+    html: str
+    verdict: str
+
+    def __repr__(self) -> str:
+        return f"Report({self.verdict!r}, {len(self.html.encode()) / 1e6:.2f} MB)"
+
+
+def report(
+    assembly: Assembly,
+    out: str | Path | None = None,
+    *,
+    title: str = "",
+    contacts: ContactSet | None = None,
+    tolerance: Tolerance | None = None,
+    budget: float = BUDGET,
+    command: str = "",
+    progress: Tell | None = None,
+) -> Report:
+    """One offline page: the assembly in space, its motion and forces, the gravity ball.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    out : path, optional
+        Where the page is written, ending in .html.
+    title : str
+        Shown above; the name of the file where it is not given.
+    contacts, tolerance, budget, progress
+        As of `kilter.check`.
+    command : str
+        How to make the page again, shown on it.
+
+    Raises
+    ------
+    InputError
+        If nothing is held, the geometry is not usable, or the page cannot be written.
+
+    Examples
+    --------
+    >>> from kilter.scenes import scene
+    >>> report(scene("tower")).verdict
+    'stable'
+    """
+    if out is not None:
+        require_ending(out, PAGES, "page")
+    made = _page(
+        assembly,
+        contacts,
+        title=title,
+        tolerance=tolerance,
+        budget=budget,
+        command=command,
+        live=False,
+        progress=progress,
+    )
+    if out is not None:
+        from kilter.files import write_text
+
+        write_text(Path(out), made.html)
+    return made
+
+
+def _page(
+    assembly: Assembly,
+    contacts: ContactSet | None,
+    *,
+    title: str,
+    tolerance: Tolerance | None,
+    budget: float,
+    command: str,
+    live: bool,
+    progress: Tell | None,
+) -> Report:
+    from kilter.analysis.everything import everything
+    from kilter.show.page import render
+
+    require_budget(budget)
+    answers = everything(
+        assembly, contacts=contacts, tolerance=tolerance, budget=budget, progress=progress
+    )
+    if progress is not None:
+        progress("page")
+    name = title or title_of(assembly.source or "an assembly")
+    html = render(answers, name, command=command, live=live)
+    return Report(html, str(answers.given.check["verdict"]))
+
+
+def view(
+    source: Assembly | str | Path,
+    *,
+    port: int = 0,
+    browser: bool = True,
+    read: Callable[[], Given] | None = None,
+    tolerance: Tolerance | None = None,
+    budget: float = BUDGET,
+    command: str = "",
+    say: Tell | None = None,
+    progress: Tell | None = None,
+) -> None:
+    """The page of an assembly in the browser; made anew whenever its file changes.
+
+    It is served to this machine alone, until it is interrupted.
+
+    Parameters
+    ----------
+    source : Assembly or path
+        A path is watched.
+    port : int
+        0: any that is free.
+    browser : bool
+        Open the page in a browser.
+    read : callable, optional
+        How the file is read: gives the assembly, and its contacts where they are known;
+        `kilter.load` where it is not given.
+    tolerance, budget, progress
+        As of `kilter.check`.
+    command : str
+        How to see the page again, shown on it.
+    say : callable, optional
+        Called with a line about the page: where it is, and what has changed.
+
+    Raises
+    ------
+    InputError
+        If the port is taken, or as `report`.
+    """
+    from kilter.show.serve import PageServer
+
+    tell = say or (lambda line: None)
+    path = os.fspath(source) if isinstance(source, str | os.PathLike) else None
+
+    def made() -> Report:
+        if progress is not None:
+            progress("reading")
+        assembly, contacts = read() if read is not None else _read(source)
+        return _page(
+            assembly,
+            contacts,
+            title="" if path is None else title_of(path),
+            tolerance=tolerance,
+            budget=budget,
+            command=command,
+            live=True,
+            progress=progress,
+        )
+
+    seen = () if path is None else fingerprint(path)
+    first = made()
+    with PageServer(first.html, port) as server:
+        tell(f"{server.url}  ({first.verdict}; Ctrl-C ends it)")
+        if browser:
+            import webbrowser
+
+            webbrowser.open(server.url)
+        try:
+            while True:
+                time.sleep(PAUSE)
+                if path is not None:
+                    seen = _kept(server, path, seen, made, tell, command=command)
+        except KeyboardInterrupt:
+            return
+
+
+def _read(source: Any) -> Given:
+    if not isinstance(source, str | os.PathLike):
+        return source, None
+    from kilter.files import load
+
+    return load(os.fspath(source)), None
+
+
+def _kept(
+    server: PageServer,
+    path: str,
+    seen: tuple[Stamp, ...],
+    made: Callable[[], Report],
+    tell: Tell,
+    *,
+    command: str,
+) -> tuple[Stamp, ...]:
+    """Serve the file anew if it has changed; a moment later, since it may be half written."""
+    from kilter.show.page import error_page
+
+    if fingerprint(path) == seen:
+        return seen
+    time.sleep(PAUSE / 2)
+    now = fingerprint(path)
+    try:
+        page = made()
+        html, verdict = page.html, page.verdict
+    except InputError as error:
+        # only a command names itself: its error speaks of options
+        words = error.for_command if command else str(error)
+        html, verdict = error_page(words, title_of(path)), f"not judged: {words}"
+    server.publish(html)
+    tell(f"changed: {verdict}")
+    return now
+
+
+def draw(
+    subject: Assembly | Verdict | Region,
+    out: str | Path | None = None,
+    *,
+    what: Literal["assembly", "region"] = "assembly",
+    view: tuple[float, float] | None = None,
+    names: bool | None = None,
+    contacts: ContactSet | bool | None = None,
+    tolerance: Tolerance | None = None,
+    budget: float = FIGURE_BUDGET,
+    progress: Tell | None = None,
+) -> Figure:
+    """A figure: the parts with their motion or forces, or the stable region on the sphere.
+
+    Parameters
+    ----------
+    subject : Assembly, Verdict or Region
+        An answer is drawn as it is; of an assembly `what` is asked first.
+    out : path, optional
+        Where the figure is written: .svg, .png or .pdf.
+    what : {"assembly", "region"}
+        Of an assembly.
+    view : (float, float), optional
+        Azimuth (to the right of -y) and elevation of the eye [deg], with gravity down.
+    names : bool, optional
+        Write names; where not given, where there are few.
+    contacts : ContactSet or bool, optional
+        Those of an assembly; or whether contact patches are shown, where not given where
+        there are few.
+    tolerance, budget, progress
+        As of `kilter.check`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    InputError
+        If matplotlib is not installed, the subject cannot be judged, or the name of the figure
+        has no known ending.
+
+    Examples
+    --------
+    >>> from kilter.scenes import scene
+    >>> draw(scene("tower"), what="region").get_size_inches().tolist()
+    [7.0, 4.3]
+    """
+    from kilter.analysis.regions.region import Region
+    from kilter.show.canvas import rendered
+    from kilter.show.figures import draw_assembly
+    from kilter.show.sphere import draw_region
+
+    require_figure(out, view)
+    shown = contacts if isinstance(contacts, bool) else None
+    known = None if isinstance(contacts, bool) else contacts
+    answer = answer_to_draw(
+        subject, what, contacts=known, tolerance=tolerance, budget=budget, progress=progress
+    )
+    if isinstance(answer, Region):
+        figure = draw_region(answer)
+    else:
+        figure = draw_assembly(answer, view=view, names=names, contacts=shown)
+    if out is not None:
+        from kilter.files import write_bytes
+
+        write_bytes(Path(out), rendered(figure, Path(out).suffix))
+    return figure
+
+
+def answer_to_draw(
+    subject: Assembly | Verdict | Region,
+    what: str,
+    *,
+    contacts: ContactSet | None = None,
+    tolerance: Tolerance | None = None,
+    budget: float = FIGURE_BUDGET,
+    progress: Tell | None = None,
+) -> Verdict | Region:
+    """What a figure shows: of an assembly its verdict or its region."""
+    from kilter.analysis.check import check
+    from kilter.analysis.regions.region import Region, region
+    from kilter.analysis.verdict import Verdict
+
+    if isinstance(subject, Verdict | Region):
+        return subject
+    if what == "region":
+        return region(subject, contacts=contacts, tolerance=tolerance, progress=progress)
+    if what != "assembly":
+        raise InputError(f"there is no figure {what!r}", hint="give 'assembly' or 'region'")
+    require_budget(budget)
+    return check(subject, contacts=contacts, tolerance=tolerance, budget=budget, progress=progress)
+
+
+def require_ending(out: str | Path, endings: tuple[str, ...], what: str) -> None:
+    """Refuse a name that could be that of an input."""
+    if Path(out).suffix.lower() not in endings:
+        hint = f"end it in {', '.join(endings)}"
+        raise InputError(f"is no name of a {what}", file=str(out), hint=hint)
+
+
+def require_figure(out: str | Path | None, view: tuple[float, float] | None) -> None:
+    """Refuse what cannot be drawn before anything is asked."""
+    from kilter.show.canvas import SUFFIXES, require
+
+    if out is not None:
+        require_ending(out, SUFFIXES, "figure")
+    if view is not None and not all(math.isfinite(angle) for angle in view):
+        raise InputError(
+            f"the view is {view[0]} {view[1]}",
+            hint="give two angles in degrees",
+            option="give two angles in degrees: --view -32 22",
+        )
+    require()
+
+
+def require_budget(budget: float) -> None:
+    """Refuse what is no number of seconds."""
+    if not (math.isfinite(budget) and budget >= 0):
+        raise InputError(
+            f"the budget is {budget}",
+            hint="give seconds, 0 or more",
+            option="give --budget SECONDS, 0 or more",
+        )
+
+
+def title_of(source: str) -> str:
+    """The name of a file, without its folders and endings."""
+    if source == "-":
+        return "standard input"
+    return Path(source).resolve().name.removesuffix(".json").removesuffix(".kilter")
+
+
+def fingerprint(file: str) -> tuple[Stamp, ...]:
+    """Time and size of an assembly's files: of a folder all in it, of JSON the meshes it names.
+
+    What is missing is left out: a file that comes back is a change.
+    """
+    path = Path(file)
+    if path.is_dir():
+        files = sorted(p for p in path.iterdir() if p.is_file())
+    else:
+        files = [path, *_named_in(path)]
+    return tuple(stamp for one in files if (stamp := _stamp(one)) is not None)
+
+
+def _stamp(path: Path) -> Stamp | None:
+    try:
+        state = path.stat()
+    except OSError:
+        return None
+    return str(path), state.st_mtime_ns, state.st_size
+
+
+def _named_in(path: Path) -> list[Path]:
+    """Paths that the parts of a JSON file name as `mesh` or `step`."""
+    if path.suffix.lower() != ".json":
+        return []
+    try:
+        data: Any = json.loads(path.read_text(encoding="utf-8-sig"))
+    except (OSError, ValueError, RecursionError):  # missing, half written, or nested to break it
+        return []
+    parts = data.get("parts") if isinstance(data, dict) else None
+    listed = [part for part in parts if isinstance(part, dict)] if isinstance(parts, list) else []
+    named = {part.get(key) for part in listed for key in ("mesh", "step")}
+    return [path.parent / name for name in sorted(n for n in named if isinstance(n, str))]
