@@ -143,7 +143,7 @@ def _orientation(answers: Everything, one: Answered, center: Array) -> dict[str,
         "moves": pack(moves, "u1"),
         "words": words,
         "forces": None if one.balance is None else _balance(one.balance, center),
-        "force_words": forces_phrase(check["forces"]["patches"]) if check["forces"] else None,
+        "force_words": forces_phrase(check["forces"]),
     }
 
 

@@ -103,8 +103,9 @@ def _check(answer: Answer) -> list[Fact]:
         found.append(("guarantee", _guarantee(answer["guarantee"], friction)))
     if answer["seated"] is not None:
         found.append(("seated", SEATED[answer["seated"]]))
-    if answer["forces"] is not None and answer["forces"]["patches"]:
-        found.append(("forces", forces_phrase(answer["forces"]["patches"])))
+    forces = forces_phrase(answer["forces"])
+    if forces is not None:
+        found.append(("forces", forces))
     if answer["verdict"] != "stable":
         found.append(("instability", _instability(answer)))
     if answer["neutral"] is not None:
@@ -182,8 +183,11 @@ def _guarantee(guarantee: str, friction: Answer) -> str:
     return words
 
 
-def forces_phrase(patches: Sequence[Answer]) -> str:
-    """The greatest contact force, and where most of the friction is used."""
+def forces_phrase(forces: Answer | None) -> str | None:
+    """The greatest contact force, and where most of the friction is used; None of none."""
+    patches = [] if forces is None else forces["patches"]
+    if not patches:
+        return None
     greatest = max(patches, key=lambda patch: math.hypot(*patch["resultant"]))
     words = f"up to {force(math.hypot(*greatest['resultant']))}, {_pair(greatest)}"
     rubs = [patch for patch in patches if patch["utilisation"]]
