@@ -200,3 +200,45 @@ def test_commands_take_friction(tmp_path, monkeypatch, capsys):
     assert "deg at most between rays inside, facets outside" in capsys.readouterr().out
     assert main(["region", "slab.json", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["exact"] is True
+
+
+@pytest.mark.parametrize(("count", "ratio"), [(3, 0.1), (4, 0.1), (5, 0.1), (6, 0.1), (4, 0.3)])
+def test_arches_in_space_agree_with_judge(count, ratio):
+    """Thin arches have few corners, each found again and again a little aside."""
+    from kilter.scenes import arches
+
+    arch = arches.arch(count, ratio=ratio, radius=1.0, planar=False)
+    program = program_of(arch)
+    found = friction_cone(program)
+    assert found.proved
+    assert found.cone.kind == ("none" if count == 6 else "cone")
+    rays = found.cone.rays
+    if len(rays):
+        apart = np.linalg.norm(rays[:, None] - rays[None], axis=2) + 4 * np.eye(len(rays))
+        assert apart.min() > 1e-5
+    random = np.random.default_rng(count)
+    asked = np.vstack([rays[:5] + 0.02 * random.normal(size=(len(rays[:5]), 3)), -np.eye(3)])
+    asked /= np.linalg.norm(asked, axis=1)[:, None]
+    held, excluded = found.cone.contains(asked), beyond(found, asked)
+    for down, inside, outside in zip(asked, held, excluded, strict=True):
+        if inside or outside:
+            assert judge(program.turned(down)).stable is bool(inside)
+
+
+@pytest.mark.parametrize("mu", [0.3, 0.8])
+def test_a_line_of_contact_has_a_fan(mu):
+    """A wedge on its edge: held along the edge, within the angle of friction."""
+    wedge = kilter.Part("wedge", kilter.Prism([[0, 0], [1, 1], [-1, 1]], 2))
+    region = kilter.region(kilter.Assembly([floor([-5, -5], [5, 5]), wedge], friction=mu))
+    assert region.kind == "fan"
+    assert region.proved
+    assert np.abs(region.equations) == pytest.approx(np.array([[1, 0, 0]]), abs=1e-6)
+    assert region.half_angle_deg == pytest.approx(np.degrees(np.arctan(mu)), abs=1e-3)
+
+
+def test_points_of_contact_have_a_ray():
+    parts = [floor([-5, -5], [5, 5]), block("slab", [-2, -2, 0], [2, 2, 0.5])]
+    contact = kilter.GivenContact(("floor", "slab"), [[0, 0, 0]], [0, 0, 1], 0.5)
+    region = kilter.region(kilter.Assembly(parts, contacts=[contact], detect=False))
+    assert (region.kind, region.dimension) == ("ray", 1)
+    assert region.rays == pytest.approx(np.array([[0, 0, -1]]), abs=1e-6)

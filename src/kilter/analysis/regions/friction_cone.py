@@ -41,8 +41,7 @@ import numpy as np
 
 from kilter.analysis.judge import judge
 from kilter.analysis.margins.load_limit import gravity_wrench
-from kilter.analysis.regions.polyhedral_cone import make_cone
-from kilter.analysis.regions.spherical import cone_around, edges_of, extreme_rays
+from kilter.analysis.regions.cone_hull import cone_around, edges_of, extreme_rays
 from kilter.analysis.regions.stable_cone import Proof, StableCone, stable_cone
 from kilter.arrays import Array
 from kilter.errors import InputError
@@ -59,6 +58,8 @@ NOTHING = 1e-6
 """Projections of unit vectors shorter than this are none."""
 INSIDE = 1e-7
 """Directions that move by less than this when projected are inside [rad]."""
+BLUR = 1e-5
+"""Rays nearer to one another, or to a facet, than this are on it [rad]: they are found to 1e-6."""
 PULLED = (0.0, 1e-8, 1e-7, 1e-6, 1e-5)
 """Rays are moved inwards by so much until forces prove them."""
 BEYOND = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4)
@@ -262,7 +263,7 @@ class _Search:
     def answer(self) -> StableCone:
         """The cone between what was found."""
         rays = np.array([ray.vector for ray in self.rays]).reshape(-1, 3)
-        inner = make_cone(*cone_around(rays, INSIDE), rays, INSIDE)
+        inner = cone_around(rays, BLUR)
         normals = self.normals
         outer = extreme_rays(normals)
         distance = np.array([self._distance(v, rays) for v in outer])

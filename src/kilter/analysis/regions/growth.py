@@ -16,7 +16,8 @@ from typing import Protocol
 
 import numpy as np
 
-from kilter.arrays import Array, Mask
+from kilter.analysis.regions.cone_hull import facets_of
+from kilter.arrays import Array, unit_rows
 
 __all__ = ["Grown", "Oracle", "Reach", "grow"]
 
@@ -147,7 +148,7 @@ def _close(
     held: list[frozenset[int]] = []
     while True:
         inside = _inside(span, points)
-        normals, tight = _facets(inside, blur)
+        normals, tight = facets_of(inside, blur)
         sets = [frozenset(np.flatnonzero(row).tolist()) for row in tight]
         # a proved facet holds all the points that an unknown one does not
         unknown = [k for k, own in enumerate(sets) if not any(own <= other for other in held)]
@@ -181,49 +182,4 @@ def _focus(oracle: Oracle, points: list[Reach]) -> None:
 
 def _inside(span: Array, points: list[Reach]) -> Array:
     """Points in coordinates of the span, unit, shape (n, D)."""
-    inside = np.array([found.point for found in points]) @ span.T
-    unit: Array = inside / np.linalg.norm(inside, axis=1, keepdims=True)
-    return unit
-
-
-def _facets(points: Array, blur: float) -> tuple[Array, Mask]:
-    """Facets of the cone of unit points that span R^D, D = 1, 2, 3.
-
-    Unit inward normals, shape (F, D), and which points lie on each, shape (F, n). Of
-    planes that hold the same points one is kept, fitted to all of them; a plane whose
-    points all lie on another is no facet.
-    """
-    normals = _candidates(points, blur)
-    products = normals @ points.T
-    keep = products.min(axis=1) >= -blur
-    tight = np.unique(np.abs(products[keep]) <= blur, axis=0)
-    common = tight.astype(np.int64) @ tight.T.astype(np.int64)
-    size = np.diag(common)
-    within = (common == size[:, None]) & (size[None, :] > size[:, None])
-    tight = tight[~within.any(axis=1)]
-    fitted = [_fit(points, row) for row in tight]
-    return np.array(fitted).reshape(-1, points.shape[1]), tight
-
-
-def _candidates(points: Array, blur: float) -> Array:
-    """Unit normals, of both signs, of planes through D - 1 of the points."""
-    dimension = points.shape[1]
-    if dimension == 1:
-        return np.array([[1.0], [-1.0]])
-    if dimension == 2:
-        normals = np.column_stack([-points[:, 1], points[:, 0]])
-    else:
-        i, j = np.triu_indices(len(points), 1)
-        normals = np.cross(points[i], points[j])
-    length = np.linalg.norm(normals, axis=1)
-    normals = normals[length > blur] / length[length > blur, None]
-    return np.vstack([normals, -normals])
-
-
-def _fit(points: Array, tight: Mask) -> Array:
-    """The inward normal of the plane through the tight points, by least squares."""
-    dimension = points.shape[1]
-    chosen = np.vstack([points[tight], np.zeros((dimension, dimension))])
-    normal: Array = np.linalg.svd(chosen)[2][-1]
-    side = float((points @ normal).sum())
-    return normal if side > 0 else -normal
+    return unit_rows(np.array([found.point for found in points]) @ span.T)

@@ -184,7 +184,8 @@ def _rays(equations: Array, facets: Array, lines: Array, points: Array, blur: fl
     if rank == 2:
         chosen = [np.where(tight[:, k], length, -1.0).argmax() for k in range(len(facets))]
         return _units(aside[chosen])
-    return _around(points[_extreme(tight, facets, blur)], facets)
+    extreme = _extreme(tight, facets, blur)
+    return _around(points[extreme] if extreme.any() else points, facets)
 
 
 def _extreme(tight: Mask, facets: Array, blur: float) -> Mask:

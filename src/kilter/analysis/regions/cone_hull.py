@@ -1,0 +1,155 @@
+"""The one hull of cones, from both sides: extreme rays of {n.g <= 0}, facets of sums of rays.
+
+    extreme rays      lines in which two planes meet, inside all of them
+    facets            planes through two rays, with all rays on one side
+
+Rays are known up to a width (`blur`): those that lie on a plane up to it are on it, planes that
+hold the same rays are one facet, fitted to all of them, and where one plane holds all rays
+the cone is as thin as that plane.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from kilter.analysis.regions.polyhedral_cone import Cone, make_cone
+from kilter.arrays import Array, Mask, cross, unit_rows
+
+__all__ = ["cone_around", "distinct", "edges_of", "extreme_rays", "facets_of"]
+
+
+ON = 1e-9
+"""A unit vector is on a plane up to this sine."""
+SAME = 1e-7
+"""Unit vectors nearer than this are the same."""
+PARALLEL = 1e-9
+"""Two planes with a smaller sine between them have no line in common."""
+
+
+def distinct(vectors: Array, apart: float = SAME) -> Array:
+    """The first of each group of vectors that are the same."""
+    kept: list[Array] = []
+    for vector in vectors:
+        if not kept or np.linalg.norm(np.array(kept) - vector, axis=1).min() > apart:
+            kept.append(vector)
+    return np.array(kept).reshape(-1, 3)
+
+
+def extreme_rays(normals: Array) -> Array:
+    """Unit rays in which the planes n.g = 0, x = 0, y = 0, z = 0 meet, and all n.g <= 0.
+
+    Parameters
+    ----------
+    normals : ndarray, shape (f, 3)
+        Outward, unit. The coordinate planes divide the cone, whatever its kind, into pieces
+        with a tip.
+
+    Returns
+    -------
+    ndarray, shape (v, 3)
+
+    Examples
+    --------
+    >>> len(extreme_rays(np.empty((0, 3)))), len(extreme_rays(-np.eye(3)))
+    (6, 3)
+    """
+    lines = _across_pairs(np.vstack([normals, np.eye(3)]), PARALLEL)
+    inside = (lines @ normals.T <= ON).all(axis=1)
+    return distinct(lines[inside])
+
+
+def edges_of(normals: Array, rays: Array) -> Iterator[tuple[int, int, float]]:
+    """Neighbouring rays on each facet, by position, and half the angle between them [rad]."""
+    for normal in normals:
+        on = np.flatnonzero(np.abs(rays @ normal) <= 2 * SAME)
+        if len(on) < 2:
+            continue
+        side = np.cross(normal, np.eye(3)[np.abs(normal).argmin()])
+        angle = np.arctan2(rays[on] @ np.cross(normal, side), rays[on] @ side)
+        order = np.argsort(angle)
+        following = np.roll(order, -1)
+        for one, other in zip(order, following, strict=True):
+            apart = (angle[other] - angle[one]) % (2 * np.pi)
+            if apart <= np.pi / 2 + SAME:  # else what is between is not of the cone
+                yield int(on[one]), int(on[other]), 0.5 * float(apart)
+
+
+def cone_around(rays: Array, blur: float) -> Cone:
+    """All sums of some rays, of any kind.
+
+    Parameters
+    ----------
+    rays : ndarray, shape (r, 3)
+        Unit.
+    blur : float
+        Rays nearer to a plane than this are on it, and rays nearer to one another are one [rad].
+
+    Examples
+    --------
+    >>> cone_around(np.eye(3), 1e-9).kind, cone_around(np.empty((0, 3)), 1e-9).kind
+    ('cone', 'none')
+    >>> almost = [[1, 0, 0], [0.6, 0.8, 0], [0.8, 0.6, 1e-7]]
+    >>> cone_around(np.array(almost), 1e-6).kind, cone_around(np.array(almost), 1e-9).kind
+    ('fan', 'cone')
+    """
+    rays = distinct(rays, blur)
+    basis = np.linalg.svd(np.vstack([rays, np.zeros((3, 3))]))[2] if len(rays) else np.eye(3)
+    rank = 3 if len(rays) else 0
+    while rank and np.abs(rays @ basis[rank - 1]).max() <= blur:
+        rank -= 1
+    normals, tight = np.empty((0, rank)), np.empty((0, len(rays)), dtype=bool)
+    while rank:
+        normals, tight = facets_of(unit_rows(rays @ basis[:rank].T), blur)
+        flat = np.flatnonzero(tight.all(axis=1))
+        if not len(flat):
+            break
+        # one plane holds all of them: its normal is an equation
+        turn = np.linalg.svd(normals[flat[:1]])[2]
+        basis = np.vstack([np.roll(turn, -1, axis=0) @ basis[:rank], basis[rank:]])
+        rank -= 1
+    return make_cone(basis[rank:], normals @ basis[:rank], rays, blur)
+
+
+def facets_of(points: Array, blur: float) -> tuple[Array, Mask]:
+    """Facets of the cone of unit points that span R^D, D = 1, 2, 3.
+
+    Unit inward normals, shape (F, D), and which points lie on each, shape (F, n). Of
+    planes that hold the same points one is kept, fitted to all of them; a plane whose
+    points all lie on another is no facet.
+    """
+    normals = _across_pairs(points, blur)
+    products = normals @ points.T
+    keep = products.min(axis=1) >= -blur
+    tight = np.unique(np.abs(products[keep]) <= blur, axis=0)
+    common = tight.astype(np.int64) @ tight.T.astype(np.int64)
+    size = np.diag(common)
+    within = (common == size[:, None]) & (size[None, :] > size[:, None])
+    tight = tight[~within.any(axis=1)]
+    fitted = [_fit(points, row) for row in tight]
+    return np.array(fitted).reshape(-1, points.shape[1]), tight
+
+
+def _across_pairs(points: Array, least: float) -> Array:
+    """Unit normals, of both signs, of planes through D - 1 of the points that are this apart."""
+    dimension = points.shape[1]
+    if dimension == 1:
+        return np.array([[1.0], [-1.0]])
+    if dimension == 2:
+        normals = np.column_stack([-points[:, 1], points[:, 0]])
+    else:
+        i, j = np.triu_indices(len(points), 1)
+        normals = cross(points[i], points[j])
+    length = np.linalg.norm(normals, axis=1)
+    normals = normals[length > least] / length[length > least, None]
+    return np.vstack([normals, -normals])
+
+
+def _fit(points: Array, tight: Mask) -> Array:
+    """The inward normal of the plane through the tight points, by least squares."""
+    dimension = points.shape[1]
+    chosen = np.vstack([points[tight], np.zeros((dimension, dimension))])
+    normal: Array = np.linalg.svd(chosen)[2][-1]
+    side = float((points @ normal).sum())
+    return normal if side > 0 else -normal
