@@ -9,7 +9,7 @@ from turning import ALL, UNSTABLE, directions, on_facets, program_of
 from kilter import InputError, Load, SolverError
 from kilter.analysis.regions.growing_hull import GrowingHull
 from kilter.analysis.turning.facet_program import joint
-from kilter.analysis.turning.nearest_on_sphere import nearest_on_sphere
+from kilter.analysis.turning.reachable import nearest_on_sphere
 from kilter.analysis.turning.stability_map import stability_map
 from kilter.analysis.turning.virtual_work import VirtualWork
 from kilter.mechanics.forms import displacement

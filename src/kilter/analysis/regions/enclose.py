@@ -112,6 +112,25 @@ class Enclosure:
         hull.done[facet] = True
         return True
 
+    def close_nearest(self, limit: int, agree: float = 0.0, most: float = np.inf) -> bool:
+        """Settle the facet nearest to 0, whichever it is then, until one is confirmed.
+
+        Parameters
+        ----------
+        limit : int
+            Of questions; False where it was reached.
+        agree, most : float
+            Ends also where inner and outer distance differ by no more than this fraction, or
+            the outer one is `most`.
+        """
+        while self.asked < limit:
+            if self.hull is None or (self.outer >= most * (1 - agree) and most < np.inf):
+                return True
+            agreed = agree > 0.0 and self.inner >= self.outer * (1 - agree)
+            if agreed or self.settle(int(self.hull.offsets.argmin())):
+                return True
+        return False
+
     def _is_known(self, facet: int) -> bool:
         """Whether it lies in the plane of a facet that was confirmed, on the same side."""
         assert self.hull is not None
@@ -192,9 +211,6 @@ def nearest_face(
     size = float(np.abs(np.array(points)).max(initial=0.0))
     tolerance = max(FINER * agree * min(known.outer, size), FINEST * size)
     known.hull = GrowingHull.of(np.array(points), tolerance)
-    while known.asked < limit and known.hull is not None and known.outer < most * (1 - agree):
-        nearest = int(known.hull.offsets.argmin())
-        if known.inner >= known.outer * (1 - agree) or known.settle(nearest):
-            break
+    known.close_nearest(limit, agree, most)
     inner = min(known.inner, known.outer)
     return Face(inner, known.outer, known.normal, known.answer, known.asked, known.failed)

@@ -19,7 +19,7 @@ from kilter.analysis.displacement import find_displacement
 from kilter.analysis.motion import find_motion
 from kilter.analysis.turning.facet_program import Joint, joint
 from kilter.analysis.turning.least_instability import least_instability
-from kilter.analysis.turning.nearest_on_sphere import nearest_on_sphere
+from kilter.analysis.turning.reachable import nearest_on_sphere
 from kilter.analysis.turning.walk import walk
 from kilter.arrays import Array
 from kilter.mechanics.program import Program

@@ -1,10 +1,9 @@
 """The polytope Q = {sum_i m_i dr_i : dp in A}, found by asking LP (9) for one facet after another.
 
-A hull of points of Q grows. Its facet with outward normal n is asked: the greatest q.n in Q,
-that is -z(n), is at a new point, or the facet is one of Q. So a new point or a facet comes of
-each program; a few of the points may lie between vertices, where a facet of the hull happens
-to be parallel to an edge of Q. Q may be flat: its span comes first. In units of the mass of the
-free parts.
+An oracle of `kilter.analysis.regions.enclose`: the facet of the hull with outward normal n is
+asked for the greatest q.n in Q, that is -z(n); a few of the points may lie between vertices,
+where a facet of the hull happens to be parallel to an edge of Q. Q may be flat: its span comes
+first. In units of the mass of the free parts.
 
 References
 ----------
@@ -14,18 +13,24 @@ convex hull algorithm, 1992.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
+from kilter.analysis.regions.enclose import Enclosure, Found
 from kilter.analysis.regions.growing_hull import GrowingHull
 from kilter.analysis.turning.virtual_work import VirtualWork
 from kilter.arrays import Array, Index
+from kilter.errors import SolverError
 from kilter.mechanics.program import Program
 
-__all__ = ["OUTSIDE", "Reachable"]
+__all__ = ["OUTSIDE", "PROGRAMS", "Reachable", "SphereDirection", "nearest_on_sphere"]
 
 
 OUTSIDE = 2e-9
 """A point of Q counts as outside a facet from here on, over the mass."""
+PROGRAMS = 20_000
+"""Neither map nor nearest direction is sought with more programs."""
 
 
 class Reachable:
@@ -37,36 +42,24 @@ class Reachable:
         The oracle; `work.programs` were solved.
     basis : ndarray, shape (dimension, 3)
         Of the span of Q, orthonormal.
-    hull : GrowingHull or None
-        In coordinates of `basis`; a facet that is `done` is one of Q. None where Q is {0}.
+    known : Enclosure or None
+        In coordinates of `basis`; a facet of its hull that is `done` is one of Q. None where Q
+        is {0}.
     """
 
     def __init__(self, program: Program) -> None:
         self.work = VirtualWork(program)
         self.basis = np.zeros((0, 3))
-        self.hull: GrowingHull | None = None
-        self._planes = np.zeros((0, 1))
-        self._levels = np.zeros(0)
+        self.known: Enclosure | None = None
         points = self._first_points() if program.free.any() else np.zeros((0, 3))
         if len(points):
             self.basis = _span(points)
-            self.hull = GrowingHull(points @ self.basis.T, OUTSIDE)
-            self._planes = np.zeros((0, len(self.basis)))
+            self.known = Enclosure(self._support, GrowingHull(points @ self.basis.T, OUTSIDE))
 
-    def ask(self, facet: int) -> bool:
-        """Confirm a facet of the hull, or add a point beyond it; True where confirmed."""
-        assert self.hull is not None
-        hull, normal, offset = self.hull, self.hull.normals[facet], float(self.hull.offsets[facet])
-        corners = hull.points[hull.facets[facet]]
-        known = np.abs(corners @ self._planes.T - self._levels).max(axis=0) <= 2 * OUTSIDE
-        if not (known & (self._planes @ normal > 0)).any():
-            answer = self.work.solve(normal @ self.basis)
-            if -answer.z > offset + OUTSIDE and hull.add(self.basis @ answer.q):
-                return False
-            self._planes = np.vstack([self._planes, normal])
-            self._levels = np.append(self._levels, offset)
-        hull.done[facet] = True
-        return True
+    def _support(self, direction: Array) -> Found:
+        """The farthest point of Q in a direction, and the plane there."""
+        answer = self.work.solve(direction @ self.basis)
+        return Found(self.basis @ answer.q, direction, -answer.z)
 
     def _first_points(self) -> Array:
         """Points of Q that make a simplex in its span, shape (dimension + 1, 3), or none."""
@@ -107,3 +100,51 @@ def _across(points: Array, axes: Index) -> Array:
     span = _span(points)[:, axes]
     _, _, rows = np.linalg.svd(span)
     return rows[len(span) :] @ np.eye(3)[axes]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SphereDirection:
+    """Unit `direction`, shape (3,), the greatest `z` [kg x length unit], `programs` solved."""
+
+    direction: Array
+    z: float
+    programs: int
+
+
+def nearest_on_sphere(program: Program) -> SphereDirection | None:
+    """The unit direction with the greatest z; None where a direction is stable.
+
+    max over |g|_2 = 1 of z(g) is the distance of 0 from the boundary of Q, negative, reached
+    at the outward normal of the facet nearest to 0: only that facet is asked each time.
+
+    Raises
+    ------
+    InputError
+        If loads are given.
+    SolverError
+        If more than `PROGRAMS` programs are needed.
+
+    Examples
+    --------
+    >>> from kilter.scenes import scene
+    >>> from kilter.contact import find_contacts
+    >>> from kilter.errors import SolverError
+    from kilter.mechanics.program import build_program
+    >>> assembly = scene("wall-on-short-base")
+    >>> best = nearest_on_sphere(build_program(assembly, find_contacts(assembly)))
+    >>> np.round(best.direction, 9) + 0.0, round(best.z, 6)
+    (array([ 0.,  0., -1.]), -6.684)
+    """
+    reachable = Reachable(program)
+    work, known = reachable.work, reachable.known
+    if known is None or len(reachable.basis) < len(work.unit.axes):
+        return None
+    if not known.close_nearest(PROGRAMS):
+        raise SolverError(f"the nearest direction needs more than {PROGRAMS} programs")
+    assert known.hull is not None
+    nearest = int(known.hull.offsets.argmin())
+    offset = float(known.hull.offsets[nearest])
+    if offset <= OUTSIDE:
+        return None
+    direction = known.hull.normals[nearest] @ reachable.basis
+    return SphereDirection(direction, -offset * work.unit.mass, work.programs)

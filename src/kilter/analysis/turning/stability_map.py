@@ -21,17 +21,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.analysis.regions.growing_hull import GrowingHull
-from kilter.analysis.turning.reachable import OUTSIDE, Reachable
+from kilter.analysis.turning.reachable import OUTSIDE, PROGRAMS, Reachable
 from kilter.arrays import Array, Index
 from kilter.errors import SolverError
 from kilter.mechanics.program import Program
 from kilter.validate import frozen
 
-__all__ = ["PROGRAMS", "StabilityMap", "stability_map"]
-
-
-PROGRAMS = 20_000
-"""A map that needs more programs than this is given up."""
+__all__ = ["StabilityMap", "stability_map"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -132,23 +128,24 @@ def stability_map(program: Program, *, limit: int = PROGRAMS) -> StabilityMap:
     >>> np.round(found.z([[0, 0, 1], [-1, 0, 0], [-0.5, 0, -0.5]]), 9) + 0.0
     array([-5. , -2.5,  0. ])
     """
-    known = Reachable(program)
-    hull = known.hull
-    last = np.zeros(len(known.basis))
-    while hull is not None and not hull.done.all():
-        if known.work.programs >= limit:
+    reachable = Reachable(program)
+    known = reachable.known
+    hull = None if known is None else known.hull
+    last = np.zeros(len(reachable.basis))
+    while known is not None and hull is not None and not hull.done.all():
+        if reachable.work.programs >= limit:
             raise SolverError(f"the stability map needs more than {limit} programs")
         # the facet most like the last one asked: its basis is near
         open_ = np.flatnonzero(~hull.done)
         chosen = int(open_[(hull.normals[open_] @ last).argmax()])
         last = hull.normals[chosen]
-        known.ask(chosen)
-    return _assembled(known, program.planar)
+        known.settle(chosen)
+    return _assembled(reachable, hull, program.planar)
 
 
-def _assembled(known: Reachable, planar: bool) -> StabilityMap:
+def _assembled(reachable: Reachable, hull: GrowingHull | None, planar: bool) -> StabilityMap:
     """The map, coplanar simplices made one facet, in the units of the program."""
-    mass, basis, hull = known.work.unit.mass, known.basis, known.hull
+    mass, basis = reachable.work.unit.mass, reachable.basis
     _, _, rows = np.linalg.svd(np.vstack([basis, np.zeros((1, 3))]))
     vertices, normals, offsets = np.zeros((1, 0)), np.zeros((0, 0)), np.zeros(0)
     facets: tuple[Index, ...] = ()
@@ -163,7 +160,7 @@ def _assembled(known: Reachable, planar: bool) -> StabilityMap:
         dimension=len(basis),
         mass=mass,
         planar=planar,
-        programs=known.work.programs,
+        programs=reachable.work.programs,
     )
 
 
