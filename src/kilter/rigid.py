@@ -20,6 +20,7 @@ from kilter.validate import frozen
 
 __all__ = [
     "Pose",
+    "common_frame",
     "in_brackets",
     "matrix_to_quaternion",
     "quaternion_to_matrix",
@@ -27,6 +28,17 @@ __all__ = [
     "skew",
     "unit",
 ]
+
+SAMPLE = 2000
+"""About so many normals are asked for the common frame."""
+ALL_PAIRS = 300
+"""Up to this many normals are compared all with all."""
+FRAME_SQUARE = 1e-3
+"""Cosine up to which normals are square to the most common one [-]."""
+FRAME_ALIKE = 1e-10
+"""1 - cosine up to which normals count as one direction [-]."""
+FRAME_TIE = 1e-12
+"""Areas within this fraction of the largest are equal [-]."""
 
 ORTHOGONAL = 1e-6
 """A rotation matrix times its transpose is the identity to this [-]."""
@@ -217,3 +229,45 @@ class Pose:
 
     def __repr__(self) -> str:
         return f"Pose(position={in_brackets(self.position)}, rotation={in_brackets(self.rotation)})"
+
+
+def common_frame(normals: Array, areas: Array) -> Array:
+    """Rotation whose rows are the most common directions of the normals, shape (3, 3).
+
+    Examples
+    --------
+    >>> common_frame(np.eye(3), np.array([1., 1., 2.]))[0]
+    array([0., 0., 1.])
+    """
+    step = max(1, len(normals) // SAMPLE)
+    normals, areas = normals[::step], areas[::step]
+    sound = np.linalg.norm(normals, axis=1) > 0.5  # a facet of no area has no direction
+    if not sound.any():
+        return np.eye(3)
+    normals, areas = normals[sound], areas[sound]
+    strongest = np.take_along_axis(normals, np.abs(normals).argmax(axis=1)[:, None], axis=1)
+    normals = normals * np.where(strongest < 0, -1.0, 1.0)
+    first = _most_common(normals, areas)
+    square = np.abs(normals @ first) < FRAME_SQUARE
+    second = (
+        _most_common(normals[square], areas[square])
+        if square.any()
+        else np.eye(3)[np.argmin(np.abs(first))]
+    )
+    second = second - (second @ first) * first
+    second /= np.linalg.norm(second)
+    return np.array([first, second, np.cross(first, second)])
+
+
+def _most_common(normals: Array, areas: Array) -> Array:
+    """The direction (up to a sense that is the same for all) with the largest area."""
+    if len(normals) <= ALL_PAIRS:
+        alike = np.abs(normals @ normals.T) > 1 - FRAME_ALIKE
+        total = np.where(alike, areas, 0.0).sum(axis=1)
+    else:
+        _, label = np.unique(np.round(normals, 5), axis=0, return_inverse=True)
+        label = label.reshape(-1)
+        total = np.bincount(label, weights=areas)[label]
+    best = total >= total.max() * (1 - FRAME_TIE)
+    chosen: Array = normals[np.argmax(np.where(best, areas, -1.0))]
+    return chosen

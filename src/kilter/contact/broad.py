@@ -15,18 +15,14 @@ from numpy.typing import NDArray
 
 from kilter.arrays import TINY, Array, Index, Mask, counted, ragged
 from kilter.assembly.geometry import Geometry
-from kilter.contact.contact_tolerances import FRAME_ALIKE, FRAME_SQUARE, FRAME_TIE
 from kilter.contact.planar.facets import Facets
+from kilter.rigid import common_frame
 
 __all__ = ["Boxes", "facet_pairs", "facets_in", "joins", "make_boxes", "part_pairs"]
 
 
 FEW = 64
 """Up to this many parts all pairs are compared."""
-SAMPLE = 2000
-"""About so many facets are asked for the common frame."""
-ALL_PAIRS = 300
-"""Up to this many normals are compared all with all."""
 MANY = 200_000
 """Pairs of parts with more combinations of their facets than this go through a tree."""
 BATCH = 2_000_000
@@ -67,48 +63,6 @@ def _extremes(points: Array, start: Index) -> tuple[Array, Array]:
         groups = points.reshape(len(count), count[0], 3)
         return groups.min(axis=1), groups.max(axis=1)
     return np.minimum.reduceat(points, start[:-1]), np.maximum.reduceat(points, start[:-1])
-
-
-def common_frame(normals: Array, areas: Array) -> Array:
-    """Rotation whose rows are the most common directions of the normals, shape (3, 3).
-
-    Examples
-    --------
-    >>> common_frame(np.eye(3), np.array([1., 1., 2.]))[0]
-    array([0., 0., 1.])
-    """
-    step = max(1, len(normals) // SAMPLE)
-    normals, areas = normals[::step], areas[::step]
-    sound = np.linalg.norm(normals, axis=1) > 0.5  # a facet of no area has no direction
-    if not sound.any():
-        return np.eye(3)
-    normals, areas = normals[sound], areas[sound]
-    strongest = np.take_along_axis(normals, np.abs(normals).argmax(axis=1)[:, None], axis=1)
-    normals = normals * np.where(strongest < 0, -1.0, 1.0)
-    first = _most_common(normals, areas)
-    square = np.abs(normals @ first) < FRAME_SQUARE
-    second = (
-        _most_common(normals[square], areas[square])
-        if square.any()
-        else np.eye(3)[np.argmin(np.abs(first))]
-    )
-    second = second - (second @ first) * first
-    second /= np.linalg.norm(second)
-    return np.array([first, second, np.cross(first, second)])
-
-
-def _most_common(normals: Array, areas: Array) -> Array:
-    """The direction (up to a sense that is the same for all) with the largest area."""
-    if len(normals) <= ALL_PAIRS:
-        alike = np.abs(normals @ normals.T) > 1 - FRAME_ALIKE
-        total = np.where(alike, areas, 0.0).sum(axis=1)
-    else:
-        _, label = np.unique(np.round(normals, 5), axis=0, return_inverse=True)
-        label = label.reshape(-1)
-        total = np.bincount(label, weights=areas)[label]
-    best = total >= total.max() * (1 - FRAME_TIE)
-    chosen: Array = normals[np.argmax(np.where(best, areas, -1.0))]
-    return chosen
 
 
 def part_pairs(boxes: Boxes, grounded: Mask, margin: Array) -> Index:

@@ -65,13 +65,6 @@ OUTLINE_GRID = 1e-11
 HULL_SIDE = 1e-12
 """Points this far inside of a polygon, as a fraction of its area, cannot be corners [-]."""
 
-FRAME_SQUARE = 1e-3
-"""Cosine up to which normals are square to the most common one [-]."""
-FRAME_ALIKE = 1e-10
-"""1 - cosine up to which normals count as one direction [-]."""
-FRAME_TIE = 1e-12
-"""Areas within this fraction of the largest are equal [-]."""
-
 # edges and corners ---------------------------------------------------------------------------
 
 CONE_ANGLE = 1e-3

@@ -23,6 +23,7 @@ from scipy.sparse import csc_array, hstack, vstack
 
 from kilter.arrays import Array
 from kilter.mechanics.program import Program
+from kilter.rigid import common_frame
 from kilter.solvers.problem import ConicProgram, LinearProgram, quadratic_program
 
 __all__ = [
@@ -94,7 +95,9 @@ class Scaled:
 
 def scaled(program: Program) -> Scaled:
     """The scaled equilibrium of a program, built column by column."""
-    frame = np.eye(3) if program.planar else _frame(program.normal)
+    frame = np.eye(3)
+    if not program.planar:
+        frame = common_frame(program.normal, np.ones(len(program.normal)))
     per = len(program.freedoms)
     column = np.full(len(program.names) + 1, -1)
     column[:-1][program.free] = np.arange(int(program.free.sum()))
@@ -128,14 +131,6 @@ def _over_weight(program: Program, frame: Array, wrench: Array) -> Array:
     turned[:, 1] /= program.radius[program.free][:, None]
     weight = program.weight[program.free][:, None]
     return -(turned.reshape(-1, 6)[:, program.freedoms] / weight).reshape(-1)
-
-
-def _frame(normals: Array) -> Array:
-    from kilter.contact.broad import common_frame
-
-    if not len(normals):
-        return np.eye(3)
-    return common_frame(normals, np.ones(len(normals)))
 
 
 def _force_bounds(program: Program) -> tuple[Array, Array]:

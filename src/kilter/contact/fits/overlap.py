@@ -16,6 +16,7 @@ from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
+from scipy.sparse import csc_array
 
 from kilter.arrays import TINY, Array, Index, Mask, cross, ratio, unit_rows
 from kilter.assembly import Assembly
@@ -29,6 +30,7 @@ from kilter.contact.planar.facets import Facets
 from kilter.contact.touching import Touching, in_patch
 from kilter.shape.closed import welded
 from kilter.shape.primitives import surface
+from kilter.solvers.problem import LinearProgram
 
 __all__ = ["can_cut", "find_overlaps", "overlap_volume"]
 
@@ -169,18 +171,26 @@ def _ball(
     normals: Array, offsets: Array, parts: tuple[int, int], depth: float, tolerance: float
 ) -> Overlap | None:
     """The overlap of half-spaces n.x <= offset, by the largest ball inside."""
-    from scipy.optimize import linprog
     from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
+    from kilter.solvers.highs import solve_linear
+
     scale = max(float(np.abs(offsets).max()), TINY)
-    ball = linprog(
-        [0, 0, 0, -1],
-        A_ub=np.column_stack([normals, np.ones(len(normals))]),
-        b_ub=offsets / scale,
-        bounds=[(None, None)] * 3 + [(0, None)],
+    endless = np.full(4, np.inf)
+    ball = solve_linear(
+        LinearProgram(
+            np.array([0.0, 0.0, 0.0, -1.0]),
+            csc_array(np.column_stack([normals, np.ones(len(normals))])),
+            np.full(len(normals), -np.inf),
+            offsets / scale,
+            np.array([-np.inf, -np.inf, -np.inf, 0.0]),
+            endless,
+        )
     )
-    if ball.x is None or ball.x[3] * scale <= tolerance / 2:
+    if ball.outcome == "infeasible" or (ball.optimal and ball.x[3] * scale <= tolerance / 2):
         return None
+    if not ball.optimal:  # it may be that they overlap: rather said than not
+        return Overlap(parts, None, depth, "overlap")
     try:
         halfspaces = np.column_stack([normals, -offsets / scale])
         corners = HalfspaceIntersection(halfspaces, ball.x[:3]).intersections
