@@ -12,9 +12,9 @@ from judged import judged, program_of
 
 from kilter.analysis.judge import judge
 from kilter.assembly import Assembly
-from kilter.mechanics.certificate import RATIO, check_forces, check_motion
+from kilter.mechanics.certificate import check_forces, check_motion
 from kilter.mechanics.forms import least_imbalance, load_factor, scaled
-from kilter.mechanics.program import TOLERANCE
+from kilter.mechanics.mechanics_tolerances import RULED_OUT, TOLERANCE
 from kilter.scenes import packings, paper, scene, stacks, walls
 from kilter.scenes.pieces import block, floor
 from kilter.scenes.transform import tilted
@@ -131,7 +131,7 @@ def test_box_at_rest_has_no_motion_that_violates_a_little_and_gains_a_little(gai
     assert not proof.holds
     assert proof.violation == pytest.approx(gain / np.hypot(1, gain))
     assert proof.ratio == pytest.approx(1.0)
-    assert proof.ratio < RATIO
+    assert proof.ratio < RULED_OUT
 
 
 def test_small_gain_without_violation_is_a_proof_down_to_the_tolerance():
@@ -151,7 +151,7 @@ def test_ratio_of_a_motion_bounds_the_forces_that_could_hold_it():
         program = program_of(Assembly([table, box]))
         proof = judge(program).motion
         assert proof.holds
-        assert proof.ratio > RATIO
+        assert proof.ratio > RULED_OUT
 
 
 @EACH

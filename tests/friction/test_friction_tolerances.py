@@ -5,13 +5,17 @@ from itertools import pairwise
 import pytest
 
 from kilter.friction import friction_tolerances as t
-from kilter.mechanics import law_check
-from kilter.mechanics.program import TOLERANCE
+from kilter.mechanics import mechanics_tolerances as judged
 
 LADDERS = {
-    "a motion, or none": [law_check.POWER, t.COARSEST_NO_POWER, t.NO_POWER, t.OBEYED],
-    "what tells something": [t.CLOSE, law_check.SLIVER],
-    "exact": [law_check.EXACT, t.EXACTLY, t.SHARP, t.SOLVED],
+    "a motion, or none": [
+        judged.WITNESS_POWER,
+        t.COARSEST_NO_POWER,
+        t.NO_POWER,
+        t.OBEYED,
+    ],
+    "what tells something": [t.CLOSE, judged.WITNESS_SLIVER],
+    "exact": [judged.WITNESS_EXACT, t.EXACTLY, t.SHARP, t.SOLVED],
     "first guesses": [t.CLEAR, t.NODE_GAP, t.SHARP],
     "sides of a mode": [t.CLEAR, t.SLACK, t.SOLVED],
     "creeping": [t.CLEAR, t.CREEP, t.SLACK],
@@ -29,11 +33,11 @@ def test_each_is_below_the_one_before(name):
 
 
 def test_a_witness_has_a_thousand_times_the_power_that_counts_as_none():
-    assert law_check.POWER >= 1e3 * t.NO_POWER * (1 - 1e-12)
+    assert judged.WITNESS_POWER >= 1e3 * t.NO_POWER * (1 - 1e-12)
 
 
 def test_a_seat_is_a_proof_of_equilibrium():
-    assert t.BALANCED <= TOLERANCE
+    assert t.BALANCED <= judged.TOLERANCE
 
 
 def test_every_tolerance_is_listed_and_says_what_it_is():

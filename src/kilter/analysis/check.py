@@ -22,7 +22,8 @@ from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance, find_contacts
 from kilter.errors import InputError, some
 from kilter.friction.answer import BUDGET, FrictionAnswer, ask_friction
-from kilter.mechanics.program import TOLERANCE, Program, build_program
+from kilter.mechanics.mechanics_tolerances import TOLERANCE
+from kilter.mechanics.program import Program, build_program
 from kilter.tell.words import verdict_sentence
 from kilter.validate import number
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kilter.analysis.analysis_tolerances import PRESSES
 from kilter.arrays import Array, Index
 from kilter.mechanics.certificate import ForceProof, check_forces
 from kilter.mechanics.coulomb_cones import least_forces, spread
@@ -23,8 +24,6 @@ __all__ = ["LIMIT", "ContactForces", "find_contact_forces"]
 
 LIMIT = 3_000
 """Contact points above which the forces of the verdict's proof are shown as they are."""
-PRESSES = 1e-9
-"""Normal forces below this part of the largest weight have no pressure centre."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -26,6 +26,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kilter.analysis.analysis_tolerances import ENTERS
 from kilter.analysis.judge import Judgement, judge
 from kilter.arrays import Array
 from kilter.assembly import Assembly
@@ -46,8 +47,6 @@ __all__ = ["Degenerates", "decide_degenerate"]
 
 PROGRAMS = 200
 """Programs solved before branching is given up."""
-ENTERS = 1e-9
-"""Openings below this, at unit speed, enter."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csc_array, eye_array, vstack
 
+from kilter.analysis.analysis_tolerances import LEAST_IS_OPTIMAL, NO_DESCENT
 from kilter.arrays import Array
 from kilter.mechanics.forms import displacement
 from kilter.mechanics.program import Program
@@ -69,7 +70,7 @@ def _shortest(lp: LinearProgram, optimum: Array, z: float) -> Array:
 
     count = len(lp.cost)
     size = float(np.abs(lp.cost).max(initial=0.0))
-    if z >= -1e-12 * size:
+    if z >= -NO_DESCENT * size:
         return np.zeros(count)
     two_sided = lp.row_upper == 0.0
     rows = csc_array(lp.matrix)
@@ -84,5 +85,5 @@ def _shortest(lp: LinearProgram, optimum: Array, z: float) -> Array:
     )
     answer = solve_quadratic(quadratic)
     # never give a displacement that is not optimal: the plain optimum stands in
-    better = answer.residual < 1e-6 * max(1.0, float(np.abs(answer.x).max(initial=0.0)))
+    better = answer.residual < LEAST_IS_OPTIMAL * max(1.0, float(np.abs(answer.x).max(initial=0.0)))
     return answer.x if better else optimum

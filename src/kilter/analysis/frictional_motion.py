@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from kilter.analysis.motion import MOVES, ImpendingMotion
+from kilter.analysis.analysis_tolerances import MOVES
+from kilter.analysis.motion import ImpendingMotion
 from kilter.arrays import Array
 from kilter.mechanics.program import Program
 from kilter.units import metres_per_unit

@@ -20,21 +20,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kilter.analysis.analysis_tolerances import MOTION_ENOUGH, MOTION_GOOD, MOVES, ZERO_MOTION
 from kilter.arrays import Array, Mask
 from kilter.mechanics.forms import scaled
 from kilter.mechanics.gauss import LeastConstraint, halved, least_constraint
 from kilter.mechanics.program import Program
 from kilter.units import metres_per_unit
 
-__all__ = ["MOVES", "ImpendingMotion", "find_motion", "optimality", "still"]
+__all__ = ["ImpendingMotion", "find_motion", "optimality", "still"]
 
 
-MOVES = 1e-6
-"""A part moves where its linear, or radius x angular, acceleration is above this [g]."""
-GOOD = 1e-10
-"""Residual that ends the search [g]."""
-ENOUGH = 1e-7
-"""The same for programs with more than `MANY` unknowns [g]."""
 SMALL = 400
 """Unknowns up to which Clarabel is asked first."""
 MANY = 8000
@@ -89,7 +84,7 @@ def find_motion(program: Program) -> ImpendingMotion:
         ]
     )
     moves = np.asarray((relative > MOVES).any(axis=1))
-    motion = np.where(np.abs(motion) < 1e-14, 0.0, motion)
+    motion = np.where(np.abs(motion) < ZERO_MOTION, 0.0, motion)
     energy = program.mass @ (motion[:, :3] ** 2).sum(axis=1) + np.einsum(
         "ni,nij,nj->", motion[:, 3:], program.inertia, motion[:, 3:]
     )
@@ -103,7 +98,7 @@ def find_motion(program: Program) -> ImpendingMotion:
 def _least_constrained(program: Program) -> tuple[Array, float]:
     """The motion over the size of gravity, shape (N, 6), and its residual.
 
-    A small program by Clarabel first; any whose conditions are then not met to `GOOD` by the
+    A small program by Clarabel first; any whose conditions are then not met to `MOTION_GOOD` by the
     interior point of `kilter.solvers.projection`, within a plane of reflection where
     there is one. The best by the residual, which is recomputed from the rows.
     """
@@ -123,7 +118,7 @@ def _least_constrained(program: Program) -> tuple[Array, float]:
 
     if len(whole.cone.load) <= SMALL:
         answer = solve_quadratic(whole.cone.conic)
-        if tried(whole, answer.x, answer.multipliers) <= GOOD:
+        if tried(whole, answer.x, answer.multipliers) <= MOTION_GOOD:
             return found[-1]
     many = len(whole.cone.load) > MANY
     smaller = halved(whole, problem)
@@ -132,7 +127,7 @@ def _least_constrained(program: Program) -> tuple[Array, float]:
             solution = solve_projection(one.cone, exact=not many)
         except RuntimeError:  # a matrix that is singular to rounding
             continue
-        good = ENOUGH if many else GOOD
+        good = MOTION_ENOUGH if many else MOTION_GOOD
         if tried(one, solution.unknowns, solution.multipliers) <= good:
             return found[-1]
     if not found:

@@ -18,8 +18,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csc_array, diags_array, hstack, vstack
 
+from kilter.analysis.analysis_tolerances import RANK
 from kilter.arrays import Array, Mask
 from kilter.mechanics.forms import Scaled, scaled
+from kilter.mechanics.mechanics_tolerances import ZERO_ENTRY
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import LinearProgram
 
@@ -28,8 +30,6 @@ __all__ = ["LIMIT", "Neutral", "find_neutral"]
 
 LIMIT = 100
 """Neutral motions are counted for up to this many free parts."""
-RANK = 1e-9
-"""Singular values below this part of the largest count as zero, for exact data."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +94,7 @@ def _never_open(problem: Scaled, opening: Array, load: Array, blur: float) -> Ma
     rows, count = opening.shape
     two_sided = problem.program.two_sided
     slack = diags_array(-np.where(two_sided, 0.0, 1.0))
-    body = csc_array(np.where(np.abs(opening) < 1e-14, 0.0, opening))
+    body = csc_array(np.where(np.abs(opening) < ZERO_ENTRY, 0.0, opening))
     matrix = vstack(
         [hstack([body, slack]), hstack([csc_array(load), csc_array((1, rows))])], format="csc"
     )

@@ -15,13 +15,14 @@ from typing import Any, Literal
 
 import numpy as np
 
+from kilter.analysis.analysis_tolerances import MOVES
 from kilter.analysis.answers import joints_answer, unsupported_answer
 from kilter.analysis.contact_forces import ContactForces, find_contact_forces
 from kilter.analysis.displacement import LIMIT as DISPLACEMENT_LIMIT
 from kilter.analysis.displacement import Displacement, find_displacement
 from kilter.analysis.frictional_motion import find_motion_with_friction, motion_of
 from kilter.analysis.judge import Judgement
-from kilter.analysis.motion import MOVES, ImpendingMotion, find_motion, still
+from kilter.analysis.motion import ImpendingMotion, find_motion, still
 from kilter.analysis.neutral import Neutral, find_neutral
 from kilter.arrays import sealed
 from kilter.assembly import Assembly
@@ -29,7 +30,8 @@ from kilter.assembly.geometry import DEFAULT_DENSITY
 from kilter.contact import ContactSet
 from kilter.friction.answer import BUDGET, FrictionAnswer
 from kilter.mechanics.certificate import ForceProof, MotionProof
-from kilter.mechanics.program import TOLERANCE, Program, build_program
+from kilter.mechanics.mechanics_tolerances import TOLERANCE
+from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import Evidence, make_proof
 from kilter.mechanics.rows import POSSIBLE
 from kilter.tell.words import NAMED, motion_summary, motion_words

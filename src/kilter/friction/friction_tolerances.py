@@ -1,16 +1,17 @@
 """Every tolerance of the friction wing, and how they stand to one another.
 
 All are relative [-] unless a unit is given: accelerations in units of |w|, powers of |w|^2,
-forces of |w| over the mobility of their point (`kilter.friction.law`). Four ladders, each
+forces of |w| over the mobility of their point (`kilter.friction.law`); those of a witness are in
+`kilter.mechanics.mechanics_tolerances`. Four ladders, each
 from the coarse to the fine; the tests hold the order.
 
 What counts as a motion, and what as none:
 
-    law_check.POWER > COARSEST_NO_POWER > NO_POWER > OBEYED
+    WITNESS_POWER > COARSEST_NO_POWER > NO_POWER > OBEYED
 
 so that no assembly can be refuted by a motion and proved to have none. What is exact:
 
-    CLOSE > law_check.SLIVER,   law_check.EXACT > EXACTLY > SHARP > SOLVED
+    CLOSE > WITNESS_SLIVER,   WITNESS_EXACT > EXACTLY > SHARP > SOLVED
 
 a conic program is asked for more digits than a witness must show, Newton's method gives more
 still. What a force or speed must exceed to decide the mode of a point:
@@ -68,7 +69,7 @@ less, over the largest bounding radius of a part."""
 NO_POWER = 1e-8
 """Power that counts as none, over |w|^2 of the lightest part: above what rounding leaves of the
 bound of a case with nothing left to divide (1.2e-9 of it at 18 parts), and a thousandth of the
-least that a witness must have (`kilter.mechanics.law_check.POWER`)."""
+least that a witness must have (`kilter.mechanics.mechanics_tolerances.WITNESS_POWER`)."""
 COARSEST_NO_POWER = 1e-6
 """However coarse the data, a power above this, over |w|^2 of the lightest part, is one."""
 OBEYED = 1e-9

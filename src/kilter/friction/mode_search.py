@@ -28,7 +28,7 @@ from kilter.friction.branching import CaseTree, Mode
 from kilter.friction.friction_tolerances import NODE_GAP, OBEYED
 from kilter.friction.law import CoulombLaw
 from kilter.friction.polish import TrialMotion
-from kilter.mechanics.law_check import POWER
+from kilter.mechanics.mechanics_tolerances import WITNESS_POWER
 from kilter.solvers.problem import ConicProgram
 
 __all__ = ["by_modes"]
@@ -79,7 +79,7 @@ def by_modes(law: CoulombLaw, *, nodes: int, budget: Budget) -> Iterator[TrialMo
     def bound(decided: _Decided, _: _Node | None) -> _Node | None:
         optimum = _relaxed(law, lines, decided, budget)
         power = float(law.load @ optimum.x) if optimum else 0.0
-        return None if optimum is None or power < POWER else _Node(decided, optimum, power)
+        return None if optimum is None or power < WITNESS_POWER else _Node(decided, optimum, power)
 
     tree = CaseTree(
         bound,

@@ -44,7 +44,8 @@ from kilter.friction.law import CoulombLaw, coulomb_law
 from kilter.friction.mode_search import by_modes
 from kilter.friction.polish import TrialMotion, polished
 from kilter.friction.seating import find_seating
-from kilter.mechanics.law_check import POWER, LawProof, check_law
+from kilter.mechanics.law_check import LawProof, check_law
+from kilter.mechanics.mechanics_tolerances import WITNESS_POWER
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import ConicProgram
 
@@ -137,7 +138,9 @@ class _MotionSearch:
         for one in [candidate, *polished(self.law, candidate, seen, self.budget)]:
             acceleration, forces = self.law.acceleration(one.x), self.law.forces(one.forces)
             law = check_law(self.program, acceleration, forces)
-            if law.power > POWER and (self.best is None or _merit(law) < _merit(self.best.law)):
+            if law.power > WITNESS_POWER and (
+                self.best is None or _merit(law) < _merit(self.best.law)
+            ):
                 self.best = CoulombMotion(acceleration, forces, law, found, self.programs)
             if self.over:
                 return

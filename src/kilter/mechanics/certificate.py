@@ -29,19 +29,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.arrays import Array
-from kilter.mechanics.program import TOLERANCE, Program
+from kilter.mechanics.mechanics_tolerances import (
+    COARSE_POWER,
+    NO_EXCUSE,
+    RULED_OUT,
+    STILL,
+    TOLERANCE,
+)
+from kilter.mechanics.program import Program
 
-__all__ = ["RATIO", "ForceProof", "MotionProof", "check_forces", "check_motion", "part_sizes"]
-
-
-RATIO = 1e6
-"""Contact forces, over the weight, that a motion must rule out."""
-COARSE_SHARE = 0.25
-"""Part of the tolerance of coarse data that the power of a motion must exceed."""
-HIDDEN = 0.01
-"""Imbalance over the weight of a part that no contact force excuses."""
-STILL = 1e-6
-"""A part that moves less than this part of the largest motion does not count as moving."""
+__all__ = ["ForceProof", "MotionProof", "check_forces", "check_motion", "part_sizes"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -80,7 +77,7 @@ def check_forces(program: Program, forces: Array, friction: Array | None = None)
     scale = np.maximum(program.weight, program.force_sums(forces, friction))
     relative = np.where(program.free, imbalance / np.maximum(scale, 1e-300), 0.0)
     share = np.where(program.free, imbalance / np.maximum(program.weight, 1e-300), 0.0)
-    most = np.maximum(program.tolerance, HIDDEN)
+    most = np.maximum(program.tolerance, NO_EXCUSE)
     holds = bool((relative <= program.tolerance).all() and (share <= most).all())
     return ForceProof(forces, friction, float(relative.max(initial=0.0)), holds)
 
@@ -126,9 +123,9 @@ def check_motion(program: Program, motion: Array) -> MotionProof:
     moving = program.free & (sizes > STILL * largest)
     weight = float(program.weight[moving].sum())
     ratio = power / max(violation * weight, 1e-300)
-    tolerance = np.maximum(TOLERANCE, COARSE_SHARE * program.tolerance)
+    tolerance = np.maximum(TOLERANCE, COARSE_POWER * program.tolerance)
     needed = float((tolerance * program.weight)[moving].sum())
-    return MotionProof(motion, power, violation, ratio, power > needed and ratio >= RATIO)
+    return MotionProof(motion, power, violation, ratio, power > needed and ratio >= RULED_OUT)
 
 
 def part_sizes(program: Program, six: Array, *, per_radius: bool) -> Array:

@@ -20,6 +20,7 @@ import numpy as np
 from kilter.arrays import Array, Index, cross
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet, PossibleContacts
+from kilter.mechanics.mechanics_tolerances import NORMAL_ANGLE
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.rows import POSSIBLE, ForceRows, pushing_rows
 
@@ -28,8 +29,6 @@ __all__ = ["MOST", "allowed_program", "between", "openings", "with_pushes", "wit
 
 MOST = 64
 """With more degenerate points than this their pushes are all counted, none is chosen."""
-SAME = 1e-6
-"""Normals closer than this are one [rad]."""
 
 
 def with_pushes(program: Program, pushes: PossibleContacts) -> Program:
@@ -71,7 +70,7 @@ def between(program: Program, contacts: ContactSet, motion: Array) -> list[Possi
         here, mine = points.points[k], points.normals[points.start[k] : points.start[k + 1]]
         along = ends - here
         length = np.linalg.norm(along, axis=1)
-        level = np.abs(along @ mine.T).max(axis=1) <= SAME * length
+        level = np.abs(along @ mine.T).max(axis=1) <= NORMAL_ANGLE * length
         level &= (pairs == own[k]).all(axis=1) & (length > 0)
         for end in np.unique(ends[level], axis=0):
             there = normals[level & (ends == end).all(axis=1)]

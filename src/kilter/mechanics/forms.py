@@ -22,6 +22,7 @@ import numpy as np
 from scipy.sparse import csc_array, hstack, vstack
 
 from kilter.arrays import Array
+from kilter.mechanics.mechanics_tolerances import ZERO_ENTRY
 from kilter.mechanics.program import Program
 from kilter.rigid import common_frame
 from kilter.solvers.problem import ConicProgram, LinearProgram, quadratic_program
@@ -35,10 +36,6 @@ __all__ = [
     "load_factor",
     "scaled",
 ]
-
-
-NOTHING = 1e-14
-"""Entries of the scaled matrix below this are rounding of an exact zero."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -111,7 +108,7 @@ def scaled(program: Program) -> Scaled:
         lever = program.lever(rows, owner).reshape(-1, 2, 3) @ frame.T
         lever[:, 1] /= program.radius[owner][:, None]
         entries = lever.reshape(-1, 6)[:, program.freedoms]
-        entries[np.abs(entries) * arm[rows, None] < NOTHING] = 0.0
+        entries[np.abs(entries) * arm[rows, None] < ZERO_ENTRY] = 0.0
         data[rows, side] = sign * entries * (unit / weight[owner] * arm[rows])[:, None]
         index[rows, side] = column[owner][:, None] * per + np.arange(per)
     flat_data, flat_index = data.reshape(-1, 2 * per), index.reshape(-1, 2 * per)

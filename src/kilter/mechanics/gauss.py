@@ -20,16 +20,13 @@ import numpy as np
 from scipy.sparse import bsr_array, csr_array, diags_array
 
 from kilter.arrays import Array, Index, Mask
-from kilter.mechanics.forms import NOTHING, Scaled, impending_motion
+from kilter.mechanics.forms import Scaled, impending_motion
+from kilter.mechanics.mechanics_tolerances import MIRROR, MIRROR_CELL, MIRROR_ROWS, ZERO_ENTRY
 from kilter.solvers.problem import ConeProjection, ConicProgram
 
 __all__ = ["LeastConstraint", "halved", "least_constraint"]
 
 
-SAME = 1e-12
-"""Entries that differ by less, over the largest, are those of a mirror image."""
-CELL = 1e-6
-"""Lengths over the radius of a part, and directions, are compared in cells of this size."""
 OFFSET = 0.31830988618
 """Where cells begin: round coordinates must not lie on their edges."""
 
@@ -78,7 +75,7 @@ def least_constraint(problem: Scaled) -> LeastConstraint:
     length = np.sqrt(np.asarray(rows.multiply(rows).sum(axis=1)).ravel())
     length = np.maximum(length, 1e-300)
     rows = csr_array(diags_array(1.0 / length) @ rows)
-    rows.data[np.abs(rows.data) < NOTHING] = 0.0
+    rows.data[np.abs(rows.data) < ZERO_ENTRY] = 0.0
     rows.eliminate_zeros()
     order = np.argsort(~problem.program.two_sided, kind="stable")
     place = np.empty(len(order), dtype=np.int64)
@@ -103,7 +100,7 @@ def _inverse_root(quadratic: ConicProgram, block: int) -> csr_array:
     inverse = np.linalg.inv(np.linalg.cholesky(parts))
     turned = np.ascontiguousarray(np.swapaxes(inverse, 1, 2))
     root = csr_array(bsr_array((turned, np.arange(count), np.arange(count + 1))))
-    root.data[np.abs(root.data) < SAME * np.abs(root.data).max(initial=0.0)] = 0.0
+    root.data[np.abs(root.data) < MIRROR * np.abs(root.data).max(initial=0.0)] = 0.0
     root.eliminate_zeros()
     return root
 
@@ -118,7 +115,7 @@ def halved(whole: LeastConstraint, problem: Scaled) -> LeastConstraint | None:
         odd[[k for k in range(3) if k != axis]] = False
         odd[3 + axis] = False
         across = np.tile(odd, cone.rows.shape[1] // 6)
-        if np.abs(cone.load[across]).max(initial=0.0) > SAME * np.abs(cone.load).max():
+        if np.abs(cone.load[across]).max(initial=0.0) > MIRROR * np.abs(cone.load).max():
             continue
         if _couples(whole.inverse, across):
             continue
@@ -126,7 +123,7 @@ def halved(whole: LeastConstraint, problem: Scaled) -> LeastConstraint | None:
         sign = diags_array(np.where(across, -1.0, 1.0))
         difference = abs(cone.rows[image] - cone.rows @ sign)
         twice = np.array_equal(image[image], np.arange(len(image)))
-        if twice and difference.max() <= SAME * 100:
+        if twice and difference.max() <= MIRROR_ROWS:
             return _within(whole, across, image)
     return None
 
@@ -143,9 +140,11 @@ def _image(problem: Scaled, axis: int) -> Index:
     own = np.where((program.part_b >= 0) & program.free[program.part_b], program.part_b, -1)
     own = np.where(own >= 0, own, program.part_a)
     arm = (program.point - program.center[own]) @ problem.frame.T / program.radius[own][:, None]
-    places = np.floor(np.column_stack([arm, program.normal @ problem.frame.T]) / CELL + OFFSET)
+    places = np.floor(
+        np.column_stack([arm, program.normal @ problem.frame.T]) / MIRROR_CELL + OFFSET
+    )
     depth = np.column_stack([arm[:, axis], (program.normal @ problem.frame.T)[:, axis]])
-    depth = np.rint(depth / CELL)
+    depth = np.rint(depth / MIRROR_CELL)
     plane = [places[:, k] for k in range(6) if k % 3 != axis]
     keys = [*plane, program.part_a, program.part_b]
     one = np.lexsort([depth[:, 1], depth[:, 0], *keys])

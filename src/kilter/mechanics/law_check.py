@@ -32,12 +32,17 @@ import numpy as np
 
 from kilter.arrays import Array, cross
 from kilter.mechanics.certificate import part_sizes
+from kilter.mechanics.mechanics_tolerances import (
+    CONE_ROUNDING,
+    STILL,
+    WITNESS_EXACT,
+    WITNESS_POWER,
+    WITNESS_SLIVER,
+)
 from kilter.mechanics.program import Program
 from kilter.units import metres_per_unit
 
 __all__ = [
-    "EXACT",
-    "POWER",
     "LawProof",
     "check_balance",
     "check_law",
@@ -45,18 +50,6 @@ __all__ = [
     "point_speeds",
     "point_wrenches",
 ]
-
-
-EXACT = 1e-8
-"""Worst residual over |a| / |w| with which a motion counts."""
-SLIVER = 1e-3
-"""Worst residual over |a|^2 / |w|^2 with which a motion counts."""
-POWER = 1e-5
-"""Least power of a motion over |w|^2 of the parts that move."""
-ROUNDING = 1e-14
-"""How far a force may leave its cone, over its size, by rounding alone."""
-STILL = 1e-6
-"""A part, or point, slower than this part of the fastest does not count as moving, or sliding."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -130,7 +123,9 @@ def check_law(program: Program, acceleration: Array, forces: Array) -> LawProof:
     moving = program.free & (pace > STILL**2 * pace.max(initial=0.0))
     power = float((program.load * motion).sum()) / max(float(shares[moving].sum()), 1e-300)
     power = power if moving.any() else 0.0
-    holds = power > POWER and max(residuals) <= min(EXACT * np.sqrt(size), SLIVER * size)
+    holds = power > WITNESS_POWER and max(residuals) <= min(
+        WITNESS_EXACT * np.sqrt(size), WITNESS_SLIVER * size
+    )
     return LawProof(given, given_forces, power, size, *residuals, bool(holds))
 
 
@@ -146,7 +141,7 @@ def check_balance(program: Program, forces: Array) -> float:
     along = np.einsum("ki,ki->k", program.normal, forces)
     across = np.linalg.norm(forces - along[:, None] * program.normal, axis=1)
     limit = np.where(program.two_sided, 0.0, program.mu * along)
-    rounding = ROUNDING * np.linalg.norm(forces, axis=1)
+    rounding = CONE_ROUNDING * np.linalg.norm(forces, axis=1)
     if (across > limit + rounding).any() or (along[~program.two_sided] < 0).any():
         return float("inf")
     rest = point_wrenches(program, forces) + program.load

@@ -26,6 +26,7 @@ from kilter.arrays import Array, Index, Mask, cross
 from kilter.assembly import GROUND, Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.contact_set import ContactSet
+from kilter.mechanics.mechanics_tolerances import BLUR, TOLERANCE
 from kilter.mechanics.rows import (
     KINDS,
     ForceRows,
@@ -36,14 +37,8 @@ from kilter.mechanics.rows import (
 )
 from kilter.rigid import unit
 
-__all__ = ["TOLERANCE", "Program", "build_program"]
+__all__ = ["Program", "build_program"]
 
-
-TOLERANCE = 1e-9
-"""Relative tolerance of a verdict, for data that are exact in float64."""
-
-BLUR = 10.0
-"""Tolerance over the accuracy of coordinates that are coarser than float64."""
 
 ROW_FIELDS = ForceRows.__slots__
 """The members of a program that are arrays of its rows."""

@@ -21,15 +21,12 @@ from kilter.mechanics.certificate import check_forces, check_motion, part_sizes
 from kilter.mechanics.degenerate import allowed_program
 from kilter.mechanics.joints import carried, carriers
 from kilter.mechanics.law_check import LawProof, check_law
+from kilter.mechanics.mechanics_tolerances import AGREES
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import FORMAT, digest_of, frame_of, joints_of, rows_of
 from kilter.mechanics.rows import CONTACT, JOINT
 
 __all__ = ["Verification", "proof_tolerance", "verify_proof"]
-
-
-SAME = 1e-9
-"""Numbers of the file and of the proof agree to this part of their size."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,7 +132,7 @@ def _wrong_verdict(verdict: str, balanced: bool, friction: dict[str, Any] | None
 
 def _near(one: Any, other: Any, size: float) -> bool:
     a, b = np.asarray(one, dtype=float), np.asarray(other, dtype=float)
-    return a.shape == b.shape and bool((np.abs(a - b) <= SAME * size).all())
+    return a.shape == b.shape and bool((np.abs(a - b) <= AGREES * size).all())
 
 
 def _differences(
@@ -218,7 +215,7 @@ def _given_forces(program: Program, given: Any, joints: Any) -> tuple[Array, Arr
     friction[rows] = vectors - forces[rows, None] * normal
     forces[np.flatnonzero(program.kind == JOINT)] = joints
     aside = np.linalg.norm(friction[rows], axis=1)
-    slack = SAME * np.maximum(np.abs(forces[rows]), float(program.weight.min()) * SAME) + 1e-300
+    slack = AGREES * np.maximum(np.abs(forces[rows]), float(program.weight.min()) * AGREES) + 1e-300
     reasons = []
     if (aside > program.mu[rows] * np.maximum(forces[rows], 0) + slack).any():
         rough = bool(program.mu.any())
@@ -241,8 +238,8 @@ def _joint_forces(program: Program, joint: dict[str, Any], number: int) -> tuple
     length = float(program.arm[rows].max(initial=0.0)) or float(program.radius.min())
     reach = length + (float(np.linalg.norm(about - frame[2])) if len(rows) else 0.0)
     size = np.repeat([force + torque / length, reach * force + torque], 3)
-    size += SAME * float(program.weight.min()) * np.repeat([1.0, length], 3)
-    if (np.abs(wrench - carried(*frame, forces, about)) <= SAME * size).all():
+    size += AGREES * float(program.weight.min()) * np.repeat([1.0, length], 3)
+    if (np.abs(wrench - carried(*frame, forces, about)) <= AGREES * size).all():
         return forces, []
     pair = " and ".join(repr(name) for name in joint["parts"])
     return forces, [f"the {joint['kind']} joint of {pair} carries what its kind cannot"]
@@ -337,6 +334,6 @@ def _recheck_motion(
     if not _near(judged.violation, proof["certificate"]["violation"], 1.0):
         reasons.append("its violation is not that of its motion")
     claimed = float(proof["certificate"]["power"])
-    if abs(judged.power - claimed) > SAME * abs(claimed):
+    if abs(judged.power - claimed) > AGREES * abs(claimed):
         reasons.append(f"its power is {judged.power:.6g} W, not {claimed:.6g} W")
     return judged.power, reasons

@@ -21,7 +21,7 @@ from scipy.sparse import block_array, csc_array, csc_matrix, diags_array, eye_ar
 from kilter.arrays import Array, Index
 from kilter.solvers.problem import ConicProgram
 from kilter.solvers.solution import Outcome, Solution
-from kilter.solvers.tolerances import CONIC, CONIC_FIRST, QUADRATIC_GOOD
+from kilter.solvers.solver_tolerances import CONIC, CONIC_FIRST, QUADRATIC_GOOD
 
 __all__ = ["solve_conic", "solve_quadratic"]
 

@@ -39,7 +39,7 @@ from scipy.sparse import csc_array
 from kilter.arrays import Array, Index
 from kilter.solvers.problem import LinearProgram
 from kilter.solvers.solution import Outcome, Solution
-from kilter.solvers.tolerances import (
+from kilter.solvers.solver_tolerances import (
     BOUNDED_FEASIBLE,
     FEASIBLE,
     NEAR_BOUND,

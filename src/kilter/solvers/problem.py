@@ -29,7 +29,7 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array, eye_array
 
 from kilter.arrays import TINY, Array, Index
-from kilter.solvers.tolerances import EPSILON
+from kilter.solvers.solver_tolerances import EPSILON
 
 __all__ = ["ConeProjection", "ConicProgram", "LinearProgram", "quadratic_program"]
 

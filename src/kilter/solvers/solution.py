@@ -23,7 +23,7 @@ import numpy as np
 from kilter.arrays import Array
 from kilter.errors import SolverError
 from kilter.solvers.problem import ConicProgram, LinearProgram
-from kilter.solvers.tolerances import BELIEVED, LARGEST_POINT
+from kilter.solvers.solver_tolerances import BELIEVED, LARGEST_POINT
 
 __all__ = ["Outcome", "Solution"]
 

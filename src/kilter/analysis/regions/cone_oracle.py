@@ -20,8 +20,7 @@ from scipy.sparse import csc_array, diags_array, eye_array, hstack, vstack
 
 from kilter.analysis.regions.growth import Reach
 from kilter.arrays import Array, Mask
-from kilter.mechanics.certificate import RATIO
-from kilter.mechanics.program import TOLERANCE
+from kilter.mechanics.mechanics_tolerances import RULED_OUT, TOLERANCE
 from kilter.solvers.problem import LinearProgram
 
 if TYPE_CHECKING:
@@ -88,7 +87,7 @@ class ConeOracle:
         self._pushes = np.flatnonzero(~two_sided)
         self._tolerance = tolerance
         # exact data jam by rounding alone, far beyond what any part may have to carry
-        self._jam = 0.1 / tolerance if tolerance > TOLERANCE else RATIO * spread
+        self._jam = 0.1 / tolerance if tolerance > TOLERANCE else RULED_OUT * spread
         self._columns = np.arange(self._forces, self._forces + self.dimension)
         self._kept = KeptProgram(self._program(matrix, loads, two_sided, price))
 

@@ -22,7 +22,8 @@ from kilter.analysis.regions.stable_cone import REACH, Proof
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
-from kilter.mechanics.program import TOLERANCE, build_program
+from kilter.mechanics.mechanics_tolerances import TOLERANCE
+from kilter.mechanics.program import build_program
 
 __all__ = ["common_proofs", "intersection"]
 

@@ -12,7 +12,8 @@ from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.errors import some, some_names
 from kilter.mechanics.certificate import MotionProof, part_sizes
-from kilter.mechanics.program import TOLERANCE, Program
+from kilter.mechanics.mechanics_tolerances import TOLERANCE
+from kilter.mechanics.program import Program
 
 __all__ = ["further_forces", "warnings_of"]
 

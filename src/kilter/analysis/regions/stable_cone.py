@@ -33,7 +33,8 @@ from kilter.arrays import Array
 from kilter.errors import InputError
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
 from kilter.mechanics.forms import Scaled, scaled
-from kilter.mechanics.program import TOLERANCE, Program
+from kilter.mechanics.mechanics_tolerances import TOLERANCE
+from kilter.mechanics.program import Program
 
 __all__ = ["Proof", "StableCone", "stable_cone"]
 

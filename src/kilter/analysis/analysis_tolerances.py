@@ -1,0 +1,41 @@
+"""Tolerances of what is told beside a verdict, and how they stand to one another.
+
+Accelerations are in units of g, everything else is relative [-].
+
+    MOTION_GOOD < MOTION_ENOUGH < MOVES         what moves is told from what rounding moves
+    ZERO_MOTION < MOTION_GOOD
+    ENTERS, RANK, PRESSES >= mechanics' TOLERANCE    nothing is told finer than it is judged
+"""
+
+from __future__ import annotations
+
+__all__ = [
+    "ENTERS",
+    "LEAST_IS_OPTIMAL",
+    "MOTION_ENOUGH",
+    "MOTION_GOOD",
+    "MOVES",
+    "NO_DESCENT",
+    "PRESSES",
+    "RANK",
+    "ZERO_MOTION",
+]
+
+MOVES = 1e-6
+"""A part moves where its linear, or radius x angular, acceleration is above this [g]."""
+MOTION_GOOD = 1e-10
+"""Residual of Gauss's conditions that ends the search for a motion [g]."""
+MOTION_ENOUGH = 1e-7
+"""The same for programs of many parts [g]."""
+ZERO_MOTION = 1e-14
+"""Accelerations below this are rounding of an exact zero [g]."""
+NO_DESCENT = 1e-12
+"""Optima of LP (9) above minus this, over the largest cost, are 0."""
+LEAST_IS_OPTIMAL = 1e-6
+"""Residual over the largest displacement up to which the shortest one is optimal."""
+RANK = 1e-9
+"""Singular values below this fraction of the largest count as zero, for exact data."""
+PRESSES = 1e-9
+"""Normal forces below this fraction of the largest weight have no pressure centre."""
+ENTERS = 1e-9
+"""Openings below minus this, at unit speed, enter."""
