@@ -30,10 +30,10 @@ def timed(work: Callable[[], Any]) -> tuple[float, Any]:
 
 def program_of(assembly: Any) -> Any:
     """The program of an assembly with the contacts found in it."""
-    from kilter.contact import find_contacts
+    from kilter.contact import detect
     from kilter.mechanics.program import build_program
 
-    return build_program(assembly, find_contacts(assembly))
+    return build_program(assembly, detect.contacts(assembly))
 
 
 def leaning(assembly: Any, share: float) -> Any:

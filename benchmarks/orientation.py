@@ -50,11 +50,11 @@ def measured(kind: str, count: int, limit: int, *, walking: bool) -> dict[str, A
     from kilter.analysis.turning.facet_program import joint
     from kilter.analysis.turning.stability_map import stability_map
     from kilter.analysis.turning.walk import walk
-    from kilter.contact import find_contacts
+    from kilter.contact import detect
     from kilter.mechanics.program import build_program
 
     assembly = build(kind, count)
-    program = build_program(assembly, find_contacts(assembly))
+    program = build_program(assembly, detect.contacts(assembly))
     row: dict[str, Any] = {"kind": kind, "parts": int(program.free.sum())}
     row |= dict.fromkeys(("walk_programs", "walk_seconds", "failed", "restarts", "difference"))
     if walking:

@@ -57,7 +57,7 @@ def measured(kind: str, bricks: int, *, factor: bool) -> dict[str, Any]:
 
     from kilter.analysis.judge import judge
     from kilter.analysis.motion import find_motion
-    from kilter.contact import find_contacts
+    from kilter.contact import detect
     from kilter.mechanics.certificate import check_forces, check_motion
     from kilter.mechanics.program import build_program
 
@@ -71,7 +71,7 @@ def measured(kind: str, bricks: int, *, factor: bool) -> dict[str, Any]:
 
     assembly = timed("build", lambda: build(kind, bricks))
     timed("geometry", lambda: assembly.geometry)
-    contacts = timed("contacts", lambda: find_contacts(assembly))
+    contacts = timed("contacts", lambda: detect.contacts(assembly))
     program = timed("program", lambda: build_program(assembly, contacts))
     judgement = timed("solve", lambda: judge(program))
     if judgement.stable:

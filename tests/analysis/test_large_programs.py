@@ -7,7 +7,7 @@ import pytest
 from judged import judged
 
 from kilter.analysis.judge import SIMPLEX_ROWS, judge
-from kilter.contact import find_contacts
+from kilter.contact import detect
 from kilter.mechanics.forms import equilibrium, load_factor, scaled
 from kilter.mechanics.program import build_program
 from kilter.scenes import walls
@@ -18,7 +18,7 @@ TURN = np.array([0.3, -0.5, 0.7, 0.4])
 
 
 def large(assembly):
-    program = build_program(assembly, find_contacts(assembly))
+    program = build_program(assembly, detect.contacts(assembly))
     assert len(scaled(program).right) > SIMPLEX_ROWS
     return program
 
@@ -60,7 +60,7 @@ def test_the_extra_package_that_hipo_needs_is_installed():
 
 def test_interior_point_and_simplex_give_the_same_load_factor():
     for build in (lambda: walls.wall(8, 8), lambda: walls.short_base(8, 8, held=4.0)):
-        problem = scaled(build_program(build(), find_contacts(build())))
+        problem = scaled(build_program(build(), detect.contacts(build())))
         factors = [
             highs.solve_linear(load_factor(problem), method=method).x[-1]
             for method in ("simplex", "interior")

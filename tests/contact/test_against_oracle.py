@@ -131,7 +131,7 @@ def altered(contacts: ContactSet, change: str) -> ContactSet:
 def test_comparison_sees_what_is_wrong(change):
     boxes = [block([0.2 * k, 0.1 * k, k], [1 + 0.2 * k, 1 + 0.1 * k, k + 1]) for k in range(4)]
     assembly = scene(*boxes)
-    wrong = discrepancies(assembly, altered(kilter.contact.find_contacts(assembly), change))
+    wrong = discrepancies(assembly, altered(kilter.contact.contacts(assembly), change))
     assert bool(wrong) == bool(change)
 
 
@@ -143,7 +143,7 @@ def complaints(seeds, name: str | None = None) -> list[str]:
     for seed in seeds:
         assembly = random_scene(seed, name)
         try:
-            contacts = kilter.contact.find_contacts(assembly)
+            contacts = kilter.contact.contacts(assembly)
         except Exception as error:  # said with its seed, and the other seeds tried too
             wrong.append(f"{assembly.source}: {error!r}")
             continue
@@ -171,7 +171,7 @@ def test_one_patch_a_pair_and_plane(name):
     for seed in range(8):
         assembly = random_scene(seed, name, "pose")
         regions = oracle(assembly)
-        found, expected = len(kilter.contact.find_contacts(assembly)), len(regions)
+        found, expected = len(kilter.contact.contacts(assembly)), len(regions)
         if found != expected and not any(region.borderline for region in regions):
             wrong.append(f"{assembly.source}: {found} patches in {expected} planes")
     assert not wrong, "\n".join(wrong)
@@ -190,7 +190,6 @@ def test_real_assemblies_agree_with_the_oracle(file):
     assembly = files.load(DATA / file)
     regions = oracle(assembly, REAL[file])
     assert regions, "the oracle finds no contact: nothing is tested"
-    wrong = discrepancies(
-        assembly, kilter.contact.find_contacts(assembly, tolerance=REAL[file]), regions
-    )
+    found = kilter.contact.contacts(assembly, tolerance=REAL[file])
+    wrong = discrepancies(assembly, found, regions)
     assert not wrong, "\n".join(wrong)

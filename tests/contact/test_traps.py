@@ -41,7 +41,7 @@ def scene(*pieces: Piece) -> Assembly:
 
 
 def contacts_of(*pieces: Piece, tolerance: Tolerance | None = None) -> ContactSet:
-    return kilter.contact.find_contacts(scene(*pieces), tolerance=tolerance or Tolerance())
+    return kilter.contact.contacts(scene(*pieces), tolerance=tolerance or Tolerance())
 
 
 def at_origin(shape) -> Piece:
@@ -197,7 +197,7 @@ def test_faces_that_meet_along_a_bent_line_are_no_patch(seed):
     # slivers of 1e-16 along both lines have a hull of their own, as wide as the bend
     bend = Prism([[0, 0], [4, 0], [4, 1], [1, 1], [1, 4], [0, 4]], 2)
     pieces = [(bend, np.array([0, -1.0, 0])), block([1, 0, 1], [3, 2, 3])]
-    assert len(kilter.contact.find_contacts(turned(pieces, seed))) == 0
+    assert len(kilter.contact.contacts(turned(pieces, seed))) == 0
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -206,7 +206,7 @@ def test_line_of_contact_beside_a_patch_does_not_widen_its_hull(seed):
     polygon = [[0, 0.5], [0.5, 0.5], [0.5, 1], [2, 1], [2, 1.5], [0, 1.5]]
     pieces = [(Prism(polygon, 1), np.array([0, 0.5, 0])), block([0, -1, 0], [2, 0, 1])]
     assembly = turned(pieces, seed)
-    contacts = kilter.contact.find_contacts(assembly)
+    contacts = kilter.contact.contacts(assembly)
     assert areas(contacts) == {(0, 1): pytest.approx(0.25, rel=1e-12)}
     extent = np.linalg.norm(contacts.points - contacts.points[0], axis=1).max()
     assert extent == pytest.approx(np.sqrt(0.5), rel=1e-9)
@@ -418,7 +418,7 @@ def test_tilt_is_judged_at_the_tolerance(angle, touches):
     center = turn.apply([0.5, 0, 0.5])
     cube = Part("cube", Box([1, 1, 1]), Pose(center, turn.as_quat()[[3, 0, 1, 2]]))
     slab = Part("slab", Box([4, 4, 1]), Pose([0, 0, -0.5]))
-    contacts = kilter.contact.find_contacts(Assembly([slab, cube]))
+    contacts = kilter.contact.contacts(Assembly([slab, cube]))
     # beyond the tolerance it stands on an edge
     assert contacts.patch_kind.tolist() == ["plane" if touches else "edge-face"]
     if touches:  # the whole face counts, its far end too
@@ -442,7 +442,7 @@ def test_verdict_on_a_gap_does_not_depend_on_the_pose():
     rng = np.random.default_rng(3)
     for rotation in Rotation.random(12, rng=rng).as_matrix():
         assembly = placed(pieces, Wrap(rotation, 1.0, np.zeros(3), "pose"), rng)
-        assert len(kilter.contact.find_contacts(assembly)) == 1
+        assert len(kilter.contact.contacts(assembly)) == 1
 
 
 # what changes nothing ----------------------------------------------------------------
@@ -454,8 +454,8 @@ def compared(seed: int, name: str, wrap: Wrap) -> None:
     pieces = FAMILIES[name](rng)
     still = placed(pieces, Wrap(np.eye(3), 1.0, np.zeros(3), "pose"), rng)
     moved = placed(pieces, wrap, rng)
-    before = areas(kilter.contact.find_contacts(still))
-    after = areas(kilter.contact.find_contacts(moved))
+    before = areas(kilter.contact.contacts(still))
+    after = areas(kilter.contact.contacts(moved))
     expected = {pair: area * wrap.scale**2 for pair, area in before.items()}
     assert after == pytest.approx(expected, rel=1e-9), moved.source
 

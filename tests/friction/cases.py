@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 
 from kilter.assembly import GivenContact
-from kilter.contact import find_contacts
+from kilter.contact import detect
 from kilter.mechanics.program import build_program
 from kilter.scenes import rounds, stacks, walls
 
@@ -15,7 +15,7 @@ __all__ = ["cylinders", "planar", "program", "slope", "spheres", "tilted"]
 
 
 def program(assembly):
-    return build_program(assembly, find_contacts(assembly))
+    return build_program(assembly, detect.contacts(assembly))
 
 
 def planar(assembly):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from kilter.assembly import GivenContact
-from kilter.contact import find_contacts
+from kilter.contact import detect
 from kilter.files import load
 from kilter.mechanics.coulomb_cones import load_factor_in_cones, spread
 from kilter.mechanics.program import build_program
@@ -24,7 +24,7 @@ real_data = pytest.mark.skipif(
 
 def program(assembly):
     """Contact rows of an assembly, with their friction."""
-    return build_program(assembly, find_contacts(assembly))
+    return build_program(assembly, detect.contacts(assembly))
 
 
 def compas(name, mu=0.84):

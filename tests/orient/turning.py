@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from kilter.assembly import Assembly
-from kilter.contact import find_contacts
+from kilter.contact import detect
 from kilter.mechanics.program import Program, build_program
 from kilter.scenes import SCENES, arches, packings, paper, scene, stacks, walls, wedges
 from kilter.scenes.pieces import block, turn
@@ -81,7 +81,7 @@ def program_of(name: str | Assembly) -> Program:
     assembly = ALL[name]() if isinstance(name, str) and name in ALL else name
     if isinstance(assembly, str):
         assembly = scene(assembly)
-    return build_program(assembly, find_contacts(assembly)).frictionless
+    return build_program(assembly, detect.contacts(assembly)).frictionless
 
 
 def directions(program: Program, count: int, seed: int = 0) -> np.ndarray:

@@ -8,7 +8,7 @@ from cones import BUILDERS, directions, region_of, same_rays
 
 import kilter
 from kilter.analysis.regions.region import common_region
-from kilter.contact import find_contacts
+from kilter.contact import detect
 from kilter.errors import InputError
 from kilter.mechanics.verification import verify_proof
 from kilter.scenes import paper, rails, stacks, wedges
@@ -72,7 +72,7 @@ def test_common_proofs_verify() -> None:
         ["equation"] * 2 + ["facet"] * 2 + ["ray"] * 4
     )
     for proof in proofs:
-        answer = verify_proof(proof.assembly, find_contacts(proof.assembly), proof.data)
+        answer = verify_proof(proof.assembly, detect.contacts(proof.assembly), proof.data)
         assert answer.holds
 
 

@@ -7,7 +7,7 @@ import pytest
 from cones import KINDS, MORE, region_of
 
 import kilter
-from kilter.contact import find_contacts
+from kilter.contact import detect
 from kilter.files import from_dict, to_dict
 from kilter.mechanics.verification import proof_tolerance, verify_proof
 from kilter.scenes import rails, wedges
@@ -22,7 +22,7 @@ def test_proofs_pass_verify(name: str) -> None:
         assembly = from_dict(json.loads(json.dumps(to_dict(proof.assembly))))
         data = json.loads(json.dumps(proof.data, allow_nan=False))
         answer = verify_proof(
-            assembly, find_contacts(assembly, tolerance=proof_tolerance(data)), data
+            assembly, detect.contacts(assembly, tolerance=proof_tolerance(data)), data
         )
         assert answer.holds, (proof.about, proof.vector, answer.reasons)
         stable = proof.about in ("ray", "line")
@@ -63,4 +63,4 @@ def test_proofs_with_friction_are_verified(planar: bool) -> None:
     assert {proof.about for proof in proofs} >= {"ray", "facet"}
     assert region.proved
     for proof in proofs:
-        assert verify_proof(proof.assembly, find_contacts(proof.assembly), proof.data).holds
+        assert verify_proof(proof.assembly, detect.contacts(proof.assembly), proof.data).holds

@@ -8,7 +8,7 @@ import pytest
 import kilter
 from kilter.analysis.regions.stable_cone import stable_cone
 from kilter.assembly import Assembly, Joint, Load, Part
-from kilter.contact import find_contacts
+from kilter.contact import detect
 from kilter.errors import InputError
 from kilter.mechanics.program import build_program
 from kilter.rigid import Pose
@@ -108,7 +108,7 @@ def test_masses_far_apart() -> None:
 def test_progress_tells_of_each_program() -> None:
     told: list[str] = []
     assembly = rails.railed("-x -z")
-    program = build_program(assembly, find_contacts(assembly))
+    program = build_program(assembly, detect.contacts(assembly))
     found = stable_cone(program, progress=told.append)
     assert len(told) == found.programs
 

@@ -19,7 +19,7 @@ from kilter.analysis.judge import Judgement, judge
 from kilter.analysis.remarks import loose_parts, remarks
 from kilter.analysis.verdict import Verdict, Word
 from kilter.assembly import Assembly, require_assembly
-from kilter.contact import ContactSet, Tolerance, find_contacts
+from kilter.contact import ContactSet, Tolerance, detect
 from kilter.errors import InputError, some
 from kilter.friction.answer import BUDGET, FrictionAnswer, ask_friction
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
@@ -81,7 +81,7 @@ def check(
     started = time.perf_counter()
     _ = assembly.geometry
     if contacts is None:
-        contacts = find_contacts(assembly, tolerance=tolerance, progress=progress)
+        contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
     seconds["contacts"] = time.perf_counter() - started
     tell("verdict")
     started = time.perf_counter()

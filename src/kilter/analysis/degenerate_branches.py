@@ -91,12 +91,12 @@ def decide_degenerate(assembly: Assembly, contacts: ContactSet) -> Degenerates:
 
     Examples
     --------
-    >>> from kilter.contact import find_contacts
+    >>> from kilter.contact import contacts
     >>> from kilter.scenes.pieces import prism
     >>> ridge = prism("ridge", [[-1, -1], [1, -1], [0, 0]], 2.0, grounded=True)
     >>> top = prism("top", [[0, 0], [1, 1], [-1, 1]], 2.0)
     >>> assembly = Assembly([ridge, top])
-    >>> answer = decide_degenerate(assembly, find_contacts(assembly))
+    >>> answer = decide_degenerate(assembly, contacts(assembly))
     >>> answer.branching, answer.approximation
     (False, True)
     """

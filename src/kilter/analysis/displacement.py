@@ -41,10 +41,10 @@ def find_displacement(program: Program) -> Displacement:
     Examples
     --------
     >>> from kilter.scenes import scene
-    >>> from kilter.contact import find_contacts
+    >>> from kilter.contact import contacts
     >>> from kilter.mechanics.program import build_program
     >>> assembly = scene("paper-figure-8")
-    >>> found = find_displacement(build_program(assembly, find_contacts(assembly)))
+    >>> found = find_displacement(build_program(assembly, contacts(assembly)))
     >>> [round(float(x), 3) + 0.0 for x in found.displacement[1:, [0, 2]].ravel()]
     [0.0, -1.0, 0.577, 0.0]
     """

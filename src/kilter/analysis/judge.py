@@ -105,10 +105,10 @@ def judge(program: Program) -> Judgement:
     Examples
     --------
     >>> from kilter.scenes import scene
-    >>> from kilter.contact import find_contacts
+    >>> from kilter.contact import contacts
     >>> from kilter.mechanics.program import build_program
     >>> assembly = scene("tower")
-    >>> judge(build_program(assembly, find_contacts(assembly))).stable
+    >>> judge(build_program(assembly, contacts(assembly))).stable
     True
     """
     best_forces: ForceProof | None = None

@@ -66,10 +66,10 @@ def find_motion(program: Program) -> ImpendingMotion:
     Examples
     --------
     >>> from kilter.scenes import scene
-    >>> from kilter.contact import find_contacts
+    >>> from kilter.contact import contacts
     >>> from kilter.mechanics.program import build_program
     >>> assembly = scene("floating-block")
-    >>> motion = find_motion(build_program(assembly, find_contacts(assembly)))
+    >>> motion = find_motion(build_program(assembly, contacts(assembly)))
     >>> np.round(motion.acceleration[motion.moves][0, :3], 6) + 0.0
     array([ 0.  ,  0.  , -9.81])
     """

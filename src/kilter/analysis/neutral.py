@@ -46,10 +46,10 @@ def find_neutral(program: Program) -> Neutral | None:
     Examples
     --------
     >>> from kilter.scenes import scene
-    >>> from kilter.contact import find_contacts
+    >>> from kilter.contact import contacts
     >>> from kilter.mechanics.program import build_program
     >>> assembly = scene("tower")
-    >>> find_neutral(build_program(assembly, find_contacts(assembly)))
+    >>> find_neutral(build_program(assembly, contacts(assembly)))
     Neutral(two_sided=15, one_sided=0)
     """
     if int(program.free.sum()) > LIMIT:

@@ -86,12 +86,12 @@ def prove_no_motion(program: Program, *, budget: Budget | float = 10.0) -> Exclu
 
     Examples
     --------
-    >>> from kilter.contact import find_contacts
+    >>> from kilter.contact import contacts
     >>> from kilter.mechanics.program import build_program
     >>> from kilter.scenes.stacks import block_on_slope
     >>> for friction in (0.5, 0.3):
     ...     slope = block_on_slope(20.0, friction=friction)
-    ...     prove_no_motion(build_program(slope, find_contacts(slope))).proved
+    ...     prove_no_motion(build_program(slope, contacts(slope))).proved
     True
     False
     """

@@ -114,12 +114,12 @@ def find_seating(
 
     Examples
     --------
-    >>> from kilter.contact import find_contacts
+    >>> from kilter.contact import contacts
     >>> from kilter.mechanics.program import build_program
     >>> from kilter.scenes.stacks import block_on_slope
     >>> for tilt in (26.5, 26.6):  # the limit is atan 0.5 = 26.565 degrees
     ...     block = block_on_slope(tilt, friction=0.5)
-    ...     find_seating(build_program(block, find_contacts(block))).seated
+    ...     find_seating(build_program(block, contacts(block))).seated
     True
     False
     """

@@ -76,10 +76,10 @@ def find_least_friction(program: Program) -> LeastFriction | NoLimit:
     Examples
     --------
     >>> from kilter.scenes import stacks
-    >>> from kilter.contact import find_contacts
+    >>> from kilter.contact import contacts
     >>> from kilter.mechanics.program import build_program
     >>> block = stacks.block_on_slope(20.0)
-    >>> found = find_least_friction(build_program(block, find_contacts(block)))
+    >>> found = find_least_friction(build_program(block, contacts(block)))
     >>> round(float(found.value), 6), round(float(np.tan(np.radians(20))), 6)
     (0.36397, 0.36397)
     """

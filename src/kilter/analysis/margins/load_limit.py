@@ -152,10 +152,10 @@ def find_limit(
     Examples
     --------
     >>> from kilter.scenes import stacks
-    >>> from kilter.contact import find_contacts
+    >>> from kilter.contact import contacts
     >>> from kilter.mechanics.program import build_program
     >>> block = stacks.block_on_slope(0.0, friction=0.5)
-    >>> program = build_program(block, find_contacts(block))
+    >>> program = build_program(block, contacts(block))
     >>> aside = np.zeros((2, 6))
     >>> aside[1, 0] = program.weight[1]
     >>> round(find_limit(program, aside).value, 9)

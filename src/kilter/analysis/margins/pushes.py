@@ -97,10 +97,10 @@ def find_weakest_push(program: Program, part: int, *, wide: Spread | None = None
     Examples
     --------
     >>> from kilter.scenes import stacks
-    >>> from kilter.contact import find_contacts
+    >>> from kilter.contact import contacts
     >>> from kilter.mechanics.program import build_program
     >>> cube = stacks.block_on_slope(0.0, friction=0.3)
-    >>> found = find_weakest_push(build_program(cube, find_contacts(cube)), 1)
+    >>> found = find_weakest_push(build_program(cube, contacts(cube)), 1)
     >>> round(found.force / 9810, 4)  # sliding up a little: mu / sqrt(1 + mu^2)
     0.2873
     """

@@ -109,10 +109,10 @@ def find_tilt_margin(program: Program) -> TiltMargin | NoLimit:
     Examples
     --------
     >>> from kilter.scenes import stacks
-    >>> from kilter.contact import find_contacts
+    >>> from kilter.contact import contacts
     >>> from kilter.mechanics.program import build_program
     >>> block = stacks.block_on_slope(0.0, friction=0.5)
-    >>> found = find_tilt_margin(build_program(block, find_contacts(block)))
+    >>> found = find_tilt_margin(build_program(block, contacts(block)))
     >>> round(float(np.tan(found.angle)), 6)
     0.5
     """

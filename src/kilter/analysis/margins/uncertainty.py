@@ -207,10 +207,10 @@ def find_uncertainty(
     Examples
     --------
     >>> from kilter.scenes import stacks
-    >>> from kilter.contact import find_contacts
+    >>> from kilter.contact import contacts
     >>> from kilter.mechanics.program import build_program
     >>> block = stacks.block_on_slope(0.0, friction=0.5)
-    >>> program = build_program(block, find_contacts(block))
+    >>> program = build_program(block, contacts(block))
     >>> worst = find_uncertainty(program, Ranges(mu=(0.8, 1.2)))
     >>> worst.kind, round(float(np.tan(np.radians(worst.tilt_deg))), 6)
     ('exact', 0.4)

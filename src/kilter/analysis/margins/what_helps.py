@@ -98,10 +98,10 @@ def what_helps(
     Examples
     --------
     >>> from kilter.scenes import stacks
-    >>> from kilter.contact import find_contacts
+    >>> from kilter.contact import contacts
     >>> block = stacks.block_on_slope(0.0, friction=0.5)
     >>> from kilter.mechanics.program import build_program
-    >>> program = build_program(block, find_contacts(block))
+    >>> program = build_program(block, contacts(block))
     >>> [one.what for one in what_helps(program, find_tilt_margin(program), None, None)]
     ['hold', 'friction']
     """

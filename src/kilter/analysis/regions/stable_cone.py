@@ -120,10 +120,10 @@ def stable_cone(program: Program, *, progress: Callable[[str], None] | None = No
     Examples
     --------
     >>> from kilter.scenes import scene
-    >>> from kilter.contact import find_contacts
+    >>> from kilter.contact import contacts
     >>> from kilter.mechanics.program import build_program
     >>> assembly = scene("tower")
-    >>> found = stable_cone(build_program(assembly, find_contacts(assembly)))
+    >>> found = stable_cone(build_program(assembly, contacts(assembly)))
     >>> found.cone.kind, found.cone.rays, found.proved
     ('ray', array([[ 0.,  0., -1.]]), True)
     """

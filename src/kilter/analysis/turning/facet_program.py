@@ -97,10 +97,10 @@ def joint(program: Program, *, every: bool = False) -> Joint:
     Examples
     --------
     >>> from kilter.scenes import scene
-    >>> from kilter.contact import find_contacts
+    >>> from kilter.contact import contacts
     >>> from kilter.mechanics.program import build_program
     >>> assembly = scene("paper-figure-11")
-    >>> best = joint(build_program(assembly, find_contacts(assembly)))
+    >>> best = joint(build_program(assembly, contacts(assembly)))
     >>> np.round(best.gravity, 9) + 0.0, round(best.z, 9) + 0.0
     (array([-0.5,  0. , -0.5]), 0.0)
     """

@@ -88,10 +88,10 @@ def least_instability(
     Examples
     --------
     >>> from kilter.scenes import scene
-    >>> from kilter.contact import find_contacts
+    >>> from kilter.contact import contacts
     >>> from kilter.mechanics.program import build_program
     >>> assembly = scene("hanging-brick")
-    >>> best = least_instability(build_program(assembly, find_contacts(assembly)))
+    >>> best = least_instability(build_program(assembly, contacts(assembly)))
     >>> np.round(best.direction, 6) + 0.0, round(best.value, 6), best.value - best.bound <= 1e-3
     (array([ 0.,  0., -1.]), 0.179605, True)
     """

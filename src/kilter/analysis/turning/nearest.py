@@ -89,10 +89,10 @@ def nearest(program: Program, *, method: Method = "joint", solved: Joint | None 
     Examples
     --------
     >>> from kilter.scenes import scene
-    >>> from kilter.contact import find_contacts
+    >>> from kilter.contact import contacts
     >>> from kilter.mechanics.program import build_program
     >>> assembly = scene("wedge-on-wedge")
-    >>> found = nearest(build_program(assembly, find_contacts(assembly)))
+    >>> found = nearest(build_program(assembly, contacts(assembly)))
     >>> np.round(found.sphere.direction, 6) + 0.0, round(found.sphere.value, 6)
     (array([ 0.27735 ,  0.      , -0.960769]), -0.83205)
     >>> round(found.kappa.value, 6)

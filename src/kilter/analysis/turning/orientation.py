@@ -35,7 +35,7 @@ from kilter.analysis.turning.nearest import Method, Nearest, NearestDirection, n
 from kilter.analysis.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
-from kilter.contact import ContactSet, Tolerance, find_contacts
+from kilter.contact import ContactSet, Tolerance, detect
 from kilter.errors import InputError
 from kilter.mechanics.certificate import check_motion
 from kilter.mechanics.program import Program, build_program
@@ -203,7 +203,7 @@ def orient(
     tell = progress or (lambda stage: None)
     _require_turnable(assembly, method)
     if contacts is None:
-        contacts = find_contacts(assembly, tolerance=tolerance, progress=progress)
+        contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
     program = build_program(assembly, contacts)
     tell("stable region")
     every = region(assembly, contacts=contacts, progress=progress if program.mu.any() else None)

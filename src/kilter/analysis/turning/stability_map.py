@@ -121,10 +121,10 @@ def stability_map(program: Program, *, limit: int = PROGRAMS) -> StabilityMap:
     Examples
     --------
     >>> from kilter.scenes import scene
-    >>> from kilter.contact import find_contacts
+    >>> from kilter.contact import contacts
     >>> from kilter.mechanics.program import build_program
     >>> assembly = scene("paper-figure-4")
-    >>> found = stability_map(build_program(assembly, find_contacts(assembly)))
+    >>> found = stability_map(build_program(assembly, contacts(assembly)))
     >>> np.round(found.z([[0, 0, 1], [-1, 0, 0], [-0.5, 0, -0.5]]), 9) + 0.0
     array([-5. , -2.5,  0. ])
     """

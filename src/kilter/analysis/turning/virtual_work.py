@@ -108,10 +108,10 @@ class VirtualWork:
     Examples
     --------
     >>> from kilter.scenes import scene
-    >>> from kilter.contact import find_contacts
+    >>> from kilter.contact import contacts
     >>> from kilter.mechanics.program import build_program
     >>> assembly = scene("paper-figure-4")
-    >>> work = VirtualWork(build_program(assembly, find_contacts(assembly)))
+    >>> work = VirtualWork(build_program(assembly, contacts(assembly)))
     >>> [round(work.solve(np.array(g)).z * work.unit.mass, 6) + 0.0
     ...  for g in ([0, 0, 1.0], [-1.0, 0, 0], [-0.5, 0, -0.5])]
     [-5.0, -2.5, 0.0]
@@ -154,10 +154,10 @@ def facets_of_diamond(program: Program) -> list[Array]:
     Examples
     --------
     >>> from kilter.scenes import scene
-    >>> from kilter.contact import find_contacts
+    >>> from kilter.contact import contacts
     >>> from kilter.mechanics.program import build_program
     >>> assembly = scene("trapped-wedge")
-    >>> facets_of_diamond(build_program(assembly, find_contacts(assembly)))[0]
+    >>> facets_of_diamond(build_program(assembly, contacts(assembly)))[0]
     array([-1.,  0., -1.])
     """
     middle = (0.0,) if program.planar else (1.0, -1.0)

@@ -155,10 +155,10 @@ def walk(program: Program, *, every: bool = False) -> Walk:
     Examples
     --------
     >>> from kilter.scenes import scene
-    >>> from kilter.contact import find_contacts
+    >>> from kilter.contact import contacts
     >>> from kilter.mechanics.program import build_program
     >>> assembly = scene("paper-figure-12")
-    >>> best = walk(build_program(assembly, find_contacts(assembly)))
+    >>> best = walk(build_program(assembly, contacts(assembly)))
     >>> round(float(np.degrees(np.arctan2(best.gravity[0], best.gravity[2]))) + 180, 6)
     60.0
     """
