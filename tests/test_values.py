@@ -160,7 +160,7 @@ class Trimesh:
     faces = np.zeros((1, 3), dtype=int)
 
 
-VERBS = (kilter.check, kilter.find_contacts)
+VERBS = (kilter.check, kilter.contacts)
 
 
 @pytest.mark.parametrize("verb", VERBS, ids=lambda verb: verb.__name__)

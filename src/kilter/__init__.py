@@ -6,7 +6,8 @@
     verdict = kilter.check(assembly)
     print(verdict.sentence, verdict.moving)
 
-Everything public is imported when it is first used, so that ``import kilter`` stays light.
+The functions are the commands of `kilter`, one to one. Everything public is imported when it
+is first used, so that ``import kilter`` stays light.
 """
 
 from __future__ import annotations
@@ -15,100 +16,95 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from kilter.analysis.check import check
-    from kilter.analysis.margins.margin import Margin, margin
-    from kilter.analysis.regions.region import Region, common_region, region
-    from kilter.analysis.turning.orientation import Orientation, orient
-    from kilter.analysis.verdict import Verdict
-    from kilter.assembly import Assembly, FrictionPair, GivenContact, Joint, Load, Part
-    from kilter.contact import ContactSet, Tolerance, fastened, find_contacts
-    from kilter.errors import InputError, KilterError, SolverError
-    from kilter.files import dump, load
-    from kilter.mechanics.verification import verify_proof
-    from kilter.publish import Report, draw, report, view
-    from kilter.rigid import Pose
-    from kilter.scenes import scene
-    from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Sphere
+    from kilter.analysis.check import check as check
+    from kilter.analysis.margins.margin import Margin as Margin
+    from kilter.analysis.margins.margin import margin as margin
+    from kilter.analysis.regions.region import Region as Region
+    from kilter.analysis.regions.region import common_region as common_region
+    from kilter.analysis.regions.region import region as region
+    from kilter.analysis.turning.orientation import Orientation as Orientation
+    from kilter.analysis.turning.orientation import orient as orient
+    from kilter.analysis.verdict import Verdict as Verdict
+    from kilter.assembly.assembly import Assembly as Assembly
+    from kilter.assembly.interactions import FrictionPair as FrictionPair
+    from kilter.assembly.interactions import GivenContact as GivenContact
+    from kilter.assembly.interactions import Joint as Joint
+    from kilter.assembly.interactions import Load as Load
+    from kilter.assembly.part import Part as Part
+    from kilter.contact.contact_set import ContactSet as ContactSet
+    from kilter.contact.detect import contacts as contacts
+    from kilter.contact.fits.fastening import fastened as fastened
+    from kilter.contact.gaps import Tolerance as Tolerance
+    from kilter.errors import InputError as InputError
+    from kilter.errors import KilterError as KilterError
+    from kilter.errors import SolverError as SolverError
+    from kilter.files.reading import load as load
+    from kilter.files.writing import dump as dump
+    from kilter.mechanics.verification import Verification as Verification
+    from kilter.mechanics.verification import verify as verify
+    from kilter.publish import Report as Report
+    from kilter.publish import draw as draw
+    from kilter.publish import report as report
+    from kilter.publish import view as view
+    from kilter.rigid import Pose as Pose
+    from kilter.scenes import example as example
+    from kilter.scenes.registry import Example as Example
+    from kilter.shape.primitives import Box as Box
+    from kilter.shape.primitives import Cylinder as Cylinder
+    from kilter.shape.primitives import Mesh as Mesh
+    from kilter.shape.primitives import Prism as Prism
+    from kilter.shape.primitives import Sphere as Sphere
 
 __version__ = "0.1.0"
 
 _HOMES = {
-    "Assembly": "kilter.assembly",
-    "Box": "kilter.shape.primitives",
-    "ContactSet": "kilter.contact",
-    "Cylinder": "kilter.shape.primitives",
-    "FrictionPair": "kilter.assembly",
-    "GivenContact": "kilter.assembly",
-    "InputError": "kilter.errors",
-    "Joint": "kilter.assembly",
-    "KilterError": "kilter.errors",
-    "Load": "kilter.assembly",
-    "Margin": "kilter.analysis.margins.margin",
-    "Mesh": "kilter.shape.primitives",
-    "Part": "kilter.assembly",
-    "Pose": "kilter.rigid",
-    "Orientation": "kilter.analysis.turning.orientation",
-    "Prism": "kilter.shape.primitives",
-    "Report": "kilter.publish",
-    "Region": "kilter.analysis.regions.region",
-    "SolverError": "kilter.errors",
-    "Sphere": "kilter.shape.primitives",
-    "Tolerance": "kilter.contact",
-    "Verdict": "kilter.analysis.verdict",
+    # verbs: the commands
     "check": "kilter.analysis.check",
-    "common_region": "kilter.analysis.regions.region",
+    "contacts": "kilter.contact.detect",
     "draw": "kilter.publish",
-    "dump": "kilter.files",
-    "fastened": "kilter.contact",
-    "find_contacts": "kilter.contact",
-    "load": "kilter.files",
+    "dump": "kilter.files.writing",
+    "example": "kilter.scenes",
+    "load": "kilter.files.reading",
     "margin": "kilter.analysis.margins.margin",
     "orient": "kilter.analysis.turning.orientation",
     "region": "kilter.analysis.regions.region",
     "report": "kilter.publish",
-    "scene": "kilter.scenes",
-    "verify_proof": "kilter.mechanics.verification",
+    "verify": "kilter.mechanics.verification",
     "view": "kilter.publish",
+    # beside them
+    "common_region": "kilter.analysis.regions.region",
+    "fastened": "kilter.contact.fits.fastening",
+    # what they take
+    "Assembly": "kilter.assembly.assembly",
+    "Box": "kilter.shape.primitives",
+    "Cylinder": "kilter.shape.primitives",
+    "FrictionPair": "kilter.assembly.interactions",
+    "GivenContact": "kilter.assembly.interactions",
+    "Joint": "kilter.assembly.interactions",
+    "Load": "kilter.assembly.interactions",
+    "Mesh": "kilter.shape.primitives",
+    "Part": "kilter.assembly.part",
+    "Pose": "kilter.rigid",
+    "Prism": "kilter.shape.primitives",
+    "Sphere": "kilter.shape.primitives",
+    "Tolerance": "kilter.contact.gaps",
+    # what they answer
+    "ContactSet": "kilter.contact.contact_set",
+    "Example": "kilter.scenes.registry",
+    "Margin": "kilter.analysis.margins.margin",
+    "Orientation": "kilter.analysis.turning.orientation",
+    "Region": "kilter.analysis.regions.region",
+    "Report": "kilter.publish",
+    "Verdict": "kilter.analysis.verdict",
+    "Verification": "kilter.mechanics.verification",
+    # and what they refuse
+    "InputError": "kilter.errors",
+    "KilterError": "kilter.errors",
+    "SolverError": "kilter.errors",
 }
+"""Where each public name is from."""
 
-__all__ = [
-    "Assembly",
-    "Box",
-    "ContactSet",
-    "Cylinder",
-    "FrictionPair",
-    "GivenContact",
-    "InputError",
-    "Joint",
-    "KilterError",
-    "Load",
-    "Margin",
-    "Mesh",
-    "Orientation",
-    "Part",
-    "Pose",
-    "Prism",
-    "Region",
-    "Report",
-    "SolverError",
-    "Sphere",
-    "Tolerance",
-    "Verdict",
-    "check",
-    "common_region",
-    "draw",
-    "dump",
-    "fastened",
-    "find_contacts",
-    "load",
-    "margin",
-    "orient",
-    "region",
-    "report",
-    "scene",
-    "verify_proof",
-    "view",
-]
+__all__ = sorted(_HOMES)
 
 
 def __getattr__(name: str) -> Any:
@@ -120,4 +116,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted([*__all__, "__version__"])
+    return sorted([*_HOMES, "__version__"])

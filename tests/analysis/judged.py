@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 import stranger
 
-from kilter import InputError, check, find_contacts
+from kilter import InputError, check
+from kilter import contacts as find_contacts
 from kilter.analysis.verdict import Verdict
 from kilter.assembly import Assembly
 from kilter.files import from_dict, to_dict

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from judged import judged
 
-from kilter import Assembly, Box, Cylinder, Mesh, Part, Pose, Prism, Sphere, check, find_contacts
+from kilter import Assembly, Box, Cylinder, Mesh, Part, Pose, Prism, Sphere, check
+from kilter import contacts as find_contacts
 from kilter.contact.planar.facets import find_facets
 from kilter.mechanics.certificate import check_forces
 from kilter.scenes import arches

@@ -16,8 +16,10 @@ from builders import (
 )
 from judged import judged, reloaded, verified
 
-from kilter import InputError, find_contacts, verify_proof
+from kilter import InputError
+from kilter import contacts as find_contacts
 from kilter.mechanics.proof import digest_of
+from kilter.mechanics.verification import verify_proof
 from kilter.scenes import paper, stacks
 
 CASES = {

@@ -85,7 +85,7 @@ def test_two_hundred_directions_are_judged_as_python_judges_them(
 @pytest.mark.parametrize("name", ["corner-wedges", "paper-figure-10", "slope-with-friction"])
 def test_directions_are_judged_and_moved_as_a_fresh_check_does(name: str, opened: Callable) -> None:
     assembly = scene(name)
-    contacts = kilter.find_contacts(assembly)
+    contacts = kilter.contacts(assembly)
     page = opened(name)
     rng = np.random.default_rng(2)
     seen_: set[str] = set()

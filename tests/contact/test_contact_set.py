@@ -7,7 +7,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from kilter import Assembly, Box, Joint, Part, Pose, scene
+from kilter import Assembly, Box, Joint, Part, Pose
+from kilter import example as scene
 from kilter.contact import detect
 
 

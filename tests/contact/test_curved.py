@@ -19,7 +19,8 @@ from solids import (
     with_scale,
 )
 
-from kilter import Assembly, Box, Cylinder, Part, Pose, Sphere, check, find_contacts
+from kilter import Assembly, Box, Cylinder, Part, Pose, Sphere, check
+from kilter import contacts as find_contacts
 from kilter.contact.curved.contact_points import AROUND
 from kilter.mechanics.program import build_program
 from kilter.scenes.pieces import floor, turn

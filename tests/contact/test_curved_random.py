@@ -27,7 +27,8 @@ from solids import (
     with_scale,
 )
 
-from kilter import Assembly, Box, Part, Pose, Tolerance, find_contacts, load
+from kilter import Assembly, Box, Part, Pose, Tolerance, load
+from kilter import contacts as find_contacts
 from kilter.shape.primitives import Mesh
 from kilter.shape.solid import Solid
 

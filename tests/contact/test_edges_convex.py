@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from edge_oracle import Convex, contacts, stacked
 
-from kilter import Assembly, Mesh, Part, find_contacts
+from kilter import Assembly, Mesh, Part
+from kilter import contacts as find_contacts
 
 KINDS = ("vertex-face", "edge-face", "edge-edge")
 

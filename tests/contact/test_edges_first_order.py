@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from scipy.optimize import linprog
 from scipy.spatial.transform import Rotation
 
-from kilter import Assembly, Mesh, Part, Pose, find_contacts
+from kilter import Assembly, Mesh, Part, Pose
+from kilter import contacts as find_contacts
 from kilter.contact import ContactSet
 from kilter.mechanics.degenerate import allowed_program
 from kilter.mechanics.program import build_program

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from kilter import Assembly, Box, Load, Mesh, Part, Pose, Prism, check, find_contacts
+from kilter import Assembly, Box, Load, Mesh, Part, Pose, Prism, check
+from kilter import contacts as find_contacts
 from kilter.analysis.degenerate_branches import decide_degenerate
 from kilter.mechanics.degenerate import without_degenerate
 from kilter.mechanics.program import build_program

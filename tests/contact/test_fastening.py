@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from tubes import pin, tube
 
-from kilter import InputError, Tolerance, check, fastened, find_contacts
+from kilter import InputError, Tolerance, check, fastened
+from kilter import contacts as find_contacts
 from kilter.assembly import Assembly, Joint, Part
 from kilter.cli import main
 from kilter.contact.fits.coaxial import coaxial_fits

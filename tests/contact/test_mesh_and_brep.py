@@ -7,7 +7,8 @@ import pytest
 from solids import ball, bolt, bore, cone_frustum, cone_socket, mesh_of, peg, socket, trough
 
 import kilter
-from kilter import check, find_contacts
+from kilter import check
+from kilter import contacts as find_contacts
 from kilter.assembly import Assembly, Part
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box

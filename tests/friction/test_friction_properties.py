@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from judged import judged
 
-from kilter import check, find_contacts
+from kilter import check
+from kilter import contacts as find_contacts
 from kilter.assembly import FrictionPair
 from kilter.friction.exclusion import prove_no_motion
 from kilter.friction.seating import find_seating

@@ -225,7 +225,7 @@ def test_a_label_is_short() -> None:
 def test_import_stays_light_and_pyplot_is_never_touched() -> None:
     code = (
         "import sys, kilter; assert 'matplotlib' not in sys.modules\n"
-        "v = kilter.check(kilter.scene('tower')); v._repr_html_()\n"
+        "v = kilter.check(kilter.example('tower')); v._repr_html_()\n"
         "assert 'matplotlib' not in sys.modules and 'kilter.show' not in sys.modules\n"
         "kilter.draw(v); assert 'matplotlib.pyplot' not in sys.modules\n"
     )

@@ -6,10 +6,10 @@ import dataclasses
 import json
 import math
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from kilter.errors import InputError
+from kilter.files.reading import LOWEST, Reading
 
 if TYPE_CHECKING:
     from kilter.assembly import Assembly
@@ -25,42 +25,6 @@ __all__ = [
     "with_two_names",
 ]
 
-LOWEST = "lowest"
-"""Value of --floor without a height."""
-
-
-@dataclass(frozen=True, slots=True)
-class Reading:
-    """How a file is read: the options that change what is judged."""
-
-    ground: tuple[str, ...] = ()
-    floor: str | None = None
-    without: tuple[str, ...] = ()
-    down: tuple[float, float, float] | None = None
-    friction: float | None = None
-    units: str | None = None
-    density: float | None = None
-    fasten: tuple[tuple[str, str], ...] = ()
-
-    def options(self) -> dict[str, Any]:
-        """The options as JSON data, for a proof."""
-        return {
-            key: _lists(value) for key, value in asdict(self).items() if value not in (None, ())
-        }
-
-    @classmethod
-    def from_options(cls, options: Any) -> Reading:
-        """The reading that a proof was made with."""
-        try:
-            values = dict(options)
-            for key in ("ground", "without", "down"):
-                if key in values:
-                    values[key] = tuple(values[key])
-            values["fasten"] = tuple((str(a), str(b)) for a, b in values.get("fasten", ()))
-            return cls(**values)
-        except (TypeError, ValueError):
-            raise InputError("the proof's options cannot be read", hint="make it anew") from None
-
 
 def reading_of(
     ground: list[str] | None,
@@ -75,7 +39,7 @@ def reading_of(
     """The reading that the options of a command ask for."""
     return Reading(
         ground=tuple(ground or ()),
-        floor=floor,
+        floor=None if floor is None else _height(floor),
         without=tuple(without or ()),
         down=down,
         friction=friction,
@@ -83,11 +47,6 @@ def reading_of(
         density=density,
         fasten=tuple(_pair(words) for words in fasten or ()),
     )
-
-
-def _lists(value: Any) -> Any:
-    """Tuples as lists, for JSON."""
-    return [_lists(inner) for inner in value] if isinstance(value, tuple) else value
 
 
 def _pair(words: str) -> tuple[str, str]:
@@ -159,27 +118,12 @@ def read_assembly(file: str, reading: Reading) -> Assembly:
     InputError
         If the file or an option is wrong.
     """
-    from kilter.files import load
-
-    assembly = load(file, units=reading.units, density=reading.density)
-    if reading.without:
-        assembly = assembly.without(reading.without)
-    if reading.friction is not None:
-        assembly = assembly.with_friction(reading.friction)
-    if reading.down is not None:
-        assembly = assembly.with_down(reading.down)
-    if reading.ground:
-        assembly = assembly.with_grounded(reading.ground)
-    if reading.floor is not None:
-        assembly = assembly.with_floor(_height(reading.floor))
-    return assembly
+    return reading.read(file)
 
 
-def _height(floor: str) -> float | None:
-    if floor == LOWEST:
-        return None
+def _height(floor: str) -> float | str:
     try:
-        return float(floor)
+        return floor if floor == LOWEST else float(floor)
     except ValueError:
         raise InputError(
             f"--floor {floor!r} is no height", hint="give a number or nothing"

@@ -5,21 +5,108 @@ from __future__ import annotations
 import dataclasses
 import os
 import sys
+from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from numpy.typing import ArrayLike
+
 from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
+from kilter.files.raw import read_bytes
 from kilter.files.strict_json import parse_json
 from kilter.units import metres_per_unit
+from kilter.validate import finite, number
 
-__all__ = ["load"]
+__all__ = ["LOWEST", "Reading", "load", "read_json"]
 
 STANDARD_INPUT = "-"
+LOWEST = "lowest"
+"""Floor under the lowest point, in place of a height."""
 
 
-def load(source: str | Path, *, units: str | None = None, density: float | None = None) -> Assembly:
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """How a file is read: the options that change what is judged.
+
+    Those of `load`, and `fasten`, the pairs of names that `kilter.fastened` joins, since a
+    proof names them all. `floor` is a height [length unit] or `LOWEST`.
+    """
+
+    ground: tuple[str, ...] = ()
+    floor: float | str | None = None
+    without: tuple[str, ...] = ()
+    down: tuple[float, float, float] | None = None
+    friction: float | None = None
+    units: str | None = None
+    density: float | None = None
+    fasten: tuple[tuple[str, str], ...] = ()
+
+    def options(self) -> dict[str, Any]:
+        """The options that are set, as JSON data."""
+        return {
+            key: _lists(value)
+            for key, value in dataclasses.asdict(self).items()
+            if value not in (None, ())
+        }
+
+    @classmethod
+    def from_options(cls, options: Any) -> Reading:
+        """The reading that `options` came from.
+
+        Raises
+        ------
+        InputError
+            If they are none.
+        """
+        try:
+            values = dict(options)
+            for key in ("ground", "without", "down"):
+                if key in values:
+                    values[key] = tuple(values[key])
+            values["fasten"] = tuple((str(a), str(b)) for a, b in values.get("fasten", ()))
+            return cls(**values)
+        except (TypeError, ValueError):
+            raise InputError("the proof's options cannot be read", hint="make it anew") from None
+
+    def read(self, source: str | Path) -> Assembly:
+        """The assembly of a file; what is to be fastened is left as it is."""
+        if self.units is not None:
+            metres_per_unit(self.units)
+        if not isinstance(source, str | os.PathLike) or not os.fspath(source):
+            raise InputError(f"a file's path is {source!r:.60}", hint="give a path, or '-'")
+        assembly = _read(source, self.units)
+        if self.density is not None:
+            assembly = _with_density(assembly, self.density)
+        if self.without:
+            assembly = assembly.without(self.without)
+        if self.friction is not None:
+            assembly = assembly.with_friction(self.friction)
+        if self.down is not None:
+            assembly = assembly.with_down(self.down)
+        if self.ground:
+            assembly = assembly.with_grounded(self.ground)
+        if self.floor is not None:
+            assembly = assembly.with_floor(None if self.floor == LOWEST else float(self.floor))
+        return assembly
+
+
+def load(
+    source: str | Path,
+    *,
+    units: str | None = None,
+    density: float | None = None,
+    ground: str | Iterable[str] = (),
+    floor: bool | float | None = None,
+    without: str | Iterable[str] = (),
+    down: ArrayLike | None = None,
+    friction: float | None = None,
+) -> Assembly:
     """The assembly that a file, a folder, or standard input (``-``) describes.
+
+    The options are those of every command, applied in the order `without`, `friction`,
+    `down`, `ground`, `floor`.
 
     Parameters
     ----------
@@ -30,18 +117,43 @@ def load(source: str | Path, *, units: str | None = None, density: float | None 
         For formats without units; metres where it is not given.
     density : float, optional
         Of parts without density and mass [kg/m^3].
+    ground, without : str or iterable of str
+        Parts to hold, to leave out; ``*`` and ``?`` are globs.
+    floor : bool or float, optional
+        True: a held table under the lowest point; a number: at that height [length unit].
+    down : array_like, shape (3,), optional
+        Direction of gravity; its size stays that of the file.
+    friction : float, optional
+        Coefficient of contacts that have none of their own [-].
 
     Raises
     ------
     InputError
         If it cannot be read; it says what is wrong, where, and what to do.
     """
-    if units is not None:
-        metres_per_unit(units)
-    if not isinstance(source, str | os.PathLike) or not os.fspath(source):
-        raise InputError(f"a file's path is {source!r:.60}", hint="give a path, or '-'")
-    assembly = _read(source, units)
-    return assembly if density is None else _with_density(assembly, density)
+    height: float | str | None = LOWEST if floor is True else None
+    if floor is not None and not isinstance(floor, bool):
+        height = number(floor, "height of the floor")
+    x, y, z = (0.0, 0.0, 0.0) if down is None else finite(down, (3,), "down").tolist()
+    reading = Reading(
+        ground=_names(ground),
+        floor=height,
+        without=_names(without),
+        down=None if down is None else (x, y, z),
+        friction=friction,
+        units=units,
+        density=density,
+    )
+    return reading.read(source)
+
+
+def _names(patterns: str | Iterable[str]) -> tuple[str, ...]:
+    return (patterns,) if isinstance(patterns, str) else tuple(patterns)
+
+
+def _lists(value: Any) -> Any:
+    """Tuples as lists, for JSON."""
+    return [_lists(inner) for inner in value] if isinstance(value, tuple) else value
 
 
 def _read(source: str | Path, units: str | None) -> Assembly:
@@ -54,7 +166,6 @@ def _read(source: str | Path, units: str | None) -> Assembly:
 
         return load_folder(path, units=units)
     from kilter.files.meshes import SUFFIXES, load_meshes
-    from kilter.files.raw import read_bytes
     from kilter.files.step import SUFFIXES as STEP
     from kilter.files.step import load_step
 
@@ -69,6 +180,21 @@ def _read(source: str | Path, units: str | None) -> Assembly:
     raise InputError(
         f"files of {path.suffix or 'no ending'} are not read", file=str(path), hint=f"give {kinds}"
     )
+
+
+def read_json(path: Path) -> Any:
+    """The value of a JSON file.
+
+    Raises
+    ------
+    InputError
+        If it is missing, or no JSON; it names the file.
+    """
+    data = read_bytes(path)
+    try:
+        return parse_json(data)
+    except InputError as error:
+        raise error.located(file=str(path)) from None
 
 
 def _is_folder(path: Path) -> bool:

@@ -22,12 +22,12 @@ from kilter.mechanics.certificate import ForceProof, MotionProof
 from kilter.mechanics.joints import carried, reference_point
 from kilter.mechanics.law_check import LawProof
 from kilter.mechanics.program import Program
+from kilter.mechanics.proof_form import FORMAT
 from kilter.mechanics.rows import CONTACT, JOINT
 
-__all__ = ["FORMAT", "Evidence", "digest_of", "frame_of", "joints_of", "make_proof", "rows_of"]
+__all__ = ["Evidence", "digest_of", "frame_of", "joints_of", "make_proof", "rows_of"]
 
-
-FORMAT = 1
+__all__ = ["Evidence", "digest_of", "frame_of", "joints_of", "make_proof", "rows_of"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,0 +1,152 @@
+"""The form of a proof file: which keys it has, and of what kind each is.
+
+What has this form can be recomputed without further questions: every key that is read is
+there, and every number is one.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from kilter.errors import InputError
+
+__all__ = ["FORMAT", "require_form"]
+
+FORMAT = 1
+
+Form = Callable[[Any, str], str]
+"""From a value and its place to what is wrong with it; empty where nothing is."""
+
+
+def _is(*kinds: type) -> Form:
+    def fault(value: Any, place: str) -> str:
+        # true and false are whole numbers to Python
+        fits = isinstance(value, kinds) and (not isinstance(value, bool) or bool in kinds)
+        return "" if fits else f"{place} is {value!r:.40}"
+
+    return fault
+
+
+def _list(form: Form, length: int | None = None) -> Form:
+    def fault(value: Any, place: str) -> str:
+        if not isinstance(value, list) or length not in (None, len(value)):
+            return f"{place} is {value!r:.40}"
+        return _first(form(entry, f"{place}[{k}]") for k, entry in enumerate(value))
+
+    return fault
+
+
+def _named(form: Form) -> Form:
+    def fault(value: Any, place: str) -> str:
+        if not isinstance(value, dict):
+            return f"{place} is {value!r:.40}"
+        return _first(form(entry, f"{place}.{name}") for name, entry in value.items())
+
+    return fault
+
+
+def _keys(**forms: Form) -> Form:
+    def fault(value: Any, place: str) -> str:
+        if not isinstance(value, dict):
+            return f"{place} is {value!r:.40}"
+        places = {key: f"{place}.{key}".lstrip(".") for key in forms}
+        return _first(
+            form(value[key], places[key]) if key in value else f"{places[key]} is missing"
+            for key, form in forms.items()
+        )
+
+    return fault
+
+
+def _maybe(form: Form) -> Form:
+    return lambda value, place: "" if value is None else form(value, place)
+
+
+def _first(faults: Iterable[str]) -> str:
+    return next(filter(None, faults), "")
+
+
+NUMBER, WORD, FLAG, COUNT = _is(float, int), _is(str), _is(bool), _is(int)
+VECTOR, SIX, PAIR = _list(NUMBER, 3), _list(NUMBER, 6), _list(WORD, 2)
+
+PROOF = _keys(
+    verdict=WORD,
+    units=WORD,
+    planar=FLAG,
+    gravity=VECTOR,
+    down=VECTOR,
+    digest=WORD,
+    options=_keys(),
+    tolerance=_keys(gap=_maybe(NUMBER), relative_gap=NUMBER, angle=NUMBER),
+    parts=_list(_keys(name=WORD, grounded=FLAG, mass=NUMBER, center=VECTOR)),
+    points=_list(_keys(parts=PAIR, x=VECTOR, normal=VECTOR, mu=NUMBER)),
+    loads=_list(_keys(part=WORD, point=_maybe(VECTOR), force=VECTOR, torque=VECTOR)),
+    joints=_list(_keys(parts=PAIR, kind=WORD, point=VECTOR, axis=_maybe(VECTOR))),
+)
+"""What every proof has."""
+FORCES = _keys(
+    forces=_list(VECTOR),
+    joints=_list(_keys(wrench=SIX)),
+    certificate=_keys(residual=NUMBER),
+)
+"""What a proof by forces has besides."""
+MOTION = _keys(motion=_named(SIX), certificate=_keys(power=NUMBER, violation=NUMBER))
+"""What a proof by a motion has besides."""
+FRICTION = _keys(
+    guarantee=WORD,
+    exclusion=_maybe(_keys(kind=WORD, programs=COUNT)),
+    seated=_maybe(_keys(forces=_list(VECTOR), joints=_list(NUMBER), residual=NUMBER)),
+    witness=_maybe(
+        _keys(
+            acceleration=_named(SIX),
+            forces=_list(VECTOR),
+            joints=_list(VECTOR),
+            power=NUMBER,
+            residual=NUMBER,
+        )
+    ),
+)
+"""What `friction` is, where the verdict rests on it."""
+
+
+def require_form(proof: Any) -> None:
+    """Refuse what is no proof of this format.
+
+    Raises
+    ------
+    InputError
+        Naming the first key that is missing or of another kind.
+
+    Examples
+    --------
+    >>> require_form({"kilter_proof": 1, "verdict": 3})
+    Traceback (most recent call last):
+    ...
+    kilter.errors.InputError: the proof cannot be read: verdict is 3; make it anew with ...
+    """
+    if not isinstance(proof, dict) or proof.get("kilter_proof") != FORMAT:
+        raise InputError(
+            f"this is no kilter proof of format {FORMAT}",
+            hint="give what verdict.proof() returns",
+            option="give a file of kilter check --proof",
+        )
+    try:
+        json.dumps(proof, allow_nan=False)
+    except (TypeError, ValueError, RecursionError) as error:
+        raise _unreadable(f"it is no JSON ({error})") from None
+    evidence = FORCES if "forces" in proof else MOTION
+    fault = PROOF(proof, "") or evidence(proof, "")
+    if not fault and proof.get("friction") is not None:
+        fault = FRICTION(proof["friction"], "friction")
+    if fault:
+        raise _unreadable(fault)
+
+
+def _unreadable(why: str) -> InputError:
+    return InputError(
+        f"the proof cannot be read: {why}",
+        hint="make it anew with verdict.proof()",
+        option="make it anew with kilter check --proof",
+    )
