@@ -18,7 +18,7 @@ from kilter import check
 from kilter.friction.exclusion import prove_no_motion
 from kilter.friction.motion_search import find_coulomb_motion
 from kilter.friction.seating import find_seating
-from kilter.scenes.frictional import random_assembly
+from kilter.scenes.random_friction import random_assembly
 
 
 def asked(seed: int, budget: float) -> tuple[str, str, list[str]]:

@@ -14,8 +14,8 @@ from kilter.assembly import FrictionPair
 from kilter.friction.exclusion import prove_no_motion
 from kilter.friction.seating import find_seating
 from kilter.mechanics.program import build_program
-from kilter.scenes.frictional import FAMILIES, random_assembly
 from kilter.scenes.pieces import turn
+from kilter.scenes.random_friction import FAMILIES, random_assembly
 from kilter.scenes.transform import moved, scaled
 
 SEEDS = range(40)

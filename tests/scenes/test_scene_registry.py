@@ -7,7 +7,7 @@ from scene_oracle import imbalance, overlapping, touching
 
 from kilter.assembly import Assembly
 from kilter.errors import InputError
-from kilter.scenes import SCENES, scene
+from kilter.scenes import SCENES, example, scene
 
 BUILT = {name: entry.build() for name, entry in SCENES.items()}
 
@@ -71,6 +71,18 @@ def test_unknown_name_names_the_nearest():
         scene("??")
 
 
-def test_listing_the_scenes_imports_no_numpy():
-    code = "import sys, kilter.scenes; sys.exit('numpy' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+def test_listing_the_examples_is_light():
+    code = (
+        "import sys, kilter; kilter.example();"
+        "print([m for m in ('scipy', 'shapely', 'highspy', 'pydantic') if m in sys.modules])"
+    )
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert ran.stdout.strip() == "[]"
+
+
+def test_an_example_is_an_assembly_or_the_list_of_all():
+    listed = example()
+    assert [entry.name for entry in listed] == list(SCENES)
+    assert example("tower").names == scene("tower").names
+    assert listed[0].to_dict().keys() == {"name", "title", "source", "answer"}
+    assert all("\n" not in repr(entry) for entry in listed)

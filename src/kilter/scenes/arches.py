@@ -18,6 +18,7 @@ from kilter.arrays import Array
 from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
 from kilter.scenes.pieces import prism
+from kilter.scenes.registry import listed
 
 __all__ = ["arch", "arch_with_held_ends", "oppenheim_arch", "voussoirs"]
 
@@ -58,6 +59,7 @@ def voussoirs(
     return parts
 
 
+@listed("arch", "a semicircular arch of 20 voussoirs", source="A1", answer="stable")
 def arch(
     count: int = 20,
     *,
@@ -114,6 +116,12 @@ def oppenheim_arch(count: int = 7, *, sectors: bool = False, friction: float = 1
     return arch(count, ratio=0.15, span=157.5, friction=friction, sectors=sectors)
 
 
+@listed(
+    "arch-with-held-ends",
+    "a semicircular arch, its first and last voussoir held",
+    source="W6",
+    answer="potentially-stable",
+)
 def arch_with_held_ends(
     count: int = 12, *, thickness: float = 1.0, inner: float = 5.0, friction: float = 0.7
 ) -> Assembly:

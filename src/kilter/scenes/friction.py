@@ -11,6 +11,7 @@ import numpy as np
 from kilter.assembly import Assembly, FrictionPair, GivenContact, Load, Part
 from kilter.errors import InputError
 from kilter.scenes.pieces import block, cells, floor, prism
+from kilter.scenes.registry import listed
 
 __all__ = [
     "a_block",
@@ -24,6 +25,7 @@ __all__ = [
 ]
 
 
+@listed("ladder", "a ladder on a wall, friction on the floor", source="S4", answer="stable")
 def ladder(
     angle: float = 55.0,
     *,
@@ -66,6 +68,7 @@ def ladder(
     return Assembly(parts, contacts=contacts, planar=planar)
 
 
+@listed("bracket", "a bracket on a post", source="S5", answer="potentially-stable")
 def bracket(
     offset: float = 1.0, *, height: float = 1.0, friction: float = 0.6, pad: float = 0.01
 ) -> Assembly:
@@ -100,6 +103,7 @@ def bracket(
     )
 
 
+@listed("books", "eight books pressed together", source="S6", answer="potentially-stable")
 def books(
     count: int = 8,
     *,
@@ -192,6 +196,7 @@ def _guides(start: float, stop: float, depth: float, height: float) -> list[Part
     return [block(f"guide-{side}", *ends, grounded=True) for side, ends in corners.items()]
 
 
+@listed("squeezed-block", "a block between two walls", source="I1", answer="potentially-stable")
 def h_block(*, friction: float = 0.5, planar: bool = False) -> Assembly:
     """Case I1: a block between two held vertical walls, held by squeeze alone.
 
@@ -234,6 +239,7 @@ def _between_plates(half_angle: float, friction: float, planar: bool) -> Assembl
     )
 
 
+@listed("trough", "a prism in a tilted trough", source="I3", answer="potentially-stable")
 def trough(
     slope: float = 30.0, *, tilt: float = 40.0, friction: float = 0.84, length: float = 6.0
 ) -> Assembly:

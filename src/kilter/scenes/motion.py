@@ -6,10 +6,17 @@ import numpy as np
 
 from kilter.assembly import Assembly
 from kilter.scenes.pieces import floor, prism
+from kilter.scenes.registry import listed
 
 __all__ = ["wedge_on_wedge"]
 
 
+@listed(
+    "wedge-on-wedge",
+    "a wedge slides down a wedge that slides on the floor",
+    source="S8",
+    answer="unstable",
+)
 def wedge_on_wedge(
     angle: float = 30.0, *, mass: float = 1.0, mass_below: float = 2.0, planar: bool = False
 ) -> Assembly:

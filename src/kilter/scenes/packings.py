@@ -6,10 +6,12 @@ import numpy as np
 
 from kilter.assembly import Assembly, Part
 from kilter.scenes.pieces import block, floor
+from kilter.scenes.registry import listed
 
 __all__ = ["box_pile"]
 
 
+@listed("box-pile", "thirty boxes put down at random", source="pile", answer="stable")
 def box_pile(
     count: int = 30, *, seed: int = 0, cells: int = 6, level: bool = True, friction: float = 0.0
 ) -> Assembly:

@@ -27,6 +27,7 @@ from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
 from kilter.rigid import rotation_between, unit
 from kilter.scenes.pieces import prism, ring
+from kilter.scenes.registry import listed
 from kilter.scenes.transform import moved
 
 __all__ = [
@@ -113,6 +114,19 @@ def two_blocks_in_an_l(
     return upright(Assembly(parts, gravity=down, planar=planar))
 
 
+@listed(
+    "paper-figure-1-turned",
+    "the same, turned by 45 degrees: it stays",
+    source="F1(b)",
+    answer="stable",
+    orientation="b",
+)
+@listed(
+    "paper-figure-1",
+    "a block drives another out of a right-angled one",
+    source="F1(a)",
+    answer="unstable",
+)
 def figure_1(orientation: str = "a", *, planar: bool = False) -> Assembly:
     """Figure 1: two identical blocks in a right-angled one; chamfers of 45 degrees.
 
@@ -121,6 +135,13 @@ def figure_1(orientation: str = "a", *, planar: bool = False) -> Assembly:
     return two_blocks_in_an_l(45.0, stable=_is_b(orientation), planar=planar)
 
 
+@listed(
+    "paper-figure-4",
+    "the second of three directions of gravity: z = -2.5",
+    source="F4",
+    answer="unstable",
+    orientation=2,
+)
 def figure_4(orientation: int = 1, *, planar: bool = False) -> Assembly:
     """Figure 4: z rises as gravity turns: -5, -2.5, 0 (gravity of length 1, m kg).
 
@@ -136,6 +157,12 @@ def figure_4(orientation: int = 1, *, planar: bool = False) -> Assembly:
     return upright(assembly) if orientation == 4 else assembly
 
 
+@listed(
+    "paper-figure-8",
+    "C2 sinks by 1 and drives C3 aside by 1 / tan 60",
+    source="F8",
+    answer="unstable",
+)
 def figure_8(angle: float = 60.0, *, planar: bool = False) -> Assembly:
     """Figure 8: C2 above, between the wall and C3, which lies on the floor.
 
@@ -166,6 +193,13 @@ def figure_8(angle: float = 60.0, *, planar: bool = False) -> Assembly:
     )
 
 
+@listed(
+    "paper-figure-9",
+    "four blocks in a frame: stable, yet free to circulate",
+    source="F9",
+    answer="stable",
+    planar=True,
+)
 def figure_9(*, planar: bool = False) -> Assembly:
     """Figure 9: four identical blocks, two edges of each chamfered 45 degrees, in a frame.
 
@@ -182,6 +216,12 @@ def figure_9(*, planar: bool = False) -> Assembly:
     return Assembly(parts, planar=planar)
 
 
+@listed(
+    "paper-figure-10",
+    "two blocks in an L, tipped out of a whole range of stable directions",
+    source="F10(a)",
+    answer="unstable",
+)
 def figure_10(orientation: str = "a", *, planar: bool = False) -> Assembly:
     """Figure 10: two blocks without chamfer in an L: stable over a whole range.
 
@@ -201,6 +241,19 @@ def figure_10(orientation: str = "a", *, planar: bool = False) -> Assembly:
     return Assembly(parts, gravity=down, planar=planar)
 
 
+@listed(
+    "paper-figure-11-turned",
+    "the same at 45 degrees, its only stable orientation",
+    source="F11(b)",
+    answer="stable",
+    orientation="b",
+)
+@listed(
+    "paper-figure-11",
+    "two blocks chamfered 45 degrees in an L: one stable direction",
+    source="F11(a)",
+    answer="unstable",
+)
 def figure_11(orientation: str = "a", *, planar: bool = False) -> Assembly:
     """Figure 11: two identical blocks chamfered 45 degrees in an L.
 
@@ -209,11 +262,30 @@ def figure_11(orientation: str = "a", *, planar: bool = False) -> Assembly:
     return two_blocks_in_an_l(45.0, stable=_is_b(orientation), planar=planar)
 
 
+@listed(
+    "paper-figure-12-turned",
+    "the same leaning 60 degrees, its only stable orientation",
+    source="F12(b)",
+    answer="stable",
+    orientation="b",
+)
+@listed(
+    "paper-figure-12",
+    "two blocks chamfered 60 degrees in an L: one stable direction",
+    source="F12(a)",
+    answer="unstable",
+)
 def figure_12(orientation: str = "a", *, planar: bool = False) -> Assembly:
     """Figure 12: the same with chamfers of 60 degrees; (b) the L leans 60 degrees."""
     return two_blocks_in_an_l(60.0, stable=_is_b(orientation), planar=planar)
 
 
+@listed(
+    "trapped-wedge",
+    "a block under an overhang, gravity 10 degrees toward the wall",
+    source="TR",
+    answer="stable",
+)
 def trapped_wedge(
     tilt: float = 10.0, *, mass_a: float = 1.0, mass_b: float = 1.0, planar: bool = True
 ) -> Assembly:

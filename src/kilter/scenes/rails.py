@@ -16,6 +16,7 @@ from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
 from kilter.rigid import unit
 from kilter.scenes.pieces import block, floor, prism
+from kilter.scenes.registry import listed
 from kilter.scenes.wedges import behind, solid_mesh, solid_volume
 from kilter.shape.primitives import BOX_CORNERS, BOX_QUADS, Mesh
 
@@ -36,6 +37,27 @@ THICK = 0.25
 """Of plates [m]."""
 
 
+@listed(
+    "closed-frame",
+    "a block locked in a frame",
+    source="region: all",
+    answer="stable",
+    sides="-x +x -y +y -z +z",
+)
+@listed(
+    "pit", "a block in a pit", source="region: half-space", answer="stable", sides="-x +x -y +y -z"
+)
+@listed("tube", "a block in a tube", source="region: plane", answer="stable", sides="-x +x -z +z")
+@listed(
+    "channel",
+    "a block in a channel",
+    source="region: half-plane",
+    answer="stable",
+    sides="-x +x -z",
+)
+@listed(
+    "slot", "a block between two plates", source="region: line", answer="unstable", sides="-x +x"
+)
 def railed(sides: str = "-x +x -z", *, count: int = 1, planar: bool = False) -> Assembly:
     """A column of unit cubes between held plates: stable for the cone the plates generate.
 
@@ -74,6 +96,14 @@ def railed(sides: str = "-x +x -z", *, count: int = 1, planar: bool = False) -> 
     return Assembly(parts, planar=planar)
 
 
+@listed(
+    "stopped-groove",
+    "a prism in a V-groove between two stops",
+    source="region: wedge",
+    answer="stable",
+    ends=2,
+)
+@listed("groove", "a prism in a V-groove", source="region: fan", answer="stable")
 def groove(angle: float = 30.0, *, ends: int = 0, planar: bool = False) -> Assembly:
     """A prism in a held V-groove along y, stable within `angle` of -z across the groove.
 
@@ -150,6 +180,7 @@ def _plate(bottom: float, height: float, dip: float) -> Mesh:
     return Mesh(lower + upper, faces)
 
 
+@listed("pit-wedges", "a cube in a pit, cut into six", source="region: cone", answer="stable")
 def pit_wedges(count: int = 6, *, seed: int = 0) -> Assembly:
     """A cube in a pit, filled to the rim, cut into `count` wedges by random planes: stable.
 

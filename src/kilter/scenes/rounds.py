@@ -9,11 +9,13 @@ import numpy as np
 from kilter.assembly import Assembly, FrictionPair, Part
 from kilter.rigid import Pose
 from kilter.scenes.pieces import floor, turn
+from kilter.scenes.registry import listed
 from kilter.shape.primitives import Cylinder, Shape, Sphere
 
 __all__ = ["four_spheres", "three_cylinders"]
 
 
+@listed("three-cylinders", "a cylinder on two cylinders", source="R1", answer="stable")
 def three_cylinders(*, friction_between: float = 0.3, friction_ground: float = 0.1) -> Assembly:
     """Case R1: two cylinders along y and a third on them, all touching.
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from kilter.assembly import Assembly
 from kilter.scenes.pieces import block, compose, floor, turn, turned_parts
+from kilter.scenes.registry import listed
 
 __all__ = [
     "block_on_incline",
@@ -27,6 +28,7 @@ __all__ = [
 ]
 
 
+@listed("tower", "five cubes on a held one", source="S2", answer="stable")
 def tower(
     count: int = 5, *, tilt: float = 0.0, size: float = 1.0, friction: float = 0.0
 ) -> Assembly:
@@ -58,6 +60,12 @@ def tower(
     return Assembly(cubes, gravity=down, friction=friction)
 
 
+@listed(
+    "staircase",
+    "four cubes, each a little further out, just inside the limit",
+    source="S3",
+    answer="stable",
+)
 def staircase(count: int = 4, *, offset: float | None = None) -> Assembly:
     """Case S3: `count` free unit cubes, each `offset` further along x than the one below.
 
@@ -88,6 +96,16 @@ def staircase(count: int = 4, *, offset: float | None = None) -> Assembly:
     )
 
 
+@listed(
+    "slope-with-friction",
+    "a block on a slope of 20 degrees, friction 0.5",
+    source="S1",
+    answer="stable",
+    friction=0.5,
+)
+@listed(
+    "slope", "a block on a slope of 20 degrees without friction", source="S8", answer="unstable"
+)
 def block_on_slope(
     angle: float = 20.0,
     *,
@@ -125,6 +143,12 @@ def block_on_incline(
     return block_on_slope(angle, width=width, height=height, friction=friction)
 
 
+@listed(
+    "harmonic-stack",
+    "ten blocks that reach 1.46 lengths over an edge, just balanced",
+    source="O1",
+    answer="stable",
+)
 def harmonic_stack(count: int = 10, *, scale: float = 1.0 - 1e-6) -> Assembly:
     """Case O1: the harmonic stack over the edge x = 0 of a held table, blocks 1 x 1 x 0.25.
 
@@ -157,6 +181,9 @@ def three_block_overhang(shift: float = 0.0) -> Assembly:
     return Assembly([floor([-3, -1], [0, 1], name="table"), *blocks])
 
 
+@listed(
+    "inverted-triangle", "rows of 1, 2 and 3 blocks, not balanced", source="O3", answer="unstable"
+)
 def inverted_triangle(rows: int = 3) -> Assembly:
     """Case O3: rows of 1, 2, 3, ... unit blocks on a held table as wide as the first.
 
@@ -165,6 +192,7 @@ def inverted_triangle(rows: int = 3) -> Assembly:
     return _rows_of_blocks(list(range(1, rows + 1)))
 
 
+@listed("diamond", "a diamond of 16 blocks on one, balanced", source="O4", answer="stable")
 def diamond(order: int = 4) -> Assembly:
     """Case O4: rows of 1, 2, ..., order, ..., 2, 1 unit blocks on a held table.
 

@@ -8,6 +8,7 @@ from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
 from kilter.rigid import Pose
 from kilter.scenes.pieces import block, cells, floor, prism
+from kilter.scenes.registry import listed
 from kilter.shape.primitives import Mesh, surface
 
 __all__ = [
@@ -20,6 +21,7 @@ __all__ = [
 ]
 
 
+@listed("floating-block", "one block of a row floats", source="W1", answer="unstable")
 def floating_block(index: int = 2, *, count: int = 5) -> Assembly:
     """Case W1: unit cubes in a row on a floor, one of them 1 m above it: it falls at 1 g.
 
@@ -55,6 +57,7 @@ def penetrating_cube(depth: float = 0.1) -> Assembly:
     )
 
 
+@listed("laden-slab", "a slab that carries 125 cubes", source="W7", answer="stable")
 def laden_slab() -> Assembly:
     """Case W7: a held slab with 25 unit cubes and 100 cubes of 0.1: stable, 125 patches."""
     large = [

@@ -17,6 +17,7 @@ from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
 from kilter.rigid import Pose
 from kilter.scenes.pieces import block
+from kilter.scenes.registry import listed
 from kilter.shape.primitives import Box
 
 __all__ = [
@@ -161,6 +162,7 @@ def bond(courses: int, per_course: int) -> list[list[float]]:
     return [full if row % 2 == 0 else half for row in range(courses)]
 
 
+@listed("wall", "a running-bond wall", source="running bond", answer="stable")
 def wall(courses: int = 6, per_course: int = 6, **options: Any) -> Assembly:
     """A running-bond wall; `options` are those of `wall_from_courses`.
 
@@ -186,6 +188,12 @@ def stack_bond(courses: int = 6, per_course: int = 6, **options: Any) -> Assembl
     return wall_from_courses([[1.0] * per_course for _ in range(courses)], **options)
 
 
+@listed(
+    "wall-with-opening",
+    "a brick over the opening of a wall rests on nothing",
+    source="running bond",
+    answer="unstable",
+)
 def wall_with_opening(
     courses: int = 8,
     per_course: int = 8,
@@ -211,6 +219,9 @@ def wall_with_opening(
     return wall_from_courses(_opened(bond(courses, per_course), opening), **options)
 
 
+@listed(
+    "wall-with-lintel", "the same opening under a lintel", source="running bond", answer="stable"
+)
 def wall_with_lintel(
     courses: int = 8,
     per_course: int = 8,
@@ -230,6 +241,12 @@ def wall_with_lintel(
     return wall_from_courses(rows, **options)
 
 
+@listed(
+    "hanging-brick",
+    "one brick of a wall hangs in the air",
+    source="running bond",
+    answer="unstable",
+)
 def hanging_brick(courses: int = 6, per_course: int = 6, **options: Any) -> Assembly:
     """A running-bond wall with a lintel, and a brick that hangs under it, held by nothing.
 
@@ -245,6 +262,12 @@ def hanging_brick(courses: int = 6, per_course: int = 6, **options: Any) -> Asse
     return wall_from_courses(rows, **options)
 
 
+@listed(
+    "wall-on-short-base",
+    "a wall that is longer than its base",
+    source="running bond",
+    answer="unstable",
+)
 def short_base(
     courses: int = 4, per_course: int = 6, *, held: float = 3.25, **options: Any
 ) -> Assembly:
@@ -256,6 +279,12 @@ def short_base(
     return wall(courses, per_course, base=(-length / 2, held * length), **options)
 
 
+@listed(
+    "tilted-wall",
+    "a wall tilted 5 degrees out of its plane, friction 0.6",
+    source="S7",
+    answer="potentially-stable",
+)
 def tilted_wall(
     degrees: float = 5.0, *, friction: float = 0.6, courses: int = 9, per_course: int = 6
 ) -> Assembly:
@@ -269,6 +298,13 @@ def tilted_wall(
     return wall(courses, per_course, gravity=down, friction=friction)
 
 
+@listed(
+    "pierced-wall",
+    "a wall with two openings, friction 0.65",
+    source="Ferris and Tin-Loi, wall 4",
+    answer="stable",
+    number=4,
+)
 def ferris_tin_loi(number: int = 1, *, friction: float = 0.65) -> Assembly:
     """One of the six walls of Ferris and Tin-Loi, 0.4 x 0.175 m blocks, 0.2 m deep, planar.
 

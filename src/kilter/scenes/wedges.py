@@ -13,6 +13,7 @@ from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
 from kilter.rigid import unit
 from kilter.scenes.pieces import block, floor, prism
+from kilter.scenes.registry import listed
 from kilter.shape.primitives import BOX_CORNERS, BOX_QUADS, Mesh
 
 __all__ = ["corner_boxes", "corner_wedges", "keystone"]
@@ -22,6 +23,7 @@ WALL = 0.5
 """Thickness of the held walls [m]."""
 
 
+@listed("keystone", "a keystone between two springers", source="wedge", answer="stable")
 def keystone(angle: float = 15.0, *, friction: float = 0.0, planar: bool = False) -> Assembly:
     """A keystone between two free springers that lean on held walls: stable.
 
@@ -73,6 +75,7 @@ def corner_boxes(count: int = 3, *, size: float = 1.0) -> Assembly:
     return Assembly([*_corner(count * size), *cubes], gravity=_into_corner())
 
 
+@listed("corner-wedges", "a cube in a corner, cut into six wedges", source="wedge", answer="stable")
 def corner_wedges(count: int = 6, *, seed: int = 0) -> Assembly:
     """A cube in a corner of three held walls, cut into `count` wedges by random planes.
 
