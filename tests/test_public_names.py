@@ -1,0 +1,59 @@
+"""The public names: one map, its types, the reference and the commands agree."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import re
+from pathlib import Path
+
+import pytest
+
+import kilter
+from kilter.cli.app import command
+
+ROOT = Path(__file__).resolve().parents[1]
+HOMES = kilter._HOMES
+BESIDE = {"common_region", "fastened", "dump", "load"}
+"""Functions that are no command: what they do is an option of one, or its reading."""
+
+
+def test_what_a_type_checker_sees_is_what_is_there() -> None:
+    tree = ast.parse((ROOT / "src/kilter/__init__.py").read_text(encoding="utf-8"))
+    seen = {
+        alias.asname: node.module
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("kilter.")
+        for alias in node.names
+    }
+    assert seen == HOMES
+    assert sorted(HOMES) == kilter.__all__
+    assert set(kilter.__all__) <= set(dir(kilter))
+
+
+@pytest.mark.parametrize("name", sorted(HOMES))
+def test_each_name_is_at_home_where_the_map_says(name: str) -> None:
+    value = getattr(kilter, name)
+    assert value is getattr(importlib.import_module(HOMES[name]), name)
+    assert (value.__module__, value.__name__) == (HOMES[name], name)
+    assert value.__doc__
+
+
+def test_the_reference_has_every_name() -> None:
+    pages = sorted((ROOT / "docs" / "reference").glob("*.md"))
+    named = re.findall(r"^::: (\S+)$", "".join(p.read_text("utf-8") for p in pages), flags=re.M)
+    assert {f"{home}.{name}" for name, home in HOMES.items()} <= set(named)
+    for one in named:
+        home, _, name = one.rpartition(".")
+        assert hasattr(importlib.import_module(home), name), one
+
+
+def test_every_command_is_a_function_and_every_function_a_command() -> None:
+    functions = {name for name in HOMES if name.islower()}
+    commands = set(command().commands)
+    assert commands == functions - BESIDE
+
+
+def test_an_unknown_name_is_an_attribute_error() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'chek'"):
+        kilter.chek  # noqa: B018
