@@ -12,8 +12,7 @@ import typer
 from kilter.cli.asked import Asked
 from kilter.cli.exit_codes import VERDICT, VERIFY, WRITTEN
 from kilter.cli.options import FORM, File, Json, Output, Quiet, asks
-from kilter.cli.output import Progress, as_json, emit, keep_apart, read_json, write_whole
-from kilter.cli.reading import Reading, fasten, read_assembly
+from kilter.cli.output import Progress, as_json, emit, keep_apart, write_whole
 from kilter.errors import InputError
 
 __all__ = ["check", "contacts", "example", "verify"]
@@ -120,38 +119,13 @@ def verify(
     The file is read as it was for the proof (parts held, left out, direction of gravity);
     the answer names these conditions.
     """
-    from kilter.contact import contacts as find
-    from kilter.mechanics.verification import proof_tolerance, verify_proof
+    from kilter.mechanics.verification import verify as recompute
     from kilter.tell.text import text_of
 
     keep_apart(file, output)
-    data = read_json(proof, "proof file")
-    if not isinstance(data, dict) or "kilter_proof" not in data:
-        raise InputError("is no proof", file=proof, hint="give a file of kilter check --proof")
-    try:
-        reading = Reading.from_options(data.get("options", {}))
-        tolerance = proof_tolerance(data)
-        with Progress(quiet) as progress:
-            progress("reading")
-            assembly = read_assembly(file, reading)
-            assembly, known = fasten(assembly, reading, tolerance, progress)
-            found = known or find(assembly, tolerance=tolerance, progress=progress)
-            result = verify_proof(assembly, found, data)
-    except InputError as error:
-        raise error.located(file=proof) from None
-    answer = {
-        "holds": result.holds,
-        "verdict": result.verdict,
-        "residual": result.residual,
-        "power": result.power,
-        "reasons": list(result.reasons),
-        "notes": list(result.notes),
-        "held": [part.name for part in assembly.parts if part.grounded],
-        "gravity": assembly.gravity.tolist(),
-        "units": assembly.units,
-        "options": reading.options(),
-        "tolerance": data["tolerance"],
-    }
+    with Progress(quiet) as progress:
+        result = recompute(file, proof, progress=progress)
+    answer = result.to_dict()
     emit(as_json(answer) if json else text_of(answer), output)
     return VERIFY[result.holds]
 
@@ -182,15 +156,11 @@ def example(
 
     if name is None:
         if json:
-            listed = [
-                {"name": s.name, "title": s.title, "source": s.source, "answer": s.answer}
-                for s in SCENES.values()
-            ]
-            emit(as_json(listed), output)
+            emit(as_json([one.to_dict() for one in SCENES.values()]), output)
         else:
             from kilter.tell.text import aligned
 
-            rows = [[s.name, s.answer or "", s.title] for s in SCENES.values()]
+            rows = [[one.name, one.answer, one.title] for one in SCENES.values()]
             emit("\n".join(aligned(rows)), output)
         return WRITTEN
     from kilter.files import to_text

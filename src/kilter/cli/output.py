@@ -12,7 +12,7 @@ from typing import Any
 
 from kilter.errors import InputError
 
-__all__ = ["Progress", "as_json", "emit", "keep_apart", "read_json", "tell_warnings", "write_whole"]
+__all__ = ["Progress", "as_json", "emit", "keep_apart", "tell_warnings", "write_whole"]
 
 
 def as_json(data: Any) -> str:
@@ -58,24 +58,6 @@ def write_whole(path: Path, text: str) -> None:
     from kilter.files import write_text
 
     write_text(path, text)
-
-
-def read_json(path: str, what: str) -> Any:
-    """JSON data of a file.
-
-    Raises
-    ------
-    InputError
-        If there is no such file or it is no JSON.
-    """
-    try:
-        return json.loads(Path(path).read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError(f"no such {what}", file=path, hint="check the path") from None
-    except OSError as error:
-        raise InputError(f"cannot be read ({error.strerror})", file=path) from None
-    except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
-        raise InputError(f"is no JSON ({error})", file=path, hint=f"give a {what}") from None
 
 
 def tell_warnings(warnings: Sequence[str], quiet: bool, limit: int = 20) -> None:
