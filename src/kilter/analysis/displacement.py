@@ -38,6 +38,11 @@ class Displacement:
 def find_displacement(program: Program) -> Displacement:
     """Solve LP (9) of the paper.
 
+    Raises
+    ------
+    SolverError
+        If no solver finishes it: it has an optimum, so that is a breakdown.
+
     Examples
     --------
     >>> from kilter.scenes import scene

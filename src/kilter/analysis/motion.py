@@ -8,6 +8,9 @@ where the assembly is stable. LP (9) only says that parts move, not how (the pap
 
     kappa = |a|_M / (|g| sqrt(sum m_i))          0 = stable, 1 = everything in free fall
 
+With friction they obey Coulomb's law and need not be unique; where no exact solution is
+reached, the one that comes nearest is given, with its residual in the law.
+
 References
 ----------
 C. F. Gauss, Über ein neues allgemeines Grundgesetz der Mechanik, 1829. D. Baraff,
@@ -21,13 +24,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.analysis.analysis_tolerances import MOTION_ENOUGH, MOTION_GOOD, MOVES, ZERO_MOTION
-from kilter.arrays import Array, Mask
+from kilter.arrays import TINY, Array, Mask
 from kilter.mechanics.forms import scaled
 from kilter.mechanics.gauss import LeastConstraint, halved, least_constraint
 from kilter.mechanics.program import Program
 from kilter.units import metres_per_unit
 
-__all__ = ["ImpendingMotion", "find_motion", "optimality", "still"]
+__all__ = [
+    "ImpendingMotion",
+    "find_motion",
+    "find_motion_with_friction",
+    "motion_of",
+    "optimality",
+    "still",
+]
 
 
 SMALL = 400
@@ -38,7 +48,7 @@ MANY = 8000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ImpendingMotion:
-    """Initial accelerations, by Gauss's principle.
+    """Initial accelerations.
 
     Attributes
     ----------
@@ -50,7 +60,8 @@ class ImpendingMotion:
     instability : float
         kappa [-].
     residual : float
-        Of the optimality conditions, as `optimality` finds it, in units of g [-].
+        Of the optimality conditions, as `optimality` finds it, in units of g, or in Coulomb's
+        law [-].
     """
 
     acceleration: Array
@@ -76,23 +87,50 @@ def find_motion(program: Program) -> ImpendingMotion:
     if not program.free.any():
         return still(program)
     motion, residual = _least_constrained(program)
-    size = program.g
-    relative = np.column_stack(
-        [
-            np.linalg.norm(motion[:, :3], axis=1),
-            np.linalg.norm(motion[:, 3:], axis=1) * program.radius,
-        ]
-    )
-    moves = np.asarray((relative > MOVES).any(axis=1))
     motion = np.where(np.abs(motion) < ZERO_MOTION, 0.0, motion)
+    acceleration = motion * program.g
+    acceleration[:, 3:] /= metres_per_unit(program.units)
+    return motion_of(program, acceleration, residual)
+
+
+def motion_of(program: Program, acceleration: Array, residual: float) -> ImpendingMotion:
+    """Given accelerations as an impending motion.
+
+    Parameters
+    ----------
+    program : Program
+    acceleration : ndarray, shape (N, 6)
+        Linear [m/s^2] and angular [rad/s^2].
+    residual : float
+        In the conditions that they are to meet [-].
+    """
+    motion = acceleration / max(program.g, TINY)
+    motion[:, 3:] *= metres_per_unit(program.units)
+    sizes = np.linalg.norm(motion.reshape(-1, 2, 3), axis=2)
+    sizes[:, 1] *= program.radius
     energy = program.mass @ (motion[:, :3] ** 2).sum(axis=1) + np.einsum(
         "ni,nij,nj->", motion[:, 3:], program.inertia, motion[:, 3:]
     )
     free_mass = float(program.mass[program.free].sum())
-    acceleration = motion * size
-    acceleration[:, 3:] /= metres_per_unit(program.units)
-    kappa = min(float(np.sqrt(max(energy, 0.0) / free_mass)), 1.0)
-    return ImpendingMotion(acceleration, relative, moves, kappa, residual)
+    kappa = min(float(np.sqrt(max(energy, 0.0) / max(free_mass, TINY))), 1.0)
+    moves = np.asarray((sizes > MOVES).any(axis=1))
+    return ImpendingMotion(acceleration, sizes, moves, kappa, residual)
+
+
+def find_motion_with_friction(program: Program, budget: float) -> ImpendingMotion | None:
+    """How the parts start to move where no forces of equilibrium exist; None: not reached.
+
+    Parameters
+    ----------
+    budget : float
+        For the search [s].
+    """
+    from kilter.friction.motion_search import find_coulomb_motion
+
+    found = find_coulomb_motion(program, budget=budget, nearest=True)
+    if found is None:
+        return None
+    return motion_of(program, found.acceleration, found.law.residual)
 
 
 def _least_constrained(program: Program) -> tuple[Array, float]:

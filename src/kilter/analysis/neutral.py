@@ -41,7 +41,7 @@ class Neutral:
 
 
 def find_neutral(program: Program) -> Neutral | None:
-    """Count the neutral motions; None above the limit.
+    """Count the neutral motions; None above the limit, or where no solver finished.
 
     Examples
     --------
@@ -65,6 +65,8 @@ def find_neutral(program: Program) -> Neutral | None:
     freedoms = opening.shape[1]
     two_sided = freedoms - _rank(everything, blur)
     never = _never_open(problem, opening, load, blur)
+    if never is None:
+        return None
     one_sided = freedoms - _rank(np.vstack([opening[never], load]), blur) - two_sided
     return Neutral(two_sided, one_sided)
 
@@ -87,8 +89,8 @@ def _rank(matrix: Array, blur: float) -> int:
     return int((values > blur * max(values.max(initial=0.0), 1e-300)).sum())
 
 
-def _never_open(problem: Scaled, opening: Array, load: Array, blur: float) -> Mask:
-    """Rows that no motion of the cone opens."""
+def _never_open(problem: Scaled, opening: Array, load: Array, blur: float) -> Mask | None:
+    """Rows that no motion of the cone opens; None where no solver finished the program."""
     from kilter.solvers.highs import find_optimum
 
     rows, count = opening.shape
@@ -108,6 +110,8 @@ def _never_open(problem: Scaled, opening: Array, load: Array, blur: float) -> Ma
         lower=np.concatenate([np.full(count, -reach), np.zeros(rows)]),
         upper=np.concatenate([np.full(count, reach), np.ones(rows)]),
     )
-    answer = find_optimum(lp).required("the neutral motions")
+    answer = find_optimum(lp)
+    if not answer.optimal:
+        return None
     never: Mask = (answer.x[count:] < 0.5) | two_sided
     return never

@@ -20,9 +20,14 @@ from kilter.analysis.answers import joints_answer, unsupported_answer
 from kilter.analysis.contact_forces import ContactForces, find_contact_forces
 from kilter.analysis.displacement import LIMIT as DISPLACEMENT_LIMIT
 from kilter.analysis.displacement import Displacement, find_displacement
-from kilter.analysis.frictional_motion import find_motion_with_friction, motion_of
 from kilter.analysis.judge import Judgement
-from kilter.analysis.motion import ImpendingMotion, find_motion, still
+from kilter.analysis.motion import (
+    ImpendingMotion,
+    find_motion,
+    find_motion_with_friction,
+    motion_of,
+    still,
+)
 from kilter.analysis.neutral import Neutral, find_neutral
 from kilter.arrays import sealed
 from kilter.assembly import Assembly

@@ -134,15 +134,16 @@ def solve_linear(
 def find_optimum(program: LinearProgram, *, method: Method = "simplex") -> Solution:
     """A solution that the solver calls optimal, by other ways where the first fails.
 
-    For figures beside a verdict; verdicts are judged, whatever the solver calls them.
+    With and without presolve, by the other method, then with other scalings. For figures
+    beside a verdict; verdicts are judged, whatever the solver calls them.
     """
     other: Method = "interior" if method == "simplex" else "simplex"
     ways: list[tuple[Method, bool]] = [(method, True), (method, False), (other, True)]
     for way, presolve in ways:
         answer = solve_linear(program, method=way, presolve=presolve)
         if answer.optimal:
-            break
-    return answer
+            return answer
+    return KeptProgram(program).solve()
 
 
 def near_its_bound(solution: Solution) -> bool:
