@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
-from kilter.analysis.regions.enclose import Enclosure, Found, nearest_face
+from kilter.analysis.regions.enclose import KnownSet, SupportPoint, nearest_face
 from kilter.analysis.regions.growing_hull import GrowingHull
 
 KINDS = ("scattered", "on a box", "on a sphere", "on a long box")
@@ -51,14 +51,14 @@ def ellipsoid(axes: np.ndarray, failing: int = -1):
     """The oracle of an ellipsoid around 0; it fails at one question."""
     asked = [0]
 
-    def oracle(direction: np.ndarray) -> Found | None:
+    def oracle(direction: np.ndarray) -> SupportPoint | None:
         asked[0] += 1
         if asked[0] == failing + 1:
             return None
         point = direction / np.linalg.norm(direction / axes)
         normal = point / axes**2
         normal /= np.linalg.norm(normal)
-        return Found(point, normal, float(normal @ point))
+        return SupportPoint(point, normal, float(normal @ point))
 
     return oracle
 
@@ -73,9 +73,9 @@ def test_the_nearest_boundary_from_both_sides(dimension: int) -> None:
     turn = np.linalg.qr(np.random.default_rng(1).normal(size=(dimension, dimension)))[0]
     inside = ellipsoid(axes)
 
-    def turned(direction: np.ndarray) -> Found:
+    def turned(direction: np.ndarray) -> SupportPoint:
         found = inside(turn.T @ direction)
-        return Found(turn @ found.point, turn @ found.normal, found.reach)
+        return SupportPoint(turn @ found.point, turn @ found.normal, found.reach)
 
     face = nearest_face(turned, axes_and_back(dimension), agree=1e-4, limit=500)
     least = axes.min()
@@ -97,11 +97,11 @@ def test_a_failed_answer_is_said_and_nothing_breaks(failing: int) -> None:
 
 
 def test_a_set_that_is_flat_has_its_boundary_at_0() -> None:
-    def segment(direction: np.ndarray) -> Found:
+    def segment(direction: np.ndarray) -> SupportPoint:
         along = abs(float(direction[0])) > 1 - 1e-12
         if along:
-            return Found(direction, direction, 1.0)
-        return Found(np.zeros(2), np.array([0.0, np.sign(direction[1])]), 0.0)
+            return SupportPoint(direction, direction, 1.0)
+        return SupportPoint(np.zeros(2), np.array([0.0, np.sign(direction[1])]), 0.0)
 
     face = nearest_face(segment, axes_and_back(2), agree=1e-6, limit=50)
     assert (face.inner, face.outer) == (0.0, 0.0)
@@ -110,11 +110,11 @@ def test_a_set_that_is_flat_has_its_boundary_at_0() -> None:
 def test_every_facet_of_a_polytope_is_settled() -> None:
     corners = np.random.default_rng(4).normal(size=(30, 3))
 
-    def support(direction: np.ndarray) -> Found:
+    def support(direction: np.ndarray) -> SupportPoint:
         far = int((corners @ direction).argmax())
-        return Found(corners[far], direction, float(corners[far] @ direction))
+        return SupportPoint(corners[far], direction, float(corners[far] @ direction))
 
-    known = Enclosure(support, GrowingHull.of(corners[:8], 1e-12))
+    known = KnownSet(support, GrowingHull.of(corners[:8], 1e-12))
     while not known.hull.done.all():
         known.settle(int(known.hull.done.argmin()))
     assert len(known.hull.facets) == len(ConvexHull(corners).simplices)

@@ -15,6 +15,10 @@ import numpy as np
 
 from kilter.analysis.judge import judge
 from kilter.analysis.margins.load_limit import NoLimit, starting
+from kilter.analysis.turning_tolerances import (
+    MU_AGREES,
+    MU_NOTHING,
+)
 from kilter.mechanics.certificate import ForceProof, MotionProof
 from kilter.mechanics.coulomb_cones import spread
 from kilter.mechanics.program import Program
@@ -23,14 +27,10 @@ from kilter.mechanics.rows import CONTACT
 __all__ = ["LeastFriction", "find_least_friction"]
 
 
-SMALLEST = 1e-7
-"""Coefficients below this count as zero: any friction holds."""
 TRIED = (1.0, 30.0, 1e3)
 """Coefficients tried for a first one that holds."""
 LARGEST = TRIED[-1]
 """Coefficients above this count as none that holds."""
-NEAR = 1e-8
-"""Relative width of the enclosure at which the search ends."""
 STEPS = 80
 
 
@@ -107,11 +107,11 @@ def find_least_friction(program: Program) -> LeastFriction | NoLimit:
     upper = min(upper, _used(program, best))
     solved = 2
     for _ in range(STEPS):
-        if upper <= SMALLEST:
+        if upper <= MU_NOTHING:
             return LeastFriction(0.0, 0.0, False, best, mechanism, solved)
-        if upper - lower <= NEAR * upper:
+        if upper - lower <= MU_AGREES * upper:
             break
-        middle = np.sqrt(max(lower, SMALLEST / 10) * upper)
+        middle = np.sqrt(max(lower, MU_NOTHING / 10) * upper)
         if upper < 2 * lower:
             middle = 0.5 * (lower + upper)
         judged = judge(_with(program, middle))

@@ -21,6 +21,12 @@ from typing import Any, Literal
 
 import numpy as np
 
+from kilter.analysis.turning_tolerances import (
+    BEYOND_LIMIT,
+    LIMIT_TOLERANCES,
+    MOVES,
+    UNLIMITED,
+)
 from kilter.arrays import Array
 from kilter.mechanics.certificate import (
     ForceProof,
@@ -33,8 +39,6 @@ from kilter.mechanics.coulomb_cones import Spread, largest_load, spread
 from kilter.mechanics.program import Program
 
 __all__ = [
-    "OUTSIDE",
-    "UNLIMITED",
     "Limit",
     "NoLimit",
     "find_limit",
@@ -46,17 +50,6 @@ __all__ = [
 
 
 Why = Literal["none", "failed"]
-
-TOLERANCES = (1e-10, 1e-12)
-"""Of the solver: the second where the mechanism of the first is too coarse to prove itself."""
-UNLIMITED = 1e6
-"""Shares of a load above this count as unlimited."""
-OUTSIDE = -1e-7
-"""A largest share below this says that none of a load is too little: it is not held as given."""
-MOVES = 1e-6
-"""A part moves in a mechanism where it is faster than this fraction of the fastest."""
-STEPS = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5)
-"""How far above the limit a mechanism is proved, relative to it: the first that passes."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -163,7 +156,7 @@ def find_limit(
     """
     wide = wide or spread(program)
     best: Limit | NoLimit = NoLimit("failed")
-    for tolerance in TOLERANCES:
+    for tolerance in LIMIT_TOLERANCES:
         found = _limit_at(program, wide, wrench, most, tolerance)
         if isinstance(found, NoLimit):
             if found.why == "none" and isinstance(best, NoLimit):
@@ -191,12 +184,12 @@ def _limit_at(
     forces = check_forces(at_limit, *wide.decoded(answer.x[:-1]))
     if not forces.holds:
         return NoLimit("failed")
-    if value >= most * (1 - STEPS[-1]):
+    if value >= most * (1 - BEYOND_LIMIT[-1]):
         return Limit(np.inf, forces, None, 0.0)
     multipliers = answer.multipliers[: len(problem.right)]
     motion = problem.motion(problem.over_weight(multipliers))
     beyond, gap = check_motion(at_limit, motion), np.inf
-    for step in STEPS:
+    for step in BEYOND_LIMIT:
         share = value + step * max(abs(value), 1.0)
         beyond = check_motion(with_more(program, wrench, share), motion)
         if beyond.holds:

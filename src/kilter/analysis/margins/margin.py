@@ -34,6 +34,9 @@ from kilter.analysis.margins.tilt import (
 )
 from kilter.analysis.margins.uncertainty import Ranges, Uncertainty, find_uncertainty
 from kilter.analysis.margins.what_helps import Help, what_helps
+from kilter.analysis.turning_tolerances import (
+    ACROSS_GRAVITY,
+)
 from kilter.analysis.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
@@ -50,8 +53,6 @@ T = TypeVar("T")
 
 PUSHED = 20
 """Free parts up to which every part's weakest push is sought where it is not asked for."""
-ACROSS = 1e-9
-"""A tilt axis is across gravity up to this cosine."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -294,11 +295,11 @@ def _missing_words(missing: dict[str, Why]) -> list[str]:
 
 def _axis(assembly: Assembly, about: Any) -> Array:
     axis = unit(about, "axis of the tilt")
-    if abs(float(axis @ assembly.down)) > ACROSS:
+    if abs(float(axis @ assembly.down)) > ACROSS_GRAVITY:
         raise InputError(
             f"the axis {axis.tolist()} is not across gravity", hint="give a horizontal axis"
         )
-    if assembly.planar and abs(abs(float(axis[1])) - 1) > ACROSS:
+    if assembly.planar and abs(abs(float(axis[1])) - 1) > ACROSS_GRAVITY:
         raise InputError("the axis leaves the plane", hint="give 0 1 0 where planar")
     return axis
 

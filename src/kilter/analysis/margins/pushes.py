@@ -16,7 +16,11 @@ import numpy as np
 
 from kilter.analysis.margins.load_limit import Limit, NoLimit, finite
 from kilter.analysis.margins.tilt import held_limit
-from kilter.analysis.regions.enclose import Found, nearest_face
+from kilter.analysis.regions.enclose import SupportPoint, nearest_face
+from kilter.analysis.turning_tolerances import (
+    PUSH_AGREES,
+    UNLIMITED,
+)
 from kilter.arrays import Array
 from kilter.mechanics.coulomb_cones import Spread, spread
 from kilter.mechanics.program import Program
@@ -24,10 +28,6 @@ from kilter.mechanics.program import Program
 __all__ = ["Push", "find_push", "find_weakest_push"]
 
 
-UNLIMITED = 1e6
-"""Pushes above this many weights of all parts count as unlimited."""
-SAME = 1e-6
-"""Hull and planes agree when their distances do to this fraction."""
 PROGRAMS = 80
 """Programs a part after which the search ends with the gap that is left."""
 
@@ -109,21 +109,21 @@ def find_weakest_push(program: Program, part: int, *, wide: Spread | None = None
     axes = np.eye(3)[[0, 2]] if program.planar else np.eye(3)
     pushes: list[Push | NoLimit] = []
 
-    def ask(direction: Array) -> Found | None:
+    def ask(direction: Array) -> SupportPoint | None:
         push = find_push(program, part, direction @ axes, wide=wide)
         pushes.append(push)
         if isinstance(push, NoLimit):
             return None
         normal, distance = _plane(program, part, push)
-        return Found(min(push.force, cap) * direction, axes @ normal, min(distance, cap))
+        return SupportPoint(min(push.force, cap) * direction, axes @ normal, min(distance, cap))
 
     first = _first(program.planar) @ axes.T
-    face = nearest_face(ask, first, agree=SAME, limit=PROGRAMS, most=cap)
+    face = nearest_face(ask, first, agree=PUSH_AGREES, limit=PROGRAMS, most=cap)
     if face is None or NoLimit("none") in pushes:
         return NoLimit("none" if NoLimit("none") in pushes else "failed")
     push = pushes[face.answer]
     assert isinstance(push, Push)
-    unlimited = face.outer >= cap * (1 - SAME)
+    unlimited = face.outer >= cap * (1 - PUSH_AGREES)
     force, lower = (np.inf, np.inf) if unlimited else (face.outer, face.inner)
     return Push(push.part, face.normal @ axes, force, lower, push.limit, face.asked)
 
@@ -147,6 +147,6 @@ def _plane(program: Program, part: int, push: Push) -> tuple[Array, float]:
         return push.direction, push.force
     distance = -float((program.load * mechanism.motion).sum()) / size
     # where the plane is no support (its motion too coarse), the limit itself bounds
-    if not 0.0 <= distance <= push.force * (1 + SAME):
+    if not 0.0 <= distance <= push.force * (1 + PUSH_AGREES):
         return push.direction, push.force
     return step / size, distance

@@ -20,13 +20,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.analysis.margins.load_limit import (
-    OUTSIDE,
     Limit,
     NoLimit,
     find_limit,
     gravity_wrench,
 )
-from kilter.analysis.regions.enclose import Found, nearest_face
+from kilter.analysis.regions.enclose import SupportPoint, nearest_face
+from kilter.analysis.turning_tolerances import (
+    NO_PROJECTION,
+    NOT_HELD,
+    STEEPEST,
+    TILT_AGREES,
+)
 from kilter.arrays import Array, across, cross
 from kilter.mechanics.coulomb_cones import Spread, nearest_load, spread
 from kilter.mechanics.program import Program
@@ -41,14 +46,8 @@ __all__ = [
     "tilt_about",
 ]
 
-STEEPEST = 1e6
-"""Tangent of a turn that counts as a right angle."""
 FIRST = 8
 """Directions looked at first."""
-SAME = 1e-9
-"""Polygon and lines agree when their distances do to this fraction."""
-NOTHING = 1e-6
-"""Length of a projection, of a unit vector, that counts as none."""
 PROGRAMS = 64
 """Programs after which the search ends with the gap that is left."""
 
@@ -122,14 +121,14 @@ def find_tilt_margin(program: Program) -> TiltMargin | NoLimit:
     wide = spread(program)
     limits: list[Limit | NoLimit] = []
 
-    def shoot(direction: Array) -> Found | None:
+    def shoot(direction: Array) -> SupportPoint | None:
         wrench = gravity_wrench(program, direction @ basis)
         limit = held_limit(program, wrench, wide=wide, most=STEEPEST)
         limits.append(limit)
         return None if isinstance(limit, NoLimit) else _boundary(program, basis, direction, limit)
 
     first = first_directions(len(basis))
-    face = nearest_face(shoot, first, agree=SAME, limit=PROGRAMS, most=STEEPEST)
+    face = nearest_face(shoot, first, agree=TILT_AGREES, limit=PROGRAMS, most=STEEPEST)
     if face is None or NoLimit("none") in limits:
         return NoLimit("none" if NoLimit("none") in limits else "failed")
     limit = limits[face.answer]
@@ -149,11 +148,11 @@ def find_tilt_margin(program: Program) -> TiltMargin | NoLimit:
 def held_limit(program: Program, wrench: Array, *, wide: Spread, most: float) -> Limit | NoLimit:
     """The limit, where a share of 0 is held too."""
     limit = find_limit(program, wrench, wide=wide, most=most)
-    below = isinstance(limit, Limit) and limit.value < OUTSIDE
+    below = isinstance(limit, Limit) and limit.value < NOT_HELD
     return NoLimit("none") if below else limit
 
 
-def _boundary(program: Program, basis: Array, direction: Array, limit: Limit) -> Found:
+def _boundary(program: Program, basis: Array, direction: Array, limit: Limit) -> SupportPoint:
     """The boundary point along a direction, and the line at which its mechanism gains no power."""
     reach = max(min(limit.value, STEEPEST), 0.0)
     point = reach * direction
@@ -163,9 +162,9 @@ def _boundary(program: Program, basis: Array, direction: Array, limit: Limit) ->
         size = float(np.linalg.norm(along))
         distance = -float(program.down @ moment) / size if size > 0 else np.inf
         # where the line is no support (its motion too coarse), the point itself bounds
-        if 0.0 <= distance <= reach * (1 + SAME):
-            return Found(point, along / size, distance)
-    return Found(point, direction, reach)
+        if 0.0 <= distance <= reach * (1 + TILT_AGREES):
+            return SupportPoint(point, along / size, distance)
+    return SupportPoint(point, direction, reach)
 
 
 def find_nearest_held(program: Program) -> tuple[float, Array] | NoLimit:
@@ -182,7 +181,7 @@ def find_nearest_held(program: Program) -> tuple[float, Array] | NoLimit:
         return NoLimit("failed")
     found = answer.x[-len(axes) :] @ axes
     size = float(np.linalg.norm(found))
-    if size < NOTHING:
+    if size < NO_PROJECTION:
         return NoLimit("none")
     turn = float(np.arctan2(np.linalg.norm(cross(program.down, found)), program.down @ found))
     return turn, found / size

@@ -25,7 +25,6 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from kilter.analysis.margins.load_limit import (
-    UNLIMITED,
     NoLimit,
     find_limit,
     finite,
@@ -37,7 +36,12 @@ from kilter.analysis.margins.tilt import (
     find_tilt_margin,
     first_directions,
 )
-from kilter.analysis.regions.enclose import Found, nearest_face
+from kilter.analysis.regions.enclose import SupportPoint, nearest_face
+from kilter.analysis.turning_tolerances import (
+    BALANCED,
+    FOLLOWING_AGREES,
+    UNLIMITED,
+)
 from kilter.arrays import Array, cross
 from kilter.errors import InputError
 from kilter.mechanics.affine import UncertainLoad, affine_forces, affine_imbalance
@@ -61,10 +65,6 @@ STEEP = 1e3
 """Tangents of a tilt, and shares of a load, above which forces that follow are not sought."""
 SHOTS = 16
 """Directions looked at for the least tilt where forces follow."""
-CLOSER = 1e-3
-"""The search ends where what is known from both sides differs by less than this fraction."""
-BALANCED = 1e-8
-"""Imbalance over the weight of a part that forces which follow may leave."""
 SIMPLEX = 30_000
 """Entries of the linear program up to which simplex is tried first, else interior point."""
 SECONDS = 30.0
@@ -381,17 +381,17 @@ class _Following:
                 continue
             if affine_imbalance(self.problem, load, answer.x) <= BALANCED:
                 share = float(answer.x[0])
-                return np.inf if most > STEEP and share >= STEEP * (1 - CLOSER) else share
+                return np.inf if most > STEEP and share >= STEEP * (1 - FOLLOWING_AGREES) else share
         return None
 
     def tilt(self) -> float | None:
         """A turn of gravity [rad] up to which every direction is held for all."""
         basis = across_gravity(self.program)
 
-        def shoot(direction: Array) -> Found | None:
+        def shoot(direction: Array) -> SupportPoint | None:
             share = self.reach(None, direction @ basis, STEEP)
-            return None if share is None else Found(share * direction, direction, share)
+            return None if share is None else SupportPoint(share * direction, direction, share)
 
         first = first_directions(len(basis))
-        face = nearest_face(shoot, first, agree=CLOSER, limit=SHOTS)
+        face = nearest_face(shoot, first, agree=FOLLOWING_AGREES, limit=SHOTS)
         return None if face is None or face.failed else float(np.arctan(face.inner))

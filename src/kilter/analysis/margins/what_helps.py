@@ -26,6 +26,10 @@ from kilter.analysis.margins.load_limit import (
     gravity_wrench,
 )
 from kilter.analysis.margins.tilt import TiltMargin, find_tilt_margin
+from kilter.analysis.turning_tolerances import (
+    MOVES,
+    NO_GAIN,
+)
 from kilter.arrays import Array
 from kilter.mechanics.certificate import part_sizes
 from kilter.mechanics.program import Program
@@ -38,10 +42,6 @@ HELD = 4
 """Parts that are held in turn."""
 FEW = 20
 """Free parts above which none is."""
-NOTHING = 1e-6
-"""Gains below this, in degrees or weights, are none."""
-MOVES = 1e-6
-"""A part moves in a mechanism where it is faster than this part of the fastest."""
 MORE_FRICTION = 0.1
 """Of mu, in words."""
 MORE_MASS = 0.1
@@ -108,7 +108,7 @@ def what_helps(
     if tilt is not None and tilt.angle < np.pi / 2:
         aside = tilt.down / float(tilt.down @ program.down) - program.down
         size = float(np.linalg.norm(aside))
-        if size < NOTHING:
+        if size < NO_GAIN:
             return ()
         along = gravity_wrench(program, aside / size)
         limit = find_limit(program, along)
@@ -171,7 +171,7 @@ def _hold(
         gain = _gain_of_holding(program, int(k), limit, along, of)
         if best is None or gain > best[0]:
             best = gain, int(k)
-    if best is None or best[0] <= NOTHING:
+    if best is None or best[0] <= NO_GAIN:
         return None
     name, more = program.names[best[1]], _words(of, best[0])
     words = f"hold {name!r}: it adds {more}"
@@ -210,7 +210,7 @@ def _friction(
     pairs = np.column_stack([program.part_a[rows], program.part_b[rows]])
     each, number = np.unique(pairs, axis=0, return_inverse=True)
     total = np.bincount(number.ravel(), gain, minlength=len(each))
-    if not len(total) or total.max() <= NOTHING:
+    if not len(total) or total.max() <= NO_GAIN:
         return None
     k = int(total.argmax())
     a, b = (program.names[p] for p in each[k])
@@ -222,7 +222,7 @@ def _friction(
 def _mass(program: Program, gain: Array, of: Literal["tilt", "load factor"]) -> Help | None:
     """The part whose mass matters most."""
     k = int(np.abs(gain).argmax())
-    if abs(gain[k]) <= NOTHING:
+    if abs(gain[k]) <= NO_GAIN:
         return None
     name, share = program.names[k], f"{100 * MORE_MASS:g} percent"
     less = "heavier" if gain[k] > 0 else "lighter"

@@ -15,20 +15,17 @@ from collections.abc import Iterator
 import numpy as np
 
 from kilter.analysis.regions.polyhedral_cone import Cone, make_cone
+from kilter.analysis.turning_tolerances import (
+    ON_PLANE,
+    PARALLEL_PLANES,
+    SAME_RAY,
+)
 from kilter.arrays import Array, Mask, cross, unit_rows
 
 __all__ = ["cone_around", "distinct", "edges_of", "extreme_rays", "facets_of"]
 
 
-ON = 1e-9
-"""A unit vector is on a plane up to this sine."""
-SAME = 1e-7
-"""Unit vectors nearer than this are the same."""
-PARALLEL = 1e-9
-"""Two planes with a smaller sine between them have no line in common."""
-
-
-def distinct(vectors: Array, apart: float = SAME) -> Array:
+def distinct(vectors: Array, apart: float = SAME_RAY) -> Array:
     """The first of each group of vectors that are the same."""
     kept: list[Array] = []
     for vector in vectors:
@@ -55,15 +52,15 @@ def extreme_rays(normals: Array) -> Array:
     >>> len(extreme_rays(np.empty((0, 3)))), len(extreme_rays(-np.eye(3)))
     (6, 3)
     """
-    lines = _across_pairs(np.vstack([normals, np.eye(3)]), PARALLEL)
-    inside = (lines @ normals.T <= ON).all(axis=1)
+    lines = _across_pairs(np.vstack([normals, np.eye(3)]), PARALLEL_PLANES)
+    inside = (lines @ normals.T <= ON_PLANE).all(axis=1)
     return distinct(lines[inside])
 
 
 def edges_of(normals: Array, rays: Array) -> Iterator[tuple[int, int, float]]:
     """Neighbouring rays on each facet, by position, and half the angle between them [rad]."""
     for normal in normals:
-        on = np.flatnonzero(np.abs(rays @ normal) <= 2 * SAME)
+        on = np.flatnonzero(np.abs(rays @ normal) <= 2 * SAME_RAY)
         if len(on) < 2:
             continue
         side = np.cross(normal, np.eye(3)[np.abs(normal).argmin()])
@@ -72,7 +69,7 @@ def edges_of(normals: Array, rays: Array) -> Iterator[tuple[int, int, float]]:
         following = np.roll(order, -1)
         for one, other in zip(order, following, strict=True):
             apart = (angle[other] - angle[one]) % (2 * np.pi)
-            if apart <= np.pi / 2 + SAME:  # else what is between is not of the cone
+            if apart <= np.pi / 2 + SAME_RAY:  # else what is between is not of the cone
                 yield int(on[one]), int(on[other]), 0.5 * float(apart)
 
 

@@ -19,6 +19,9 @@ import numpy as np
 from scipy.sparse import csc_array, diags_array, eye_array, hstack, vstack
 
 from kilter.analysis.regions.growth import Reach
+from kilter.analysis.turning_tolerances import (
+    NO_DIRECTION,
+)
 from kilter.arrays import Array, Mask
 from kilter.mechanics.mechanics_tolerances import RULED_OUT, TOLERANCE
 from kilter.solvers.problem import LinearProgram
@@ -26,13 +29,11 @@ from kilter.solvers.problem import LinearProgram
 if TYPE_CHECKING:
     from kilter.solvers.solution import Solution
 
-__all__ = ["NOTHING", "ConeOracle"]
+__all__ = ["ConeOracle"]
 
 
 FORCE_PRICES = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0)
 """Of the force of one weight where forces jam, over the tolerance; the lowest that frees."""
-NOTHING = 1e-3
-"""Optima shorter than this are no direction: the cone is cut off at a length of about 1."""
 FAR = 10.0
 """Where the cone is cut off across an axis, no point of it is longer than this along x, y, z."""
 
@@ -150,7 +151,7 @@ class ConeOracle:
         g = found.x[self._columns]
         length = float(np.linalg.norm(g))
         witness = -found.multipliers[: self._rows]
-        if length < NOTHING:
+        if length < NO_DIRECTION:
             return Reach(0.0, np.zeros(len(g)), np.zeros(self._forces), witness)
         forces = found.x[: self._forces] / self._size / length
         return Reach(max(float(direction @ g) / length, 0.0), g / length, forces, witness)

@@ -31,18 +31,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.analysis.regions.growing_hull import GrowingHull
+from kilter.analysis.turning_tolerances import (
+    HULL_FINER,
+    HULL_ROUNDING,
+)
 from kilter.arrays import Array
 
-__all__ = ["Enclosure", "Face", "Found", "nearest_face"]
-
-FINEST = 1e-13
-"""Of the largest coordinate: rounding of the hull lies below this."""
-FINER = 0.1
-"""How much finer than the agreement that is asked for the hull is kept."""
+__all__ = ["Face", "KnownSet", "SupportPoint", "nearest_face"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Found:
+class SupportPoint:
     """What an oracle answers: a `point` of the set, shape (d,), and a plane around the set.
 
     `normal`, unit, shape (d,), and `reach`: normal . x <= reach for all of the set.
@@ -53,11 +52,11 @@ class Found:
     reach: float
 
 
-Oracle = Callable[[Array], Found | None]
+Oracle = Callable[[Array], SupportPoint | None]
 """Asked in a unit direction, shape (d,); None where its numbers failed."""
 
 
-class Enclosure:
+class KnownSet:
     """The set as far as it is known.
 
     Attributes
@@ -88,7 +87,7 @@ class Enclosure:
         """Every point nearer to 0 than this is in the set."""
         return 0.0 if self.hull is None else max(float(self.hull.offsets.min()), 0.0)
 
-    def ask(self, direction: Array) -> Found | None:
+    def ask(self, direction: Array) -> SupportPoint | None:
         """One question; its plane is taken in, its point is left to the caller."""
         found = self._oracle(direction)
         self.asked += 1
@@ -194,13 +193,13 @@ def nearest_face(
     ...     scale = np.abs(direction) / corner
     ...     side = int(scale.argmax())
     ...     normal = np.eye(2)[side] * np.sign(direction[side])
-    ...     return Found(direction / scale[side], normal, corner[side])
+    ...     return SupportPoint(direction / scale[side], normal, corner[side])
     >>> face = nearest_face(box, np.array([[0.6, 0.8], [-0.8, 0.6], [0, -1.0]]), agree=1e-9,
     ...                     limit=50)
     >>> round(face.inner, 9), float(face.outer)
     (1.0, 1.0)
     """
-    known = Enclosure(oracle)
+    known = KnownSet(oracle)
     points = []
     for direction in directions:
         found = known.ask(direction)
@@ -209,7 +208,7 @@ def nearest_face(
         elif not points:
             return None
     size = float(np.abs(np.array(points)).max(initial=0.0))
-    tolerance = max(FINER * agree * min(known.outer, size), FINEST * size)
+    tolerance = max(HULL_FINER * agree * min(known.outer, size), HULL_ROUNDING * size)
     known.hull = GrowingHull.of(np.array(points), tolerance)
     known.close_nearest(limit, agree, most)
     inner = min(known.inner, known.outer)

@@ -43,6 +43,16 @@ from kilter.analysis.judge import judge
 from kilter.analysis.margins.load_limit import gravity_wrench
 from kilter.analysis.regions.cone_hull import cone_around, edges_of, extreme_rays
 from kilter.analysis.regions.stable_cone import Proof, StableCone, stable_cone
+from kilter.analysis.turning_tolerances import (
+    BEYOND_FACET,
+    CONIC_SHARP,
+    FARTHER_BEYOND,
+    GAP_DEG,
+    NO_PROJECTION,
+    PULLED_IN,
+    RAY_BLUR,
+    SAME_RAY,
+)
 from kilter.arrays import Array
 from kilter.errors import InputError
 from kilter.mechanics.certificate import ForceProof, check_forces, check_motion
@@ -50,24 +60,8 @@ from kilter.mechanics.coulomb_cones import Spread, gathered, nearest_load, pyram
 from kilter.mechanics.program import Program
 from kilter.validate import frozen
 
-__all__ = ["GAP_DEG", "friction_cone"]
+__all__ = ["friction_cone"]
 
-GAP_DEG = 0.1
-"""How far apart the inner and the outer cone may be, where not given [deg]."""
-NOTHING = 1e-6
-"""Projections of unit vectors shorter than this are none."""
-INSIDE = 1e-7
-"""Directions that move by less than this when projected are inside [rad]."""
-BLUR = 1e-5
-"""Rays nearer to one another, or to a facet, than this are on it [rad]: they are found to 1e-6."""
-PULLED = (0.0, 1e-8, 1e-7, 1e-6, 1e-5)
-"""Rays are moved inwards by so much until forces prove them."""
-BEYOND = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4)
-"""Angles beyond a facet at which its motion is asked to prove it [rad]."""
-FARTHER = (1e-4, 3e-4, 6e-4)
-"""The same for a motion that is sought anew [rad]."""
-SHARP = 1e-12
-"""Gap and feasibility asked for: a motion proves a facet as near as its violation is small."""
 SHARES = (0.5, 0.25, 0.1)
 """Parts of the gap that extreme rays of the outer cone may be away, in turn."""
 PROGRAMS = 600
@@ -110,7 +104,7 @@ def friction_cone(
         )
     if program.planar or not program.mu.any() or not program.free.any():
         return _exact(program, progress)
-    search = _Search(program, progress)
+    search = _Cutting(program, progress)
     for share in SHARES:
         while search.cut(share * np.radians(gap_deg)):
             pass
@@ -135,7 +129,7 @@ def _exact(program: Program, progress: Callable[[str], None] | None) -> StableCo
     return replace(found, proofs=tuple(proofs))
 
 
-class _Search:
+class _Cutting:
     """Rays inside, facets outside, and the extreme rays of the outer cone that were projected."""
 
     def __init__(self, program: Program, progress: Callable[[str], None] | None) -> None:
@@ -178,7 +172,7 @@ class _Search:
     def _known(self, direction: Array) -> int | None:
         """The extreme ray seen before that is this one."""
         near = np.linalg.norm(self.seen - direction, axis=1)
-        return int(near.argmin()) if len(near) and near.min() < INSIDE else None
+        return int(near.argmin()) if len(near) and near.min() < SAME_RAY else None
 
     def _project(self, direction: Array) -> tuple[float, Proof | None]:
         """Angle to the ray found nearest [rad], and the facet between, with their proofs."""
@@ -187,16 +181,16 @@ class _Search:
         self.programs += 1
         if self.progress is not None:
             self.progress(f"directions that are held: conic program {self.programs}")
-        answer = solve_conic(nearest_load(self.wide, self.axes, direction), tolerance=SHARP)
+        answer = solve_conic(nearest_load(self.wide, self.axes, direction), tolerance=CONIC_SHARP)
         if not answer.found:
             return np.pi, None
         nearest = answer.x[-3:]
         size = float(np.linalg.norm(nearest))
         angle = np.pi / 2
-        if size > NOTHING:
+        if size > NO_PROJECTION:
             ray = self._ray(nearest / size, self.wide.decoded(answer.x[:-3] / size))
             angle = np.pi if ray is None else _between(direction, ray)
-        if angle < INSIDE:
+        if angle < SAME_RAY:
             return angle, None
         rows = len(self.wide.problem.right)
         motion = self.wide.problem.motion(self.wide.problem.over_weight(answer.multipliers[:rows]))
@@ -209,7 +203,7 @@ class _Search:
             self.rays.append(Proof("ray", down, down, proof))
             return down
         middle: Array = np.sum([ray.vector for ray in self.rays] or [down], axis=0)
-        for pull in PULLED[1 if self.rays else 0 :]:
+        for pull in PULLED_IN[1 if self.rays else 0 :]:
             moved: Array = down + pull * middle
             moved = moved / float(np.linalg.norm(moved))
             judged = judge(self.program.turned(moved))
@@ -227,9 +221,9 @@ class _Search:
             return None
         normal = normal / size
         length = float(np.linalg.norm(base))
-        on = base / length if length > NOTHING else np.zeros(3)
+        on = base / length if length > NO_PROJECTION else np.zeros(3)
         on = on - (on @ normal) * normal
-        for angle in BEYOND:
+        for angle in BEYOND_FACET:
             down = np.cos(angle) * on + np.sin(angle) * normal if on.any() else normal
             proof = check_motion(program.turned(down), motion)
             if proof.holds:
@@ -240,7 +234,7 @@ class _Search:
     def _facet_anew(self, on: Array, normal: Array) -> Proof | None:
         """The facet of a motion that proves a direction a little farther out."""
         program = self.program
-        for angle in FARTHER:
+        for angle in FARTHER_BEYOND:
             down = np.cos(angle) * on + np.sin(angle) * normal if on.any() else normal
             proof = judge(program.turned(down)).motion
             if proof is None or not proof.holds:
@@ -256,14 +250,14 @@ class _Search:
         """No more than this from the inner cone [rad]."""
         k = self._known(direction)
         if k is not None and self.angle[k] <= np.pi / 2:
-            return float(self.angle[k]) + INSIDE
+            return float(self.angle[k]) + SAME_RAY
         near = np.linalg.norm(rays - direction, axis=1).min(initial=2.0)
         return float(2 * np.arcsin(min(float(near) / 2, 1.0)))
 
     def answer(self) -> StableCone:
         """The cone between what was found."""
         rays = np.array([ray.vector for ray in self.rays]).reshape(-1, 3)
-        inner = cone_around(rays, BLUR)
+        inner = cone_around(rays, RAY_BLUR)
         normals = self.normals
         outer = extreme_rays(normals)
         distance = np.array([self._distance(v, rays) for v in outer])

@@ -18,7 +18,11 @@ from kilter.analysis.judge import judge
 from kilter.analysis.regions.cone_oracle import ConeOracle
 from kilter.analysis.regions.growth import grow
 from kilter.analysis.regions.polyhedral_cone import Cone, make_cone
-from kilter.analysis.regions.stable_cone import REACH, Proof
+from kilter.analysis.regions.stable_cone import Proof
+from kilter.analysis.turning_tolerances import (
+    BEYOND_CONE,
+    BLUR_OVER_TOLERANCE,
+)
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
@@ -26,10 +30,6 @@ from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import build_program
 
 __all__ = ["common_proofs", "intersection"]
-
-
-BEYOND = (1e-4, 1e-3, 1e-2, 0.1, 1.0)
-"""How far beyond a facet the direction lies that is proved unstable [rad]."""
 
 
 def intersection(cones: Sequence[Cone], first: Array) -> tuple[Cone, int]:
@@ -49,7 +49,7 @@ def intersection(cones: Sequence[Cone], first: Array) -> tuple[Cone, int]:
     count = len(facets)
     distances = csc_array(np.vstack([np.zeros((len(equations), count)), -np.eye(count)]))
     loads = vstack([csc_array(equations), csc_array(facets)], format="csc")
-    coarse = blur > REACH * TOLERANCE
+    coarse = blur > BLUR_OVER_TOLERANCE * TOLERANCE
     oracle = ConeOracle(
         distances, loads, np.zeros(count, dtype=bool), 0.1 / blur if coarse else None
     )
@@ -98,7 +98,7 @@ def _unstable(
     """A motion in the first assembly that does not hold just beyond the boundary, if any."""
     if assemblies[0].planar and not outward[[0, 2]].any():
         return []
-    for angle in BEYOND:
+    for angle in BEYOND_CONE[2:]:
         down = base + angle * outward
         down = down / np.linalg.norm(down)
         for k, (assembly, own) in enumerate(zip(assemblies, contacts, strict=True)):

@@ -21,11 +21,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.analysis.answers import joints_answer
-from kilter.analysis.regions.friction_cone import GAP_DEG, friction_cone
+from kilter.analysis.regions.friction_cone import friction_cone
 from kilter.analysis.regions.intersection import common_proofs, intersection
 from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.region_words import further_forces, warnings_of
 from kilter.analysis.regions.stable_cone import Proof, StableCone, stable_cone
+from kilter.analysis.turning_tolerances import GAP_DEG
 from kilter.arrays import Array, Mask
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet, Tolerance, find_contacts

@@ -22,7 +22,7 @@ LIMIT = 100
 """Up to this many free parts, all those that start to move are named."""
 TILT = 0.01
 """Out of the span [rad], to see which."""
-MOVES = 0.01
+NAMED = 0.01
 """A part that moves less than this part of the largest motion is not named."""
 
 
@@ -124,7 +124,7 @@ def _starts(program: Program, proof: Proof) -> Mask:
         return find_motion(program.turned(down)).moves
     assert isinstance(proof.certificate, MotionProof)
     sizes = part_sizes(program, proof.certificate.motion, per_radius=False)
-    starts: Mask = sizes > MOVES * sizes.max(initial=0.0)
+    starts: Mask = sizes > NAMED * sizes.max(initial=0.0)
     return starts
 
 

@@ -15,7 +15,7 @@ motions longer than P for their power do not count. Every point found still prov
 forces within the program's tolerance, every facet by a motion that is exactly admissible. The
 price goes up from low to high until all proofs hold; so the answer is the cone of the
 exact scene within the accuracy of its data, and directions nearer to its boundary than
-`REACH` times the tolerance of the program count as on it.
+`BLUR_OVER_TOLERANCE` times the tolerance of the program count as on it.
 """
 
 from __future__ import annotations
@@ -26,9 +26,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csc_array
 
-from kilter.analysis.regions.cone_oracle import NOTHING, ConeOracle
+from kilter.analysis.regions.cone_oracle import ConeOracle
 from kilter.analysis.regions.growth import Grown, Reach, grow
 from kilter.analysis.regions.polyhedral_cone import Cone, make_cone
+from kilter.analysis.turning_tolerances import (
+    BEYOND_CONE,
+    BLUR_OVER_TOLERANCE,
+    NO_DIRECTION,
+    SAME_POINT,
+)
 from kilter.arrays import Array
 from kilter.errors import InputError
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
@@ -39,8 +45,6 @@ from kilter.mechanics.program import Program
 __all__ = ["Proof", "StableCone", "stable_cone"]
 
 
-REACH = 10.0
-"""Angles below this many tolerances count as zero."""
 PRICES = (1e2, 1e3, 1e4, 1e5)
 """Of an imbalance of one weight, for rounded data."""
 
@@ -134,12 +138,12 @@ def stable_cone(program: Program, *, progress: Callable[[str], None] | None = No
             hint="leave the loads out, or ask check for one direction",
         )
     across = np.array([[0.0, 1.0, 0.0]]) if program.planar else np.empty((0, 3))
-    blur = REACH * float(program.tolerance[program.free].max(initial=TOLERANCE))
+    blur = BLUR_OVER_TOLERANCE * float(program.tolerance[program.free].max(initial=TOLERANCE))
     if not program.free.any():
         cone = make_cone(across, np.empty((0, 3)), np.empty((0, 3)), blur)
         return StableCone(cone, cone.facets, (), 0)
     problem = scaled(program)
-    coarse = blur > REACH * TOLERANCE
+    coarse = blur > BLUR_OVER_TOLERANCE * TOLERANCE
     best: StableCone | None = None
     programs = 0
     for price in (*PRICES, None) if coarse else (None, *PRICES[::-1]):
@@ -167,7 +171,9 @@ def _at_price(
     loads, axes = _loads(problem)
     mass = program.mass[program.free]
     spread = float(mass.max() / mass.min())
-    oracle = ConeOracle(problem.matrix, loads, program.two_sided, price, blur / REACH, spread)
+    oracle = ConeOracle(
+        problem.matrix, loads, program.two_sided, price, blur / BLUR_OVER_TOLERANCE, spread
+    )
 
     def tell() -> None:
         if progress is not None:
@@ -217,7 +223,7 @@ def _forces(
     """Forces for one direction: those it was found with, or asked for anew."""
     program = problem.program.turned(down)
     for found in grown.points:
-        if np.linalg.norm(found.point @ axes - down) <= 1e-9:
+        if np.linalg.norm(found.point @ axes - down) <= SAME_POINT:
             proof = check_forces(program, problem.forces(found.forces))
             if proof.holds:
                 return proof
@@ -257,10 +263,10 @@ def _motion(
     program = problem.program
     motion = problem.motion(problem.over_weight(found.witness))
     base = on.mean(axis=0) if len(on) else np.zeros(3)
-    if np.linalg.norm(base) < NOTHING:
+    if np.linalg.norm(base) < NO_DIRECTION:
         base = on[0] if len(on) else np.zeros(3)
     last = None
-    for angle in (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0):
+    for angle in BEYOND_CONE:
         down = base + angle * outward
         down = down / np.linalg.norm(down)
         proof = check_motion(program.turned(down), motion)

@@ -24,20 +24,20 @@ import numpy as np
 from scipy.sparse import csc_array, hstack, vstack
 
 from kilter.analysis.turning.virtual_work import (
-    OPTIMAL,
     UnitProgram,
     facets_of_diamond,
     unit_program,
 )
+from kilter.analysis.turning_tolerances import OPTIMAL
 from kilter.arrays import Array
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import LinearProgram
 
-__all__ = ["Joint", "JointFacet", "joint"]
+__all__ = ["DiamondOptimum", "FacetOptimum", "joint"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class JointFacet:
+class FacetOptimum:
     """The best direction of one facet.
 
     Attributes
@@ -59,7 +59,7 @@ class JointFacet:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Joint:
+class DiamondOptimum:
     """The most nearly stable direction on the diamond.
 
     Attributes
@@ -68,7 +68,7 @@ class Joint:
         On the diamond |g|_1 = 1; the zero vector where no part is free.
     z : float
         [kg x length unit]; 0 where `gravity` is stable.
-    facets : tuple of JointFacet
+    facets : tuple of FacetOptimum
         Those that were solved: all, or up to the first with z = 0.
     programs : int
         LPs solved.
@@ -76,11 +76,11 @@ class Joint:
 
     gravity: Array
     z: float
-    facets: tuple[JointFacet, ...]
+    facets: tuple[FacetOptimum, ...]
     programs: int
 
 
-def joint(program: Program, *, every: bool = False) -> Joint:
+def joint(program: Program, *, every: bool = False) -> DiamondOptimum:
     """Maximise z over the diamond, one LP a facet.
 
     Parameters
@@ -109,7 +109,7 @@ def joint(program: Program, *, every: bool = False) -> Joint:
     unit = unit_program(program)
     signs = facets_of_diamond(program)
     model = KeptProgram(_program(unit), warm="dual")
-    found: list[JointFacet] = []
+    found: list[FacetOptimum] = []
     for facet in signs:
         first = len(unit.lp.row_lower)
         lower = np.concatenate([np.where(facet[unit.axes] > 0, 0.0, -np.inf)] * 2)
@@ -121,7 +121,7 @@ def joint(program: Program, *, every: bool = False) -> Joint:
         if not every and found[-1].z >= -OPTIMAL * unit.mass:
             break
     best = max(found, key=lambda one: one.z)
-    return Joint(best.gravity, best.z, tuple(found), model.solves)
+    return DiamondOptimum(best.gravity, best.z, tuple(found), model.solves)
 
 
 def _program(unit: UnitProgram) -> LinearProgram:
@@ -148,7 +148,7 @@ def _program(unit: UnitProgram) -> LinearProgram:
 
 def _facet(
     program: Program, unit: UnitProgram, signs: Array, x: Array, multipliers: Array
-) -> JointFacet:
+) -> FacetOptimum:
     """Decode an optimum: the multipliers of the corners are the shares of g."""
     size = len(unit.axes)
     shares = np.maximum(np.where(signs[unit.axes] > 0, multipliers[:size], multipliers[size:]), 0)
@@ -156,4 +156,4 @@ def _facet(
     gravity = np.zeros(3)
     gravity[unit.axes] = signs[unit.axes] * (shares / total if total > 0 else 1.0 / size)
     motion = program.full(x[:-1] / unit.length)
-    return JointFacet(signs, gravity + 0.0, min(float(x[-1]), 0.0) * unit.mass, motion)
+    return FacetOptimum(signs, gravity + 0.0, min(float(x[-1]), 0.0) * unit.mass, motion)

@@ -29,20 +29,21 @@ import numpy as np
 
 from kilter.analysis.regions.growing_hull import GrowingHull
 from kilter.analysis.turning.virtual_work import unit_program
+from kilter.analysis.turning_tolerances import (
+    HULL_ROUNDING,
+    KAPPA_GAP,
+    KAPPA_RESIDUAL,
+)
 from kilter.arrays import Array, Index
 from kilter.mechanics.forms import Scaled, impending_motion, scaled
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import ConicProgram
 
-__all__ = ["GAP", "LIMIT", "LeastInstability", "least_instability"]
+__all__ = ["LeastInstability", "least_instability"]
 
 
-GAP = 1e-6
-"""Value and bound of kappa are to be this near."""
 LIMIT = 500
 """At most this many quadratic programs."""
-EXACT = 1e-7
-"""Residual of a quadratic program, in units of g, that is small enough."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,7 +69,7 @@ class LeastInstability:
 
 
 def least_instability(
-    program: Program, *, gap: float = GAP, limit: int = LIMIT
+    program: Program, *, gap: float = KAPPA_GAP, limit: int = LIMIT
 ) -> LeastInstability:
     """Minimise kappa over all directions, by branch and bound.
 
@@ -99,7 +100,7 @@ def least_instability(
     if not program.free.any():
         return LeastInstability(program.down, 0.0, 0.0, 0)
     known = _Known(program, axes)
-    hull = GrowingHull(known.first(), 1e-13)
+    hull = GrowingHull(known.first(), HULL_ROUNDING)
     bounds = known.bounds(hull)
     while True:
         worst = min(bounds, key=lambda facet: bounds[facet][0])
@@ -190,7 +191,7 @@ def _solved(quadratic: ConicProgram) -> Array:
     from kilter.solvers.clarabel import solve_quadratic
 
     answer = solve_quadratic(quadratic, tolerance=1e-10, polish=False)
-    if answer.residual > EXACT:
+    if answer.residual > KAPPA_RESIDUAL:
         answer = min([answer, solve_quadratic(quadratic)], key=lambda one: one.residual)
     return answer.x
 

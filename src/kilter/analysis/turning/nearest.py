@@ -17,7 +17,7 @@ import numpy as np
 
 from kilter.analysis.displacement import find_displacement
 from kilter.analysis.motion import find_motion
-from kilter.analysis.turning.facet_program import Joint, joint
+from kilter.analysis.turning.facet_program import DiamondOptimum, joint
 from kilter.analysis.turning.least_instability import least_instability
 from kilter.analysis.turning.reachable import nearest_on_sphere
 from kilter.analysis.turning.walk import walk
@@ -70,7 +70,9 @@ class Nearest:
         return self.diamond.programs + self.sphere.programs + self.kappa.programs
 
 
-def nearest(program: Program, *, method: Method = "joint", solved: Joint | None = None) -> Nearest:
+def nearest(
+    program: Program, *, method: Method = "joint", solved: DiamondOptimum | None = None
+) -> Nearest:
     """The nearest to stable directions of a program; values are 0 where one is stable.
 
     Parameters
@@ -78,7 +80,7 @@ def nearest(program: Program, *, method: Method = "joint", solved: Joint | None 
     program : Program
     method : {"joint", "walk"}
         For the diamond.
-    solved : Joint, optional
+    solved : DiamondOptimum, optional
         What `joint` gave, if it was asked before.
 
     Raises

@@ -16,15 +16,15 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csc_array, hstack, vstack
 
-from kilter.analysis.turning.virtual_work import OPTIMAL, UnitProgram
+from kilter.analysis.turning.virtual_work import UnitProgram
+from kilter.analysis.turning_tolerances import (
+    OPTIMAL,
+    OPTIMAL_FACE,
+)
 from kilter.arrays import Array
 from kilter.solvers.problem import LinearProgram
 
 __all__ = ["Optimality", "is_best"]
-
-
-FACE = 1e-10
-"""Displacements count as optimal up to this, over the mass."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,7 +61,7 @@ def is_best(unit: UnitProgram, signs: Array, gravity: Array, z: float) -> Optima
         LinearProgram(
             np.append(np.zeros(count), 1.0),
             matrix,
-            np.concatenate([lp.row_lower, [-z - FACE], zero]),
+            np.concatenate([lp.row_lower, [-z - OPTIMAL_FACE], zero]),
             np.concatenate([lp.row_upper, [np.inf], zero + np.inf]),
             np.append(lp.lower, -1.0 - 1e-6),
             np.append(lp.upper, 1.0 + 1e-6),

@@ -30,8 +30,12 @@ from kilter.analysis.judge import Judgement, judge
 from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.region import Region, region
 from kilter.analysis.regions.stable_cone import stable_cone
-from kilter.analysis.turning.facet_program import Joint, joint
+from kilter.analysis.turning.facet_program import DiamondOptimum, joint
 from kilter.analysis.turning.nearest import Method, Nearest, NearestDirection, nearest
+from kilter.analysis.turning_tolerances import (
+    NO_LENGTH,
+    OPPOSITE,
+)
 from kilter.analysis.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
@@ -45,9 +49,6 @@ from kilter.validate import frozen
 __all__ = ["Orientation", "orient"]
 
 Word = Literal["found", "none", "undecided"]
-
-OPPOSITE = 1e-12
-"""Directions whose sum is this short are opposite."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -255,7 +256,9 @@ def _candidate_directions(program: Program, cone: Cone) -> Iterator[Array]:
         along = cone.lines.T @ (cone.lines @ down)
         # rounding of an exact zero must not become a direction
         length = float(np.linalg.norm(along))
-        yield down if cone.kind == "all" else along / length if length > 1e-9 else cone.lines[0]
+        yield (
+            down if cone.kind == "all" else along / length if length > NO_LENGTH else cone.lines[0]
+        )
         yield from cone.lines
     yield from cone.rays
 
@@ -351,7 +354,7 @@ def _not_found(
 
 
 def _open_questions(
-    contacts: ContactSet, every: Region, program: Program, best: Joint
+    contacts: ContactSet, every: Region, program: Program, best: DiamondOptimum
 ) -> list[str]:
     """What keeps "no direction is stable" from being proved; nothing where it is proved."""
     if not _none_is_stable(program, best):
@@ -373,7 +376,7 @@ def _open_questions(
     return why or ["the polygon that stands for a round face could hold it, a circle might not"]
 
 
-def _none_is_stable(program: Program, best: Joint) -> bool:
+def _none_is_stable(program: Program, best: DiamondOptimum) -> bool:
     """Whether the motion of each facet is a proof at every corner of the facet."""
     for facet in best.facets:
         for axis in np.flatnonzero(facet.signs):

@@ -17,18 +17,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.analysis.regions.enclose import Enclosure, Found
+from kilter.analysis.regions.enclose import KnownSet, SupportPoint
 from kilter.analysis.regions.growing_hull import GrowingHull
 from kilter.analysis.turning.virtual_work import VirtualWork
+from kilter.analysis.turning_tolerances import (
+    OUTSIDE_HULL,
+)
 from kilter.arrays import Array, Index
 from kilter.errors import SolverError
 from kilter.mechanics.program import Program
 
-__all__ = ["OUTSIDE", "PROGRAMS", "Reachable", "SphereDirection", "nearest_on_sphere"]
+__all__ = ["PROGRAMS", "Reachable", "SphereDirection", "nearest_on_sphere"]
 
 
-OUTSIDE = 2e-9
-"""A point of Q counts as outside a facet from here on, over the mass."""
 PROGRAMS = 20_000
 """Neither map nor nearest direction is sought with more programs."""
 
@@ -42,7 +43,7 @@ class Reachable:
         The oracle; `work.programs` were solved.
     basis : ndarray, shape (dimension, 3)
         Of the span of Q, orthonormal.
-    known : Enclosure or None
+    known : KnownSet or None
         In coordinates of `basis`; a facet of its hull that is `done` is one of Q. None where Q
         is {0}.
     """
@@ -50,16 +51,16 @@ class Reachable:
     def __init__(self, program: Program) -> None:
         self.work = VirtualWork(program)
         self.basis = np.zeros((0, 3))
-        self.known: Enclosure | None = None
+        self.known: KnownSet | None = None
         points = self._first_points() if program.free.any() else np.zeros((0, 3))
         if len(points):
             self.basis = _span(points)
-            self.known = Enclosure(self._support, GrowingHull(points @ self.basis.T, OUTSIDE))
+            self.known = KnownSet(self._support, GrowingHull(points @ self.basis.T, OUTSIDE_HULL))
 
-    def _support(self, direction: Array) -> Found:
+    def _support(self, direction: Array) -> SupportPoint:
         """The farthest point of Q in a direction, and the plane there."""
         answer = self.work.solve(direction @ self.basis)
-        return Found(self.basis @ answer.q, direction, -answer.z)
+        return SupportPoint(self.basis @ answer.q, direction, -answer.z)
 
     def _first_points(self) -> Array:
         """Points of Q that make a simplex in its span, shape (dimension + 1, 3), or none."""
@@ -84,7 +85,7 @@ class Reachable:
         found = []
         for sign in (1.0, -1.0):
             answer = self.work.solve(sign * direction)
-            if -answer.z > sign * level + 1e2 * OUTSIDE:
+            if -answer.z > sign * level + 1e2 * OUTSIDE_HULL:
                 found.append(answer.q)
         return found
 
@@ -144,7 +145,7 @@ def nearest_on_sphere(program: Program) -> SphereDirection | None:
     assert known.hull is not None
     nearest = int(known.hull.offsets.argmin())
     offset = float(known.hull.offsets[nearest])
-    if offset <= OUTSIDE:
+    if offset <= OUTSIDE_HULL:
         return None
     direction = known.hull.normals[nearest] @ reachable.basis
     return SphereDirection(direction, -offset * work.unit.mass, work.programs)

@@ -21,7 +21,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.analysis.regions.growing_hull import GrowingHull
-from kilter.analysis.turning.reachable import OUTSIDE, PROGRAMS, Reachable
+from kilter.analysis.turning.reachable import PROGRAMS, Reachable
+from kilter.analysis.turning_tolerances import OUTSIDE_HULL
 from kilter.arrays import Array, Index
 from kilter.errors import SolverError
 from kilter.mechanics.program import Program
@@ -95,7 +96,7 @@ class StabilityMap:
     def nearest(self) -> tuple[Array, float] | None:
         """Unit direction with the greatest z, and that z; None where a direction is stable."""
         full = 2 if self.planar else 3
-        if self.dimension < full or self.offsets.min() <= OUTSIDE * self.mass:
+        if self.dimension < full or self.offsets.min() <= OUTSIDE_HULL * self.mass:
             return None
         best = int(self.offsets.argmin())
         return self.normals[best], -float(self.offsets[best])
@@ -200,7 +201,7 @@ def _planes(hull: GrowingHull) -> tuple[Index, list[int]]:
             simplex = reached.pop()
             for side in ridges:
                 for other in beside[tuple(side[simplex].tolist())]:
-                    if facet[other] < 0 and off[other] <= 4 * OUTSIDE:
+                    if facet[other] < 0 and off[other] <= 4 * OUTSIDE_HULL:
                         facet[other] = len(chosen)
                         reached.append(other)
         chosen.append(int(first))

@@ -18,19 +18,16 @@ from itertools import product
 import numpy as np
 from scipy.sparse import csc_array, diags_array
 
+from kilter.analysis.turning_tolerances import (
+    ENTRY_ROUNDING,
+)
 from kilter.arrays import Array, Index
 from kilter.errors import InputError
 from kilter.mechanics.program import Program
 from kilter.solvers.highs import KeptProgram
 from kilter.solvers.problem import LinearProgram
 
-__all__ = ["OPTIMAL", "Support", "UnitProgram", "VirtualWork", "facets_of_diamond", "unit_program"]
-
-
-OPTIMAL = 1e-9
-"""Two values of z that differ by less than this part of the mass are the same."""
-NOTHING = 1e-14
-"""Entries of the scaled matrix below this are rounding of an exact zero."""
+__all__ = ["Support", "UnitProgram", "VirtualWork", "facets_of_diamond", "unit_program"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,7 +75,7 @@ def unit_program(program: Program) -> UnitProgram:
     jacobian = csc_array(program.jacobian() @ diags_array(1 / reach))
     size = np.sqrt(np.asarray(jacobian.multiply(jacobian).sum(axis=1)).reshape(-1))
     matrix = csc_array(diags_array(1 / np.maximum(size, 1e-300)) @ jacobian)
-    matrix.data[np.abs(matrix.data) < NOTHING] = 0.0
+    matrix.data[np.abs(matrix.data) < ENTRY_ROUNDING] = 0.0
     matrix.eliminate_zeros()
     mass = float(program.mass[free].sum())
     pull = np.zeros((3, int(free.sum()), 6))

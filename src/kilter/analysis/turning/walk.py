@@ -25,7 +25,12 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from kilter.analysis.turning.optimality import Optimality, is_best
-from kilter.analysis.turning.virtual_work import OPTIMAL, Support, VirtualWork, facets_of_diamond
+from kilter.analysis.turning.virtual_work import Support, VirtualWork, facets_of_diamond
+from kilter.analysis.turning_tolerances import (
+    OPTIMAL,
+    SAME_ON_DIAMOND,
+    WALK_STEP,
+)
 from kilter.arrays import Array
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import LinearProgram
@@ -35,10 +40,6 @@ __all__ = ["Walk", "WalkFacet", "walk"]
 
 START = np.array([0.37, 0.34, 0.29])
 """Where a walk starts, up to signs and size: near the middle, on no line of symmetry."""
-STEP = 1e-5
-"""The epsilon step, on the diamond."""
-SAME = 1e-9
-"""Two points of the diamond this near are one; a slack up to this is none."""
 PARTITIONS = 1000
 """A walk through more partitions than this is broken off and tested."""
 RESTARTS = 100
@@ -228,15 +229,18 @@ def _one_walk(work: VirtualWork, trail: _Trail, start: Array) -> None:
             trail.reach(here, found.z)
         there = _summit(work, trail, found, partition, here)
         trail.reach(there, -float(found.q @ there))
-        if (partition @ there > SAME).all():
+        if (partition @ there > SAME_ON_DIAMOND).all():
             trail.stops.append("interior")
             return
         arc = there - here
         boundary = trail.path[seen + 1 : -1]
-        if any(np.abs(there - point).max() < SAME for point in boundary) or not arc.any():
+        if (
+            any(np.abs(there - point).max() < SAME_ON_DIAMOND for point in boundary)
+            or not arc.any()
+        ):
             trail.stops.append("revisited")
             return
-        here = _on_facet(there + STEP * arc / np.abs(arc).sum(), trail.signs)
+        here = _on_facet(there + WALK_STEP * arc / np.abs(arc).sum(), trail.signs)
     trail.stops.append("broken off")
 
 

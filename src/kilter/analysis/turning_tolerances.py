@@ -1,0 +1,150 @@
+"""Every tolerance of regions, orientations and margins, and how each relates to the others.
+
+Four kinds, and none means another's:
+
+- *what rounding leaves* of a number that is 0 or of two that are one;
+- *widths*: how near to a boundary a direction counts as on it [rad];
+- *agreements*: how near two sides of an enclosure come before the search ends;
+- *steps*: how far beyond a boundary a proof is asked for, the nearest first.
+
+A width lies above what rounding leaves, an agreement above the tolerance of the solver that
+is asked, and steps start below the agreement they serve.
+"""
+
+from __future__ import annotations
+
+__all__ = [
+    "ACROSS_GRAVITY",
+    "BALANCED",
+    "BEYOND_CONE",
+    "BEYOND_FACET",
+    "BEYOND_LIMIT",
+    "BLUR_OVER_TOLERANCE",
+    "CONIC_SHARP",
+    "ENTRY_ROUNDING",
+    "FARTHER_BEYOND",
+    "FOLLOWING_AGREES",
+    "GAP_DEG",
+    "HULL_FINER",
+    "HULL_ROUNDING",
+    "KAPPA_GAP",
+    "KAPPA_RESIDUAL",
+    "LIMIT_TOLERANCES",
+    "MOVES",
+    "MU_AGREES",
+    "MU_NOTHING",
+    "NOT_HELD",
+    "NO_DIRECTION",
+    "NO_GAIN",
+    "NO_LENGTH",
+    "NO_PROJECTION",
+    "ON_PLANE",
+    "OPPOSITE",
+    "OPTIMAL",
+    "OPTIMAL_FACE",
+    "OUTSIDE_HULL",
+    "PARALLEL_PLANES",
+    "PULLED_IN",
+    "PUSH_AGREES",
+    "RAY_BLUR",
+    "SAME_ON_DIAMOND",
+    "SAME_POINT",
+    "SAME_RAY",
+    "STEEPEST",
+    "TILT_AGREES",
+    "UNLIMITED",
+    "WALK_STEP",
+]
+
+# --- what rounding leaves -------------------------------------------------------------------
+
+ENTRY_ROUNDING = 1e-14
+"""Entries of a scaled matrix below this are rounding of an exact zero [-]."""
+HULL_ROUNDING = 1e-13
+"""Of the largest coordinate: a point this far outside a facet of a hull is on it [-]."""
+HULL_FINER = 0.1
+"""How much finer a hull is kept than the agreement that is asked of it [-]."""
+OPPOSITE = 1e-12
+"""Unit vectors whose sum is this short are opposite [-]."""
+ON_PLANE = 1e-9
+"""A unit vector is on a plane up to this sine [-]."""
+PARALLEL_PLANES = ON_PLANE
+"""Planes with a smaller sine between them have no line in common [-]."""
+ACROSS_GRAVITY = ON_PLANE
+"""An axis is across gravity up to this cosine [-]."""
+SAME_POINT = 1e-9
+"""A unit point of a cone this near to a direction is that direction [rad]."""
+SAME_ON_DIAMOND = 1e-9
+"""Two points of the diamond |g|_1 = 1 this near are one; a slack up to this is none [-]."""
+NO_LENGTH = 1e-9
+"""A projection of a unit vector on lines, shorter than this, is none [-]."""
+
+# --- widths ---------------------------------------------------------------------------------
+
+BLUR_OVER_TOLERANCE = 10.0
+"""Without friction directions this many tolerances of the data from the boundary are on it."""
+SAME_RAY = 1e-7
+"""Extreme rays nearer than this are one; a projection that moves less is inside [rad]."""
+NO_PROJECTION = 1e-6
+"""A projection of a unit vector by a conic program, shorter than this, is none [-]."""
+RAY_BLUR = 1e-5
+"""Rays with friction this near to one another, or to a facet, are on it: they are found to
+1e-6 [rad]."""
+NO_DIRECTION = 1e-3
+"""Optima of a cone cut off at a length of about 1, shorter than this, are no direction [-]."""
+MOVES = 1e-6
+"""A part moves in a mechanism where it is faster than this fraction of the fastest [-]."""
+NOT_HELD = -1e-7
+"""A largest share of a load below this: it is not held as given [-]."""
+MU_NOTHING = 1e-7
+"""Coefficients of friction below this count as zero: any friction holds [-]."""
+NO_GAIN = 1e-6
+"""Gains below this, in degrees or weights, are none."""
+BALANCED = 1e-8
+"""Imbalance over the weight of a part that forces which follow masses may leave [-]."""
+UNLIMITED = 1e6
+"""Shares of a load, or pushes over the weight of all parts, from here on are unlimited [-]."""
+STEEPEST = 1e6
+"""Tangent of a turn that counts as a right angle [-]."""
+
+# --- agreements -----------------------------------------------------------------------------
+
+CONIC_SHARP = 1e-12
+"""Asked of the conic solver where a motion proves a boundary as near as it is exact [-]."""
+LIMIT_TOLERANCES = (1e-10, CONIC_SHARP)
+"""Of the solver: the second where the first fails, or its mechanism proves nothing [-]."""
+OPTIMAL_FACE = 1e-10
+"""Displacements count as optimal up to this, over the mass [length unit]."""
+OPTIMAL = 1e-9
+"""Two values of z that differ by less than this fraction of the mass are the same [-]."""
+OUTSIDE_HULL = 2e-9
+"""A reachable moment counts as outside a facet from here on, over the mass [length unit]."""
+TILT_AGREES = 1e-9
+"""Least tangents of a tilt from inside and outside differ by this fraction at most [-]."""
+MU_AGREES = 1e-8
+"""Least friction from both sides differs by this fraction at most [-]."""
+PUSH_AGREES = 1e-6
+"""Least pushes from inside and outside differ by this fraction at most [-]."""
+FOLLOWING_AGREES = 1e-3
+"""The same for the tilt over intervals, with forces that follow masses [-]."""
+KAPPA_RESIDUAL = 1e-7
+"""Residual of a quadratic program that is small enough, in units of g [-]."""
+KAPPA_GAP = 1e-6
+"""Least instability kappa and its bound differ by no more [-]."""
+GAP_DEG = 0.1
+"""Inner and outer cone of a region with friction are this near, where not given [deg]."""
+
+# --- steps ----------------------------------------------------------------------------------
+
+WALK_STEP = 1e-5
+"""The epsilon step of the published walk, on the diamond [-]."""
+PULLED_IN = (0.0, 1e-8, 1e-7, 1e-6, RAY_BLUR)
+"""A ray with friction is moved inwards by so much until forces prove it [rad]."""
+BEYOND_FACET = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4)
+"""Beyond a facet with friction: where its motion is asked to prove it [rad]."""
+FARTHER_BEYOND = (1e-4, 3e-4, 6e-4)
+"""The same for a motion that is sought anew [rad]."""
+BEYOND_CONE = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
+"""Beyond a facet without friction: where a motion is asked to prove it [rad]."""
+BEYOND_LIMIT = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5)
+"""Above a load limit, relative to it: where its mechanism is asked to prove it [-]."""
