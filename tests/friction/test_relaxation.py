@@ -23,7 +23,7 @@ def point_of(attempt, found, scale):
     size = np.linalg.norm(law.allowed.T @ scaled.load)
     b = law.allowed.T @ scaled.columns(found.motion) / size / scale
     pushes = np.einsum("kij,kj->ki", scaled.basis, found.forces)
-    pushes *= (scaled.sigma / scaled.strength / size)[:, None]
+    pushes /= scaled.strength * size * np.sqrt(program.mass[program.free].sum())
     x = np.zeros(attempt.relaxation.width)
     fn, rough = pushes[:, 0], np.flatnonzero(program.mu > 0)
     ft = pushes[rough, 1 : 1 + law.directions]

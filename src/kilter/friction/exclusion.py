@@ -17,6 +17,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Literal
 
+import numpy as np
+
 from kilter.budget import Budget
 from kilter.friction.contraction import (
     FORCES,
@@ -123,7 +125,7 @@ def start_proof(program: Program, budget: Budget) -> tuple[ProofAttempt, Enclosu
 
     law = reduced_law(program)
     attempt = ProofAttempt(law, Relaxation(law), bounding(), budget, _tolerance(program))
-    force = LARGEST_FORCE * law.weight
+    force = np.full(len(law.group), LARGEST_FORCE)
     return attempt, first_enclosure(law, attempt.relaxation.fastest, force, TANGENTS)
 
 

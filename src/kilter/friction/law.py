@@ -24,14 +24,14 @@ fall, and the numbers of light and heavy parts, of points near and far, are near
 
     |x|^2 = w'.x + g.u' = w'.x - sum of mu g_n |u_t'|  <=  w'.x  <=  |x|
 
-every solution has |x| <= 1. All points of a contact patch share the root mean square of
-their sigmas, so that their forces and speeds can be added.
+every solution has |x| <= 1.
 
 Two views of the one law are used. The search of motions (`kilter.friction.motion_search`), the
 polishing and the seating take it as it stands here: a row a point, joints as equations, whose
 forces they need. The proof that there is no motion takes `kilter.friction.reduced_law`, where
 joints are eliminated and points that must slide alike are grouped: it bounds unknowns one by
-one, and forces of joints have no bounds. The judge of a motion,
+one, and forces of joints have no bounds; and it bounds sums of forces of several points, so
+that it measures all of them in one unit. The judge of a motion,
 `kilter.mechanics.law_check.check_law`, uses neither.
 """
 
@@ -74,7 +74,6 @@ class CoulombLaw:
     strength : float
         |w|, the root of w.M^-1 w.
     sigma : ndarray, shape (K,)
-        One of each contact patch.
     root : ndarray, shape (F, d, d)
         L of each free part, of its d freedoms.
     """
@@ -125,8 +124,7 @@ def coulomb_law(program: Program) -> CoulombLaw:
     load = program.load[free][:, program.freedoms]
     load = np.asarray(np.linalg.solve(root, load[..., None]), np.float64).reshape(-1)
     strength = float(np.linalg.norm(load))
-    patch = _patches(program)
-    sigma = _shared(mobilities(program), patch, program.kind == CONTACT)
+    sigma = mobilities(program)
     basis = np.concatenate([program.normal[:, None], _directions(program)], axis=1)
     return CoulombLaw(
         program=program,
@@ -135,7 +133,7 @@ def coulomb_law(program: Program) -> CoulombLaw:
         basis=basis,
         mu=np.where(program.two_sided, 0.0, program.mu),
         tied=program.two_sided,
-        patch=patch,
+        patch=_patches(program),
         strength=strength,
         sigma=sigma,
         root=root,
@@ -165,13 +163,6 @@ def _patches(program: Program) -> Index:
     keys = [program.kind, program.source, program.part_a, program.part_b, alone]
     _, patch = np.unique(np.column_stack(keys), axis=0, return_inverse=True)
     return patch.reshape(-1)
-
-
-def _shared(sigma: Array, patch: Index, contact: Mask) -> Array:
-    """One sigma for all points of a contact patch: the root of the mean square."""
-    square = np.bincount(patch, sigma**2) / np.maximum(np.bincount(patch), 1)
-    shared: Array = np.where(contact, np.sqrt(square[patch]), sigma)
-    return shared
 
 
 def _matrix(program: Program, basis: Array, sigma: Array, root: Array) -> csr_array:

@@ -3,7 +3,12 @@
 The law of `kilter.friction.law`, x = w + H^T g, seen in fewer unknowns; exact, nothing is
 relaxed here. Joints are eliminated: x = |Z^T w| Z a, the columns of Z an orthonormal basis of
 the motions that all joints allow. Their forces do no work in any of them and drop out, which
-loses nothing. With forces f = g / |Z^T w|:
+loses nothing. All forces are measured in one unit, about the weight of all free parts, instead
+of each by the mobility of its point:
+
+    f = g |Z^T w|^-1 / (sigma (total mass)^(1/2)),    Jn, Jt = sigma (total mass)^(1/2) H Z
+
+so that forces of several points can be added and one bound holds for all. The law is then
 
     a = w + Jn^T fn + Jt^T ft,   |w| = 1                          dynamics
     un = Jn a >= 0,  fn >= 0,  un fn = 0                          at each point
@@ -15,7 +20,7 @@ Points that share ut form a *group*: in the plane all points of a straight patch
 tangential forces lie on one line, so that one ft stands for them; in space each point alone.
 Groups that share one *twist* form a *patch*: t = ut of a single point or of a patch in the
 plane, t = (v, length x omega about the normal) of a flat patch in space; ut = L t. A group,
-and a patch, takes its points from one contact patch, which has one scale of forces and speeds.
+and a patch, takes its points from one contact patch.
 """
 
 from __future__ import annotations
@@ -23,7 +28,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_array, eye_array
+from scipy.sparse import csr_array, diags_array, eye_array
 
 from kilter.arrays import TINY, Array, Index
 from kilter.friction.friction_tolerances import FLAT, JOINT_RANK, ZERO_ENTRY
@@ -41,7 +46,7 @@ class ReducedLaw:
     Attributes
     ----------
     law : CoulombLaw
-        The law with all rows, in whose units forces and speeds are but for a factor |Z^T w|.
+        The law with all rows.
     allowed : csr_array, shape (freedoms of the law, n)
         Z.
     load : ndarray, shape (n,)
@@ -50,8 +55,6 @@ class ReducedLaw:
         The row of the program of each point.
     normal : csr_array, shape (K, n)
         Jn.
-    weight : ndarray, shape (K,)
-        The weight of all free parts, as a force at each point.
     group : ndarray of int, shape (K,)
         Group of each point; -1 without friction.
     mu : ndarray, shape (G,)
@@ -70,7 +73,6 @@ class ReducedLaw:
     load: Array
     rows: Index
     normal: csr_array
-    weight: Array
     group: Index
     mu: Array
     tangent: csr_array
@@ -117,15 +119,16 @@ def reduced_law(program: Program) -> ReducedLaw:
     count = 1 if program.planar else 2
     across = law.basis[heads, 1 : 1 + count]
     lines = (3 * heads[:, None] + 1 + np.arange(count)).reshape(-1)
-    tangent = csr_array(law.matrix[lines] @ allowed)
+    unit = law.sigma * float(np.sqrt(program.mass[program.free].sum()))
+    scaled = csr_array(diags_array(np.repeat(unit, 3)) @ law.matrix @ allowed)
+    tangent = csr_array(scaled[lines])
     lever = _levers(program.point[heads], across, patch)
     return ReducedLaw(
         law=law,
         allowed=allowed,
         load=w / max(size, TINY),
         rows=rows,
-        normal=csr_array(law.matrix[3 * rows] @ allowed),
-        weight=law.sigma[rows] * float(np.sqrt(program.mass[program.free].sum())),
+        normal=csr_array(scaled[3 * rows]),
         group=group,
         mu=program.mu[heads],
         tangent=tangent,
