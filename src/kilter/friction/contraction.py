@@ -133,7 +133,10 @@ def _progress(before: Enclosure, after: Enclosure) -> float:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Quantities:
-    """What is maximised: name of the bound, place in it, its row of `weights`, present bound."""
+    """What is maximised, one after the other: `weights` x, the larger the worse.
+
+    `names` and `places` say which bound of `Enclosure` it is, `limits` what is known of it.
+    """
 
     names: list[str]
     places: list[tuple[int, ...]]
@@ -142,7 +145,7 @@ class _Quantities:
 
 
 def _quantities(relaxation: Relaxation, b: Enclosure) -> _Quantities:
-    """Openings, forces, total forces (also least), slips and, in the plane, rests of cones."""
+    """Openings, forces, most and least sums N, speeds, and in the plane the g_k of `Relaxation`."""
     at, d = relaxation.columns, relaxation.directions
     groups, wide = len(b.least), d.shape[1]
     kinds = ["un", "fn", "most", "least", "ut", *(["rest"] if wide == 1 else [])]

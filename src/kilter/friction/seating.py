@@ -46,28 +46,33 @@ if TYPE_CHECKING:
 __all__ = ["Seating", "find_seating"]
 
 
+# The springs. In the units of the law k = 1 gives a displacement of about 1 under the weight.
 ACROSS = 0.7
-"""Stiffness across a contact over that along its normal."""
+"""Stiffness across a contact over that along its normal: about that of two elastic bodies."""
 SPREAD = 10.0
-"""Stiffness of a patch varies by this factor, up and down."""
+"""In starts after the first the stiffness of a patch is up to this factor above or below 1."""
 SQUEEZE = 10.0
-"""Largest depth to which a random start presses patches; 1 makes forces of the weight."""
+"""Largest depth to which such a start presses patches at first; 1 makes forces of the weight."""
 NUDGE = 1.0
-"""Size of the random part of a start, each freedom."""
+"""Size of the random part of its first displacement, in each freedom."""
+
+# The path in pseudo-time: steps h of (1/h - dr/dx) dx = r.
 STEPS = 300
 """Newton steps after which a start is given up."""
 INNER = 8
-"""Newton steps within one step in pseudo-time."""
-CLOSE = 0.1
-"""Error of a step in pseudo-time over r at its start."""
+"""Newton steps within one step h."""
+STEP_ERROR = 0.1
+"""A step h is solved to this fraction of r at its beginning."""
 FALLING = 0.9
-"""What the error must fall to in one Newton step."""
+"""A Newton step that leaves more than this fraction of the error ends the step h as failed."""
 GROWTH, SLOW, LEAP, EASY = 1.5, 1.2, 10.0, 4
-"""Growth of the step after up to EASY Newton steps, after more, and most for the fall of r."""
+"""H grows by GROWTH after a step that took up to EASY Newton steps, else by SLOW; times the
+factor by which r fell, up to LEAP."""
 CUT = 0.2
-"""What the step is cut to where Newton's method fails."""
+"""What h is multiplied by where Newton's method failed."""
 SHORTEST, LONGEST, EASING = 1e-6, 1e7, 1.5
-"""Steps in pseudo-time at which a start is given up, or has run away if r does not fall so."""
+"""A start is given up at an h below SHORTEST; it has run away at an h above LONGEST if r does
+not even fall by EASING."""
 DENSE = 90
 """Systems up to this many unknowns are solved as full matrices."""
 
@@ -106,9 +111,11 @@ def find_seating(
     Parameters
     ----------
     program : Program
+        With the friction of its contacts.
     seed : int
         Of the stiffnesses and first displacements of all starts but the first.
     starts : int
+        The first from no displacement at all, with one stiffness; the others at random.
     budget : Budget or float
         Or seconds; when it is spent, the search ends with what it has.
 
@@ -212,7 +219,7 @@ class _Springs:
         One implicit Euler step, (x' - x) / step = r(x'), solved to a tenth of r(x).
         """
         new, right = state, state.rest
-        enough, last = CLOSE * float(np.linalg.norm(state.rest)), np.inf
+        enough, last = STEP_ERROR * float(np.linalg.norm(state.rest)), np.inf
         for count in range(1, INNER + 1):
             try:
                 new = self.at(new.x + self.newton(new, right, 1.0 / step))
