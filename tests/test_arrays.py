@@ -16,6 +16,7 @@ from kilter.arrays import (
     Rows,
     across,
     columns,
+    connected,
     counted,
     cross,
     ragged,
@@ -110,3 +111,14 @@ def test_read_only_arrays_are_views_that_refuse() -> None:
     with pytest.raises(ValueError, match="read-only"):
         held.size[0] = 1.0
     mine[0] = 1.0  # the array that was given stays its owner's
+
+
+@given(st.lists(st.tuples(st.integers(0, 7), st.integers(0, 7)), max_size=12))
+def test_connected_things_share_a_number(pairs: list[tuple[int, int]]) -> None:
+    first, second = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
+    label = connected(8, first, second)
+    plain = list(range(8))  # each pair gives all of one group the number of the other
+    for a, b in pairs:
+        plain = [plain[a] if number == plain[b] else number for number in plain]
+    same = [[label[a] == label[b] for a in range(8)] for b in range(8)]
+    assert same == [[plain[a] == plain[b] for a in range(8)] for b in range(8)]

@@ -24,6 +24,7 @@ __all__ = [
     "Rows",
     "across",
     "columns",
+    "connected",
     "counted",
     "cross",
     "ragged",
@@ -135,8 +136,25 @@ def ragged(start: Index, which: Index) -> tuple[Index, Index]:
     (array([0, 1, 1]), array([2, 0, 1]))
     """
     first = start[which]
-    owner, place = counted(start[which + 1] - first)
-    return owner, first[owner] + place
+    count = start[which + 1] - first
+    owner: Index = np.repeat(np.arange(len(which)), count)
+    return owner, np.arange(len(owner)) + np.repeat(first - (np.cumsum(count) - count), count)
+
+
+def connected(count: int, first: Index, second: Index) -> Index:
+    """A number for each of `count` things, the same for those that pairs of them connect.
+
+    Examples
+    --------
+    >>> connected(4, np.array([0, 3]), np.array([3, 2]))
+    array([0, 1, 0, 0])
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    graph = coo_array((np.ones(len(first)), (first, second)), shape=(count, count))
+    label: Index = connected_components(graph, directed=False)[1].astype(np.int64)
+    return label
 
 
 def read_only(arrays: Any) -> None:

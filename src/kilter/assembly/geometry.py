@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross, read_only
+from kilter.arrays import Array, Index, Mask, cross, ragged, read_only, starts
 from kilter.assembly.part import Part
 from kilter.assembly.surfaces import Surfaces, join_surfaces, surfaces_of
 from kilter.errors import InputError, some_names
@@ -213,8 +213,7 @@ def _local_surfaces(
     triangle_count = np.full(len(parts), 12)
     for k, (vertices, triangles) in others.items():
         corner_count[k], triangle_count[k] = len(vertices), len(triangles)
-    vertex_start = np.concatenate([[0], np.cumsum(corner_count)])
-    triangle_start = np.concatenate([[0], np.cumsum(triangle_count)])
+    vertex_start, triangle_start = starts(corner_count), starts(triangle_count)
 
     all_vertices = np.empty((vertex_start[-1], 3))
     all_triangles = np.empty((triangle_start[-1], 3), dtype=np.int64)
@@ -324,9 +323,8 @@ def _moments(
         second[where[:, None], range(3), range(3)] = volume[where][:, None] * sizes**2 / 12
     where = np.flatnonzero(~boxes)
     if len(where):
-        counts = np.diff(triangle_start)[where]
-        rows = np.concatenate([np.arange(triangle_start[k], triangle_start[k + 1]) for k in where])
-        start = np.concatenate([[0], np.cumsum(counts)])
+        _, rows = ragged(triangle_start, where)
+        start = starts(np.diff(triangle_start)[where])
         result = polyhedron_moments(vertices, triangles[rows], start)
         volume[where], center[where], second[where], area_center[where] = result
     for k in where.tolist():

@@ -20,7 +20,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross, read_only
+from kilter.arrays import Array, Index, Mask, cross, ratio, read_only, unit_rows
+from kilter.shape.closed import shared_edges
 from kilter.shape.primitives import CYLINDER_SIDES, Cylinder, Mesh, Shape, Sphere
 from kilter.shape.solid import Solid, Surface
 
@@ -44,10 +45,12 @@ SPHERE, CYLINDER, CONE, TORUS, FREE = range(5)
 
 SMOOTH = 0.6
 """Neighbouring triangles of a mesh that meet at less than this may stand for a curve [rad]."""
+COPLANAR = 1e-8
+"""1 - cosine up to which neighbouring triangles lie in one plane [-]."""
 FEWEST = 16
 """A mesh of fewer triangles, or fewer smooth edges, is taken as it is."""
 SAME = 1e-9
-"""Surfaces of one part that differ by less than this part of its size are one."""
+"""Surfaces of one part that differ by less than this fraction of its size are one."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,7 +111,7 @@ class Surfaces:
         height = np.einsum("ij,ij->i", apart, axis)
         away = apart - height[:, None] * axis
         distance = np.linalg.norm(away, axis=1)
-        return height, distance, away / np.maximum(distance, 1e-300)[:, None]
+        return height, distance, ratio(away, distance[:, None])
 
     def distance(self, rows: Index, points: Array) -> Array:
         """Signed distance of points from surfaces, shape (n,); infinite from a free one.
@@ -132,8 +135,7 @@ class Surfaces:
         cone = np.cos(alpha)[:, None] * away - np.sin(alpha)[:, None] * axis
         normal = np.where((kind == CONE)[:, None], cone, away)
         ring = (rho - self.radius[rows])[:, None] * away + height[:, None] * axis
-        ring = ring / np.maximum(np.linalg.norm(ring, axis=1), 1e-300)[:, None]
-        normal = np.where((kind == TORUS)[:, None], ring, normal)
+        normal = np.where((kind == TORUS)[:, None], unit_rows(ring), normal)
         result: Array = np.where(self.hollow[rows][:, None], -normal, normal)
         return result
 
@@ -189,16 +191,10 @@ def _may_be_curved(vertices: Array, triangles: Index) -> bool:
     if len(triangles) < FEWEST:
         return False
     points = vertices[triangles]
-    area = cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
-    normal = area / np.maximum(np.linalg.norm(area, axis=1), 1e-300)[:, None]
-    following = triangles[:, [1, 2, 0]]
-    low, high = np.minimum(triangles, following).ravel(), np.maximum(triangles, following).ravel()
-    key = low * (int(high.max()) + 1) + high
-    order = np.argsort(key, kind="stable")
-    same = np.flatnonzero(np.diff(key[order]) == 0)
-    first, second = order[same] // 3, order[same + 1] // 3
+    normal = unit_rows(cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0]))
+    first, second = (edge // 3 for edge in shared_edges(triangles))
     cosine = np.einsum("ij,ij->i", normal[first], normal[second])
-    bent = (cosine > np.cos(SMOOTH)) & (cosine < 1 - 1e-8)
+    bent = (cosine > np.cos(SMOOTH)) & (cosine < 1 - COPLANAR)
     return int(bent.sum()) >= FEWEST // 2
 
 

@@ -79,7 +79,9 @@ class Patches:
     @staticmethod
     def join(blocks: Iterable[Patches]) -> Patches:
         """The patches of all blocks, in their order."""
-        blocks = [Patches.none(), *blocks]
+        blocks = [block for block in blocks if len(block)]
+        if len(blocks) <= 1:
+            return blocks[0] if blocks else Patches.none()
         names = (*BY_PATCH, *BY_POINT)
         return Patches(
             **{name: np.concatenate([getattr(b, name) for b in blocks]) for name in names},

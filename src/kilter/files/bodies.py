@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask
+from kilter.arrays import Array, Index, Mask, connected
 from kilter.shape.primitives import Mesh
 
 __all__ = ["split_bodies"]
@@ -67,7 +67,7 @@ def _labels(places: Array, faces: Index) -> Index:
         edge = (places[low[rows[0]]], places[high[rows[0]]])
         opposite = places[_third(faces[face[rows]], low[rows[0]], high[rows[0]])]
         pairs.append(face[rows][_around(edge, opposite, sign * turn[rows])])
-    label = _components(np.concatenate(pairs), len(faces))
+    label = connected(len(faces), *np.concatenate(pairs).T)
     loose = np.unique(face[order[np.repeat(~balanced, count)]])
     if len(loose):
         label = _joined_at_corners(faces, label, np.isin(label, label[loose]))
@@ -120,21 +120,12 @@ def _around(edge: tuple[Array, Array], opposite: Array, turn: Index) -> Index:
     return np.array(pairs, dtype=np.int64).reshape(-1, 2)
 
 
-def _components(pairs: Index, count: int) -> Index:
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-    label: Index = connected_components(graph, directed=False)[1].astype(np.int64)
-    return label
-
-
 def _joined_at_corners(faces: Index, label: Index, chosen: Mask) -> Index:
     """Labels after the chosen faces' pieces are joined where they share a corner."""
     count = int(label.max()) + 1
     corners = faces[chosen].reshape(-1)
     piece = np.repeat(label[chosen], 3)
-    joined = _components(np.column_stack([piece, count + corners]), count + int(faces.max()) + 1)
+    joined = connected(count + int(faces.max()) + 1, piece, count + corners)
     result: Index = joined[label]
     return result
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from kilter.arrays import Array, Index
+from kilter.arrays import Array, Index, connected
 from kilter.assembly.geometry import polyhedron_moments
 from kilter.errors import InputError
 from kilter.files.checked_solid import checked
@@ -159,13 +159,9 @@ def _welded(faces: list[_Face]) -> tuple[Array, Index, Index]:
     Every corner of a face is a node of a graph, and so are the corners along each edge of the
     solid and its vertices; what is connected is one vertex.
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     starts = np.cumsum([0, *(len(face.nodes) for face in faces)])
     pairs, count = _shared(faces, starts)
-    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-    label = connected_components(graph, directed=False)[1].astype(np.int64)
+    label = connected(count, *pairs.T)
     nodes = np.concatenate([face.nodes for face in faces])
     rows = np.concatenate([f.triangles + n for f, n in zip(faces, starts[:-1], strict=True)])
     owner = np.repeat(np.arange(len(faces)), [len(face.triangles) for face in faces])

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kilter.arrays import Array, Index, Mask
+from kilter.arrays import Array, Index, Mask, connected
 from kilter.shape.shape_tolerances import EDGE_END, NO_AREA, WELD
 
-__all__ = ["open_edges", "welded", "wound_both_ways"]
+__all__ = ["open_edges", "shared_edges", "welded", "wound_both_ways"]
 
 
 def welded(
@@ -64,6 +64,22 @@ def open_edges(vertices: Array, triangles: Index) -> Index:
     return edges
 
 
+def shared_edges(triangles: Index) -> tuple[Index, Index]:
+    """Pairs of half-edges (3 x triangle + corner) that are one edge of two triangles.
+
+    Examples
+    --------
+    >>> shared_edges(np.array([[0, 1, 2], [0, 2, 3]]))
+    (array([2]), array([3]))
+    """
+    following = triangles[:, [1, 2, 0]]
+    low, high = np.minimum(triangles, following).ravel(), np.maximum(triangles, following).ravel()
+    key = low * (int(high.max()) + 1) + high
+    order = np.argsort(key, kind="stable")
+    same = np.flatnonzero(np.diff(key[order]) == 0)
+    return order[same], order[same + 1]
+
+
 def wound_both_ways(triangles: Index) -> bool:
     """Whether every edge has a face on either side, but some faces are wound the wrong way."""
     edges = np.sort(_edges(triangles), axis=1)
@@ -104,18 +120,14 @@ def _unmatched_edges(edges: Index) -> Index:
 
 def _merged_close(vertices: Array, distance: float) -> Index:
     """For each vertex the index of the one it becomes when those closer are made one."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
 
     pairs = cKDTree(vertices).query_pairs(distance, output_type="ndarray")
     count = len(vertices)
-    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-    _, label = connected_components(graph, directed=False)
+    label = connected(count, *pairs.T)
     first = np.full(label.max() + 1, count)
     np.minimum.at(first, label, np.arange(count))
-    merged: Index = first[label].astype(np.int64)
-    return merged
+    return first[label]
 
 
 def _no_area(vertices: Array, triangles: Index) -> Mask:

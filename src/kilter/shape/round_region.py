@@ -11,7 +11,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, across, cross, ragged, ratio, starts, unit_rows
+from kilter.arrays import (
+    Array,
+    Index,
+    Mask,
+    across,
+    connected,
+    cross,
+    ragged,
+    ratio,
+    starts,
+    unit_rows,
+)
 from kilter.shape.fitting import FITS
 from kilter.shape.shape_tolerances import (
     EVIDENCE,
@@ -91,7 +102,7 @@ def facet_graph(vertices: Array, triangles: Index, accuracy: float) -> FacetGrap
     normal = ratio(turn, double[:, None])
     pairs, edge = _meeting(_welded(vertices, triangles))
     flat = _flat(vertices, triangles, normal, double, pairs, edge, tolerance)
-    facet = _components(pairs[flat], len(triangles))
+    facet = connected(len(triangles), *pairs[flat].T)
     facet = _without_drift(vertices, triangles, turn, facet, tolerance)
     count = int(facet.max(initial=-1)) + 1
     unit = unit_rows(_sums(facet, turn, count))
@@ -104,7 +115,7 @@ def facet_graph(vertices: Array, triangles: Index, accuracy: float) -> FacetGrap
     key = key[np.diff(key, prepend=-1) > 0]
     both = np.column_stack([key // max(count, 1), key % max(count, 1)])
     first = starts(np.bincount(both[:, 0], minlength=count))
-    region = _components(near, count)
+    region = connected(count, *near.T)
     area: Array = np.bincount(facet, double / 2, count).astype(np.float64)
     return FacetGraph(facet, order, start, unit, area, both[:, 1], first, region, tolerance)
 
@@ -194,15 +205,6 @@ def _without_drift(
 def _sums(group: Index, values: Array, count: int) -> Array:
     """Sums of rows of values, shape (n, 3), group by group, shape (count, 3)."""
     return np.column_stack([np.bincount(group, values[:, k], count) for k in range(3)])
-
-
-def _components(pairs: Index, count: int) -> Index:
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-    label: Index = connected_components(graph, directed=False)[1].astype(np.int64)
-    return label
 
 
 # pieces of round surfaces ---------------------------------------------------------------

@@ -14,7 +14,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kilter.arrays import TINY, Array, Index, Mask, counted, cross, ragged, starts, unit_rows
+from kilter.arrays import (
+    TINY,
+    Array,
+    Index,
+    Mask,
+    connected,
+    counted,
+    cross,
+    ragged,
+    starts,
+    unit_rows,
+)
 from kilter.assembly.geometry import Geometry
 from kilter.contact.contact_tolerances import (
     FACET_BEND,
@@ -24,6 +35,7 @@ from kilter.contact.contact_tolerances import (
     SAME_PLACE,
     THICKNESS,
 )
+from kilter.shape.closed import shared_edges
 from kilter.shape.primitives import BOX_QUADS
 
 __all__ = ["Facets", "find_facets"]
@@ -184,7 +196,7 @@ def _grouped(geometry: Geometry, parts: Index, convex_part: Mask) -> list[Block]
     flat = np.minimum(FACET_FLATNESS * geometry.size, THICKNESS * thickness)
     tolerance = np.maximum(flat, np.minimum(ROUNDINGS * geometry.accuracy, thickness / 2))[part]
     rounding = (ROUNDINGS * geometry.accuracy + SAME_PLACE * geometry.size)[part]
-    edges = _shared_edges(triangles)
+    edges = shared_edges(triangles)
     first, second = edges[0] // 3, edges[1] // 3
     convex = _convex_parts(geometry.vertices, triangles, part, tolerance, rounding, first, second)
     convex_part[parts] = convex[parts]
@@ -220,7 +232,7 @@ def _convex_parts(
     open_somewhere = np.bincount(part[first], minlength=count) * 2 != 3 * np.bincount(
         part, minlength=count
     )
-    label = _components(len(triangles), first, second)
+    label = connected(len(triangles), first, second)
     pieces = np.bincount(part[np.unique(label, return_index=True)[1]], minlength=count)
     convex: Mask = ~bad & ~open_somewhere & (pieces == 1)
     return convex
@@ -244,9 +256,7 @@ def _coplanar_groups(
             bend <= FACET_BEND + 4 * limit / _height(points, twice, first, second)
         )
         joined &= active[first] & active[second]
-        group = _relabelled(
-            group, active, _components(len(triangles), first[joined], second[joined])
-        )
+        group = _relabelled(group, active, connected(len(triangles), first[joined], second[joined]))
         bent = _drifting(points, group, tolerance) & active
         if not bent.any():
             break
@@ -263,16 +273,6 @@ def _relabelled(group: Index, active: Mask, fresh: Index) -> Index:
     _, compact = np.unique(group, return_inverse=True)
     result: Index = compact.reshape(-1)
     return result
-
-
-def _shared_edges(triangles: Index) -> tuple[Index, Index]:
-    """Pairs of half-edges (3 x triangle + corner) that are one edge of two triangles."""
-    following = triangles[:, [1, 2, 0]]
-    low, high = np.minimum(triangles, following).ravel(), np.maximum(triangles, following).ravel()
-    key = low * (int(high.max()) + 1) + high
-    order = np.argsort(key, kind="stable")
-    same = np.flatnonzero(np.diff(key[order]) == 0)
-    return order[same], order[same + 1]
 
 
 def _bend(
@@ -294,15 +294,6 @@ def _height(points: Array, twice: Array, first: Index, second: Index) -> Array:
     height = twice / np.maximum(edges, TINY)
     lowest: Array = np.maximum(np.minimum(height[first], height[second]), TINY)
     return lowest
-
-
-def _components(count: int, first: Index, second: Index) -> Index:
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    graph = coo_array((np.ones(len(first), dtype=np.int8), (first, second)), shape=(count, count))
-    label: Index = connected_components(graph, directed=False)[1].astype(np.int64)
-    return label
 
 
 def _drifting(points: Array, group: Index, tolerance: Array) -> Mask:

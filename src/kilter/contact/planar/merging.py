@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, starts
+from kilter.arrays import Array, Index, Mask, connected, starts
 from kilter.contact.contact_search import ContactSearch
 from kilter.contact.contact_tolerances import PATCH_ANGLE, PATCH_CORNER, SLIVER
 from kilter.contact.patches import Patches
@@ -45,7 +45,7 @@ def merge(
     tolerance, blur = search.limits.gap, search.limits.rounding
     noise = [_thin(block, SLIVER * blur[frames.pair[block.frame]]) for block in blocks]
     thin = [block.take(np.flatnonzero(slim)) for block, slim in zip(blocks, noise, strict=True)]
-    blocks = [block.take(np.flatnonzero(~slim)) for block, slim in zip(blocks, noise, strict=True)]
+    blocks = [_only(block, ~slim) for block, slim in zip(blocks, noise, strict=True)]
     pairs = [frames.pair[block.frame] for block in blocks]
     number = np.bincount(np.concatenate([*pairs, np.empty(0, np.int64)]), minlength=len(tolerance))
     groups: list[Patches] = []
@@ -53,9 +53,9 @@ def merge(
     for k, (block, pair) in enumerate(zip(blocks, pairs, strict=True)):
         alone = number[pair] == 1
         slim = np.zeros(len(pair), dtype=bool)
-        slim[alone] = _thin(block.take(np.flatnonzero(alone)), 2 * tolerance[pair[alone]])
+        slim[alone] = _thin(_only(block, alone), 2 * tolerance[pair[alone]])
         thin.append(block.take(np.flatnonzero(slim)))
-        groups.append(_single(search, frames, block.take(np.flatnonzero(alone & ~slim))))
+        groups.append(_single(search, frames, _only(block, alone & ~slim)))
         crowd.extend((int(pair[row]), k, int(row)) for row in np.flatnonzero(~alone))
     crowd.sort()
     begin = 0
@@ -72,6 +72,10 @@ def merge(
     if merged:
         groups.append(_packed(search, frames, merged))
     return Patches.join(groups).ordered(), [block for block in thin if len(block.frame)]
+
+
+def _only(pieces: Pieces, chosen: Mask) -> Pieces:
+    return pieces if chosen.all() else pieces.take(np.flatnonzero(chosen))
 
 
 def _packed(search: ContactSearch, frames: FacetFrame, merged: list[_Merged]) -> Patches:
@@ -200,9 +204,7 @@ def _wide_regions(plane: Array, owner: Index, which: Index, area: Array, width: 
     low = np.array([hull.min(axis=0) for hull in hulls]) - width / 2
     high = np.array([hull.max(axis=0) for hull in hulls]) + width / 2
     meets = ((low[:, None] <= high[None]) & (low[None] <= high[:, None])).all(axis=2)
-    from scipy.sparse.csgraph import connected_components
-
-    label = connected_components(meets, directed=False)[1]
+    label = connected(len(which), *np.nonzero(meets))
     for region in np.unique(label):
         members = np.flatnonzero(label == region)
         if len(members) == 1:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kilter.arrays import TINY, Array, Index, Labels, ragged
+from kilter.arrays import TINY, Array, Index, Labels, connected, ragged
 from kilter.contact.contact_search import ContactSearch
 from kilter.contact.contact_tolerances import CONE_ANGLE, EDGE_STRAIGHTNESS, NORMAL_ANGLE
 from kilter.contact.patches import Patches
@@ -66,10 +66,6 @@ def _kinds(met: Meetings, pushes: Pushes, start: Index) -> Labels:
 
 def _on_one_edge(search: ContactSearch, edges: Edges, met: Meetings, pushes: Pushes) -> Index:
     """A number for each point, the same for points of one edge on one facet."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    count = len(pushes.meeting)
     first, second = [], []
     for side in (0, 1):
         point, edge = _edges_at(edges, met, pushes, side)
@@ -85,10 +81,7 @@ def _on_one_edge(search: ContactSearch, edges: Edges, met: Meetings, pushes: Pus
         same &= np.linalg.norm(pushes.normal[p] - pushes.normal[q], axis=1) <= NORMAL_ANGLE
         first.append(p[same])
         second.append(q[same])
-    i, j = np.concatenate(first), np.concatenate(second)
-    graph = coo_array((np.ones(len(i), dtype=np.int8), (i, j)), shape=(count, count))
-    label: Index = connected_components(graph, directed=False)[1].astype(np.int64)
-    return label
+    return connected(len(pushes), np.concatenate(first), np.concatenate(second))
 
 
 def _edges_at(edges: Edges, met: Meetings, pushes: Pushes, side: int) -> tuple[Index, Index]:

@@ -6,7 +6,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import TINY, Array, Index, Mask, Rows, counted, cross, ragged, unit_rows
+from kilter.arrays import (
+    TINY,
+    Array,
+    Index,
+    Mask,
+    Rows,
+    connected,
+    counted,
+    cross,
+    ragged,
+    unit_rows,
+)
 from kilter.assembly.geometry import Geometry
 from kilter.contact.broad import Boxes
 from kilter.contact.contact_tolerances import RAY_ANGLE, VERTEX_ON_EDGE
@@ -199,13 +210,8 @@ def _without_slivers(facets: Facets, ends: Index, sides: Index) -> tuple[Index, 
     touched = sliver[sides] & (sides >= 0)
     if not touched.any():
         return ends, sides, False
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     inner = touched.all(axis=1)
-    joins = np.ones(int(inner.sum()), dtype=np.int8), tuple(sides[inner].T)
-    graph = coo_array(joins, shape=(len(sliver), len(sliver)))
-    label = connected_components(graph, directed=False)[1]
+    label = connected(len(sliver), *sides[inner].T)
     beyond: dict[int, set[int]] = {}
     rim = np.flatnonzero(touched.any(axis=1) & ~inner)
     for row in rim:
