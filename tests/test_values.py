@@ -42,6 +42,12 @@ def values() -> Iterator[Any]:
     yield kilter.Tolerance(clearance=0.5)
     yield kilter.check(assembly)
     yield kilter.check(assembly).contacts
+    yield kilter.region(scene("slope"))
+    yield kilter.region(scene("slope-with-friction"))
+    yield kilter.orient(scene("paper-figure-11"))
+    yield kilter.margin(scene("tower"))
+    yield kilter.verify(scene("tower"), kilter.check(scene("tower")).proof())
+    yield kilter.example()[0]
 
 
 @pytest.mark.parametrize("value", list(values()), ids=lambda value: type(value).__name__)
@@ -81,6 +87,13 @@ def test_words_of_a_part_by_name_and_by_position(unstable: kilter.Verdict) -> No
     assert unstable.words("C1") == "is held"
     with pytest.raises(InputError, match="did you mean 'C2'"):
         unstable.words("c2")
+
+
+def test_a_notebook_shows_counts_and_what_is_held(wall: Assembly) -> None:
+    shown = wall._repr_html_()
+    assert f"{len(wall)}" in shown
+    assert "held" in shown
+    assert len(shown) < 3000
 
 
 # a verdict is no truth value ---------------------------------------------------------------
@@ -160,7 +173,10 @@ class Trimesh:
     faces = np.zeros((1, 3), dtype=int)
 
 
-VERBS = (kilter.check, kilter.contacts)
+VERBS = (
+    *(kilter.check, kilter.contacts, kilter.orient, kilter.region, kilter.margin, kilter.report),
+    *(kilter.draw, kilter.common_region, kilter.verify, kilter.dump),
+)
 
 
 @pytest.mark.parametrize("verb", VERBS, ids=lambda verb: verb.__name__)
@@ -176,8 +192,9 @@ VERBS = (kilter.check, kilter.contacts)
     ids=["path", "trimesh", "part", "list", "None"],
 )
 def test_what_is_no_assembly_is_told_how_to_become_one(verb: Any, given: Any, hint: str) -> None:
-    with pytest.raises(InputError, match=hint) as caught:
-        verb(given)
+    single = verb in (kilter.check, kilter.contacts, kilter.orient, kilter.region, kilter.margin)
+    with pytest.raises(InputError, match=hint if single else None) as caught:
+        verb(*([given, {}] if verb in (kilter.verify, kilter.dump) else [given]))
     assert "\n" not in str(caught.value)
 
 

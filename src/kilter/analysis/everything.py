@@ -20,7 +20,7 @@ from kilter.analysis.turning.orientation import orient
 from kilter.analysis.turning.stability_map import StabilityMap, stability_map
 from kilter.analysis.verdict import Verdict
 from kilter.arrays import Array, Index
-from kilter.assembly import Assembly
+from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance
 from kilter.contact import contacts as find_contacts
 from kilter.errors import InputError, SolverError
@@ -173,6 +173,7 @@ def everything(
     Everything('stable', 6 parts)
     """
     tell = progress or (lambda stage: None)
+    require_assembly(assembly, "report")
     assembly.require_grounded()
     if contacts is None:
         contacts = find_contacts(assembly, tolerance=tolerance, progress=progress)

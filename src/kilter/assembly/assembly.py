@@ -26,6 +26,7 @@ from kilter.assembly.part import GROUND, Part
 from kilter.errors import InputError, nearest_name, some_names
 from kilter.rigid import Pose, rotation_between, unit
 from kilter.shape.primitives import Box
+from kilter.tell.html import html_of
 from kilter.units import metres_per_unit
 from kilter.validate import frozen, in_range, number
 
@@ -183,6 +184,23 @@ class Assembly:
         held = sum(part.grounded for part in self.parts)
         source = f", from {Path(self.source).name!r}" if self.source else ""
         return f"<Assembly: {len(self)} parts, {held} held, in {self.units}{source}>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows."""
+        joints = [{"parts": list(joint.parts), "kind": joint.kind} for joint in self.joints]
+        return html_of(
+            {
+                "kilter": 1,
+                "units": self.units,
+                "gravity": self.gravity.tolist(),
+                "friction": self.friction,
+                "parts": [{"name": part.name, "grounded": part.grounded} for part in self.parts],
+                "joints": joints,
+                "loads": self.loads,
+                "contacts": self.contacts,
+                "warnings": self.notes,
+            }
+        )
 
     @cached_property
     def index(self) -> dict[str, int]:

@@ -9,7 +9,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from kilter.assembly import Assembly
+from kilter.assembly import Assembly, require_assembly
 from kilter.errors import InputError
 from kilter.files.kilter_json import to_dict
 
@@ -27,6 +27,7 @@ def dump(assembly: Assembly, path: str | Path) -> None:
     InputError
         If the file cannot be written, or a name is no valid text.
     """
+    require_assembly(assembly, "dump")
     try:
         text = to_text(assembly)
     except InputError as error:

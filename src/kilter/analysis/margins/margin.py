@@ -39,7 +39,7 @@ from kilter.analysis.turning_tolerances import (
 )
 from kilter.analysis.verdict import Verdict
 from kilter.arrays import Array
-from kilter.assembly import Assembly
+from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance
 from kilter.errors import InputError, some_names
 from kilter.mechanics.coulomb_cones import spread
@@ -223,10 +223,10 @@ def margin(
     """
     tell = progress or (lambda stage: None)
     started = time.perf_counter()
+    require_assembly(assembly, "margin")
     direction = None if push is None else unit(push, "push")
     axis = None if about is None else _axis(assembly, about)
     parts = _pushed(assembly, pushed)
-    _require_loads_on_free_parts(assembly)
     verdict = check(
         assembly, contacts=contacts, tolerance=tolerance, budget=budget, progress=progress
     )
@@ -315,16 +315,6 @@ def _pushed(assembly: Assembly, names: list[str] | None) -> list[int]:
             raise InputError("it is held: no push moves it", part=name, hint="name a free part")
         chosen.append(k)
     return chosen
-
-
-def _require_loads_on_free_parts(assembly: Assembly) -> None:
-    for load in assembly.loads:
-        if assembly.parts[assembly.index_of(load.part)].grounded:
-            raise InputError(
-                "a load on it is without effect: it is held",
-                part=load.part,
-                hint="give the load to a free part",
-            )
 
 
 def _worst(

@@ -28,7 +28,7 @@ from kilter.analysis.regions.region_words import further_forces, warnings_of
 from kilter.analysis.regions.stable_cone import Proof, StableCone, stable_cone
 from kilter.analysis.turning_tolerances import GAP_DEG
 from kilter.arrays import Array, Mask
-from kilter.assembly import Assembly
+from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance, find_contacts
 from kilter.errors import InputError
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
@@ -308,6 +308,7 @@ def region(
     >>> rough.exact, round(rough.half_angle_deg, 1), rough.gap_deg < 0.1
     (False, 26.6, True)
     """
+    require_assembly(assembly, "region")
     assembly.require_grounded()
     started = time.perf_counter()
     if contacts is None:
@@ -378,11 +379,14 @@ def common_region(
     >>> common_region([railed("-x +x -z"), railed("-x -z +z")]).kind
     'fan'
     """
+    if isinstance(assemblies, Assembly) or not isinstance(assemblies, Sequence):
+        raise InputError("common_region wants a list of assemblies", hint="give [one, other, ...]")
     if not assemblies:
         raise InputError("no assembly is given", hint="give at least one")
     given = list(contacts) if contacts is not None else [None for _ in assemblies]
     regions = []
     for assembly, own in zip(assemblies, given, strict=True):
+        require_assembly(assembly, "common_region")
         assembly.require_grounded()
         begun = time.perf_counter()
         touching = own or find_contacts(assembly, tolerance=tolerance, progress=progress)

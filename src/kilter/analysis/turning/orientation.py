@@ -38,7 +38,7 @@ from kilter.analysis.turning_tolerances import (
 )
 from kilter.analysis.verdict import Verdict
 from kilter.arrays import Array
-from kilter.assembly import Assembly
+from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.errors import InputError
 from kilter.mechanics.certificate import check_motion
@@ -229,6 +229,7 @@ def _require_turnable(assembly: Assembly, method: str) -> None:
     """Refuse what is not held, or has loads, which do not turn."""
     if method not in ("joint", "walk"):
         raise InputError(f"there is no method {method!r}", hint="give 'joint' or 'walk'")
+    require_assembly(assembly, "orient")
     assembly.require_grounded()
     if assembly.loads:
         raise InputError(
