@@ -1,7 +1,7 @@
 """Files that describe an assembly, read and written.
 
 What is read: kilter's own JSON (`kilter_json`), COMPAS JSON (`compas`), meshes of several
-objects (`meshes`: OBJ, STL, 3MF, GLB) and folders of meshes (`folder`). What is written:
+objects (`formats`: OBJ, STL, 3MF, GLB, STEP) and folders of meshes (`folder`). What is written:
 kilter's own JSON. Every fault of a file is one `InputError` that names file and part.
 """
 

@@ -13,19 +13,12 @@ from pathlib import Path
 from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
 from kilter.files.bodies import split_bodies
-from kilter.files.meshes import SUFFIXES, Solids, read_solids
+from kilter.files.formats import FORMATS, read_bodies
 from kilter.files.naming import distinct, filled, natural_key
-from kilter.files.placed import scaled
-from kilter.files.step import SUFFIXES as STEP
-from kilter.files.step import StepSolids, read_step
-from kilter.rigid import Pose
-from kilter.shape.primitives import Shape
-from kilter.shape.solid import scaled_solid
-from kilter.units import metres_per_unit
+from kilter.files.placed import FileBodies
+from kilter.shape.primitives import Mesh
 
 __all__ = ["load_folder"]
-
-READ = (*SUFFIXES, *STEP)
 
 
 def load_folder(path: Path, *, units: str | None = None) -> Assembly:
@@ -45,12 +38,12 @@ def load_folder(path: Path, *, units: str | None = None) -> Assembly:
             hint="check the path and its rights",
         ) from None
     entries = [entry for entry in entries if not entry.name.startswith(".")]
-    chosen = [e for e in entries if e.suffix.lower() in READ and not e.is_dir()]
+    chosen = [e for e in entries if e.suffix.lower() in FORMATS and not e.is_dir()]
     if not chosen:
         raise InputError(
             "no mesh or STEP file in the folder", file=str(path), hint=_instead(entries)
         )
-    solids = [_read(entry) for entry in chosen]
+    solids = [read_bodies(entry) for entry in chosen]
     target = _units(path, chosen, solids, units)
     notes = _ignored([entry for entry in entries if entry not in chosen])
     for entry, found in zip(chosen, solids, strict=True):
@@ -65,44 +58,24 @@ def _instead(entries: Sequence[Path]) -> str:
     files = [e.name for e in entries if e.name.lower().endswith(".json")]
     if files:
         return f"give the file itself: {files[0]!r}"
-    return f"put files of {', '.join(READ)} into it"
+    return f"put files of {', '.join(FORMATS)} into it"
 
 
-def _read(path: Path) -> Solids | StepSolids:
-    return read_step(path) if path.suffix.lower() in STEP else read_solids(path)
-
-
-def _shapes(found: Solids | StepSolids, target: str) -> list[tuple[Shape, Pose]]:
-    """The shapes of a file in the units of the assembly, and where they are."""
-    factor = metres_per_unit(found.units or target) / metres_per_unit(target)
-    if isinstance(found, Solids):
-        return [(scaled(mesh, factor), Pose()) for mesh in found.meshes]
-    own = {id(solid): scaled_solid(solid, factor) for solid in found.solids}
-    return [
-        (own[id(solid)], Pose(pose.position * factor, pose.rotation))
-        for solid, pose in zip(found.solids, found.poses, strict=True)
-    ]
-
-
-def _parts(
-    path: Path, files: list[Path], solids: list[Solids | StepSolids], target: str
-) -> list[Part]:
+def _parts(path: Path, files: list[Path], solids: list[FileBodies], target: str) -> list[Part]:
     stems = distinct([file.stem for file in files])
     parts = []
     for file, stem, found in zip(files, stems, solids, strict=True):
         several = len(found.names) > 1
         names = [f"{stem}/{name}" for name in filled(found.names, stem)] if several else [stem]
         try:
-            for name, (shape, pose) in zip(names, _shapes(found, target), strict=True):
+            for name, (shape, pose) in zip(names, found.in_units(target), strict=True):
                 parts.append(Part(name, shape, pose))
         except InputError as error:
             raise error.located(file=str(file)) from None
     return parts
 
 
-def _units(
-    path: Path, files: list[Path], solids: list[Solids | StepSolids], units: str | None
-) -> str:
+def _units(path: Path, files: list[Path], solids: list[FileBodies], units: str | None) -> str:
     """The units asked for, else those that the files state."""
     stated = sorted({found.units for found in solids if found.units})
     if units:
@@ -126,8 +99,9 @@ def _ignored(entries: Sequence[Path], limit: int = 8) -> list[str]:
     return [f"passed over, no mesh or STEP files: {shown}{more}"]
 
 
-def _several_bodies(file: Path, found: Solids | StepSolids) -> list[str]:
-    if isinstance(found, StepSolids) or found.names != (None,):
+def _several_bodies(file: Path, found: FileBodies) -> list[str]:
+    alone = found.shapes[0]
+    if found.names != (None,) or not isinstance(alone, Mesh):
         return []
-    count = len(split_bodies(found.meshes[0]))
+    count = len(split_bodies(alone))
     return [f"{file.name}: {count} separate bodies, taken as one part"] if count > 1 else []

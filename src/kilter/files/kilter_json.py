@@ -30,8 +30,6 @@ __all__ = ["from_dict", "schema", "to_dict"]
 
 VERSION = 1
 GRAVITY = [0.0, 0.0, -9.81]
-SHAPES = ("mesh", "box", "cylinder", "sphere", "polygon", "step", "solid")
-"""Keys of which a part has exactly one."""
 
 
 def schema() -> dict[str, Any]:
@@ -139,10 +137,10 @@ def _part(entry: PartEntry, named: NamedFiles) -> Part:
 
 
 def _shape(entry: PartEntry, named: NamedFiles) -> Shape:
-    given = [key for key in SHAPES if getattr(entry, key) is not None]
+    given = [key for key in entry.shapes() if getattr(entry, key) is not None]
     if len(given) != 1:
         what = f"has {' and '.join(given)}" if given else "has no shape"
-        raise InputError(what, hint=f"give exactly one of {', '.join(SHAPES)}")
+        raise InputError(what, hint=f"give exactly one of {', '.join(entry.shapes())}")
     if (entry.depth is None) == (entry.polygon is not None):
         raise InputError(
             "polygon without depth" if entry.polygon else "depth without polygon",

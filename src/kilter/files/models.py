@@ -10,9 +10,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
 
-from kilter.files.kilter_json import SHAPES
-
 __all__ = ["AssemblyFile", "PartEntry", "build_schema"]
+
+SHAPES = ("mesh", "box", "cylinder", "sphere", "polygon", "step", "solid")
+"""Keys of which a part has exactly one."""
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
@@ -139,6 +140,11 @@ class PartEntry(_Entry):
     density: Positive | None = Field(None, description="[kg/m^3]; 1000 where no mass is given")
     mass: Positive | None = Field(None, description="[kg]")
     center_of_mass: Vector | None = Field(None, description="in the part's own frame")
+
+    @staticmethod
+    def shapes() -> tuple[str, ...]:
+        """Keys of which a part has exactly one."""
+        return SHAPES
 
 
 class FrictionPairEntry(_Entry):

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from kilter.errors import InputError
-from kilter.files.placed import joined, scaled
+from kilter.errors import InputError, nearest_name, some_names
+from kilter.files.formats import EXACT, MESHES, read_bodies
+from kilter.files.placed import FileBodies, joined
 from kilter.shape.primitives import Mesh
-from kilter.shape.solid import Solid, scaled_solid
+from kilter.shape.solid import Solid, moved_solid, scaled_solid
 from kilter.units import metres_per_unit
-
-if TYPE_CHECKING:
-    from kilter.files.step import StepSolids
 
 __all__ = ["NamedFiles"]
 
@@ -33,64 +30,72 @@ class NamedFiles:
         self.folder = folder
         self.units = units
         self.notes: list[str] = []
-        self._meshes: dict[str, Mesh] = {}
-        self._steps: dict[str, StepSolids] = {}
-        self._solids: dict[tuple[str, str | None], Solid] = {}
+        self._read: dict[str, FileBodies] = {}
+        self._shapes: dict[tuple[str, str, str | None], Mesh | Solid] = {}
 
-    def mesh(self, path: str) -> Mesh:
+    def mesh(self, path: str) -> Mesh | Solid:
         """All objects of a mesh file as one mesh."""
-        if path not in self._meshes:
-            self._meshes[path] = self._read_mesh(path)
-        return self._meshes[path]
+        key = ("mesh", path, None)
+        if key not in self._shapes:
+            found = self._file("mesh", path, MESHES)
+            if len(found.shapes) > 1:
+                self.notes.append(
+                    f"mesh {path!r} holds {len(found.shapes)} objects, taken as one part"
+                )
+            shapes = [shape for shape, _ in found.in_units(self.units)]
+            self._shapes[key] = joined([shape for shape in shapes if isinstance(shape, Mesh)])
+        return self._shapes[key]
 
-    def step(self, path: str, name: str | None = None) -> Solid:
+    def step(self, path: str, name: str | None = None) -> Mesh | Solid:
         """A solid of a STEP file, where that file has it."""
-        if (path, name) not in self._solids:
-            if path not in self._steps:
-                self._steps[path] = self._read_step(path)
-            found = self._steps[path]
+        key = ("step", path, name)
+        if key not in self._shapes:
+            found = self._file("step", path, EXACT)
             try:
-                solid = found.named(name)
+                k = _position(found.names, name)
             except InputError as error:
-                raise InputError(f"step {path!r}: {error.what}", hint=error.hint) from None
-            self._solids[path, name] = scaled_solid(solid, self._factor(found.units))
-        return self._solids[path, name]
+                raise error.about(f"step {path!r}: {error.what}") from None
+            solid, pose = found.shapes[k], found.places[k]
+            assert isinstance(solid, Solid)
+            factor = metres_per_unit(found.units or self.units) / metres_per_unit(self.units)
+            self._shapes[key] = scaled_solid(moved_solid(solid, pose), factor)
+        return self._shapes[key]
 
-    def _factor(self, units: str | None) -> float:
-        return metres_per_unit(units or self.units) / metres_per_unit(self.units)
-
-    def _read_mesh(self, name: str) -> Mesh:
-        from kilter.files.meshes import SUFFIXES, read_solids
-
-        path = self.folder / name
-        _check_kind("mesh", name, SUFFIXES)
-        try:
-            solids = read_solids(path)
-        except InputError as error:
-            inside = f" object {error.part!r}:" if error.part else ""
-            raise InputError(f"mesh {name!r}:{inside} {error.what}", hint=error.hint) from None
-        self.notes += [f"mesh {name!r}: {note}" for note in solids.notes]
-        if len(solids.meshes) > 1:
-            self.notes.append(
-                f"mesh {name!r} holds {len(solids.meshes)} objects, taken as one part"
+    def _file(self, key: str, name: str, endings: Sequence[str]) -> FileBodies:
+        """A file that is named under a key, read once."""
+        if Path(name).suffix.lower() not in endings:
+            raise InputError(
+                f"{key} {name!r} is of no kind that is read",
+                hint=f"give one of {', '.join(endings)}",
             )
-        return scaled(joined(solids.meshes), self._factor(solids.units))
-
-    def _read_step(self, name: str) -> StepSolids:
-        from kilter.files.step import SUFFIXES, read_step
-
-        _check_kind("step", name, SUFFIXES)
-        try:
-            found = read_step(self.folder / name)
-        except InputError as error:
-            inside = f" solid {error.part!r}:" if error.part else ""
-            raise InputError(f"step {name!r}:{inside} {error.what}", hint=error.hint) from None
-        self.notes += [f"step {name!r}: {note}" for note in found.notes]
-        return found
+        if name not in self._read:
+            try:
+                found = read_bodies(self.folder / name)
+            except InputError as error:
+                what = "object" if key == "mesh" else "solid"
+                inside = f" {what} {error.part!r}:" if error.part else ""
+                raise InputError(f"{key} {name!r}:{inside} {error.what}", hint=error.hint) from None
+            self.notes += [f"{key} {name!r}: {note}" for note in found.notes]
+            self._read[name] = found
+        return self._read[name]
 
 
-def _check_kind(key: str, name: str, suffixes: Sequence[str]) -> None:
-    if Path(name).suffix.lower() not in suffixes:
+def _position(names: Sequence[str | None], name: str | None) -> int:
+    """Where a solid stands; its name may be left out where there is one.
+
+    Raises
+    ------
+    InputError
+        If there is none of that name, or several and no name was given.
+    """
+    known = [str(one) for one in names]
+    if name is None and len(known) > 1:
         raise InputError(
-            f"{key} {name!r} is of no kind that is read", hint=f"give one of {', '.join(suffixes)}"
+            f"it holds {len(known)} solids: {some_names(known)}",
+            hint='name one: {"path": ..., "name": ...}',
         )
+    if name is not None and name not in known:
+        near = nearest_name(name, known)
+        hint = f"did you mean {near!r}?" if near else f"there are: {some_names(known)}"
+        raise InputError(f"it holds no solid {name!r}", hint=hint)
+    return 0 if name is None else known.index(name)

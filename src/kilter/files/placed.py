@@ -1,15 +1,64 @@
-"""Meshes put in place: turned, scaled, joined; their accuracy goes with them."""
+"""Bodies of files put in place: turned, scaled, joined; their accuracy goes with them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from kilter.arrays import Array
+from kilter.rigid import Pose
 from kilter.shape.primitives import Mesh
+from kilter.shape.solid import Solid, scaled_solid
+from kilter.units import metres_per_unit
 
-__all__ = ["joined", "placed", "scaled"]
+__all__ = ["FileBodies", "joined", "placed", "scaled"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FileBodies:
+    """What a file of meshes, or of solids, holds, in its own unit.
+
+    Attributes
+    ----------
+    names : tuple of str or None
+    shapes : tuple of Mesh or Solid
+        In their own frames; one that is used several times is the same object.
+    poses : tuple of Pose
+        From the frame of the shape to that of the file; none where the two are one.
+    units : str or None
+        None where the file states no unit.
+    by_standard : bool
+        The unit is that of the format, not one that the file states.
+    notes : tuple of str
+    """
+
+    names: tuple[str | None, ...]
+    shapes: tuple[Mesh | Solid, ...]
+    poses: tuple[Pose, ...] = ()
+    units: str | None = None
+    by_standard: bool = False
+    notes: tuple[str, ...] = ()
+
+    @property
+    def places(self) -> tuple[Pose, ...]:
+        """The pose of each shape."""
+        return self.poses or (Pose(),) * len(self.shapes)
+
+    def in_units(self, units: str) -> list[tuple[Mesh | Solid, Pose]]:
+        """Shapes and poses with lengths in `units`; of a file without a unit as they are."""
+        factor = metres_per_unit(self.units or units) / metres_per_unit(units)
+        own = {
+            id(shape): scaled(shape, factor)
+            if isinstance(shape, Mesh)
+            else scaled_solid(shape, factor)
+            for shape in self.shapes
+        }
+        return [
+            (own[id(shape)], Pose(pose.position * factor, pose.rotation))
+            for shape, pose in zip(self.shapes, self.places, strict=True)
+        ]
 
 
 def placed(mesh: Mesh, matrix: Array) -> Mesh:

@@ -165,18 +165,14 @@ def _read(source: str | Path, units: str | None) -> Assembly:
         from kilter.files.folder import load_folder
 
         return load_folder(path, units=units)
-    from kilter.files.meshes import SUFFIXES, load_meshes
-    from kilter.files.step import SUFFIXES as STEP
-    from kilter.files.step import load_step
+    from kilter.files.formats import FORMATS, load_bodies
 
-    if suffix in SUFFIXES:
-        return load_meshes(path, units=units)
-    if suffix in STEP:
-        return load_step(path, units=units)
+    if suffix in FORMATS:
+        return load_bodies(path, units=units)
     data = read_bytes(path)
     if suffix == ".json":
         return _from_json(data, path.parent, str(path), units)
-    kinds = f".json, {', '.join([*SUFFIXES, *STEP])}, or a folder of them"
+    kinds = f".json, {', '.join(FORMATS)}, or a folder of them"
     raise InputError(
         f"files of {path.suffix or 'no ending'} are not read", file=str(path), hint=f"give {kinds}"
     )

@@ -8,89 +8,19 @@ from __future__ import annotations
 
 import importlib.util
 import re
-from dataclasses import dataclass
 from pathlib import Path
 
-from kilter.assembly import Assembly, Part
-from kilter.errors import InputError, nearest_name, some_names
+from kilter.errors import InputError
+from kilter.files.placed import FileBodies
 from kilter.files.raw import read_bytes
-from kilter.rigid import Pose
-from kilter.shape.solid import Solid, moved_solid
+from kilter.shape.solid import Solid
 
-__all__ = ["SUFFIXES", "StepSolids", "load_step", "read_step"]
+__all__ = ["read_step"]
 
-SUFFIXES = (".step", ".stp")
-"""Endings of STEP files, lower case."""
 _TEXTS = re.compile(rb"'[^']*'|/\*.*?\*/", re.DOTALL)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class StepSolids:
-    """What a STEP file holds, in its own unit.
-
-    Attributes
-    ----------
-    names : tuple of str
-        Distinct, ``assembly/part_1``.
-    solids : tuple of Solid
-        In their own frames; one that is used several times is the same object.
-    poses : tuple of Pose
-        From the frame of the solid to that of the file.
-    units : {"m", "cm", "mm", "in"}
-    notes : tuple of str
-    """
-
-    names: tuple[str, ...]
-    solids: tuple[Solid, ...]
-    poses: tuple[Pose, ...]
-    units: str
-    notes: tuple[str, ...] = ()
-
-    def named(self, name: str | None) -> Solid:
-        """One solid, where the file has it; the name may be left out where there is one.
-
-        Raises
-        ------
-        InputError
-            If there is none of that name, or several and no name was given.
-        """
-        if name is None and len(self.names) > 1:
-            raise InputError(
-                f"it holds {len(self.names)} solids: {some_names(self.names)}",
-                hint='name one: {"path": ..., "name": ...}',
-            )
-        if name is not None and name not in self.names:
-            near = nearest_name(name, self.names)
-            hint = f"did you mean {near!r}?" if near else f"there are: {some_names(self.names)}"
-            raise InputError(f"it holds no solid {name!r}", hint=hint)
-        k = 0 if name is None else self.names.index(name)
-        return moved_solid(self.solids[k], self.poses[k])
-
-
-def load_step(path: Path, *, units: str | None = None) -> Assembly:
-    """An assembly of the solids of one STEP file.
-
-    Raises
-    ------
-    InputError
-        As `read_step`; and if `units` differ from those of the file.
-    """
-    found = read_step(path)
-    if units is not None and units != found.units:
-        raise InputError(
-            f"the file is in {found.units}, {units} were asked for",
-            file=str(path),
-            hint="leave the units out",
-        )
-    try:
-        rows = zip(found.names, found.solids, found.poses, strict=True)
-        parts = [Part(name, solid, pose) for name, solid, pose in rows]
-    except InputError as error:
-        raise error.located(file=str(path)) from None
-    return Assembly(parts, units=found.units, source=str(path), notes=found.notes)
-
-
-def read_step(path: Path) -> StepSolids:
+def read_step(path: Path) -> FileBodies:
     """The solids of a STEP file.
 
     Raises
@@ -138,7 +68,7 @@ def _check_text(data: bytes) -> None:
         )
 
 
-def _read(path: Path) -> StepSolids:
+def _read(path: Path) -> FileBodies:
     from kilter.files.step_document import quiet, read_document
     from kilter.files.step_solids import read_solid
 
@@ -152,9 +82,9 @@ def _read(path: Path) -> StepSolids:
                 solids[one.key] = read_solid(one.shape)
             except InputError as error:
                 raise error.located(part=one.name) from None
-    return StepSolids(
+    return FileBodies(
         names=tuple(one.name for one in document.solids),
-        solids=tuple(solids[one.key] for one in document.solids),
+        shapes=tuple(solids[one.key] for one in document.solids),
         poses=tuple(one.pose for one in document.solids),
         units=document.units,
         notes=document.notes,

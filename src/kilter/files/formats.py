@@ -1,0 +1,118 @@
+"""The formats of files that hold bodies, and what each is read by.
+
+    a new format:  a function from a path to `FileBodies`, and its ending in `FORMATS`
+
+Objects keep their names; those without take the name of the file, and instances of one
+object are numbered (``bolt``, ``bolt_2``). A mesh file that names nothing and holds several
+bodies is taken apart into them. STL and OBJ state no unit; GLB is in metres by its standard
+(y stays up); 3MF and STEP state theirs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from kilter.assembly import Assembly, Part
+from kilter.errors import InputError
+from kilter.files.bodies import split_bodies
+from kilter.files.glb import read_glb
+from kilter.files.naming import filled
+from kilter.files.obj import read_obj
+from kilter.files.placed import FileBodies
+from kilter.files.raw import read_bytes
+from kilter.files.step import read_step
+from kilter.files.stl import read_stl
+from kilter.files.threemf import read_3mf
+from kilter.shape.primitives import Mesh
+
+__all__ = ["EXACT", "FORMATS", "MESHES", "load_bodies", "read_bodies"]
+
+_Named = list[tuple[str | None, Mesh]]
+
+
+def _bodies(found: _Named, notes: list[str], units: str | None = None) -> FileBodies:
+    names, meshes = tuple(name for name, _ in found), tuple(mesh for _, mesh in found)
+    return FileBodies(names, meshes, units=units, notes=tuple(notes))
+
+
+def _obj(path: Path) -> FileBodies:
+    return _bodies(read_obj(read_bytes(path)), [])
+
+
+def _stl(path: Path) -> FileBodies:
+    return _bodies(*read_stl(read_bytes(path)))
+
+
+def _glb(path: Path) -> FileBodies:
+    found, notes = read_glb(read_bytes(path))
+    names, meshes = tuple(name for name, _ in found), tuple(mesh for _, mesh in found)
+    return FileBodies(names, meshes, units="m", by_standard=True, notes=tuple(notes))
+
+
+def _3mf(path: Path) -> FileBodies:
+    found, units = read_3mf(read_bytes(path))
+    return _bodies(found, [], units)
+
+
+FORMATS: dict[str, Callable[[Path], FileBodies]] = {
+    ".obj": _obj,
+    ".stl": _stl,
+    ".3mf": _3mf,
+    ".glb": _glb,
+    ".step": read_step,
+    ".stp": read_step,
+}
+"""What reads files of each ending, lower case."""
+EXACT = (".step", ".stp")
+"""Endings of files whose faces are exact: what a part's `step` may name."""
+MESHES = tuple(ending for ending in FORMATS if ending not in EXACT)
+"""Endings of mesh files: what a part's `mesh` may name."""
+
+
+def read_bodies(path: Path) -> FileBodies:
+    """The bodies of a file, in the file's own unit.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, empty, damaged, or holds no faces; it names the file.
+    """
+    try:
+        found = FORMATS[path.suffix.lower()](path)
+        if not any(len(shape.triangles) for shape in found.shapes):
+            raise InputError("no faces", hint="export solids, as triangles or polygons")
+        return found
+    except InputError as error:
+        raise error.located(file=str(path)) from None
+
+
+def load_bodies(path: Path, *, units: str | None = None) -> Assembly:
+    """An assembly of the bodies of one file.
+
+    Raises
+    ------
+    InputError
+        As `read_bodies`; and if `units` differ from those that the file states.
+    """
+    found = read_bodies(path)
+    notes = list(found.notes)
+    if found.units and units and units != found.units:
+        if not found.by_standard:
+            raise InputError(
+                f"the file is in {found.units}, {units} were asked for",
+                file=str(path),
+                hint="leave the units out",
+            )
+        notes.append(f"this format is in {found.units} by its standard; read as {units} as asked")
+    alone = found.shapes[0]
+    if found.names == (None,) and isinstance(alone, Mesh):
+        apart = tuple(split_bodies(alone))
+        found = replace(found, names=(None,) * len(apart), shapes=apart)
+    rows = zip(filled(found.names, path.stem), found.shapes, found.places, strict=True)
+    try:
+        parts = [Part(name, shape, pose) for name, shape, pose in rows]
+    except InputError as error:
+        raise error.located(file=str(path)) from None
+    return Assembly(parts, units=units or found.units or "m", source=str(path), notes=notes)
