@@ -15,6 +15,7 @@ from kilter.rigid import quaternion_to_matrix
 from kilter.show.canvas import INK, label
 from kilter.show.painter import Camera
 from kilter.show.shapes import placed
+from kilter.tell.numbers import force
 from kilter.units import metres_per_unit
 
 if TYPE_CHECKING:
@@ -160,22 +161,8 @@ def draw_forces(
     dot: dict[str, Any] = {"marker": "o", "markersize": 5.2, "markeredgecolor": "white"}
     x, y = camera.flat(middle[order]).T
     axes.plot(x, y, linestyle="none", color=FORCE, zorder=5, **dot)
-    words = f"contact force, one possible set: greatest {newtons(most)}"
+    words = f"contact force, one possible set: greatest {force(most)}"
     return [(Line2D([], [], color=FORCE, linewidth=1.9, **dot), words)]
-
-
-def newtons(force: float) -> str:
-    """A force with a unit that suits its size.
-
-    Examples
-    --------
-    >>> newtons(9.81), newtons(246_000), newtons(0.00123)
-    ('9.81 N', '246 kN', '1.23 mN')
-    """
-    for size, unit in ((1e6, "MN"), (1e3, "kN"), (1.0, "N"), (1e-3, "mN")):
-        if force >= size:
-            return f"{force / size:.3g} {unit}"
-    return f"{force:.3g} N"
 
 
 def draw_names(axes: Axes, assembly: Assembly, faces: list[tuple[int, Array]]) -> None:

@@ -13,6 +13,8 @@ import numpy as np
 from kilter.arrays import Array, Mask
 from kilter.show.canvas import INK, blank, legend, title
 from kilter.show.painter import Camera
+from kilter.tell.numbers import angle as angle_words
+from kilter.tell.tables import region_sentence
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,18 +33,6 @@ AROUND = np.linspace(0.0, 2 * np.pi, 721)
 """Angles of great circles [rad]."""
 ON = 1e-7
 """Directions this close to a facet are on it [-]."""
-KINDS = {
-    "none": "No direction of gravity is stable",
-    "ray": "One direction of gravity is stable",
-    "line": "Two opposite directions of gravity are stable",
-    "fan": "A flat fan of directions of gravity is stable",
-    "half-plane": "Half a plane of directions of gravity is stable",
-    "plane": "A plane of directions of gravity is stable",
-    "cone": "A cone of directions of gravity is stable",
-    "wedge": "A wedge of directions of gravity is stable",
-    "half-space": "Half of all directions of gravity are stable",
-    "all": "Every direction of gravity is stable",
-}
 
 
 def draw_region(region: Region) -> Figure:
@@ -76,12 +66,11 @@ def draw_region(region: Region) -> Figure:
         entries |= _marks(axes, region, camera, given)
         _axes_of_frame(axes, camera)
         axes.text(0, -1.24, words, ha="center", va="top", fontsize=8.5, color="#6B7280")
-    half = region.half_angle_deg
-    wide = (
-        "" if half is None or half in (0.0, 180.0) else f"; at best it bears a tilt of {half:.4g}°"
-    )
-    inner = "" if region.exact else " (an inner region: more may be)"
-    title(figure, f"{KINDS[region.kind]}{wide}{inner}.", "" if region.kind == "none" else "stable")
+    said, wide = region_sentence(region.kind, friction=region.friction), ""
+    if region.half_angle_deg not in (None, 0.0, 180.0):
+        wide = f" At best it bears a tilt of {angle_words(region.half_angle_deg)}."
+    inner = "" if region.exact else " An inner region: more may be."
+    title(figure, f"{said}{wide}{inner}", "" if region.kind == "none" else "stable")
     legend(figure, [(sign, words) for words, sign in entries.items()], columns=3)
     return figure
 

@@ -11,7 +11,15 @@ from kilter.tell.facts import Answer, kind_of
 from kilter.tell.numbers import count, counts, force, number, vector
 from kilter.tell.words import NAMED
 
-__all__ = ["Name", "Table", "forces_table", "moving_table", "sentences", "tables"]
+__all__ = [
+    "Name",
+    "Table",
+    "forces_table",
+    "moving_table",
+    "region_sentence",
+    "sentences",
+    "tables",
+]
 
 INTERFERENCE = "an interference fit: join it with --fasten"
 KINDS = {
@@ -27,6 +35,7 @@ KINDS = {
     "all": "Every direction of gravity is stable: it is locked.",
 }
 HELD = "With friction, where forces that hold it exist ('kilter check --down' tells the rest):"
+LEFT_OUT = "Without friction and contacts not modelled:"
 
 
 class Name(str):
@@ -83,13 +92,22 @@ def sentences(answer: Answer) -> list[str]:
     return lines
 
 
+def region_sentence(kind: str, *, friction: bool) -> str:
+    """Which directions of gravity an assembly holds for; with friction, which can be held.
+
+    Examples
+    --------
+    >>> region_sentence("all", friction=True)
+    'Every direction of gravity is held: it is locked.'
+    """
+    return KINDS[kind].replace("stable", "held") if friction else KINDS[kind]
+
+
 def _region_sentence(answer: Answer) -> str:
-    head = KINDS[answer["kind"]]
+    head = region_sentence(answer["kind"], friction=answer["friction"])
     if answer["friction"]:
-        return f"{HELD} {head.replace('stable', 'held')}"
-    if not answer["exact"]:
-        return f"Without friction and contacts not modelled: {head[0].lower()}{head[1:]}"
-    return head
+        return f"{HELD} {head}"
+    return head if answer["complete"] else f"{LEFT_OUT} {head[0].lower()}{head[1:]}"
 
 
 def tables(answer: Answer) -> list[Table]:
