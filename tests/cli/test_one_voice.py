@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 import kilter
+import kilter.analysis.everything as module
 from kilter.assembly import Assembly
 from kilter.cli import main
 from kilter.errors import InputError
@@ -20,7 +21,7 @@ from kilter.tell.html import html_of
 from kilter.tell.text import text_of
 
 EXAMPLES = sorted((Path(__file__).resolve().parents[2] / "examples").glob("*.json"))
-WORK = {"orient": 12, "region": 12, "margin": 4}
+WORK = {"check": 45, "orient": 12, "region": 12, "margin": 4}
 """Parts above which a question takes long, so that it is asked with the slow tests."""
 BUDGET = {"check": 0.0, "margin": 0.0}
 """No time for a proof: what is found then does not depend on the machine."""
@@ -58,7 +59,10 @@ def agree(command: str, path: Path, capsys: pytest.CaptureFixture[str]) -> None:
         assert (code, out) == (2, "")
         return
     assert code in (0, 1, 3, 4)
-    assert timeless(json.loads(out)) == timeless(json.loads(json.dumps(answer.to_dict())))
+    told, known = json.loads(out), json.loads(json.dumps(answer.to_dict()))
+    if known.get("guarantee") == "open":  # how far the search came is up to the clock
+        told.pop("friction", None), known.pop("friction", None)
+    assert timeless(told) == timeless(known)
 
 
 @pytest.mark.parametrize(
@@ -83,7 +87,10 @@ def test_an_example_is_answered_alike(path: Path, capsys: pytest.CaptureFixture[
 
 
 @pytest.mark.parametrize("name", asked("region"))
-def test_page_notebook_and_terminal_tell_the_same_facts(name: str) -> None:
+def test_page_notebook_and_terminal_tell_the_same_facts(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "MAP_PARTS", 0)  # its programs take most of the time
     assembly = scene(name)
     verdict = kilter.check(assembly, budget=0.0)
     answer = verdict.to_dict()
@@ -107,23 +114,26 @@ def terms(page: str) -> list[tuple[str, str]]:
     return re.findall(r"<dt>(.*?)</dt><dd>(.*?)</dd>", first)
 
 
-def test_the_greatest_force_is_one_number_everywhere(tmp_path: Path) -> None:
+def test_the_greatest_force_is_one_number_everywhere(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     arch = scene("arch")
     verdict = kilter.check(arch, budget=0.0)
     phrase = forces_phrase(verdict.to_dict()["forces"])
     assert phrase is not None
     number = re.match(r"up to ([\d.]+ kN),", phrase)
     assert number is not None
-    page = kilter.report(arch, budget=0.0).html
-    assert f'"force_words":"{phrase}"'.replace("%", "%") in page
+    monkeypatch.setattr(module, "MAP_PARTS", 0)
+    assert f'"force_words":"{phrase}"' in kilter.report(arch, budget=0.0).html
     pytest.importorskip("matplotlib")
     kilter.draw(verdict, tmp_path / "arch.svg")
     assert f"greatest {number[1]}" in (tmp_path / "arch.svg").read_text(encoding="utf-8")
 
 
-def test_the_page_orients_as_orient_does_with_friction() -> None:
+def test_the_page_orients_as_orient_does_with_friction(monkeypatch: pytest.MonkeyPatch) -> None:
     block = scene("slope-with-friction")
     answer = kilter.orient(block)
+    monkeypatch.setattr(module, "MAP_PARTS", 0)
     page = html.unescape(kilter.report(block, budget=0.0).html)
     assert answer.sentence in page
     region = kilter.region(block).to_dict()

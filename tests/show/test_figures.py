@@ -135,7 +135,7 @@ def test_a_stable_assembly_has_forces_and_no_motion() -> None:
     figure = draw_assembly(verdict)
     assert not [a for a in lines(figure, "FancyArrowPatch") if a.get_zorder() == 5]
     greatest = np.linalg.norm(verdict.forces.resultant, axis=1).max()
-    assert any(f"{greatest / 1e3:.3g} kN" in text for text in words(figure))
+    assert any(f"{greatest / 1e3:.4g} kN" in text for text in words(figure))
 
 
 @pytest.mark.parametrize("down", [[0, 0, 1], [1, 0, 0], [0.3, -0.5, 0.2]])
