@@ -163,9 +163,9 @@ class KeptProgram:
         Simplex from the last basis: dual where all columns are boxed, or only sides change.
     tolerance : float
         Feasibility asked of the solver, absolute in the program's own numbers.
-    goal : {"optimum", "bound"}
-        What has to be good enough for a solution not to be looked for again: its residual, or
-        its safe bound.
+    goal : {"optimum", "bound", "point"}
+        What has to be good enough for a solution not to be looked for again: its residual, its
+        safe bound, or what the solver calls it, for points that are judged by who asks.
 
     Attributes
     ----------
@@ -192,13 +192,14 @@ class KeptProgram:
         *,
         warm: Warm = "primal",
         tolerance: float = FEASIBLE,
-        goal: Literal["optimum", "bound"] = "optimum",
+        goal: Literal["optimum", "bound", "point"] = "optimum",
     ) -> None:
         self.solves = 0
         self._warm: Warm = warm
         self._goal = goal
         self._steps = 0
         self._based = False
+        self._options: dict[str, float] = {}
         self._highs = _highs(tolerance)
         self._highs.setOptionValue("solver", "simplex")
         self._highs.setOptionValue("presolve", "off")
@@ -262,7 +263,7 @@ class KeptProgram:
         if cost is not None:
             self.change_cost(np.arange(len(cost)), cost)
         self.solves += 1
-        self._highs.setOptionValue("time_limit", self._highs.getRunTime() + float(seconds))
+        self._set("time_limit", self._highs.getRunTime() + float(seconds))
         tries = []
         if self._based:
             steps = _steps(self.program)
@@ -273,24 +274,35 @@ class KeptProgram:
             if tries and (self._enough(tries[-1]) or self._late()):
                 break
             self._highs.clearSolver()
-            self._highs.setOptionValue("simplex_scale_strategy", scaling)
+            self._set("simplex_scale_strategy", scaling)
             tries.append(self._run("dual", _steps(self.program)))
             self._steps = tries[-1].iterations
-        self._highs.setOptionValue("simplex_scale_strategy", SCALINGS[0])
-        best = min(tries, key=lambda one: -one.bound if self._goal == "bound" else one.residual)
+        self._set("simplex_scale_strategy", SCALINGS[0])
+        best = tries[0]
+        if len(tries) > 1:
+            bound = self._goal == "bound"
+            best = min(tries, key=lambda one: -one.bound if bound else one.residual)
         self._based = self._enough(best)
         if not best.optimal and len({one.outcome for one in tries}) > 1:
             best = replace(best, outcome="failed")  # the tries contradict each other
         return best
 
     def _enough(self, solution: Solution) -> bool:
-        return near_its_bound(solution) if self._goal == "bound" else solution.holds
+        if self._goal == "bound":
+            return near_its_bound(solution)
+        return solution.optimal if self._goal == "point" else solution.holds
 
     def _run(self, strategy: Warm, steps: int) -> Solution:
-        self._highs.setOptionValue("simplex_strategy", STRATEGY[strategy])
-        self._highs.setOptionValue("simplex_iteration_limit", steps)
+        self._set("simplex_strategy", STRATEGY[strategy])
+        self._set("simplex_iteration_limit", steps)
         self._highs.run()
         return _solution(self._highs, self.program, "simplex")
+
+    def _set(self, option: str, value: float) -> None:
+        """An option of HiGHS, where it is not what it was."""
+        if self._options.get(option) != value:
+            self._highs.setOptionValue(option, value)
+            self._options[option] = value
 
     def _late(self) -> bool:
         late: bool = self._highs.getModelStatus() == highspy.HighsModelStatus.kTimeLimit

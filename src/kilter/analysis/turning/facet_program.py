@@ -108,7 +108,7 @@ def joint(program: Program, *, every: bool = False) -> DiamondOptimum:
 
     unit = unit_program(program)
     signs = facets_of_diamond(program)
-    model = KeptProgram(_program(unit), warm="dual")
+    model = KeptProgram(_program(unit), warm="dual", goal="point")
     found: list[FacetOptimum] = []
     for facet in signs:
         first = len(unit.lp.row_lower)

@@ -116,7 +116,7 @@ class VirtualWork:
 
     def __init__(self, program: Program) -> None:
         self.unit = unit_program(program)
-        self._model = KeptProgram(self.unit.lp, warm="dual")
+        self._model = KeptProgram(self.unit.lp, warm="dual", goal="point")
 
     @property
     def programs(self) -> int:
