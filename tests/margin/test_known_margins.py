@@ -9,6 +9,7 @@ import pytest
 from judged import judged
 from margins import by_points, force_of, leaning, loaded, program_of, small_assembly
 
+import kilter
 from kilter.analysis.judge import judge
 from kilter.analysis.margins.least_friction import find_least_friction
 from kilter.analysis.margins.load_limit import Limit, NoLimit, find_limit, gravity_wrench, with_more
@@ -273,3 +274,48 @@ def test_what_is_not_held_as_given_has_no_tilt_margin_but_a_way_back(planar):
     turn, down = find_nearest_held(program)
     assert np.degrees(turn) == pytest.approx(5.0, abs=1e-5)
     assert judge(program.with_rows(gravity=9.81 * down)).stable is not False
+
+
+def failing(monkeypatch, at):
+    """The conic solver fails at these calls, and at no other."""
+    from kilter.solvers import clarabel
+
+    real, calls = clarabel.solve_conic, [0]
+
+    def broken(problem, **options):
+        calls[0] += 1
+        answer = real(problem, **options)
+        if not at(calls[0]):
+            return answer
+        return dataclasses.replace(answer, outcome="failed", x=np.empty(0), multipliers=np.empty(0))
+
+    monkeypatch.setattr(clarabel, "solve_conic", broken)
+
+
+def test_a_first_failure_is_asked_again(monkeypatch):
+    program = program_of(stacks.block_on_slope(0.0, friction=0.5))
+    failing(monkeypatch, lambda call: call == 1)
+    limit = find_limit(program, gravity_wrench(program, X))
+    assert isinstance(limit, Limit)
+    assert limit.value == pytest.approx(0.5, abs=1e-7)
+
+
+def test_a_failure_is_not_taken_for_none_and_is_said(monkeypatch):
+    block = stacks.block_on_slope(0.0, friction=0.5)
+    program = program_of(block)
+    failing(monkeypatch, lambda call: True)
+    assert find_limit(program, gravity_wrench(program, X)) == NoLimit("failed")
+    assert find_tilt_margin(program) == NoLimit("failed")
+    assert find_weakest_push(program, 1) == NoLimit("failed")
+    answer = kilter.margin(block, push=[1, 0, 0], budget=0.0)
+    pushed = f"push of {program.names[1]}"
+    assert {"tilt", "load_factor", pushed} <= set(answer.missing)
+    assert answer.missing[pushed] == "failed"
+    assert any("the numbers failed" in text for text in answer.warnings)
+
+
+def test_a_push_that_is_not_resisted_says_why():
+    slope = stacks.block_on_slope(50.0, friction=0.3)
+    answer = kilter.margin(slope, budget=0.0)
+    assert set(answer.missing.values()) == {"none"}
+    assert any("no push is resisted" in text for text in answer.warnings)

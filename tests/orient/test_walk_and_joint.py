@@ -10,9 +10,8 @@ from turning import ALL, UNSTABLE, angle_from_down, on_facets, program_of
 
 from kilter import InputError, Load
 from kilter.analysis.turning.facet_program import joint
-from kilter.analysis.turning.optimality import is_best
 from kilter.analysis.turning.virtual_work import VirtualWork, facets_of_diamond
-from kilter.analysis.turning.walk import walk
+from kilter.analysis.turning.walk import is_best, walk
 from kilter.mechanics.certificate import check_motion
 from kilter.scenes import paper, scene, stacks, wedges
 

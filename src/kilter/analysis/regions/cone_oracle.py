@@ -13,13 +13,16 @@ is to say that witnesses with A^T z as little below 0 as that price count.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.sparse import csc_array, diags_array, eye_array, hstack, vstack
 
-from kilter.analysis.regions.growth import Reach
+from kilter.analysis.regions.growth import Reach, grow
+from kilter.analysis.regions.polyhedral_cone import Cone, make_cone
 from kilter.analysis.turning_tolerances import (
+    BLUR_OVER_TOLERANCE,
     NO_DIRECTION,
 )
 from kilter.arrays import Array, Mask
@@ -29,7 +32,7 @@ from kilter.solvers.problem import LinearProgram
 if TYPE_CHECKING:
     from kilter.solvers.solution import Solution
 
-__all__ = ["ConeOracle"]
+__all__ = ["ConeOracle", "intersection"]
 
 
 FORCE_PRICES = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0)
@@ -171,3 +174,40 @@ class ConeOracle:
         self._kept.change_bounds(self._columns, -far, far)
         forces: Array = found.x[: self._forces] / self._size
         return forces
+
+
+def intersection(cones: Sequence[Cone], first: Array) -> tuple[Cone, int]:
+    """The intersection of cones, and how many linear programs it took.
+
+    Found as a stable cone is, with distances to facets in place of forces,
+
+        e.g = 0,   q.g - f = 0,   f >= 0
+
+    so that knife edges which agree but for rounding stay what they are.
+
+    Parameters
+    ----------
+    cones : sequence of Cone
+    first : ndarray, shape (3,)
+        A direction to ask first.
+    """
+    blur = max(cone.blur for cone in cones)
+    equations = np.vstack([cone.equations for cone in cones])
+    facets = np.vstack([cone.facets for cone in cones])
+    if not len(equations) + len(facets):
+        return make_cone(equations, facets, np.empty((0, 3)), blur), 0
+    count = len(facets)
+    distances = csc_array(np.vstack([np.zeros((len(equations), count)), -np.eye(count)]))
+    loads = vstack([csc_array(equations), csc_array(facets)], format="csc")
+    coarse = blur > BLUR_OVER_TOLERANCE * TOLERANCE
+    oracle = ConeOracle(
+        distances, loads, np.zeros(count, dtype=bool), 0.1 / blur if coarse else None
+    )
+    grown = grow(oracle, first, blur, lambda: None)
+    cone = make_cone(
+        np.array([e for e, _, _ in grown.equations]),
+        np.array([q for q, _ in grown.facets]),
+        np.array([found.point for found in grown.points]),
+        blur,
+    )
+    return cone, oracle.programs

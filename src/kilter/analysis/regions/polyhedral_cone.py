@@ -11,11 +11,13 @@ numbers name the kind.
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kilter.analysis.turning_tolerances import NO_LENGTH
 from kilter.arrays import Array, Mask
 from kilter.validate import frozen
 
@@ -100,6 +102,19 @@ class Cone:
             return round(float(np.degrees(np.arcsin(sine))), 12)
         apart = float(np.linalg.norm(nearest - center))  # the sine is flat near a right angle
         return round(90.0 - float(np.degrees(2 * np.arcsin(apart / 2))), 12)
+
+    def candidates(self, down: Array) -> Iterator[Array]:
+        """Directions in it, the one with the widest margin first, else the nearest to `down`."""
+        if self.center is not None:
+            yield self.center
+        elif len(self.lines):  # a line, a plane, all: as near to gravity as it goes
+            along = self.lines.T @ (self.lines @ down)
+            # rounding of an exact zero must not become a direction
+            length = float(np.linalg.norm(along))
+            on_lines = along / length if length > NO_LENGTH else self.lines[0]
+            yield down if self.kind == "all" else on_lines
+            yield from self.lines
+        yield from self.rays
 
     def contains(self, directions: ArrayLike, margin: float = 0.0) -> Mask:
         """Whether directions are in the cone.

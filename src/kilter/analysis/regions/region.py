@@ -21,49 +21,24 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.analysis.answers import joints_answer
+from kilter.analysis.regions.cone_oracle import intersection
 from kilter.analysis.regions.friction_cone import friction_cone
-from kilter.analysis.regions.intersection import common_proofs, intersection
 from kilter.analysis.regions.polyhedral_cone import Cone
+from kilter.analysis.regions.region_proofs import RegionProof, common_proofs, region_proof
 from kilter.analysis.regions.region_words import further_forces, warnings_of
-from kilter.analysis.regions.stable_cone import Proof, StableCone, stable_cone
+from kilter.analysis.regions.stable_cone import StableCone, stable_cone
 from kilter.analysis.turning_tolerances import GAP_DEG
 from kilter.arrays import Array, Mask
 from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance, find_contacts
 from kilter.errors import InputError
-from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
-from kilter.mechanics.program import Program, build_program
-from kilter.mechanics.proof import Evidence, make_proof
+from kilter.mechanics.certificate import ForceProof
+from kilter.mechanics.program import build_program
 from kilter.tell.facts import region_phrase
 
-__all__ = ["Region", "RegionProof", "common_region", "region"]
+__all__ = ["Region", "common_region", "region"]
 
 Tell = Callable[[str], None]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class RegionProof:
-    """A proof about one ray, line, facet or equation of a region.
-
-    Attributes
-    ----------
-    about : {"ray", "line", "facet", "equation"}
-    vector : ndarray, shape (3,)
-        The ray, the line or the normal.
-    assembly : Assembly
-        With gravity along the direction that is proved: the ray, either sign of the line, or
-        a direction just outside.
-    data : dict
-        For `kilter.verify`.
-    """
-
-    about: str
-    vector: Array
-    assembly: Assembly
-    data: dict[str, Any]
-
-    def __repr__(self) -> str:
-        return f"RegionProof(about={self.about!r}, vector={self.vector.tolist()})"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -190,37 +165,19 @@ class Region:
         certified = [(proof, 0) for proof in self.found[0].proofs]
         if len(self.assemblies) > 1:
             certified = common_proofs(self.cone, self.assemblies, self.contacts)
-        proofs = []
-        for proof, k in certified:
-            if self.friction and not self.complete and isinstance(proof.certificate, MotionProof):
-                continue
-            turned, contacts = self.assemblies[k].with_down(proof.down), self.contacts[k]
-            program = self._program(turned, contacts)
-            certificate = self._certified(turned, contacts, proof)
-            if certificate.holds:
-                # forces in the cones of friction hold it; what must happen is another question
-                evidence = Evidence("open") if self.friction else None
-                data = make_proof(
-                    turned, contacts, program, certificate, options or {}, evidence=evidence
-                )
-                proofs.append(RegionProof(proof.about, proof.vector, turned, data))
-        return proofs
-
-    def _program(self, turned: Assembly, contacts: ContactSet) -> Program:
-        program = build_program(turned, contacts)
-        return program if self.friction else program.frictionless
-
-    def _certified(
-        self, turned: Assembly, contacts: ContactSet, proof: Proof
-    ) -> ForceProof | MotionProof:
-        """A certificate judged again, on the program that a stranger will build."""
-        given = proof.certificate
-        if isinstance(given, ForceProof):
-            return check_forces(self._program(turned, contacts), given.forces, given.friction)
-        if self.friction:
-            return check_motion(build_program(turned, contacts), given.motion)
-        outer = build_program(turned, contacts, possible=True, sticking=True).frictionless
-        return check_motion(outer, given.motion)
+        if self.friction and not self.complete:
+            certified = [(p, k) for p, k in certified if isinstance(p.certificate, ForceProof)]
+        proofs = [
+            region_proof(
+                proof,
+                self.assemblies[k],
+                self.contacts[k],
+                friction=self.friction,
+                options=options or {},
+            )
+            for proof, k in certified
+        ]
+        return [proof for proof in proofs if proof is not None]
 
     def to_dict(self) -> dict[str, Any]:
         """The answer as JSON data, that of ``kilter region --json``.

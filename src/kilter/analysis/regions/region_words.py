@@ -23,7 +23,7 @@ LIMIT = 100
 TILT = 0.01
 """Out of the span [rad], to see which."""
 NAMED = 0.01
-"""A part that moves less than this part of the largest motion is not named."""
+"""A part that moves less than this fraction of the largest motion is not named."""
 
 
 def warnings_of(

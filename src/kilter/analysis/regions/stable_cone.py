@@ -158,7 +158,7 @@ def stable_cone(program: Program, *, progress: Callable[[str], None] | None = No
 
 
 def _held(found: StableCone) -> float:
-    """The part of the proofs that hold."""
+    """The fraction of the proofs that hold."""
     holds = [float(proof.certificate.holds) for proof in found.proofs]
     return float(np.mean(holds or [1.0]))
 

@@ -11,7 +11,7 @@ first two, the initial accelerations for the third.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -55,6 +55,15 @@ class NearestDirection:
     motion: Array | None
     programs: int
 
+    def to_dict(self) -> dict[str, Any]:
+        """The direction and what remains there, as JSON data."""
+        return {
+            "direction": (self.direction + 0.0).tolist(),
+            "value": self.value,
+            "motion": None if self.motion is None else (self.motion + 0.0).tolist(),
+            "programs": self.programs,
+        }
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Nearest:
@@ -63,6 +72,11 @@ class Nearest:
     diamond: NearestDirection
     sphere: NearestDirection
     kappa: NearestDirection
+
+    def to_dict(self) -> dict[str, Any]:
+        """The three as JSON data."""
+        kappa = {**self.kappa.to_dict(), "bound": self.kappa.bound}
+        return {"diamond": self.diamond.to_dict(), "sphere": self.sphere.to_dict(), "kappa": kappa}
 
     @property
     def programs(self) -> int:

@@ -31,9 +31,8 @@ from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.region import Region, region
 from kilter.analysis.regions.stable_cone import stable_cone
 from kilter.analysis.turning.facet_program import DiamondOptimum, joint
-from kilter.analysis.turning.nearest import Method, Nearest, NearestDirection, nearest
+from kilter.analysis.turning.nearest import Method, Nearest, nearest
 from kilter.analysis.turning_tolerances import (
-    NO_LENGTH,
     OPPOSITE,
 )
 from kilter.analysis.verdict import Verdict
@@ -136,13 +135,7 @@ class Orientation:
                 "half_angle_deg": self.region.half_angle_deg,
                 "friction": self.region.friction,
             },
-            "nearest": None
-            if near is None
-            else {
-                "diamond": _direction(near.diamond),
-                "sphere": _direction(near.sphere),
-                "kappa": {**_direction(near.kappa), "bound": near.kappa.bound},
-            },
+            "nearest": None if near is None else near.to_dict(),
             "method": self.method,
             "programs": self.programs,
             "warnings": list(self.warnings),
@@ -211,7 +204,7 @@ def orient(
     tell("orientation")
     smooth = program.frictionless
     for turned_program, cone in _sides(program, every):
-        for direction in _candidate_directions(program, cone):
+        for direction in cone.candidates(program.down):
             judgement = judge(turned_program.turned(direction))
             if judgement.stable:
                 return _found(program, every, direction, judgement, method)
@@ -245,23 +238,6 @@ def _sides(program: Program, every: Region) -> Iterator[tuple[Program, Cone]]:
     yield (program if every.friction else program.frictionless), every.cone
     if every.friction:
         yield program.frictionless, stable_cone(program.frictionless).cone
-
-
-def _candidate_directions(program: Program, cone: Cone) -> Iterator[Array]:
-    """Directions that a cone holds for stable, the one with the widest margin first."""
-    down = program.down
-    center = cone.center
-    if center is not None:
-        yield center
-    elif len(cone.lines):  # a line, a plane, all: as near to gravity as it goes
-        along = cone.lines.T @ (cone.lines @ down)
-        # rounding of an exact zero must not become a direction
-        length = float(np.linalg.norm(along))
-        yield (
-            down if cone.kind == "all" else along / length if length > NO_LENGTH else cone.lines[0]
-        )
-        yield from cone.lines
-    yield from cone.rays
 
 
 def _found(
@@ -413,13 +389,3 @@ def _tilt_words(margin: float, every: Region) -> str:
     else:
         words = "it may not tilt at all"
     return words if every.exact else f"without friction {words}"
-
-
-def _direction(one: NearestDirection) -> dict[str, Any]:
-    motion = None if one.motion is None else (one.motion + 0.0).tolist()
-    return {
-        "direction": (one.direction + 0.0).tolist(),
-        "value": one.value,
-        "motion": motion,
-        "programs": one.programs,
-    }

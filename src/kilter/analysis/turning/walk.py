@@ -9,8 +9,17 @@ interior of its partition, or where a boundary point is met again.
 
 The second rule is not always right: bases are degenerate where z = 0, and a partition by
 bases is then only a piece of the set where one dp is optimal. So after the published rule the
-direction is tested (`kilter.analysis.turning.optimality`), and where it fails the walk starts again
-on the ascent that the test found. Both are counted apart.
+direction is tested (`is_best`), and where it fails the walk starts again on the ascent that the
+test found. Both are counted apart.
+
+The test: is 0 in the superdifferential of z? At g the supergradients of z are -q for the
+q = sum_i m_i dr_i of all optimal dp. The value
+
+    t = min over optimal dp of max over corners v of the facet of -q . v
+
+is z(g) exactly where one of them lets z rise toward no corner. Else the multipliers of
+the corners make the direction g' = sum_j l_j v_j toward which z rises at first. Any dp in A
+bounds z from above, so t bounds z on the whole facet, however roughly "optimal dp" is taken.
 
 References
 ----------
@@ -22,12 +31,17 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.sparse import csc_array
+from scipy.sparse import csc_array, hstack, vstack
 
-from kilter.analysis.turning.optimality import Optimality, is_best
-from kilter.analysis.turning.virtual_work import Support, VirtualWork, facets_of_diamond
+from kilter.analysis.turning.virtual_work import (
+    Support,
+    UnitProgram,
+    VirtualWork,
+    facets_of_diamond,
+)
 from kilter.analysis.turning_tolerances import (
     OPTIMAL,
+    OPTIMAL_FACE,
     SAME_ON_DIAMOND,
     WALK_STEP,
 )
@@ -35,7 +49,7 @@ from kilter.arrays import Array
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import LinearProgram
 
-__all__ = ["Walk", "WalkFacet", "walk"]
+__all__ = ["Optimality", "Walk", "WalkFacet", "is_best", "walk"]
 
 
 START = np.array([0.37, 0.34, 0.29])
@@ -285,3 +299,51 @@ def _ascent(work: VirtualWork, trail: _Trail, test: Optimality) -> Array | None:
         if z > trail.heights[at] + 1e-2 * OPTIMAL:
             return point
     return None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Optimality:
+    """Whether a direction is the `best` of its facet.
+
+    `bound`: no direction of the facet has a greater z over the mass. `toward`, shape (3,):
+    the point of the facet toward which z rises, where it does.
+    """
+
+    best: bool
+    bound: float
+    toward: Array
+
+
+def is_best(unit: UnitProgram, signs: Array, gravity: Array, z: float) -> Optimality:
+    """Test a direction of a facet for optimality; `z` is z(gravity) over the mass."""
+    from kilter.solvers.highs import solve_linear
+
+    lp, axes = unit.lp, unit.axes
+    count, rows = len(lp.cost), lp.matrix.shape[0]
+    corners = signs[axes, None] * unit.pull[axes]
+    face = gravity @ unit.pull
+    matrix = vstack(
+        [
+            hstack([lp.matrix, csc_array((rows, 1))]),
+            hstack([csc_array(face[None, :]), csc_array((1, 1))]),
+            hstack([csc_array(corners), csc_array(np.ones((len(axes), 1)))]),
+        ],
+        format="csc",
+    )
+    zero = np.zeros(len(axes))
+    answer = solve_linear(
+        LinearProgram(
+            np.append(np.zeros(count), 1.0),
+            matrix,
+            np.concatenate([lp.row_lower, [-z - OPTIMAL_FACE], zero]),
+            np.concatenate([lp.row_upper, [np.inf], zero + np.inf]),
+            np.append(lp.lower, -1.0 - 1e-6),
+            np.append(lp.upper, 1.0 + 1e-6),
+        )
+    )
+    if not answer.optimal:
+        return Optimality(False, np.inf, gravity)
+    shares = np.maximum(answer.multipliers[rows + 1 :], 0.0)
+    toward = np.zeros(3)
+    toward[axes] = signs[axes] * shares / max(float(shares.sum()), 1e-300)
+    return Optimality(answer.objective <= z + OPTIMAL, answer.objective, toward)

@@ -1,0 +1,142 @@
+"""What proves a region, as data that a stranger can verify.
+
+Forces hold every ray and both signs of every line; a motion starts for a direction just outside
+of every facet and on both sides of every equation. For several assemblies a ray has forces in
+each, a facet a motion in the first that does not hold beyond it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from kilter.analysis.judge import judge
+from kilter.analysis.regions.polyhedral_cone import Cone
+from kilter.analysis.regions.stable_cone import Proof
+from kilter.analysis.turning_tolerances import BEYOND_CONE
+from kilter.arrays import Array
+from kilter.assembly import Assembly
+from kilter.contact import ContactSet
+from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
+from kilter.mechanics.program import Program, build_program
+from kilter.mechanics.proof import Evidence, make_proof
+
+__all__ = ["RegionProof", "common_proofs", "region_proof"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RegionProof:
+    """A proof about one ray, line, facet or equation of a region.
+
+    Attributes
+    ----------
+    about : {"ray", "line", "facet", "equation"}
+    vector : ndarray, shape (3,)
+        The ray, the line or the normal.
+    assembly : Assembly
+        With gravity along the direction that is proved: the ray, either sign of the line, or
+        a direction just outside.
+    data : dict
+        For `kilter.verify`.
+    """
+
+    about: str
+    vector: Array
+    assembly: Assembly
+    data: dict[str, Any]
+
+    def __repr__(self) -> str:
+        return f"RegionProof(about={self.about!r}, vector={self.vector.tolist()})"
+
+
+def region_proof(
+    proof: Proof,
+    assembly: Assembly,
+    contacts: ContactSet,
+    *,
+    friction: bool,
+    options: dict[str, Any],
+) -> RegionProof | None:
+    """A proof as data, judged again on the program that a stranger will build; None: it fails.
+
+    Parameters
+    ----------
+    proof : Proof
+    assembly, contacts
+        That it is about.
+    friction : bool
+        Whether forces of friction were counted.
+    options : dict
+        Of the reading, for the file.
+    """
+    turned = assembly.with_down(proof.down)
+    program = build_program(turned, contacts)
+    program = program if friction else program.frictionless
+    certificate = _certified(program, turned, contacts, proof, friction)
+    if not certificate.holds:
+        return None
+    # forces in the cones of friction hold it; what must happen is another question
+    evidence = Evidence("open") if friction else None
+    data = make_proof(turned, contacts, program, certificate, options, evidence=evidence)
+    return RegionProof(proof.about, proof.vector, turned, data)
+
+
+def _certified(
+    program: Program, turned: Assembly, contacts: ContactSet, proof: Proof, friction: bool
+) -> ForceProof | MotionProof:
+    given = proof.certificate
+    if isinstance(given, ForceProof):
+        return check_forces(program, given.forces, given.friction)
+    if friction:
+        return check_motion(program, given.motion)
+    # no force that was left out may stop the motion
+    outer = build_program(turned, contacts, possible=True, sticking=True).frictionless
+    return check_motion(outer, given.motion)
+
+
+def common_proofs(
+    cone: Cone, assemblies: Sequence[Assembly], contacts: Sequence[ContactSet]
+) -> list[tuple[Proof, int]]:
+    """Proofs of a common region, each with the position of its assembly.
+
+    Forces in every assembly for each ray and both signs of each line; for each facet and
+    both sides of each equation, a motion in one assembly.
+    """
+    stable = [("ray", ray, ray) for ray in cone.rays]
+    stable += [("line", line, sign * line) for line in cone.lines for sign in (1.0, -1.0)]
+    proofs = []
+    for k, (assembly, own) in enumerate(zip(assemblies, contacts, strict=True)):
+        for about, vector, down in stable:
+            judged = judge(build_program(assembly.with_down(down), own).frictionless).forces
+            if judged is not None:
+                proofs.append((Proof(about, vector, down, judged), k))
+    beyond = [("facet", q, -q, cone.rays[np.abs(cone.rays @ q) <= cone.blur]) for q in cone.facets]
+    beyond += [("equation", e, s * e, cone.rays) for e in cone.equations for s in (1.0, -1.0)]
+    for about, vector, outward, on in beyond:
+        base = on.mean(axis=0) if len(on) else np.zeros(3)
+        proofs += _unstable(about, vector, base, outward, assemblies, contacts)
+    return proofs
+
+
+def _unstable(
+    about: str,
+    vector: Array,
+    base: Array,
+    outward: Array,
+    assemblies: Sequence[Assembly],
+    contacts: Sequence[ContactSet],
+) -> list[tuple[Proof, int]]:
+    """A motion in the first assembly that does not hold just beyond the boundary, if any."""
+    if assemblies[0].planar and not outward[[0, 2]].any():
+        return []
+    for angle in BEYOND_CONE[2:]:
+        down = base + angle * outward
+        down = down / np.linalg.norm(down)
+        for k, (assembly, own) in enumerate(zip(assemblies, contacts, strict=True)):
+            judged = judge(build_program(assembly.with_down(down), own).frictionless)
+            if judged.stable is False and judged.motion is not None:
+                return [(Proof(about, vector, down, judged.motion), k)]
+    return []
