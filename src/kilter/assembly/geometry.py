@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, cross, ragged, read_only, starts
+from kilter.assembly.assembly_tolerances import FLAT_PART, LARGEST
 from kilter.assembly.part import Part
 from kilter.assembly.surfaces import Surfaces, join_surfaces, surfaces_of
 from kilter.errors import InputError, some_names
@@ -148,14 +149,14 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
         turned = some_names([parts[k].name for k in flipped.tolist()])
         warnings.append(f"faces turned outwards, they pointed inwards: {turned}")
     reach = _group_max(np.linalg.norm(vertices - area_center[owner], axis=1), vertex_start)
-    extreme = np.flatnonzero(~((reach > 1e-30) & (reach < 1e30)))
+    extreme = np.flatnonzero(~((reach > 1 / LARGEST) & (reach < LARGEST)))
     if len(extreme):
         raise InputError(
             f"its size is {2 * reach[extreme[0]]:.3g}, out of range",
             part=parts[int(extreme[0])].name,
             hint="check its units: sizes from 1e-30 to 1e30 are read",
         )
-    flat = np.flatnonzero(~(volume > 1e-9 * reach**3))
+    flat = np.flatnonzero(~(volume > FLAT_PART * reach**3))
     if len(flat):
         raise InputError(
             f"volume is {volume[flat[0]]:.3g}, a flat part",

@@ -7,6 +7,7 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
+from kilter.assembly.assembly_tolerances import PLANAR_AXIS
 from kilter.errors import InputError, nearest_name
 from kilter.rigid import in_brackets, unit
 from kilter.validate import finite, frozen, in_range, number
@@ -17,8 +18,6 @@ JointKind = Literal["fixed", "revolute", "prismatic", "cylindrical", "spherical"
 KINDS: tuple[JointKind, ...] = get_args(JointKind)
 NEEDS_POINT = ("revolute", "cylindrical", "spherical")
 NEEDS_AXIS = ("revolute", "prismatic", "cylindrical")
-PLANAR = 1e-9
-"""Sine of the angle up to which the axis of a joint lies along or across y."""
 
 
 def _names(parts: Any) -> tuple[str, ...]:
@@ -181,8 +180,8 @@ class Joint:
         """
         if self.kind not in NEEDS_AXIS:
             return
-        along_y = float(np.hypot(self.axis[0], self.axis[2])) <= PLANAR
-        in_plane = abs(float(self.axis[1])) <= PLANAR
+        along_y = float(np.hypot(self.axis[0], self.axis[2])) <= PLANAR_AXIS
+        in_plane = abs(float(self.axis[1])) <= PLANAR_AXIS
         fits = {"revolute": along_y, "prismatic": in_plane, "cylindrical": along_y or in_plane}
         if fits[self.kind]:
             return

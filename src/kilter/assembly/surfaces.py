@@ -21,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, cross, ratio, read_only, unit_rows
+from kilter.assembly.assembly_tolerances import COPLANAR, SAME_SURFACE, SMOOTH
 from kilter.shape.closed import shared_edges
 from kilter.shape.primitives import CYLINDER_SIDES, Cylinder, Mesh, Shape, Sphere
 from kilter.shape.solid import Solid, Surface
@@ -43,14 +44,8 @@ KINDS = ("sphere", "cylinder", "cone", "torus", "free")
 """Kinds of curved surface; a "free" one has no formula here."""
 SPHERE, CYLINDER, CONE, TORUS, FREE = range(5)
 
-SMOOTH = 0.6
-"""Neighbouring triangles of a mesh that meet at less than this may stand for a curve [rad]."""
-COPLANAR = 1e-8
-"""1 - cosine up to which neighbouring triangles lie in one plane [-]."""
 FEWEST = 16
 """A mesh of fewer triangles, or fewer smooth edges, is taken as it is."""
-SAME = 1e-9
-"""Surfaces of one part that differ by less than this fraction of its size are one."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -282,9 +277,14 @@ def _same(one: Surface, other: Surface) -> bool:
     """Whether two surfaces of a part are one, cut in two."""
     if one.kind != other.kind or one.hollow != other.hollow:
         return False
-    close = SAME * max(one.radius, other.radius, float(np.abs(one.point - other.point).max()))
+    close = SAME_SURFACE * max(
+        one.radius, other.radius, float(np.abs(one.point - other.point).max())
+    )
     sizes = (one.radius - other.radius, one.tube - other.tube)
-    if max(abs(size) for size in sizes) > close or abs(one.half_angle - other.half_angle) > SAME:
+    if (
+        max(abs(size) for size in sizes) > close
+        or abs(one.half_angle - other.half_angle) > SAME_SURFACE
+    ):
         return False
     along = one.axis if one.kind == "cylinder" else np.zeros(3)
     apart = one.point - other.point
@@ -292,7 +292,7 @@ def _same(one: Surface, other: Surface) -> bool:
         return False
     cosine = float(one.axis @ other.axis)
     sine = float(np.linalg.norm(np.cross(one.axis, other.axis)))
-    return one.kind == "sphere" or (sine <= SAME and (one.kind != "cone" or cosine > 0))
+    return one.kind == "sphere" or (sine <= SAME_SURFACE and (one.kind != "cone" or cosine > 0))
 
 
 def _measure(

@@ -11,13 +11,10 @@ from __future__ import annotations
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, connected
+from kilter.files.file_tolerances import SAME_ANGLE
 from kilter.shape.primitives import Mesh
 
 __all__ = ["split_bodies"]
-
-
-SAME_ANGLE = 1e-5
-"""Faces that leave an edge within this angle lie on each other [rad]."""
 
 
 def split_bodies(mesh: Mesh) -> list[Mesh]:

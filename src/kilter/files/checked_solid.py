@@ -6,15 +6,11 @@ import numpy as np
 
 from kilter.assembly.geometry import polyhedron_moments
 from kilter.errors import InputError
+from kilter.files.file_tolerances import LEEWAY, VOLUME
 from kilter.shape.closed import open_edges
 from kilter.shape.solid import Solid
 
 __all__ = ["checked"]
-
-LEEWAY = 2.0
-"""Times the sagitta that triangles may be off, on average, from the faces they stand for."""
-ROUNDING = 1e-6
-"""Part of the volume that integrals over the faces may be wrong by."""
 
 
 def checked(solid: Solid) -> Solid:
@@ -32,7 +28,7 @@ def checked(solid: Solid) -> Solid:
     p, q, r = (vertices[triangles[:, k]] for k in range(3))
     area = float(np.linalg.norm(np.cross(q - p, r - p), axis=1).sum() / 2)
     volume = polyhedron_moments(vertices, triangles, np.array([0, len(triangles)]))[0][0]
-    leeway = LEEWAY * area * (solid.sagitta + solid.accuracy) + ROUNDING * abs(volume)
+    leeway = LEEWAY * area * (solid.sagitta + solid.accuracy) + VOLUME * abs(volume)
     if abs(solid.volume - volume) > leeway:
         raise InputError(
             f"the solid states a volume of {solid.volume:.6g}, its triangles enclose {volume:.6g}",

@@ -16,14 +16,13 @@ from pathlib import Path
 from typing import Any
 
 from kilter.errors import InputError, some
+from kilter.files.file_tolerances import RIGID
 from kilter.files.naming import distinct
 from kilter.rigid import Pose
 from kilter.units import METRES
 
 __all__ = ["Occurrence", "StepDocument", "numbered", "quiet", "read_document"]
 
-RIGID = 1e-9
-"""A placement that changes lengths by less than this part of them is taken for rigid."""
 
 _DAMAGED = "export it again as STEP (AP214 or AP242)"
 _UNITS = {

@@ -17,21 +17,13 @@ from kilter.arrays import Array, Index, connected
 from kilter.assembly.geometry import polyhedron_moments
 from kilter.errors import InputError
 from kilter.files.checked_solid import checked
+from kilter.files.file_tolerances import DEFLECTION, INTEGRAL, SAME_FACE, TURN
 from kilter.files.step_surfaces import face_surface, is_plain, points_of_face
 from kilter.shape.solid import Solid, Surface, facing, height
 
 __all__ = ["read_solid"]
 
 
-TURN = 0.2
-"""Angle that OCCT is asked for; neighbouring triangles of a round face turn by half of it [rad]."""
-DEFLECTION = 1e-3
-"""Greatest distance of a triangle from its face, in sizes of the solid."""
-INTEGRAL = 1e-14
-"""Relative error that OCCT is asked for: it sets the points of its Gauss rules. What comes out is
-right to 1e-10 on rational B-splines (with 1e-9 here: to 2e-7), and to rounding on plain faces."""
-SAME = 1e-7
-"""Faces that meet lie on one surface where its numbers agree to this, in sizes of the solid."""
 GRID: Array = np.array([(i, j, 4 - i - j) for i in range(5) for j in range(5 - i)]) / 4
 """Where on a triangle its distance from its face is measured."""
 
@@ -252,7 +244,7 @@ def _merged(
         return k
 
     for a, b in pairs.tolist():
-        if root(a) != root(b) and _same(surfaces[a], surfaces[b], SAME * size):
+        if root(a) != root(b) and _same(surfaces[a], surfaces[b], SAME_FACE * size):
             parent[max(root(a), root(b))] = min(root(a), root(b))
     roots = np.array([root(k) for k in range(len(surfaces))], dtype=np.int64)
     kept, place = np.unique(roots, return_inverse=True)
@@ -275,10 +267,10 @@ def _same(a: Surface, b: Surface, within: float) -> bool:
     if a.kind != b.kind or a.hollow != b.hollow:
         return False
     numbers = max(abs(a.radius - b.radius), abs(a.tube - b.tube))
-    if numbers > within or abs(a.half_angle - b.half_angle) > SAME:
+    if numbers > within or abs(a.half_angle - b.half_angle) > SAME_FACE:
         return False
     step = b.point - a.point
     if a.kind in ("plane", "cylinder"):
         step = step @ a.axis * a.axis if a.kind == "plane" else np.cross(step, a.axis)
     turned = 0.0 if a.kind == "sphere" else float(np.linalg.norm(np.cross(a.axis, b.axis)))
-    return float(np.linalg.norm(step)) <= within and turned <= SAME
+    return float(np.linalg.norm(step)) <= within and turned <= SAME_FACE

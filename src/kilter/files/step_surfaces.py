@@ -12,13 +12,10 @@ from typing import Any
 import numpy as np
 
 from kilter.arrays import Array
+from kilter.files.file_tolerances import RECOGNISED
 from kilter.shape.solid import Surface, height
 
-__all__ = ["RECOGNISED", "face_surface", "is_plain", "points_of_face"]
-
-
-RECOGNISED = 1e-5
-"""Points of a face may be this far from the surface it is taken for, in sizes of the face."""
+__all__ = ["face_surface", "is_plain", "points_of_face"]
 
 
 def face_surface(face: Any, nodes: Array, probes: Array) -> Surface | None:

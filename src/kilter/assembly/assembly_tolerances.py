@@ -1,0 +1,24 @@
+"""Tolerances of assemblies: sizes that are read, and what counts as flat, level or the same.
+
+    SAME_SURFACE = PLANAR_AXIS = FLAT_PART < COPLANAR        all relative, or angles in rad
+
+None of them decides what touches: that is `kilter.contact.contact_tolerances`.
+"""
+
+from __future__ import annotations
+
+__all__ = ["COPLANAR", "FLAT_PART", "LARGEST", "PLANAR_AXIS", "SAME_SURFACE", "SMOOTH"]
+
+LARGEST = 1e30
+"""Sizes of parts above this, or below its inverse, are refused: moments of inertia, fifth
+powers of a size, must stay within float64 [length unit]."""
+FLAT_PART = 1e-9
+"""A part of less volume than this times the cube of its reach is flat, and refused [-]."""
+PLANAR_AXIS = 1e-9
+"""Sine of the angle up to which the axis of a joint lies along or across y [-]."""
+SAME_SURFACE = 1e-9
+"""Curved surfaces of one part that differ by less than this fraction of its size are one."""
+COPLANAR = 1e-8
+"""1 - cosine up to which neighbouring triangles lie in one plane [-]."""
+SMOOTH = 0.6
+"""Neighbouring triangles of a mesh that meet at less than this may stand for a curve [rad]."""

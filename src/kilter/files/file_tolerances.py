@@ -1,0 +1,41 @@
+"""Tolerances of files: what readers take for the same, for rigid, for a known surface.
+
+    INTEGRAL < RIGID < SAME_FACE < VOLUME < RECOGNISED = SAME_ANGLE < DEFLECTION
+
+What a surface integrates to is known best; then what files state (placements, equal faces);
+a face is recognised before its triangles, which only lie within DEFLECTION of it.
+"""
+
+from __future__ import annotations
+
+__all__ = [
+    "DEFLECTION",
+    "INTEGRAL",
+    "LEEWAY",
+    "RECOGNISED",
+    "RIGID",
+    "SAME_ANGLE",
+    "SAME_FACE",
+    "TURN",
+    "VOLUME",
+]
+
+INTEGRAL = 1e-14
+"""Relative error that OCCT is asked for: it sets the points of its Gauss rules. What comes out is
+right to 1e-10 on rational B-splines (with 1e-9 here: to 2e-7), and to rounding on plain faces."""
+RIGID = 1e-9
+"""A placement that changes lengths by less than this fraction of them is taken for rigid."""
+SAME_FACE = 1e-7
+"""Faces that meet lie on one surface where its numbers agree to this, in sizes of the solid."""
+VOLUME = 1e-6
+"""Fraction of the volume that integrals over the faces may be wrong by."""
+RECOGNISED = 1e-5
+"""Points of a face may be this far from the surface it is taken for, in sizes of the face."""
+SAME_ANGLE = 1e-5
+"""Faces that leave an edge within this angle lie on each other [rad]."""
+DEFLECTION = 1e-3
+"""Greatest distance of a triangle from its face, in sizes of the solid."""
+TURN = 0.2
+"""Angle that OCCT is asked for; neighbouring triangles of a round face turn by half of it [rad]."""
+LEEWAY = 2.0
+"""Times the sagitta that triangles may be off, on average, from the faces they stand for."""

@@ -1,0 +1,38 @@
+"""The tolerances of assemblies and files stand in one file each, and as it says to each other."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import pytest
+
+from kilter.assembly import assembly_tolerances as a
+from kilter.files import file_tolerances as f
+from literals import unnamed
+
+CHAINS = [
+    (a, ("SAME_SURFACE", "COPLANAR", "SMOOTH")),
+    (f, ("INTEGRAL", "RIGID", "SAME_FACE", "VOLUME", "RECOGNISED", "DEFLECTION", "TURN")),
+]
+
+
+@pytest.mark.parametrize(("where", "chain"), CHAINS, ids=["assembly", "files"])
+def test_tolerances_are_ordered(where: object, chain: tuple[str, ...]) -> None:
+    values = [getattr(where, name) for name in chain]
+    assert all(low < high for low, high in pairwise(values))
+
+
+def test_what_the_docstrings_call_equal_is_equal() -> None:
+    assert a.SAME_SURFACE == a.PLANAR_AXIS == a.FLAT_PART
+    assert f.RECOGNISED == f.SAME_ANGLE
+
+
+def test_the_fifth_power_of_the_largest_size_is_a_number() -> None:
+    assert a.LARGEST**5 < 1e300
+
+
+def test_no_small_number_goes_without_a_name() -> None:
+    assert unnamed("assembly", but="assembly_tolerances.py") == []
+    # of 3MF: how many millimetres a micron is
+    found = unnamed("files", but="file_tolerances.py")
+    assert [place.split(":")[0] for place in found] == ["files/threemf.py"]
