@@ -218,10 +218,10 @@ def _cluster(patches: Patches, rejected: list[Rejected], limits: GapLimits) -> l
     above += sum(-r.gap < deep_edge for r in rejected if r.why == PENETRATES)
     if not (below and above):
         return []
-    option = "--clearance" if (closed > gap).any() else "--gap"
+    option = "clearance" if (closed > gap).any() else "gap"
     return [
         f"the gap tolerance falls inside a cluster of gaps: {below} patches just below it, "
-        f"{above} near pairs just above; see the histogram and set {option}"
+        f"{above} near pairs just above; see the histogram and set the {option}"
     ]
 
 
