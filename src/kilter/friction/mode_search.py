@@ -140,25 +140,18 @@ def _relaxation(law: CoulombLaw, lines: Array, node: _Decided) -> ConicProgram:
     sector_u, sector_f = _sectors(law, node, np.flatnonzero(slides & (law.mu > 0)))
     weights = np.where(rough % 3 == 0, law.mu[rough // 3], 1.0)
     forces = np.eye(total - count)
-    blocks = [
-        (np.eye(count), -lines.T),
-        (lines[still], None),
-        (None, forces[none]),
-        (-lines[above], None),
-        (None, -forces[pushing]),
+    blocks: list[tuple[Array | None, Array | None]] = [
+        (np.eye(count), -lines.T),  # x = w + H^T f
+        (lines[still], None),  # no speed where points stick, or along the normal where they slide
+        (None, forces[none]),  # no force where points are open, or across where they are smooth
+        (-lines[above], None),  # u_n >= 0
+        (None, -forces[pushing]),  # f_n >= 0 without friction
         (-(sector_u @ lines), None),
         (None, -sector_f),
-        (None, -weights[:, None] * forces[rough]),
-        (np.vstack([np.zeros(count), -np.eye(count)]), None),
+        (None, -weights[:, None] * forces[rough]),  # Coulomb's cones
+        (np.vstack([np.zeros(count), -np.eye(count)]), None),  # the ball
     ]
-    heights = [next(len(side) for side in pair if side is not None) for pair in blocks]
-    full, row = np.zeros((sum(heights), total)), 0
-    for (of_x, of_f), height in zip(blocks, heights, strict=True):
-        if of_x is not None:
-            full[row : row + height, :count] = of_x
-        if of_f is not None:
-            full[row : row + height, count:] = of_f
-        row += height
+    full = _stacked(blocks, count, total)
     bound = np.zeros(len(full))
     bound[:count] = law.load
     bound[-count - 1 :] = 0.5 * np.concatenate([[1.0], -law.load])
@@ -171,6 +164,20 @@ def _relaxation(law: CoulombLaw, lines: Array, node: _Decided) -> ConicProgram:
         len(above) + len(pushing) + len(sector_u) + len(sector_f),
         np.concatenate([np.full(len(rough) // 3, 3), [count + 1]]),
     )
+
+
+def _stacked(blocks: list[tuple[Array | None, Array | None]], count: int, total: int) -> Array:
+    """Blocks of rows below one another, each with a part over x and one over f, or None for 0."""
+    rows = []
+    for of_x, of_f in blocks:
+        height = len(of_x) if of_x is not None else len(of_f) if of_f is not None else 0
+        block = np.zeros((height, total))
+        if of_x is not None:
+            block[:, :count] = of_x
+        if of_f is not None:
+            block[:, count:] = of_f
+        rows.append(block)
+    return np.vstack(rows)
 
 
 def _points(chosen: Mask) -> Index:
