@@ -15,9 +15,9 @@ import pytest
 import stranger
 
 from kilter import InputError, check
-from kilter import contacts as find_contacts
 from kilter.analysis.verdict import Verdict
 from kilter.assembly import Assembly
+from kilter.contact import detect
 from kilter.files import from_dict, to_dict
 from kilter.mechanics.certificate import check_forces, check_motion
 from kilter.mechanics.program import Program, build_program
@@ -33,7 +33,7 @@ def reloaded(assembly: Assembly) -> Assembly:
 
 def verified(assembly: Assembly, proof: dict[str, Any]) -> Any:
     """What `verify_proof` says of a proof and an assembly, contacts found anew."""
-    contacts = find_contacts(assembly, tolerance=proof_tolerance(proof))
+    contacts = detect.contacts(assembly, tolerance=proof_tolerance(proof))
     return verify_proof(assembly, contacts, proof)
 
 
@@ -97,7 +97,7 @@ def _moves_as_it_should(verdict: Verdict) -> None:
 
 def program_of(assembly: Assembly, *, possible: bool = False, sticking: bool = False) -> Program:
     """The program of an assembly with the contacts found in it."""
-    return build_program(assembly, find_contacts(assembly), possible=possible, sticking=sticking)
+    return build_program(assembly, detect.contacts(assembly), possible=possible, sticking=sticking)
 
 
 def z_of(assembly: Assembly) -> float:

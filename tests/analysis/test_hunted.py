@@ -7,7 +7,7 @@ import pytest
 from judged import judged
 
 from kilter import Assembly, Box, Cylinder, Mesh, Part, Pose, Prism, Sphere, check
-from kilter import contacts as find_contacts
+from kilter.contact import detect
 from kilter.contact.planar.facets import find_facets
 from kilter.mechanics.certificate import check_forces
 from kilter.scenes import arches
@@ -149,5 +149,5 @@ def slotted(circle):
 
 
 def test_an_arch_has_no_edges_beside_its_patches():
-    assert not find_contacts(arches.arch(20)).unsupported
+    assert not detect.contacts(arches.arch(20)).unsupported
     assert check(arches.arch(20, friction=0.0)).verdict == "unstable"

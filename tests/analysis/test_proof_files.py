@@ -17,7 +17,7 @@ from builders import (
 from judged import judged, reloaded, verified
 
 from kilter import InputError
-from kilter import contacts as find_contacts
+from kilter.contact import detect
 from kilter.mechanics.proof import digest_of
 from kilter.mechanics.verification import verify_proof
 from kilter.scenes import paper, stacks
@@ -45,7 +45,7 @@ def proven(request):
     verdict = judged(assembly)
     assert verdict.verdict == ("stable" if "forces" in request.param else "unstable")
     copy_ = reloaded(assembly)
-    return copy_, find_contacts(copy_), json.loads(json.dumps(verdict.proof()))
+    return copy_, detect.contacts(copy_), json.loads(json.dumps(verdict.proof()))
 
 
 def numbers(value, path=()):

@@ -20,7 +20,7 @@ from solids import (
 )
 
 from kilter import Assembly, Box, Cylinder, Part, Pose, Sphere, check
-from kilter import contacts as find_contacts
+from kilter.contact import detect
 from kilter.contact.curved.contact_points import AROUND
 from kilter.mechanics.program import build_program
 from kilter.scenes.pieces import floor, turn
@@ -37,13 +37,13 @@ def held(shape, pose=None):
 
 def motions(assembly):
     """Dimension of {J dp = 0}, and that of the span of {J dp >= 0} where forces can cancel."""
-    jacobian = build_program(assembly, find_contacts(assembly)).jacobian().toarray()
+    jacobian = build_program(assembly, detect.contacts(assembly)).jacobian().toarray()
     values = np.linalg.svd(jacobian, compute_uv=False)
     return jacobian.shape[1] - int((values > 1e-7 * values[0]).sum())
 
 
 def contacts_of(*parts, **options):
-    return find_contacts(Assembly(list(parts)), **options)
+    return detect.contacts(Assembly(list(parts)), **options)
 
 
 # pegs in holes ------------------------------------------------------------------------
@@ -63,7 +63,7 @@ PAIRS = {
 def test_peg_slides_and_spins_in_its_hole_and_nothing_else(name):
     hole, shape = PAIRS[name]
     assembly = Assembly([held(hole), Part("peg", shape)])
-    contacts = find_contacts(assembly)
+    contacts = detect.contacts(assembly)
     assert contacts.patch_kind.tolist() == ["cylinder"]
     assert contacts.unsupported == ()
     assert contacts.overlaps == ()
@@ -183,7 +183,7 @@ def test_cylinder_in_a_groove_holds_to_the_ends_of_the_arc(half):
             elif half > np.pi / 2:
                 assert check(Assembly(parts, gravity=gravity)).verdict == "stable"
     area = 2 * half * 2.0
-    assert find_contacts(Assembly(parts)).patch_area[0] == pytest.approx(area, rel=1e-9)
+    assert detect.contacts(Assembly(parts)).patch_area[0] == pytest.approx(area, rel=1e-9)
 
 
 def test_half_a_shell_holds_every_force_into_it():
@@ -211,7 +211,7 @@ def test_ball_in_a_cone_touches_around_a_circle(exact):
     shapes = [cone_socket(alpha), ball(radius)]
     hole, sphere = shapes if exact else [mesh_of(s) for s in shapes]
     parts = [held(hole), Part("ball", sphere, Pose(centre))]
-    contacts = find_contacts(Assembly(parts))
+    contacts = detect.contacts(Assembly(parts))
     assert contacts.patch_kind.tolist() == ["sphere"]
     assert len(contacts.points) == AROUND
     x = contacts.points - centre
@@ -253,7 +253,7 @@ def test_ball_in_a_socket_is_held_as_far_as_the_socket_reaches(rim, exact):
     shapes = [socket(rim=rim, phase=0.03, sides=60), ball()]
     base, sphere = shapes if exact else [mesh_of(s) for s in shapes]
     parts = [held(base), Part("ball", sphere, Pose([0, 0, 0], turn([1, 2, 0], 50)))]
-    contacts = find_contacts(Assembly(parts))
+    contacts = detect.contacts(Assembly(parts))
     assert contacts.patch_kind.tolist() == ["sphere"]
     assert contacts.unsupported == ()
     assert contacts.overlaps == ()
@@ -269,7 +269,7 @@ def test_ball_in_a_socket_is_held_as_far_as_the_socket_reaches(rim, exact):
 
 def test_ball_of_the_bore_touches_it_around_a_great_circle():
     parts = [held(bore()), Part("ball", Sphere(1.0), Pose([0, 0, 0.3], turn([1, 1, 0], 40)))]
-    contacts = find_contacts(Assembly(parts))
+    contacts = detect.contacts(Assembly(parts))
     assert contacts.patch_kind.tolist() == ["sphere"]
     assert np.abs(contacts.points[:, 2] - 0.3).max() < 1e-12
     assert motions(Assembly(parts)) == 4
@@ -325,7 +325,7 @@ def test_cone_in_its_socket_only_spins(exact):
     assert motions(Assembly(parts)) == 1
     assert check(Assembly(parts)).verdict == "stable"
     assert check(Assembly(parts, gravity=[0, 0, G])).verdict == "unstable"
-    contacts = find_contacts(Assembly(parts))
+    contacts = detect.contacts(Assembly(parts))
     assert contacts.patch_kind.tolist() == ["cone"]
     alpha = 0.4
     area = np.pi * np.sin(alpha) * (9 - 1) / np.cos(alpha) ** 2
@@ -397,7 +397,7 @@ def test_shaft_on_two_v_blocks(exact):
     shape = peg(1.0, -4, 4, sides=32) if exact else mesh_of(peg(1.0, -4, 4, sides=32))
     shaft = Part("shaft", shape, Pose([0, 0, np.sqrt(2)], LYING))
     parts = [*v_block(-2), *v_block(2), shaft]
-    contacts = find_contacts(Assembly(parts))
+    contacts = detect.contacts(Assembly(parts))
     assert contacts.patch_kind.tolist() == ["cylinder"] * 4
     assert motions(Assembly(parts)) == 2
     for degrees, word in ((44.99, "stable"), (45.01, "unstable")):
@@ -415,7 +415,7 @@ def test_shaft_on_two_v_blocks(exact):
 @pytest.mark.parametrize("sides", [16, 48])
 def test_bolt_hangs_by_its_head(sides):
     parts = [held(bore()), Part("bolt", bolt(head=2, sides=sides), Pose([0, 0, 1]))]
-    contacts = find_contacts(Assembly(parts))
+    contacts = detect.contacts(Assembly(parts))
     assert sorted(contacts.patch_kind) == ["cylinder", "plane"]
     assert contacts.unsupported == ()
     assert contacts.overlaps == ()
@@ -493,7 +493,7 @@ def test_ball_on_the_rim_of_a_hole_is_listed_and_bounded():
 
 def test_torus_beside_a_torus_is_listed():
     parts = [held(torus(2, 0.5)), Part("ring", torus(2, 0.5), Pose([0, 0, 1.0]))]
-    contacts = find_contacts(Assembly(parts))
+    contacts = detect.contacts(Assembly(parts))
     assert [u.kind for u in contacts.unsupported] == ["curved"]
     assert len(contacts.possible)
 

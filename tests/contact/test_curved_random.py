@@ -28,7 +28,7 @@ from solids import (
 )
 
 from kilter import Assembly, Box, Part, Pose, Tolerance, load
-from kilter import contacts as find_contacts
+from kilter.contact import detect
 from kilter.shape.primitives import Mesh
 from kilter.shape.solid import Solid
 
@@ -106,14 +106,14 @@ def test_contact_is_found_in_any_pose_and_scale(case, seed):
     scale = 10.0 ** rng.uniform(-3, 3)
     gap = rng.choice([0.0, 1e-8, 1e-6, -1e-6])
     assembly, turn, shift = posed(case, rng, scale, gap)
-    contacts = find_contacts(assembly)
+    contacts = detect.contacts(assembly)
     _, _, _, _, _, opening, kind, rate = CASES[case]
     assert contacts.patch_kind.tolist() == [kind]
     assert contacts.unsupported == ()
     assert contacts.overlaps == ()
     expected = gap * rate * scale if opening is not None else 0.0
     assert contacts.patch_gap.mean() == pytest.approx(expected, abs=1e-11 * scale)
-    still = find_contacts(posed(case, np.random.default_rng(5), 1.0, 0.0)[0])
+    still = detect.contacts(posed(case, np.random.default_rng(5), 1.0, 0.0)[0])
     assert contacts.patch_area * scale**-2 == pytest.approx(still.patch_area, rel=1e-6)
     # points, taken back, lie on both surfaces
     back = turn.inv().apply(contacts.points - shift) / scale
@@ -157,7 +157,7 @@ def test_gap_beyond_the_tolerance_is_no_contact(case, seed):
     tolerance = Tolerance(gap=1e-4 * scale)
     for share, count in ((0.9, 1), (1.1, 0), (30.0, 0)):
         assembly, _, _ = posed(case, np.random.default_rng(seed), scale, share * 1e-4 / rate)
-        contacts = find_contacts(assembly, tolerance=tolerance)
+        contacts = detect.contacts(assembly, tolerance=tolerance)
         assert len(contacts) == count
         assert contacts.overlaps == ()
         if not count:
@@ -168,9 +168,9 @@ def test_gap_beyond_the_tolerance_is_no_contact(case, seed):
 
 @pytest.mark.parametrize("case", [c for c in CASES if "ring" not in c])
 def test_meshes_of_the_faces_give_the_same_contacts(case):
-    exact = find_contacts(posed(case, np.random.default_rng(3), 1.0, 0.0)[0])
+    exact = detect.contacts(posed(case, np.random.default_rng(3), 1.0, 0.0)[0])
     assembly, _, _ = posed(case, np.random.default_rng(3), 1.0, 0.0, mesh=True)
-    contacts = find_contacts(assembly)
+    contacts = detect.contacts(assembly)
     assert contacts.patch_kind.tolist() == exact.patch_kind.tolist()
     assert contacts.unsupported == ()
     assert contacts.overlaps == ()
@@ -187,7 +187,7 @@ def test_gap_agrees_with_dense_samples(case):
     points = Rotation.from_quat(q[[1, 2, 3, 0]]).apply(fine) + place
     least = IMPLICIT[case](points).min()
     assembly, _, _ = posed(case, np.random.default_rng(2), 1.0, gap)
-    found = float(find_contacts(assembly, tolerance=Tolerance(gap=1e-4)).patch_gap.mean())
+    found = float(detect.contacts(assembly, tolerance=Tolerance(gap=1e-4)).patch_gap.mean())
     # samples lie up to the sagitta of their spacing away from the nearest point
     assert found <= least + 1e-12
     assert found == pytest.approx(least, abs=2e-3)
@@ -252,7 +252,7 @@ TRUE = {
 @pytest.mark.parametrize("case", TRUE)
 def test_cone_of_forces_is_that_of_the_whole_face(case):
     base, _, part, _, _, _, _, _ = CASES[case]
-    contacts = find_contacts(Assembly([Part("base", base, grounded=True), Part("part", part)]))
+    contacts = detect.contacts(Assembly([Part("base", base, grounded=True), Part("part", part)]))
     inner = wrenches(contacts.points, contacts.normals)
     true = wrenches(*TRUE[case])
     outer = np.vstack([inner, wrenches(contacts.possible.points, contacts.possible.normals)])
@@ -266,7 +266,7 @@ def test_arc_of_a_groove_is_its_two_ends():
     half = 0.7
     base, _, bar, _, _, _, _, _ = CASES["bar in groove"]
     parts = [Part("base", base, grounded=True), Part("bar", bar, Pose([0, 0, 0], LYING))]
-    contacts = find_contacts(Assembly(parts))
+    contacts = detect.contacts(Assembly(parts))
     angle = np.arctan2(contacts.points[:, 0], -contacts.points[:, 2])
     ends = np.abs(np.abs(angle) - half) < 1e-9
     least = wrenches(contacts.points[ends], contacts.normals[ends])
@@ -284,7 +284,7 @@ def test_facets_of_a_very_fine_mesh_leave_the_same_motions():
     x = np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
     n = np.column_stack([-np.cos(angle + np.pi / sides), -np.sin(angle + np.pi / sides), 0 * angle])
     facets = wrenches(np.concatenate([x - np.eye(3)[2], x + np.eye(3)[2]]), np.concatenate([n, n]))
-    contacts = find_contacts(Assembly([Part("b", bore(), grounded=True), Part("p", peg())]))
+    contacts = detect.contacts(Assembly([Part("b", bore(), grounded=True), Part("p", peg())]))
     rows = wrenches(contacts.points, contacts.normals)
     # a wrench across the axis is in both cones; one along it or about it is in neither
     for wrench, within in (
@@ -303,7 +303,7 @@ def test_two_tessellations_of_one_bore_show_no_overlap_at_any_phase():
             Part("p", peg(sides=other, phase=phase)),
         ]
         for shapes in (parts, [Part(p.name, mesh_of(p.shape), grounded=p.grounded) for p in parts]):
-            contacts = find_contacts(Assembly(shapes))
+            contacts = detect.contacts(Assembly(shapes))
             assert contacts.patch_kind.tolist() == ["cylinder"]
             assert contacts.overlaps == ()
             assert contacts.unsupported == ()
@@ -311,7 +311,7 @@ def test_two_tessellations_of_one_bore_show_no_overlap_at_any_phase():
 
 def test_hexagonal_bar_in_a_round_hole_is_no_peg():
     hexagon = mesh_of(peg(sides=6))
-    contacts = find_contacts(Assembly([Part("b", bore(), grounded=True), Part("p", hexagon)]))
+    contacts = detect.contacts(Assembly([Part("b", bore(), grounded=True), Part("p", hexagon)]))
     assert isinstance(hexagon, Mesh)
     assert "cylinder" not in contacts.patch_kind.tolist()
 
@@ -323,7 +323,7 @@ def test_interrupted_face_reaches_as_far_as_its_pieces():
     base = revolved(
         line((1, -1), (3, -1), (3, 1), (1, 1), (1, 0.5), (1.5, 0.5), (1.5, -0.5), (1, -0.5))
     )
-    contacts = find_contacts(Assembly([Part("b", base, grounded=True), Part("p", peg())]))
+    contacts = detect.contacts(Assembly([Part("b", base, grounded=True), Part("p", peg())]))
     assert contacts.patch_area.sum() == pytest.approx(2 * np.pi, rel=1e-6)
     assert np.ptp(contacts.points[:, 2]) == pytest.approx(2.0)
 
@@ -336,7 +336,7 @@ def test_faceted_curved_interface_is_found_from_end_to_end():
     # a free form, cut into triangles in two ways: facets of both, tilted to .014 and more
     path = DATA / "cube-curve-short.json"
     listed = [interface["data"]["points"] for interface in interfaces(json.loads(path.read_text()))]
-    contacts = find_contacts(load(path), tolerance=Tolerance.loose())
+    contacts = detect.contacts(load(path), tolerance=Tolerance.loose())
     assert len(listed) == 72
     assert contacts.pairs == 1
     assert contacts.overlaps == ()

@@ -7,7 +7,7 @@ import pytest
 from edge_oracle import Convex, contacts, stacked
 
 from kilter import Assembly, Mesh, Part
-from kilter import contacts as find_contacts
+from kilter.contact import detect
 
 KINDS = ("vertex-face", "edge-face", "edge-edge")
 
@@ -25,7 +25,7 @@ def compared(kind: str, gap: float, tilt: float, seed: int, *, swap: bool = Fals
     if swap:
         a, b = b, a
     assembly = assembly_of(a, b)
-    found = find_contacts(assembly)
+    found = detect.contacts(assembly)
     size = float(assembly.geometry.size.min())
     expected = contacts(a, b, 1e-5 * size)
     wrong = []
@@ -72,6 +72,6 @@ def test_tilted_contact_is_found_and_no_other(kind, tilt):
 def test_nothing_is_found_across_a_gap(kind, gap):
     for seed in range(20):
         a, b = stacked(kind, 2 * gap, 0.0, np.random.default_rng(seed))
-        found = find_contacts(assembly_of(a, b))
+        found = detect.contacts(assembly_of(a, b))
         assert len(found) == 0
         assert found.unsupported == ()

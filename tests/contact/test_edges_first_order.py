@@ -13,8 +13,7 @@ from scipy.optimize import linprog
 from scipy.spatial.transform import Rotation
 
 from kilter import Assembly, Mesh, Part, Pose
-from kilter import contacts as find_contacts
-from kilter.contact import ContactSet
+from kilter.contact import ContactSet, detect
 from kilter.mechanics.degenerate import allowed_program
 from kilter.mechanics.program import build_program
 
@@ -73,7 +72,7 @@ def motion_within(rows: Array, right: Array, aim: Array) -> Array | None:
 def examine(a: Body, b: Body, rng: np.random.Generator, motions: int = 12) -> Examined:
     """Motions allowed, and motions that break one constraint only, against the oracle."""
     assembly, a, b = posed(a, b, rng)
-    contacts = find_contacts(assembly)
+    contacts = detect.contacts(assembly)
     center = assembly.geometry.center[1]
     rows, clauses = rows_of(assembly, contacts)
     result = Examined([0, 0, 0, 0], [], contacts.patch_kind.tolist())

@@ -9,8 +9,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from kilter import Assembly, Box, Load, Mesh, Part, Pose, Prism, check
-from kilter import contacts as find_contacts
 from kilter.analysis.degenerate_branches import decide_degenerate
+from kilter.contact import detect
 from kilter.mechanics.degenerate import without_degenerate
 from kilter.mechanics.program import build_program
 from kilter.mechanics.verification import verify_proof
@@ -24,7 +24,7 @@ def judged(assembly: Assembly) -> str:
     """The verdict, its proof verified on contacts found anew."""
     verdict = check(assembly)
     if verdict.verdict != "undecided":
-        answer = verify_proof(assembly, find_contacts(assembly), verdict.proof())
+        answer = verify_proof(assembly, detect.contacts(assembly), verdict.proof())
         assert answer.holds, answer.reasons
         assert answer.verdict == verdict.verdict
     return verdict.verdict
@@ -37,7 +37,7 @@ def test_a_bend_has_three_constraints_in_the_plane():
     # m touches n along ab; beyond b the surface of n bends towards m, along bc
     n = Prism([[0, 0], [1, 0], [2, 1], [2, -1], [0, -1]], 1)
     m = Prism([[0.2, 0], [1, 0], [1, 1], [0.2, 1]], 1)
-    contacts = find_contacts(Assembly([Part("n", n, grounded=True), Part("m", m)]))
+    contacts = detect.contacts(Assembly([Part("n", n, grounded=True), Part("m", m)]))
     slope = np.array([-1, 0, 1]) / np.sqrt(2)
     assert sorted(contacts.patch_kind) == ["edge-face", "plane"]
     in_plane = {
@@ -74,7 +74,7 @@ def test_a_ladder_without_friction_needs_one_push_exactly(degrees, share, word):
     ]
     load = Load("ladder", force=[-push, 0, 0], point=[0, 0, 0])
     assembly = Assembly(parts, loads=[load])
-    kinds = find_contacts(assembly).patch_kind.tolist()
+    kinds = detect.contacts(assembly).patch_kind.tolist()
     assert kinds == ["edge-face", "edge-face"]
     assert judged(assembly) == word
 
@@ -111,7 +111,7 @@ def test_a_corner_in_a_corner_has_one_normal_a_wall():
     tetra = np.array([[0, 0, 0], [1, 0.3, 0.2], [0.2, 1, 0.3], [0.3, 0.2, 1]])
     corner = Mesh(*_octant_hole())
     tetra_part = Part("tip", Mesh(tetra, [[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]]))
-    contacts = find_contacts(Assembly([Part("corner", corner, grounded=True), tetra_part]))
+    contacts = detect.contacts(Assembly([Part("corner", corner, grounded=True), tetra_part]))
     assert contacts.unsupported == ()
     normals = sorted(np.round(contacts.normals, 12).tolist())
     assert normals == [[0, 0, 1], [0, 1, 0], [1, 0, 0]]
@@ -140,7 +140,7 @@ def test_a_tetrahedron_balances_on_its_tip(offset, word):
     center = [offset, 0, 0.75]
     tetra = Part("tetra", Mesh(points, faces), center_of_mass=center)
     assembly = Assembly([FLOOR, tetra])
-    contacts = find_contacts(assembly)
+    contacts = detect.contacts(assembly)
     assert contacts.patch_kind.tolist() == ["vertex-face"]
     assert judged(assembly) == word
 
@@ -154,7 +154,7 @@ def test_a_corner_on_a_corner_slides_off():
     points = [[0, 0, 0], [1, 0, 1], [-0.5, 0.8, 1], [-0.5, -0.8, 1]]
     upper = Mesh(points, [[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])
     assembly = Assembly([Part("lower", lower, grounded=True), Part("upper", upper)])
-    contacts = find_contacts(assembly)
+    contacts = detect.contacts(assembly)
     assert [u.kind for u in contacts.unsupported] == ["vertex"]
     assert len(contacts) == 0
     assert contacts.approximate.normals == pytest.approx(np.array([[0, 0, 1.0]]), abs=1e-9)
@@ -172,7 +172,7 @@ def test_ridges_held_from_both_sides_are_stable_by_branching():
         block("right", [1, -1, 0], [2, 1, 3], grounded=True),
     ]
     assembly = Assembly([ridge, top, *sides])
-    answer = decide_degenerate(assembly, find_contacts(assembly))
+    answer = decide_degenerate(assembly, detect.contacts(assembly))
     assert answer.branching is True
     verdict = check(assembly)
     assert verdict.verdict == "undecided"
@@ -184,7 +184,7 @@ def test_ridges_held_from_both_sides_are_stable_by_branching():
 def test_a_proof_by_a_branch_that_is_altered_does_not_hold():
     ridge = prism("ridge", [[-1, -1], [1, -1], [0, 0]], 2.0, grounded=True)
     assembly = Assembly([ridge, prism("top", [[0, 0], [1, 1], [-1, 1]], 2.0)])
-    contacts = find_contacts(assembly)
+    contacts = detect.contacts(assembly)
     proof = check(assembly).proof()
     assert verify_proof(assembly, contacts, proof).holds
     proof["motion"]["top"] = [0, 0, -1.0, 0, 0, 0]  # straight down: into the ridge
@@ -200,7 +200,7 @@ def test_a_stack_bond_wall_accepts_nothing_at_its_corners(seed):
              grounded=j == 0)
         for i in range(5) for j in range(4)
     ]  # fmt: skip
-    contacts = find_contacts(Assembly(parts))
+    contacts = detect.contacts(Assembly(parts))
     assert set(contacts.patch_kind) == {"plane"}
     assert len(contacts.unsupported) == 4 * 3 * 2
     assert contacts.degenerate.exact.all()
@@ -208,7 +208,7 @@ def test_a_stack_bond_wall_accepts_nothing_at_its_corners(seed):
 
 def test_arches_and_walls_have_the_contacts_they_had():
     for assembly in (arches.arch(), walls.wall(4, 5)):
-        contacts = find_contacts(assembly)
+        contacts = detect.contacts(assembly)
         assert set(contacts.patch_kind) == {"plane"}
         assert len(build_program(assembly, contacts).part_a)
 
@@ -223,7 +223,7 @@ def test_rows_of_degenerate_points_are_found_by_label_in_whatever_order_they_com
     shelf = block("shelf", [-3, -1, -1], [-2, 1, 0], grounded=True)
     box = block("box", [-3, -1, 0], [-2, 1, 1])
     assembly = Assembly([ridge, top, shelf, box], friction=0.3)
-    contacts = find_contacts(assembly)
+    contacts = detect.contacts(assembly)
     exact = int(contacts.degenerate.exact[contacts.degenerate.owner].sum())
     assert exact > 0
     order = np.random.default_rng(seed).permutation(len(contacts.possible))

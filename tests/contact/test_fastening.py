@@ -9,9 +9,9 @@ import pytest
 from tubes import pin, tube
 
 from kilter import InputError, Tolerance, check, fastened
-from kilter import contacts as find_contacts
 from kilter.assembly import Assembly, Joint, Part
 from kilter.cli import main
+from kilter.contact import detect
 from kilter.contact.fits.coaxial import coaxial_fits
 from kilter.contact.fits.overlap import can_cut, overlap_volume
 from kilter.contact.fits.suggestions import suggest_joints
@@ -112,7 +112,7 @@ def test_thicker_shaft_is_an_interference_fit(turned):
     assert fit.tight
     assert fit.interference == pytest.approx(0.02, rel=1e-9)
     assert fit.length == pytest.approx(2.0, rel=1e-9)
-    found = find_contacts(assembly)
+    found = detect.contacts(assembly)
     named = [overlap for overlap in found.overlaps if set(overlap.parts) == {1, 2}]
     assert [overlap.why for overlap in named] == ["interfere"]
     assert any("interfere" in text for text in found.warnings)
@@ -127,7 +127,7 @@ def test_thicker_shaft_is_an_interference_fit(turned):
 @pytest.mark.parametrize("turned", [False, True])
 def test_shaft_as_thick_as_its_hole_turns_and_slides(turned):
     assembly = bolted(1.0, turned=turned)
-    suggestions = suggest_joints(assembly, find_contacts(assembly))
+    suggestions = suggest_joints(assembly, detect.contacts(assembly))
     assert [one.parts for one in suggestions] == [("bolt", "sleeve")]
     entry = suggestions[0].joint
     assert entry["kind"] == "cylindrical"
@@ -184,15 +184,15 @@ def test_clearance_closes_gaps_up_to_it_and_no_penetration(height, word):
 
 
 def test_closed_pairs_are_named_with_their_gaps():
-    found = find_contacts(resting(0.9e-3), tolerance=Tolerance(clearance=1e-3))
+    found = detect.contacts(resting(0.9e-3), tolerance=Tolerance(clearance=1e-3))
     closing = [text for text in found.warnings if "clearances taken as closed" in text]
     assert len(closing) == 1
     assert "'floor' and 'box' (0.0009 m)" in closing[0]
-    touching = find_contacts(resting(0.0), tolerance=Tolerance(clearance=1e-3))
+    touching = detect.contacts(resting(0.0), tolerance=Tolerance(clearance=1e-3))
     assert not any("clearances" in text for text in touching.warnings)
     for bad in (0.0, -1.0, float("nan")):
         with pytest.raises(InputError, match="clearance"):
-            find_contacts(resting(0.0), tolerance=Tolerance(clearance=bad))
+            detect.contacts(resting(0.0), tolerance=Tolerance(clearance=bad))
 
 
 def test_clearance_wider_than_what_is_looked_at_is_found():
@@ -211,12 +211,12 @@ def test_clearance_is_part_of_the_proof():
     tolerance = proof_tolerance(proof)
     assert tolerance.clearance == 1e-3
     copy = from_dict(to_dict(resting(0.9e-3)))
-    assert verify_proof(copy, find_contacts(copy, tolerance=tolerance), proof).holds
+    assert verify_proof(copy, detect.contacts(copy, tolerance=tolerance), proof).holds
     for other in (None, 0.5e-3):
         proof["tolerance"]["clearance"] = other
         proof["digest"] = digest_of(proof)
         changed = proof_tolerance(proof)
-        assert not verify_proof(copy, find_contacts(copy, tolerance=changed), proof).holds
+        assert not verify_proof(copy, detect.contacts(copy, tolerance=changed), proof).holds
 
 
 # clusters of gaps -------------------------------------------------------------------------
@@ -239,7 +239,7 @@ def test_warning_where_the_tolerance_falls_inside_a_cluster(gaps, warned):
         block(f"box-{k}", [2.0 * k, 0, gap], [2.0 * k + 1, 1, 1 + gap])
         for k, gap in enumerate(gaps)
     ]
-    found = find_contacts(Assembly([FLOOR, *boxes]), tolerance=Tolerance(gap=1e-3))
+    found = detect.contacts(Assembly([FLOOR, *boxes]), tolerance=Tolerance(gap=1e-3))
     assert any("falls inside a cluster" in text for text in found.warnings) == warned
 
 
@@ -249,7 +249,7 @@ def test_cluster_at_a_clearance_is_named_after_it(upper, warned):
         block(f"box-{k}", [2.0 * k, 0, gap], [2.0 * k + 1, 1, 1 + gap])
         for k, gap in enumerate((0.5e-2, upper))
     ]
-    found = find_contacts(Assembly([FLOOR, *boxes]), tolerance=Tolerance(clearance=1e-2))
+    found = detect.contacts(Assembly([FLOOR, *boxes]), tolerance=Tolerance(clearance=1e-2))
     told = [text for text in found.warnings if "falls inside a cluster" in text]
     assert bool(told) == warned
     assert all("set --clearance" in text for text in told)
@@ -275,7 +275,7 @@ def test_volume_of_two_boxes_in_any_pose(factor):
 @CUTS
 def test_volume_of_a_bolt_in_its_nut_is_that_of_the_ring():
     assembly = bolted(1.05)
-    found = find_contacts(assembly)
+    found = detect.contacts(assembly)
     (overlap,) = [o for o in found.overlaps if set(o.parts) == {1, 2}]
     # 96 sides against 48: within their areas
     exact = np.pi * (1.05**2 - 1) * 2.0
@@ -285,7 +285,7 @@ def test_volume_of_a_bolt_in_its_nut_is_that_of_the_ring():
 
 def test_without_the_extra_the_volume_is_unknown_and_a_hint_says_what_to_install(monkeypatch):
     monkeypatch.setattr("kilter.contact.fits.overlap.find_spec", lambda name: None)
-    found = find_contacts(bolted(1.05))
+    found = detect.contacts(bolted(1.05))
     assert [o.volume for o in found.overlaps if set(o.parts) == {1, 2}] == [None]
     assert sum("pip install 'kilter[overlap]'" in text for text in found.warnings) == 1
 
@@ -324,7 +324,7 @@ def test_fits_are_recognised_in_meshes_too():
         for part in exact.parts
     ]
     assembly = Assembly(parts)
-    found = find_contacts(assembly)
+    found = detect.contacts(assembly)
     assert [one.parts for one in suggest_joints(assembly, found)] == [("bolt", "sleeve")]
 
 
@@ -335,6 +335,6 @@ def test_fits_are_recognised_in_meshes_too():
 )  # fmt: skip
 def test_part_named_a_nut_is_taken_for_threaded(name, kind):
     assembly = bolted(1.0, name=name)
-    (suggestion,) = suggest_joints(assembly, find_contacts(assembly))
+    (suggestion,) = suggest_joints(assembly, detect.contacts(assembly))
     assert suggestion.joint["kind"] == kind
     assert ("by its name a nut" in suggestion.why) == (kind == "fixed")

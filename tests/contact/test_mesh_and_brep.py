@@ -8,8 +8,8 @@ from solids import ball, bolt, bore, cone_frustum, cone_socket, mesh_of, peg, so
 
 import kilter
 from kilter import check
-from kilter import contacts as find_contacts
 from kilter.assembly import Assembly, Part
+from kilter.contact import detect
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box
 
@@ -56,9 +56,9 @@ def assembly_of(name, *, sides, exact):
 def test_same_verdict_in_every_direction(name):
     exact = assembly_of(name, sides=48, exact=True)
     meshes = [assembly_of(name, sides=n, exact=False) for n in (48, 72)]
-    kinds = set(find_contacts(exact).patch_kind.tolist())
+    kinds = set(detect.contacts(exact).patch_kind.tolist())
     assert kinds  # they touch
-    assert all(set(find_contacts(mesh).patch_kind.tolist()) == kinds for mesh in meshes)
+    assert all(set(detect.contacts(mesh).patch_kind.tolist()) == kinds for mesh in meshes)
     for down in DOWNS:
         word = check(exact.with_down(down)).verdict
         for mesh in meshes:

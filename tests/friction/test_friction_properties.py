@@ -9,8 +9,8 @@ import pytest
 from judged import judged
 
 from kilter import check
-from kilter import contacts as find_contacts
 from kilter.assembly import FrictionPair
+from kilter.contact import detect
 from kilter.friction.exclusion import prove_no_motion
 from kilter.friction.seating import find_seating
 from kilter.mechanics.program import build_program
@@ -86,7 +86,7 @@ def test_forces_shown_balance_and_stay_in_their_cones():
         found = verdict.forces
         if found is None:
             continue
-        program = build_program(assembly, find_contacts(assembly))
+        program = build_program(assembly, detect.contacts(assembly))
         mu = verdict.program.mu[found.rows]
         normal = verdict.program.normal[found.rows]
         push = np.einsum("ij,ij->i", found.force, normal)

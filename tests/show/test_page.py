@@ -198,13 +198,13 @@ def test_forces_of_the_rays_balance_every_part(name: str) -> None:
 
 
 def test_the_map_of_the_page_gives_z_of_the_program() -> None:
-    from kilter.contact import find_contacts
+    from kilter.contact import detect
 
     assembly = scene("paper-figure-8")
     data = data_of(render(everything(assembly), "f8"))
     vertices = unpacked(data["map"]["vertices"]).reshape(-1, 3)
     motions = unpacked(data["map"]["motions"]).reshape(len(vertices), -1, 6)
-    contacts = find_contacts(assembly)
+    contacts = detect.contacts(assembly)
     rng = np.random.default_rng(3)
     for down in rng.normal(size=(30, 3)):
         down = down / np.linalg.norm(down)

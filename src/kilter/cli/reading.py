@@ -103,9 +103,9 @@ def fasten(
     """The assembly with what ``--fasten`` joins, and its contacts where that asked for them."""
     if not reading.fasten:
         return assembly, None
-    from kilter.contact import fastened, find_contacts
+    from kilter.contact import detect, fastened
 
-    contacts = find_contacts(assembly, tolerance=tolerance, progress=progress)
+    contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
     joined = fastened(assembly, reading.fasten, contacts=contacts)
     return joined, dataclasses.replace(contacts, assembly=joined)
 

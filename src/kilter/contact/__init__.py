@@ -5,6 +5,4 @@ from kilter.contact.detect import contacts
 from kilter.contact.fits.fastening import fastened
 from kilter.contact.gaps import Tolerance
 
-find_contacts = contacts
-
-__all__ = ["ContactSet", "Tolerance", "contacts", "fastened", "find_contacts"]
+__all__ = ["ContactSet", "Tolerance", "contacts", "fastened"]

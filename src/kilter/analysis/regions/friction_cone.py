@@ -89,10 +89,10 @@ def friction_cone(
     Examples
     --------
     >>> from kilter.scenes import stacks
-    >>> from kilter.contact import find_contacts
+    >>> from kilter.contact import contacts
     >>> from kilter.mechanics.program import build_program
     >>> block = stacks.block_on_slope(0.0, friction=0.5)
-    >>> found = friction_cone(build_program(block, find_contacts(block)))
+    >>> found = friction_cone(build_program(block, contacts(block)))
     >>> found.cone.kind, bool(found.gap < np.radians(0.1))
     ('cone', True)
     """

@@ -30,7 +30,7 @@ from kilter.analysis.regions.stable_cone import StableCone, stable_cone
 from kilter.analysis.turning_tolerances import GAP_DEG
 from kilter.arrays import Array, Mask
 from kilter.assembly import Assembly, require_assembly
-from kilter.contact import ContactSet, Tolerance, find_contacts
+from kilter.contact import ContactSet, Tolerance, detect
 from kilter.errors import InputError
 from kilter.mechanics.certificate import ForceProof
 from kilter.mechanics.program import build_program
@@ -269,7 +269,7 @@ def region(
     assembly.require_grounded()
     started = time.perf_counter()
     if contacts is None:
-        contacts = find_contacts(assembly, tolerance=tolerance, progress=progress)
+        contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
     rubs = bool((contacts.patch_mu > 0).any())
     return _region(assembly, contacts, rubs, gap_deg, started, progress)
 
@@ -346,7 +346,7 @@ def common_region(
         require_assembly(assembly, "common_region")
         assembly.require_grounded()
         begun = time.perf_counter()
-        touching = own or find_contacts(assembly, tolerance=tolerance, progress=progress)
+        touching = own or detect.contacts(assembly, tolerance=tolerance, progress=progress)
         regions.append(_region(assembly, touching, False, GAP_DEG, begun, progress))
     started = time.perf_counter()
     cone, programs = intersection([one.cone for one in regions], assemblies[0].down)

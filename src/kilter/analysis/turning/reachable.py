@@ -128,11 +128,11 @@ def nearest_on_sphere(program: Program) -> SphereDirection | None:
     Examples
     --------
     >>> from kilter.scenes import scene
-    >>> from kilter.contact import find_contacts
+    >>> from kilter.contact import contacts
     >>> from kilter.errors import SolverError
     from kilter.mechanics.program import build_program
     >>> assembly = scene("wall-on-short-base")
-    >>> best = nearest_on_sphere(build_program(assembly, find_contacts(assembly)))
+    >>> best = nearest_on_sphere(build_program(assembly, contacts(assembly)))
     >>> np.round(best.direction, 9) + 0.0, round(best.z, 6)
     (array([ 0.,  0., -1.]), -6.684)
     """

@@ -10,7 +10,7 @@ direction at angle t across an axis:
 - Line, point: exact.
 - Circles and cones whose forces lean on the axis (sphere in cone, torus on plane, cone in
   cone) have a round cone of wrenches. `AROUND` points lie on it: the cone they span is
-  inside the true one by the part 1 - cos(pi / AROUND) = 9.5e-4 of its half width. The outer
+  inside the true one by this fraction, 1 - cos(pi / AROUND) = 9.5e-4 of its half width. The outer
   rows, half-way between the points and farther from the axis by 1 / cos(pi / AROUND), span
   a cone around the true one: a verdict is given only where both agree.
 - Sphere in sphere: forces through the centre. Where the socket reaches around half of the
