@@ -15,7 +15,7 @@ import numpy as np
 from scipy.sparse import csc_array, eye_array, vstack
 
 from kilter.analysis.analysis_tolerances import LEAST_IS_OPTIMAL, NO_DESCENT
-from kilter.arrays import Array
+from kilter.arrays import TINY, Array
 from kilter.mechanics.forms import displacement
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import LinearProgram, quadratic_program
@@ -59,7 +59,7 @@ def find_displacement(program: Program) -> Displacement:
     if not count:
         return Displacement(0.0, np.zeros((len(program.names), 6)))
     lp = displacement(program)
-    size = max(float(np.abs(lp.cost).max(initial=0.0)), 1e-300)
+    size = max(float(np.abs(lp.cost).max(initial=0.0)), TINY)
     scaled = dataclasses.replace(lp, cost=lp.cost / size)
     answer = find_optimum(scaled, method="simplex" if count <= LIMIT else "interior")
     answer.required("the displacements")

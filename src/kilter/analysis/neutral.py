@@ -19,7 +19,7 @@ import numpy as np
 from scipy.sparse import csc_array, diags_array, hstack, vstack
 
 from kilter.analysis.analysis_tolerances import RANK
-from kilter.arrays import Array, Mask
+from kilter.arrays import TINY, Array, Mask
 from kilter.mechanics.forms import Scaled, scaled
 from kilter.mechanics.mechanics_tolerances import ZERO_ENTRY
 from kilter.mechanics.program import Program
@@ -60,7 +60,7 @@ def find_neutral(program: Program) -> Neutral | None:
     opening = _unit_rows(problem)
     blur = float(max(RANK, 10 * program.tolerance.max()))
     power = problem.power()
-    load = power[None, :] / max(float(np.linalg.norm(power)), 1e-300)
+    load = power[None, :] / max(float(np.linalg.norm(power)), TINY)
     everything = np.vstack([opening, load])
     freedoms = opening.shape[1]
     two_sided = freedoms - _rank(everything, blur)
@@ -86,7 +86,7 @@ def _rank(matrix: Array, blur: float) -> int:
         # an array already; the stub of numpy knows no mode "r"
         matrix = np.asarray(np.linalg.qr(matrix, mode="r"))
     values = np.linalg.svd(matrix, compute_uv=False)
-    return int((values > blur * max(values.max(initial=0.0), 1e-300)).sum())
+    return int((values > blur * max(values.max(initial=0.0), TINY)).sum())
 
 
 def _never_open(problem: Scaled, opening: Array, load: Array, blur: float) -> Mask | None:

@@ -49,7 +49,15 @@ class UncertainLoad:
 
 
 def affine_forces(problem: Scaled, load: UncertainLoad, most: float) -> LinearProgram:
-    """The largest share t, from 0 to `most`, held for every d. x = (t, f_0, f_k+, f_k-)."""
+    """The largest share t, from 0 to `most`, held for every d. x = (t, f_0, f_k+, f_k-).
+
+    Parameters
+    ----------
+    problem : Scaled
+    load : UncertainLoad
+    most : float
+        Shares looked at [-].
+    """
     matrix, one_sided = problem.matrix, np.flatnonzero(~problem.program.two_sided)
     rows, count = matrix.shape
     unknowns = len(load.sides)
@@ -83,7 +91,15 @@ def affine_forces(problem: Scaled, load: UncertainLoad, most: float) -> LinearPr
 
 
 def affine_imbalance(problem: Scaled, load: UncertainLoad, x: Array) -> float:
-    """The worst imbalance over all d, in weights of the parts, of forces cut to their cones."""
+    """The worst imbalance over all d, in weights of the parts, of forces cut to their cones.
+
+    Parameters
+    ----------
+    problem : Scaled
+    load : UncertainLoad
+    x : ndarray
+        A solution of `affine_forces`.
+    """
     count, unknowns = problem.matrix.shape[1], len(load.sides)
     share, forces = float(x[0]), x[1 : 1 + count]
     both = x[1 + count :].reshape(2, unknowns, count)

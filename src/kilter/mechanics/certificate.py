@@ -28,7 +28,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array
+from kilter.arrays import TINY, Array
 from kilter.mechanics.mechanics_tolerances import (
     COARSE_POWER,
     NO_EXCUSE,
@@ -70,13 +70,22 @@ class MotionProof:
 
 
 def check_forces(program: Program, forces: Array, friction: Array | None = None) -> ForceProof:
-    """Judge contact forces as a proof that an equilibrium exists."""
+    """Judge contact forces as a proof that an equilibrium exists.
+
+    Parameters
+    ----------
+    program : Program
+    forces : ndarray, shape (K,)
+        Along the rows [N], torques of angular rows [N x length unit]; cut to what each may be.
+    friction : ndarray, shape (K, 3), optional
+        Across the contact rows, on part b [N]; cut to Coulomb's cones.
+    """
     forces, friction = _in_cones(program, forces, friction)
     wrenches = program.wrenches(forces, friction)
     imbalance = part_sizes(program, wrenches + program.load, per_radius=True)
     scale = np.maximum(program.weight, program.force_sums(forces, friction))
-    relative = np.where(program.free, imbalance / np.maximum(scale, 1e-300), 0.0)
-    share = np.where(program.free, imbalance / np.maximum(program.weight, 1e-300), 0.0)
+    relative = np.where(program.free, imbalance / np.maximum(scale, TINY), 0.0)
+    share = np.where(program.free, imbalance / np.maximum(program.weight, TINY), 0.0)
     most = np.maximum(program.tolerance, NO_EXCUSE)
     holds = bool((relative <= program.tolerance).all() and (share <= most).all())
     return ForceProof(forces, friction, float(relative.max(initial=0.0)), holds)
@@ -122,14 +131,22 @@ def check_motion(program: Program, motion: Array) -> MotionProof:
     violation = float(-bad.min(initial=0.0))
     moving = program.free & (sizes > STILL * largest)
     weight = float(program.weight[moving].sum())
-    ratio = power / max(violation * weight, 1e-300)
+    ratio = power / max(violation * weight, TINY)
     tolerance = np.maximum(TOLERANCE, COARSE_POWER * program.tolerance)
     needed = float((tolerance * program.weight)[moving].sum())
     return MotionProof(motion, power, violation, ratio, power > needed and ratio >= RULED_OUT)
 
 
 def part_sizes(program: Program, six: Array, *, per_radius: bool) -> Array:
-    """One size a part of twists (rotation x radius) or wrenches (torque / radius), (N,)."""
+    """One size a part of twists (rotation x radius) or wrenches (torque / radius), (N,).
+
+    Parameters
+    ----------
+    program : Program
+    six : ndarray, shape (N, 6)
+    per_radius : bool
+        They are wrenches, else twists.
+    """
     length = 1 / program.radius if per_radius else program.radius
     total: Array = np.sqrt(
         (six[:, :3] ** 2).sum(axis=1) + (six[:, 3:] ** 2).sum(axis=1) * length**2

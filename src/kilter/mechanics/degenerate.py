@@ -45,7 +45,15 @@ def without_degenerate(assembly: Assembly, contacts: ContactSet) -> Program:
 
 
 def openings(program: Program, pushes: PossibleContacts, motion: Array) -> Array:
-    """Opening of each push for a motion of all parts, shape (n,)."""
+    """Opening of each push for a motion of all parts, shape (n,).
+
+    Parameters
+    ----------
+    program : Program
+    pushes : PossibleContacts
+    motion : ndarray, shape (N, 6)
+        Displacements, or accelerations, of all parts: (dr, dtheta).
+    """
     velocity = np.zeros((len(pushes), 3))
     for part, sign in ((pushes.part_b, 1.0), (pushes.part_a, -1.0)):
         arm = pushes.points - program.center[part]
@@ -59,6 +67,13 @@ def between(program: Program, contacts: ContactSet, motion: Array) -> list[Possi
 
     Wherever two points of a pair lie across all normals of one of them, a line of contact is
     thought between. At each point found: a push along each normal of either end.
+
+    Parameters
+    ----------
+    program : Program
+    contacts : ContactSet
+    motion : ndarray, shape (N, 6)
+        Displacements, or accelerations, of all parts: (dr, dtheta).
     """
     points = contacts.degenerate
     own = np.column_stack([points.part_a, points.part_b])

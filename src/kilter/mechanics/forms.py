@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csc_array, hstack, vstack
 
-from kilter.arrays import Array
+from kilter.arrays import TINY, Array
 from kilter.mechanics.mechanics_tolerances import ZERO_ENTRY
 from kilter.mechanics.program import Program
 from kilter.rigid import common_frame
@@ -187,7 +187,7 @@ def displacement(program: Program) -> LinearProgram:
     cost = cost / program.g
     matrix = program.jacobian()
     length = np.sqrt(np.asarray(matrix.multiply(matrix).sum(axis=1)).ravel())
-    matrix = csc_array(matrix.multiply(1.0 / np.maximum(length, 1e-300)[:, None]))
+    matrix = csc_array(matrix.multiply(1.0 / np.maximum(length, TINY)[:, None]))
     one = np.ones(len(cost))
     return LinearProgram(
         cost,
@@ -214,14 +214,14 @@ def impending_motion(problem: Scaled) -> ConicProgram:
     mass = np.zeros((len(free), 6, 6))
     mass[:, range(3), range(3)] = 1.0
     mass[:, 3:, 3:] = turned / (program.mass[free] * program.radius[free] ** 2)[:, None, None]
-    share = program.mass[free] / program.mass[free].max(initial=1e-300)
+    share = program.mass[free] / program.mass[free].max(initial=TINY)
     blocks = mass[:, program.freedoms][:, :, program.freedoms] * share[:, None, None]
     row = np.arange(len(free))[:, None, None] * per + np.arange(per)[:, None]
     col = np.arange(len(free))[:, None, None] * per + np.arange(per)[None, :]
     shape = (per * len(free),) * 2
     where = (np.broadcast_to(row, blocks.shape).ravel(), np.broadcast_to(col, blocks.shape).ravel())
     quadratic = csc_array((blocks.ravel(), where), shape=shape)
-    largest = program.mass[free].max(initial=1e-300) * program.g
+    largest = program.mass[free].max(initial=TINY) * program.g
     share = program.weight[free] / largest
     cost = (problem.right.reshape(-1, per) * share[:, None]).reshape(-1)
     opening = problem.openings()

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import bsr_array, csr_array, diags_array
 
-from kilter.arrays import Array, Index, Mask
+from kilter.arrays import TINY, Array, Index, Mask
 from kilter.mechanics.forms import Scaled, impending_motion
 from kilter.mechanics.mechanics_tolerances import MIRROR, MIRROR_CELL, MIRROR_ROWS, ZERO_ENTRY
 from kilter.solvers.problem import ConeProjection, ConicProgram
@@ -73,7 +73,7 @@ def least_constraint(problem: Scaled) -> LeastConstraint:
     inverse = _inverse_root(quadratic, block)
     rows = csr_array(-quadratic.matrix @ inverse)
     length = np.sqrt(np.asarray(rows.multiply(rows).sum(axis=1)).ravel())
-    length = np.maximum(length, 1e-300)
+    length = np.maximum(length, TINY)
     rows = csr_array(diags_array(1.0 / length) @ rows)
     rows.data[np.abs(rows.data) < ZERO_ENTRY] = 0.0
     rows.eliminate_zeros()
@@ -159,7 +159,7 @@ def _within(whole: LeastConstraint, across: Mask, image: Index) -> LeastConstrai
     kept = np.flatnonzero(np.arange(len(image)) <= image)
     columns = np.flatnonzero(~across)
     rows = csr_array(cone.rows[kept][:, columns])
-    length = np.maximum(np.sqrt(np.asarray(rows.multiply(rows).sum(axis=1)).ravel()), 1e-300)
+    length = np.maximum(np.sqrt(np.asarray(rows.multiply(rows).sum(axis=1)).ravel()), TINY)
     number = np.empty(len(image), dtype=np.int64)
     number[kept] = np.arange(len(kept))
     number[image[kept]] = np.arange(len(kept))

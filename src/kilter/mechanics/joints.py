@@ -121,6 +121,17 @@ def carriers(normal: Array, angular: Mask, at: Array, wrench: Array, about: Arra
     """Forces of the rows of one joint, shape (k,), of a wrench on its second part.
 
     What the joint cannot carry is lost: `carried` of the result then differs from `wrench`.
+
+    Parameters
+    ----------
+    normal : ndarray, shape (k, 3)
+    angular : ndarray of bool, shape (k,)
+    at : ndarray, shape (3,)
+        The point that the rows are taken at.
+    wrench : ndarray, shape (6,)
+        Force [N] and torque [N x length unit].
+    about : ndarray, shape (3,)
+        The point that the wrench is given about.
     """
     torque = wrench[3:] + cross(about - at, wrench[:3])
     return np.where(angular, normal @ torque, normal @ wrench[:3])

@@ -30,7 +30,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, cross
+from kilter.arrays import TINY, Array, cross
 from kilter.mechanics.certificate import part_sizes
 from kilter.mechanics.mechanics_tolerances import (
     CONE_ROUNDING,
@@ -112,16 +112,16 @@ def check_law(program: Program, acceleration: Array, forces: Array) -> LawProof:
         return LawProof(given, given_forces, 0.0, 0.0, bad, bad, bad, bad, bad, bad, False)
     motion = given * np.repeat([1.0, metres_per_unit(program.units)], 3)
     motion, rest, shares = _balance(program, motion, given_forces)
-    total = float(np.sqrt(max(shares.sum(), 1e-300)))
+    total = float(np.sqrt(max(shares.sum(), TINY)))
     energy = _energies(program, motion)
     speeds, pushes = _normalised(program, motion, given_forces, total)
     size = float(energy.sum()) / total**2
     residuals = (rest / total, *_law(program, speeds, pushes, np.sqrt(size)))
     pace = (
-        energy * np.where(program.free, program.mass, 1.0) / np.maximum(program.weight, 1e-300) ** 2
+        energy * np.where(program.free, program.mass, 1.0) / np.maximum(program.weight, TINY) ** 2
     )
     moving = program.free & (pace > STILL**2 * pace.max(initial=0.0))
-    power = float((program.load * motion).sum()) / max(float(shares[moving].sum()), 1e-300)
+    power = float((program.load * motion).sum()) / max(float(shares[moving].sum()), TINY)
     power = power if moving.any() else 0.0
     holds = power > WITNESS_POWER and max(residuals) <= min(
         WITNESS_EXACT * np.sqrt(size), WITNESS_SLIVER * size
@@ -145,7 +145,7 @@ def check_balance(program: Program, forces: Array) -> float:
     if (across > limit + rounding).any() or (along[~program.two_sided] < 0).any():
         return float("inf")
     rest = point_wrenches(program, forces) + program.load
-    relative = part_sizes(program, rest, per_radius=True) / np.maximum(program.weight, 1e-300)
+    relative = part_sizes(program, rest, per_radius=True) / np.maximum(program.weight, TINY)
     return float(relative[program.free].max(initial=0.0))
 
 
@@ -250,7 +250,7 @@ def _law(
     opening = np.where(tied, np.abs(u_n), np.maximum(-u_n, 0.0))
     cone = np.where(tied, drag, np.maximum(drag - limit, -f_n))
     slides = ~tied & (slip > STILL * fastest)
-    e = u_t / np.maximum(slip, 1e-300)[:, None]
+    e = u_t / np.maximum(slip, TINY)[:, None]
     angle = np.linalg.norm(f_t + drag[:, None] * e, axis=1) * slides
     stretch = np.abs(drag - limit) * slides
     normal_power = np.where(tied, 0.0, np.abs(u_n * f_n))

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from kilter.arrays import Array
+from kilter.arrays import TINY, Array
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.certificate import check_forces, check_motion, part_sizes
@@ -168,7 +168,7 @@ def _given_forces(program: Program, given: Any, joints: Any) -> tuple[Array, Arr
     friction[rows] = vectors - forces[rows, None] * normal
     forces[np.flatnonzero(program.kind == JOINT)] = joints
     aside = np.linalg.norm(friction[rows], axis=1)
-    slack = AGREES * np.maximum(np.abs(forces[rows]), float(program.weight.min()) * AGREES) + 1e-300
+    slack = AGREES * np.maximum(np.abs(forces[rows]), float(program.weight.min()) * AGREES) + TINY
     reasons = []
     if (aside > program.mu[rows] * np.maximum(forces[rows], 0) + slack).any():
         rough = bool(program.mu.any())
