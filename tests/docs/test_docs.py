@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from kilter.cli import main
-from kilter.cli.app import command, with_floor_value
+from kilter.cli.app import command
+from kilter.cli.arguments import with_floor_value
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").rglob("*.md"))]

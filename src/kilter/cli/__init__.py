@@ -36,8 +36,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(words: list[str]) -> int:
     import typer
 
-    from kilter.cli.app import command, with_floor_value
-    from kilter.cli.reading import with_two_names
+    from kilter.cli.app import command
+    from kilter.cli.arguments import with_floor_value, with_two_names
     from kilter.errors import InputError
 
     try:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -10,9 +9,8 @@ import typer
 from kilter.cli.directions import margin, orient, region
 from kilter.cli.judging import check, contacts, example, verify
 from kilter.cli.pages import draw, report, view
-from kilter.cli.reading import LOWEST
 
-__all__ = ["command", "with_floor_value"]
+__all__ = ["command"]
 
 COMMANDS = (check, orient, region, margin, report, view, draw, contacts, verify, example)
 
@@ -31,39 +29,6 @@ app = typer.Typer(
 def command() -> Any:
     """The command with its subcommands."""
     return typer.main.get_command(app)
-
-
-def with_floor_value(words: list[str]) -> list[str]:
-    """``--floor`` with its value filled in where it stands alone.
-
-    Examples
-    --------
-    >>> with_floor_value(["--floor", "a.stl"]), with_floor_value(["--floor", "-0.5"])
-    (['--floor=lowest', 'a.stl'], ['--floor=-0.5'])
-    """
-    result: list[str] = []
-    rest = iter(range(len(words)))
-    for k in rest:
-        if words[k] == "--":
-            return result + words[k:]
-        if words[k] != "--floor":
-            result.append(words[k])
-            continue
-        following = words[k + 1] if k + 1 < len(words) else ""
-        if _is_number(following) and not Path(following).exists():
-            result.append(f"--floor={following}")
-            next(rest)
-        else:
-            result.append(f"--floor={LOWEST}")
-    return result
-
-
-def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
 
 
 def _version(wanted: bool) -> None:

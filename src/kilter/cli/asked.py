@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from kilter.cli.arguments import contact_tolerance, fasten, reading_of
 from kilter.cli.output import as_json, emit, keep_apart, tell_warnings
-from kilter.cli.reading import LOWEST, Reading, contact_tolerance, fasten, read_assembly, reading_of
+from kilter.files.reading import LOWEST, Reading
 from kilter.publish import require_budget
 
 if TYPE_CHECKING:
@@ -96,7 +97,7 @@ class Asked:
     def read(self, progress: Callable[[str], None]) -> tuple[Assembly, ContactSet | None]:
         """The assembly, and its contacts where they had to be found to read it."""
         progress("reading")
-        assembly = read_assembly(self.file, self.reading)
+        assembly = self.reading.read(self.file)
         return fasten(assembly, self.reading, self.tolerance, progress)
 
     def tell(self, answer: Mapping[str, Any], *more: Table, after: str = "") -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-__all__ = ["angle", "count", "counts", "force", "number", "plain", "vector"]
+__all__ = ["NO_ANGLE", "angle", "count", "counts", "force", "number", "plain", "vector"]
 
 NO_ANGLE = 1e-9
 """An angle below this is what rounding leaves of none [deg]."""

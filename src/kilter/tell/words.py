@@ -7,8 +7,17 @@ from collections.abc import Sequence
 import numpy as np
 
 from kilter.arrays import Array
+from kilter.tell.numbers import NO_ANGLE, number, vector
 
-__all__ = ["NAMED", "VERDICTS", "live_words", "motion_summary", "motion_words", "verdict_sentence"]
+__all__ = [
+    "NAMED",
+    "VERDICTS",
+    "found_sentence",
+    "live_words",
+    "motion_summary",
+    "motion_words",
+    "verdict_sentence",
+]
 
 
 VERDICTS = {
@@ -101,6 +110,56 @@ def verdict_sentence(verdict: str, *, guarantee: str | None, seated: bool, coars
         within=" within the accuracy of the data" if coarse else "",
         beyond=" beyond the accuracy of the data" if coarse else "",
     )
+
+
+def found_sentence(
+    down: Array,
+    margin_deg: float,
+    *,
+    friction: bool,
+    exact: bool,
+    within: str | None,
+    half_angle_deg: float | None,
+) -> str:
+    """That a direction of gravity was found, and how far it may tilt from there.
+
+    Parameters
+    ----------
+    down : ndarray, shape (3,)
+    margin_deg : float
+        To the boundary [deg].
+    friction, exact : bool
+        Friction was counted; nothing was left out that might hold more.
+    within : str, optional
+        The kind of region, where it is more than one direction.
+    half_angle_deg : float, optional
+        Of the region [deg].
+
+    Examples
+    --------
+    >>> thin = {"friction": False, "exact": True, "within": "fan", "half_angle_deg": 45.0}
+    >>> found_sentence(np.array([0.0, 0, -1]), 4.8e-15, **thin)
+    "Stable with gravity along (0, 0, -1) of the assembly's frame: it may tilt by 45 degrees \
+within the fan, not out of it."
+    """
+    at, tilt = f"{vector(down)} of the assembly's frame", f"{number(margin_deg, 4)} degrees"
+    if friction:
+        turn = "any turn keeps them" if margin_deg >= 180 else f"a tilt by {tilt} keeps them"
+        options = " ".join(vector([c])[1:-1] for c in down)
+        return (
+            f"Forces that hold it exist with gravity along {at}, and {turn}; 'kilter check --down "
+            f"{options}' tells what friction guarantees there."
+        )
+    if margin_deg >= 180:
+        words = "it may be turned in any way"
+    elif margin_deg > NO_ANGLE:
+        words = f"it may tilt by {tilt}"
+    elif within is not None and half_angle_deg is not None:
+        half = number(half_angle_deg, 4)
+        words = f"it may tilt by {half} degrees within the {within}, not out of it"
+    else:
+        words = "it may not tilt at all"
+    return f"Stable with gravity along {at}: {words if exact else f'without friction {words}'}."
 
 
 def live_words(*, exact: bool, band: bool, friction: bool) -> dict[str, str]:

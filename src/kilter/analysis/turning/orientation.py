@@ -43,6 +43,8 @@ from kilter.errors import InputError
 from kilter.mechanics.certificate import check_motion
 from kilter.mechanics.program import Program, build_program
 from kilter.rigid import rotation_between
+from kilter.tell.numbers import vector
+from kilter.tell.words import found_sentence
 from kilter.validate import frozen
 
 __all__ = ["Orientation", "orient"]
@@ -153,7 +155,7 @@ class Orientation:
     def __repr__(self) -> str:
         margin = self.tilt_margin_deg
         width = "" if margin is None else f", tilt margin {margin:.6g} deg"
-        return f"Orientation({self.verdict}, down {_words(self.down)}{width})"
+        return f"Orientation({self.verdict}, down {vector(self.down)}{width})"
 
 
 def orient(
@@ -273,14 +275,13 @@ def _found(
 
 def _sentence(every: Region, down: Array, margin: float) -> str:
     """What is found, in words."""
-    if not every.friction:
-        words = _tilt_words(margin, every)
-        return f"Stable with gravity along {_words(down)} of the assembly's frame: {words}."
-    x, y, z = (f"{round(float(c), 6) + 0.0:g}" for c in down)
-    turn = "any turn keeps them" if margin >= 180 else f"a tilt by {margin:.4g} degrees keeps them"
-    return (
-        f"Forces that hold it exist with gravity along {_words(down)} of the assembly's frame, and"
-        f" {turn}; 'kilter check --down {x} {y} {z}' tells what friction guarantees there."
+    return found_sentence(
+        down,
+        margin,
+        friction=every.friction,
+        exact=every.exact,
+        within=every.kind if every.dimension > 1 else None,
+        half_angle_deg=every.half_angle_deg,
     )
 
 
@@ -307,7 +308,7 @@ def _not_found(
     else:
         first = "is held, not even with friction; without it" if every.friction else "is stable;"
         sentence = (
-            f"No orientation {first} the nearest has gravity along {_words(down)} of the "
+            f"No orientation {first} the nearest has gravity along {vector(down)} of the "
             "assembly's frame, and here is what moves there."
         )
     return Orientation(
@@ -370,22 +371,3 @@ def _least_turn(assembly: Assembly, down: Array) -> Array:
     if assembly.planar and opposite:
         return np.array([0.0, 0.0, 1.0, 0.0])
     return rotation_between(down, assembly.down) + 0.0
-
-
-def _words(direction: Array) -> str:
-    x, y, z = (round(float(c), 6) + 0.0 for c in direction)
-    return f"({x:g}, {y:g}, {z:g})"
-
-
-def _tilt_words(margin: float, every: Region) -> str:
-    """How far it may tilt from there, and within what."""
-    if margin >= 180.0:
-        words = "it may be turned in any way"
-    elif margin > 0:
-        words = f"it may tilt by {margin:.4g} degrees"
-    elif every.dimension > 1:
-        half = every.half_angle_deg
-        words = f"it may tilt by {half:.4g} degrees within the {every.kind}, not out of it"
-    else:
-        words = "it may not tilt at all"
-    return words if every.exact else f"without friction {words}"

@@ -1,4 +1,4 @@
-"""From the options of a command to an assembly and a tolerance."""
+"""From the words of a command line to how a file is read, and a tolerance."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import dataclasses
 import json
 import math
 from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kilter.errors import InputError
@@ -16,12 +17,10 @@ if TYPE_CHECKING:
     from kilter.contact import ContactSet, Tolerance
 
 __all__ = [
-    "LOWEST",
-    "Reading",
     "contact_tolerance",
     "fasten",
-    "read_assembly",
     "reading_of",
+    "with_floor_value",
     "with_two_names",
 ]
 
@@ -94,6 +93,39 @@ def with_two_names(words: list[str]) -> list[str]:
     return result
 
 
+def with_floor_value(words: list[str]) -> list[str]:
+    """``--floor`` with its value filled in where it stands alone.
+
+    Examples
+    --------
+    >>> with_floor_value(["--floor", "a.stl"]), with_floor_value(["--floor", "-0.5"])
+    (['--floor=lowest', 'a.stl'], ['--floor=-0.5'])
+    """
+    result: list[str] = []
+    rest = iter(range(len(words)))
+    for k in rest:
+        if words[k] == "--":
+            return result + words[k:]
+        if words[k] != "--floor":
+            result.append(words[k])
+            continue
+        following = words[k + 1] if k + 1 < len(words) else ""
+        if _is_number(following) and not Path(following).exists():
+            result.append(f"--floor={following}")
+            next(rest)
+        else:
+            result.append(f"--floor={LOWEST}")
+    return result
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
+
+
 def fasten(
     assembly: Assembly,
     reading: Reading,
@@ -108,17 +140,6 @@ def fasten(
     contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
     joined = fastened(assembly, reading.fasten, contacts=contacts)
     return joined, dataclasses.replace(contacts, assembly=joined)
-
-
-def read_assembly(file: str, reading: Reading) -> Assembly:
-    """The assembly of a file with the options applied.
-
-    Raises
-    ------
-    InputError
-        If the file or an option is wrong.
-    """
-    return reading.read(file)
 
 
 def _height(floor: str) -> float | str:
