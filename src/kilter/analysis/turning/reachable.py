@@ -129,8 +129,7 @@ def nearest_on_sphere(program: Program) -> SphereDirection | None:
     --------
     >>> from kilter.scenes import scene
     >>> from kilter.contact import contacts
-    >>> from kilter.errors import SolverError
-    from kilter.mechanics.program import build_program
+    >>> from kilter.mechanics.program import build_program
     >>> assembly = scene("wall-on-short-base")
     >>> best = nearest_on_sphere(build_program(assembly, contacts(assembly)))
     >>> np.round(best.direction, 9) + 0.0, round(best.z, 6)
