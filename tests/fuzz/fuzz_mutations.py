@@ -1,0 +1,158 @@
+"""Damage to files: to bytes, words, the tree of a JSON, the members of a zip."""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+import zipfile
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from fuzz_corpus import numbers
+
+Random = np.random.Generator
+
+
+def damaged(name: str, content: bytes, rng: Random) -> bytes:
+    """The content with one to four mutations that suit its format."""
+    ways = [flipped, cut, doubled, swapped, renumbered]
+    if name.endswith("json"):
+        ways += [reshaped] * 6
+    if name.endswith("3mf"):
+        ways += [rezipped] * 6
+    for _ in range(int(rng.integers(1, 5))):
+        content = ways[int(rng.integers(len(ways)))](content, rng)
+    return content
+
+
+def flipped(content: bytes, rng: Random) -> bytes:
+    """Some bytes replaced."""
+    data = bytearray(content)
+    for k in rng.integers(0, max(len(data), 1), int(rng.integers(1, 9))):
+        if data:
+            data[int(k)] = int(rng.integers(256))
+    return bytes(data)
+
+
+def cut(content: bytes, rng: Random) -> bytes:
+    """A stretch taken out; often all that follows."""
+    start = int(rng.integers(0, len(content) + 1))
+    end = len(content) if rng.random() < 0.5 else start + int(rng.integers(1, 200))
+    return content[:start] + content[end:]
+
+
+def doubled(content: bytes, rng: Random) -> bytes:
+    """A stretch written twice."""
+    start = int(rng.integers(0, len(content) + 1))
+    stretch = content[start : start + int(rng.integers(1, 400))]
+    return content[:start] + stretch + content[start:]
+
+
+def swapped(content: bytes, rng: Random) -> bytes:
+    """Two lines exchanged."""
+    lines = content.split(b"\n")
+    if len(lines) > 2:
+        a, b = (int(k) for k in rng.integers(0, len(lines), 2))
+        lines[a], lines[b] = lines[b], lines[a]
+    return b"\n".join(lines)
+
+
+def renumbered(content: bytes, rng: Random) -> bytes:
+    """A number replaced by another, where the content is text."""
+    found = list(re.finditer(rb"-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?", content))
+    if not found or b"\0" in content[:200]:
+        return flipped(content, rng)
+    for match in reversed([found[int(k)] for k in np.unique(rng.integers(0, len(found), 2))]):
+        content = content[: match.start()] + numbers(rng).encode() + content[match.end() :]
+    return content
+
+
+def reshaped(content: bytes, rng: Random) -> bytes:
+    """A value of a JSON tree replaced, dropped, repeated or nested."""
+    try:
+        tree = json.loads(content)
+    except ValueError:
+        return flipped(content, rng)
+    places = _places(tree)
+    if not places:
+        return content
+    holder, key = places[int(rng.integers(len(places)))]
+    change = int(rng.integers(4))
+    if change == 0:
+        del holder[key]
+    elif change == 1 and isinstance(holder, list):
+        holder.insert(key, holder[key])
+    else:
+        holder[key] = _other(holder[key], rng)
+    try:
+        return json.dumps(tree).encode("utf-8", "surrogatepass")
+    except (ValueError, RecursionError):
+        return content
+
+
+def _places(tree: Any) -> list[tuple[Any, Any]]:
+    """Every (container, key) of a JSON tree."""
+    found, waiting = [], [tree]
+    while waiting:
+        node = waiting.pop()
+        keys = list(node) if isinstance(node, dict) else range(len(node))
+        for key in keys:
+            found.append((node, key))
+            if isinstance(node[key], dict | list):
+                waiting.append(node[key])
+    return found
+
+
+def _other(value: Any, rng: Random) -> Any:
+    """Another value: of another kind, extreme, deep, long or empty."""
+    deep: Any = 0
+    for _ in range(int(rng.integers(1, 60))):
+        deep = [deep]
+    kinds: list[Callable[[], Any]] = [
+        lambda: None,
+        lambda: bool(rng.integers(2)),
+        lambda: float(rng.choice([1e308, -1e308, 1e-308, 0.0, -1.0, 1e12, 1e-12, np.nan, np.inf])),
+        lambda: int(rng.choice([0, -1, 2**31, 2**53, 10**18])),
+        lambda: str(
+            rng.choice(["", "table", "\0", "\x1b[31m", "../../etc", "ü\u202e", "a" * 5000])
+        ),
+        lambda: deep,
+        dict,
+        list,
+        lambda: [value, value],
+        lambda: {"name": value},
+        lambda: value * 1.0000001 if isinstance(value, float) else value,
+        lambda: -value if isinstance(value, int | float) else value,
+    ]
+    return kinds[int(rng.integers(len(kinds)))]()
+
+
+def rezipped(content: bytes, rng: Random) -> bytes:
+    """A zip with a member damaged, dropped, renamed, doubled or very large."""
+    try:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            members = {name: archive.read(name) for name in archive.namelist()}
+    except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError, RuntimeError, EOFError):
+        return flipped(content, rng)
+    except Exception:  # a damaged member: whatever zlib says
+        return flipped(content, rng)
+    name = str(rng.choice(list(members)))
+    change = int(rng.integers(6))
+    if change == 0:
+        del members[name]
+    elif change == 1:
+        members["../" + name] = members.pop(name)
+    elif change == 2:
+        members[name] = members[name] + b" " * int(10 ** rng.integers(3, 8))
+    elif change == 3:
+        entity = b'<!DOCTYPE a [<!ENTITY b "cccccccccc"><!ENTITY d "&b;&b;&b;&b;&b;&b;&b;&b;">]>'
+        members[name] = entity + members[name]
+    else:
+        members[name] = renumbered(members[name], rng)
+    made = io.BytesIO()
+    with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as archive:
+        for one, data in members.items():
+            archive.writestr(one, data)
+    return made.getvalue()

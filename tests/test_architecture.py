@@ -1,0 +1,202 @@
+"""The house as docs/architecture.md draws it: layers, names, no circles, from the imports."""
+
+from __future__ import annotations
+
+import ast
+import re
+import tomllib
+from collections import Counter, defaultdict
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+HOUSE = ROOT / "src" / "kilter"
+SLOW_TO_IMPORT = {"scipy", "highspy", "clarabel", "pydantic", "matplotlib", "OCP", "shapely"}
+"""Packages for whose sake an import may wait inside a function: start-up."""
+
+
+def name_of(path: Path) -> str:
+    parts = ("kilter", *path.relative_to(HOUSE).with_suffix("").parts)
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+FILES = {name_of(path): path for path in sorted(HOUSE.rglob("*.py"))}
+
+
+class Imports(ast.NodeVisitor):
+    """Modules that a file imports: at its top, for types only, inside a function."""
+
+    def __init__(self) -> None:
+        self.top: set[str] = set()
+        self.types: set[str] = set()
+        self.inside: set[str] = set()
+        self._into = self.top
+
+    def _within(self, target: set[str], nodes: list[ast.stmt]) -> None:
+        before, self._into = self._into, target
+        for node in nodes:
+            self.visit(node)
+        self._into = before
+
+    def visit_FunctionDef(self, node: ast.FunctionDef) -> None:
+        self._within(self.inside, node.body)
+
+    def visit_If(self, node: ast.If) -> None:
+        checking = isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING"
+        self._within(self.types if checking else self._into, node.body)
+        self._within(self._into, node.orelse)
+
+    def visit_Import(self, node: ast.Import) -> None:
+        self._into.update(alias.name for alias in node.names)
+
+    def visit_ImportFrom(self, node: ast.ImportFrom) -> None:
+        for alias in node.names:
+            full = f"{node.module}.{alias.name}"
+            self._into.add(full if full in FILES else str(node.module))
+
+
+@cache
+def imports(module: str) -> Imports:
+    found = Imports()
+    found.visit(ast.parse(FILES[module].read_text(encoding="utf-8")))
+    return found
+
+
+def room(module: str) -> str:
+    """The package at the top, or the module at the top, that a module belongs to."""
+    return ".".join(module.split(".")[:2])
+
+
+ROOMS = sorted({room(module) for module in FILES} - {"kilter"})
+
+
+def circles(arrows: dict[str, set[str]]) -> list[list[str]]:
+    """Strongly connected components of more than one node, by Tarjan's method."""
+    index: dict[str, int] = {}
+    low: dict[str, int] = {}
+    stack: list[str] = []
+    found = []
+
+    def visit(node: str) -> None:
+        index[node] = low[node] = len(index)
+        stack.append(node)
+        for other in sorted(arrows[node]):
+            if other not in index:
+                visit(other)
+                low[node] = min(low[node], low[other])
+            elif other in stack:
+                low[node] = min(low[node], index[other])
+        if low[node] == index[node]:
+            at = stack.index(node)
+            group, stack[at:] = stack[at:], []
+            if len(group) > 1:
+                found.append(sorted(group))
+
+    for node in sorted(arrows):
+        if node not in index:
+            visit(node)
+    return found
+
+
+def test_circles_finds_a_circle() -> None:
+    assert circles({"a": {"b"}, "b": {"c"}, "c": {"b"}}) == [["b", "c"]]
+
+
+def test_no_two_files_import_each_other() -> None:
+    """Not even for types, or from inside a function."""
+    arrows: dict[str, set[str]] = defaultdict(set)
+    for module in set(FILES) - {"kilter"}:
+        found = imports(module)
+        mine = {m for m in found.top | found.types | found.inside if m in FILES}
+        arrows[module] = mine - {module, "kilter"}
+    assert circles(arrows) == []
+
+
+def test_the_longest_chain_of_rooms_is_short() -> None:
+    below: dict[str, set[str]] = {name: set() for name in ROOMS}
+    for module in set(FILES) - {"kilter"}:
+        found = imports(module)
+        below[room(module)] |= {
+            room(m) for m in found.top | found.types | found.inside if m in FILES and m != "kilter"
+        } - {room(module)}
+
+    @cache
+    def floor(name: str) -> int:
+        return 1 + max((floor(other) for other in below[name]), default=0)
+
+    assert circles(below) == []
+    assert max(floor(name) for name in ROOMS) <= 14
+
+
+def slow(modules: set[str]) -> set[str]:
+    return {m.split(".")[0] for m in modules} & SLOW_TO_IMPORT
+
+
+@cache
+def slow_at_start(module: str) -> frozenset[str]:
+    """Slow packages that importing a module brings with it."""
+    seen, waiting, found = set(), [module], set()
+    while waiting:
+        one = waiting.pop()
+        if one in seen or one not in FILES:
+            continue
+        seen.add(one)
+        found |= slow(imports(one).top)
+        parents = [one.rsplit(".", k)[0] for k in range(1, one.count(".") + 1)]
+        waiting += [*imports(one).top, *parents]
+    return frozenset(found)
+
+
+def test_an_import_waits_inside_a_function_only_for_the_start_up() -> None:
+    """What is imported late brings a slow package that the importer has not brought already.
+
+    The command line is start-up itself: a command imports what it needs.
+    """
+    needless = [
+        f"{module} imports {late} late"
+        for module in sorted(set(FILES) - {"kilter"})
+        if room(module) not in ("kilter.cli", "kilter.publish", "kilter.__main__")
+        for late in sorted(imports(module).inside)
+        if late in FILES and not slow_at_start(late) - slow_at_start(module)
+    ]
+    assert needless == []
+
+
+def test_no_two_files_have_one_name() -> None:
+    names = Counter(p.name for p in FILES.values() if p.name not in ("__init__.py", "__main__.py"))
+    assert [name for name, times in names.items() if times > 1] == []
+
+
+def test_no_two_classes_have_one_name() -> None:
+    names: dict[str, list[str]] = defaultdict(list)
+    for module, path in FILES.items():
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ClassDef):
+                names[node.name].append(module)
+    assert {name: places for name, places in names.items() if len(places) > 1} == {}
+
+
+def layers() -> list[str]:
+    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    [found] = [c for c in contracts["tool"]["importlinter"]["contracts"] if c["type"] == "layers"]
+    return [name for line in found["layers"] for name in re.split(r"\s*[|:]\s*", line)]
+
+
+def test_every_room_has_its_layer() -> None:
+    assert sorted(layers()) == [name for name in ROOMS if name != "kilter.__main__"]
+
+
+@pytest.mark.parametrize("page", ["architecture.md"])
+def test_the_page_about_the_architecture_names_every_room(page: str) -> None:
+    text = (ROOT / "docs" / page).read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `([a-z_]+)` \|", text, flags=re.M)
+    assert ["kilter." + row for row in rows] == layers()
+
+
+def test_the_paths_that_the_page_names_are_there() -> None:
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    paths = re.findall(r"`((?:src|web|tests|benchmarks)/[\w/.-]+)`", text)
+    assert len(paths) > 10
+    assert [path for path in paths if not (ROOT / path).exists()] == []
