@@ -31,7 +31,7 @@ def random_scene(rng: Random) -> Assembly:
     gravity = np.array([0, 0, -9.81]) if rng.random() < 0.6 else rng.normal(size=3) * 9.81
     friction = float(rng.choice([0.0, 0.0, 0.3, 0.7, 1.5]))
     loads = ()
-    if count > 1 and rng.random() < 0.15:
+    if count > 1 and rng.random() < 0.15 and not parts[1].grounded:
         loads = (Load("part-1", point=[0, 0, 0], force=rng.normal(size=3)),)
     return Assembly(parts, gravity=gravity, friction=friction, loads=loads)
 
