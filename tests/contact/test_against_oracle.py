@@ -193,3 +193,9 @@ def test_real_assemblies_agree_with_the_oracle(file):
     found = kilter.contact.contacts(assembly, tolerance=REAL[file])
     wrong = discrepancies(assembly, found, regions)
     assert not wrong, "\n".join(wrong)
+
+
+@pytest.mark.parametrize("seed", [1131, 2147])
+def test_a_way_along_a_facet_at_a_corner_is_no_number_too_many(seed):
+    """A direction and a target at one height over a facet: their way runs along its plane."""
+    assert complaints([seed]) == []

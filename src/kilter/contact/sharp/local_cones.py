@@ -307,8 +307,10 @@ def _shows_its_back(sectors: Sectors, directions: Array, target: Array) -> Mask:
         here, there = directions @ normal, float(target @ normal)
         if np.abs(there) < EXACT_ANGLE:
             there = 0.0  # the facet that the way leads to, or one in its plane
-        with np.errstate(divide="ignore", invalid="ignore"):
-            at = here / (here - there)
+        # beyond 1, and where the way runs along the plane, it does not meet the facet
+        fall = here - there
+        reached = (np.abs(fall) >= np.abs(here)) & (fall != 0)
+        at = np.divide(here, fall, out=np.full(len(here), -1.0), where=reached)
         x = directions + at[:, None] * (target - directions)
         met = np.zeros(len(directions), dtype=bool)
         for one, other in ((first, half), (half, last)):
