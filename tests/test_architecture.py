@@ -200,3 +200,12 @@ def test_the_paths_that_the_page_names_are_there() -> None:
     paths = re.findall(r"`((?:src|web|tests|benchmarks)/[\w/.-]+)`", text)
     assert len(paths) > 10
     assert [path for path in paths if not (ROOT / path).exists()] == []
+
+
+def test_the_drawing_is_that_of_the_contract() -> None:
+    """``python docs/build_architecture.py`` draws it anew."""
+    source = (ROOT / "docs" / "build_architecture.py").read_text(encoding="utf-8")
+    space: dict[str, object] = {"__name__": "drawn", "__file__": str(ROOT / "docs" / "x.py")}
+    exec(compile(source, "build_architecture.py", "exec"), space)
+    picture = ROOT / "docs" / "images" / "architecture.svg"
+    assert space["drawing"]() == picture.read_text(encoding="utf-8")  # type: ignore[operator]
