@@ -25,9 +25,12 @@ import numpy as np
 
 from kilter.analysis.analysis_tolerances import MOTION_ENOUGH, MOTION_GOOD, MOVES, ZERO_MOTION
 from kilter.arrays import TINY, Array, Mask
+from kilter.errors import SolverError
+from kilter.friction.motion_search import find_coulomb_motion
 from kilter.mechanics.forms import scaled
 from kilter.mechanics.gauss import LeastConstraint, halved, least_constraint
 from kilter.mechanics.program import Program
+from kilter.solvers.projection import solve_projection
 from kilter.units import metres_per_unit
 
 __all__ = [
@@ -125,8 +128,6 @@ def find_motion_with_friction(program: Program, budget: float) -> ImpendingMotio
     budget : float
         For the search [s].
     """
-    from kilter.friction.motion_search import find_coulomb_motion
-
     found = find_coulomb_motion(program, budget=budget, nearest=True)
     if found is None:
         return None
@@ -140,9 +141,7 @@ def _least_constrained(program: Program) -> tuple[Array, float]:
     interior point of `kilter.solvers.projection`, within a plane of reflection where
     there is one. The best by the residual, which is recomputed from the rows.
     """
-    from kilter.errors import SolverError
     from kilter.solvers.clarabel import solve_quadratic
-    from kilter.solvers.projection import solve_projection
 
     problem = scaled(program)
     whole = least_constraint(problem)

@@ -39,6 +39,7 @@ from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import Evidence, make_proof
 from kilter.mechanics.rows import POSSIBLE
+from kilter.tell.html import html_of
 from kilter.tell.words import NAMED, motion_summary, motion_words
 from kilter.units import metres_per_unit
 
@@ -306,8 +307,6 @@ class Verdict:
 
     def _repr_html_(self) -> str:
         """What a notebook shows."""
-        from kilter.tell.html import html_of
-
         return html_of(self.to_dict())
 
     def __str__(self) -> str:

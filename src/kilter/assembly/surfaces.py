@@ -24,6 +24,7 @@ from kilter.arrays import Array, Index, Mask, cross, ratio, read_only, unit_rows
 from kilter.assembly.assembly_tolerances import COPLANAR, SAME_SURFACE, SMOOTH
 from kilter.shape.closed import shared_edges
 from kilter.shape.primitives import CYLINDER_SIDES, Cylinder, Mesh, Shape, Sphere
+from kilter.shape.recognition import recognise
 from kilter.shape.solid import Solid, Surface
 
 __all__ = [
@@ -194,7 +195,6 @@ def _may_be_curved(vertices: Array, triangles: Index) -> bool:
 
 
 def _recognised(vertices: Array, triangles: Index, accuracy: float) -> PartSurfaces | None:
-    from kilter.shape.recognition import recognise
 
     surfaces, label, _ = recognise(vertices, triangles, accuracy=accuracy)
     return _curved_only(surfaces, label, 0.0, exact=False)

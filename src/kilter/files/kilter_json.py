@@ -17,6 +17,7 @@ import numpy as np
 from kilter.assembly import Assembly, FrictionPair, GivenContact, Joint, Load, Part
 from kilter.errors import InputError, nearest_name
 from kilter.files.checked_solid import checked
+from kilter.files.complaints import complaint
 from kilter.files.named_files import NamedFiles
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Shape, Sphere
@@ -98,7 +99,6 @@ def from_dict(data: Any, *, folder: str | Path = ".", source: str = "") -> Assem
 def _validated(data: Any) -> AssemblyFile:
     from pydantic import ValidationError
 
-    from kilter.files.complaints import complaint
     from kilter.files.models import AssemblyFile
 
     example = f'begin with {{"kilter": {VERSION}, "units": "mm", "parts": [...]}}'

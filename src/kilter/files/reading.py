@@ -14,6 +14,10 @@ from numpy.typing import ArrayLike
 
 from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
+from kilter.files.compas import from_compas, is_compas
+from kilter.files.folder import load_folder
+from kilter.files.formats import FORMATS, load_bodies
+from kilter.files.kilter_json import from_dict
 from kilter.files.raw import read_bytes
 from kilter.files.strict_json import parse_json
 from kilter.units import metres_per_unit
@@ -162,10 +166,7 @@ def _read(source: str | Path, units: str | None) -> Assembly:
     path = Path(source)
     suffix = path.suffix.lower()
     if _is_folder(path):
-        from kilter.files.folder import load_folder
-
         return load_folder(path, units=units)
-    from kilter.files.formats import FORMATS, load_bodies
 
     if suffix in FORMATS:
         return load_bodies(path, units=units)
@@ -201,8 +202,6 @@ def _is_folder(path: Path) -> bool:
 
 
 def _from_json(data: bytes, folder: Path, source: str, units: str | None) -> Assembly:
-    from kilter.files.compas import from_compas, is_compas
-    from kilter.files.kilter_json import from_dict
 
     try:
         content = parse_json(data)

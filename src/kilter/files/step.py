@@ -13,6 +13,8 @@ from pathlib import Path
 from kilter.errors import InputError
 from kilter.files.placed import FileBodies
 from kilter.files.raw import read_bytes
+from kilter.files.step_document import quiet, read_document
+from kilter.files.step_solids import read_solid
 from kilter.shape.solid import Solid
 
 __all__ = ["read_step"]
@@ -69,8 +71,6 @@ def _check_text(data: bytes) -> None:
 
 
 def _read(path: Path) -> FileBodies:
-    from kilter.files.step_document import quiet, read_document
-    from kilter.files.step_solids import read_solid
 
     document = read_document(path)
     solids: dict[int, Solid] = {}

@@ -34,6 +34,7 @@ from kilter.friction.friction_tolerances import COARSEST_NO_POWER, LARGEST_FORCE
 from kilter.friction.reduced_law import reduced_law, refusal
 from kilter.friction.relaxation import TANGENTS, Relaxation
 from kilter.mechanics.program import Program
+from kilter.solvers.highs import bounding
 
 __all__ = ["Exclusion", "prove_no_motion", "start_proof"]
 
@@ -121,8 +122,6 @@ def prove_no_motion(program: Program, *, budget: Budget | float = 10.0) -> Exclu
 
 def start_proof(program: Program, budget: Budget) -> tuple[ProofAttempt, Enclosure]:
     """Law, relaxation and solver of a program, and what is known before anything is asked."""
-    from kilter.solvers.highs import bounding
-
     law = reduced_law(program)
     attempt = ProofAttempt(law, Relaxation(law), bounding(), budget, _tolerance(program))
     force = np.full(len(law.group), LARGEST_FORCE)

@@ -35,6 +35,7 @@ from kilter.errors import InputError
 from kilter.mechanics.certificate import ForceProof
 from kilter.mechanics.program import build_program
 from kilter.tell.facts import region_phrase
+from kilter.tell.html import html_of
 
 __all__ = ["Region", "common_region", "region"]
 
@@ -214,8 +215,6 @@ class Region:
 
     def _repr_html_(self) -> str:
         """What a notebook shows."""
-        from kilter.tell.html import html_of
-
         return html_of(self.to_dict())
 
     def __str__(self) -> str:

@@ -26,6 +26,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csc_array
 
+from kilter.analysis.judge import judge
 from kilter.analysis.regions.cone_oracle import ConeOracle
 from kilter.analysis.regions.growth import Grown, Reach, grow
 from kilter.analysis.regions.polyhedral_cone import Cone, make_cone
@@ -229,8 +230,6 @@ def _forces(
                 return proof
     proof = check_forces(program, problem.forces(oracle.forces(axes @ down)))
     if not proof.holds:
-        from kilter.analysis.judge import judge
-
         other = judge(program).forces
         return proof if other is None or proof.residual < other.residual else other
     return proof
@@ -276,7 +275,6 @@ def _motion(
     assert last is not None
     if last.certificate.holds:
         return last
-    from kilter.analysis.judge import judge
 
     other = judge(program.turned(last.down)).motion
     return last if other is None or not other.holds else Proof(about, vector, last.down, other)

@@ -31,6 +31,7 @@ from kilter.analysis.turning.virtual_work import (
 from kilter.analysis.turning_tolerances import OPTIMAL
 from kilter.arrays import Array
 from kilter.mechanics.program import Program
+from kilter.solvers.highs import KeptProgram
 from kilter.solvers.problem import LinearProgram
 
 __all__ = ["DiamondOptimum", "FacetOptimum", "joint"]
@@ -104,8 +105,6 @@ def joint(program: Program, *, every: bool = False) -> DiamondOptimum:
     >>> np.round(best.gravity, 9) + 0.0, round(best.z, 9) + 0.0
     (array([-0.5,  0. , -0.5]), 0.0)
     """
-    from kilter.solvers.highs import KeptProgram
-
     unit = unit_program(program)
     signs = facets_of_diamond(program)
     model = KeptProgram(_program(unit), warm="dual", goal="point")

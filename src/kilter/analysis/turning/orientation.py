@@ -43,6 +43,7 @@ from kilter.errors import InputError
 from kilter.mechanics.certificate import check_motion
 from kilter.mechanics.program import Program, build_program
 from kilter.rigid import rotation_between
+from kilter.tell.html import html_of
 from kilter.tell.numbers import vector
 from kilter.tell.words import found_sentence
 from kilter.validate import frozen
@@ -145,8 +146,6 @@ class Orientation:
 
     def _repr_html_(self) -> str:
         """What a notebook shows."""
-        from kilter.tell.html import html_of
-
         return html_of(self.to_dict())
 
     def __str__(self) -> str:

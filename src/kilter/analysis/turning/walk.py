@@ -47,6 +47,7 @@ from kilter.analysis.turning_tolerances import (
 )
 from kilter.arrays import Array
 from kilter.mechanics.program import Program
+from kilter.solvers.highs import solve_linear
 from kilter.solvers.problem import LinearProgram
 
 __all__ = ["Optimality", "Walk", "WalkFacet", "is_best", "walk"]
@@ -262,8 +263,6 @@ def _summit(
     work: VirtualWork, trail: _Trail, found: Support, partition: Array, here: Array
 ) -> Array:
     """The g of facet and partition with the greatest z = -q.g; `here` if none is greater."""
-    from kilter.solvers.highs import solve_linear
-
     axes, signs = work.unit.axes, trail.signs[work.unit.axes]
     rows = np.vstack([partition[:, axes] * signs, np.ones((1, len(axes)))])
     lower = np.append(np.minimum(partition @ here, 0.0), 1.0)
@@ -316,8 +315,6 @@ class Optimality:
 
 def is_best(unit: UnitProgram, signs: Array, gravity: Array, z: float) -> Optimality:
     """Test a direction of a facet for optimality; `z` is z(gravity) over the mass."""
-    from kilter.solvers.highs import solve_linear
-
     lp, axes = unit.lp, unit.axes
     count, rows = len(lp.cost), lp.matrix.shape[0]
     corners = signs[axes, None] * unit.pull[axes]
