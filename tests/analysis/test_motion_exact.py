@@ -11,7 +11,7 @@ from kilter.assembly import Assembly, Joint
 from kilter.mechanics.forms import scaled as scaled_program
 from kilter.mechanics.gauss import halved, least_constraint
 from kilter.scenes import arches, packings, scene, stacks, walls, wedges
-from kilter.scenes.motion import wedge_on_wedge
+from kilter.scenes.accelerations import wedge_on_wedge
 from kilter.scenes.pieces import block, floor
 from kilter.scenes.transform import moved, scaled, tilted
 from kilter.solvers.projection import solve_projection
