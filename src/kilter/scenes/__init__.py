@@ -26,7 +26,7 @@ __all__ = ["SCENES", "Answer", "Example", "example", "scene"]
 ROOMS = (
     "paper",
     "stacks",
-    "motion",
+    "accelerations",
     "walls",
     "arches",
     "wedges",
