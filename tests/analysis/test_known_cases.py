@@ -5,7 +5,7 @@ import pytest
 from judged import judged
 
 from kilter.assembly import Assembly, GivenContact
-from kilter.scenes import SCENES, motion, paper, scene, stacks, traps, walls
+from kilter.scenes import SCENES, accelerations, paper, scene, stacks, traps, walls
 from kilter.scenes.pieces import block, floor, prism, turn
 from kilter.scenes.transform import moved, tilted
 
@@ -101,7 +101,7 @@ def test_s8_block_on_slope_starts_with_the_sine(angle, azimuth):
 @pytest.mark.parametrize(("m", "below"), [(1.0, 2.0), (3.0, 0.5), (1e-3, 10.0)])
 @pytest.mark.parametrize("planar", [True, False])
 def test_s8_wedge_on_wedge_starts_with_the_closed_form(angle, m, below, planar):
-    verdict = judged(motion.wedge_on_wedge(angle, mass=m, mass_below=below, planar=planar))
+    verdict = judged(accelerations.wedge_on_wedge(angle, mass=m, mass_below=below, planar=planar))
     s, c = np.sin(np.radians(angle)), np.cos(np.radians(angle))
     aside = m * G * s * c / (below + m * s**2)
     a = verdict.motion.acceleration

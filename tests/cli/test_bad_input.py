@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import copy
 import json
+import signal
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 import kilter
-from kilter.cli import main
+from kilter.cli import _interruptible, main
 from kilter.scenes import scene
 
 OPEN = {"vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], "faces": [[0, 2, 1], [0, 1, 3]]}
@@ -242,3 +244,15 @@ def test_a_mesh_of_a_million_faces_works(capsys: pytest.CaptureFixture[str]) -> 
     data["parts"].append({"name": "ball", "mesh": "ball.stl"})
     Path("a.json").write_text(json.dumps(data))
     assert main(["check", "a.json", "--quiet"]) == 1
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_a_command_started_with_the_interrupt_ignored_is_interrupted_all_the_same() -> None:
+    """As a script starts it in the background; what was inherited is given back at the end."""
+    inherited = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        with _interruptible(), pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+        assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGINT, inherited)

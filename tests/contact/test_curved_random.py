@@ -119,7 +119,7 @@ def test_contact_is_found_in_any_pose_and_scale(case, seed):
     back = turn.inv().apply(contacts.points - shift) / scale
     assert np.abs(IMPLICIT[case](back)).max() < 2e-6
     sign = 1.0 if assembly.names[contacts.patch_parts[0, 0]] == "base" else -1.0
-    normals = sign * turn.inv().apply(contacts.normals)
+    normals = sign * turn.inv().apply(contacts.normals.copy())
     step = 1e-3
     slope = IMPLICIT[case](back + step * normals) - IMPLICIT[case](back - step * normals)
     assert slope / (2 * step) == pytest.approx(np.ones(len(back)), abs=1e-5)

@@ -252,7 +252,7 @@ def test_cluster_at_a_clearance_is_named_after_it(upper, warned):
     found = detect.contacts(Assembly([FLOOR, *boxes]), tolerance=Tolerance(clearance=1e-2))
     told = [text for text in found.warnings if "falls inside a cluster" in text]
     assert bool(told) == warned
-    assert all("set --clearance" in text for text in told)
+    assert all("set the clearance" in text for text in told)
 
 
 # volumes ----------------------------------------------------------------------------------

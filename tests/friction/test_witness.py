@@ -19,7 +19,7 @@ from kilter.budget import Budget
 from kilter.friction.motion_search import find_coulomb_motion
 from kilter.friction.seating import find_seating
 from kilter.mechanics.law_check import check_law
-from kilter.scenes import friction, motion, stacks, traps, walls
+from kilter.scenes import accelerations, friction, stacks, traps, walls
 from kilter.scenes.transform import scaled
 
 G = 9.81
@@ -124,8 +124,8 @@ def test_a_prism_slides_down_its_trough(tilt):
 
 
 def test_without_friction_it_is_gauss():
-    built = program(motion.wedge_on_wedge(30))
-    _, witness = found_and_checked(motion.wedge_on_wedge(30))
+    built = program(accelerations.wedge_on_wedge(30))
+    _, witness = found_and_checked(accelerations.wedge_on_wedge(30))
     assert witness.acceleration == pytest.approx(find_motion(built).acceleration, abs=1e-6)
 
 

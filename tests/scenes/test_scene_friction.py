@@ -5,7 +5,7 @@ import pytest
 from scene_oracle import frictional, gauss, overlapping, stable, touching
 
 from kilter.errors import InputError
-from kilter.scenes import arches, friction, motion, rounds, stacks
+from kilter.scenes import accelerations, arches, friction, rounds, stacks
 
 HOLDS = 1e-8
 
@@ -113,7 +113,7 @@ class TestHeldByFriction:
 
 def test_wedges_touch_along_the_slope_and_do_not_overlap():
     for angle in (15, 30, 60):
-        assembly = motion.wedge_on_wedge(angle)
+        assembly = accelerations.wedge_on_wedge(angle)
         assert touching(assembly).pairs == {(0, 1), (1, 2)}
         assert overlapping(assembly) == []
 
@@ -123,7 +123,7 @@ def test_wedges_touch_along_the_slope_and_do_not_overlap():
 def test_wedges_start_with_the_closed_form_and_do_not_turn(angle, mass, below):
     sine, cosine = np.sin(np.radians(angle)), np.cos(np.radians(angle))
     start = mass * sine * cosine / (below + mass * sine**2)
-    lower, upper = gauss(motion.wedge_on_wedge(angle, mass=mass, mass_below=below))
+    lower, upper = gauss(accelerations.wedge_on_wedge(angle, mass=mass, mass_below=below))
     assert np.allclose(lower, [-start, 0, 0, 0, 0, 0], atol=1e-5)
     assert np.allclose(upper[3:], 0, atol=1e-5)
     assert np.isclose((upper - lower)[:3] @ [sine, 0, cosine], 0, atol=1e-5)

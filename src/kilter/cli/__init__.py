@@ -6,8 +6,11 @@ see `kilter.cli.exit_codes`.
 
 from __future__ import annotations
 
+import signal
 import sys
-from collections.abc import Sequence
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 from kilter.cli.exit_codes import FAULT, INTERRUPTED, USAGE, WRITTEN
@@ -21,7 +24,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     words = list(sys.argv[1:] if arguments is None else arguments)
     try:
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), _interruptible():
             warnings.simplefilter("ignore")
             return _run(words)
     except KeyboardInterrupt:
@@ -31,6 +34,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # the reader of a pipe has seen enough; nothing is left to tell it
         sys.stdout = None
         return WRITTEN
+
+
+@contextmanager
+def _interruptible() -> Iterator[None]:
+    """Ctrl-C ends a command, also one that a script started with SIGINT ignored."""
+    inherited = signal.getsignal(signal.SIGINT)
+    if inherited is not signal.SIG_IGN or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, inherited)
 
 
 def _run(words: list[str]) -> int:
