@@ -29,6 +29,7 @@ IMPORTED = (
     "scipy.sparse.csgraph",
     "scipy.sparse.linalg",
     "scipy.spatial",
+    "kilter.scenes.walls",
     "kilter.solvers.projection",
     "kilter.solvers.highs",
     "kilter.solvers.clarabel",

@@ -69,7 +69,7 @@ def drawing() -> str:
             rows.append(box(LEFT + k * (width + GAP), y, width, room, [said], "box"))
         y += ROW
     y += 18
-    rows.append(f'<text class="line" x="{LEFT}" y="{y:g}">the way of the data:</text>')
+    rows.append(f'<text class="line" x="{LEFT}" y="{y:g}">how data flow:</text>')
     y += 8
     width = (WIDTH - 2 * LEFT - 22 * (len(WAY) - 1)) / len(WAY)
     for k, (step, home) in enumerate(zip(WAY, HOMES, strict=True)):

@@ -334,9 +334,11 @@ def answer_to_draw(
     from kilter.analysis.check import check
     from kilter.analysis.regions.region import Region, region
     from kilter.analysis.verdict import Verdict
+    from kilter.assembly.assembly import require_assembly
 
     if isinstance(subject, Verdict | Region):
         return subject
+    require_assembly(subject, "draw")
     if what == "region":
         return region(subject, contacts=contacts, tolerance=tolerance, progress=progress)
     if what != "assembly":

@@ -46,7 +46,8 @@ def check(
     Parameters
     ----------
     assembly : Assembly
-        At least one part must be held.
+        At least one part must be held. Friction and the direction of gravity are its own:
+        ``check(assembly.with_friction(0.6).with_down([0.1, 0, -1]))``.
     contacts : ContactSet, optional
         Found from the geometry where not given.
     tolerance : Tolerance, optional

@@ -316,7 +316,9 @@ class Verdict:
         return f"<Verdict: {self.verdict}, {len(self.assembly)} parts>"
 
     def __bool__(self) -> bool:
-        raise TypeError("a verdict is neither true nor false: use .stable, or compare .verdict")
+        raise TypeError(
+            "a verdict is neither true nor false: use .stable, or .verdict, which is a word"
+        )
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "seconds": dict(self.seconds)}

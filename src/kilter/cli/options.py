@@ -25,8 +25,8 @@ File = Annotated[
     str,
     typer.Argument(
         metavar="FILE",
-        help="An assembly: *.kilter.json, a folder of meshes (one part a file), OBJ, STL, 3MF, "
-        "GLB, COMPAS JSON; - reads kilter JSON from standard input.",
+        help="An assembly: *.kilter.json, a folder of meshes (one part a file), STEP, OBJ, STL, "
+        "3MF, GLB, COMPAS JSON; - reads kilter JSON from standard input.",
         show_default=False,
     ),
 ]

@@ -2,11 +2,11 @@
 
     a = M^-1 (w + J^T f),  un >= 0,  f in Coulomb's cone,  fn un = 0,  ft.ut = -mu fn |ut|
 
-(w the loads, u = J a at the contact points) has a = 0 alone as its accelerations, whatever the
-contact forces: then friction of this size holds the assembly, and no squeeze beforehand can
-change that. Proved by linear programs that contain all solutions
-(`kilter.friction.relaxation`), with bounds that do not trust the solver. What is not proved
-is open: that is no refutation.
+Here w are the loads and u = J a the accelerations at the contact points. The law may have many
+solutions: different forces, and different motions. Where a = 0 in all of them, friction of
+this size holds the assembly, and no squeeze beforehand can change that. This is proved by
+linear programs that contain all solutions (`kilter.friction.relaxation`), with bounds that do
+not trust the solver. What is not proved is open: that is no refutation.
 
 A power counts as none if it is below 1e-8 (coarser for coarse data) of that of the lightest
 part in free fall, so that no small part vanishes beside large ones.
@@ -138,7 +138,8 @@ def _tolerance(program: Program) -> float:
 def _tried(attempt: ProofAttempt, bounds: Enclosure) -> tuple[Kind, CasesLeft]:
     """Modes for a while; then contraction; then modes within its bounds.
 
-    In space contraction takes longer than it saves, but for that of the forces.
+    In space only the bounds of forces are contracted: those of motions take longer to
+    contract than they save.
     """
     budget = attempt.budget
     if attempt.law.directions == 2:

@@ -6,10 +6,10 @@ enclosure`), each of the two is replaced by linear rows that every solution sati
 greatest power w.b of the program bounds the power of every motion; where it is nothing, there
 is no motion.
 
-Motions are in units of a size e, b = a / e with |b| <= 1. The column l is 1, or less where a
-program is asked for its greatest power: all rows are homogeneous in the columns, so that 0 is
-feasible whatever the bounds and modes, and no answer rests on a claim that a program is
-infeasible. Upper bounds: U of un, F of fn, S of |ut|, Nmin and Nmax of N. The rows:
+Motions are in units of a size e, b = a / e with |b| <= 1. The column l is 1; where a
+program is asked for its greatest power, it may be less. All rows are homogeneous in the columns,
+so x = 0 is feasible whatever the bounds and modes are. So no answer rests on a claim that a
+program is infeasible. Upper bounds: U of un, F of fn, S of |ut|, Nmin and Nmax of N. The rows:
 
     e b = l w + Jn^T fn + Jt^T ft,   un = Jn b,   ut = Jt b        the law's equations, and
     N = sum of fn of a group                                       its inequalities

@@ -93,7 +93,7 @@ def _verdict(answers: Everything) -> str:
     rows = [
         ("verdict", f"<strong>{text(VERDICTS[check['verdict']])}</strong>"),
         ("in words", text(check["sentence"])),
-        *((term, text(words)) for term, words in facts(check)),
+        *((term, text(words)) for term, words in facts(check) if term != "seconds"),
     ]
     if found is not None:
         rows.append(("stable directions", text(region_words(found, proved_none=answers.none))))
@@ -110,11 +110,14 @@ def _parts(answers: Everything) -> str:
     told, geometry = answers.given.check["parts"], answers.assembly.geometry
     order = sorted(range(len(told)), key=lambda k: not told[k]["moves"])
 
+    possible = answers.given.check["verdict"] == "potentially-stable"
+    moves = "could move" if possible else "moves"
+
     def row(k: int) -> Sequence[str]:
         part = told[k]
         return (
             f'<button class="link" data-part="{k}">{named(part["name"])}</button>',
-            "held" if part["grounded"] else "moves" if part["moves"] else "stays",
+            "held" if part["grounded"] else moves if part["moves"] else "stays",
             "" if part["grounded"] else text(part["motion"]),
             number(part["mass"]),
             vector(geometry.center[k], 5),

@@ -135,7 +135,8 @@ def _density(density: Answer) -> str:
 
 def _gravity(answer: Answer) -> str:
     size = math.hypot(*answer["gravity"])
-    return f"{number(size)} m/s^2 along {vector(answer['down'])}"
+    along = [component / size for component in answer["gravity"]]
+    return f"{number(size)} m/s^2 along {vector(along)}"
 
 
 def _joints(answer: Answer) -> list[Fact]:
@@ -160,14 +161,19 @@ def _proof(answer: Answer) -> str:
         return f"{_balance(proof['residual'])} {limit}, recomputed apart from the solver"
     if proof["kind"] == "motion":
         return (
-            f"a motion that gains {proof['power']:.4g} W at 1 m/s and violates contacts by "
-            f"{abs(proof['violation']):.0e}, recomputed apart from the solver"
+            f"a motion that gains {proof['power']:.4g} W at 1 m/s and violates "
+            f"{_violation(proof['violation'])}, recomputed apart from the solver"
         )
     return "none"
 
 
+def _violation(violation: float) -> str:
+    return f"contacts by {abs(violation):.0e}" if violation else "no contact"
+
+
 def _balance(residual: float) -> str:
-    return f"contact forces that balance every part to {residual:.1e} of its weight"
+    how = f"to {residual:.1e} of its weight" if residual else "exactly"
+    return f"contact forces that balance every part {how}"
 
 
 def _guarantee(guarantee: str, friction: Answer) -> str:
@@ -179,7 +185,7 @@ def _guarantee(guarantee: str, friction: Answer) -> str:
     if exclusion is not None and exclusion["proved"]:
         words += f" ({exclusion['kind']}, {exclusion['programs']} programs)"
     if witness is not None:
-        words += f" (to {witness['residual']:.1e})"
+        words += f" (to {witness['residual']:.1e})" if witness["residual"] else " (exactly)"
     return words
 
 
@@ -333,10 +339,12 @@ def _starting(limit: Answer | None) -> str:
 def _tilt(answer: Answer) -> str:
     tilt, lower = answer["tilt_deg"], answer["tilt_lower_deg"]
     if tilt is None:
-        return "none: no direction within a right angle is held, or loads do not turn"
+        return "none: no direction within a right angle is held, or given loads do not turn"
     down = vector(answer["tilt_down"])
     if lower is None:
         return f"{angle(tilt)}: outside; the nearest held direction is {down}"
+    if answer["tilt_limit"]["mechanism"] is None:
+        return "more than 90 deg: no tilt up to a right angle fails"
     words = f"{angle(tilt)} to the nearest direction that fails"
     if tilt - lower > 1e-6 * max(tilt, 1e-12):
         words += f" (at least {number(lower)})"
@@ -349,7 +357,11 @@ def _least_friction(answer: Answer) -> str:
         return "none is enough"
     if least == 0.0:
         attained = answer["friction_limit"]["attained"]
-        return "none is needed" if attained else "any above zero holds, by squeeze"
+        return (
+            "none is needed"
+            if attained
+            else "any mu above 0 holds, since parts are clamped between others"
+        )
     return f"mu >= {number(least)}, the same at every contact"
 
 
@@ -406,7 +418,7 @@ def _verify(answer: Answer) -> list[Fact]:
     found += [("" if k else "notes", words) for k, words in enumerate(answer["notes"])]
     held = [plain(name) for name in answer["held"]]
     found.append(("held", some(held) or "joints to the ground"))
-    found.append(("gravity", f"{answer['gravity']} m/s^2"))
+    found.append(("gravity", _gravity(answer)))
     if answer["options"]:
         found.append(("read with", ", ".join(f"{k} {v}" for k, v in answer["options"].items())))
     limits, unit = answer["tolerance"], answer["units"]

@@ -2,9 +2,20 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable
 
-__all__ = ["NO_ANGLE", "angle", "count", "counts", "force", "number", "plain", "vector"]
+__all__ = [
+    "NO_ANGLE",
+    "angle",
+    "count",
+    "counts",
+    "force",
+    "number",
+    "plain",
+    "shortened",
+    "vector",
+]
 
 NO_ANGLE = 1e-9
 """An angle below this is what rounding leaves of none [deg]."""
@@ -91,3 +102,18 @@ def plain(name: str, width: int = 40) -> str:
     # the end of a path tells more than its middle
     head = (width - 3) // 3
     return f"{shown[:head]}...{shown[head + 3 - width :]}"
+
+
+def shortened(names: Iterable[str], width: int = 40) -> dict[str, str]:
+    """Names as a list shows them: `plain`, but whole where two would look alike.
+
+    Examples
+    --------
+    >>> shortened(["left/bracket/bolt", "right/bracket/bolt", "plate"], width=12)["plate"]
+    'plate'
+    >>> list(shortened(["l/a-bracket/bolt", "l/b-bracket/bolt"], width=12))
+    ['l/a-bracket/bolt', 'l/b-bracket/bolt']
+    """
+    short = {name: plain(name, width) for name in names}
+    often = Counter(short.values())
+    return {name: one if often[one] == 1 else plain(name, len(name)) for name, one in short.items()}

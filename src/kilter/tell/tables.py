@@ -22,6 +22,10 @@ __all__ = [
 ]
 
 INTERFERENCE = "an interference fit: join it with --fasten"
+NO_FORCE = 1e-9
+"""A force below this fraction of the greatest is what rounding leaves of none [-]."""
+NO_GAP = 1e-14
+"""A gap below this fraction of the largest part is what rounding leaves of none [-]."""
 KINDS = {
     "none": "No direction of gravity is stable.",
     "ray": "One direction of gravity is stable, and none near it.",
@@ -157,6 +161,8 @@ def forces_table(answer: Answer) -> Table:
     if found is None:
         return Table("No contact forces: there is no equilibrium.", (), (), tuple)
     patches = sorted(found["patches"], key=lambda patch: -math.hypot(*patch["resultant"]))
+    most = math.hypot(*patches[0]["resultant"]) if patches else 0.0
+    patches = [one for one in patches if math.hypot(*one["resultant"]) > NO_FORCE * most]
 
     def row(patch: Answer) -> Sequence[str]:
         size, used = math.hypot(*patch["resultant"]), patch["utilisation"]
@@ -192,13 +198,14 @@ def _pushes(answer: Answer) -> Table:
 def _patches(answer: Answer) -> Table:
     unit = answer["units"]
     head = ("part a", "part b", "kind", f"area [{unit}^2]", f"gap [{unit}]", "normal a to b")
+    largest = answer["sizes"][1]
 
     def row(patch: Answer) -> Sequence[str]:
         return (
             *_names(patch),
             patch["kind"],
             number(patch["area"]),
-            f"{patch['gap'] + 0.0:.1e}",
+            f"{patch['gap']:.1e}" if abs(patch["gap"]) > NO_GAP * largest else "0",
             vector(patch["normal"], 4),
             number(patch["mu"], 4),
             str(len(patch["points"])),

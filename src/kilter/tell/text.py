@@ -6,7 +6,7 @@ import json
 from collections.abc import Sequence
 
 from kilter.tell.facts import Answer, facts
-from kilter.tell.numbers import count, plain
+from kilter.tell.numbers import count, plain, shortened
 from kilter.tell.tables import Name, Table, moving_table, sentences, tables
 
 __all__ = ["LISTED", "aligned", "listed", "suggestions_text", "text_of"]
@@ -58,7 +58,8 @@ def aligned(rows: Sequence[Sequence[str]], indent: str = "") -> list[str]:
     >>> aligned([("a", "b"), ("long", "c")])
     ['a     b', 'long  c']
     """
-    shown = [[plain(cell) if isinstance(cell, Name) else cell for cell in row] for row in rows]
+    short = shortened(cell for row in rows for cell in row if isinstance(cell, Name))
+    shown = [[short[cell] if isinstance(cell, Name) else cell for cell in row] for row in rows]
     widths = [max(map(len, column)) for column in zip(*shown, strict=True)]
     return [
         (indent + "  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True))).rstrip()
@@ -71,9 +72,14 @@ def suggestions_text(suggestions: Sequence[Answer]) -> str:
     if not suggestions:
         return "No pair looks like a fastener: no shaft fills a hole."
     lines = [f"{count(len(suggestions), 'pair')} may be fastened; nothing is joined by itself:"]
+    short = shortened(name for one in suggestions[:LISTED] for name in one["parts"])
     for one in suggestions[:LISTED]:
-        first, second = (plain(name) for name in one["parts"])
+        first, second = (short[name] for name in one["parts"])
+        firmly = (
+            "" if one["joint"]["kind"] == "fixed" else "   (firmly), or as a joint of the file:"
+        )
         joint = json.dumps(one["joint"])
-        lines += [f"  {first} in {second}: {one['why']}", f"    {one['option']}", f"    {joint}"]
+        lines += [f"  {first} in {second}: {one['why']}", f"    {one['option']}{firmly}"]
+        lines.append(f"    {joint}")
     more = len(suggestions) - LISTED
     return "\n".join([*lines, *([f"  and {more} more (--json lists all)"] if more > 0 else [])])

@@ -155,7 +155,11 @@ class Margin:
 
     def __repr__(self) -> str:
         tilt = "none" if self.tilt_deg is None else f"{self.tilt_deg:.6g} deg"
+        if self.tilt is not None and self.tilt.limit.mechanism is None:
+            tilt = "over 90 deg"
         mu = "none" if self.friction is None else f"{self.friction.value:.6g}"
+        if self.friction is not None and not self.friction.attained:
+            mu = f"above {mu}"
         return f"Margin({self.verdict.verdict}, tilt {tilt}, least friction {mu})"
 
 

@@ -2,9 +2,9 @@
 
 An oracle is asked in a unit direction and answers with a point of the set and with a plane
 beyond which nothing of it lies,  normal . x <= reach. The hull of the points is in the set, the
-planes are around it. The next direction is the normal of a facet of the hull: there is a point
-beyond it, and the hull grows, or the facet is one of the set and is settled. So every question
-brings a point or a facet.
+planes are around it. The next direction is the normal of a facet of the hull. Either the answer
+is a point beyond that facet, and the hull grows; or there is none, and then the facet lies on
+the boundary of the set and is settled. So every question brings a point or settles a facet.
 
     nearest boundary      the facet nearest to 0 is asked until hull and planes agree: the least
                           push, the least tilt, the least tilt over intervals, and the direction
