@@ -17,7 +17,12 @@ from kilter.scenes.walls import wall_of
 pytestmark = pytest.mark.browser
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
-WORDS = {"stable": "Stable", "unstable": "Unstable", "undecided": "Undecided"}
+WORDS = {
+    "stable": "Stable",
+    "potentially-stable": "Potentially stable",
+    "unstable": "Unstable",
+    "undecided": "Undecided",
+}
 REGIONS = [
     "paper-figure-8",
     "paper-figure-10",
@@ -92,14 +97,20 @@ def test_directions_are_judged_and_moved_as_a_fresh_check_does(name: str, opened
     for down in rng.normal(size=(40, 3)) + 1.2 * assembly.down:
         told = page.js("d => window.kilter.ask(d)", down.tolist())
         seen_.add(told["verdict"])
-        if told["verdict"] == "Undecided":  # the page says less than a check, never more
-            continue
         verdict = kilter.check(assembly.with_down(down), contacts=contacts, budget=0.0)
-        assert told["verdict"] == WORDS[verdict.verdict]
+        known = WORDS[verdict.verdict]
+        # the page may say less than a check, which tries without friction first; never more
+        less = {
+            "Undecided": set(WORDS.values()),
+            "Potentially stable": {"Stable", "Potentially stable"},
+        }
+        assert known in less.get(told["verdict"], {told["verdict"]})
+        if told["verdict"] in less:
+            continue
         shift = verdict.displacement.displacement
         moving = np.flatnonzero((np.abs(shift) > 1e-4).any(axis=1))
         assert told["moving"] == moving.tolist()
-    assert "Undecided" in seen_ if name == "slope-with-friction" else "Unstable" in seen_
+    assert seen_ >= ({"Potentially stable", "Unstable"} if "friction" in name else {"Unstable"})
 
 
 def test_the_margin_on_the_page_is_the_turn_that_flips_the_verdict(opened: Callable) -> None:
