@@ -95,6 +95,12 @@ def test_one_solid_of_an_ascii_stl_takes_the_name_of_the_file(write) -> None:
     assert load(write("base.stl", text.upper().replace("E-", "e-"))).names == ("base",)
 
 
+def test_an_ascii_stl_whose_corners_make_no_whole_facets_is_refused(write) -> None:
+    text = "solid a\nfacet normal 0 0 1\n" + "vertex 0 0 1\n" * 4 + "endfacet\nendsolid a\n"
+    with pytest.raises(InputError, match="4 corners make no whole facets"):
+        load(write("a.stl", text))
+
+
 def test_an_ascii_stl_with_exponents_is_as_exact_as_its_digits(write) -> None:
     box = trimesh.creation.box((1 / 3, 1 / 7, 30 / 7))
     assembly = load(write("a.stl", ascii_stl(("a", box), number="{:.6e}")))

@@ -89,6 +89,12 @@ def _ascii_solids(text: str) -> list[tuple[str | None, Mesh]]:
             loop = length if word == "outer" else None
     if inside:
         raise InputError("the last solid does not end", part=solids[-1][0] or None, hint=_TRUNCATED)
+    for name, numbers in solids:
+        if len(numbers) % 9:
+            raise InputError(
+                f"{len(numbers) // 3} corners make no whole facets", part=name or None,
+                hint="STL facets have three",
+            )  # fmt: skip
     return _named_meshes([solid for solid in solids if solid[1]])
 
 
