@@ -92,10 +92,60 @@ def test_fasten_and_clearance_work_on_every_command(
 
 
 def test_fasten_is_repeatable(capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["--fasten", "arm-1", "post", "--fasten", "p*", "t*", "--json"]
+    words = ["--fasten", "arm-1", "post", "--fasten", "p*", "table", "--json"]
     code, out, _ = said(capsys, "check", lamp(), *words)
     assert code == 0
     assert len(json.loads(out)["joints"]) == 2
+
+
+@pytest.mark.parametrize("word", ["--fasten-suggested", "--fasten-overlaps"])
+def test_what_overlaps_is_fastened_in_one_go_and_is_part_of_the_proof(
+    word: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = lamp(gap=-0.5)
+    assert main(["check", file]) != 0
+    code, out, error = said(capsys, "check", file, word, "--proof", "p.json")
+    assert code == 0
+    assert "'post' and 'arm-1' (overlap)" in error
+    assert "Fastened, as asked for: 1 pair\n  post  arm-1  overlap\n" in out
+    proof = json.loads(Path("p.json").read_text())
+    assert proof["options"] == {word[2:].replace("-", "_"): True}
+    code, out, _ = said(capsys, "verify", file, "p.json")
+    assert code == 0
+    assert f"read with  {word[2:]}\n" in out
+    del proof["options"][word[2:].replace("-", "_")]
+    Path("q.json").write_text(json.dumps(proof))
+    assert said(capsys, "verify", file, "q.json")[0] == 1
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("word", ["--fasten-suggested", "--fasten-overlaps"])
+def test_every_command_joins_what_overlaps_and_goes_on_where_nothing_does(
+    command: str, word: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code, out, _ = said(capsys, command, lamp(gap=-0.5), word, "--json")
+    assert code == 0
+    answer = json.loads(out)
+    assert answer["joints"] == [{"parts": ["post", "arm-1"], "kind": "fixed", "why": "overlap"}]
+    assert any("'post' and 'arm-1' (overlap)" in text for text in answer["warnings"])
+    code, out, _ = said(capsys, command, lamp(gap=5.0), word, "--json")
+    assert code != 2
+    answer = json.loads(out)
+    assert answer["joints"] == []
+    assert any(text.startswith("nothing is fastened") for text in answer["warnings"])
+
+
+@pytest.mark.parametrize("word", ["--fasten-suggested", "--fasten-overlaps"])
+def test_python_joins_as_the_command_does(word: str, capsys: pytest.CaptureFixture[str]) -> None:
+    import kilter
+
+    file = lamp(gap=-0.5)
+    _, out, _ = said(capsys, "check", file, word, "--json")
+    key = word.removeprefix("--fasten-")
+    answer = kilter.check(kilter.fastened(kilter.load(file), **{key: True})).to_dict()
+    told, known = json.loads(out), json.loads(json.dumps(answer))
+    told.pop("seconds"), known.pop("seconds")
+    assert told == known
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -108,6 +158,9 @@ def test_fasten_is_repeatable(capsys: pytest.CaptureFixture[str]) -> None:
         (["--fasten", "pots", "arm-1"], "did you mean 'post'"),
         (["--fasten", "post", "screw*"], "no part is named 'screw*'"),
         (["--fasten", "table", "arm-1"], "none touches"),
+        (["--fasten", "t*", "post"], "'t*' matches held parts alone: 'table'; name a held part"),
+        (["--fasten-suggested=yes"], "--fasten-suggested"),
+        (["--fasten-overlap"], "--fasten-overlaps"),
         (["--clearance", "0"], "--clearance is 0"),
         (["--clearance", "-1"], "--clearance is -1"),
         (["--clearance", "nan"], "--clearance"),
@@ -159,7 +212,7 @@ def test_gaps_are_shown_as_bars_with_their_sizes(capsys: pytest.CaptureFixture[s
 def test_suggested_joints_can_be_pasted(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, _ = said(capsys, "check", lamp(), "--suggest-joints")
     assert code == 1
-    assert "No pair looks like a fastener" in out
+    assert "No pair looks as if it were fastened" in out
     code, out, _ = said(capsys, "check", lamp(), "--suggest-joints", "--json")
     assert json.loads(out)["suggested_joints"] == []
     code, out, _ = said(capsys, "check", lamp(), "--json")

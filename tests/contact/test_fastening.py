@@ -44,11 +44,39 @@ def test_matching_parts_that_touch_are_fixed_and_no_others():
     verdict = check(joined)
     assert verdict.moving == ["arm-2"]
     assert check(stack()).moving == ["arm-1", "arm-2"]
-    both = fastened(stack(), [("*", "*")])
-    assert {frozenset(j.parts) for j in both.joints} == {
-        frozenset(("post", "arm-1")),
-        frozenset(("floor", "post")),
-    }
+
+
+def test_globs_match_no_held_part_and_names_in_full_do():
+    every = fastened(stack(), [("*", "*")])
+    assert [set(j.parts) for j in every.joints] == [{"post", "arm-1"}]
+    assert every.notes == (
+        "globs match no held part: nothing is fastened to 'floor'; name it in full where it should "
+        "be",
+    )
+    named = fastened(stack(), [("floor", "*")])
+    assert [j.parts for j in named.joints] == [("floor", "post")]
+    assert named.notes == ()
+    with pytest.raises(InputError, match="'f\\*r' matches held parts alone: 'floor'; name"):
+        fastened(stack(), [("f*r", "post")])
+
+
+@pytest.mark.parametrize("given", [None, 0.0])
+def test_a_body_whose_centre_is_beyond_its_foot_falls_whatever_globs_join(given):
+    """A foot and an arm whose centre of mass is beside the foot, on a table put under them."""
+    foot = block("foot", [0, 0, 0], [1, 1, 1])
+    arm = block("arm", [0, 0, 1], [9, 1, 2])
+    both = Assembly([foot, arm]).with_floor(given)
+    assert both.parts[-1].table
+    joined = fastened(both, [("*", "*")])
+    assert [j.parts for j in joined.joints] == [("foot", "arm")]
+    assert joined.notes == ()
+    assert check(joined).verdict == "unstable"
+    over = fastened(
+        Assembly([foot, block("arm", [0, 0, 1], [1.9, 1, 2])]).with_floor(), [("*", "*")]
+    )
+    assert check(over).verdict == "stable"
+    # who means it says it
+    assert check(fastened(joined, [("foot", "floor")])).verdict == "stable"
 
 
 def test_order_and_repetition_change_nothing():
@@ -338,3 +366,96 @@ def test_part_named_a_nut_is_taken_for_threaded(name, kind):
     (suggestion,) = suggest_joints(assembly, detect.contacts(assembly))
     assert suggestion.joint["kind"] == kind
     assert ("by its name a nut" in suggestion.why) == (kind == "fixed")
+
+
+# suggestions, and what joins them ---------------------------------------------------------
+
+
+def pairs_of(assembly):
+    return {(one.parts, one.kind) for one in suggest_joints(assembly, detect.contacts(assembly))}
+
+
+@pytest.mark.parametrize(
+    ("radius", "name", "kind"),
+    [
+        (1.019, "sleeve", "press fit"),
+        (1.021, "sleeve", "thread"),
+        (1.33, "sleeve", "thread"),  # M2 in the hole for its tap: .25 of the radius
+        (1.35, "sleeve", "overlap"),
+        (1.005, "nut", "thread"),
+        (1.0, "sleeve", "size on size"),
+    ],
+)
+def test_a_shaft_in_a_hole_is_told_by_how_much_thicker_it_is(radius, name, kind):
+    assembly = bolted(radius, name=name).without("table")
+    pin_first = dataclasses.replace(assembly.parts[1], name="shaft")
+    assembly = Assembly([assembly.parts[0], pin_first])
+    ((parts, found),) = pairs_of(assembly)
+    assert found == kind
+    assert set(parts) == {"shaft", name}
+
+
+def test_names_tell_a_thread_and_an_insert():
+    def named(one, other):
+        low, high = block(one, [0, 0, 0], [1, 1, 1]), block(other, [0, 0, 0.9], [1, 1, 2])
+        ((parts, kind),) = pairs_of(Assembly([low, high]))
+        return parts, kind
+
+    assert named("case", "M3 screw") == (("M3 screw", "case"), "thread")
+    assert named("heat-set insert", "case") == (("heat-set insert", "case"), "insert")
+    assert named("case", "screwdriver") == (("case", "screwdriver"), "overlap")
+
+
+def test_a_hollow_shaft_that_interferes_is_an_insert():
+    parts = [tube("body", 1.0, 2.0, 4.0), tube("ring", 0.5, 1.01, 4.0)]
+    assert pairs_of(Assembly(parts)) == {(("ring", "body"), "insert")}
+
+
+def test_the_same_body_twice_is_to_be_left_out_not_joined():
+    twice = Assembly([block("one", [0, 0, 0], [1, 1, 1]), block("two", [0, 0, 0], [1, 1, 1])])
+    (found,) = suggest_joints(twice, detect.contacts(twice))
+    assert (found.kind, found.option, found.joint) == ("same body", "--without two", None)
+    assert fastened(twice, suggested=True, overlaps=True).joints == ()
+
+
+def test_nothing_is_suggested_to_the_table_nor_between_held_parts():
+    held = [block("a", [0, 0, 0], [1, 1, 1], grounded=True)]
+    held.append(block("b", [0.9, 0, 0], [2, 1, 1], grounded=True))
+    assert pairs_of(Assembly(held)) == set()
+    free = Assembly([block("a", [0, 0, 0], [1, 1, 1])])
+    sunk = free.with_floor(0.1)
+    assert len(detect.contacts(sunk).overlaps) == 1
+    assert pairs_of(sunk) == set()
+    assert fastened(sunk, suggested=True, overlaps=True).joints == ()
+    # a held part of the file is no table
+    assert len(pairs_of(Assembly([*free.parts, block("floor", [-5, -5, -1], [5, 5, 0.1],
+                                                     grounded=True)]))) == 1  # fmt: skip
+
+
+def test_suggested_and_overlaps_join_and_say_what():
+    lid = block("lid", [5, 5, 3.9], [6, 6, 5])
+    leg = block("leg", [5, 5, 0], [6, 6, 4])
+    nut = tube("nut", 1.0, 2.0, 4.0, grounded=True)
+    loose = Assembly([nut, pin("bolt", 1.0, 6.0), leg, lid])
+    joined = fastened(loose, suggested=True)
+    assert [(j.parts, j.why) for j in joined.joints] == [
+        (("bolt", "nut"), "thread"),
+        (("leg", "lid"), "overlap"),
+    ]
+    assert joined.notes == (
+        "fastened as suggested, 2 pairs: 'bolt' and 'nut' (thread), 'leg' and 'lid' (overlap)",
+    )
+    over = fastened(loose, overlaps=True)
+    assert [j.parts for j in over.joints] == [("leg", "lid")]
+    assert over.notes == ("fastened as they overlap, 1 pair: 'leg' and 'lid' (overlap)",)
+    both = fastened(loose, [("lid", "leg")], suggested=True, overlaps=True)
+    assert [(j.parts, j.why) for j in both.joints] == [
+        (("lid", "leg"), ""),
+        (("bolt", "nut"), "thread"),
+    ]
+    assert both.notes[-1] == (
+        "nothing is fastened as they overlap: no pair overlaps that is free to be joined"
+    )
+    again = fastened(joined, suggested=True)
+    assert len(again.joints) == 2
+    assert again.notes[-1].startswith("nothing is fastened as suggested")

@@ -12,7 +12,7 @@ __all__ = ["joints_answer", "unsupported_answer"]
 
 def joints_answer(assembly: Assembly) -> list[dict[str, Any]]:
     """Joints of an assembly, those that were fastened among them."""
-    return [{"parts": list(joint.parts), "kind": joint.kind} for joint in assembly.joints]
+    return assembly.joints_data()
 
 
 def unsupported_answer(assembly: Assembly, contacts: ContactSet) -> list[dict[str, Any]]:

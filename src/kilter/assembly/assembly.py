@@ -187,7 +187,6 @@ class Assembly:
 
     def _repr_html_(self) -> str:
         """What a notebook shows."""
-        joints = [{"parts": list(joint.parts), "kind": joint.kind} for joint in self.joints]
         return html_of(
             {
                 "kilter": 1,
@@ -195,12 +194,20 @@ class Assembly:
                 "gravity": self.gravity.tolist(),
                 "friction": self.friction,
                 "parts": [{"name": part.name, "grounded": part.grounded} for part in self.parts],
-                "joints": joints,
+                "joints": self.joints_data(),
                 "loads": self.loads,
                 "contacts": self.contacts,
                 "warnings": self.notes,
             }
         )
+
+    def joints_data(self) -> list[dict[str, Any]]:
+        """The joints, those that were fastened among them, as JSON data of an answer."""
+        return [
+            {"parts": list(joint.parts), "kind": joint.kind}
+            | ({"why": joint.why} if joint.why else {})
+            for joint in self.joints
+        ]
 
     @cached_property
     def index(self) -> dict[str, int]:
@@ -267,9 +274,12 @@ class Assembly:
             ]
         )
 
-    def with_joints(self, joints: Iterable[Joint]) -> Assembly:
-        """Joints besides those there are; `kilter.contact.fastened` makes those of bolts."""
-        return self._replace(joints=[*self.joints, *joints])
+    def with_joints(self, joints: Iterable[Joint], *, notes: Iterable[str] = ()) -> Assembly:
+        """Joints besides those there are; `kilter.contact.fastened` makes those of bolts.
+
+        `notes` are added to those of the reader.
+        """
+        return self._replace(joints=[*self.joints, *joints], notes=[*self.notes, *notes])
 
     def without(self, patterns: str | Iterable[str]) -> Assembly:
         """The assembly without the parts that match, and all that names them."""
@@ -311,6 +321,7 @@ class Assembly:
             Pose(center, rotation_between([0, 0, 1], up)),
             grounded=True,
             density=1000.0,
+            table=True,
         )
         return self._replace(parts=[*self.parts, table])
 

@@ -126,6 +126,8 @@ class Joint:
     kind : str
     point, axis : array_like, shape (3,)
         World frame; the wrench that a proof gives is about `point`.
+    why : str
+        Why it was joined, where that was not said pair by pair (`kilter.fastened`).
 
     Raises
     ------
@@ -144,6 +146,7 @@ class Joint:
     kind: JointKind = "fixed"
     point: Any = None
     axis: Any = None
+    why: str = ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "parts", _names(self.parts))

@@ -38,6 +38,8 @@ class Part:
         [kg]; overrides density and volume.
     center_of_mass : array_like, shape (3,), optional
         In the part's own frame; overrides the geometry.
+    table : bool
+        The table of `Assembly.with_floor`: nothing is taken for fastened to it.
 
     Raises
     ------
@@ -58,6 +60,7 @@ class Part:
     density: float | None = None
     mass: float | None = None
     center_of_mass: Any = None
+    table: bool = False
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:
@@ -73,7 +76,8 @@ class Part:
         if not isinstance(self.shape, Shape):
             raise _no_shape(self.shape)
         object.__setattr__(self, "pose", Pose.of(self.pose))
-        object.__setattr__(self, "grounded", _flag(self.grounded))
+        object.__setattr__(self, "grounded", _flag(self.grounded, "grounded"))
+        object.__setattr__(self, "table", _flag(self.table, "table"))
         if self.density is not None:
             object.__setattr__(
                 self, "density", number(self.density, "density", lowest=0, above=True)
@@ -90,9 +94,9 @@ class Part:
         return f"Part({self.name!r}, {self.shape!r}, at {in_brackets(self.pose.position)}{held})"
 
 
-def _flag(value: Any) -> bool:
+def _flag(value: Any, name: str) -> bool:
     if not isinstance(value, bool | np.bool_):
-        raise InputError(f"grounded is {value!r:.60}", hint="give True or False")
+        raise InputError(f"{name} is {value!r:.60}", hint="give True or False")
     return bool(value)
 
 

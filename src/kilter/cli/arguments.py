@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
 import math
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,12 +11,10 @@ from kilter.errors import InputError
 from kilter.files.reading import LOWEST, Reading
 
 if TYPE_CHECKING:
-    from kilter.assembly import Assembly
-    from kilter.contact import ContactSet, Tolerance
+    from kilter.contact import Tolerance
 
 __all__ = [
     "contact_tolerance",
-    "fasten",
     "reading_of",
     "with_floor_value",
     "with_two_names",
@@ -34,6 +30,8 @@ def reading_of(
     units: str | None,
     density: float | None,
     fasten: list[str] | None = None,
+    fasten_suggested: bool = False,
+    fasten_overlaps: bool = False,
 ) -> Reading:
     """The reading that the options of a command ask for."""
     return Reading(
@@ -45,6 +43,8 @@ def reading_of(
         units=units,
         density=density,
         fasten=tuple(_pair(words) for words in fasten or ()),
+        fasten_suggested=fasten_suggested,
+        fasten_overlaps=fasten_overlaps,
     )
 
 
@@ -124,22 +124,6 @@ def _is_number(word: str) -> bool:
     except ValueError:
         return False
     return True
-
-
-def fasten(
-    assembly: Assembly,
-    reading: Reading,
-    tolerance: Tolerance,
-    progress: Callable[[str], None] | None = None,
-) -> tuple[Assembly, ContactSet | None]:
-    """The assembly with what ``--fasten`` joins, and its contacts where that asked for them."""
-    if not reading.fasten:
-        return assembly, None
-    from kilter.contact import detect, fastened
-
-    contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
-    joined = fastened(assembly, reading.fasten, contacts=contacts)
-    return joined, dataclasses.replace(contacts, assembly=joined)
 
 
 def _height(floor: str) -> float | str:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from kilter.cli.arguments import contact_tolerance, fasten, reading_of
+from kilter.cli.arguments import contact_tolerance, reading_of
 from kilter.cli.output import as_json, emit, keep_apart, tell_warnings
 from kilter.files.reading import LOWEST, Reading
 from kilter.publish import require_budget
@@ -60,7 +60,8 @@ class Asked:
         """
         reading = reading_of(
             *(given[key] for key in ("ground", "floor", "without", "down", "friction")),
-            *(given[key] for key in ("units", "density", "fasten")),
+            *(given[key] for key in ("units", "density")),
+            *(given[key] for key in ("fasten", "fasten_suggested", "fasten_overlaps")),
         )
         gap, angle, clearance = (given[key] for key in ("gap", "angle", "clearance"))
         budget = given.get("budget", 0.0)
@@ -96,9 +97,11 @@ class Asked:
 
     def read(self, progress: Callable[[str], None]) -> tuple[Assembly, ContactSet | None]:
         """The assembly, and its contacts where they had to be found to read it."""
+        from kilter.contact.fits.fastening import fasten_as_read
+
         progress("reading")
         assembly = self.reading.read(self.file)
-        return fasten(assembly, self.reading, self.tolerance, progress)
+        return fasten_as_read(assembly, self.reading, tolerance=self.tolerance, progress=progress)
 
     def tell(self, answer: Mapping[str, Any], *more: Table, after: str = "") -> None:
         """Warnings on the error stream, the answer as JSON or as text.
@@ -127,6 +130,8 @@ class Asked:
                 found += ["--down", *(f"{v:.17g}" for v in value)]
             elif key == "fasten":
                 found += [word for pair in value for word in ("--fasten", *pair)]
+            elif value is True:
+                found.append(f"--{key.replace('_', '-')}")
             elif isinstance(value, list):
                 found += [word for one in value for word in (f"--{key}", str(one))]
             else:

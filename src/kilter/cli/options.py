@@ -1,6 +1,6 @@
 """Options that commands share, and the one place where commands get them.
 
-``@asks()`` gives a command the file and the twelve options of how it is read; the command
+``@asks()`` gives a command the file and the options of how it is read; the command
 itself takes an `Asked` and its own options.
 """
 
@@ -155,9 +155,26 @@ Fasten = Annotated[
         "--fasten",
         metavar="NAME NAME",
         help="Join these two parts firmly; repeatable. With * and ? every two that match and "
-        "touch: --fasten 'bolt*' 'nut*'.",
+        "touch, held ones only by their full name: --fasten 'bolt*' 'nut*'.",
         rich_help_panel=HELD,
         show_default=False,
+    ),
+]
+FastenSuggested = Annotated[
+    bool,
+    typer.Option(
+        "--fasten-suggested",
+        help="Join what looks fastened, and name it: screws in threads, press fits, inserts, and "
+        "what else overlaps.",
+        rich_help_panel=HELD,
+    ),
+]
+FastenOverlaps = Annotated[
+    bool,
+    typer.Option(
+        "--fasten-overlaps",
+        help="Join every two parts that overlap, and name them.",
+        rich_help_panel=HELD,
     ),
 ]
 Json = Annotated[
@@ -189,6 +206,8 @@ READING: dict[str, tuple[Any, Any]] = {
     "units": (Units, None),
     "density": (Density, None),
     "fasten": (Fasten, None),
+    "fasten_suggested": (FastenSuggested, False),
+    "fasten_overlaps": (FastenOverlaps, False),
     "gap": (Gap, None),
     "angle": (Angle, None),
     "clearance": (Clearance, None),

@@ -31,6 +31,7 @@ from kilter.contact.gaps import Rejected, Tolerance
 
 __all__ = [
     "INTERFERE",
+    "SAME_BODY",
     "ContactSet",
     "Degenerate",
     "Overlap",
@@ -41,6 +42,8 @@ __all__ = [
 
 INTERFERE = "interfere"
 """What is said of a shaft that is thicker than its hole: a thread, a press fit."""
+SAME_BODY = "are the same body twice"
+"""What is said of two bodies in one place."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -321,7 +324,7 @@ class ContactSet:
                 {"parts": self._names(o.parts), "volume": o.volume, "depth": o.depth, "why": o.why}
                 for o in self.overlaps
             ],
-            "joints": [{"parts": list(j.parts), "kind": j.kind} for j in assembly.joints],
+            "joints": assembly.joints_data(),
             "sizes": [float(sizes.min()), float(sizes.max())],
             "histogram": {
                 "edges": [float(e) if np.isfinite(e) else None for e in self.gap_edges],

@@ -98,6 +98,12 @@ ONE_POINT = 4e-5
 
 INTERFERENCE = 0.1
 """A shaft may be thicker than its hole by this fraction of its radius, not by more [-]."""
+PRESS_FIT = 0.02
+"""A shaft that is thicker than its hole by more than this fraction of its radius is taken for a
+thread: press fits are below, threads drawn at their outer radius above [-]."""
+THREAD = 0.25
+"""A thread drawn as a cylinder is thicker than its hole by up to this fraction of its radius:
+M2 in the hole for its tap has .22 [-]."""
 FIT_LENGTH = 1e-3
 """A fit shorter than this fraction of its radius is none [-]."""
 SMOOTH_ANGLE = 0.02

@@ -34,8 +34,9 @@ LOWEST = "lowest"
 class Reading:
     """How a file is read: the options that change what is judged.
 
-    Those of `load`, and `fasten`, the pairs of names that `kilter.fastened` joins, since a
-    proof names them all. `floor` is a height [length unit] or `LOWEST`.
+    Those of `load`, and what `kilter.fastened` joins, since a proof names them all: pairs of
+    names (`fasten`), what looks fastened, what overlaps. `floor` is a height [length unit] or
+    `LOWEST`.
     """
 
     ground: tuple[str, ...] = ()
@@ -46,13 +47,20 @@ class Reading:
     units: str | None = None
     density: float | None = None
     fasten: tuple[tuple[str, str], ...] = ()
+    fasten_suggested: bool = False
+    fasten_overlaps: bool = False
+
+    @property
+    def fastens(self) -> bool:
+        """Something is to be joined, which takes the contacts."""
+        return bool(self.fasten) or self.fasten_suggested or self.fasten_overlaps
 
     def options(self) -> dict[str, Any]:
         """The options that are set, as JSON data."""
         return {
             key: _lists(value)
             for key, value in dataclasses.asdict(self).items()
-            if value not in (None, ())
+            if value not in (None, ()) and value is not False
         }
 
     @classmethod
@@ -70,6 +78,8 @@ class Reading:
                 if key in values:
                     values[key] = tuple(values[key])
             values["fasten"] = tuple((str(a), str(b)) for a, b in values.get("fasten", ()))
+            for key in ("fasten_suggested", "fasten_overlaps"):
+                values[key] = bool(values.get(key, False))
             return cls(**values)
         except (TypeError, ValueError):
             raise InputError("the proof's options cannot be read", hint="make it anew") from None

@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from kilter.assembly import Assembly, require_assembly
-from kilter.contact import ContactSet, Tolerance, contacts, fastened
+from kilter.contact import ContactSet, Tolerance, contacts
+from kilter.contact.fits.fastening import fasten_as_read
 from kilter.errors import InputError
 from kilter.files.reading import Reading, read_json
 from kilter.mechanics.proof_form import require_form
@@ -130,9 +131,9 @@ def verify(
             tell("reading")
             reading = Reading.from_options(data["options"])
             assembly = reading.read(assembly)
-            if reading.fasten:
-                known = contacts(assembly, tolerance=tolerance, progress=progress)
-                assembly = fastened(assembly, reading.fasten, contacts=known)
+            assembly, known = fasten_as_read(
+                assembly, reading, tolerance=tolerance, progress=progress
+            )
         require_assembly(assembly, "verify")
         found = known or contacts(assembly, tolerance=tolerance, progress=progress)
         return verify_proof(assembly, found, data)

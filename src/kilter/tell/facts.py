@@ -420,11 +420,17 @@ def _verify(answer: Answer) -> list[Fact]:
     found.append(("held", some(held) or "joints to the ground"))
     found.append(("gravity", _gravity(answer)))
     if answer["options"]:
-        found.append(("read with", ", ".join(f"{k} {v}" for k, v in answer["options"].items())))
+        found.append(("read with", ", ".join(_option(*one) for one in answer["options"].items())))
     limits, unit = answer["tolerance"], answer["units"]
     gap = f"{limits['gap']:g} {unit}" if limits["gap"] else f"{limits['relative_gap']:g} of a part"
     degrees = math.degrees(limits["angle"])
     return [*found, ("touching", _touching(gap, degrees, limits.get("clearance"), unit))]
+
+
+def _option(name: str, value: Any) -> str:
+    """An option that a file was read with; `True` is its name alone."""
+    words = name.replace("_", "-")
+    return words if value is True else f"{words} {value}"
 
 
 def _assembly(answer: Answer) -> list[Fact]:

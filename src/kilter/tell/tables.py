@@ -119,8 +119,10 @@ def tables(answer: Answer) -> list[Table]:
     kind = kind_of(answer)
     if kind == "margin" and answer["pushes"]:
         return [_pushes(answer)]
+    if kind == "check":
+        return [table for table in [fastened_table(answer)] if len(table.items)]
     if kind == "contacts":
-        every = [_patches(answer), _gaps(answer), *_doubtful(answer)]
+        every = [fastened_table(answer), _patches(answer), _gaps(answer), *_doubtful(answer)]
         return [table for table in every if len(table.items)]
     return []
 
@@ -152,6 +154,13 @@ def moving_table(answer: Answer) -> Table | None:
         return Name(part["name"]), part["motion"] if part["moves"] else part["slow_motion"]
 
     return Table(title, (), moving, row)
+
+
+def fastened_table(answer: Answer) -> Table:
+    """What was joined as it looks or overlaps, not by name."""
+    joined = [joint for joint in answer["joints"] if joint.get("why")]
+    title = f"Fastened, as asked for: {count(len(joined), 'pair')}"
+    return Table(title, (), joined, lambda joint: (*_names(joint), joint["why"]))
 
 
 def forces_table(answer: Answer) -> Table:

@@ -70,16 +70,27 @@ def aligned(rows: Sequence[Sequence[str]], indent: str = "") -> list[str]:
 def suggestions_text(suggestions: Sequence[Answer]) -> str:
     """The list of `kilter check --suggest-joints`."""
     if not suggestions:
-        return "No pair looks like a fastener: no shaft fills a hole."
-    lines = [f"{count(len(suggestions), 'pair')} may be fastened; nothing is joined by itself:"]
+        return "No pair looks as if it were fastened: none overlaps, and no shaft fills a hole."
+    firm = sum(_kind(one) == "fixed" for one in suggestions)
+    lines = [
+        f"{count(len(suggestions), 'pair')} may be fastened; nothing is joined by itself"
+        + (f" (--fasten-suggested joins {firm}):" if firm else ":")
+    ]
     short = shortened(name for one in suggestions[:LISTED] for name in one["parts"])
     for one in suggestions[:LISTED]:
         first, second = (short[name] for name in one["parts"])
-        firmly = (
-            "" if one["joint"]["kind"] == "fixed" else "   (firmly), or as a joint of the file:"
-        )
-        joint = json.dumps(one["joint"])
-        lines += [f"  {first} in {second}: {one['why']}", f"    {one['option']}{firmly}"]
-        lines.append(f"    {joint}")
+        slides = _kind(one) not in ("fixed", None)
+        firmly = "   (firmly), or as a joint of the file:" if slides else ""
+        lines += [
+            f"  {one['kind']}: {first} in {second}: {one['why']}",
+            f"    {one['option']}{firmly}",
+            *([] if one["joint"] is None else [f"    {json.dumps(one['joint'])}"]),
+        ]
     more = len(suggestions) - LISTED
     return "\n".join([*lines, *([f"  and {more} more (--json lists all)"] if more > 0 else [])])
+
+
+def _kind(suggestion: Answer) -> str | None:
+    """The kind of joint that is suggested; None where none is."""
+    joint = suggestion["joint"]
+    return None if joint is None else joint["kind"]

@@ -16,10 +16,10 @@ from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import CYLINDER
-from kilter.contact.contact_tolerances import FIT_LENGTH, INTERFERENCE
+from kilter.contact.contact_tolerances import ANGLE, FIT_LENGTH, INTERFERENCE
 from kilter.contact.gaps import Tolerance
 
-__all__ = ["Fit", "coaxial_fits"]
+__all__ = ["Fit", "coaxial_fits", "is_tube"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,7 +65,11 @@ class _Bore:
 
 
 def coaxial_fits(
-    assembly: Assembly, pairs: Iterable[tuple[int, int]], tolerance: Tolerance
+    assembly: Assembly,
+    pairs: Iterable[tuple[int, int]],
+    tolerance: Tolerance,
+    *,
+    thickest: float = INTERFERENCE,
 ) -> list[Fit]:
     """Fits between pairs of parts: interfering, or size on size within the tolerance.
 
@@ -75,6 +79,8 @@ def coaxial_fits(
     pairs : iterable of pairs of int
     tolerance : Tolerance
         Of the gap, the clearance and the angle.
+    thickest : float
+        The greatest interference, as a fraction of the radius of the shaft [-].
     """
     bores: dict[int, list[_Bore]] = {}
     found = []
@@ -89,7 +95,7 @@ def coaxial_fits(
                 for one in bores[shaft]
                 for other in bores[hole]
                 if not one.hollow and other.hollow
-                for fit in _fit((shaft, hole), one, other, gap, tolerance)
+                for fit in _fit((shaft, hole), one, other, gap, tolerance, thickest)
             ]
             # of several steps of one shaft, the tightest, and of those the longest
             fits.sort(key=lambda fit: (not fit.tight, -fit.length))
@@ -97,8 +103,24 @@ def coaxial_fits(
     return found
 
 
+def is_tube(assembly: Assembly, fit: Fit) -> bool:
+    """Whether the shaft of a fit has a thinner bore on the same axis itself."""
+    for bore in _bores(assembly, fit.parts[0]):
+        apart = bore.point - fit.point
+        offset = float(np.linalg.norm(apart - fit.axis * (fit.axis @ apart)))
+        sine = float(np.linalg.norm(np.cross(bore.axis, fit.axis)))
+        if bore.hollow and bore.radius < fit.radius and max(offset / fit.radius, sine) < ANGLE:
+            return True
+    return False
+
+
 def _fit(
-    parts: tuple[int, int], shaft: _Bore, hole: _Bore, gap: float, tolerance: Tolerance
+    parts: tuple[int, int],
+    shaft: _Bore,
+    hole: _Bore,
+    gap: float,
+    tolerance: Tolerance,
+    thickest: float,
 ) -> list[Fit]:
     gap += shaft.doubt + hole.doubt
     along = float(shaft.axis @ hole.axis)
@@ -108,7 +130,7 @@ def _fit(
     sine = float(np.linalg.norm(np.cross(shaft.axis, hole.axis)))
     if sine > tolerance.angle or offset > gap + max(interference, 0.0):
         return []
-    if not -gap - (tolerance.clearance or 0.0) <= interference <= INTERFERENCE * shaft.radius:
+    if not -gap - (tolerance.clearance or 0.0) <= interference <= thickest * shaft.radius:
         return []
     ends = float(shaft.axis @ apart) + along * np.array([hole.low, hole.high])
     low, high = max(shaft.low, float(ends.min())), min(shaft.high, float(ends.max()))

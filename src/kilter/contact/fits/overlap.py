@@ -22,7 +22,7 @@ from kilter.arrays import TINY, Array, Index, Mask, cross, ratio, unit_rows
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.part import Part
-from kilter.contact.contact_set import INTERFERE, Overlap
+from kilter.contact.contact_set import INTERFERE, SAME_BODY, Overlap
 from kilter.contact.contact_tolerances import SAME_PLACE
 from kilter.contact.fits.coaxial import coaxial_fits
 from kilter.contact.gaps import Tolerance
@@ -120,7 +120,7 @@ def _overlap(
     a, b = parts
     if _identical(geometry, a, b):
         volume = float(geometry.volume[a])
-        return Overlap((a, b), volume, float(min(geometry.size[[a, b]])), "are the same body twice")
+        return Overlap((a, b), volume, float(min(geometry.size[[a, b]])), SAME_BODY)
     if convex:
         return _convex_overlap(geometry, facets, a, b, tolerance)
     depth = max(_depth(geometry, facets, *pair, tolerance, settled) for pair in ((a, b), (b, a)))
