@@ -23,7 +23,7 @@ def test_tolerances_are_ordered(where: object, chain: tuple[str, ...]) -> None:
 
 
 def test_what_the_docstrings_call_equal_is_equal() -> None:
-    assert a.SAME_SURFACE == a.PLANAR_AXIS == a.FLAT_PART
+    assert a.SAME_SURFACE == a.PLANAR_AXIS == a.FLAT_PART == a.INSIDE_OUT
     assert f.RECOGNISED == f.SAME_ANGLE
 
 

@@ -58,10 +58,114 @@ def test_older_files_say_datatype_and_value(write) -> None:
     assert load(write("a.json", data)).geometry.volume == pytest.approx([1])
 
 
+def test_files_of_2021_hold_the_nodes_in_the_assembly(write) -> None:
+    node = {"node": {"0": {"block": block()}, "1": {"block": block(1)}}}
+    kind = "compas_assembly.datastructures/Assembly"
+    files = [
+        {"dtype": kind, "value": {"data": node, "datatype": kind}},
+        {"data": node, "datatype": kind},
+    ]
+    found = [load(write(f"{k}.json", data)) for k, data in enumerate(files)]
+    assert [assembly.names for assembly in found] == [("0", "1")] * 2
+    assert found[0].geometry.volume == pytest.approx([1, 1])
+
+
+def test_a_list_of_meshes_is_an_assembly(write) -> None:
+    mesh = {"dtype": "compas.datastructures/Mesh", "data": block(2, name="lid")["data"]}
+    assembly = load(write("a.json", [block(), block(1), mesh]))
+    assert assembly.names == ("0", "1", "lid")
+    assert assembly.geometry.center[:, 2] == pytest.approx([0, 1, 2])
+    assert load(write("b.json", mesh)).names == ("lid",)
+
+
+def test_a_list_of_other_objects_is_refused(write) -> None:
+    point = {"dtype": "compas.geometry/Point", "data": [0, 0, 0]}
+    with pytest.raises(InputError, match="not all meshes"):
+        load(write("a.json", [block(), point]))
+
+
+def test_densities_of_blocks_are_theirs(write) -> None:
+    nodes = {"0": {"block": block(density=2.5)}, "1": {"block": block(1, density=None)}}
+    assembly = load(write("a.json", compas(nodes)), density=3)
+    assert assembly.geometry.mass == pytest.approx([2.5, 3])
+
+
+@pytest.mark.parametrize("density", [0, -1, "heavy", float("inf"), [1], True])
+def test_a_density_that_is_none_is_refused(density: Any, write) -> None:
+    with pytest.raises(InputError, match="part 'stone': density is"):
+        load(write("a.json", compas({"0": {"block": block(name="stone", density=density)}})))
+
+
+# interfaces ------------------------------------------------------------------------------
+
+FRAME = {"dtype": "compas.geometry/Frame", "data": {"xaxis": [1, 0, 0], "yaxis": [0, 1, 0]}}
+DOWN = {"xaxis": [0, 1, 0], "yaxis": [1, 0, 0]}
+CORNERS = [[-0.5, -0.5, 0.5], [0.5, -0.5, 0.5], [0.5, 0.5, 0.5], [-0.5, 0.5, 0.5]]
+
+
+def stacked(edge: dict[str, Any], u: str = "0", v: str = "1") -> dict[str, Any]:
+    nodes = {"0": {"block": block(), "is_support": True}, "1": {"block": block(1)}}
+    return compas(nodes, edge={u: {v: edge}, v: {}})
+
+
+def faced(frame: Any, points: Any = CORNERS) -> dict[str, Any]:
+    data = {"points": points, "frame": frame}
+    return {"dtype": "compas_assembly.datastructures/Interface", "data": data}
+
+
+@pytest.mark.parametrize("frame", [FRAME, DOWN, None], ids=["up", "down", "none"])
+@pytest.mark.parametrize("ends", [("0", "1"), ("1", "0")], ids=["upwards", "downwards"])
+def test_an_interface_pushes_the_blocks_apart(frame: Any, ends: tuple[str, str], write) -> None:
+    """Whichever way its frame and its edge point: writers differ."""
+    path = write("a.json", stacked({"interfaces": [faced(frame)]}, *ends))
+    assembly = load(path, contacts="file")
+    assert not assembly.detect
+    (contact,) = assembly.contacts
+    assert contact.parts == ends
+    assert contact.normal.tolist() == [0, 0, 1 if ends == ("0", "1") else -1]
+    assert contact.points.tolist() == CORNERS
+    assert load(path, contacts="geometry").contacts == ()
+
+
+@pytest.mark.parametrize("edge", [
+    {"interface": faced(FRAME)},
+    {"interface": faced(FRAME)["data"], "interfaces": None},
+    {"interface_points": CORNERS, "interface_uvw": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]},
+    {"interfaces": [faced(FRAME, [{"dtype": "compas.geometry/Point", "data": p}
+                                  for p in CORNERS])]},
+])  # fmt: skip
+def test_older_interfaces(edge: dict[str, Any], write) -> None:
+    (contact,) = load(write("a.json", stacked(edge)), contacts="file").contacts
+    assert contact.points.tolist() == CORNERS
+    assert contact.normal.tolist() == [0, 0, 1]
+
+
 def test_interfaces_of_the_file_are_noted(write) -> None:
-    edge = {"0": {"1": {"interfaces": [{}, {}]}, "2": {"interface": None}}}
-    data = compas({"0": {"block": block()}}, edge=edge)
-    assert load(write("a.json", data)).notes == ("2 interfaces of the file are not used",)
+    path = write("a.json", stacked({"interfaces": [faced(FRAME)]}))
+    (note,) = load(path).notes
+    assert note.startswith("the file carries 1 interfaces")
+    assert "--contacts file" in note
+    assert not load(path).contacts
+    assert not load(path, contacts="file").notes
+
+
+@pytest.mark.parametrize(("edge", "words"), [
+    ({"interfaces": []}, "carries no interfaces; leave contacts='file' out"),
+    ({"interfaces": [faced(FRAME, [])]}, "of '0' and '1' has no usable corners"),
+    ({"interfaces": [faced(FRAME, [[0, 0], [1]])]}, "no usable corners"),
+    ({"interfaces": [faced(FRAME, [[0, 0, float("nan")]])]}, "no usable corners"),
+    ({"interfaces": [faced({"xaxis": [1, 0, 0], "yaxis": [2, 0, 0]})]}, "no usable corners"),
+    ({"interfaces": [faced({"xaxis": 5, "yaxis": [2, 0, 0]})]}, "no usable corners"),
+])  # fmt: skip
+def test_interfaces_that_cannot_be_used_are_refused(edge: Any, words: str, write) -> None:
+    with pytest.raises(InputError, match=words):
+        load(write("a.json", stacked(edge)), contacts="file")
+
+
+def test_an_interface_of_a_block_that_is_not_there(write) -> None:
+    data = compas({"0": {"block": block()}}, edge={"0": {"9": {"interface": faced(FRAME)}}})
+    with pytest.raises(InputError, match="names block '9', which is not there"):
+        load(write("a.json", data), contacts="file")
 
 
 def broken(**change: Any) -> dict[str, Any]:

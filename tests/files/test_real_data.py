@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import pytest
 
+from kilter.analysis.check import check
 from kilter.files import from_dict, load, to_dict
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
@@ -39,3 +41,39 @@ def test_folders(name: str, count: int, accuracy: float, capfd) -> None:
     assert assembly.notes == ("passed over, no mesh or STEP files: 'rbe_admm.json'",)
     assert assembly.geometry.accuracy.max() == pytest.approx(accuracy, rel=0.6)
     assert capfd.readouterr() == ("", "")
+
+
+# COMPAS ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("old", ["2db5a65-cubes", "84da9ff-cubes"])
+def test_files_of_2021_equal_what_they_were_made_into(old: str) -> None:
+    first, second = (load(DATA / "compas_cra" / f"{n}.json") for n in (f"old/{old}", "cubes"))
+    assert to_dict(first) == to_dict(second)
+
+
+def test_densities_turn_the_verdict_over() -> None:
+    assembly = load(DATA / "compas_cra" / "densities.json", ground="0")
+    assert assembly.geometry.mass / assembly.geometry.volume == pytest.approx([1, 1, 10])
+    assert check(assembly).verdict == "stable"
+    alike = [dataclasses.replace(part, density=None) for part in assembly.parts]
+    assert check(dataclasses.replace(assembly, parts=alike)).verdict == "unstable"
+
+
+@pytest.mark.parametrize(("mu", "forces"), [(0, False), (0.02, False), (0.04, False), (0.84, True)])
+def test_curved_blocks_on_the_interfaces_of_the_file(mu: float, forces: bool) -> None:
+    """The limit is near .051: below, the blocks slide along -x."""
+    path = DATA / "compas_cra" / "curve-3-blocks.json"
+    found = check(load(path, ground="0", contacts="file", friction=mu))
+    assert (found.verdict != "unstable") == forces
+    assert len(found.contacts) == 40
+    assert found.certificate is not None
+
+
+def test_crossvault_on_the_interfaces_of_the_file() -> None:
+    path = DATA / "compas_assembly" / "crossvault.json"
+    assembly = load(path, contacts="file", friction=0.84)
+    assert [part.name for part in assembly.parts if part.grounded] == ["180", "181", "182", "183"]
+    found = check(assembly)
+    assert len(found.contacts) == 488
+    assert found.verdict not in ("unstable", "undecided")

@@ -1,19 +1,29 @@
 """Tolerances of assemblies: sizes that are read, and what counts as flat, level or the same.
 
-    SAME_SURFACE = PLANAR_AXIS = FLAT_PART < COPLANAR        all relative, or angles in rad
+    SAME_SURFACE = PLANAR_AXIS = FLAT_PART = INSIDE_OUT < COPLANAR    all relative, or angles in rad
 
 None of them decides what touches: that is `kilter.contact.contact_tolerances`.
 """
 
 from __future__ import annotations
 
-__all__ = ["COPLANAR", "FLAT_PART", "LARGEST", "PLANAR_AXIS", "SAME_SURFACE", "SMOOTH"]
+__all__ = [
+    "COPLANAR",
+    "FLAT_PART",
+    "INSIDE_OUT",
+    "LARGEST",
+    "PLANAR_AXIS",
+    "SAME_SURFACE",
+    "SMOOTH",
+]
 
 LARGEST = 1e30
 """Sizes of parts above this, or below its inverse, are refused: moments of inertia, fifth
 powers of a size, must stay within float64 [length unit]."""
 FLAT_PART = 1e-9
 """A part of less volume than this times the cube of its reach is flat, and refused [-]."""
+INSIDE_OUT = 1e-9
+"""A second moment of matter below zero by more than this fraction of the largest is no rounding."""
 PLANAR_AXIS = 1e-9
 """Sine of the angle up to which the axis of a joint lies along or across y [-]."""
 SAME_SURFACE = 1e-9

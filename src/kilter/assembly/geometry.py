@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, cross, ragged, read_only, starts
-from kilter.assembly.assembly_tolerances import FLAT_PART, LARGEST
+from kilter.assembly.assembly_tolerances import FLAT_PART, INSIDE_OUT, LARGEST
 from kilter.assembly.part import Part
 from kilter.assembly.surfaces import Surfaces, join_surfaces, surfaces_of
 from kilter.errors import InputError, some_names
@@ -163,6 +163,7 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
             part=parts[flat[0]].name,
             hint="give a closed solid",
         )
+    _refuse_inside_out(parts, boxes, second)
     mass, center, second = _masses(parts, units, (volume, center, second), warnings)
 
     world = np.einsum("nij,nj->ni", rotation[owner], vertices) + position[owner]
@@ -199,6 +200,22 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
         slack=slack,
         warnings=tuple(warnings),
     )
+
+
+def _refuse_inside_out(parts: Sequence[Part], boxes: Mask, second: Array) -> None:
+    """Refuse surfaces that cross themselves so that matter of negative volume outweighs the rest.
+
+    The second moment of matter is a sum of squares: no eigenvalue of it is below zero.
+    """
+    solid = np.flatnonzero(~boxes)
+    spread = np.linalg.eigvalsh(second[solid])
+    wrong = solid[spread[:, 0] < -INSIDE_OUT * np.abs(spread).max(axis=1)]
+    if len(wrong):
+        raise InputError(
+            "its faces cross each other: what they enclose is partly inside out",
+            part=parts[int(wrong[0])].name,
+            hint="heal it where it was made",
+        )
 
 
 def _local_surfaces(

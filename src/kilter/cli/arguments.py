@@ -32,6 +32,8 @@ def reading_of(
     fasten: list[str] | None = None,
     fasten_suggested: bool = False,
     fasten_overlaps: bool = False,
+    up: str | None = None,
+    contacts: str | None = None,
 ) -> Reading:
     """The reading that the options of a command ask for."""
     return Reading(
@@ -45,6 +47,8 @@ def reading_of(
         fasten=tuple(_pair(words) for words in fasten or ()),
         fasten_suggested=fasten_suggested,
         fasten_overlaps=fasten_overlaps,
+        up=up,
+        contacts=contacts,
     )
 
 

@@ -62,6 +62,7 @@ class Asked:
             *(given[key] for key in ("ground", "floor", "without", "down", "friction")),
             *(given[key] for key in ("units", "density")),
             *(given[key] for key in ("fasten", "fasten_suggested", "fasten_overlaps")),
+            *(given[key] for key in ("up", "contacts")),
         )
         gap, angle, clearance = (given[key] for key in ("gap", "angle", "clearance"))
         budget = given.get("budget", 0.0)

@@ -70,6 +70,27 @@ Down = Annotated[
         show_default=False,
     ),
 ]
+Up = Annotated[
+    str | None,
+    typer.Option(
+        "--up",
+        metavar="x|y|z|-x|-y|-z",
+        help="The axis of the file that points up, for files that are not made with z up.",
+        rich_help_panel=HELD,
+        show_default=False,
+    ),
+]
+Contacts = Annotated[
+    str | None,
+    typer.Option(
+        "--contacts",
+        metavar="file|geometry",
+        help="Take the contacts that the file carries (interfaces of COMPAS) and no others, or "
+        "detect all of them.",
+        rich_help_panel=TOUCH,
+        show_default=False,
+    ),
+]
 Friction = Annotated[
     float | None,
     typer.Option(
@@ -202,12 +223,14 @@ READING: dict[str, tuple[Any, Any]] = {
     "floor": (Floor, None),
     "without": (Without, None),
     "down": (Down, None),
+    "up": (Up, None),
     "friction": (Friction, None),
     "units": (Units, None),
     "density": (Density, None),
     "fasten": (Fasten, None),
     "fasten_suggested": (FastenSuggested, False),
     "fasten_overlaps": (FastenOverlaps, False),
+    "contacts": (Contacts, None),
     "gap": (Gap, None),
     "angle": (Angle, None),
     "clearance": (Clearance, None),

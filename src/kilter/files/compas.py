@@ -1,13 +1,16 @@
 """COMPAS assemblies as JSON: blocks at the nodes of a graph, each a mesh of polygons.
 
 A block without a name, or with one that others have too, is named by its node's key. Blocks
-that are marked as supports are held. The files have no units and no densities; interfaces
-that they carry are not used.
+that are marked as supports are held, and a density that a block states is its own. The files
+have no units. Interfaces that they carry are the contacts where that is asked for
+(`kilter.files.interfaces`). A list of meshes, or one mesh, is an assembly too: parts without
+a name are named by their place in the list.
 
 References
 ----------
-compas_assembly, `datastructures.Assembly`; its serialisation is ``{"dtype", "data"}``,
-``{"datatype", "value"}`` in older files.
+compas_assembly, `datastructures.Assembly`; its serialisation is ``{"dtype", "data"}``; in files
+of 2021 ``{"dtype", "value": {"data", "datatype"}}`` or ``{"data", "datatype"}``, with the nodes
+in the assembly itself.
 """
 
 from __future__ import annotations
@@ -20,6 +23,7 @@ import numpy as np
 from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
 from kilter.files.accuracy import text_accuracy
+from kilter.files.interfaces import contacts_of, interfaces_of
 from kilter.files.naming import natural_key
 from kilter.shape.primitives import Mesh
 
@@ -29,20 +33,31 @@ _HINT = "export the assembly with compas_assembly again"
 
 
 def is_compas(data: Any) -> bool:
-    """The JSON value is a serialised COMPAS object.
+    """The JSON value is a serialised COMPAS object, or a list of them.
 
     Examples
     --------
     >>> is_compas({"dtype": "compas_assembly.datastructures/Assembly", "data": {}})
     True
-    >>> is_compas({"kilter": 1})
-    False
+    >>> is_compas([{"dtype": "compas.datastructures/Mesh", "data": {}}])
+    True
+    >>> is_compas({"kilter": 1}), is_compas({"data": {}}), is_compas([1])
+    (False, False, False)
     """
+    if isinstance(data, list):
+        return bool(data) and all(isinstance(one, dict) and is_compas(one) for one in data)
     return isinstance(data, dict) and str(_kind(data)).startswith("compas")
 
 
-def from_compas(data: Any, *, units: str | None = None, source: str = "") -> Assembly:
+def from_compas(
+    data: Any, *, units: str | None = None, source: str = "", contacts: str | None = None
+) -> Assembly:
     """The assembly that a COMPAS file holds.
+
+    Parameters
+    ----------
+    contacts : {"file", "geometry"}, optional
+        "file": the interfaces of the file are the contacts, and no others are looked for.
 
     Raises
     ------
@@ -50,24 +65,42 @@ def from_compas(data: Any, *, units: str | None = None, source: str = "") -> Ass
         If it is no assembly of blocks, or a block is damaged; it names the block.
     """
     try:
-        nodes, defaults, interfaces = _graph(data)
+        nodes, graph = _graph(data)
+        defaults = _dict(graph.get("default_node_attributes") or graph.get("node_attributes"))
         keys = sorted(nodes, key=natural_key)
         blocks = {key: _block(key, nodes[key]) for key in keys}
         names = _names(blocks)
         corners = {key: _vertices(names[key], blocks[key]) for key in keys}
         accuracy = text_accuracy(np.concatenate([_rows(corners[key]) for key in keys]))
-        parts = [
-            Part(
+        parts = {
+            key: Part(
                 names[key],
                 _mesh(names[key], blocks[key], corners[key], accuracy),
                 grounded=_is_support(nodes[key], defaults, blocks[key]),
+                density=_dict(blocks[key].get("attributes")).get("density"),
             )
             for key in keys
-        ]
-        notes = [f"{interfaces} interfaces of the file are not used"] if interfaces else []
-        return Assembly(parts, units=units or "m", source=source, notes=notes)
+        }
+        found = interfaces_of(graph)
+        used = contacts_of(found, parts) if contacts == "file" else []
+        notes = [_not_used(len(found))] if found and contacts is None else []
+        return Assembly(
+            list(parts.values()),
+            units=units or "m",
+            source=source,
+            notes=notes,
+            contacts=used,
+            detect=contacts != "file",
+        )
     except InputError as error:
         raise error.located(file=source or None) from None
+
+
+def _not_used(count: int) -> str:
+    return (
+        f"the file carries {count} interfaces; contacts are taken from the geometry all the same: "
+        "--contacts file takes those of the file (in Python contacts='file')"
+    )
 
 
 def _kind(data: dict[str, Any]) -> Any:
@@ -81,18 +114,19 @@ def _inner(data: Any) -> dict[str, Any]:
     return data if isinstance(data, dict) else {}
 
 
-def _graph(data: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any], int]:
-    """Nodes of the graph by key, their default attributes, and how many interfaces it has."""
-    graph = _inner(_inner(data).get("graph"))
+def _graph(data: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Nodes by key, and the graph that they are of; a list of meshes is one without edges."""
+    meshes = data if isinstance(data, list) else [data]
+    if all("vertex" in _inner(mesh) for mesh in meshes):
+        return {str(k): {"block": mesh} for k, mesh in enumerate(meshes)}, {}
+    if isinstance(data, list):
+        raise InputError("a list of COMPAS objects that are not all meshes", hint=_HINT)
+    content = _inner(data)
+    graph = _inner(content["graph"]) if "graph" in content else content
     nodes = graph.get("node")
     if not isinstance(nodes, dict) or not nodes:
         raise InputError(f"a COMPAS {_kind(data)!r} without blocks", hint=_HINT)
-    count = 0
-    for row in _dict(graph.get("edge")).values():
-        for edge in _dict(row).values():
-            found = _dict(edge).get("interfaces") or _dict(edge).get("interface")
-            count += len(found) if isinstance(found, list) else bool(found)
-    return nodes, _dict(graph.get("default_node_attributes")), count
+    return nodes, graph
 
 
 def _dict(value: Any) -> dict[str, Any]:
@@ -110,7 +144,7 @@ def _names(blocks: dict[str, dict[str, Any]]) -> dict[str, str]:
     given = {}
     for key, block in blocks.items():
         name = _dict(block.get("attributes")).get("name")
-        given[key] = name if isinstance(name, str) and name else key
+        given[key] = name.strip() if isinstance(name, str) and name.strip() else key
     count = Counter(given.values())
     return {key: name if count[name] == 1 else key for key, name in given.items()}
 

@@ -9,9 +9,11 @@ a face is recognised before its triangles, which only lie within DEFLECTION of i
 from __future__ import annotations
 
 __all__ = [
+    "ALONG",
     "DEFLECTION",
     "INTEGRAL",
     "LEEWAY",
+    "LOWEST_CORNERS",
     "RECOGNISED",
     "RIGID",
     "SAME_ANGLE",
@@ -31,11 +33,15 @@ VOLUME = 1e-6
 """Fraction of the volume that integrals over the faces may be wrong by."""
 RECOGNISED = 1e-5
 """Points of a face may be this far from the surface it is taken for, in sizes of the face."""
+LOWEST_CORNERS = 1e-4
+"""Corners this fraction of the height above the lowest one are lowest too [-]."""
 SAME_ANGLE = 1e-5
 """Faces that leave an edge within this angle lie on each other [rad]."""
 DEFLECTION = 1e-3
 """Greatest distance of a triangle from its face, in sizes of the solid."""
 TURN = 0.2
 """Angle that OCCT is asked for; neighbouring triangles of a round face turn by half of it [rad]."""
+ALONG = 0.7
+"""Cosine from which on a face of a block may be one side of an interface [-]."""
 LEEWAY = 2.0
 """Times the sagitta that triangles may be off, on average, from the faces they stand for."""

@@ -18,6 +18,7 @@ from kilter.files.compas import from_compas, is_compas
 from kilter.files.folder import load_folder
 from kilter.files.formats import FORMATS, load_bodies
 from kilter.files.kilter_json import from_dict
+from kilter.files.lying import UP, note_on_up
 from kilter.files.raw import read_bytes
 from kilter.files.strict_json import parse_json
 from kilter.units import metres_per_unit
@@ -28,6 +29,9 @@ __all__ = ["LOWEST", "Reading", "load", "read_json"]
 STANDARD_INPUT = "-"
 LOWEST = "lowest"
 """Floor under the lowest point, in place of a height."""
+SOURCES = ("file", "geometry")
+"""What `contacts` may be taken from."""
+_OR = " or "
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +41,11 @@ class Reading:
     Those of `load`, and what `kilter.fastened` joins, since a proof names them all: pairs of
     names (`fasten`), what looks fastened, what overlaps. `floor` is a height [length unit] or
     `LOWEST`.
+
+    Raises
+    ------
+    InputError
+        If `up` is no axis, or stands beside `down`; or `contacts` is none of the two.
     """
 
     ground: tuple[str, ...] = ()
@@ -49,6 +58,17 @@ class Reading:
     fasten: tuple[tuple[str, str], ...] = ()
     fasten_suggested: bool = False
     fasten_overlaps: bool = False
+
+    up: str | None = None
+    contacts: str | None = None
+
+    def __post_init__(self) -> None:
+        if self.up is not None and self.up not in UP:
+            raise InputError(f"up is {self.up!r:.40}", hint=f"use {', '.join(UP)}")
+        if self.up is not None and self.down is not None:
+            raise InputError("up and down are both given", hint="give one of them")
+        if self.contacts is not None and self.contacts not in SOURCES:
+            raise InputError(f"contacts are {self.contacts!r:.40}", hint=f"use {_OR.join(SOURCES)}")
 
     @property
     def fastens(self) -> bool:
@@ -90,17 +110,24 @@ class Reading:
             metres_per_unit(self.units)
         if not isinstance(source, str | os.PathLike) or not os.fspath(source):
             raise InputError(f"a file's path is {source!r:.60}", hint="give a path, or '-'")
-        assembly = _read(source, self.units)
+        read, states_gravity = _read(source, self)
+        assembly = _with_contacts(self, read)
         if self.density is not None:
             assembly = _with_density(assembly, self.density)
         if self.without:
             assembly = assembly.without(self.without)
         if self.friction is not None:
             assembly = assembly.with_friction(self.friction)
+        if self.up is not None:
+            assembly = assembly.with_down([-x for x in UP[self.up]])
         if self.down is not None:
             assembly = assembly.with_down(self.down)
         if self.ground:
             assembly = assembly.with_grounded(self.ground)
+        if self.up is None and self.down is None and not states_gravity:
+            notes = note_on_up(assembly)
+            if notes:  # else it keeps the geometry that was asked for
+                assembly = dataclasses.replace(assembly, notes=[*assembly.notes, *notes])
         if self.floor is not None:
             assembly = assembly.with_floor(None if self.floor == LOWEST else float(self.floor))
         return assembly
@@ -115,7 +142,9 @@ def load(
     floor: bool | float | None = None,
     without: str | Iterable[str] = (),
     down: ArrayLike | None = None,
+    up: str | None = None,
     friction: float | None = None,
+    contacts: str | None = None,
 ) -> Assembly:
     """The assembly that a file, a folder, or standard input (``-``) describes.
 
@@ -137,8 +166,14 @@ def load(
         True: a held table under the lowest point; a number: at that height [length unit].
     down : array_like, shape (3,), optional
         Direction of gravity; its size stays that of the file.
+    up : {"x", "y", "z", "-x", "-y", "-z"}, optional
+        The axis of the file that points up, against gravity: ``"y"`` is ``down=[0, -1, 0]``.
     friction : float, optional
         Coefficient of contacts that have none of their own [-].
+    contacts : {"file", "geometry"}, optional
+        "file": those that the file carries (interfaces of COMPAS, `contacts` of a kilter file),
+        and no others; "geometry": all are detected. Where it is not given, those of a kilter
+        file stand for their pairs, interfaces of COMPAS are not used, and that is noted.
 
     Raises
     ------
@@ -157,6 +192,8 @@ def load(
         friction=friction,
         units=units,
         density=density,
+        up=up,
+        contacts=contacts,
     )
     return reading.read(source)
 
@@ -170,19 +207,19 @@ def _lists(value: Any) -> Any:
     return [_lists(inner) for inner in value] if isinstance(value, tuple) else value
 
 
-def _read(source: str | Path, units: str | None) -> Assembly:
+def _read(source: str | Path, reading: Reading) -> tuple[Assembly, bool]:
+    """The assembly as the file has it, and whether the file says which way gravity points."""
     if os.fspath(source) == STANDARD_INPUT:
-        return _from_json(sys.stdin.buffer.read(), Path(), "standard input", units)
-    path = Path(source)
+        return _from_json(sys.stdin.buffer.read(), Path(), "standard input", reading)
+    path, units = Path(source), reading.units
     suffix = path.suffix.lower()
     if _is_folder(path):
-        return load_folder(path, units=units)
-
+        return load_folder(path, units=units), False
     if suffix in FORMATS:
-        return load_bodies(path, units=units)
+        return load_bodies(path, units=units), False
     data = read_bytes(path)
     if suffix == ".json":
-        return _from_json(data, path.parent, str(path), units)
+        return _from_json(data, path.parent, str(path), reading)
     kinds = f".json, {', '.join(FORMATS)}, or a folder of them"
     raise InputError(
         f"files of {path.suffix or 'no ending'} are not read", file=str(path), hint=f"give {kinds}"
@@ -211,17 +248,41 @@ def _is_folder(path: Path) -> bool:
         return False
 
 
-def _from_json(data: bytes, folder: Path, source: str, units: str | None) -> Assembly:
-
+def _from_json(data: bytes, folder: Path, source: str, reading: Reading) -> tuple[Assembly, bool]:
     try:
         content = parse_json(data)
     except InputError as error:
         raise error.located(file=source) from None
     if is_compas(content):
-        return from_compas(content, units=units, source=source)
+        return from_compas(
+            content, units=reading.units, source=source, contacts=reading.contacts
+        ), False
     assembly = from_dict(content, folder=folder, source=source)
-    _check_units(assembly, units)
-    return assembly
+    _check_units(assembly, reading.units)
+    return assembly, True
+
+
+def _with_contacts(reading: Reading, assembly: Assembly) -> Assembly:
+    """The assembly with the contacts of the file alone, or with none of them, as asked."""
+    if reading.contacts == "geometry":
+        return dataclasses.replace(assembly, contacts=(), detect=True)
+    if reading.contacts != "file":
+        return assembly
+    if not assembly.contacts:
+        raise InputError(
+            "the file carries no contacts",
+            file=assembly.source or None,
+            hint="leave contacts='file' out",
+            option="leave --contacts file out",
+        )
+    if reading.floor is not None:
+        raise InputError(
+            "the contacts are those of the file, and a floor has none in it",
+            file=assembly.source or None,
+            hint="hold parts with ground=[...] in place of the floor",
+            option="hold parts with --ground NAME in place of --floor",
+        )
+    return dataclasses.replace(assembly, detect=False)
 
 
 def _check_units(assembly: Assembly, units: str | None) -> None:
