@@ -58,7 +58,6 @@ class Reading:
     fasten: tuple[tuple[str, str], ...] = ()
     fasten_suggested: bool = False
     fasten_overlaps: bool = False
-
     up: str | None = None
     contacts: str | None = None
 
