@@ -106,7 +106,7 @@ def proofs() -> None:
     }
     print(f"{'case':<30} {'seconds':>8} {'verdict':<19} guarantee  programs")
     for name, assembly in cases.items():
-        seconds, verdict = timed(lambda a=assembly: check(a, budget=60.0))
+        seconds, verdict = timed(lambda a=assembly: check(a, effort=3))
         exclusion = verdict.friction.exclusion if verdict.friction else None
         count = exclusion.programs if exclusion else 0
         print(

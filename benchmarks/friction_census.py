@@ -21,10 +21,10 @@ from kilter.friction.seating import find_seating
 from kilter.scenes.random_friction import random_assembly
 
 
-def asked(seed: int, budget: float) -> tuple[str, str, list[str]]:
+def asked(seed: int, effort: float) -> tuple[str, str, list[str]]:
     """Family, answer and contradictions of one random assembly."""
     family, assembly = random_assembly(seed)
-    verdict = check(assembly, budget=budget)
+    verdict = check(assembly, effort=effort)
     wrong = []
     answer = verdict.verdict
     if verdict.friction is not None:
@@ -32,7 +32,7 @@ def asked(seed: int, budget: float) -> tuple[str, str, list[str]]:
         if verdict.verdict == "stable":
             if not find_seating(verdict.program).seated:
                 wrong.append("proved but not seated")
-            found = find_coulomb_motion(verdict.program, budget=budget, seed=1)
+            found = find_coulomb_motion(verdict.program, work=effort, seed=1)
             if found is not None:
                 wrong.append("proved, and a motion obeys the law")
         else:
@@ -41,7 +41,7 @@ def asked(seed: int, budget: float) -> tuple[str, str, list[str]]:
             law = verdict.friction.witness.law
             if not law.holds:
                 wrong.append("a witness that breaks the law")
-            if prove_no_motion(verdict.program, budget=budget / 2).proved:
+            if prove_no_motion(verdict.program, work=effort / 2).proved:
                 wrong.append("a witness, and a proof")
     return family, answer, wrong
 
@@ -50,12 +50,12 @@ def main() -> int:
     """Ask them all; 1 where something contradicts itself."""
     words = sys.argv[1:]
     count = int(words[0]) if words else 200
-    budget = float(words[1]) if len(words) > 1 else 1.0
+    effort = float(words[1]) if len(words) > 1 else 1.0
     first = int(words[2]) if len(words) > 2 else 0
     answers: collections.Counter[str] = collections.Counter()
     contradictions = []
     for seed in range(first, first + count):
-        family, answer, wrong = asked(seed, budget)
+        family, answer, wrong = asked(seed, effort)
         answers[answer] += 1
         contradictions += [f"seed {seed} ({family}): {word}" for word in wrong]
     for answer, number in sorted(answers.items()):

@@ -11,7 +11,7 @@ import os
 from typing import Any
 
 PAGE = "gallery.md"
-BUDGET = 2.0
+EFFORT = 1
 """Seconds for what friction guarantees, a scene; what is open then says so."""
 WORDS = {
     "stable": "Stable",
@@ -34,7 +34,7 @@ def drawn(scene: Any) -> tuple[bytes, str]:
     import kilter
     from kilter.show.canvas import rendered
 
-    verdict = kilter.check(scene.build(), budget=BUDGET)
+    verdict = kilter.check(scene.build(), effort=EFFORT)
     picture = rendered(kilter.draw(verdict), ".png")
     entry = (
         f"\n## {scene.name}\n\n"

@@ -101,7 +101,7 @@ def test_a_notebook_shows_counts_and_what_is_held(wall: Assembly) -> None:
 
 @pytest.mark.parametrize("name", ["tower", "paper-figure-8", "trough"])
 def test_stable_says_so_and_truth_is_refused(name: str) -> None:
-    verdict = kilter.check(scene(name), budget=0)
+    verdict = kilter.check(scene(name), effort=0)
     assert verdict.stable == (verdict.verdict == "stable")
     with pytest.raises(TypeError, match=r"use \.stable"):
         bool(verdict)
@@ -149,7 +149,7 @@ def arrays_of(value: Any, seen: set[int]) -> Iterator[tuple[str, np.ndarray]]:
     "name", ["paper-figure-8", "ladder", "trough", "three-cylinders", "corner-wedges"]
 )
 def test_no_array_of_a_verdict_can_be_written_to(name: str) -> None:
-    verdict = kilter.check(scene(name), budget=0.5)
+    verdict = kilter.check(scene(name), effort=1)
     found = list(arrays_of(verdict, set()))
     assert len(found) > 50
     writable = [way for way, array in found if array.flags.writeable]
@@ -217,7 +217,7 @@ def test_what_is_no_assembly_is_told_how_to_become_one(verb: Any, given: Any, hi
         (lambda: Joint("ab"), "give a pair of names"),
         (lambda: kilter.check(Assembly([CUBE]).with_grounded("*"), tolerance=0.1), "Tolerance"),
         (lambda: kilter.check(Assembly([CUBE]).with_grounded("*"), contacts=[]), "contacts"),
-        (lambda: kilter.check(Assembly([CUBE]).with_grounded("*"), budget=-1), "budget"),
+        (lambda: kilter.check(Assembly([CUBE]).with_grounded("*"), effort=-1), "effort"),
     ],
 )
 def test_wrong_types_fail_at_once_in_one_sentence(build: Any, words: str) -> None:

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from kilter.errors import InputError
+from kilter.work import EFFORT
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,10 +29,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Report", "draw", "fingerprint", "report", "view"]
 
-BUDGET = 5.0
-"""For the search of motions with friction, where a page is made [s]."""
-FIGURE_BUDGET = 10.0
-"""Where a figure is drawn [s]."""
 PAUSE = 0.4
 """Between two looks at a file [s]."""
 PAGES = (".html", ".htm")
@@ -66,7 +63,8 @@ def report(
     title: str = "",
     contacts: ContactSet | None = None,
     tolerance: Tolerance | None = None,
-    budget: float = BUDGET,
+    effort: float = EFFORT,
+    time_limit: float | None = None,
     command: str = "",
     progress: Tell | None = None,
 ) -> Report:
@@ -79,7 +77,7 @@ def report(
         Where the page is written, ending in .html.
     title : str
         Shown above; the name of the file where it is not given.
-    contacts, tolerance, budget, progress
+    contacts, tolerance, effort, time_limit, progress
         As of `kilter.check`.
     command : str
         How to make the page again, shown on it.
@@ -102,7 +100,8 @@ def report(
         contacts,
         title=title,
         tolerance=tolerance,
-        budget=budget,
+        effort=effort,
+        time_limit=time_limit,
         command=command,
         live=False,
         progress=progress,
@@ -120,7 +119,8 @@ def _page(
     *,
     title: str,
     tolerance: Tolerance | None,
-    budget: float,
+    effort: float,
+    time_limit: float | None,
     command: str,
     live: bool,
     progress: Tell | None,
@@ -128,9 +128,13 @@ def _page(
     from kilter.analysis.everything import everything
     from kilter.show.page import render
 
-    require_budget(budget)
     answers = everything(
-        assembly, contacts=contacts, tolerance=tolerance, budget=budget, progress=progress
+        assembly,
+        contacts=contacts,
+        tolerance=tolerance,
+        effort=effort,
+        time_limit=time_limit,
+        progress=progress,
     )
     if progress is not None:
         progress("page")
@@ -146,7 +150,8 @@ def view(
     browser: bool = True,
     read: Callable[[], Given] | None = None,
     tolerance: Tolerance | None = None,
-    budget: float = BUDGET,
+    effort: float = EFFORT,
+    time_limit: float | None = None,
     command: str = "",
     say: Tell | None = None,
     progress: Tell | None = None,
@@ -166,7 +171,7 @@ def view(
     read : callable, optional
         How the file is read: gives the assembly, and its contacts where they are known;
         `kilter.load` where it is not given.
-    tolerance, budget, progress
+    tolerance, effort, time_limit, progress
         As of `kilter.check`.
     command : str
         How to see the page again, shown on it.
@@ -192,7 +197,8 @@ def view(
             contacts,
             title="" if path is None else title_of(path),
             tolerance=tolerance,
-            budget=budget,
+            effort=effort,
+            time_limit=time_limit,
             command=command,
             live=True,
             progress=progress,
@@ -260,7 +266,8 @@ def draw(
     names: bool | None = None,
     contacts: ContactSet | bool | None = None,
     tolerance: Tolerance | None = None,
-    budget: float = FIGURE_BUDGET,
+    effort: float = EFFORT,
+    time_limit: float | None = None,
     progress: Tell | None = None,
 ) -> Figure:
     """A figure: the parts with their motion or forces, or the stable region on the sphere.
@@ -280,7 +287,7 @@ def draw(
     contacts : ContactSet or bool, optional
         Those of an assembly; or whether contact patches are shown, where not given where
         there are few.
-    tolerance, budget, progress
+    tolerance, effort, time_limit, progress
         As of `kilter.check`.
 
     Returns
@@ -308,7 +315,13 @@ def draw(
     shown = contacts if isinstance(contacts, bool) else None
     known = None if isinstance(contacts, bool) else contacts
     answer = answer_to_draw(
-        subject, what, contacts=known, tolerance=tolerance, budget=budget, progress=progress
+        subject,
+        what,
+        contacts=known,
+        tolerance=tolerance,
+        effort=effort,
+        time_limit=time_limit,
+        progress=progress,
     )
     if isinstance(answer, Region):
         figure = draw_region(answer)
@@ -327,7 +340,8 @@ def answer_to_draw(
     *,
     contacts: ContactSet | None = None,
     tolerance: Tolerance | None = None,
-    budget: float = FIGURE_BUDGET,
+    effort: float = EFFORT,
+    time_limit: float | None = None,
     progress: Tell | None = None,
 ) -> Verdict | Region:
     """What a figure shows: of an assembly its verdict or its region."""
@@ -343,8 +357,14 @@ def answer_to_draw(
         return region(subject, contacts=contacts, tolerance=tolerance, progress=progress)
     if what != "assembly":
         raise InputError(f"there is no figure {what!r}", hint="give 'assembly' or 'region'")
-    require_budget(budget)
-    return check(subject, contacts=contacts, tolerance=tolerance, budget=budget, progress=progress)
+    return check(
+        subject,
+        contacts=contacts,
+        tolerance=tolerance,
+        effort=effort,
+        time_limit=time_limit,
+        progress=progress,
+    )
 
 
 def require_ending(out: str | Path, endings: tuple[str, ...], what: str) -> None:
@@ -367,16 +387,6 @@ def require_figure(out: str | Path | None, view: tuple[float, float] | None) -> 
             option="give two angles in degrees: --view -32 22",
         )
     require()
-
-
-def require_budget(budget: float) -> None:
-    """Refuse what is no number of seconds."""
-    if not (math.isfinite(budget) and budget >= 0):
-        raise InputError(
-            f"the budget is {budget}",
-            hint="give seconds, 0 or more",
-            option="give --budget SECONDS, 0 or more",
-        )
 
 
 def title_of(source: str) -> str:

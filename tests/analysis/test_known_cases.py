@@ -14,7 +14,7 @@ G = 9.81
 
 @pytest.mark.parametrize("name", SCENES)
 def test_every_scene_gives_its_answer(name):
-    verdict = judged(scene(name), budget=0.3)
+    verdict = judged(scene(name), effort=0.5)
     answers = {SCENES[name].answer}
     if verdict.friction is not None and verdict.guarantee == "open":
         # the proof may take longer than this test gives it

@@ -97,7 +97,7 @@ def test_directions_are_judged_and_moved_as_a_fresh_check_does(name: str, opened
     for down in rng.normal(size=(40, 3)) + 1.2 * assembly.down:
         told = page.js("d => window.kilter.ask(d)", down.tolist())
         seen_.add(told["verdict"])
-        verdict = kilter.check(assembly.with_down(down), contacts=contacts, budget=0.0)
+        verdict = kilter.check(assembly.with_down(down), contacts=contacts, effort=0)
         known = WORDS[verdict.verdict]
         # the page may say less than a check, which tries without friction first; never more
         less = {

@@ -42,7 +42,7 @@ def test_every_example_is_written_judged_proved_and_verified(
 ) -> None:
     assert main(["example", name]) == 0
     file = f"{name}.kilter.json"
-    code, answer = answered(capsys, "check", file, "--proof", "p.json", "--budget", "0.3")
+    code, answer = answered(capsys, "check", file, "--proof", "p.json", "--effort", "0.5")
     assert answer["verdict"] in {SCENES[name].answer, "potentially-stable"}
     if answer["verdict"] != SCENES[name].answer:
         assert answer["guarantee"] == "open"
@@ -59,7 +59,7 @@ def test_check_says_everything_that_its_users_rely_on(capsys: pytest.CaptureFixt
         "units",
         "density",
         *("instability", "z", "parts", "contacts", "unsupported", "certificate", "tolerance"),
-        *("joints", "friction", "forces", "warnings", "seconds"),
+        *("joints", "friction", "forces", "warnings", "time_limit", "seconds"),
     }
     assert set(answer["seconds"]) == {"read", "contacts", "solve", "total"}
     assert set(answer["tolerance"]) == {"gap", "angle_deg", "clearance", "verdict", "moves"}

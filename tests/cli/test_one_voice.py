@@ -23,8 +23,8 @@ from kilter.tell.text import text_of
 EXAMPLES = sorted((Path(__file__).resolve().parents[2] / "examples").glob("*.json"))
 WORK = {"check": 45, "orient": 12, "region": 12, "margin": 4}
 """Parts above which a question takes long, so that it is asked with the slow tests."""
-BUDGET = {"check": 0.0, "margin": 0.0}
-"""No time for a proof: what is found then does not depend on the machine."""
+EFFORT = {"check": 0.0, "margin": 0.0}
+"""Quick: it is the voice that is asked about."""
 
 
 def asked(command: str) -> list[Any]:
@@ -49,12 +49,12 @@ def said(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str]:
 
 def agree(command: str, path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Ask the command and the function of its name."""
-    budget = BUDGET.get(command)
-    options = [] if budget is None else ["--budget", str(budget)]
+    effort = EFFORT.get(command)
+    options = [] if effort is None else ["--effort", str(effort)]
     code, out = said(capsys, command, str(path), "--json", *options)
     function = getattr(kilter, command)
     try:
-        answer = function(kilter.load(path), **({} if budget is None else {"budget": budget}))
+        answer = function(kilter.load(path), **({} if effort is None else {"effort": effort}))
     except InputError:
         assert (code, out) == (2, "")
         return
@@ -92,10 +92,10 @@ def test_page_notebook_and_terminal_tell_the_same_facts(
 ) -> None:
     monkeypatch.setattr(module, "MAP_PARTS", 0)  # its programs take most of the time
     assembly = scene(name)
-    verdict = kilter.check(assembly, budget=0.0)
+    verdict = kilter.check(assembly, effort=0)
     answer = verdict.to_dict()
     told = [(term, words) for term, words in facts(answer) if term != "seconds"]
-    page = kilter.report(assembly, budget=0.0).html
+    page = kilter.report(assembly, effort=0).html
     on_page = [(html.unescape(a), html.unescape(b)) for a, b in terms(page)]
     shown = html.unescape(verdict._repr_html_())
     text = text_of(answer)
@@ -118,13 +118,13 @@ def test_the_greatest_force_is_one_number_everywhere(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     arch = scene("arch")
-    verdict = kilter.check(arch, budget=0.0)
+    verdict = kilter.check(arch, effort=0)
     phrase = forces_phrase(verdict.to_dict()["forces"])
     assert phrase is not None
     number = re.match(r"up to ([\d.]+ kN),", phrase)
     assert number is not None
     monkeypatch.setattr(module, "MAP_PARTS", 0)
-    assert f'"force_words":"{phrase}"' in kilter.report(arch, budget=0.0).html
+    assert f'"force_words":"{phrase}"' in kilter.report(arch, effort=0).html
     pytest.importorskip("matplotlib")
     kilter.draw(verdict, tmp_path / "arch.svg")
     assert f"greatest {number[1]}" in (tmp_path / "arch.svg").read_text(encoding="utf-8")
@@ -134,7 +134,7 @@ def test_the_page_orients_as_orient_does_with_friction(monkeypatch: pytest.Monke
     block = scene("slope-with-friction")
     answer = kilter.orient(block)
     monkeypatch.setattr(module, "MAP_PARTS", 0)
-    page = html.unescape(kilter.report(block, budget=0.0).html)
+    page = html.unescape(kilter.report(block, effort=0).html)
     assert answer.sentence in page
     region = kilter.region(block).to_dict()
     assert region["friction"]
@@ -143,7 +143,7 @@ def test_the_page_orients_as_orient_does_with_friction(monkeypatch: pytest.Monke
 
 
 def test_what_is_not_known_is_not_told_as_a_number() -> None:
-    shown = kilter.check(scene("trough"), budget=0.0)
+    shown = kilter.check(scene("trough"), effort=0)
     assert shown.instability is None
     assert "kappa" not in shown._repr_html_()
 

@@ -73,7 +73,7 @@ def test_s6_books_need_their_press(count, thickness):
         row = friction.books(
             count, force=side * max(slips, sags), friction=mu, thickness=thickness, height=height
         )
-        assert judged(row, budget=1.0).verdict == word
+        assert judged(row, effort=1).verdict == word
 
 
 @pytest.mark.parametrize("planar", [False, True])
@@ -103,12 +103,12 @@ def test_i3_trough_is_guaranteed_only_below_where_it_slips():
         static, abs=1e-3
     )
     shallow = friction.trough(30.0, tilt=20.0, friction=0.84)
-    assert guaranteed(judged(shallow, budget=60.0))
+    assert guaranteed(judged(shallow, effort=3))
     for angle in (true + 0.05, 46.0, static - 0.05):
         verdict = judged(friction.trough(30.0, tilt=angle, friction=0.84))
         assert (verdict.verdict, verdict.guarantee) == ("potentially-stable", "refuted")
         assert verdict.seated is False
-    near = judged(friction.trough(30.0, tilt=true - 0.05, friction=0.84), budget=1.0)
+    near = judged(friction.trough(30.0, tilt=true - 0.05, friction=0.84), effort=1)
     assert near.guarantee != "refuted"
     assert near.verdict == "stable" or near.seated
     assert judged(friction.trough(30.0, tilt=static + 0.05, friction=0.84)).verdict == "unstable"
@@ -116,7 +116,7 @@ def test_i3_trough_is_guaranteed_only_below_where_it_slips():
 
 @pytest.mark.slow
 def test_i3_trough_is_guaranteed_at_35_degrees():
-    assert guaranteed(judged(friction.trough(30.0, tilt=35.0, friction=0.84), budget=120.0))
+    assert guaranteed(judged(friction.trough(30.0, tilt=35.0, friction=0.84), effort=3))
 
 
 @pytest.mark.parametrize(
@@ -124,7 +124,7 @@ def test_i3_trough_is_guaranteed_at_35_degrees():
 )
 def test_w6_arches_have_an_equilibrium(count, thickness):
     held = arch_with_held_ends(count, thickness=thickness, friction=0.7)
-    assert judged(held, budget=0.5).verdict in ("stable", "potentially-stable")
+    assert judged(held, effort=1).verdict in ("stable", "potentially-stable")
 
 
 @pytest.mark.parametrize("count", [3, 10])
@@ -132,7 +132,7 @@ def test_s2_stack_topples_as_one(count):
     limit = np.degrees(np.arctan(1 / count))
     for side, words in ((0.98, ("stable", "potentially-stable")), (1.02, ("unstable",))):
         stack = tilted(stacks.tower(count), [0, 1, 0], limit * side)
-        assert judged(planar(stack.with_friction(0.9)), budget=5.0).verdict in words
+        assert judged(planar(stack.with_friction(0.9)), effort=2).verdict in words
 
 
 @pytest.mark.parametrize("side", [0.5, 1.0])
@@ -202,7 +202,7 @@ def test_r1_r2_piles_of_round_parts(name):
     for pile in piles(name, 0.98):
         assert judged(pile).verdict == "unstable"
     for pile in piles(name, 1 / 0.98):
-        held = judged(pile, budget=0.5)
+        held = judged(pile, effort=1)
         assert held.verdict in ("stable", "potentially-stable")
         assert held.guarantee == "proved" or held.seated
 
@@ -213,7 +213,7 @@ def test_r1_r2_piles_are_guaranteed(name):
     for pile in piles(name, 1 / 0.98):
         # lines of contact between cylinders are points in their plane
         asked = planar(pile) if name == "cylinders" else pile
-        assert guaranteed(judged(asked, budget=300.0))
+        assert guaranteed(judged(asked, effort=3))
 
 
 def rock_wedge(phi):
@@ -243,7 +243,7 @@ def test_i4_rock_wedge():
         verdict = judged(rock_wedge(phi))
         assert (verdict.verdict, verdict.guarantee) == ("potentially-stable", "refuted")
         assert verdict.seated is False
-    above = judged(rock_wedge(true + 0.05), budget=1.0)
+    above = judged(rock_wedge(true + 0.05), effort=1)
     assert above.guarantee != "refuted"
     assert above.verdict == "stable" or above.seated
 
@@ -261,6 +261,6 @@ def test_i4_rock_wedge():
 )
 def test_a2_arch_with_limited_friction(ratio, mu, held):
     # Cocchetti and Rizzi 2020, Table 3: rings of many sectors, in the plane
-    verdict = judged(arch(80, ratio=ratio, friction=mu, sectors=True), budget=0.0)
+    verdict = judged(arch(80, ratio=ratio, friction=mu, sectors=True), effort=0)
     assert (verdict.verdict in ("stable", "potentially-stable")) == held
     assert (verdict.verdict == "unstable") != held

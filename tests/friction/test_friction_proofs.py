@@ -23,7 +23,7 @@ CASES = {
 @pytest.fixture(scope="module", params=CASES)
 def proven(request):
     assembly = CASES[request.param]()
-    proof = json.loads(json.dumps(check(assembly, budget=30.0).proof(), allow_nan=False))
+    proof = json.loads(json.dumps(check(assembly, effort=3).proof(), allow_nan=False))
     return reloaded(assembly), proof
 
 
@@ -109,6 +109,6 @@ def test_guarantee_without_its_evidence_is_refused(proven, key):
 
 def test_exclusion_is_said_not_to_be_repeated():
     assembly = CASES["proved"]()
-    answer = verified(reloaded(assembly), check(assembly, budget=30.0).proof())
+    answer = verified(reloaded(assembly), check(assembly, effort=3).proof())
     assert answer.holds
     assert any("not repeated" in note for note in answer.notes)

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from witnessed import witnessed
 
-from kilter.budget import Budget
 from kilter.friction.contraction import contract, power_bound, shrunk
 from kilter.friction.enclosure import rescaled
 from kilter.friction.exclusion import prove_no_motion, start_proof
 from kilter.friction.exclusion_cases import breach, cases
+from kilter.work import Work, units_of
 
 ROUNDING = 1e-7
 
@@ -58,7 +58,7 @@ def outside(attempt, bounds, found):
 
 
 def begun(program):
-    attempt, bounds = start_proof(program, Budget(5.0))
+    attempt, bounds = start_proof(program, Work(units_of(2)))
     attempt.tolerance = 1e-9
     return attempt, bounds
 
@@ -115,7 +115,7 @@ def test_never_a_proof_where_a_motion_is_built_in(kind):
     for seed in range(100, 112):
         found = witnessed(seed, **KINDS[kind])
         if found is not None:
-            answer = prove_no_motion(found.program, budget=0.3)
+            answer = prove_no_motion(found.program, work=0.5)
             assert not answer.proved
             assert answer.bound > 1e-9
 

@@ -175,7 +175,7 @@ def test_same_seed_same_answer():
     assert np.array_equal(one.forces, two.forces)
 
 
-def test_nothing_free_is_seated_and_no_budget_leaves_one_start():
+def test_nothing_free_is_seated_and_no_work_leaves_one_start():
     held = friction.h_block().with_grounded(["*"])
     assert find_seating(program(held)).seated
-    assert find_seating(program(friction.h_block()), budget=1e-9).starts == 1
+    assert find_seating(program(friction.h_block()), work=0).starts == 1

@@ -15,20 +15,20 @@ from held_or_not import (
 )
 
 from kilter.analysis.motion import find_motion
-from kilter.budget import Budget
 from kilter.friction.motion_search import find_coulomb_motion
 from kilter.friction.seating import find_seating
 from kilter.mechanics.law_check import check_law
 from kilter.scenes import accelerations, friction, stacks, traps, walls
 from kilter.scenes.transform import scaled
+from kilter.work import Work, units_of
 
 G = 9.81
 
 
-def found_and_checked(assembly, budget=30.0):
+def found_and_checked(assembly, effort=3):
     """The motion, checked by hand too."""
     built = program(assembly)
-    witness = find_coulomb_motion(built, budget=budget)
+    witness = find_coulomb_motion(built, work=effort)
     assert witness is not None
     assert witness.exact
     assert witness.law.residual <= 1e-9
@@ -85,7 +85,7 @@ def test_a_wedge_in_a_steep_v_tips_out_past_its_corner(tilt, tips):
         assert witness.found == "contact modes"
         assert abs(witness.acceleration[1, 3]) > 1e-3 * G
     else:
-        assert find_coulomb_motion(program(wedge), budget=1.5) is None
+        assert find_coulomb_motion(program(wedge), work=1) is None
 
 
 @pytest.mark.parametrize(
@@ -100,7 +100,7 @@ def test_a_wedge_in_a_steep_v_tips_out_past_its_corner(tilt, tips):
     ids=["slope", "ladder", "V", "tower", "cylinders"],
 )
 def test_what_must_hold_has_no_motion(assembly):
-    assert find_coulomb_motion(program(assembly), budget=0.7) is None
+    assert find_coulomb_motion(program(assembly), work=1) is None
 
 
 # where no equilibrium exists, the motion is the impending one -------------------------------
@@ -162,7 +162,7 @@ def test_planar_blocks_at_random_by_every_mode():
         assembly = random_block(rng, int(rng.integers(2, 4)))
         built = program(assembly.with_down([0.7 * rng.normal(), 0, -1]))
         power = greatest_power(built)
-        witness = find_coulomb_motion(built, budget=10.0 if power > 1e-6 else 0.2)
+        witness = find_coulomb_motion(built, work=2 if power > 1e-6 else 0.2)
         assert (witness is not None) == (power > 1e-6)
         if witness is not None:
             assert witness.law.power <= power * (1 + 1e-6)
@@ -199,7 +199,7 @@ def test_radians_and_metres_whatever_the_unit_of_the_file():
     small = scaled(metres, 1000.0)._replace(units="mm")
     _, one = found_and_checked(metres)
     built = program(small)
-    other = find_coulomb_motion(built, budget=30.0)
+    other = find_coulomb_motion(built, work=3)
     assert other.exact
     assert np.abs(one.acceleration[:, 3:]).max() > 0.1
     assert other.acceleration == pytest.approx(one.acceleration, abs=1e-7)
@@ -212,12 +212,12 @@ def test_radians_and_metres_whatever_the_unit_of_the_file():
 def test_tells_what_it_does_keeps_to_its_budget_and_repeats_itself():
     said = []
     built = program(slope(10))
-    assert find_coulomb_motion(built, budget=Budget(0.3, said.append)) is None
+    assert find_coulomb_motion(built, work=Work(units_of(0.5), said.append)) is None
     assert len(said) >= 1
     assert all(isinstance(line, str) for line in said)
-    nearest = find_coulomb_motion(built, budget=0.3, nearest=True)
+    nearest = find_coulomb_motion(built, work=0.5, nearest=True)
     assert nearest is None or not nearest.law.holds
-    assert find_coulomb_motion(program(slope(10).with_grounded(["*"])), budget=1.0) is None
+    assert find_coulomb_motion(program(slope(10).with_grounded(["*"])), work=1) is None
     built = program(friction.a_block())
-    one, two = (find_coulomb_motion(built, budget=5.0, seed=3) for _ in range(2))
+    one, two = (find_coulomb_motion(built, work=2, seed=3) for _ in range(2))
     assert np.array_equal(one.acceleration, two.acceleration)

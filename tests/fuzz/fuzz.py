@@ -29,7 +29,7 @@ HANGS = 30.0
 """Seconds after which a case counts as hanging."""
 MEMORY = 8 << 30
 """Address space of the process that runs the cases [bytes]; libraries alone map about 2 GiB."""
-BUDGET = 0.2
+EFFORT = 0.5
 """For what friction guarantees [s]."""
 COMMANDS = ("check", "check", "check", "contacts", "orient", "region")
 KINDS = ("files", "scenes")
@@ -39,7 +39,7 @@ def case(kind: str, number: int, folder: Path) -> list[str]:
     """The faults of one case."""
     rng = np.random.default_rng([KINDS.index(kind), number])
     if kind == "scenes":
-        return faults_of_scene(random_scene(rng), rng, BUDGET)
+        return faults_of_scene(random_scene(rng), rng, EFFORT)
     names = sorted(corpus())
     name = names[number % len(names)]
     path = folder / name
@@ -49,7 +49,7 @@ def case(kind: str, number: int, folder: Path) -> list[str]:
     if command != "contacts" and not name.endswith("kilter.json"):
         words.append("--floor")
     if command == "check":
-        words += ["--budget", str(BUDGET)]
+        words += ["--effort", str(EFFORT)]
         if rng.random() < 0.3:
             return faults_of_proof(words, folder / "proof.json")
     return faults_of_command(words)

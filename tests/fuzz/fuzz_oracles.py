@@ -59,20 +59,20 @@ def faults_of_proof(words: list[str], proof: Path) -> list[str]:
     return [f"proof of {verdict} refused: exit {verified} {error.strip()[:200]}"]
 
 
-def faults_of_scene(assembly: Assembly, rng: np.random.Generator, budget: float) -> list[str]:
+def faults_of_scene(assembly: Assembly, rng: np.random.Generator, effort: float) -> list[str]:
     """A verdict or an `InputError`; the same one renamed, permuted, turned and scaled."""
     found: list[str] = []
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         try:
-            verdict = kilter.check(assembly, budget=budget).verdict
+            verdict = kilter.check(assembly, effort=effort).verdict
         except kilter.InputError:
             return []
         except Warning as warning:
             return [f"a warning of {warning!r}"]
         for way, other in _others(assembly, rng):
             try:
-                again = kilter.check(other, budget=budget).verdict
+                again = kilter.check(other, effort=effort).verdict
             except kilter.InputError as error:
                 found.append(f"{way}: refused, {error}")
                 continue

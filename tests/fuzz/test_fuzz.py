@@ -28,7 +28,7 @@ def test_a_short_round_finds_no_fault(kind: str) -> None:
 def test_a_whole_file_is_answered_and_its_damage_is_seeded(name: str, tmp_path: Path) -> None:
     path = tmp_path / name
     path.write_bytes(corpus()[name])
-    words = ["check", str(path), "--quiet", "--budget", "0.2"]
+    words = ["check", str(path), "--quiet", "--effort", "0.5"]
     if not name.endswith("kilter.json"):
         words.append("--floor")
     assert faults_of_command(words) == []

@@ -119,8 +119,8 @@ def test_a_tower_topples_at_one_over_its_height(count):
     aside = found.down - (found.down @ tower.down) * tower.down
     aside = aside / np.linalg.norm(aside)
     degrees = float(np.degrees(found.angle))
-    assert judged(leaning(tower, aside, degrees - 0.01), budget=0.1).verdict in HOLDS
-    assert judged(leaning(tower, aside, degrees + 0.01), budget=0.1).verdict == "unstable"
+    assert judged(leaning(tower, aside, degrees - 0.01), effort=0.5).verdict in HOLDS
+    assert judged(leaning(tower, aside, degrees + 0.01), effort=0.5).verdict == "unstable"
 
 
 @pytest.mark.parametrize("count", [2, 4])
@@ -153,7 +153,7 @@ def test_books_are_held_from_a_least_force(mu):
     assert find_limit(base, 0.0 * program.applied) == NoLimit("none")  # it is not held without
     for share, verdicts in ((1.001, HOLDS), (0.999, ("unstable",))):
         given = friction.books(n, force=share * least, friction=mu)
-        assert judged(given, budget=0.1).verdict in verdicts
+        assert judged(given, effort=0.5).verdict in verdicts
 
 
 @pytest.mark.parametrize(("mu", "degrees"), [(0.6, 10.4915), (0.15, 8.5308)])
@@ -164,7 +164,7 @@ def test_a_wall_leans_out_of_its_plane(mu, degrees):
     assert limit.mechanism.holds
     for step, verdicts in ((-0.01, HOLDS), (0.01, ("unstable",))):
         tilted = walls.tilted_wall(degrees + step, friction=mu, courses=9, per_course=3)
-        assert judged(tilted, budget=0.1).verdict in verdicts
+        assert judged(tilted, effort=0.5).verdict in verdicts
 
 
 @pytest.mark.parametrize("courses", [10, pytest.param(32, marks=pytest.mark.slow)])
@@ -206,7 +206,7 @@ def test_least_friction_between_leaning_plates(degrees):
     assert found.value == pytest.approx(least, abs=1e-6)
     for share, verdicts in ((1.001, HOLDS), (0.999, ("unstable",))):
         block = friction.a_block(degrees, friction=share * least)
-        assert judged(block, budget=0.1).verdict in verdicts
+        assert judged(block, effort=0.5).verdict in verdicts
 
 
 def test_a_push_a_little_less_is_held_and_a_little_more_is_not():
@@ -219,7 +219,7 @@ def test_a_push_a_little_less_is_held_and_a_little_more_is_not():
         for force, verdicts in ((0.999 * push.lower, HOLDS), (1.001 * push.force, ("unstable",))):
             load = Load(tower.names[part], force=force * push.direction)
             pushed = dataclasses.replace(tower, loads=[load])
-            assert judged(pushed, budget=0.1).verdict in verdicts
+            assert judged(pushed, effort=0.5).verdict in verdicts
 
 
 @pytest.mark.parametrize("number", [1, 5])
@@ -260,8 +260,8 @@ def test_the_conic_limit_is_where_the_verdict_changes(seed):
 def test_a_body_force_in_the_file_is_the_same_as_one_that_is_asked_about():
     tower = stacks.tower(2, friction=2.0)
     assert factor(tower) == pytest.approx(0.5, abs=1e-8)
-    assert judged(loaded(tower, X, 0.4999), budget=0.1).verdict in HOLDS
-    assert judged(loaded(tower, X, 0.5001), budget=0.1).verdict == "unstable"
+    assert judged(loaded(tower, X, 0.4999), effort=0.5).verdict in HOLDS
+    assert judged(loaded(tower, X, 0.5001), effort=0.5).verdict == "unstable"
 
 
 @pytest.mark.parametrize("planar", [False, True])
@@ -307,7 +307,7 @@ def test_a_failure_is_not_taken_for_none_and_is_said(monkeypatch):
     assert find_limit(program, gravity_wrench(program, X)) == NoLimit("failed")
     assert find_tilt_margin(program) == NoLimit("failed")
     assert find_weakest_push(program, 1) == NoLimit("failed")
-    answer = kilter.margin(block, push=[1, 0, 0], budget=0.0)
+    answer = kilter.margin(block, push=[1, 0, 0], effort=0)
     pushed = f"push of {program.names[1]}"
     assert {"tilt", "load_factor", pushed} <= set(answer.missing)
     assert answer.missing[pushed] == "failed"
@@ -316,6 +316,6 @@ def test_a_failure_is_not_taken_for_none_and_is_said(monkeypatch):
 
 def test_a_push_that_is_not_resisted_says_why():
     slope = stacks.block_on_slope(50.0, friction=0.3)
-    answer = kilter.margin(slope, budget=0.0)
+    answer = kilter.margin(slope, effort=0)
     assert set(answer.missing.values()) == {"none"}
     assert any("no push is resisted" in text for text in answer.warnings)

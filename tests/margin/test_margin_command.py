@@ -38,7 +38,7 @@ def answered(capsys: pytest.CaptureFixture[str], *words: str) -> dict:
 def test_json_has_all_keys_and_the_numbers_of_a_tower(tower, capsys):
     answer = answered(
         capsys, "margin", tower, "--push", "1", "0", "0", "--about", "0", "1", "0",
-        "--part", "cube-2", "--budget", "0.1",
+        "--part", "cube-2", "--effort", "0.5",
     )  # fmt: skip
     assert set(answer) == KEYS
     assert answer["tilt_deg"] == pytest.approx(np.degrees(np.arctan(0.5)), abs=1e-7)
@@ -50,7 +50,7 @@ def test_json_has_all_keys_and_the_numbers_of_a_tower(tower, capsys):
 
 
 def test_the_text_says_what_starts_to_move(tower, capsys):
-    assert main(["margin", tower, "--quiet", "--budget", "0.1"]) == 0
+    assert main(["margin", tower, "--quiet", "--effort", "0.5"]) == 0
     text = capsys.readouterr().out
     assert "26.5651 deg to the nearest direction that fails" in text
     assert "start to move" in text
@@ -74,7 +74,7 @@ def test_the_text_says_what_starts_to_move(tower, capsys):
         (["--com-range", "inf"], "com range"),
         (["--normal-tilt", "-1"], "normal tilt"),
         (["--normal-tilt", "90"], "normal tilt"),
-        (["--budget", "-1"], "--budget"),
+        (["--effort", "-1"], "--effort"),
     ],
 )
 def test_wrong_input_is_refused_in_one_line(tower, capsys, words, said):

@@ -155,9 +155,9 @@ def test_the_page_is_the_same_each_time_but_for_the_seconds() -> None:
 def test_what_is_drawn_is_what_was_answered(name: str) -> None:
     assembly = scene(name)
     # without time for a proof, so that what is found does not depend on the machine
-    answers = everything(assembly, budget=0.0)
+    answers = everything(assembly, effort=0)
     data = data_of(render(answers, name))
-    verdict = kilter.check(assembly, budget=0.0)
+    verdict = kilter.check(assembly, effort=0)
     assert data["given"]["verdict"] == verdict.verdict
     assert data["given"]["sentence"] == verdict.sentence
     assert unpacked(data["given"]["moves"]).astype(bool).tolist() == verdict.motion.moves.tolist()

@@ -21,11 +21,13 @@ from kilter.analysis.verdict import Verdict, Word
 from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.errors import InputError, some
-from kilter.friction.answer import BUDGET, FrictionAnswer, ask_friction
+from kilter.friction.answer import FrictionAnswer, ask_friction
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program, build_program
 from kilter.tell.words import verdict_sentence
+from kilter.threads import on_one_thread
 from kilter.validate import number
+from kilter.work import EFFORT, Work, units_of
 
 __all__ = ["check"]
 
@@ -33,12 +35,14 @@ FAR_APART = 1e9
 """Ratio of masses above which accelerations lose their digits."""
 
 
+@on_one_thread
 def check(
     assembly: Assembly,
     *,
     contacts: ContactSet | None = None,
     tolerance: Tolerance | None = None,
-    budget: float = BUDGET,
+    effort: float = EFFORT,
+    time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Verdict:
     """Does the assembly stay together under gravity?
@@ -52,9 +56,13 @@ def check(
         Found from the geometry where not given.
     tolerance : Tolerance, optional
         When faces count as touching.
-    budget : float
+    effort : float
         For what friction guarantees: the search of a motion, and the proof that there is
-        none; past it the guarantee is open [s].
+        none. Work that is counted, not timed: 0 quick, 1 usual, each further one ten times
+        more; past it the guarantee is open.
+    time_limit : float, optional
+        Seconds after which the answer is what is proved until then; a warning says so. It is
+        looked at between steps, and what a limit cuts short may differ from run to run.
     progress : callable, optional
         Called with a word at each stage.
 
@@ -75,7 +83,7 @@ def check(
     tell = progress or (lambda stage: None)
     if contacts is not None and not isinstance(contacts, ContactSet):
         raise InputError(f"contacts are {contacts!r:.60}", hint="give what kilter.contacts returns")
-    budget = number(budget, "budget", lowest=0)
+    work = _work(effort, time_limit, progress)
     require_assembly(assembly, "check")
     assembly.require_grounded()
     seconds: dict[str, float] = {}
@@ -86,11 +94,13 @@ def check(
     seconds["contacts"] = time.perf_counter() - started
     tell("verdict")
     started = time.perf_counter()
-    decision = _decide(assembly, contacts, budget, tell)
+    decision = _decide(assembly, contacts, work)
     word, program = decision.verdict, decision.program
     seconds["solve"] = time.perf_counter() - started
     sentence = _sentence(decision)
     warnings = _warnings(assembly, contacts, decision)
+    if work.cut:
+        warnings.append(_late(time_limit))
     return Verdict(
         word,
         sentence,
@@ -101,8 +111,21 @@ def check(
         decision.friction,
         tuple(warnings),
         seconds,
-        budget,
+        effort,
+        time_limit if work.cut else None,
     )
+
+
+def _work(effort: float, time_limit: float | None, progress: Callable[[str], None] | None) -> Work:
+    """What a check may cost."""
+    effort = number(effort, "effort", lowest=0)
+    if time_limit is not None:
+        time_limit = number(time_limit, "time_limit", lowest=0)
+    return Work(units_of(effort), progress, time_limit=time_limit)
+
+
+def _late(time_limit: float | None) -> str:
+    return f"cut short by the time limit of {time_limit:g} s: this is what is proved until then"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -129,27 +152,26 @@ def _sentence(decision: _Decision) -> str:
     )
 
 
-def _decide(
-    assembly: Assembly, contacts: ContactSet, budget: float, tell: Callable[[str], None]
-) -> _Decision:
+def _decide(assembly: Assembly, contacts: ContactSet, work: Work) -> _Decision:
     program = build_program(assembly, contacts)
     smooth = program.frictionless
-    judgement = judge(smooth)
+    judgement = judge(smooth, work=work)
     if judgement.stable:
         return _Decision("stable", smooth, judgement)
     if program is not smooth:
-        tell("equilibrium with friction")
-        judgement = judge(program)
+        work.stage("equilibrium with friction")
+        judgement = judge(program, work=work)
     if judgement.stable is None:
-        return _Decision("undecided", program, judgement, why=(_figures(judgement),))
+        reason = "the time limit was met" if work.cut else _figures(judgement)
+        return _Decision("undecided", program, judgement, why=(reason,))
     if judgement.stable:
-        answer = ask_friction(program, budget=budget, tell=tell)
+        answer = ask_friction(program, work=work)
         word: Word = "stable" if answer.guarantee == "proved" else "potentially-stable"
         return _Decision(word, program, judgement, answer)
     outer = build_program(assembly, contacts, possible=True)
     if len(outer.part_a) == len(program.part_a):
         return _Decision("unstable", program, judgement)
-    bound = judge(outer)
+    bound = judge(outer, work=work)
     if bound.stable is False:
         return _Decision("unstable", outer, bound)
     sharp = decide_degenerate(assembly, contacts)

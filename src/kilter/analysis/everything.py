@@ -25,6 +25,8 @@ from kilter.contact import ContactSet, Tolerance
 from kilter.contact import contacts as find_contacts
 from kilter.errors import InputError, SolverError
 from kilter.mechanics.program import Program, build_program
+from kilter.threads import on_one_thread
+from kilter.work import EFFORT
 
 __all__ = ["Answered", "Balance", "Everything", "MapMotions", "everything"]
 
@@ -44,8 +46,6 @@ MAP_MOTIONS = 12_000
 """Vertices of the map times free parts: above this its motions take too long."""
 RAY_FORCES = 60_000
 """Rays times contact points: above this their forces would fill the page."""
-BUDGET = 5.0
-"""For the search of motions with friction [s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -144,12 +144,14 @@ class Everything:
         return f"Everything({self.given.check['verdict']!r}, {len(self.assembly.parts)} parts)"
 
 
+@on_one_thread
 def everything(
     assembly: Assembly,
     *,
     contacts: ContactSet | None = None,
     tolerance: Tolerance | None = None,
-    budget: float = BUDGET,
+    effort: float = EFFORT,
+    time_limit: float | None = None,
     progress: Tell | None = None,
 ) -> Everything:
     """Every answer about an assembly that a page shows.
@@ -158,7 +160,7 @@ def everything(
     ----------
     assembly : Assembly
         At least one part must be held.
-    contacts, tolerance, budget, progress
+    contacts, tolerance, effort, time_limit, progress
         As of `kilter.check`.
 
     Raises
@@ -177,11 +179,13 @@ def everything(
     assembly.require_grounded()
     if contacts is None:
         contacts = find_contacts(assembly, tolerance=tolerance, progress=progress)
-    verdict = check(assembly, contacts=contacts, budget=budget, progress=progress)
+    verdict = check(
+        assembly, contacts=contacts, effort=effort, time_limit=time_limit, progress=progress
+    )
     tell("motion")
     given = _answered(verdict)
     notes: list[str] = []
-    found, recommended, none = _turned(assembly, contacts, budget, tell, notes)
+    found, recommended, none = _turned(assembly, contacts, effort, tell, notes)
     return Everything(
         assembly=assembly,
         contacts=contacts,
@@ -225,7 +229,7 @@ def _free(assembly: Assembly) -> int:
 
 
 def _turned(
-    assembly: Assembly, contacts: ContactSet, budget: float, tell: Tell, notes: list[str]
+    assembly: Assembly, contacts: ContactSet, effort: float, tell: Tell, notes: list[str]
 ) -> tuple[Region | None, Answered | None, bool]:
     """The region, the direction that is recommended, and whether none is, proved."""
     free = _free(assembly)
@@ -238,7 +242,7 @@ def _turned(
     try:
         if free <= NEAREST_PARTS:
             answer = orient(assembly, contacts=contacts, progress=tell)
-            there = check(assembly.with_down(answer.down), contacts=contacts, budget=budget)
+            there = check(assembly.with_down(answer.down), contacts=contacts, effort=effort)
             return answer.region, _answered(there, answer.sentence), answer.verdict == "none"
         tell("stable region")
         found = _region(assembly, contacts, notes)
@@ -253,7 +257,7 @@ def _turned(
         )
         return found, None, False
     tell("recommended direction")
-    there = check(assembly.with_down(center), contacts=contacts, budget=budget)
+    there = check(assembly.with_down(center), contacts=contacts, effort=effort)
     return found, _answered(there, there.sentence), False
 
 

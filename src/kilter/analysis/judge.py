@@ -37,6 +37,7 @@ from kilter.mechanics.forms import (
 )
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import LinearProgram
+from kilter.work import Work
 
 if TYPE_CHECKING:
     from kilter.solvers.highs import Method
@@ -97,10 +98,17 @@ class _Options(TypedDict, total=False):
     method: Method
     presolve: bool
     forces_only: bool
+    work: Work
 
 
-def judge(program: Program) -> Judgement:
+def judge(program: Program, *, work: Work | None = None) -> Judgement:
     """Decide a program by a certificate.
+
+    Parameters
+    ----------
+    program : Program
+    work : Work, optional
+        Its time limit is kept; nothing is charged, since there is no verdict without this.
 
     Examples
     --------
@@ -116,7 +124,8 @@ def judge(program: Program) -> Judgement:
     tried: list[str] = []
     if not program.free.any():
         return Judgement(True, check_forces(program, np.zeros(len(program.part_a))), None, ())
-    candidates = _in_cones(program) if program.mu.any() else _without_friction(program)
+    work = Work() if work is None else work.beside()
+    candidates = _in_cones(program, work) if program.mu.any() else _without_friction(program, work)
     for word, forces, friction, motion in candidates:
         tried.append(word)
         if forces is not None:
@@ -131,6 +140,8 @@ def judge(program: Program) -> Judgement:
         unstable = bool(best_motion and best_motion.holds)
         if stable != unstable:
             return Judgement(stable, best_forces, best_motion, tuple(tried))
+        if work.late:
+            break
     return Judgement(None, best_forces, best_motion, tuple(tried))
 
 
@@ -138,7 +149,7 @@ def _better(one: MotionProof, other: MotionProof) -> bool:
     return (one.holds, one.ratio) > (other.holds, other.ratio)
 
 
-def _without_friction(program: Program) -> Iterator[_Candidate]:
+def _without_friction(program: Program, work: Work) -> Iterator[_Candidate]:
     """Candidate forces and motions, the cheapest way first."""
     problem = scaled(program)
     small = len(problem.right) <= SIMPLEX_ROWS
@@ -146,15 +157,15 @@ def _without_friction(program: Program) -> Iterator[_Candidate]:
         # presolve costs a tiny program more than it saves; the other way is the second try
         first = len(problem.right) > TINY_ROWS
         for presolve in (first, not first):
-            yield from _by_load_factor(problem, method="simplex", presolve=presolve)
-            yield from _by_least_imbalance(problem, method="simplex", presolve=presolve)
-        yield from _by_load_factor(problem, method="interior")
+            yield from _by_load_factor(problem, method="simplex", presolve=presolve, work=work)
+            yield from _by_least_imbalance(problem, method="simplex", presolve=presolve, work=work)
+        yield from _by_load_factor(problem, method="interior", work=work)
         return
-    yield from _by_equilibrium(problem)
-    yield from _by_load_factor(problem, method="interior")
-    yield from _by_least_imbalance(problem, method="interior")
+    yield from _by_equilibrium(problem, work)
+    yield from _by_load_factor(problem, method="interior", work=work)
+    yield from _by_least_imbalance(problem, method="interior", work=work)
     if len(problem.right) <= 20 * SIMPLEX_ROWS:
-        yield from _by_load_factor(problem, method="simplex")
+        yield from _by_load_factor(problem, method="simplex", work=work)
 
 
 def _solved(lp: LinearProgram, word: str, **options: Unpack[_Options]) -> tuple[Solution, str]:
@@ -165,8 +176,9 @@ def _solved(lp: LinearProgram, word: str, **options: Unpack[_Options]) -> tuple[
     return answer, f"{word}: {answer.solver}, {answer.iterations} iterations, {answer.outcome}"
 
 
-def _by_equilibrium(problem: Scaled) -> Iterator[_Candidate]:
-    answer, word = _solved(equilibrium(problem), "equilibrium", method="interior", forces_only=True)
+def _by_equilibrium(problem: Scaled, work: Work) -> Iterator[_Candidate]:
+    lp = equilibrium(problem)
+    answer, word = _solved(lp, "equilibrium", method="interior", forces_only=True, work=work)
     yield _Candidate(word, problem.forces(answer.x) if answer.found else None)
 
 
@@ -195,29 +207,29 @@ def _by_least_imbalance(problem: Scaled, **options: Unpack[_Options]) -> Iterato
     yield _Candidate(word, problem.forces(answer.x[:-1]), motion=motion)
 
 
-def _in_cones(program: Program) -> Iterator[_Candidate]:
+def _in_cones(program: Program, work: Work) -> Iterator[_Candidate]:
     """Candidates for a program with friction, the cheapest way first."""
     if program.planar:
-        yield _by_pyramid(program, 2)
+        yield _by_pyramid(program, 2, work)
         return
     large = int(program.free.sum()) * len(program.freedoms) > LARGE
     if large:
-        yield _by_pyramid(program, SIDES[0])
-    yield _by_cones(spread(program))
+        yield _by_pyramid(program, SIDES[0], work)
+    yield _by_cones(spread(program), work)
     for sides in SIDES:
         if sides * len(program.rough) > LARGEST_PYRAMID:
             return
-        yield _by_pyramid(program, sides)
-        yield _by_pyramid(program, sides, outer=True)
+        yield _by_pyramid(program, sides, work)
+        yield _by_pyramid(program, sides, work, outer=True)
 
 
-def _by_pyramid(program: Program, sides: int, *, outer: bool = False) -> _Candidate:
+def _by_pyramid(program: Program, sides: int, work: Work, *, outer: bool = False) -> _Candidate:
     """The proof that a pyramid carries: forces of an inner one, a motion of an outer one.
 
     A planar pyramid is the cone itself and is both.
     """
     rays = pyramid(program, sides, outer=outer)
-    judged = judge(rays)
+    judged = judge(rays, work=work)
     word = f"{'outer' if outer else 'inner'} pyramid of {sides} sides"
     words = "; ".join((word, *judged.solvers))
     both = program.planar
@@ -228,12 +240,12 @@ def _by_pyramid(program: Program, sides: int, *, outer: bool = False) -> _Candid
     return _Candidate(words, forces, friction, motion)
 
 
-def _by_cones(wide: Spread) -> _Candidate:
+def _by_cones(wide: Spread, work: Work) -> _Candidate:
     """The load factor in exact cones."""
     from kilter.solvers.clarabel import solve_conic
 
     problem = wide.problem
-    answer = solve_conic(load_factor_in_cones(wide))
+    answer = solve_conic(load_factor_in_cones(wide), work=work)
     word = f"load factor in cones: clarabel, {answer.iterations} iterations, {answer.outcome}"
     if not answer.found:
         return _Candidate(word)

@@ -120,15 +120,15 @@ def motion_of(program: Program, acceleration: Array, residual: float) -> Impendi
     return ImpendingMotion(acceleration, sizes, moves, kappa, residual)
 
 
-def find_motion_with_friction(program: Program, budget: float) -> ImpendingMotion | None:
+def find_motion_with_friction(program: Program, effort: float) -> ImpendingMotion | None:
     """How the parts start to move where no forces of equilibrium exist; None: not reached.
 
     Parameters
     ----------
-    budget : float
-        For the search [s].
+    effort : float
+        Of the search.
     """
-    found = find_coulomb_motion(program, budget=budget, nearest=True)
+    found = find_coulomb_motion(program, work=effort, nearest=True)
     if found is None:
         return None
     return motion_of(program, found.acceleration, found.law.residual)

@@ -33,7 +33,7 @@ from kilter.arrays import sealed
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import DEFAULT_DENSITY
 from kilter.contact import ContactSet
-from kilter.friction.answer import BUDGET, FrictionAnswer
+from kilter.friction.answer import FrictionAnswer
 from kilter.mechanics.certificate import ForceProof, MotionProof
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program, build_program
@@ -41,7 +41,9 @@ from kilter.mechanics.proof import Evidence, make_proof
 from kilter.mechanics.rows import POSSIBLE
 from kilter.tell.html import html_of
 from kilter.tell.words import NAMED, motion_summary, motion_words
+from kilter.threads import on_one_thread
 from kilter.units import metres_per_unit
+from kilter.work import EFFORT
 
 __all__ = ["Verdict", "Word"]
 
@@ -71,8 +73,10 @@ class Verdict:
     warnings : tuple of str
     seconds : mapping from str to float
         Of each stage [s]; read-only.
-    budget : float
-        For the search of motions with friction [s].
+    effort : float
+        Of the search of motions with friction.
+    time_limit : float or None
+        What cut the answer short [s].
     """
 
     verdict: Word
@@ -84,7 +88,8 @@ class Verdict:
     friction: FrictionAnswer | None
     warnings: tuple[str, ...]
     seconds: Mapping[str, float]
-    budget: float = BUDGET
+    effort: float = EFFORT
+    time_limit: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "seconds", MappingProxyType(dict(self.seconds)))
@@ -123,6 +128,7 @@ class Verdict:
         return sealed(build_program(self.assembly, self.contacts))
 
     @cached_property
+    @on_one_thread
     def displacement(self) -> Displacement:
         """LP (9) of the paper, without friction: z and displacements."""
         if self.verdict == "stable" and self.friction is None:
@@ -140,6 +146,7 @@ class Verdict:
         """
         return sealed(self._motion())
 
+    @on_one_thread
     def _motion(self) -> ImpendingMotion:
         if self.verdict == "stable":
             return still(self.program)
@@ -150,7 +157,7 @@ class Verdict:
             return still(self.program) if witness is None else motion_of(
                 self.program, witness.acceleration, witness.law.residual
             )  # fmt: skip
-        found = find_motion_with_friction(self.modelled, self.budget)
+        found = find_motion_with_friction(self.modelled, self.effort)
         return find_motion(self.modelled) if found is None else found
 
     @property
@@ -265,6 +272,7 @@ class Verdict:
         object.__setattr__(other, "seconds", MappingProxyType({**self.seconds, **more}))
         return other
 
+    @on_one_thread
     def to_dict(self) -> dict[str, Any]:
         """The answer of `kilter check --json`, and every fact that its text tells."""
         assembly, contacts, neutral = self.assembly, self.contacts, self.neutral
@@ -302,6 +310,7 @@ class Verdict:
                 "moves": MOVES,
             },
             "warnings": [*self.warnings, *([self.barely] if self.barely else [])],
+            "time_limit": self.time_limit,
             "seconds": dict(self.seconds),
         }
 
@@ -390,8 +399,8 @@ def _friction(verdict: Verdict) -> dict[str, Any] | None:
             "bound": exclusion.bound,
             "assumes": exclusion.assumes,
         },
-        "budget": verdict.budget,
-        "seconds": answer.seconds,
+        "effort": verdict.effort,
+        "work": answer.work,
     }
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -10,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from kilter.cli.arguments import contact_tolerance, reading_of
 from kilter.cli.output import as_json, emit, keep_apart, tell_warnings
+from kilter.errors import InputError
 from kilter.files.reading import LOWEST, Reading
-from kilter.publish import require_budget
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -34,7 +35,8 @@ class Asked:
     tolerance : Tolerance
     touch : tuple of str
         The options of the tolerance, as they are typed.
-    budget : float
+    effort : float
+    time_limit : float or None
         [s]
     json, quiet : bool
     output : Path or None
@@ -44,7 +46,8 @@ class Asked:
     reading: Reading
     tolerance: Tolerance
     touch: tuple[str, ...]
-    budget: float
+    effort: float
+    time_limit: float | None
     json: bool
     output: Path | None
     quiet: bool
@@ -65,8 +68,8 @@ class Asked:
             *(given[key] for key in ("up", "contacts")),
         )
         gap, angle, clearance = (given[key] for key in ("gap", "angle", "clearance"))
-        budget = given.get("budget", 0.0)
-        require_budget(budget)
+        effort = _at_least_none(given.get("effort", 0.0), "--effort", "N")
+        limit = given.get("time_limit")
         words = [
             word
             for name, value in (("gap", gap), ("angle", angle), ("clearance", clearance))
@@ -78,7 +81,8 @@ class Asked:
             reading=reading,
             tolerance=contact_tolerance(gap, angle, given["loose"], clearance),
             touch=(*words, *(["--loose"] if given["loose"] else [])),
-            budget=budget,
+            effort=effort,
+            time_limit=None if limit is None else _at_least_none(limit, "--time-limit", "SECONDS"),
             json=given.get("json", False),
             output=given.get("output"),
             quiet=given["quiet"],
@@ -138,3 +142,10 @@ class Asked:
             else:
                 found += [f"--{key}", f"{value:g}" if isinstance(value, float) else str(value)]
         return shlex.join(["kilter", name, self.file, *found, *self.touch, *rest])
+
+
+def _at_least_none(value: float, option: str, what: str) -> float:
+    """Refuse what is no number of work or time."""
+    if not (math.isfinite(value) and value >= 0):
+        raise InputError(f"{option} is {value:g}", hint=f"give {option} {what}, 0 or more")
+    return value

@@ -100,7 +100,7 @@ def region(
     return WRITTEN
 
 
-@asks(budget=1.0)
+@asks(searches=True)
 def margin(
     asked: Asked,
     push: Annotated[
@@ -203,7 +203,8 @@ def margin(
             bracket=bracket,
             contacts=contacts,
             tolerance=asked.tolerance,
-            budget=asked.budget,
+            effort=asked.effort,
+            time_limit=asked.time_limit,
             progress=progress,
         )
     asked.tell(found.to_dict())

@@ -18,7 +18,7 @@ from kilter.errors import InputError
 __all__ = ["check", "contacts", "example", "verify"]
 
 
-@asks(budget=10.0)
+@asks(searches=True)
 def check(
     asked: Asked,
     proof: Annotated[
@@ -70,7 +70,8 @@ def check(
             assembly,
             contacts=found,
             tolerance=asked.tolerance,
-            budget=asked.budget,
+            effort=asked.effort,
+            time_limit=asked.time_limit,
             progress=progress,
         )
         progress("motion")

@@ -14,12 +14,14 @@ from typing import Annotated, Any
 import typer
 
 from kilter.cli.asked import Asked
+from kilter.work import EFFORT
 
 __all__ = ["FORM", "File", "Json", "Output", "Quiet", "asks"]
 
 HELD = "What is held, and how it lies"
 TOUCH = "When faces count as touching"
 FORM = "Form of the answer"
+WORK = "How much work"
 
 File = Annotated[
     str,
@@ -149,14 +151,24 @@ Loose = Annotated[
         rich_help_panel=TOUCH,
     ),
 ]
-Budget = Annotated[
+Effort = Annotated[
     float,
     typer.Option(
-        "--budget",
+        "--effort",
+        metavar="N",
+        help="With friction: how much work the search of a motion and the proof that there is "
+        "none may take, counted and not timed: 0 quick, 1 usual, each further one ten times more.",
+        rich_help_panel=WORK,
+    ),
+]
+TimeLimit = Annotated[
+    float | None,
+    typer.Option(
+        "--time-limit",
         metavar="SECONDS",
-        help="With friction: seconds for the search of a motion and for the proof that there is "
-        "none; past it the guarantee is open.",
-        rich_help_panel=FORM,
+        help="Answer with what is proved after so many seconds, and say so; none where not given.",
+        rich_help_panel=WORK,
+        show_default=False,
     ),
 ]
 Clearance = Annotated[
@@ -237,18 +249,23 @@ READING: dict[str, tuple[Any, Any]] = {
     "loose": (Loose, False),
 }
 """How a file is read, and when its faces count as touching."""
+SEARCHING: dict[str, tuple[Any, Any]] = {
+    "effort": (Effort, EFFORT),
+    "time_limit": (TimeLimit, None),
+}
+"""How much work an answer may take."""
 FORMS: dict[str, tuple[Any, Any]] = {"json": (Json, False), "output": (Output, None)}
 
 
 def asks(
-    *, budget: float | None = None, answers: bool = True
+    *, searches: bool = False, answers: bool = True
 ) -> Callable[[Callable[..., int]], Callable[..., int]]:
     """Give a command ``act(asked, **own)`` the options that commands share.
 
     Parameters
     ----------
-    budget : float, optional
-        What ``--budget`` is where it is not given [s]; without it there is no such option.
+    searches : bool
+        The command searches for motions with friction: ``--effort`` and ``--time-limit``.
     answers : bool
         The command has an answer: ``--json`` and ``--output``. Else it writes a page or a
         figure, and says itself where.
@@ -256,7 +273,7 @@ def asks(
 
     def made(act: Callable[..., int]) -> Callable[..., int]:
         _, *own = inspect.signature(act, eval_str=True).parameters.values()
-        shared = READING | ({} if budget is None else {"budget": (Budget, budget)})
+        shared = READING | (SEARCHING if searches else {})
         last = (FORMS if answers else {}) | {"quiet": (Quiet, False)}
         several = any(one.name == "files" for one in own)
         first = [] if several else [_parameter("file", File)]

@@ -25,7 +25,7 @@ class What(StrEnum):
     REGION = "region"
 
 
-@asks(budget=5.0, answers=False)
+@asks(searches=True, answers=False)
 def report(
     asked: Asked,
     output: Annotated[
@@ -56,7 +56,8 @@ def report(
             title=publish.title_of(asked.file),
             contacts=contacts,
             tolerance=asked.tolerance,
-            budget=asked.budget,
+            effort=asked.effort,
+            time_limit=asked.time_limit,
             command=asked.command("report", "-o", str(output)),
             progress=progress,
         )
@@ -66,7 +67,7 @@ def report(
     return WRITTEN
 
 
-@asks(budget=5.0, answers=False)
+@asks(searches=True, answers=False)
 def view(
     asked: Asked,
     port: Annotated[
@@ -99,7 +100,8 @@ def view(
             browser=not no_browser,
             read=lambda: asked.read(progress),
             tolerance=asked.tolerance,
-            budget=asked.budget,
+            effort=asked.effort,
+            time_limit=asked.time_limit,
             command=asked.command("view"),
             say=say,
             progress=progress,
@@ -115,7 +117,7 @@ def _say(line: str, *, quiet: bool) -> None:
         print(f"kilter: {line}", file=sys.stderr, flush=True)
 
 
-@asks(budget=10.0, answers=False)
+@asks(searches=True, answers=False)
 def draw(
     asked: Asked,
     output: Annotated[
@@ -163,7 +165,8 @@ def draw(
             what.value,
             contacts=contacts,
             tolerance=asked.tolerance,
-            budget=asked.budget,
+            effort=asked.effort,
+            time_limit=asked.time_limit,
             progress=progress,
         )
         progress("figure")

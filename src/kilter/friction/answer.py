@@ -25,27 +25,24 @@ characterizations of rigid body contact problems with Coulomb friction, 2000.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from kilter.budget import Budget
 from kilter.friction.exclusion import Exclusion, prove_no_motion
 from kilter.friction.motion_search import CoulombMotion, find_coulomb_motion
 from kilter.friction.seating import Seating, find_seating
 from kilter.mechanics.certificate import ForceProof, check_forces
 from kilter.mechanics.program import Program
+from kilter.work import EFFORT, PER_EFFORT, Work
 
-__all__ = ["BUDGET", "FrictionAnswer", "ask_friction"]
+__all__ = ["FrictionAnswer", "ask_friction"]
 
-BUDGET = 10.0
-"""Seconds for the search of a motion and the proof that there is none, where not given."""
 SEATING = 0.1
-"""Fraction of the budget after which no new start of the seating is made."""
+"""Units of seating, over those of one effort, after which no new start of it is made."""
 ROUNDS = ((0.15, 0.45), (0.65, 1.0))
-"""Fractions of the budget at which the search of a motion ends, and the proof after it, in two
+"""Fractions of the work at which the search of a motion ends, and the proof after it, in two
 rounds. Most assemblies are decided in the first, by a short search or a short proof; what is
 left needs long ones, and which of the two is not known before."""
 
@@ -67,7 +64,8 @@ class FrictionAnswer:
         The forces that seat it, judged; where seated.
     exclusion : Exclusion or None
         The proof that there is no motion, or how far it came.
-    seconds : float
+    work : float
+        Units spent (`kilter.work`).
     """
 
     guarantee: Answer
@@ -75,7 +73,7 @@ class FrictionAnswer:
     seating: Seating
     seat: ForceProof | None
     exclusion: Exclusion | None
-    seconds: float
+    work: float
 
     @property
     def seated(self) -> bool:
@@ -86,8 +84,7 @@ class FrictionAnswer:
 def ask_friction(
     program: Program,
     *,
-    budget: float = BUDGET,
-    tell: Callable[[str], None] | None = None,
+    work: Work | float = EFFORT,
 ) -> FrictionAnswer:
     """Guarantee and seating of a program whose cones hold forces of equilibrium.
 
@@ -95,14 +92,12 @@ def ask_friction(
     ----------
     program : Program
         With friction; not stable without it.
-    budget : float
-        For the search and the proof together [s].
-    tell : callable, optional
-        Called with a word at each stage.
+    work : Work or float
+        For the search and the proof together, or an effort.
     """
-    whole = Budget(budget, tell)
+    whole = Work.of(work)
     whole.stage("seating")
-    seating = find_seating(program, budget=whole.until(SEATING))
+    seating = find_seating(program, work=whole.beside(SEATING * PER_EFFORT))
     seat = _seat(program, seating)
 
     def answer(
@@ -115,13 +110,13 @@ def ask_friction(
         if not searched:
             whole.stage("looking for a motion")
             part = whole.until(search_until)
-            witness = find_coulomb_motion(program, budget=part, runaway=seating.runaway)
+            witness = find_coulomb_motion(program, work=part, runaway=seating.runaway)
             if witness is not None:
                 return answer("refuted", witness)
             # a search that ended before its time would find the same again: nothing
             searched = not part.over
         whole.stage("excluding every motion")
-        exclusion = prove_no_motion(program, budget=whole.until(proof_until))
+        exclusion = prove_no_motion(program, work=whole.until(proof_until))
         if exclusion.proved:
             return answer("proved", exclusion=exclusion)
     return answer("open", exclusion=exclusion)

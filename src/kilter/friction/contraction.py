@@ -17,12 +17,12 @@ import numpy as np
 from scipy.sparse import csr_array, eye_array, kron, vstack
 
 from kilter.arrays import TINY, Array
-from kilter.budget import Budget
 from kilter.friction.enclosure import Enclosure, rescaled
 from kilter.friction.reduced_law import ReducedLaw
 from kilter.friction.relaxation import Relaxation
 from kilter.solvers.highs import KeptProgram
 from kilter.solvers.solution import Solution
+from kilter.work import Work
 
 __all__ = ["FORCES", "ProofAttempt", "contract", "forces_bounded", "power_bound", "shrunk"]
 
@@ -49,7 +49,7 @@ class ProofAttempt:
     law: ReducedLaw
     relaxation: Relaxation
     solver: KeptProgram
-    budget: Budget
+    work: Work
     tolerance: float
 
     def closed(self, bounds: Enclosure, power: float) -> bool:
@@ -66,10 +66,11 @@ def forces_bounded(attempt: ProofAttempt, bounds: Enclosure) -> bool:
     if not len(bounds.fn):
         return True
     attempt.solver.load(attempt.relaxation.program(replace(bounds, cuts=False)))
+    attempt.work.loaded(attempt.solver.program.matrix.nnz)
     least = float(bounds.fn.min())
     cost = np.zeros(attempt.relaxation.width)
     cost[attempt.relaxation.columns["fn"]] = -least / bounds.fn
-    answer = attempt.solver.solve(cost, seconds=attempt.budget.left)
+    answer = attempt.solver.solve(cost, work=attempt.work)
     return -answer.bound < least
 
 
@@ -78,7 +79,8 @@ def power_bound(
 ) -> tuple[Enclosure, float, Solution]:
     """Bounds rescaled, the greatest power w.b in units of the old scale, the solution."""
     attempt.solver.load(attempt.relaxation.program(bounds), basis)
-    answer = attempt.solver.solve(seconds=attempt.budget.left)
+    attempt.work.loaded(attempt.solver.program.matrix.nnz)
+    answer = attempt.solver.solve(work=attempt.work)
     power = min(max(-answer.bound, 0.0), bounds.scale)
     if bounds.scale > CURVED and len(answer.x):
         point = answer.x[attempt.relaxation.columns["motion"]]
@@ -88,7 +90,7 @@ def power_bound(
 
 
 def contract(
-    attempt: ProofAttempt, bounds: Enclosure, until: Budget | None = None
+    attempt: ProofAttempt, bounds: Enclosure, until: Work | None = None
 ) -> tuple[Enclosure, float]:
     """Shrink bounds until the power is excluded, they hardly move, or `until` is spent.
 
@@ -98,18 +100,18 @@ def contract(
         The bounds, and the greatest power w.a that they leave.
     """
     relaxation = attempt.relaxation
-    until = until or attempt.budget
+    until = until or attempt.work
     while True:
         before = bounds
         for _ in range(RESCALINGS):
             bounds, power, answer = power_bound(attempt, bounds)
-            if attempt.closed(bounds, power) or attempt.budget.over:
+            if attempt.closed(bounds, power) or attempt.work.over:
                 return bounds, bounds.scale * power
             old = bounds.scale
             bounds = rescaled(relaxation.fastest, bounds, power)
             if bounds.scale > RESCALED * old:
                 break
-        attempt.budget.tell(f"motions up to {bounds.scale:.1e} of free fall are not excluded")
+        attempt.work.tell(f"motions up to {bounds.scale:.1e} of free fall are not excluded")
         bounds = shrunk(attempt, bounds, answer, until=until)
         if until.over or _progress(before, bounds) < STALLED:
             return bounds, bounds.scale**2
@@ -172,7 +174,7 @@ def shrunk(
     bounds: Enclosure,
     start: Solution,
     kinds: Sequence[str] = ALL,
-    until: Budget | None = None,
+    until: Work | None = None,
 ) -> Enclosure:
     """Every quantity of some kinds bounded once, over the relaxation of the given bounds.
 
@@ -184,15 +186,16 @@ def shrunk(
         Of the greatest power within these bounds.
     kinds : sequence of str
         Which of `ALL`.
-    until : Budget, optional
+    until : Work, optional
         What is not asked when it is spent keeps its bound.
     """
     relaxation = attempt.relaxation
-    until = until or attempt.budget
+    until = until or attempt.work
     new = {name: getattr(bounds, name).copy() for name in ALL}
     program = relaxation.program(bounds)
     program.lower[relaxation.columns["one"]] = 1.0  # else no force has a least value but 0
     attempt.solver.load(program, start.basis)
+    attempt.work.loaded(attempt.solver.program.matrix.nnz)
     asked = _quantities(relaxation, bounds)
     best = asked.weights @ start.x if len(start.x) else np.full(len(asked.limits), -np.inf)
     enough = np.where(asked.limits > 0, SEEN * asked.limits, asked.limits / SEEN)
@@ -205,14 +208,14 @@ def shrunk(
         if fixed[number] or (best[number] >= enough[number] and enough[number] != 0):
             continue
         cost = -asked.weights[[number]].toarray()[0]
-        answer = attempt.solver.solve(cost, seconds=attempt.budget.left)
+        answer = attempt.solver.solve(cost, work=attempt.work)
         if len(answer.x):
             best = np.maximum(best, asked.weights @ answer.x)
         if name == "least":
             new[name][place] = max(answer.bound, new[name][place])
         else:
             new[name][place] = min(max(-answer.bound, 0.0), new[name][place])
-        attempt.budget.tell(f"bounding forces and motions, {number} of {len(asked.limits)}")
+        attempt.work.tell(f"bounding forces and motions, {number} of {len(asked.limits)}")
     return _consistent(attempt.law, relaxation, replace(bounds, **new))
 
 

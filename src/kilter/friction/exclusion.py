@@ -19,7 +19,6 @@ from typing import Literal
 
 import numpy as np
 
-from kilter.budget import Budget
 from kilter.friction.contraction import (
     FORCES,
     ProofAttempt,
@@ -35,13 +34,15 @@ from kilter.friction.reduced_law import reduced_law, refusal
 from kilter.friction.relaxation import TANGENTS, Relaxation
 from kilter.mechanics.program import Program
 from kilter.solvers.highs import bounding
+from kilter.threads import on_one_thread
+from kilter.work import Work
 
 __all__ = ["Exclusion", "prove_no_motion", "start_proof"]
 
 Kind = Literal["contraction", "modes", "sectors"]
 
 FIRST = 0.1
-"""Fraction of the budget for modes before anything is contracted; in space, for the forces."""
+"""Fraction of the work for modes before anything is contracted; in space, for the forces."""
 SECOND = 0.4
 """Fraction of what is left then for contraction."""
 
@@ -62,7 +63,8 @@ class Exclusion:
         the masses [-]: 1 is free fall.
     assumes : str
         What the proof supposes, or "".
-    seconds : float
+    work : float
+        Units spent (`kilter.work`).
     why : str
         Why nothing could be asked, or "".
     """
@@ -73,19 +75,20 @@ class Exclusion:
     nodes: int
     bound: float
     assumes: str
-    seconds: float
+    work: float
     why: str = ""
 
 
-def prove_no_motion(program: Program, *, budget: Budget | float = 10.0) -> Exclusion:
+@on_one_thread
+def prove_no_motion(program: Program, *, work: Work | float = 1.0) -> Exclusion:
     """Try to prove that no motion obeying Coulomb's contact law can start.
 
     Parameters
     ----------
     program : Program
         With modelled contacts only: possible rows are refused.
-    budget : Budget or float
-        Or seconds.
+    work : Work or float
+        Or an effort (`kilter.work`).
 
     Examples
     --------
@@ -98,13 +101,13 @@ def prove_no_motion(program: Program, *, budget: Budget | float = 10.0) -> Exclu
     True
     False
     """
-    budget = Budget.of(budget).fraction_left(1.0)
+    work = Work.of(work).fraction_left(1.0)
     if not program.free.any() or not program.load[program.free].any():
-        return Exclusion(True, "contraction", 0, 0, 0.0, "", budget.spent)
+        return Exclusion(True, "contraction", 0, 0, 0.0, "", work.spent)
     why = refusal(program)
     if why:
-        return Exclusion(False, None, 0, 0, 1.0, "", budget.spent, why)
-    attempt, bounds = start_proof(program, budget)
+        return Exclusion(False, None, 0, 0, 1.0, "", work.spent, why)
+    attempt, bounds = start_proof(program, work)
     bounded = forces_bounded(attempt, bounds)
     kind, left = _tried(attempt, replace(bounds, cuts=True))
     proved = left.power <= attempt.tolerance
@@ -116,14 +119,14 @@ def prove_no_motion(program: Program, *, budget: Budget | float = 10.0) -> Exclu
         left.nodes,
         left.power,
         "" if bounded or not proved else limit,
-        budget.spent,
+        work.spent,
     )
 
 
-def start_proof(program: Program, budget: Budget) -> tuple[ProofAttempt, Enclosure]:
+def start_proof(program: Program, work: Work) -> tuple[ProofAttempt, Enclosure]:
     """Law, relaxation and solver of a program, and what is known before anything is asked."""
     law = reduced_law(program)
-    attempt = ProofAttempt(law, Relaxation(law), bounding(), budget, _tolerance(program))
+    attempt = ProofAttempt(law, Relaxation(law), bounding(), work, _tolerance(program))
     force = np.full(len(law.group), LARGEST_FORCE)
     return attempt, first_enclosure(law, attempt.relaxation.fastest, force, TANGENTS)
 
@@ -141,19 +144,19 @@ def _tried(attempt: ProofAttempt, bounds: Enclosure) -> tuple[Kind, CasesLeft]:
     In space only the bounds of forces are contracted: those of motions take longer to
     contract than they save.
     """
-    budget = attempt.budget
+    work = attempt.work
     if attempt.law.directions == 2:
         _, _, answer = power_bound(attempt, bounds)
-        bounds = shrunk(attempt, bounds, answer, FORCES, budget.until(FIRST))
+        bounds = shrunk(attempt, bounds, answer, FORCES, work.until(FIRST))
         return "sectors", divided(attempt, bounds)
     modes: Kind = "modes"
-    first = divided(attempt, bounds, budget.until(FIRST))
-    if first.ended or budget.over:
+    first = divided(attempt, bounds, work.until(FIRST))
+    if first.ended or work.over:
         return modes, first
-    tight, power = contract(attempt, bounds, budget.fraction_left(SECOND))
+    tight, power = contract(attempt, bounds, work.fraction_left(SECOND))
     if power <= attempt.tolerance:
         return "contraction", replace(first, power=power)
-    if budget.over:
+    if work.over:
         return modes, replace(first, power=min(first.power, power))
     last = divided(attempt, tight)
     best = last if last.power <= first.power else first

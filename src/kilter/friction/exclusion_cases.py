@@ -28,7 +28,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.arrays import Array
-from kilter.budget import Budget
 from kilter.friction.branching import CaseTree
 from kilter.friction.contraction import ProofAttempt, power_bound
 from kilter.friction.enclosure import (
@@ -45,6 +44,7 @@ from kilter.friction.enclosure import (
 from kilter.friction.friction_tolerances import NARROWEST_CONE, OBEYED
 from kilter.friction.reduced_law import ReducedLaw
 from kilter.friction.relaxation import Relaxation
+from kilter.work import Work
 
 __all__ = ["Breach", "CasesLeft", "breach", "cases", "divided"]
 
@@ -137,13 +137,13 @@ def cases(law: ReducedLaw, bounds: Enclosure, where: Breach) -> list[Enclosure]:
     return [with_twist_in(law, bounds, where.patch, cone) for cone in cones]
 
 
-def divided(attempt: ProofAttempt, bounds: Enclosure, until: Budget | None = None) -> CasesLeft:
+def divided(attempt: ProofAttempt, bounds: Enclosure, until: Work | None = None) -> CasesLeft:
     """Divide the solutions within the bounds until every case is closed.
 
-    Ends early when `until` (else the budget of the attempt) is spent, at a relaxed motion
+    Ends early when `until` (else the work of the attempt) is spent, at a relaxed motion
     that obeys the law, and where nothing is left to divide.
     """
-    budget = attempt.budget if until is None else until
+    work = attempt.work if until is None else until
     tree = CaseTree(
         _bounding(attempt),
         lambda case: cases(attempt.law, case.bounds, case.where),
@@ -151,13 +151,13 @@ def divided(attempt: ProofAttempt, bounds: Enclosure, until: Budget | None = Non
     )
 
     def late() -> bool:
-        return budget.over or len(tree) > MOST_OPEN
+        return work.over or len(tree) > MOST_OPEN
 
     def enough(case: _OpenCase) -> bool:
         return case.obeys or late() or case.where.largest <= 0.0
 
     for case in tree.explore(bounds, enough=enough):
-        budget.tell(f"{tree.nodes} cases, {len(tree)} open, power up to {case.power:.1e}")
+        work.tell(f"{tree.nodes} cases, {len(tree)} open, power up to {case.power:.1e}")
     best = tree.best
     if best is None:
         return CasesLeft(attempt.tolerance, tree.nodes, True)
@@ -176,7 +176,7 @@ def _bounding(attempt: ProofAttempt) -> Callable[[Enclosure, _OpenCase | None], 
             if attempt.closed(bounds, power):
                 return None
             old, bounds, basis = bounds, rescaled(relaxation.fastest, bounds, power), answer.basis
-            if power >= AGAIN * old.scale or attempt.budget.over:
+            if power >= AGAIN * old.scale or attempt.work.over:
                 break
         worth = old.scale * power
         worth = worth if parent is None else min(worth, parent.power)

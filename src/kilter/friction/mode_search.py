@@ -23,13 +23,13 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from kilter.arrays import Array, Index, Mask
-from kilter.budget import Budget
 from kilter.friction.branching import CaseTree, Mode
 from kilter.friction.friction_tolerances import NODE_GAP, OBEYED
 from kilter.friction.law import CoulombLaw
 from kilter.friction.polish import TrialMotion
 from kilter.mechanics.mechanics_tolerances import WITNESS_POWER
 from kilter.solvers.problem import ConicProgram
+from kilter.work import Work
 
 __all__ = ["by_modes"]
 
@@ -64,20 +64,20 @@ class _Node:
     power: float
 
 
-def by_modes(law: CoulombLaw, *, nodes: int, budget: Budget) -> Iterator[TrialMotion]:
+def by_modes(law: CoulombLaw, *, nodes: int, work: Work) -> Iterator[TrialMotion]:
     """Optima of at most `nodes` relaxations, the most promising first.
 
     Parameters
     ----------
     law : CoulombLaw
     nodes : int
-    budget : Budget
+    work : Work
         It limits each relaxation; who asks decides when to stop.
     """
     count, lines = len(law.mu), law.matrix.toarray()
 
     def bound(decided: _Decided, _: _Node | None) -> _Node | None:
-        optimum = _relaxed(law, lines, decided, budget)
+        optimum = _relaxed(law, lines, decided, work)
         power = float(law.load @ optimum.x) if optimum else 0.0
         return None if optimum is None or power < WITNESS_POWER else _Node(decided, optimum, power)
 
@@ -115,11 +115,11 @@ def _children(law: CoulombLaw, node: _Decided, now: TrialMotion) -> list[_Decide
     return children + [node.with_mode(p, Mode.SLIDING, angle, half) for angle in angles]
 
 
-def _relaxed(law: CoulombLaw, lines: Array, node: _Decided, budget: Budget) -> TrialMotion | None:
+def _relaxed(law: CoulombLaw, lines: Array, node: _Decided, work: Work) -> TrialMotion | None:
     """The optimum of a node's relaxation; None where it is empty or the solver broke down."""
     from kilter.solvers.clarabel import solve_conic
 
-    answer = solve_conic(_relaxation(law, lines, node), tolerance=NODE_GAP, seconds=budget.left)
+    answer = solve_conic(_relaxation(law, lines, node), tolerance=NODE_GAP, work=work)
     if not answer.found:
         return None
     count = len(law.load)

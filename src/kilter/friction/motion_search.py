@@ -38,7 +38,6 @@ import numpy as np
 from scipy.sparse import csc_array, eye_array
 
 from kilter.arrays import TINY, Array, Index, Mask
-from kilter.budget import Budget
 from kilter.friction.friction_tolerances import CLOSE, EXACTLY, GONE, SHARP, STEADY
 from kilter.friction.law import CoulombLaw, coulomb_law
 from kilter.friction.mode_search import by_modes
@@ -48,6 +47,8 @@ from kilter.mechanics.law_check import LawProof, check_law
 from kilter.mechanics.mechanics_tolerances import WITNESS_POWER
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import ConicProgram
+from kilter.threads import on_one_thread
+from kilter.work import Work
 
 __all__ = ["CoulombMotion", "DeSaxcePrograms", "de_saxce_programs", "find_coulomb_motion"]
 
@@ -98,13 +99,13 @@ class CoulombMotion:
 
 
 class _MotionSearch:
-    """What one search knows: the law, its budget, the best motion so far."""
+    """What one search knows: the law, its work, the best motion so far."""
 
-    def __init__(self, program: Program, budget: Budget) -> None:
+    def __init__(self, program: Program, work: Work) -> None:
         self.program = program
         self.law = coulomb_law(program)
         self.family = de_saxce_programs(self.law)
-        self.budget = budget
+        self.work = work
         self.programs = 0
         self.seen: set[bytes] = set()
         self.best: CoulombMotion | None = None
@@ -112,14 +113,14 @@ class _MotionSearch:
     @property
     def over(self) -> bool:
         """Whether there is nothing more to do."""
-        return (self.best is not None and self.best.exact) or self.budget.over
+        return (self.best is not None and self.best.exact) or self.work.over
 
     def solve(self, shift: Array, lubricated: Mask) -> TrialMotion | None:
         """One step of De Saxce's iteration; None where the solver broke down."""
         from kilter.solvers.clarabel import solve_conic
 
         answer = solve_conic(
-            self.family.program(shift, lubricated), tolerance=SHARP, seconds=self.budget.left
+            self.family.program(shift, lubricated), tolerance=SHARP, work=self.work
         )
         self.programs += 1
         if not answer.found:
@@ -135,9 +136,10 @@ class _MotionSearch:
     def offer(self, candidate: TrialMotion, found: str) -> None:
         """Make a candidate exact, judge it, keep the best."""
         seen = self.seen if found == BY_MODES else set()
-        for one in [candidate, *polished(self.law, candidate, seen, self.budget)]:
+        for one in [candidate, *polished(self.law, candidate, seen, self.work)]:
             acceleration, forces = self.law.acceleration(one.x), self.law.forces(one.forces)
             law = check_law(self.program, acceleration, forces)
+            self.work.judged(len(forces))
             if law.power > WITNESS_POWER and (
                 self.best is None or _merit(law) < _merit(self.best.law)
             ):
@@ -151,10 +153,11 @@ def _merit(law: LawProof) -> tuple[bool, float]:
     return not law.holds, law.residual / max(law.size, TINY)
 
 
+@on_one_thread
 def find_coulomb_motion(
     program: Program,
     *,
-    budget: Budget | float,
+    work: Work | float,
     seed: int = 0,
     nearest: bool = False,
     runaway: Array | None = None,
@@ -165,8 +168,8 @@ def find_coulomb_motion(
     ----------
     program : Program
         Contacts with mu, no pyramids.
-    budget : Budget or float
-        Or seconds.
+    work : Work or float
+        Or an effort (`kilter.work`).
     seed : int
         Of the patches that are lubricated.
     nearest : bool
@@ -174,7 +177,7 @@ def find_coulomb_motion(
     runaway : ndarray, shape (N, 6), optional
         Of `find_seating`, where that has been asked already.
     """
-    search = _MotionSearch(program, Budget.of(budget))
+    search = _MotionSearch(program, Work.of(work))
     if not len(search.law.load) or not search.law.strength:
         return None
     for found, candidate in _starts(search, np.random.default_rng(seed), runaway):
@@ -193,7 +196,7 @@ def _starts(
     search: _MotionSearch, rng: np.random.Generator, runaway: Array | None
 ) -> Iterator[tuple[str, TrialMotion | None]]:
     """First candidates, with what to call them."""
-    law, say = search.law, search.budget.stage
+    law, say = search.law, search.work.stage
     zero, patches = np.zeros(len(law.mu)), int(law.patch.max(initial=-1)) + 1
     say("looking for a motion: some contacts lubricated")
     yield "falling freely", TrialMotion(law.load, np.zeros((len(law.mu), 3)))
@@ -207,14 +210,14 @@ def _starts(
         )
     say("looking for a motion: where the weight does not seat the parts")
     if runaway is None:
-        runaway = find_seating(search.program, starts=1, budget=search.budget).runaway
+        runaway = find_seating(search.program, starts=1, work=search.work).runaway
     if runaway is not None:
         x = law.columns(runaway)
         x = x * (law.load @ x) / max(float(x @ x), TINY)
         yield "run-away from its seat", TrialMotion(x, np.zeros((len(law.mu), 3)))
     say("looking for a motion: contact modes")
     if len(law.mu) <= MOST_POINTS:
-        for candidate in by_modes(law, nodes=NODES, budget=search.budget):
+        for candidate in by_modes(law, nodes=NODES, work=search.work):
             search.programs += 1
             yield BY_MODES, candidate
 

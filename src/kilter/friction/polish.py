@@ -23,7 +23,6 @@ import numpy as np
 from scipy.sparse import block_array, csr_array, diags_array, eye_array, vstack
 
 from kilter.arrays import TINY, Array, Index
-from kilter.budget import Budget
 from kilter.friction.branching import Mode
 from kilter.friction.friction_tolerances import (
     CLEAR,
@@ -34,6 +33,7 @@ from kilter.friction.friction_tolerances import (
     SOLVED,
 )
 from kilter.friction.law import CoulombLaw
+from kilter.work import Work
 
 __all__ = ["TrialMotion", "polished"]
 
@@ -61,7 +61,7 @@ class TrialMotion:
 
 
 def polished(
-    law: CoulombLaw, start: TrialMotion, seen: set[bytes], budget: Budget
+    law: CoulombLaw, start: TrialMotion, seen: set[bytes], work: Work
 ) -> list[TrialMotion]:
     """TrialMotions that solve the equations of modes near `start`.
 
@@ -71,30 +71,30 @@ def polished(
     start : TrialMotion
     seen : set of bytes
         Modes that are not to be solved again; those solved are added.
-    budget : Budget
+    work : Work
         When it is spent, what was found is all.
     """
     found: list[TrialMotion] = []
     for least in (CLEAR, SLACK):
-        found += _followed(law, _modes(law, start, least), start, seen, budget)
+        found += _followed(law, _modes(law, start, least), start, seen, work)
     return found
 
 
 def _followed(
-    law: CoulombLaw, mode: Index, start: TrialMotion, seen: set[bytes], budget: Budget
+    law: CoulombLaw, mode: Index, start: TrialMotion, seen: set[bytes], work: Work
 ) -> list[TrialMotion]:
     """Solutions of a mode and of those it leads to."""
     found: list[TrialMotion] = []
     candidate = start
     for _ in range(MODES):
-        if mode.tobytes() in seen or budget.over:
+        if mode.tobytes() in seen or work.over:
             break
         seen.add(mode.tobytes())
-        solved = _solve(law, mode, candidate, budget)
+        solved = _solve(law, mode, candidate, work)
         if solved is None:
             break
         candidate = solved
-        found += [candidate, *_at_the_limit(law, mode, candidate)]
+        found += [candidate, *_at_the_limit(law, mode, candidate, work)]
         changed = _changed(law, mode, candidate)
         if (changed == mode).all():
             break
@@ -123,7 +123,7 @@ def _changed(law: CoulombLaw, mode: Index, now: TrialMotion) -> Index:
     return new
 
 
-def _solve(law: CoulombLaw, mode: Index, start: TrialMotion, budget: Budget) -> TrialMotion | None:
+def _solve(law: CoulombLaw, mode: Index, start: TrialMotion, work: Work) -> TrialMotion | None:
     """The solution of the equations of a mode nearest to `start`; None where they break down."""
     slide, stick = np.flatnonzero(mode == Mode.SLIDING), np.flatnonzero(mode == Mode.STICKING)
     held = stick[~law.tied[stick]]
@@ -136,7 +136,7 @@ def _solve(law: CoulombLaw, mode: Index, start: TrialMotion, budget: Budget) -> 
     equations = _ModeEquations(law.load, law.mu[slide], active, across, full)
     flat = start.forces.reshape(-1)
     g = np.concatenate([np.maximum(flat[3 * slide], 0.0), flat[rows[len(slide) :]]])
-    best = equations.solve(start.x, g, -start.forces[slide, 1:], budget)
+    best = equations.solve(start.x, g, -start.forces[slide, 1:], work)
     if best is None:
         return None
     x, g, e = best
@@ -157,9 +157,7 @@ class _ModeEquations:
     across: Any
     full: bool
 
-    def solve(
-        self, x: Array, g: Array, e: Array, budget: Budget
-    ) -> tuple[Array, Array, Array] | None:
+    def solve(self, x: Array, g: Array, e: Array, work: Work) -> tuple[Array, Array, Array] | None:
         """Unknowns x, forces g along the active lines and directions e, by Newton's method."""
         best, least, since = None, np.inf, 0
         for _ in range(STEPS):
@@ -170,9 +168,10 @@ class _ModeEquations:
             since = 0 if size < HALF * least else since + 1
             if size < least:
                 best, least = (x, g, e), size
-            if size <= SOLVED or since > PATIENCE or not np.isfinite(size) or budget.over:
+            if size <= SOLVED or since > PATIENCE or not np.isfinite(size) or work.over:
                 break
-            step = self._step(self._bending(x, g, e), push, np.concatenate([-first, -second]))
+            right = np.concatenate([-first, -second])
+            step = self._step(self._bending(x, g, e), push, right, work)
             if step is None:
                 break
             x, g = x + step[: len(x)], g + step[len(x) :]
@@ -208,7 +207,7 @@ class _ModeEquations:
             return turn.T @ (weight[:, None] * turn)
         return turn.T @ (diags_array(weight) @ turn)
 
-    def _step(self, bend: Any, push: Any, right: Array) -> Array | None:
+    def _step(self, bend: Any, push: Any, right: Array, work: Work) -> Array | None:
         """The Newton step of (x, g)."""
         from scipy.sparse.linalg import splu
 
@@ -221,17 +220,20 @@ class _ModeEquations:
                 system[:count, count:] = -push.T
                 system[count:, :count] = self.active
                 system[range(count, count + held), range(count, count + held)] = SOFT_MODE
+                work.dense(count + held)
                 step = np.asarray(np.linalg.solve(system, right), np.float64)
             else:
                 top = [bend + eye_array(count), -push.T]
                 blocks = [top, [self.active, SOFT_MODE * eye_array(held)]]
-                step = splu(block_array(blocks, format="csc")).solve(right)
+                factor = splu(block_array(blocks, format="csc"))
+                work.sparse(count + held, factor.nnz)
+                step = factor.solve(right)
         except (RuntimeError, np.linalg.LinAlgError):  # singular
             return None
         return step if np.isfinite(step).all() else None
 
 
-def _at_the_limit(law: CoulombLaw, mode: Index, now: TrialMotion) -> list[TrialMotion]:
+def _at_the_limit(law: CoulombLaw, mode: Index, now: TrialMotion, work: Work) -> list[TrialMotion]:
     """The same motion where points that stick at the limit of friction push along its slides.
 
     Where a stack slides as one, its inner joints stick with forces that just reach their
@@ -256,11 +258,13 @@ def _at_the_limit(law: CoulombLaw, mode: Index, now: TrialMotion) -> list[TrialM
     ray = slides.copy()
     ray[limit] = True
     others = np.flatnonzero(((mode == Mode.STICKING) | creeps) & ~ray)
-    forces = _on_rays(law, np.flatnonzero(ray), e, others, now.x)
+    forces = _on_rays(law, np.flatnonzero(ray), e, others, now.x, work)
     return [] if forces is None else [TrialMotion(now.x, forces)]
 
 
-def _on_rays(law: CoulombLaw, rays: Index, e: Array, others: Index, x: Array) -> Array | None:
+def _on_rays(
+    law: CoulombLaw, rays: Index, e: Array, others: Index, x: Array, work: Work
+) -> Array | None:
     """Forces (n, u, v) of the motion x: along -e on the cones of `rays`, within those of others.
 
     The cones of the others by eight rays each, so that all is nonnegative least squares.
@@ -280,6 +284,7 @@ def _on_rays(law: CoulombLaw, rays: Index, e: Array, others: Index, x: Array) ->
     ways[len(rows) - len(tied) :] *= -1.0
     where = (np.repeat(np.arange(len(rows)), 3), (3 * rows[:, None] + np.arange(3)).reshape(-1))
     combine = csr_array((ways.reshape(-1), where), shape=(len(rows), law.matrix.shape[0]))
+    work.dense(max(len(rows), len(x)))
     try:
         g, _ = nnls((combine @ law.matrix).toarray().T, x - law.load)
     except RuntimeError:  # too many steps

@@ -34,11 +34,12 @@ import numpy as np
 from scipy.sparse import bsr_array, csc_array, eye_array
 
 from kilter.arrays import TINY, Array
-from kilter.budget import Budget
 from kilter.friction.friction_tolerances import BALANCED, GOAL, SOFT_SQUEEZE
 from kilter.friction.law import CoulombLaw, coulomb_law
 from kilter.mechanics.law_check import check_balance
 from kilter.mechanics.program import Program
+from kilter.threads import on_one_thread
+from kilter.work import Work
 
 if TYPE_CHECKING:
     from scipy.sparse.linalg import SuperLU
@@ -103,8 +104,9 @@ class Seating:
     runaway: Array | None
 
 
+@on_one_thread
 def find_seating(
-    program: Program, *, seed: int = 0, starts: int = 6, budget: Budget | float = inf
+    program: Program, *, seed: int = 0, starts: int = 6, work: Work | float = inf
 ) -> Seating:
     """Whether the weight of the parts seats them.
 
@@ -116,8 +118,8 @@ def find_seating(
         Of the stiffnesses and first displacements of all starts but the first.
     starts : int
         The first from no displacement at all, with one stiffness; the others at random.
-    budget : Budget or float
-        Or seconds; when it is spent, the search ends with what it has.
+    work : Work or float
+        Or an effort (`kilter.work`); when it is spent, the search ends with what it has.
 
     Examples
     --------
@@ -134,7 +136,7 @@ def find_seating(
     if not len(law.load) or not law.strength:
         none = np.zeros((len(program.part_a), 3))
         return Seating(True, none, check_balance(program, none), 0, 0, None)
-    budget = Budget.of(budget)
+    work = Work.of(work)
     rng = np.random.default_rng(seed)
     best: Seating | None = None
     stiffness, first = np.ones(len(law.mu)), np.zeros(len(law.load))
@@ -142,7 +144,7 @@ def find_seating(
     for start in range(1, max(starts, 1) + 1):
         if start > 1:
             stiffness, first = _beginning(law, rng)
-        state, steps = _settle(_Springs(law, stiffness), first, budget)
+        state, steps = _settle(_Springs(law, stiffness), first, work)
         iterations += steps
         forces = law.forces(state.forces)
         residual = check_balance(program, forces)
@@ -151,7 +153,7 @@ def find_seating(
         if best is None or residual < best.residual:
             away = state.x / max(float(np.linalg.norm(state.x)), TINY)
             best = Seating(False, forces, residual, start, iterations, law.acceleration(away))
-        if budget.over:
+        if work.over:
             break
     assert best is not None  # there is at least one start
     return Seating(False, best.forces, best.residual, start, iterations, best.runaway)
@@ -198,22 +200,25 @@ class _Springs:
         rest = np.linalg.norm(state.rest.reshape(len(self.weight), -1), axis=1)
         return float((rest / self.weight).max())
 
-    def newton(self, state: _State, right: Array, drag: float) -> Array:
+    def newton(self, state: _State, right: Array, drag: float, work: Work) -> Array:
         """The step dx of (drag - dr/dx) dx = right."""
         slope, law, count = state.slope, self.law, len(right)
         if self.full is not None:
             product = np.matmul(slope, self.full.reshape(-1, 3, count)).reshape(-1, count)
             matrix = self.full.T @ product
             matrix[range(count), range(count)] += drag
+            work.dense(count)
             dense: Array = np.linalg.solve(matrix, right)
             return dense
         start = np.arange(len(slope) + 1)
         blocks = bsr_array((slope, start[:-1], start), shape=(3 * len(slope), 3 * len(slope)))
         system = self.transposed @ (blocks.tocsr() @ law.matrix) + drag * eye_array(count)
-        step: Array = _factor(csc_array(system)).solve(right)
+        factor = _factor(csc_array(system))
+        work.sparse(count, factor.nnz)
+        step: Array = factor.solve(right)
         return step
 
-    def advance(self, state: _State, step: float) -> tuple[_State | None, int]:
+    def advance(self, state: _State, step: float, work: Work) -> tuple[_State | None, int]:
         """The state a pseudo-time `step` later, None where Newton fails; Newton steps made.
 
         One implicit Euler step, (x' - x) / step = r(x'), solved to a tenth of r(x).
@@ -222,7 +227,7 @@ class _Springs:
         enough, last = STEP_ERROR * float(np.linalg.norm(state.rest)), np.inf
         for count in range(1, INNER + 1):
             try:
-                new = self.at(new.x + self.newton(new, right, 1.0 / step))
+                new = self.at(new.x + self.newton(new, right, 1.0 / step, work))
             except (RuntimeError, np.linalg.LinAlgError):  # a singular matrix
                 return None, count
             right = new.rest - (new.x - state.x) / step
@@ -235,11 +240,11 @@ class _Springs:
         return None, count
 
 
-def _settle(springs: _Springs, x: Array, budget: Budget) -> tuple[_State, int]:
+def _settle(springs: _Springs, x: Array, work: Work) -> tuple[_State, int]:
     """The state in which a start ends, and the steps of Newton's method it took."""
     state, step, steps = springs.at(x), 1.0, 0
-    while steps < STEPS and step > SHORTEST and not budget.over:
-        new, count = springs.advance(state, step)
+    while steps < STEPS and step > SHORTEST and not work.late:
+        new, count = springs.advance(state, step, work)
         steps += count
         if new is None:
             step *= CUT

@@ -35,7 +35,7 @@ class Example:
         Case, figure or publication.
     answer : {"stable", "potentially-stable", "unstable"}
         The verdict. "potentially-stable": friction can hold it, but a motion obeys the contact
-        law as well, or the proof that none does takes longer than the usual budget.
+        law as well, or the proof that none does takes more than the usual effort.
     """
 
     name: str

@@ -22,6 +22,7 @@ from kilter.arrays import Array, Index
 from kilter.solvers.problem import ConicProgram
 from kilter.solvers.solution import Outcome, Solution
 from kilter.solvers.solver_tolerances import CONIC, CONIC_FIRST, QUADRATIC_GOOD
+from kilter.work import Work
 
 __all__ = ["solve_conic", "solve_quadratic"]
 
@@ -49,7 +50,7 @@ _OUTCOMES: dict[str, Outcome] = {
 
 
 def solve_conic(
-    program: ConicProgram, *, tolerance: float = CONIC, seconds: float | None = None
+    program: ConicProgram, *, tolerance: float = CONIC, work: Work | None = None
 ) -> Solution:
     """Minimise a convex quadratic over linear rows and second-order cones.
 
@@ -58,8 +59,8 @@ def solve_conic(
     program : ConicProgram
     tolerance : float
         Gap and feasibility, absolute and relative [-].
-    seconds : float, optional
-        Time limit.
+    work : Work, optional
+        It is charged, and its time limit is kept.
 
     Examples
     --------
@@ -81,8 +82,9 @@ def solve_conic(
     settings.max_iter = STEPS
     # on walls twice as fast as what it would choose, on quadratic programs twenty times
     settings.direct_solve_method = "qdldl"
-    if seconds is not None:
-        settings.time_limit = max(seconds, 1e-3)
+    settings.max_threads = 1  # no bit of an answer depends on the machine
+    if work is not None and work.seconds is not None:
+        settings.time_limit = work.seconds
     cones: list[object] = []
     if program.equal:
         cones.append(clarabel.ZeroConeT(program.equal))
@@ -98,6 +100,8 @@ def solve_conic(
         settings,
     )
     answer = solver.solve()
+    if work is not None:
+        work.conic(answer.iterations, program.matrix.nnz)
     outcome = _OUTCOMES.get(str(answer.status), "failed")
     x, multipliers = np.array(answer.x), np.array(answer.z)
     if outcome in ("infeasible", "unbounded") or not np.isfinite(x).all():

@@ -46,6 +46,7 @@ from kilter.solvers.solver_tolerances import (
     NEGLIGIBLE_ENTRY,
     WIDE,
 )
+from kilter.work import Work
 
 __all__ = [
     "KeptProgram",
@@ -89,7 +90,7 @@ def solve_linear(
     tolerance: float = FEASIBLE,
     presolve: bool = True,
     forces_only: bool = False,
-    seconds: float | None = None,
+    work: Work | None = None,
 ) -> Solution:
     """Solve a linear program once, cold.
 
@@ -103,8 +104,8 @@ def solve_linear(
     forces_only : bool
         Only a feasible x is asked for: an interior point then stops at a wide gap, which
         saves a third of its steps.
-    seconds : float, optional
-        Time limit.
+    work : Work, optional
+        Its time limit is kept.
     """
     highs, solver = _highs(tolerance), "simplex"
     if method == "interior":
@@ -121,8 +122,8 @@ def solve_linear(
     if forces_only:
         highs.setOptionValue("dual_feasibility_tolerance", WIDE)
     highs.setOptionValue("simplex_iteration_limit", _steps(program))
-    if seconds is not None:
-        highs.setOptionValue("time_limit", seconds)
+    if work is not None and work.seconds is not None:
+        highs.setOptionValue("time_limit", work.seconds)
     _passed(highs, program)
     highs.run()
     if highs.getModelStatus() == highspy.HighsModelStatus.kUnboundedOrInfeasible:
@@ -250,32 +251,34 @@ class KeptProgram:
             self._highs.changeCoeff(int(row), int(column), float(value))
         self.program = replace(self.program, matrix=matrix)
 
-    def solve(self, cost: Array | None = None, *, seconds: float = np.inf) -> Solution:
+    def solve(self, cost: Array | None = None, *, work: Work | None = None) -> Solution:
         """The optimum as the program is now: warm first, cold where that is not good enough.
 
         Parameters
         ----------
         cost : ndarray, shape (n,), optional
             Another cost of all columns.
-        seconds : float
-            Time limit.
+        work : Work, optional
+            It is charged; steps of the simplex end where nothing of it is left, and its time
+            limit is kept.
         """
         if cost is not None:
             self.change_cost(np.arange(len(cost)), cost)
         self.solves += 1
-        self._set("time_limit", self._highs.getRunTime() + float(seconds))
+        limit = None if work is None else work.seconds
+        self._set("time_limit", np.inf if limit is None else self._highs.getRunTime() + limit)
         tries = []
         if self._based:
             steps = _steps(self.program)
             if self._warm == "primal":
                 steps = self._steps // 4 + FEW
-            tries.append(self._run(self._warm, steps))
+            tries.append(self._run(self._warm, steps, work))
         for scaling in SCALINGS:
-            if tries and (self._enough(tries[-1]) or self._late()):
+            if tries and (self._enough(tries[-1]) or (work is not None and work.over)):
                 break
             self._highs.clearSolver()
             self._set("simplex_scale_strategy", scaling)
-            tries.append(self._run("dual", _steps(self.program)))
+            tries.append(self._run("dual", _steps(self.program), work))
             self._steps = tries[-1].iterations
         self._set("simplex_scale_strategy", SCALINGS[0])
         best = tries[0]
@@ -292,21 +295,21 @@ class KeptProgram:
             return near_its_bound(solution)
         return solution.optimal if self._goal == "point" else solution.holds
 
-    def _run(self, strategy: Warm, steps: int) -> Solution:
+    def _run(self, strategy: Warm, steps: int, work: Work | None) -> Solution:
+        entries = self.program.matrix.nnz
         self._set("simplex_strategy", STRATEGY[strategy])
-        self._set("simplex_iteration_limit", steps)
+        self._set("simplex_iteration_limit", steps if work is None else work.steps(steps, entries))
         self._highs.run()
-        return _solution(self._highs, self.program, "simplex")
+        answer = _solution(self._highs, self.program, "simplex")
+        if work is not None:
+            work.linear(answer.iterations, entries)
+        return answer
 
     def _set(self, option: str, value: float) -> None:
         """An option of HiGHS, where it is not what it was."""
         if self._options.get(option) != value:
             self._highs.setOptionValue(option, value)
             self._options[option] = value
-
-    def _late(self) -> bool:
-        late: bool = self._highs.getModelStatus() == highspy.HighsModelStatus.kTimeLimit
-        return late
 
     def sensitivity(self, costs: Array) -> Array:
         """How the reduced costs of the last basis depend on a few costs; (11) of the paper.
@@ -366,6 +369,8 @@ def _highs(tolerance: float) -> Any:
     """HiGHS with the options that every program here has; its class is not annotated."""
     highs = highspy.Highs()
     highs.setOptionValue("output_flag", False)
+    highs.setOptionValue("parallel", "off")  # no bit of an answer depends on the machine
+    highs.setOptionValue("threads", 1)
     highs.setOptionValue("primal_feasibility_tolerance", tolerance)
     highs.setOptionValue("dual_feasibility_tolerance", tolerance)
     highs.setOptionValue("small_matrix_value", NEGLIGIBLE_ENTRY)

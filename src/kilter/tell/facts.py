@@ -180,7 +180,7 @@ def _guarantee(guarantee: str, friction: Answer) -> str:
     """What friction guarantees, and how that is known."""
     words = GUARANTEE[guarantee]
     if guarantee == "open":
-        words += f" (a budget of more than {number(friction['budget'])} s may decide)"
+        words += f" (more than --effort {number(friction['effort'])} may decide)"
     exclusion, witness = friction["exclusion"], friction["witness"]
     if exclusion is not None and exclusion["proved"]:
         words += f" ({exclusion['kind']}, {exclusion['programs']} programs)"

@@ -45,6 +45,8 @@ from kilter.errors import InputError, some_names
 from kilter.mechanics.coulomb_cones import spread
 from kilter.mechanics.program import Program, build_program
 from kilter.rigid import unit
+from kilter.threads import on_one_thread
+from kilter.work import EFFORT
 
 __all__ = ["PUSHED", "Margin", "margin"]
 
@@ -177,6 +179,7 @@ def _limit(program: Program, limit: Limit | None) -> dict[str, Any] | None:
     return None if limit is None else limit.to_dict(program)
 
 
+@on_one_thread
 def margin(
     assembly: Assembly,
     *,
@@ -187,7 +190,8 @@ def margin(
     ranges: Ranges | None = None,
     bracket: bool = False,
     tolerance: Tolerance | None = None,
-    budget: float = 1.0,
+    effort: float = EFFORT,
+    time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Margin:
     """By how much an assembly holds, or does not.
@@ -209,8 +213,8 @@ def margin(
         Also the load factors up to which no motion that obeys the contact law can start.
     tolerance : Tolerance, optional
         When faces count as touching.
-    budget : float
-        For what friction guarantees [s].
+    effort, time_limit : float
+        As of `kilter.check`, for what friction guarantees.
     progress : callable, optional
 
     Raises
@@ -232,7 +236,12 @@ def margin(
     axis = None if about is None else _axis(assembly, about)
     parts = _pushed(assembly, pushed)
     verdict = check(
-        assembly, contacts=contacts, tolerance=tolerance, budget=budget, progress=progress
+        assembly,
+        contacts=contacts,
+        tolerance=tolerance,
+        effort=effort,
+        time_limit=time_limit,
+        progress=progress,
     )
     program = build_program(assembly, verdict.contacts)
     warnings = list(verdict.warnings)

@@ -67,8 +67,6 @@ SHOTS = 16
 """Directions looked at for the least tilt where forces follow."""
 SIMPLEX = 30_000
 """Entries of the linear program up to which simplex is tried first, else interior point."""
-SECONDS = 30.0
-"""For each linear program of forces that follow; where it is not enough, nothing is shown."""
 LARGEST = 2_000_000
 """Entries of the linear program of forces that follow above which none is sought."""
 
@@ -374,7 +372,7 @@ class _Following:
         if program.matrix.nnz > SIMPLEX:
             methods = ("interior", "simplex")
         for method in methods:
-            answer = solve_linear(program, method=method, seconds=SECONDS)
+            answer = solve_linear(program, method=method)
             if answer.outcome == "infeasible":
                 return None
             if not answer.optimal:

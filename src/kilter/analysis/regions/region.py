@@ -36,6 +36,7 @@ from kilter.mechanics.certificate import ForceProof
 from kilter.mechanics.program import build_program
 from kilter.tell.facts import region_phrase
 from kilter.tell.html import html_of
+from kilter.threads import on_one_thread
 
 __all__ = ["Region", "common_region", "region"]
 
@@ -224,6 +225,7 @@ class Region:
         return f"Region({self})"
 
 
+@on_one_thread
 def region(
     assembly: Assembly,
     *,
@@ -304,6 +306,7 @@ def _region(
     )
 
 
+@on_one_thread
 def common_region(
     assemblies: Sequence[Assembly],
     *,

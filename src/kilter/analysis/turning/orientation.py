@@ -46,6 +46,7 @@ from kilter.rigid import rotation_between
 from kilter.tell.html import html_of
 from kilter.tell.numbers import vector
 from kilter.tell.words import found_sentence
+from kilter.threads import on_one_thread
 from kilter.validate import frozen
 
 __all__ = ["Orientation", "orient"]
@@ -157,6 +158,7 @@ class Orientation:
         return f"Orientation({self.verdict}, down {vector(self.down)}{width})"
 
 
+@on_one_thread
 def orient(
     assembly: Assembly,
     *,
@@ -250,7 +252,7 @@ def _found(
     margin = _tilt_margin_deg(program, every, down)
     z = instability = 0.0
     if every.friction:
-        verdict = check(assembly.with_down(down), contacts=contacts, budget=0.0)
+        verdict = check(assembly.with_down(down), contacts=contacts, effort=0.0)
         z, instability = verdict.displacement.z, verdict.motion.instability
     return Orientation(
         verdict="found",
