@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 from kilter.arrays import Array
 from kilter.assembly.geometry import Geometry, build_geometry
 from kilter.assembly.interactions import FrictionPair, GivenContact, Joint, Load
+from kilter.assembly.lowest import lowest_heights
 from kilter.assembly.part import GROUND, Part
 from kilter.errors import InputError, nearest_name, some_names
 from kilter.rigid import Pose, rotation_between, unit
@@ -302,12 +303,14 @@ class Assembly:
     def with_floor(self, height: float | None = None) -> Assembly:
         """A held table under the lowest point (against gravity), or at a height there.
 
-        `height` is measured along the direction opposite to gravity [length unit].
+        The lowest point is that of the exact surfaces. `height` is measured along the direction
+        opposite to gravity [length unit].
         """
         geometry = self.geometry
         up = -self.down
-        heights = geometry.vertices @ up
-        lowest = float(heights.min()) if height is None else number(height, "height of the floor")
+        lowest = number(height, "height of the floor") if height is not None else None
+        if lowest is None:
+            lowest = float(lowest_heights(geometry, up).min())
         size = float(np.ptp(geometry.vertices, axis=0).max())
         middle = (geometry.vertices.min(axis=0) + geometry.vertices.max(axis=0)) / 2
         thick = THICK * size
@@ -356,8 +359,7 @@ class Assembly:
         if held or any(GROUND in joint.parts for joint in self.joints):
             return
         geometry = self.geometry
-        heights = -(geometry.vertices @ self.down)
-        lowest = self.names[int(geometry.vertex_part[np.argmin(heights)])]
+        lowest = self.names[int(lowest_heights(geometry, -self.down).argmin())]
         raise InputError(
             f"nothing is held; the parts are {some_names(self.names, 8)}, the lowest is {lowest!r}",
             file=self.source or None,

@@ -1,6 +1,9 @@
 """Tolerances of assemblies: sizes that are read, and what counts as flat, level or the same.
 
-    SAME_SURFACE = PLANAR_AXIS = FLAT_PART = INSIDE_OUT < COPLANAR    all relative, or angles in rad
+    UPRIGHT < SAME_SURFACE = PLANAR_AXIS = FLAT_PART = INSIDE_OUT < COPLANAR < BESIDE_SEAM
+            < CREASE < SMOOTH
+
+all relative, or angles in rad.
 
 None of them decides what touches: that is `kilter.contact.contact_tolerances`.
 """
@@ -8,13 +11,16 @@ None of them decides what touches: that is `kilter.contact.contact_tolerances`.
 from __future__ import annotations
 
 __all__ = [
+    "BESIDE_SEAM",
     "COPLANAR",
+    "CREASE",
     "FLAT_PART",
     "INSIDE_OUT",
     "LARGEST",
     "PLANAR_AXIS",
     "SAME_SURFACE",
     "SMOOTH",
+    "UPRIGHT",
 ]
 
 LARGEST = 1e30
@@ -32,3 +38,9 @@ COPLANAR = 1e-8
 """1 - cosine up to which neighbouring triangles lie in one plane [-]."""
 SMOOTH = 0.6
 """Neighbouring triangles of a mesh that meet at less than this may stand for a curve [rad]."""
+UPRIGHT = 1e-12
+"""Sine of the angle up to which an axis is upright: a torus is lowest all around [-]."""
+BESIDE_SEAM = 1e-6
+"""A face reaches this fraction of its radius over its seams, an edge over its chord [-]."""
+CREASE = 1e-3
+"""Faces that meet at less than this have no edge: the seam of a fillet [rad]."""

@@ -122,8 +122,6 @@ NO_DIRECTION = 1e-12
 """Directions closer than this to one another have no direction across [rad]."""
 GENERATOR_SINE = 1e-9
 """Sines below this count as this where generators cross: how fast a gap opens there [-]."""
-GRAZING = 1e-6
-"""Cosine below which a line along a normal is parallel to a triangle [-]."""
 APEX = 1e-9
 """A corner this fraction of a triangle's reach from the axis of a cone is the apex [-]."""
 SEAM_ANGLE = 1e-7

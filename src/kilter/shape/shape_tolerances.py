@@ -30,6 +30,8 @@ CUT_AREA = 1e-6
 """The triangles of a polygon have its area to this fraction [-]."""
 WHOLE_TURN = 1e-6
 """The corners of a convex polygon turn by a whole turn to within this [rad]."""
+GRAZING = 1e-6
+"""Cosine below which a line along a normal is parallel to a triangle [-]."""
 
 # which triangles are one facet ---------------------------------------------------------------
 

@@ -30,11 +30,12 @@ class Forms(Rows):
     at : ndarray, shape (n, 3)
         The point; a point of the line; the centre of the circle, half-way in the gap.
     along : ndarray, shape (n, 3)
-        Direction of the line, axis of the circle.
+        Direction of the line, axis of the circle; of a point on the rim of i, the direction
+        in which it leaves i (0: a point within its face, which leaves along the normal).
     normal : ndarray, shape (n, 3)
         Unit, from i to j. Of a circle: its components away from the axis and along it.
     radius : ndarray, shape (n,)
-        Of the circle [length unit].
+        Of the circle; of the rim that a point lies on [length unit].
     gap, slope, swing : ndarray, shape (n,)
         The gap at `at`; its rise along a line [-]; how much it varies about its mean
         around a circle [length unit].

@@ -1,8 +1,8 @@
-"""How far a face reaches: which points, which stretches of a line, which angles it covers.
+"""How far a face reaches: which stretches of a line, which angles it covers.
 
-The triangles of a face stand for it: a point x of a surface with normal n belongs to the
-face where the line x + t n meets one of its triangles, and a line belongs to it where the
-plane through the line and n cuts them. Neighbouring triangles meet without gaps that way,
+The triangles of a face stand for it: a line of a surface with normal n belongs to the face
+where the plane through the line and n cuts them, as a point does where the line along n
+meets one (`kilter.shape.covering`). Neighbouring triangles meet without gaps that way,
 and the ends of a face across its generators are as exact as the corners of its triangles.
 """
 
@@ -12,59 +12,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import TINY, Array, Index, Mask, across, cross, ragged, unit_rows
+from kilter.arrays import TINY, Array, Index, Mask, across, cross, ragged
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import CONE
-from kilter.contact.contact_tolerances import APEX, BAND_FILLED, GRAZING, SEAM_ANGLE
+from kilter.contact.contact_tolerances import APEX, BAND_FILLED, SEAM_ANGLE
 
-__all__ = ["Bands", "bands_of", "common_spans", "covered", "slices", "unrolled"]
+__all__ = ["Bands", "bands_of", "common_spans", "slices", "unrolled"]
 
 
 TURN = 2 * np.pi
-BATCH = 500_000
-"""Points times triangles compared in one go."""
-
-
-def covered(triangles: Array, points: Array, normals: Array, reach: float, grow: float) -> Mask:
-    """Points of a surface, shape (n, 3), that its triangles, shape (m, 3, 3), cover.
-
-    Parameters
-    ----------
-    normals : ndarray, shape (n, 3)
-        Of the surface at the points.
-    reach : float
-        Greatest distance of a triangle from the surface [length unit].
-    grow : float
-        Triangles are grown by this [length unit].
-    """
-    inside = np.zeros(len(points), dtype=bool)
-    if not len(triangles) or not len(points):
-        return inside
-    near = _near(triangles, points, reach + grow)
-    p, q, r = triangles[near].transpose(1, 0, 2)
-    upright = unit_rows(cross(q - p, r - p))
-    step = max(1, BATCH // max(len(p), 1))
-    for begin in range(0, len(points), step):
-        rows = slice(begin, begin + step)
-        x, n = points[rows, None], normals[rows, None]
-        along = np.einsum("ntk,tk->nt", n, upright)
-        flat = np.abs(along) < GRAZING
-        t = np.einsum("ntk,tk->nt", p - x, upright) / np.where(flat, 1.0, along)
-        foot = x + t[..., None] * n
-        hit = ~flat & (np.abs(t) <= reach + grow)
-        for start, end in ((p, q), (q, r), (r, p)):
-            side = unit_rows(cross(upright, end - start))
-            hit &= np.einsum("ntk,tk->nt", foot - start, side) >= -grow
-        inside[rows] = hit.any(axis=1)
-    return inside
-
-
-def _near(triangles: Array, points: Array, margin: float) -> Mask:
-    """Triangles whose box comes within a margin of the box of the points."""
-    low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
-    meets: Mask = (triangles.min(axis=1) <= high).all(axis=1)
-    meets &= (triangles.max(axis=1) >= low).all(axis=1)
-    return meets
 
 
 def slices(triangles: Array, line: tuple[Array, Array, Array], reach: float, grow: float) -> Array:

@@ -25,11 +25,13 @@ from kilter.contact.contact_search import ContactSearch
 from kilter.contact.contact_tolerances import INTERFERENCE
 from kilter.contact.curved.candidates import CIRCLE, LINE, POINT, SAME, Forms
 from kilter.contact.curved.contact_points import Spots, arcs_of, ring, socket
-from kilter.contact.curved.coverage import common_spans, covered, slices
+from kilter.contact.curved.coverage import common_spans, slices
 from kilter.contact.curved.curved_patches import CurvedContacts, Found, Made, Pairs, keep, packed
 from kilter.contact.curved.on_planes import Planes, on_planes
+from kilter.contact.curved.rim_points import rims_on_planes
 from kilter.contact.curved.shells import gaps_between, touching_shells
 from kilter.contact.curved.tangency import meeting
+from kilter.shape.covering import covered
 
 __all__ = ["find_curved"]
 
@@ -124,7 +126,13 @@ def _touching(search: ContactSearch, both: Pairs, flat: Pairs) -> tuple[Made, In
     forms, unknown = meeting(surfaces, both.i, both.j, limit, angle)
     planes = Planes(facets.normal[flat.j], facets.origin[flat.j])
     flat_limit = search.limits.gap[flat.pair] + surfaces.doubt[flat.i]
-    flats = on_planes(surfaces, flat.i, planes, np.full(len(flat.i), search.angle))
+    level = np.full(len(flat.i), search.angle)
+    flats = Forms.join(
+        [
+            on_planes(surfaces, flat.i, planes, level),
+            rims_on_planes(search.geometry, flat.i, planes, level),
+        ]
+    )
     near = _within(search, both, forms, limit)
     shells = near & (forms.form == SAME) & (surfaces.kind[both.i[forms.row]] != SPHERE)
     touching_shells(search, made, both, forms.take(np.flatnonzero(shells)), limit)
@@ -229,9 +237,11 @@ _Face = tuple[Array, float]
 
 def _at_point(form: Forms, faces: list[_Face], reach: float, grow: float) -> Spots | None:
     at, normal = form.at, form.normal
-    for triangles, sagitta in faces:
-        depth = 1e300 if not np.isfinite(sagitta) else sagitta + reach
-        if not covered(triangles, at, normal, depth, grow)[0]:
+    side = form.along if form.along.any() else normal
+    rim = float(form.radius[0]) / 2  # in the plane of a rim its face is no nearer to the axis
+    for (triangles, sagitta), upright, least in zip(faces, (side, normal), (rim, 0.0), strict=True):
+        depth = 1e300 if not np.isfinite(sagitta) else max(sagitta + reach, least)
+        if not covered(triangles, at, upright, depth, grow)[0]:
             return None
     none = np.empty((0, 3))
     return Spots(at, normal, none, none, 0.0)

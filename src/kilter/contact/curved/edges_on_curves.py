@@ -9,11 +9,11 @@ from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import FREE, Surfaces
 from kilter.contact.broad import Boxes, joins
 from kilter.contact.contact_tolerances import FACETED_ANGLE, SMOOTH_ANGLE
-from kilter.contact.curved.coverage import covered
 from kilter.contact.curved.curved_patches import CurvedContacts
 from kilter.contact.planar.facets import Facets
 from kilter.contact.sharp.edges import Edges
 from kilter.contact.touching import Touching
+from kilter.shape.covering import covered
 
 __all__ = ["edges_on_faces"]
 

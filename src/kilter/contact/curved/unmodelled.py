@@ -1,10 +1,11 @@
 """Curved faces that touch in ways without a formula: listed, and bounded, not guessed.
 
-An edge or corner on a curved face (a ball on the rim of a hole), a rim on a flat face, free
-forms, tori beside tori: such pairs are listed as unsupported. A frictionless sphere is pushed
-through its centre, the side of a cylinder across its axis; of others any force and torque is
-thought possible. Rims of flat faces are given as inscribed polygons, whose circumscribed ones
-bound the answer from the other side (`kilter.contact.curved.rims`).
+An edge or corner on a curved face (a ball on the rim of a hole), a rim that is no circle across
+its axis on a flat face, free forms, tori beside tori: such pairs are listed as unsupported. A
+frictionless sphere is pushed through its centre, the side of a cylinder across its axis; of
+others any force and torque is thought possible. Rims of flat faces are given as inscribed
+polygons, whose circumscribed ones bound the answer from the other side
+(`kilter.contact.curved.rims`).
 """
 
 from __future__ import annotations
