@@ -19,15 +19,15 @@ from kilter.arrays import (
     Index,
     Labels,
     Mask,
-    Rows,
     across,
-    columns,
     read_only,
     unit_rows,
 )
 from kilter.assembly import Assembly
 from kilter.contact.contact_tolerances import MEAN_NORMAL
 from kilter.contact.gaps import Rejected, Tolerance
+from kilter.contact.left_out import INTERFERE, SAME_BODY, Overlap, PossibleContacts, Unsupported
+from kilter.contact.open_pairs import OpenPair
 
 __all__ = [
     "INTERFERE",
@@ -40,54 +40,8 @@ __all__ = [
 ]
 
 
-INTERFERE = "interfere"
-"""What is said of a shaft that is thicker than its hole: a thread, a press fit."""
-SAME_BODY = "are the same body twice"
-"""What is said of two bodies in one place."""
-
-
-@dataclass(frozen=True, slots=True)
-class Overlap:
-    """Two parts that share volume: `volume` (None where it was not computed), `depth`."""
-
-    parts: tuple[int, int]
-    volume: float | None
-    depth: float
-    why: str
-
-
-@dataclass(frozen=True, slots=True)
-class Unsupported:
-    """A pair that touches in a way that is not modelled yet.
-
-    `kind` is "edge", "vertex" or "curved".
-    """
-
-    parts: tuple[int, int]
-    kind: str
-    point: tuple[float, float, float]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PossibleContacts(Rows):
-    """Every force that contacts which are not modelled could bring; one row a force.
-
-    Used to bound a verdict from the other side: what is unstable although all of these
-    may push is unstable. Rows with `two_sided` may also pull. `mu` is the friction
-    coefficient of the pair; `degenerate` the number of the degenerate point that the row is a
-    normal of, -1 for other rows.
-    """
-
-    part_a: Index
-    part_b: Index
-    points: Array = columns(3)
-    normals: Array = columns(3)
-    two_sided: Mask = columns()
-    mu: Array = columns()
-    degenerate: Index = columns()
-
-    def __post_init__(self) -> None:
-        read_only(self)
+LISTED = 1000
+"""Rejected pairs that an answer lists, nearest first."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -234,6 +188,8 @@ class ContactSet:
     warnings : tuple of str
     degenerate : Degenerate
         Points of contact without one normal; also listed in `unsupported`.
+    open_pairs : tuple of OpenPair
+        Pairs that the geometry leaves open; what they could bring is in `possible`.
     """
 
     assembly: Assembly
@@ -257,6 +213,7 @@ class ContactSet:
     gap: float
     warnings: tuple[str, ...]
     degenerate: Degenerate = field(default_factory=Degenerate.none)
+    open_pairs: tuple[OpenPair, ...] = ()
 
     def __post_init__(self) -> None:
         read_only(self)
@@ -271,6 +228,7 @@ class ContactSet:
             "pairs": self.pairs,
             "not modelled": len(self.unsupported),
             "overlapping": len(self.overlaps),
+            "left open": len(self.open_pairs),
         }
         words = ", ".join(f"{what} {count}" for what, count in counts.items() if count)
         return f"<ContactSet: {words or 'nothing touches'}>"
@@ -318,12 +276,13 @@ class ContactSet:
                     "angle_deg": float(np.degrees(r.angle)),
                     "why": r.why,
                 }
-                for r in self.rejected
+                for r in self.rejected[:LISTED]
             ],
             "overlaps": [
                 {"parts": self._names(o.parts), "volume": o.volume, "depth": o.depth, "why": o.why}
                 for o in self.overlaps
             ],
+            "open_pairs": [one.to_dict(assembly.names) for one in self.open_pairs],
             "joints": assembly.joints_data(),
             "sizes": [float(sizes.min()), float(sizes.max())],
             "histogram": {

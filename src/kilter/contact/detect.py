@@ -17,6 +17,7 @@ from kilter.contact.curved.rims import rim_contacts
 from kilter.contact.fits.overlap import find_overlaps
 from kilter.contact.friction_coefficients import friction_coefficients
 from kilter.contact.gaps import Tolerance, closed_by_clearance, gap_warnings
+from kilter.contact.open_pairs import find_open_pairs
 from kilter.contact.patches import Patches
 from kilter.contact.planar.flat_contacts import GAP_EDGES, find_flat
 from kilter.contact.sharp.sharp_contacts import near_contacts
@@ -24,10 +25,6 @@ from kilter.contact.touching import Touching
 from kilter.errors import InputError
 
 __all__ = ["contacts"]
-
-
-LISTED = 1000
-"""Rejected pairs kept, nearest first."""
 
 
 def contacts(
@@ -90,6 +87,7 @@ def contacts(
     patches = Patches.join([flat.patches, touching.curved.patches, near.patches, given])
     rims = rim_contacts(search.geometry, flat.patches)
     possible = PossibleContacts.join([near.possible, rims, touching.curved.possible])
+    left_open = find_open_pairs(assembly, overlaps, rejected, near.unsupported)
     return ContactSet(
         assembly=assembly,
         patch_parts=patches.parts,
@@ -104,7 +102,7 @@ def contacts(
         normals=patches.normals,
         unsupported=near.unsupported,
         possible=_with_friction(assembly, possible),
-        rejected=tuple(rejected[:LISTED]),
+        rejected=tuple(rejected),
         overlaps=overlaps,
         gap_edges=GAP_EDGES,
         gap_counts=flat.counts,
@@ -117,6 +115,7 @@ def contacts(
             *overlap_warnings,
         ),
         degenerate=near.degenerate,
+        open_pairs=left_open,
     )
 
 

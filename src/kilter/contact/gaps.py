@@ -109,12 +109,16 @@ class Tolerance:
 
 @dataclass(frozen=True, slots=True)
 class Rejected:
-    """A pair of faces that came near but does not count as touching, and why."""
+    """A pair of faces that came near but does not count as touching, and why.
+
+    `fit`: a round face inside of a hollow one.
+    """
 
     parts: tuple[int, int]
     gap: float
     angle: float
     why: str
+    fit: bool = False
 
 
 APART = "gap above the tolerance"

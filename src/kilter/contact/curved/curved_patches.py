@@ -119,7 +119,10 @@ def keep(search: ContactSearch, made: Made, found: Found) -> None:
     if low <= found.limit and high >= -found.limit:
         made.found.append(found)
     elif low > 0:
-        made.rejected.append(Rejected((a, b), low, 0.0, APART))
+        hollow = search.geometry.surfaces.hollow
+        i, j = found.names
+        fit = j >= 0 and bool(hollow[i] != hollow[j])
+        made.rejected.append(Rejected((a, b), low, 0.0, APART, fit))
     elif high < 0:
         made.overlaps.append(Overlap((a, b), None, -high, INTERFERE))
         made.rejected.append(Rejected((a, b), high, 0.0, PENETRATES))
