@@ -122,6 +122,9 @@ def test_what_comes_near_a_hole_is_listed() -> None:
     assembly = on(Part("base", without_face_at(TOP), grounded=True))
     found = contacts(assembly)
     assert [r.parts for r in found.rejected if r.why == UNKNOWN] == [(0, 1)]
+    assert [(pair.parts, pair.kind, pair.why) for pair in found.open_pairs] == [
+        ((0, 1), "near", UNKNOWN)
+    ]
     assert len(found)  # what is there of the face still counts
 
 
