@@ -123,6 +123,14 @@ class Geometry:
         """The part of each triangle, shape (T,)."""
         return np.repeat(np.arange(len(self.mass)), np.diff(self.triangle_start))
 
+    @property
+    def part_boxes(self) -> tuple[Array, Array]:
+        """Lower and upper corners of the boxes about the parts, each of shape (N, 3)."""
+        first = self.vertex_start[:-1]
+        low: Array = np.minimum.reduceat(self.vertices, first)
+        high: Array = np.maximum.reduceat(self.vertices, first)
+        return low, high
+
 
 def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
     """The geometry of parts, lengths in `units`.
