@@ -399,7 +399,7 @@ class Page {
     this.stage.motion.theme(style("unstable"), style("surface"));
     this.stage.forces.theme(style("force"), style("surface"));
     this.stage.loads.theme(style("ink"), style("surface"));
-    this.stage.open.theme(style("undecided"), style("surface"));
+    this.stage.open.theme(style("open"), style("ink"));
     this.stage.draw();
   }
 

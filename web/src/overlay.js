@@ -58,7 +58,7 @@ export function forceArrows(stage, forces, long) {
 /** A ball where each open pair meets; it goes with the second part. */
 export function openMarks(stage) {
   const { at, parts } = stage.page.open;
-  const size = 0.02 * stage.page.radius;
+  const size = 0.03 * stage.page.radius;
   const balls = [];
   for (let k = 0; k < parts.length / 2; k += 1) {
     const [first, second] = parts.subarray(2 * k, 2 * k + 2);
