@@ -131,6 +131,11 @@ class Geometry:
         high: Array = np.maximum.reduceat(self.vertices, first)
         return low, high
 
+    def corners_of(self, part: int) -> Array:
+        """The triangles of a part, shape (m, 3, 3)."""
+        span = slice(self.triangle_start[part], self.triangle_start[part + 1])
+        return self.vertices[self.triangles[span]]
+
 
 def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
     """The geometry of parts, lengths in `units`.
