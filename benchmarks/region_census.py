@@ -319,8 +319,6 @@ def main() -> int:
         with open(given.o) as lines:
             done = {(row["family"], row["seed"]) for row in map(json.loads, lines)}
     rows = []
-    import kilter  # noqa: F401  before the processes divide
-    import kilter.analysis.margins.margin
 
     for seed in given.seeds or range(given.first, given.first + given.count):
         if (given.family, seed) in done:

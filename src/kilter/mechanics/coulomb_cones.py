@@ -260,7 +260,8 @@ def angles_across(program: Program, across: Array) -> Array:
     rough = program.rough
     directions = _directions(program, rough)
     along = np.einsum("ij,ikj->ik", across[rough], directions)
-    return np.arctan2(along[:, 1], along[:, 0])
+    angles: Array = np.arctan2(along[:, 1], along[:, 0])
+    return angles
 
 
 def gathered(program: Program, rays: Program, forces: Array) -> tuple[Array, Array]:

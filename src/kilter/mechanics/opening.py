@@ -1,4 +1,4 @@
-"""A motion that opens every contact, and what it mends: motions that are admissible but for rounding.
+"""A motion that opens every contact, and what it mends: motions that are nearly admissible.
 
     m0:  u_n - mu |u_t| >= 1 at every contact,  J m0 = 0 at every joint,  the shortest
 
@@ -79,7 +79,7 @@ def find_opening(wide: Spread) -> Opening:
 
 
 def _program(wide: Spread) -> ConicProgram:
-    """min 1/2 |m|^2 over scaled motions, every contact opening by 1. x = m."""
+    """Min 1/2 |m|^2 over scaled motions, every contact opening by 1. x = m."""
     program, rough = wide.program, wide.rough
     opening = wide.problem.openings().tocsr()
     across = wide.directions.shape[1]

@@ -175,7 +175,7 @@ def _spheres(random: Random) -> list[Part]:
     rise = np.sqrt((radius + top) ** 2 - side**2 / 3)
     parts = [floor([-8, -8], [8, 8])]
     for k, center in enumerate(centers):
-        parts.append(Part(f"sphere-{k}", Sphere(radius), Pose(center + [0, 0, radius])))
+        parts.append(Part(f"sphere-{k}", Sphere(radius), Pose(center + np.array([0, 0, radius]))))
     return [*parts, Part("sphere-3", Sphere(top), Pose([0, 0, radius + rise]))]
 
 

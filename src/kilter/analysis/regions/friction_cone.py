@@ -247,8 +247,8 @@ class _Cutting:
         if isinstance(limit, NoLimit):
             return angle, None
         share = min(limit.value, 1.0)
-        ray = start + share * (direction - start)
-        ray = self._ray(ray / float(np.linalg.norm(ray)), _scaled(limit.forces, ray))
+        there = start + share * (direction - start)
+        ray = self._ray(there / float(np.linalg.norm(there)), _scaled(limit.forces, there))
         angle = angle if ray is None else min(angle, _between(direction, ray))
         beyond = start + (share + limit.gap) * (direction - start)
         return angle, self._proved(limit.mechanism, beyond, direction)
