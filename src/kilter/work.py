@@ -39,6 +39,8 @@ LEAST = 1e-3
 # Units of what is done, fitted to measured times on scenes of 4 to 800 contact points.
 CONIC, CONIC_ENTRY = 350.0, 0.25
 """Of a conic program, and of an entry of its matrix in one iteration."""
+SEMIDEFINITE, SEMIDEFINITE_ENTRY = 2000.0, 2.0
+"""Of a semidefinite program, and of an entry of its rows in one iteration."""
 LOADED, LOADED_ENTRY = 700.0, 0.2
 """Of a linear program made and handed over, and of an entry of it."""
 LINEAR, LINEAR_ENTRY = 1000.0, 0.012
@@ -155,6 +157,10 @@ class Work:
     def conic(self, iterations: int, entries: int) -> None:
         """Count a conic program."""
         self.charge(CONIC + CONIC_ENTRY * iterations * entries)
+
+    def semidefinite(self, iterations: int, entries: int) -> None:
+        """Count a semidefinite program."""
+        self.charge(SEMIDEFINITE + SEMIDEFINITE_ENTRY * iterations * entries)
 
     def loaded(self, entries: int) -> None:
         """Count a linear program that was made and handed over."""

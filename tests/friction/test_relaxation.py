@@ -10,6 +10,8 @@ from kilter.friction.contraction import contract, power_bound, shrunk
 from kilter.friction.enclosure import rescaled
 from kilter.friction.exclusion import prove_no_motion, start_proof
 from kilter.friction.exclusion_cases import breach, cases
+from kilter.friction.force_bound import opening_motion
+from kilter.friction.reduced_law import reduced_law
 from kilter.work import Work, units_of
 
 ROUNDING = 1e-7
@@ -58,9 +60,8 @@ def outside(attempt, bounds, found):
 
 
 def begun(program):
-    attempt, bounds = start_proof(program, Work(units_of(2)))
-    attempt.tolerance = 1e-9
-    return attempt, bounds
+    law, work = reduced_law(program), Work(units_of(2))
+    return start_proof(law, 1e-9, opening_motion(law, work=work), work)
 
 
 KINDS = {
@@ -85,20 +86,20 @@ def test_true_motions_are_contained_and_never_excluded(kind):
         assert outside(attempt, bounds, found) < ROUNDING
         bounds = dataclasses.replace(bounds, cuts=True)
         assert outside(attempt, bounds, found) < ROUNDING
-        bounds, power, answer = power_bound(attempt, bounds)
+        bounds, power, answer, _ = power_bound(attempt, bounds)
         bounds = rescaled(attempt.relaxation.fastest, bounds, power)
         assert outside(attempt, bounds, found) < ROUNDING
         tight = shrunk(attempt, bounds, answer)
         moved += bool((tight.un < 0.99 * bounds.un).any())
         assert outside(attempt, tight, found) < ROUNDING
         for _ in range(25):  # down the tree, always in a case that contains it
-            tight, power, answer = power_bound(attempt, tight)
+            tight, power, answer, _ = power_bound(attempt, tight)
             where = breach(attempt.law, attempt.relaxation, tight, answer.x)
             if where.largest <= 0.0:
                 break
             kept = [
                 case
-                for case in cases(attempt.law, tight, where)
+                for case in cases(attempt.law, tight, where.point, where.patch)
                 if outside(attempt, case, found) < ROUNDING
             ]
             assert kept

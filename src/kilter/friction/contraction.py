@@ -11,20 +11,30 @@ the solver, so that each step errs on the safe side.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.sparse import csr_array, eye_array, kron, vstack
 
 from kilter.arrays import TINY, Array
 from kilter.friction.enclosure import Enclosure, rescaled
+from kilter.friction.exclusion_steps import ExclusionStep, PowerStep, Quantity, ShrinkStep
 from kilter.friction.reduced_law import ReducedLaw
 from kilter.friction.relaxation import Relaxation
 from kilter.solvers.highs import KeptProgram
+from kilter.solvers.problem import LinearProgram
 from kilter.solvers.solution import Solution
 from kilter.work import Work
 
-__all__ = ["FORCES", "ProofAttempt", "contract", "forces_bounded", "power_bound", "shrunk"]
+__all__ = [
+    "FORCES",
+    "ProofAttempt",
+    "contract",
+    "power_bound",
+    "power_by",
+    "shrunk",
+    "shrunk_by",
+]
 
 ALL = ("un", "fn", "most", "least", "ut", "rest")
 """Bounds that are shrunk, by their names in `Enclosure`."""
@@ -44,49 +54,49 @@ RESCALED = 0.95
 
 @dataclass(slots=True, eq=False)
 class ProofAttempt:
-    """What the steps of one proof share; `tolerance`: power w.a over |w|^2 that counts as none."""
+    """What the steps of one proof share; `tolerance`: power w.a over |w|^2 that counts as none.
+
+    `steps` are those made so far, for the proof to be repeated without the solver.
+    """
 
     law: ReducedLaw
     relaxation: Relaxation
     solver: KeptProgram
     work: Work
     tolerance: float
+    steps: list[ExclusionStep] = field(default_factory=list)
 
     def closed(self, bounds: Enclosure, power: float) -> bool:
         """Whether a greatest power w.b is nothing: scale * power is w.a."""
         return bounds.scale * power <= self.tolerance
 
 
-def forces_bounded(attempt: ProofAttempt, bounds: Enclosure) -> bool:
-    """Whether no solution needs forces as large as the bounds F that were assumed.
-
-    The relaxation without the cuts that rest on those bounds is convex and contains 0: if
-    within them the sum of f_n / F stays below 1, no solution lies beyond them.
-    """
-    if not len(bounds.fn):
-        return True
-    attempt.solver.load(attempt.relaxation.program(replace(bounds, cuts=False)))
-    attempt.work.loaded(attempt.solver.program.matrix.nnz)
-    least = float(bounds.fn.min())
-    cost = np.zeros(attempt.relaxation.width)
-    cost[attempt.relaxation.columns["fn"]] = -least / bounds.fn
-    answer = attempt.solver.solve(cost, work=attempt.work)
-    return -answer.bound < least
-
-
 def power_bound(
     attempt: ProofAttempt, bounds: Enclosure, basis: object = None
-) -> tuple[Enclosure, float, Solution]:
-    """Bounds rescaled, the greatest power w.b in units of the old scale, the solution."""
+) -> tuple[Enclosure, float, Solution, PowerStep]:
+    """Bounds with the tangent at the solution, the greatest power w.b, the solution, the step."""
     attempt.solver.load(attempt.relaxation.program(bounds), basis)
     attempt.work.loaded(attempt.solver.program.matrix.nnz)
     answer = attempt.solver.solve(work=attempt.work)
-    power = min(max(-answer.bound, 0.0), bounds.scale)
-    if bounds.scale > CURVED and len(answer.x):
-        point = answer.x[attempt.relaxation.columns["motion"]]
-        tangents = np.vstack([bounds.tangents[:2], point, bounds.tangents[2:-1]])
-        bounds = replace(bounds, tangents=tangents)
-    return bounds, power, answer
+    curved = bounds.scale > CURVED and len(answer.x)
+    point = answer.x[attempt.relaxation.columns["motion"]] if curved else None
+    step = PowerStep.of(answer.multipliers, point)
+    bounds, power = _with_tangent(bounds, point), -answer.bound
+    return bounds, min(max(power, 0.0), bounds.scale), answer, step
+
+
+def power_by(relaxation: Relaxation, bounds: Enclosure, step: PowerStep) -> tuple[Enclosure, float]:
+    """The greatest power w.b that the multipliers of a step prove; its tangent in the bounds."""
+    program = relaxation.program(bounds)
+    power = -program.safe_bound(step.over(program.matrix.shape[0]))
+    return _with_tangent(bounds, step.tangent), min(max(power, 0.0), bounds.scale)
+
+
+def _with_tangent(bounds: Enclosure, point: Array | None) -> Enclosure:
+    """The bounds with a tangent of the ball of motions at another point."""
+    if point is None:
+        return bounds
+    return replace(bounds, tangents=np.vstack([bounds.tangents[:2], point, bounds.tangents[2:-1]]))
 
 
 def contract(
@@ -104,7 +114,8 @@ def contract(
     while True:
         before = bounds
         for _ in range(RESCALINGS):
-            bounds, power, answer = power_bound(attempt, bounds)
+            bounds, power, answer, step = power_bound(attempt, bounds)
+            attempt.steps.append(step)
             if attempt.closed(bounds, power) or attempt.work.over:
                 return bounds, bounds.scale * power
             old = bounds.scale
@@ -191,32 +202,55 @@ def shrunk(
     """
     relaxation = attempt.relaxation
     until = until or attempt.work
-    new = {name: getattr(bounds, name).copy() for name in ALL}
-    program = relaxation.program(bounds)
-    program.lower[relaxation.columns["one"]] = 1.0  # else no force has a least value but 0
-    attempt.solver.load(program, start.basis)
+    attempt.solver.load(_with_one(relaxation, bounds), start.basis)
     attempt.work.loaded(attempt.solver.program.matrix.nnz)
     asked = _quantities(relaxation, bounds)
     best = asked.weights @ start.x if len(start.x) else np.full(len(asked.limits), -np.inf)
     enough = np.where(asked.limits > 0, SEEN * asked.limits, asked.limits / SEEN)
     fixed = np.array([name != "least" for name in asked.names]) & (asked.limits <= 0)
-    for number, (name, place) in enumerate(zip(asked.names, asked.places, strict=True)):
+    found: list[Quantity] = []
+    for number, name in enumerate(asked.names):
         if until.over:
             break
         if name not in kinds:
             continue
         if fixed[number] or (best[number] >= enough[number] and enough[number] != 0):
             continue
-        cost = -asked.weights[[number]].toarray()[0]
-        answer = attempt.solver.solve(cost, work=attempt.work)
+        answer = attempt.solver.solve(-asked.weights[[number]].toarray()[0], work=attempt.work)
         if len(answer.x):
             best = np.maximum(best, asked.weights @ answer.x)
-        if name == "least":
-            new[name][place] = max(answer.bound, new[name][place])
-        else:
-            new[name][place] = min(max(-answer.bound, 0.0), new[name][place])
+        found.append(Quantity(number, PowerStep.of(answer.multipliers, None)))
         attempt.work.tell(f"bounding forces and motions, {number} of {len(asked.limits)}")
-    return _consistent(attempt.law, relaxation, replace(bounds, **new))
+    step = ShrinkStep(tuple(found))
+    attempt.steps.append(step)
+    return shrunk_by(attempt.law, relaxation, bounds, step)
+
+
+def shrunk_by(
+    law: ReducedLaw, relaxation: Relaxation, bounds: Enclosure, step: ShrinkStep
+) -> Enclosure:
+    """The bounds that the multipliers of a step prove."""
+    new = {name: getattr(bounds, name).copy() for name in ALL}
+    program = _with_one(relaxation, bounds)
+    asked = _quantities(relaxation, bounds)
+    for quantity in step.quantities:
+        name, place = asked.names[quantity.number], asked.places[quantity.number]
+        cost = -asked.weights[[quantity.number]].toarray()[0]
+        least = replace(program, cost=cost).safe_bound(
+            quantity.multipliers.over(program.matrix.shape[0])
+        )
+        if name == "least":
+            new[name][place] = max(least, new[name][place])
+        else:
+            new[name][place] = min(max(-least, 0.0), new[name][place])
+    return _consistent(law, relaxation, replace(bounds, **new))
+
+
+def _with_one(relaxation: Relaxation, bounds: Enclosure) -> LinearProgram:
+    """The relaxation where l is 1: else no force has a least value but 0."""
+    program = relaxation.program(bounds)
+    program.lower[relaxation.columns["one"]] = 1.0
+    return program
 
 
 def _consistent(law: ReducedLaw, relaxation: Relaxation, b: Enclosure) -> Enclosure:

@@ -5,8 +5,11 @@
 Here w are the loads and u = J a the accelerations at the contact points. The law may have many
 solutions: different forces, and different motions. Where a = 0 in all of them, friction of
 this size holds the assembly, and no squeeze beforehand can change that. This is proved by
-linear programs that contain all solutions (`kilter.friction.relaxation`), with bounds that do
-not trust the solver. What is not proved is open: that is no refutation.
+programs that contain all solutions: in space first by moments (`kilter.friction.moments`), whose
+bound needs no cases; what they leave, and all in the plane, by linear programs and cases
+(`kilter.friction.relaxation`). No bound trusts a solver, and each step can be repeated without
+one (`kilter.friction.exclusion_check`). What is not proved is open: that is no refutation; the
+bound then says how fast a motion could start at most.
 
 A power counts as none if it is below 1e-8 (coarser for coarse data) of that of the lightest
 part in free fall, so that no small part vanishes beside large ones.
@@ -19,32 +22,33 @@ from typing import Literal
 
 import numpy as np
 
-from kilter.friction.contraction import (
-    FORCES,
-    ProofAttempt,
-    contract,
-    forces_bounded,
-    power_bound,
-    shrunk,
-)
-from kilter.friction.enclosure import Enclosure, first_enclosure
+from kilter.arrays import Array
+from kilter.friction.contraction import FORCES, ProofAttempt, contract, power_bound, shrunk
+from kilter.friction.enclosure import Enclosure, first_enclosure, rescaled
 from kilter.friction.exclusion_cases import CasesLeft, divided
+from kilter.friction.exclusion_steps import ExclusionStep
+from kilter.friction.force_bound import force_bound, opening_motion
 from kilter.friction.friction_tolerances import COARSEST_NO_POWER, LARGEST_FORCE, NO_POWER
-from kilter.friction.reduced_law import reduced_law, refusal
+from kilter.friction.moments import moment_proof
+from kilter.friction.reduced_law import ReducedLaw, reduced_law, refusal
 from kilter.friction.relaxation import TANGENTS, Relaxation
 from kilter.mechanics.program import Program
 from kilter.solvers.highs import bounding
 from kilter.threads import on_one_thread
 from kilter.work import Work
 
-__all__ = ["Exclusion", "prove_no_motion", "start_proof"]
+__all__ = ["Exclusion", "first_bounds", "no_power", "prove_no_motion", "start_proof"]
 
-Kind = Literal["contraction", "modes", "sectors"]
+Kind = Literal["moments", "contraction", "modes", "sectors"]
 
 FIRST = 0.1
 """Fraction of the work for modes before anything is contracted; in space, for the forces."""
 SECOND = 0.4
 """Fraction of what is left then for contraction."""
+LIMIT = f"contact forces up to {LARGEST_FORCE:g} times the weight"
+"""What a proof supposes where nothing bounds the forces."""
+BY_MOMENTS = 0.6
+"""Fraction of the work after which moments begin no further step."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,10 +58,11 @@ class Exclusion:
     Attributes
     ----------
     proved : bool
-    kind : {"contraction", "modes", "sectors", None}
-        How: by bounds alone; by the modes of contacts in the plane; by sectors of sliding.
+    kind : {"moments", "contraction", "modes", "sectors", None}
+        How: by products of the law; by bounds alone; by the modes of contacts in the plane; by
+        sectors of sliding.
     programs, nodes : int
-        Linear programs solved; cases that were bounded.
+        Programs solved; cases that were bounded.
     bound : float
         Largest power w.a of a motion that is not excluded, in units of |w|^2 in the metric of
         the masses [-]: 1 is free fall.
@@ -67,6 +72,10 @@ class Exclusion:
         Units spent (`kilter.work`).
     why : str
         Why nothing could be asked, or "".
+    opening : ndarray or None
+        The motion that bounds all forces.
+    steps : tuple of ExclusionStep
+        All that it takes to repeat the proof.
     """
 
     proved: bool
@@ -77,6 +86,8 @@ class Exclusion:
     assumes: str
     work: float
     why: str = ""
+    opening: Array | None = None
+    steps: tuple[ExclusionStep, ...] = ()
 
 
 @on_one_thread
@@ -107,50 +118,83 @@ def prove_no_motion(program: Program, *, work: Work | float = 1.0) -> Exclusion:
     why = refusal(program)
     if why:
         return Exclusion(False, None, 0, 0, 1.0, "", work.spent, why)
-    attempt, bounds = start_proof(program, work)
-    bounded = forces_bounded(attempt, bounds)
-    kind, left = _tried(attempt, replace(bounds, cuts=True))
+    law = reduced_law(program)
+    opening = opening_motion(law, work=work)
+    attempt, bounds = start_proof(law, no_power(program), opening, work)
+    kind, left = _tried(attempt, bounds, opening)
     proved = left.power <= attempt.tolerance
-    limit = f"contact forces up to {LARGEST_FORCE:g} times the weight"
     return Exclusion(
         proved,
         kind if proved else None,
-        attempt.solver.solves,
+        attempt.solver.solves + len(attempt.steps),
         left.nodes,
         left.power,
-        "" if bounded or not proved else limit,
+        "" if not proved or np.isfinite(_forces(law, opening)) else LIMIT,
         work.spent,
+        opening=opening,
+        steps=tuple(attempt.steps) if proved else (),
     )
 
 
-def start_proof(program: Program, work: Work) -> tuple[ProofAttempt, Enclosure]:
-    """Law, relaxation and solver of a program, and what is known before anything is asked."""
-    law = reduced_law(program)
-    attempt = ProofAttempt(law, Relaxation(law), bounding(), work, _tolerance(program))
-    force = np.full(len(law.group), LARGEST_FORCE)
-    return attempt, first_enclosure(law, attempt.relaxation.fastest, force, TANGENTS)
+def start_proof(
+    law: ReducedLaw, tolerance: float, opening: Array | None, work: Work
+) -> tuple[ProofAttempt, Enclosure]:
+    """Relaxation and solver of a law, and what is known before anything is asked."""
+    attempt = ProofAttempt(law, Relaxation(law), bounding(), work, tolerance)
+    return attempt, first_bounds(law, attempt.relaxation, opening)
 
 
-def _tolerance(program: Program) -> float:
+def first_bounds(law: ReducedLaw, relaxation: Relaxation, opening: Array | None) -> Enclosure:
+    """What is known before anything is asked; without `opening` a bound of forces is assumed."""
+    largest = min(_forces(law, opening), LARGEST_FORCE)
+    force = np.full(len(law.group), largest)
+    return replace(first_enclosure(law, relaxation.fastest, force, TANGENTS), cuts=True)
+
+
+def _forces(law: ReducedLaw, opening: Array | None) -> float:
+    """The bound of the sum of all forces that a motion proves; infinity without one."""
+    return np.inf if opening is None else force_bound(law, opening)
+
+
+def no_power(program: Program) -> float:
     """The power that counts as none: that of the data, for the lightest part on its own."""
     mass = program.mass[program.free]
     coarse = min(max(NO_POWER, float(program.tolerance[program.free].max())), COARSEST_NO_POWER)
     return coarse * float(mass.min() / mass.sum())
 
 
-def _tried(attempt: ProofAttempt, bounds: Enclosure) -> tuple[Kind, CasesLeft]:
+def _tried(
+    attempt: ProofAttempt, bounds: Enclosure, opening: Array | None
+) -> tuple[Kind, CasesLeft]:
+    """In space by moments, then by sectors of what they leave; in the plane by modes."""
+    if attempt.law.directions == 1:
+        return _in_the_plane(attempt, bounds)
+    least = 1.0
+    if opening is not None:
+        part = attempt.work.until(BY_MOMENTS)
+        found = moment_proof(attempt.law, opening, attempt.tolerance, work=part)
+        attempt.steps.extend(found.steps)
+        if found.power <= attempt.tolerance:
+            return "moments", CasesLeft(found.power, 0, True)
+        least = found.power
+        bounds = rescaled(attempt.relaxation.fastest, bounds, least)
+    if attempt.work.over:
+        return "sectors", CasesLeft(least, 0, False)
+    _, _, answer, _ = power_bound(attempt, bounds)
+    bounds = shrunk(attempt, bounds, answer, FORCES, attempt.work.until(FIRST))
+    left = _kept(attempt, divided(attempt, bounds))
+    return "sectors", replace(left, power=min(left.power, least))
+
+
+def _in_the_plane(attempt: ProofAttempt, bounds: Enclosure) -> tuple[Kind, CasesLeft]:
     """Modes for a while; then contraction; then modes within its bounds.
 
     In space only the bounds of forces are contracted: those of motions take longer to
     contract than they save.
     """
     work = attempt.work
-    if attempt.law.directions == 2:
-        _, _, answer = power_bound(attempt, bounds)
-        bounds = shrunk(attempt, bounds, answer, FORCES, work.until(FIRST))
-        return "sectors", divided(attempt, bounds)
     modes: Kind = "modes"
-    first = divided(attempt, bounds, work.until(FIRST))
+    first = _kept(attempt, divided(attempt, bounds, work.until(FIRST)))
     if first.ended or work.over:
         return modes, first
     tight, power = contract(attempt, bounds, work.fraction_left(SECOND))
@@ -158,6 +202,13 @@ def _tried(attempt: ProofAttempt, bounds: Enclosure) -> tuple[Kind, CasesLeft]:
         return "contraction", replace(first, power=power)
     if work.over:
         return modes, replace(first, power=min(first.power, power))
-    last = divided(attempt, tight)
+    last = _kept(attempt, divided(attempt, tight))
     best = last if last.power <= first.power else first
     return modes, replace(best, nodes=first.nodes + last.nodes)
+
+
+def _kept(attempt: ProofAttempt, left: CasesLeft) -> CasesLeft:
+    """What a division left, its tree a step of the proof where it closed all."""
+    if left.step is not None:
+        attempt.steps.append(left.step)
+    return left

@@ -41,6 +41,7 @@ from kilter.friction.enclosure import (
     width,
     with_twist_in,
 )
+from kilter.friction.exclusion_steps import CaseStep
 from kilter.friction.friction_tolerances import NARROWEST_CONE, OBEYED
 from kilter.friction.reduced_law import ReducedLaw
 from kilter.friction.relaxation import Relaxation
@@ -88,11 +89,14 @@ class CasesLeft:
     ended : bool
         Whether more time would change nothing: all is closed, or a relaxed motion obeys the
         law, or nothing is left to divide.
+    step : CaseStep or None
+        The whole tree, where all is closed.
     """
 
     power: float
     nodes: int
     ended: bool
+    step: CaseStep | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -104,6 +108,7 @@ class _OpenCase:
     where: Breach
     obeys: bool
     basis: object
+    step: CaseStep
 
 
 def breach(law: ReducedLaw, relaxation: Relaxation, bounds: Enclosure, x: Array) -> Breach:
@@ -127,14 +132,14 @@ def breach(law: ReducedLaw, relaxation: Relaxation, bounds: Enclosure, x: Array)
     return Breach(-1, patch, slid, total)
 
 
-def cases(law: ReducedLaw, bounds: Enclosure, where: Breach) -> list[Enclosure]:
+def cases(law: ReducedLaw, bounds: Enclosure, point: int, patch: int) -> list[Enclosure]:
     """The cases of a point or of a patch; every solution within the bounds is in one of them."""
-    if where.point >= 0:
-        return [touching_at(bounds, where.point), open_at(bounds, where.point)]
-    cone = bounds.cones[where.patch]
-    size = law.twist[where.patch].shape[0]
+    if point >= 0:
+        return [touching_at(bounds, point), open_at(bounds, point)]
+    cone = bounds.cones[patch]
+    size = law.twist[patch].shape[0]
     cones = halves(cone) if cone is not None else [AT_REST, *orthants(size)]
-    return [with_twist_in(law, bounds, where.patch, cone) for cone in cones]
+    return [with_twist_in(law, bounds, patch, cone) for cone in cones]
 
 
 def divided(attempt: ProofAttempt, bounds: Enclosure, until: Work | None = None) -> CasesLeft:
@@ -144,9 +149,10 @@ def divided(attempt: ProofAttempt, bounds: Enclosure, until: Work | None = None)
     that obeys the law, and where nothing is left to divide.
     """
     work = attempt.work if until is None else until
+    root = CaseStep()
     tree = CaseTree(
-        _bounding(attempt),
-        lambda case: cases(attempt.law, case.bounds, case.where),
+        _bounding(attempt, root),
+        lambda case: cases(attempt.law, case.bounds, case.where.point, case.where.patch),
         lambda case: case.power,
     )
 
@@ -160,19 +166,25 @@ def divided(attempt: ProofAttempt, bounds: Enclosure, until: Work | None = None)
         work.tell(f"{tree.nodes} cases, {len(tree)} open, power up to {case.power:.1e}")
     best = tree.best
     if best is None:
-        return CasesLeft(attempt.tolerance, tree.nodes, True)
+        return CasesLeft(attempt.tolerance, tree.nodes, True, root)
     ended = best.obeys or best.where.largest <= 0.0
     return CasesLeft(best.power, tree.nodes, ended and not late())
 
 
-def _bounding(attempt: ProofAttempt) -> Callable[[Enclosure, _OpenCase | None], _OpenCase | None]:
-    """The bound of a case: its greatest power; None if that is nothing."""
+def _bounding(
+    attempt: ProofAttempt, root: CaseStep
+) -> Callable[[Enclosure, _OpenCase | None], _OpenCase | None]:
+    """The bound of a case: its greatest power; None if that is nothing. Steps below `root`."""
     relaxation = attempt.relaxation
 
     def bound(bounds: Enclosure, parent: _OpenCase | None) -> _OpenCase | None:
-        basis = None if parent is None else parent.basis
+        basis, made = None, root
+        if parent is not None:
+            basis, made = parent.basis, CaseStep()
+            parent.step.cases.append(made)
         while True:
-            bounds, power, answer = power_bound(attempt, bounds, basis)
+            bounds, power, answer, step = power_bound(attempt, bounds, basis)
+            made.powers.append(step)
             if attempt.closed(bounds, power):
                 return None
             old, bounds, basis = bounds, rescaled(relaxation.fastest, bounds, power), answer.basis
@@ -181,8 +193,9 @@ def _bounding(attempt: ProofAttempt) -> Callable[[Enclosure, _OpenCase | None], 
         worth = old.scale * power
         worth = worth if parent is None else min(worth, parent.power)
         if not len(answer.x):
-            return _OpenCase(bounds, worth, Breach(-1, -1, 0.0, np.inf), False, basis)
+            return _OpenCase(bounds, worth, Breach(-1, -1, 0.0, np.inf), False, basis, made)
         where = breach(attempt.law, relaxation, old, answer.x)
-        return _OpenCase(bounds, worth, where, where.total <= OBEYED * power, basis)
+        made.point, made.patch = where.point, where.patch
+        return _OpenCase(bounds, worth, where, where.total <= OBEYED * power, basis, made)
 
     return bound

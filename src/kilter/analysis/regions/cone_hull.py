@@ -11,7 +11,6 @@ the cone is as thin as that plane.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 
@@ -107,8 +106,7 @@ def cone_around(rays: Array, blur: float) -> Cone:
         turn = np.linalg.svd(normals[flat[:1]])[2]
         basis = np.vstack([np.roll(turn, -1, axis=0) @ basis[:rank], basis[rank:]])
         rank -= 1
-    cone = make_cone(basis[rank:], normals @ basis[:rank], rays, blur)
-    return replace(cone, strict=True)
+    return make_cone(basis[rank:], normals @ basis[:rank], rays, blur)
 
 
 def facets_of(points: Array, blur: float) -> tuple[Array, Mask]:

@@ -1,0 +1,92 @@
+"""A proof that no motion can start, repeated step by step without any solver.
+
+The law is that of the program, built anew; each step has multipliers, whose bound is computed
+from the law; nothing else of the proof is believed. A step that does not fit proves nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from kilter.arrays import Array
+from kilter.friction.contraction import power_by, shrunk_by
+from kilter.friction.enclosure import Enclosure, rescaled
+from kilter.friction.exclusion import first_bounds, no_power
+from kilter.friction.exclusion_cases import cases
+from kilter.friction.exclusion_steps import CaseStep, ExclusionStep, PowerStep, ShrinkStep
+from kilter.friction.force_bound import force_bound
+from kilter.friction.moment_bound import MomentStep, power_left
+from kilter.friction.reduced_law import ReducedLaw, reduced_law, refusal
+from kilter.friction.relaxation import Relaxation
+from kilter.mechanics.program import Program
+from kilter.threads import on_one_thread
+
+__all__ = ["power_not_excluded"]
+
+
+@on_one_thread
+def power_not_excluded(
+    program: Program, opening: Array | None, steps: Sequence[ExclusionStep]
+) -> tuple[float, float]:
+    """The power w.a over |w|^2 that the steps of a proof leave, and that which counts as none.
+
+    Raises
+    ------
+    IndexError, ValueError, numpy.linalg.LinAlgError
+        Where a step speaks of points, rows or quantities that the law does not have.
+    """
+    if not program.free.any() or not program.load[program.free].any():
+        return 0.0, 0.0
+    if refusal(program):
+        return 1.0, 0.0
+    law = reduced_law(program)
+    again = _Repeated(law, opening, no_power(program))
+    for step in steps:
+        again.step(step)
+    return again.power, again.tolerance
+
+
+class _Repeated:
+    """The bounds that the steps so far leave, and the greatest power."""
+
+    def __init__(self, law: ReducedLaw, opening: Array | None, tolerance: float) -> None:
+        self.law, self.tolerance = law, tolerance
+        self.forces = np.inf if opening is None else force_bound(law, opening)
+        self.relaxation = Relaxation(law)
+        self.bounds = first_bounds(law, self.relaxation, opening)
+        self.power = 1.0
+
+    def step(self, step: ExclusionStep) -> None:
+        """What one further step leaves."""
+        if isinstance(step, MomentStep):
+            if step.scale < self.bounds.scale * (1 - 1e-12):
+                raise ValueError("a step at a size to which motions are not bounded")
+            self._leaves(power_left(self.law, step, self.forces))
+        elif isinstance(step, PowerStep):
+            self.bounds, power = power_by(self.relaxation, self.bounds, step)
+            self._leaves(self.bounds.scale * power)
+        elif isinstance(step, ShrinkStep):
+            self.bounds = shrunk_by(self.law, self.relaxation, self.bounds, step)
+        elif self._closed(self.bounds, step):
+            self.power = min(self.power, self.tolerance)
+
+    def _leaves(self, power: float) -> None:
+        self.power = min(self.power, power)
+        self.bounds = rescaled(self.relaxation.fastest, self.bounds, power / self.bounds.scale)
+
+    def _closed(self, bounds: Enclosure, step: CaseStep) -> bool:
+        """Whether a case, or all cases that it is divided into, leave nothing."""
+        for one in step.powers:
+            bounds, power = power_by(self.relaxation, bounds, one)
+            if bounds.scale * power <= self.tolerance:
+                return True
+            bounds = rescaled(self.relaxation.fastest, bounds, power)
+        if step.point < 0 and step.patch < 0:
+            return False
+        found = cases(self.law, bounds, step.point, step.patch)
+        return len(found) == len(step.cases) and all(
+            self._closed(replace(own), below) for own, below in zip(found, step.cases, strict=True)
+        )
