@@ -19,6 +19,10 @@ __all__ = [
 ]
 
 
+LIKE = 0.6
+"""Names less like each other than this are no slips of one another: 'pge' and 'peg' have .67."""
+
+
 class KilterError(Exception):
     """Root of every error that kilter raises on purpose."""
 
@@ -101,15 +105,24 @@ class SolverError(KilterError):
 
 
 def nearest_name(name: str, names: Iterable[str]) -> str | None:
-    """The known name most like `name`, or None.
+    """The known name most like `name`; None where none is like it, or two are alike.
 
     Examples
     --------
     >>> nearest_name("densty", ["density", "mass"])
     'density'
+    >>> nearest_name("cube", ["cube-1", "cube-2"]) is None
+    True
+    >>> nearest_name("c2", ["C1", "C2", "c3"])
+    'C2'
     """
-    found = difflib.get_close_matches(str(name), list(names), n=1, cutoff=0.5)
-    return found[0] if found else None
+    given, names = str(name), list(names)
+    same = [one for one in names if one.casefold() == given.casefold()]
+    if len(same) == 1:
+        return same[0]
+    found = difflib.get_close_matches(given, names, n=2, cutoff=LIKE)
+    likeness = [difflib.SequenceMatcher(None, one, given).ratio() for one in found]
+    return None if not found or likeness[0] in likeness[1:] else found[0]
 
 
 def some_names(names: Sequence[str], limit: int = 5) -> str:

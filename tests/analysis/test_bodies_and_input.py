@@ -185,7 +185,7 @@ def test_w10_nan_in_a_vertex_is_refused_by_number():
 
 
 def test_w10_open_mesh_is_refused_by_name():
-    part = Part("lid", Mesh(CUBE.vertices, CUBE.triangles[:-1]), grounded=True)
+    part = Part("lid", Mesh(CUBE.vertices, CUBE.triangles[:-1]))
     with pytest.raises(InputError, match=r"part 'lid': mesh is open: 3 edges"):
         _ = Assembly([part]).geometry
 

@@ -26,9 +26,7 @@ def test_each_lies_below_the_next(names: tuple[str, ...]) -> None:
     assert values == sorted(set(values))
 
 
-@pytest.mark.parametrize(
-    "name", ["PULLED_IN", "BEYOND_FACET", "FARTHER_BEYOND", "BEYOND_CONE", "BEYOND_LIMIT"]
-)
+@pytest.mark.parametrize("name", ["PULLED_IN", "BEYOND_FACET", "BEYOND_CONE", "BEYOND_LIMIT"])
 def test_steps_go_outwards(name: str) -> None:
     steps = getattr(of, name)
     assert list(steps) == sorted(set(steps))
@@ -36,8 +34,7 @@ def test_steps_go_outwards(name: str) -> None:
 
 def test_widths_lie_above_what_the_solvers_leave() -> None:
     assert of.BLUR_OVER_TOLERANCE * TOLERANCE > of.OUTSIDE_HULL
-    assert max(of.LIMIT_TOLERANCES) <= solvers.CONIC
-    assert of.BEYOND_FACET[-1] <= of.FARTHER_BEYOND[0]
-    # the gap that is asked for leaves room for the width of the rays and the farthest motion
-    assert 2 * (of.RAY_BLUR + of.FARTHER_BEYOND[-1]) < np.radians(of.GAP_DEG)
+    assert of.CONIC_SHARP <= solvers.CONIC < of.LIMIT_AGREES < of.SIDES_APART
+    # the gap that is asked for leaves room for the width of the rays and of the facets
+    assert 2 * (of.RAY_BLUR + of.BEYOND_FACET[-1]) < np.radians(of.GAP_DEG)
     assert of.PULLED_IN[-1] <= of.RAY_BLUR

@@ -458,3 +458,31 @@ def test_view_turns_the_page_over_when_the_file_changes(chromium: Any) -> None:
 def seen(png: bytes) -> int:
     """How many bytes a picture takes beyond an empty one: a measure of what is in it."""
     return len(png) - 2000
+
+
+def test_open_pairs_are_marked_where_they_are_and_go_with_their_parts(opened: Callable) -> None:
+    base = Part("base", Box([6, 6, 1]), Pose([0, 0, -0.5]), grounded=True)
+    leg = Part("leg", Box([1, 1, 2]), Pose([2, 0, 1]))
+    lid = Part("lid", Box([1, 1, 1]), Pose([2, 0, 2.4]))  # .1 deep in the leg
+    page = opened(Assembly([base, leg, lid]))
+    assert page.js("!document.getElementById('open-row').hidden")
+    assert page.text("open-label") == "1 open pair"
+    marks = "window.kilter.stage.open.group.children"
+    assert page.js(f"{marks}.length") == 2  # the ball, and its rim
+    matrix = page.js(f"Array.from({marks}[1].instanceMatrix.array)")
+    center = np.array(page.js("window.kilter.page.center"))
+    assert np.allclose(matrix[12:15] + center, [2, 0, 1.95], atol=1e-6)
+    before = page.drawn()
+    page.page.uncheck("#show-open")
+    assert page.js(f"{marks}.length") == 0
+    assert page.drawn() != before
+    page.page.check("#show-open")
+    page.slide("explode", 1.0)
+    moved = page.js(f"Array.from({marks}[1].instanceMatrix.array)")
+    assert moved[12:15] != matrix[12:15]
+
+
+def test_without_open_pairs_nothing_is_said_of_them(opened: Callable) -> None:
+    page = opened("tower")
+    assert page.js("document.getElementById('open-row').hidden")
+    assert page.js("window.kilter.stage.open.group.children.length") == 0

@@ -13,7 +13,7 @@ from kilter.assembly import Assembly, Joint, Part
 from kilter.cli import main
 from kilter.contact import detect
 from kilter.contact.fits.coaxial import coaxial_fits
-from kilter.contact.fits.overlap import can_cut, overlap_volume
+from kilter.contact.fits.shared_body import PartSolids, shared_body
 from kilter.contact.fits.suggestions import suggest_joints
 from kilter.files import dump, from_dict, to_dict
 from kilter.mechanics.proof import digest_of
@@ -21,10 +21,9 @@ from kilter.mechanics.verification import proof_tolerance, verify_proof
 from kilter.rigid import Pose
 from kilter.scenes.pieces import block, floor, turn
 from kilter.scenes.transform import moved, scaled
-from kilter.shape.primitives import Box, Mesh, surface
+from kilter.shape.primitives import Box, Mesh, Prism, surface
 
 FLOOR = floor([-5, -5], [5, 5])
-CUTS = pytest.mark.skipif(not can_cut(), reason="the extra 'overlap' is not installed")
 
 
 def stack(gap=0.0, **options):
@@ -286,7 +285,10 @@ def test_cluster_at_a_clearance_is_named_after_it(upper, warned):
 # volumes ----------------------------------------------------------------------------------
 
 
-@CUTS
+def volume_of(one, other):
+    return shared_body(PartSolids(Assembly([one, other]).geometry), 0, 1).volume
+
+
 @pytest.mark.parametrize("factor", [1e-3, 1.0, 1e3])
 def test_volume_of_two_boxes_in_any_pose(factor):
     shift = np.array([0.5, 0.25, -0.1]) * factor
@@ -294,13 +296,12 @@ def test_volume_of_two_boxes_in_any_pose(factor):
     for pose in (Pose(), Pose([100 * factor, 2, 3], turn([1, 2, 3], 50))):
         one = Part("a", Box([factor] * 3), pose)
         other = Part("b", Box([factor] * 3), Pose(pose.apply([shift])[0], pose.rotation))
-        assert overlap_volume(one, other) == pytest.approx(exact, rel=1e-9)
-        assert overlap_volume(other, one) == pytest.approx(exact, rel=1e-9)
+        assert volume_of(one, other) == pytest.approx(exact, rel=1e-9)
+        assert volume_of(other, one) == pytest.approx(exact, rel=1e-9)
     away = Part("b", Box([factor] * 3), Pose([5 * factor, 0, 0]))
-    assert overlap_volume(Part("a", Box([factor] * 3)), away) == 0.0
+    assert volume_of(Part("a", Box([factor] * 3)), away) == 0.0
 
 
-@CUTS
 def test_volume_of_a_bolt_in_its_nut_is_that_of_the_ring():
     assembly = bolted(1.05)
     found = detect.contacts(assembly)
@@ -308,14 +309,56 @@ def test_volume_of_a_bolt_in_its_nut_is_that_of_the_ring():
     # 96 sides against 48: within their areas
     exact = np.pi * (1.05**2 - 1) * 2.0
     assert overlap.volume == pytest.approx(exact, rel=0.05)
-    assert not any("kilter[overlap]" in text for text in found.warnings)
+    assert overlap.share == overlap.volume / assembly.geometry.volume[[1, 2]].min()
 
 
-def test_without_the_extra_the_volume_is_unknown_and_a_hint_says_what_to_install(monkeypatch):
-    monkeypatch.setattr("kilter.contact.fits.overlap.find_spec", lambda name: None)
-    found = detect.contacts(bolted(1.05))
-    assert [o.volume for o in found.overlaps if set(o.parts) == {1, 2}] == [None]
-    assert sum("pip install 'kilter[overlap]'" in text for text in found.warnings) == 1
+def crossed(turned):
+    """A thin bar right through a slab: no corner of either lies in the other."""
+    pose = Pose([7, 8, 9], turn([1, 2, 3], 50)) if turned else Pose()
+    bar, slab = Box([0.2, 3, 0.2]), notched()
+    return Assembly([Part("bar", bar, pose), Part("slab", slab, pose)])
+
+
+def notched():
+    """A slab of 2 x 1 x 2 with a notch in its side: not convex."""
+    outline = [(-1, -1), (1, -1), (1, -0.5), (0.9, 0), (1, 0.5), (1, 1), (-1, 1)]
+    return Prism(outline, 1.0)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_bar_through_a_slab_overlaps_it_although_no_corner_is_inside(turned):
+    (overlap,) = detect.contacts(crossed(turned)).overlaps
+    assert overlap.volume == pytest.approx(0.2 * 0.2 * 1.0, rel=1e-9)
+    assert overlap.share == pytest.approx(1 / 3, rel=1e-9)
+    assert overlap.depth == pytest.approx(0.5, rel=1e-9)  # the middle of its sides, from the faces
+
+
+@pytest.mark.parametrize(("depth", "overlaps"), [(0.99e-3, False), (1.01e-3, True)])
+def test_overlap_is_told_from_the_gap_tolerance_on(depth, overlaps):
+    slab = Part("slab", notched())
+    box = Part("box", Box([0.5, 0.5, 0.5]), Pose([0, 0.75 - depth, 0]))
+    found = detect.contacts(Assembly([slab, box]), tolerance=Tolerance(gap=1e-3))
+    assert bool(found.overlaps) == overlaps
+    assert bool(len(found)) != overlaps
+    if overlaps:
+        assert found.overlaps[0].depth == pytest.approx(depth, rel=1e-9)
+        assert found.overlaps[0].volume == pytest.approx(0.25 * depth, rel=1e-9)
+
+
+def test_triangles_that_bound_no_body_have_a_depth_and_no_volume():
+    """A corner on the middle of an edge; an odd number of triangles ends the kernel's process."""
+    corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (0.5, 0, 0)]
+    faces = [(0, 2, 1), (0, 4, 3), (4, 1, 3), (0, 3, 2), (1, 2, 3)]
+    slab = Part("slab", notched(), Pose([0.2, -0.4, 0.2]))
+    split = Part("split", Mesh(np.array(corners, dtype=float), np.array(faces)))
+    (overlap,) = detect.contacts(Assembly([split, slab])).overlaps
+    assert (overlap.volume, overlap.share) == (None, None)
+    assert overlap.depth == pytest.approx(0.1, rel=1e-9)
+    faces = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
+    whole = Part("whole", Mesh(np.array(corners[:4], dtype=float), np.array(faces)))
+    (overlap,) = detect.contacts(Assembly([whole, slab])).overlaps
+    assert overlap.depth == pytest.approx(0.1, rel=1e-9)
+    assert overlap.volume == pytest.approx((1 - 0.9**3) / 6, rel=1e-9)
 
 
 @pytest.mark.parametrize(("radius", "kind"), [(1.02, "fixed"), (1.0, "cylindrical")])

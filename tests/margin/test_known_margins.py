@@ -11,7 +11,9 @@ from margins import by_points, force_of, leaning, loaded, program_of, small_asse
 
 import kilter
 from kilter.analysis.judge import judge
+from kilter.analysis.margins import load_limit
 from kilter.analysis.margins.least_friction import find_least_friction
+from kilter.analysis.margins.limit_sides import LimitSides
 from kilter.analysis.margins.load_limit import Limit, NoLimit, find_limit, gravity_wrench, with_more
 from kilter.analysis.margins.pushes import find_weakest_push
 from kilter.analysis.margins.tilt import (
@@ -292,17 +294,36 @@ def failing(monkeypatch, at):
     monkeypatch.setattr(clarabel, "solve_conic", broken)
 
 
-def test_a_first_failure_is_asked_again(monkeypatch):
+def without_linear_programs(monkeypatch):
+    """Nothing takes over where the conic solver fails."""
+    monkeypatch.setattr(load_limit, "limit_sides", lambda *_: LimitSides())
+
+
+@pytest.mark.parametrize("at", [1, 2])
+def test_a_first_failure_is_asked_again(monkeypatch, at):
     program = program_of(stacks.block_on_slope(0.0, friction=0.5))
-    failing(monkeypatch, lambda call: call == 1)
+    without_linear_programs(monkeypatch)
+    failing(monkeypatch, lambda call: call == at)
     limit = find_limit(program, gravity_wrench(program, X))
     assert isinstance(limit, Limit)
     assert limit.value == pytest.approx(0.5, abs=1e-7)
 
 
+def test_linear_programs_take_over_where_the_conic_one_fails(monkeypatch):
+    program = program_of(stacks.block_on_slope(0.0, friction=0.5))
+    failing(monkeypatch, lambda call: True)
+    limit = find_limit(program, gravity_wrench(program, X))
+    assert isinstance(limit, Limit)
+    assert limit.value == pytest.approx(0.5, abs=1e-7)
+    assert limit.forces.holds
+    assert limit.mechanism.holds
+    assert limit.gap < 2e-7
+
+
 def test_a_failure_is_not_taken_for_none_and_is_said(monkeypatch):
     block = stacks.block_on_slope(0.0, friction=0.5)
     program = program_of(block)
+    without_linear_programs(monkeypatch)
     failing(monkeypatch, lambda call: True)
     assert find_limit(program, gravity_wrench(program, X)) == NoLimit("failed")
     assert find_tilt_margin(program) == NoLimit("failed")

@@ -54,6 +54,10 @@ export const straight = () =>
     [0, 1],
   ]);
 
+/** A ball of radius 1, with its poles along y. */
+export const ball = () =>
+  lathe(Array.from({ length: 9 }, (_, k) => [Math.sin((Math.PI * k) / 8), -Math.cos((Math.PI * k) / 8)]));
+
 /** Three quarters of a turn about y, at radius 1, with a head. */
 export function round() {
   const [positions, index] = [[], []];
@@ -78,18 +82,18 @@ export function round() {
   return made(positions, index);
 }
 
-/** Arrows of one colour, of which `set` shows a list. */
+/** Arrows, or balls, of one colour, of which `set` shows a list. */
 export class Arrows {
   constructor() {
     this.material = painted(false);
     this.halo = painted(true);
     this.group = new Group();
-    this.shapes = { straight: straight(), round: round() };
+    this.shapes = { straight: straight(), round: round(), ball: ball() };
   }
 
   /**
    * Show arrows: `straight` and `round` are lists of {at, along, size, wide}; `along` need not
-   * be of length 1; `wide` is the size that gives its thickness.
+   * be of length 1; `wide` is the size that gives its thickness. Of a `ball`, `size` is the radius.
    */
   set(lists) {
     for (const child of [...this.group.children]) {
@@ -132,6 +136,10 @@ function matrix({ at, along, size, wide }, name, grow) {
   const turn = new Quaternion().setFromUnitVectors(UP, direction);
   const thick = (wide || size) * grow;
   const far = grow > 1 ? size + 0.02 * thick : size;
-  const scale = name === "round" ? [size, size * grow, size] : [thick, far, thick];
-  return new Matrix4().compose(new Vector3(...at), turn, new Vector3(...scale));
+  const scales = {
+    straight: [thick, far, thick],
+    round: [size, size * grow, size],
+    ball: [size * grow, size * grow, size * grow],
+  };
+  return new Matrix4().compose(new Vector3(...at), turn, new Vector3(...scales[name]));
 }

@@ -7,7 +7,7 @@ import { factsOf } from "./card.js";
 import { distance, isThin, nearest } from "./cone.js";
 import { pageData } from "./data.js";
 import { deepest } from "./map.js";
-import { Names, forceArrows, motionArrows } from "./overlay.js";
+import { Names, forceArrows, motionArrows, openMarks } from "./overlay.js";
 import { keepPlace } from "./place.js";
 import { reachOf } from "./pose.js";
 import { Stage } from "./stage.js";
@@ -125,6 +125,7 @@ class Page {
     } else stage.forces.set({});
     id("force-label").textContent = label;
     stage.loads.set(this.loads());
+    stage.open.set(id("show-open").checked ? openMarks(stage) : {});
   }
 
   loads() {
@@ -220,6 +221,10 @@ class Page {
       this.stage.parts.patches.visible = id("show-contacts").checked;
       this.stage.draw();
     });
+    on("show-open", "change", () => this.repose());
+    const pairs = page.open.parts.length / 2;
+    id("open-row").hidden = !pairs;
+    id("open-label").textContent = `${pairs} open pair${pairs > 1 ? "s" : ""}`;
     on("show-names", "change", () => this.label());
     on("play", "click", () => this.play());
     on("home", "click", () => this.stage.home());
@@ -394,6 +399,7 @@ class Page {
     this.stage.motion.theme(style("unstable"), style("surface"));
     this.stage.forces.theme(style("force"), style("surface"));
     this.stage.loads.theme(style("ink"), style("surface"));
+    this.stage.open.theme(style("open"), style("ink"));
     this.stage.draw();
   }
 

@@ -55,6 +55,21 @@ export function forceArrows(stage, forces, long) {
   return { straight, most };
 }
 
+/** A ball where each open pair meets; it goes with the second part. */
+export function openMarks(stage) {
+  const { at, parts } = stage.page.open;
+  const size = 0.03 * stage.page.radius;
+  const balls = [];
+  for (let k = 0; k < parts.length / 2; k += 1) {
+    const [first, second] = parts.subarray(2 * k, 2 * k + 2);
+    if (!stage.parts.visible[first] && !stage.parts.visible[second]) continue;
+    const rest = at.subarray(3 * k, 3 * k + 3);
+    const carried = stage.parts.carried(second, local(stage.page.parts, second, rest));
+    balls.push({ at: carried, along: [0, 1, 0], size });
+  }
+  return { ball: balls };
+}
+
 /** Names over the parts, as text. */
 export class Names {
   constructor(element, stage) {

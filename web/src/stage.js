@@ -42,12 +42,13 @@ export class Stage {
     this.motion = new Arrows();
     this.forces = new Arrows();
     this.loads = new Arrows();
+    this.open = new Arrows();
     this.root.add(this.parts.group);
     this.scene.add(this.root);
     // arrows lie over the parts: drawn after, with a depth of their own
     this.over = new Scene();
     this.overRoot = new Group();
-    this.overRoot.add(this.motion.group, this.forces.group, this.loads.group);
+    this.overRoot.add(this.motion.group, this.forces.group, this.loads.group, this.open.group);
     this.over.add(this.overRoot);
     this.renderer.autoClear = false;
     this.numbers = new WebGLRenderTarget(1, 1);

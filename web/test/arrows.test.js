@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import test from "node:test";
-import { round, straight } from "../src/arrows.js";
+import { ball, round, straight } from "../src/arrows.js";
 
 /** Six times the volume that a surface encloses, seen from outside turning left. */
 function volume(geometry) {
@@ -21,6 +21,8 @@ function volume(geometry) {
 test("arrows turn their outsides out, so that the rim lies behind them", () => {
   assert.ok(volume(straight()) > 0.01);
   assert.ok(volume(round()) > 0.01);
+  assert.ok(volume(ball()) > 0.9 * 8 * Math.PI * (Math.SQRT2 / 2) * 0.9);
+  assert.ok(volume(ball()) < 8 * Math.PI);
 });
 
 test("the round arrow turns right-handed about y: its head lies on from its tail", () => {

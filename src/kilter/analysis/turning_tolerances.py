@@ -22,17 +22,17 @@ __all__ = [
     "BLUR_OVER_TOLERANCE",
     "CONIC_SHARP",
     "ENTRY_ROUNDING",
-    "FARTHER_BEYOND",
     "FOLLOWING_AGREES",
     "GAP_DEG",
     "HULL_FINER",
     "HULL_ROUNDING",
     "KAPPA_GAP",
     "KAPPA_RESIDUAL",
-    "LIMIT_TOLERANCES",
+    "LIMIT_AGREES",
     "MOVES",
     "MU_AGREES",
     "MU_NOTHING",
+    "NEARLY",
     "NOT_HELD",
     "NO_DIRECTION",
     "NO_GAIN",
@@ -50,6 +50,7 @@ __all__ = [
     "SAME_ON_DIAMOND",
     "SAME_POINT",
     "SAME_RAY",
+    "SIDES_APART",
     "STEEPEST",
     "TILT_AGREES",
     "UNLIMITED",
@@ -104,6 +105,8 @@ BALANCED = 1e-8
 """Imbalance over the weight of a part that forces which follow masses may leave [-]."""
 UNLIMITED = 1e6
 """Shares of a load, or pushes over the weight of all parts, from here on are unlimited [-]."""
+NEARLY = 1e-5
+"""A share this near to the most that is looked at, relative to it, is the most [-]."""
 STEEPEST = 1e6
 """Tangent of a turn that counts as a right angle [-]."""
 
@@ -111,8 +114,10 @@ STEEPEST = 1e6
 
 CONIC_SHARP = 1e-12
 """Asked of the conic solver where a motion proves a boundary as near as it is exact [-]."""
-LIMIT_TOLERANCES = (1e-10, CONIC_SHARP)
-"""Of the solver: the second where the first fails, or its mechanism proves nothing [-]."""
+LIMIT_AGREES = 2e-7
+"""Shares of a load proved to be held and not to be differ by this at most, over 1 and them [-]."""
+SIDES_APART = 1e-2
+"""Where they differ by more after linear programs, a sharper conic one is asked [-]."""
 OPTIMAL_FACE = 1e-10
 """Displacements count as optimal up to this, over the mass [length unit]."""
 OPTIMAL = 1e-9
@@ -140,11 +145,10 @@ WALK_STEP = 1e-5
 """The epsilon step of the published walk, on the diamond [-]."""
 PULLED_IN = (0.0, 1e-8, 1e-7, 1e-6, RAY_BLUR)
 """A ray with friction is moved inwards by so much until forces prove it [rad]."""
-BEYOND_FACET = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4)
-"""Beyond a facet with friction: where its motion is asked to prove it [rad]."""
-FARTHER_BEYOND = (1e-4, 3e-4, 6e-4)
-"""The same for a motion that is sought anew [rad]."""
+BEYOND_FACET = (1e-9, 1e-8, 1e-7, 1e-6)
+"""Beyond a facet with friction: where its motion is asked to prove it; else it is sought anew,
+as a limit, from within [rad]."""
 BEYOND_CONE = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
 """Beyond a facet without friction: where a motion is asked to prove it [rad]."""
-BEYOND_LIMIT = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5)
+BEYOND_LIMIT = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
 """Above a load limit, relative to it: where its mechanism is asked to prove it [-]."""

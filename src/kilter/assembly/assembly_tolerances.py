@@ -44,3 +44,5 @@ BESIDE_SEAM = 1e-6
 """A face reaches this fraction of its radius over its seams, an edge over its chord [-]."""
 CREASE = 1e-3
 """Faces that meet at less than this have no edge: the seam of a fillet [rad]."""
+SMALL_HOLES = 0.1
+"""Holes whose closure has at most this fraction of the surface leave the volume believable [-]."""

@@ -18,11 +18,12 @@ import numpy as np
 
 from kilter.arrays import Array, Index, Mask, cross, ragged, read_only, starts
 from kilter.assembly.assembly_tolerances import FLAT_PART, INSIDE_OUT, LARGEST
+from kilter.assembly.mesh_surface import MeshSurface, mesh_surface
 from kilter.assembly.part import Part
 from kilter.assembly.surfaces import Surfaces, join_surfaces, surfaces_of
+from kilter.assembly.unknown_surfaces import UnknownSurfaces
 from kilter.errors import InputError, some_names
 from kilter.rigid import quaternion_to_matrix
-from kilter.shape.closed import open_edges, welded, wound_both_ways
 from kilter.shape.primitives import (
     BOX_CORNERS,
     BOX_TRIANGLES,
@@ -82,6 +83,8 @@ class Geometry:
     slack : ndarray, shape (N,)
         How far the true surface of a part may lie from its triangles [length unit].
     warnings : tuple of str
+    unknown : UnknownSurfaces
+        Where surfaces are not known: at holes of open meshes, all over stand-ins.
     """
 
     vertices: Array
@@ -102,6 +105,7 @@ class Geometry:
     triangle_surface: Index
     slack: Array
     warnings: tuple[str, ...]
+    unknown: UnknownSurfaces
 
     def __post_init__(self) -> None:
         read_only(self)
@@ -119,6 +123,19 @@ class Geometry:
         """The part of each triangle, shape (T,)."""
         return np.repeat(np.arange(len(self.mass)), np.diff(self.triangle_start))
 
+    @property
+    def part_boxes(self) -> tuple[Array, Array]:
+        """Lower and upper corners of the boxes about the parts, each of shape (N, 3)."""
+        first = self.vertex_start[:-1]
+        low: Array = np.minimum.reduceat(self.vertices, first)
+        high: Array = np.maximum.reduceat(self.vertices, first)
+        return low, high
+
+    def corners_of(self, part: int) -> Array:
+        """The triangles of a part, shape (m, 3, 3)."""
+        span = slice(self.triangle_start[part], self.triangle_start[part + 1])
+        return self.vertices[self.triangles[span]]
+
 
 def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
     """The geometry of parts, lengths in `units`.
@@ -126,11 +143,16 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
     Raises
     ------
     InputError
-        If a mesh is open, flat or empty; it names the part.
+        If a mesh is flat or empty, or open where that is not enough; it names the part.
     """
     boxes = np.array([isinstance(part.shape, Box) for part in parts])
     warnings: list[str] = []
-    local = _local_surfaces(parts, boxes, warnings)
+    meshes = {
+        k: mesh_surface(part, part.shape, warnings)
+        for k, part in enumerate(parts)
+        if isinstance(part.shape, Mesh)
+    }
+    local = _local_surfaces(parts, boxes, meshes)
     vertices, vertex_start, triangles, triangle_start = local
 
     rotation = quaternion_to_matrix(np.array([part.pose.rotation for part in parts]))
@@ -139,6 +161,7 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
     owner = np.repeat(np.arange(len(parts)), counts)
 
     volume, center, second, area_center = _moments(parts, boxes, local)
+    _close_in_thought(meshes, (volume, center, second))
     flipped = np.flatnonzero(volume < 0)
     for k in flipped:
         span = slice(triangle_start[k], triangle_start[k + 1])
@@ -149,6 +172,9 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
         turned = some_names([parts[k].name for k in flipped.tolist()])
         warnings.append(f"faces turned outwards, they pointed inwards: {turned}")
     reach = _group_max(np.linalg.norm(vertices - area_center[owner], axis=1), vertex_start)
+    sheets = np.array([k for k, mesh in meshes.items() if not mesh.small], dtype=np.int64)
+    volume[sheets], center[sheets] = reach[sheets] ** 3, area_center[sheets]
+    second[sheets] = (reach[sheets] ** 5 / 5)[:, None, None] * np.eye(3)
     extreme = np.flatnonzero(~((reach > 1 / LARGEST) & (reach < LARGEST)))
     if len(extreme):
         raise InputError(
@@ -199,6 +225,7 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
         triangle_surface=triangle_surface,
         slack=slack,
         warnings=tuple(warnings),
+        unknown=_unknown(parts, meshes, (rotation, position)),
     )
 
 
@@ -219,14 +246,13 @@ def _refuse_inside_out(parts: Sequence[Part], boxes: Mask, second: Array) -> Non
 
 
 def _local_surfaces(
-    parts: Sequence[Part], boxes: Mask, warnings: list[str]
+    parts: Sequence[Part], boxes: Mask, meshes: dict[int, MeshSurface]
 ) -> tuple[Array, Index, Index, Index]:
     """Vertices and triangles of all parts in their own frames; boxes in one go."""
-    others = {k: surface(parts[k].shape) for k in np.flatnonzero(~boxes).tolist()}
-    for k in others:
-        shape = parts[k].shape
-        if isinstance(shape, Mesh):
-            others[k] = _closed_mesh(parts[k].name, shape, warnings)
+    others = {
+        k: (meshes[k].vertices, meshes[k].triangles) if k in meshes else surface(parts[k].shape)
+        for k in np.flatnonzero(~boxes).tolist()
+    }
     corner_count = np.full(len(parts), 8)
     triangle_count = np.full(len(parts), 12)
     for k, (vertices, triangles) in others.items():
@@ -248,36 +274,54 @@ def _local_surfaces(
     return all_vertices, vertex_start, all_triangles, triangle_start
 
 
+def _close_in_thought(meshes: dict[int, MeshSurface], moments: tuple[Array, Array, Array]) -> None:
+    """Volume, centroid and second moment of open meshes: those of what closes them counted in.
+
+    Of held sheets, which enclose nothing, only that they are not turned: a volume above zero.
+    """
+    volume, center, second = moments
+    for k, mesh in meshes.items():
+        if not mesh.small:
+            volume[k] = 1.0
+        if not len(mesh.caps) or not mesh.small:
+            continue
+        vertices = np.vstack([mesh.vertices, mesh.caps.reshape(-1, 3)])
+        caps = np.arange(3 * len(mesh.caps)).reshape(-1, 3) + len(mesh.vertices)
+        triangles = np.vstack([mesh.triangles, caps])
+        whole = polyhedron_moments(vertices, triangles, np.array([0, len(triangles)]))
+        volume[k], center[k], second[k] = whole[0][0], whole[1][0], whole[2][0]
+
+
+def _unknown(
+    parts: Sequence[Part], meshes: dict[int, MeshSurface], poses: tuple[Array, Array]
+) -> UnknownSurfaces:
+    """Boxes, in the world, of the holes of open meshes and solids, and of stand-ins."""
+    places: list[tuple[int, Array, bool]] = []
+    for k, part in enumerate(parts):
+        shape = part.shape
+        if k in meshes:
+            places += [(k, np.array(box), False) for box in meshes[k].holes]
+        elif isinstance(shape, Solid) and shape.stand_in:
+            box = np.array([shape.vertices.min(axis=0), shape.vertices.max(axis=0)])
+            places.append((k, box, True))
+        elif isinstance(shape, Solid):
+            places += [(k, box, False) for box in shape.holes]
+    if not places:
+        return UnknownSurfaces.none()
+    owner = np.array([k for k, _, _ in places])
+    rotation, position = (pose[owner] for pose in poses)
+    box = np.array([box for _, box, _ in places])
+    middle, half = box.mean(axis=1), np.ptp(box, axis=1) / 2
+    center = np.einsum("nij,nj->ni", rotation, middle) + position
+    reach = np.einsum("nij,nj->ni", np.abs(rotation), half)
+    whole = np.array([whole for _, _, whole in places])
+    return UnknownSurfaces(owner, center - reach, center + reach, whole)
+
+
 def _box_sizes(parts: Sequence[Part], which: Index) -> Array:
     """Lengths along x, y, z of parts that are boxes, shape (n, 3)."""
     shapes = (parts[k].shape for k in which.tolist())
     return np.array([shape.size for shape in shapes if isinstance(shape, Box)])
-
-
-def _closed_mesh(name: str, mesh: Mesh, warnings: list[str]) -> tuple[Array, Index]:
-    """A mesh welded, without faces of no area, refused where it is open."""
-    if len(mesh.triangles) == 0 or len(mesh.vertices) == 0:
-        raise InputError("mesh has no faces", part=name, hint="give a closed solid")
-    vertices, triangles, notes = welded(mesh.vertices, mesh.triangles, accuracy=mesh.accuracy)
-    warnings.extend(f"part {name!r}: {note}" for note in notes)
-    if len(triangles) == 0:
-        raise InputError("all faces have zero area", part=name, hint="give a closed solid")
-    holes = open_edges(vertices, triangles)
-    if len(holes) and wound_both_ways(triangles):
-        raise InputError(
-            f"some faces are wound the wrong way: {len(holes)} edges run twice in one sense",
-            part=name,
-            hint="let all faces turn the same way, seen from outside",
-        )
-    if len(holes):
-        where = vertices[holes[0, 0]]
-        raise InputError(
-            f"mesh is open: {len(holes)} edges have a face on one side only, the first at "
-            f"({where[0]:.6g}, {where[1]:.6g}, {where[2]:.6g})",
-            part=name,
-            hint="close it where it was made",
-        )
-    return vertices, triangles
 
 
 def polyhedron_moments(

@@ -6,6 +6,7 @@ see `kilter.cli.exit_codes`.
 
 from __future__ import annotations
 
+import re
 import signal
 import sys
 import threading
@@ -85,6 +86,11 @@ def _usage(error: Any) -> str:
     context = getattr(error, "ctx", None)
     path = context.command_path if context is not None else "kilter"
     message = " ".join(error.format_message().split()).rstrip(".")
+    message = message.replace("Value error, ", "")
+    named = re.match(r"Invalid value for (.+?): Input should be a valid (\w+)", message)
+    if named:
+        wanted = {"number": "a number", "integer": "a whole number"}.get(named[2], f"a {named[2]}")
+        message = f"what is given with {named[1]} is not {wanted}"
     return f"{message}; see '{path} --help'"
 
 

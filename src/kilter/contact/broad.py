@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from kilter.arrays import TINY, Array, Index, Mask, counted, ragged
 from kilter.assembly.geometry import Geometry
+from kilter.contact.contact_tolerances import BOX_ROUNDING
 from kilter.contact.planar.facets import Facets
 from kilter.rigid import common_frame
 
@@ -23,17 +24,23 @@ __all__ = ["Boxes", "facet_pairs", "facets_in", "joins", "make_boxes", "part_pai
 
 FEW = 64
 """Up to this many parts all pairs are compared."""
-MANY = 200_000
+MANY = 10_000
 """Pairs of parts with more combinations of their facets than this go through a tree."""
+TREE = 500_000
+"""Boxes of one tree."""
 BATCH = 2_000_000
 """Combinations compared in one go."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Boxes:
-    """Boxes of parts, shape (N, 3), and of facets, shape (F, 3), in a common frame."""
+    """Boxes of parts, shape (N, 3), and of facets, shape (F, 3), in a common frame.
+
+    `turned`: the vertices of the geometry in that frame, shape (V, 3).
+    """
 
     frame: Array
+    turned: Array
     part_low: Array
     part_high: Array
     facet_low: Array
@@ -53,7 +60,7 @@ def make_boxes(geometry: Geometry, facets: Facets) -> Boxes:
         slack = geometry.slack[facets.part]
         facet_low -= slack[:, None]
         facet_high += slack[:, None]
-    return Boxes(frame, part_low, part_high, facet_low, facet_high)
+    return Boxes(frame, turned, part_low, part_high, facet_low, facet_high)
 
 
 def _extremes(points: Array, start: Index) -> tuple[Array, Array]:
@@ -80,7 +87,8 @@ def part_pairs(boxes: Boxes, grounded: Mask, margin: Array) -> Index:
 
 def _tree_pairs(low: Array, high: Array) -> tuple[Index, Index]:
     """Pairs a < b of boxes that meet."""
-    a, b = _tree_join(low, high, low, high)
+    boxes = low, high, np.zeros(len(low), dtype=np.int64)
+    a, b = _tree_join(boxes, boxes)
     order = a < b
     return a[order], b[order]
 
@@ -165,7 +173,7 @@ def joins(
     ------
     owner, row_a, row_b : ndarrays of int, shape (m,)
         About `BATCH` combinations are compared at once; owners with more than `MANY` of
-        their own go through a tree.
+        their own go through trees of about `TREE` boxes.
     """
     counts = [np.bincount(owner, minlength=len(margin)) for owner in (owner_a, owner_b)]
     many = counts[0] * counts[1] > MANY
@@ -179,11 +187,22 @@ def joins(
             meets &= low_b[b] <= (high_a + grow)[a]
             a, b, owner = a[meets], b[meets], owner[meets]
         yield owner, a, b
-    for owner_row in np.flatnonzero(many):
-        a, b = np.flatnonzero(owner_a == owner_row), np.flatnonzero(owner_b == owner_row)
-        wide = margin[owner_row]
-        x, y = _tree_join(box_a[0][a] - wide, box_a[1][a] + wide, box_b[0][b], box_b[1][b])
-        yield np.full(len(x), owner_row), a[x], b[y]
+    for owners in _bundles(many, counts[0] + counts[1]):
+        a, b = np.flatnonzero(owners[owner_a]), np.flatnonzero(owners[owner_b])
+        wide = grow[a, None]
+        one = box_a[0][a] - wide, box_a[1][a] + wide, owner_a[a]
+        other = box_b[0][b], box_b[1][b], owner_b[b]
+        x, y = _tree_join(one, other)
+        yield owner_a[a[x]], a[x], b[y]
+
+
+def _bundles(many: Mask, count: Index) -> Iterator[Mask]:
+    """The owners that go through a tree, some at a time."""
+    rows = np.flatnonzero(many)
+    for number in np.unique(bundle := np.cumsum(count[rows]) // TREE):
+        chosen = np.zeros(len(many), dtype=bool)
+        chosen[rows[bundle == number]] = True
+        yield chosen
 
 
 def _products(owner_a: Index, owner_b: Index, count: int) -> Iterator[tuple[Index, Index, Index]]:
@@ -204,18 +223,41 @@ def _products(owner_a: Index, owner_b: Index, count: int) -> Iterator[tuple[Inde
         begin = end
 
 
-def _tree_join(low_a: Array, high_a: Array, low_b: Array, high_b: Array) -> tuple[Index, Index]:
-    """Rows of a and b whose boxes meet, by a tree in the two directions of least crowding."""
+_Boxed = tuple[Array, Array, Index]
+"""Lower and upper corners of boxes, shape (n, 3), and their owners, shape (n,)."""
+
+
+def _tree_join(one: _Boxed, other: _Boxed) -> tuple[Index, Index]:
+    """Rows whose boxes meet and whose owner is the same, by one tree.
+
+    The tree lies in the two directions of least crowding, with the owners side by side in one
+    of them; the boxes themselves decide.
+    """
     import shapely
 
-    spread = np.maximum(np.ptp(np.concatenate([low_a, low_b]), axis=0), TINY)
+    (low_a, high_a, owner_a), (low_b, high_b, owner_b) = one, other
+    if not (len(low_a) and len(low_b)):
+        return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
+    low, high = (
+        np.minimum(low_a.min(axis=0), low_b.min(axis=0)),
+        np.maximum(high_a.max(axis=0), high_b.max(axis=0)),
+    )
+    spread = np.maximum(high - low, TINY)
     crowding = ((high_a - low_a).mean(axis=0) + (high_b - low_b).mean(axis=0)) / spread
     u, v = np.argsort(crowding)[:2]
+    _, place = np.unique(np.concatenate([owner_a, owner_b]), return_inverse=True)
 
-    def flat(low: Array, high: Array) -> NDArray[np.object_]:
-        made: NDArray[np.object_] = shapely.box(low[:, u], low[:, v], high[:, u], high[:, v])
+    def flat(least: Array, most: Array, place: Index) -> NDArray[np.object_]:
+        # shares of the spread: their rounding is far below what they are grown by
+        x0, x1 = ((corner[:, u] - low[u]) / spread[u] + 2 * place for corner in (least, most))
+        y0, y1 = ((corner[:, v] - low[v]) / spread[v] for corner in (least, most))
+        made: NDArray[np.object_] = shapely.box(
+            x0 - BOX_ROUNDING, y0 - BOX_ROUNDING, x1 + BOX_ROUNDING, y1 + BOX_ROUNDING
+        )
         return made
 
-    a, b = shapely.STRtree(flat(low_b, high_b)).query(flat(low_a, high_a))
+    mine, its = np.split(place, [len(owner_a)])
+    a, b = shapely.STRtree(flat(low_b, high_b, its)).query(flat(low_a, high_a, mine))
     meets = ((low_a[a] <= high_b[b]) & (low_b[b] <= high_a[a])).all(axis=1)
+    meets &= owner_a[a] == owner_b[b]
     return a[meets].astype(np.int64), b[meets].astype(np.int64)

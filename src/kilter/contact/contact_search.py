@@ -13,6 +13,7 @@ from kilter.assembly.geometry import Geometry
 from kilter.contact.broad import Boxes, make_boxes, part_pairs
 from kilter.contact.gaps import GapLimits, Tolerance, gap_limits, reach_of
 from kilter.contact.planar.facets import Facets, find_facets
+from kilter.contact.unknown import unknown_pairs
 
 __all__ = ["ContactSearch", "begin_search"]
 
@@ -32,6 +33,8 @@ class ContactSearch:
         One row a pair.
     angle : float
         Angle tolerance [rad].
+    unknown : ndarray of int, shape (m, 2)
+        Pairs that may touch where the surface of one of them is not known.
     """
 
     geometry: Geometry
@@ -40,6 +43,7 @@ class ContactSearch:
     pairs: Index
     limits: GapLimits
     angle: float
+    unknown: Index
 
     def face(self, row: int) -> Array:
         """Triangles of a curved surface, shape (m, 3, 3)."""
@@ -66,9 +70,10 @@ def begin_search(
     facets = find_facets(geometry)
     progress("near pairs")
     boxes = make_boxes(geometry, facets)
-    pairs = _pairs_to_detect(assembly, boxes, tolerance)
+    near = _pairs_to_detect(assembly, boxes, tolerance)
+    pairs, unknown = unknown_pairs(geometry, near, reach_of(geometry, tolerance))
     limits = gap_limits(geometry, facets, pairs, tolerance)
-    return ContactSearch(geometry, facets, boxes, pairs, limits, tolerance.angle)
+    return ContactSearch(geometry, facets, boxes, pairs, limits, tolerance.angle, unknown)
 
 
 def _pairs_to_detect(assembly: Assembly, boxes: Boxes, tolerance: Tolerance) -> Index:

@@ -37,6 +37,8 @@ LOOKED_AT_GAPS = 100.0
 """Gaps up to this many tolerances are looked at: the histogram and the rejected pairs [-]."""
 LOOKED_AT_ANGLE = 0.05
 """Angles up to this are looked at, and rounding explains no greater one [rad]."""
+BOX_ROUNDING = 1e-9
+"""Boxes in a tree are wider than they are by this fraction of the width of all [-]."""
 CLUSTER = 3.0
 """Gaps within this factor of the tolerance, on both sides, are one cluster [-]."""
 

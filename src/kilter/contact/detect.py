@@ -22,6 +22,7 @@ from kilter.contact.patches import Patches
 from kilter.contact.planar.flat_contacts import GAP_EDGES, find_flat
 from kilter.contact.sharp.sharp_contacts import near_contacts
 from kilter.contact.touching import Touching
+from kilter.contact.unknown import unknown_contacts
 from kilter.errors import InputError
 
 __all__ = ["contacts"]
@@ -82,7 +83,8 @@ def contacts(
     tell("edges and corners")
     near = near_contacts(touching)
     overlaps, overlap_warnings = find_overlaps(assembly, touching, tolerance)
-    rejected = sorted([*flat.rejected, *curved.rejected], key=lambda r: (abs(r.gap), r.angle))
+    refused = [*flat.rejected, *curved.rejected, *unknown_contacts(search.unknown)]
+    rejected = sorted(refused, key=lambda r: (abs(r.gap), r.angle))
     given, own = _given(assembly)
     patches = Patches.join([flat.patches, touching.curved.patches, near.patches, given])
     rims = rim_contacts(search.geometry, flat.patches)

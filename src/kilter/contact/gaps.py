@@ -42,6 +42,7 @@ __all__ = [
     "PENETRATES",
     "THIN",
     "TILTED",
+    "UNKNOWN",
     "GapLimits",
     "Rejected",
     "Tolerance",
@@ -125,6 +126,7 @@ APART = "gap above the tolerance"
 PENETRATES = "penetrates by more than the gap tolerance"
 TILTED = "tilted by more than the angle tolerance"
 THIN = "thinner than twice the gap tolerance"
+UNKNOWN = "the surface of one of them is not known there"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

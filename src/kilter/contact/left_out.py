@@ -20,12 +20,25 @@ SAME_BODY = "are the same body twice"
 
 @dataclass(frozen=True, slots=True)
 class Overlap:
-    """Two parts that share volume: `volume` (None where it was not computed), `depth`."""
+    """Two parts that share volume.
+
+    Attributes
+    ----------
+    parts : pair of int
+    volume : float or None
+        Of their triangles [length unit^3]; None where the triangles of one bound no body.
+    depth : float
+        How deep they enter each other [length unit].
+    why : str
+    share : float or None
+        The volume over that of the smaller part [-].
+    """
 
     parts: tuple[int, int]
     volume: float | None
     depth: float
     why: str
+    share: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

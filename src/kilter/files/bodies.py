@@ -12,6 +12,7 @@ import numpy as np
 
 from kilter.arrays import Array, Index, Mask, connected
 from kilter.files.file_tolerances import SAME_ANGLE
+from kilter.shape.closed import contains
 from kilter.shape.primitives import Mesh
 
 __all__ = ["split_bodies"]
@@ -139,7 +140,7 @@ def _with_holes(places: Array, faces: Index, label: Index) -> Index:
         if sign * volume[k] >= 0:
             continue
         point = places[shell[0, 0]]
-        around = (b for b in bodies if _contains(places, shells[b], point))
+        around = (b for b in bodies if contains(places, shells[b], point))
         label[label == k] = next(around, k)
     return label
 
@@ -147,12 +148,3 @@ def _with_holes(places: Array, faces: Index, label: Index) -> Index:
 def _volume(places: Array, faces: Index) -> float:
     p, q, r = (places[faces[:, k]] - places[faces[0, 0]] for k in range(3))
     return float(np.einsum("ij,ij->", p, np.cross(q, r)) / 6)
-
-
-def _contains(places: Array, faces: Index, point: Array) -> bool:
-    """The point is inside the closed shell: its solid angle is not zero."""
-    p, q, r = (places[faces[:, k]] - point for k in range(3))
-    a, b, c = (np.linalg.norm(x, axis=1) for x in (p, q, r))
-    top = np.einsum("ij,ij->i", p, np.cross(q, r))
-    low = a * b * c + (p * q).sum(1) * c + (q * r).sum(1) * a + (r * p).sum(1) * b
-    return bool(abs(np.arctan2(top, low).sum()) > np.pi)

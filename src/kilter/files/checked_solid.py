@@ -19,10 +19,12 @@ def checked(solid: Solid) -> Solid:
     Raises
     ------
     InputError
-        If its triangles are not closed, or enclose another volume than it states: by more
-        than their distance from the faces accounts for.
+        If its triangles are not closed and it states no holes, or they enclose another volume
+        than it states: by more than their distance from the faces accounts for.
     """
     vertices, triangles = solid.vertices, solid.triangles
+    if len(solid.holes) and len(triangles):
+        return solid
     if not len(triangles) or len(open_edges(vertices, triangles)):
         raise InputError("the faces of the solid do not close", hint="heal it where it was made")
     p, q, r = (vertices[triangles[:, k]] for k in range(3))

@@ -299,7 +299,8 @@ def _shape_dict(shape: Shape) -> dict[str, Any]:
 
 
 def _solid_dict(solid: Solid) -> dict[str, Any]:
-    entries = _given(**{name: getattr(solid, name) for name in Solid.__slots__})
+    sound = () if len(solid.holes) or solid.stand_in else ("holes", "stand_in")
+    entries = _given(**{n: getattr(solid, n) for n in Solid.__slots__ if n not in sound})
     entries["surfaces"] = [
         _given(**{name: getattr(surface, name) for name in Surface.__slots__})
         for surface in solid.surfaces

@@ -82,6 +82,10 @@ class SolidEntry(_Entry):
     )
     sagitta: NotNegative = Field(0.0, description="greatest distance of a triangle from its face")
     accuracy: NotNegative = Field(0.0, description="of a coordinate [length unit]")
+    holes: list[Annotated[list[Vector], Field(min_length=2, max_length=2)]] = Field(
+        [], description="boxes in which faces are missing: lower and upper corner"
+    )
+    stand_in: Flag = Field(False, description="the triangles bound it, its faces are not known")
 
 
 class CylinderEntry(_Entry):

@@ -17,7 +17,7 @@ it, moves).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import csc_array, diags_array, eye_array, hstack, vstack
@@ -29,6 +29,7 @@ from kilter.solvers.problem import ConicProgram
 
 __all__ = [
     "Spread",
+    "angles_across",
     "gathered",
     "largest_load",
     "least_forces",
@@ -68,6 +69,13 @@ class Spread:
             part = values[count + k * rough : count + (k + 1) * rough]
             friction[self.rough] += part[:, None] * self.directions[:, k]
         return values[:count], friction
+
+    def turned(self, down: Array) -> Spread:
+        """The same with gravity, at its size, along `down`, shape (3,)."""
+        program, wide = self.program.turned(down), self.problem.program.turned(down)
+        right = self.problem.scaled_load(program.load)
+        problem = replace(self.problem, program=wide, right=right)
+        return replace(self, program=program, problem=problem)
 
     def cone_rows(self) -> tuple[csc_array, int, Index]:
         """G with G f in nonnegative numbers, then second-order cones; how many, of what size."""
@@ -192,7 +200,9 @@ def least_forces(wide: Spread) -> ConicProgram:
     )  # fmt: skip
 
 
-def pyramid(program: Program, sides: int, *, outer: bool = False) -> Program:
+def pyramid(
+    program: Program, sides: int = 8, *, outer: bool = False, angles: Array | None = None
+) -> Program:
     """The program with every cone of friction replaced by rays, one row a ray.
 
     Parameters
@@ -201,6 +211,9 @@ def pyramid(program: Program, sides: int, *, outer: bool = False) -> Program:
         Rays of each pyramid; a planar cone has two, whatever is asked for.
     outer : bool
         The sides of the pyramid touch the cone, else its rays lie on it.
+    angles : ndarray, shape (R, n), optional
+        Where rays lie on each cone, or sides touch it, in place of even `sides`: from the
+        first direction across the contact to the second [rad]. No gap may be a half turn.
 
     Notes
     -----
@@ -213,20 +226,42 @@ def pyramid(program: Program, sides: int, *, outer: bool = False) -> Program:
     directions = _directions(program, rough)
     if program.planar:
         around = np.stack([directions[:, 0], -directions[:, 0]], axis=1)
-        stretch = 1.0
     else:
-        angle = 2 * np.pi * np.arange(sides) / sides
-        around = (
-            np.cos(angle)[None, :, None] * directions[:, :1]
-            + np.sin(angle)[None, :, None] * directions[:, 1:]
+        if angles is None:
+            angles = np.tile(2 * np.pi * np.arange(sides) / sides, (len(rough), 1))
+        angle, stretch = _between_sides(angles) if outer else (angles, np.ones(angles.shape))
+        around = stretch[:, :, None] * (
+            np.cos(angle)[:, :, None] * directions[:, :1]
+            + np.sin(angle)[:, :, None] * directions[:, 1:]
         )
-        stretch = 1.0 / np.cos(np.pi / sides) if outer else 1.0
-    rays = program.normal[rough][:, None] + stretch * program.mu[rough][:, None, None] * around
+    rays = program.normal[rough][:, None] + program.mu[rough][:, None, None] * around
     rays = rays / np.linalg.norm(rays, axis=2)[:, :, None]
     smooth = np.flatnonzero(program.mu <= 0)
     rows = np.concatenate([smooth, np.repeat(rough, rays.shape[1])])
     normal = np.concatenate([program.normal[smooth], rays.reshape(-1, 3)])
     return program.taking(rows).with_rows(normal=normal, mu=np.zeros(len(rows)))
+
+
+def _between_sides(angles: Array) -> tuple[Array, Array]:
+    """Angles [rad] at which neighbouring sides that touch a circle meet, and how far out."""
+    first = np.sort(angles % (2 * np.pi), axis=1)
+    half = (np.roll(first, -1, axis=1) - first) % (2 * np.pi) / 2
+    return first + half, 1.0 / np.cos(half)
+
+
+def angles_across(program: Program, across: Array) -> Array:
+    """Angles of vectors across the rough contacts as `pyramid` counts them, shape (R,) [rad].
+
+    Parameters
+    ----------
+    across : ndarray, shape (K, 3)
+        Such as forces of friction, or slips; 0 for a vector of length 0.
+    """
+    rough = program.rough
+    directions = _directions(program, rough)
+    along = np.einsum("ij,ikj->ik", across[rough], directions)
+    angles: Array = np.arctan2(along[:, 1], along[:, 0])
+    return angles
 
 
 def gathered(program: Program, rays: Program, forces: Array) -> tuple[Array, Array]:

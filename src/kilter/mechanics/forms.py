@@ -7,6 +7,7 @@ hand side: a new direction keeps a factorised basis.
 
     equilibrium        find f:  A f = b,  f >= 0                       A = S J^T,  b = -S w
     load factor        max lambda:  A f - lambda b = 0, 0 <= lambda <= 1       is 0 or 1
+    largest share      max t:  A f - t d = b,  t <= T,  f >= 0
     least imbalance    min t:  -t <= A f - b <= t, f >= 0
     displacement       LP (9) of the paper, as published, in the units of the file
     impending motion   min 1/2 (a - M^-1 w)^T M (a - M^-1 w),  J a >= 0        Gauss
@@ -32,6 +33,7 @@ __all__ = [
     "displacement",
     "equilibrium",
     "impending_motion",
+    "largest_share",
     "least_imbalance",
     "load_factor",
     "scaled",
@@ -153,6 +155,21 @@ def load_factor(problem: Scaled) -> LinearProgram:
     cost = np.concatenate([np.zeros(count), [-1.0]])
     zero = np.zeros(len(problem.right))
     return LinearProgram(cost, matrix, zero, zero, np.append(lower, 0.0), np.append(upper, 1.0))
+
+
+def largest_share(problem: Scaled, wrench: Array, most: float) -> LinearProgram:
+    """The largest share t, up to `most`, of further wrenches that rows hold. x = (f, t).
+
+    Minus the multipliers of its rows are the motion that starts at the limit.
+    """
+    lower, upper = _force_bounds(problem.program)
+    along = problem.scaled_load(wrench)
+    matrix = hstack([problem.matrix, csc_array(-along[:, None])], format="csc")
+    cost = np.append(np.zeros(len(lower)), -1.0)
+    right = problem.right
+    return LinearProgram(
+        cost, matrix, right, right, np.append(lower, -np.inf), np.append(upper, most)
+    )
 
 
 def least_imbalance(problem: Scaled) -> LinearProgram:

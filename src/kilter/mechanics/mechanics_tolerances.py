@@ -28,6 +28,8 @@ __all__ = [
     "MIRROR_ROWS",
     "NORMAL_ANGLE",
     "NO_EXCUSE",
+    "OPENS_FAR",
+    "OPENS_MORE",
     "RULED_OUT",
     "STILL",
     "TOLERANCE",
@@ -47,6 +49,10 @@ RULED_OUT = 1e6
 """Contact forces, over the weight, that a motion must rule out."""
 COARSE_POWER = 0.25
 """Fraction of the tolerance of coarse data that the power of a motion must exceed."""
+OPENS_FAR = 1e6
+"""A motion that opens every contact moves no part farther than this over its least opening."""
+OPENS_MORE = 1e-3
+"""Such a motion is added by this much more than what it is to mend."""
 NO_EXCUSE = 0.01
 """Imbalance over the weight of a part that no contact force excuses."""
 STILL = 1e-6

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from kilter.arrays import Array, Index, Mask, connected
 from kilter.shape.shape_tolerances import EDGE_END, NO_AREA, WELD
 
-__all__ = ["open_edges", "shared_edges", "welded", "wound_both_ways"]
+__all__ = ["contains", "open_edges", "shared_edges", "turned_alike", "welded", "wound_both_ways"]
 
 
 def welded(
@@ -85,6 +85,78 @@ def wound_both_ways(triangles: Index) -> bool:
     edges = np.sort(_edges(triangles), axis=1)
     _, inverse = _distinct_rows(edges)
     return bool((np.bincount(inverse) % 2 == 0).all())
+
+
+def turned_alike(vertices: Array, triangles: Index) -> tuple[Index, int]:
+    """The triangles with those turned that were wound against their neighbours, and how many.
+
+    Two triangles that meet at an edge of no other are wound alike where they run along it in
+    opposite senses. What hangs together so is turned to have its outside outside, inside of
+    another such surface (a hole) the other way; where one surface cannot be wound alike (a
+    Moebius strip), nothing is turned.
+
+    Examples
+    --------
+    >>> from kilter.shape.primitives import Box, surface
+    >>> vertices, faces = surface(Box([1, 1, 1]))
+    >>> mixed = faces.copy()
+    >>> mixed[[2, 5]] = mixed[[2, 5], ::-1]
+    >>> turned_alike(vertices, mixed)[1], np.array_equal(turned_alike(vertices, mixed)[0], faces)
+    (2, True)
+    """
+    label = _two_sided(triangles)
+    count = len(triangles)
+    if label is None:
+        return triangles, 0
+    mirror = label[count:] < label[:count]  # it and the first triangle of its surface disagree
+    surface = np.minimum(label[:count], label[count:])
+    turned = np.where(mirror[:, None], triangles[:, ::-1], triangles)
+    for k in np.unique(surface[mirror]).tolist():
+        mine = surface == k
+        point = vertices[turned[mine][0, 0]]
+        others = np.unique(surface[~mine]).tolist()
+        depth = sum(contains(vertices, turned[surface == other], point) for other in others)
+        if (_signed_volume(vertices, turned[mine]) < 0) != bool(depth % 2):
+            turned[mine] = turned[mine][:, ::-1]
+    return turned, int((turned != triangles).any(axis=1).sum())
+
+
+def contains(vertices: Array, triangles: Index, point: Array) -> bool:
+    """The point is inside the closed shell: its solid angle is not zero."""
+    p, q, r = (vertices[triangles[:, k]] - point for k in range(3))
+    a, b, c = (np.linalg.norm(x, axis=1) for x in (p, q, r))
+    top = np.einsum("ij,ij->i", p, np.cross(q, r))
+    low = a * b * c + (p * q).sum(1) * c + (q * r).sum(1) * a + (r * p).sum(1) * b
+    return bool(abs(np.arctan2(top, low).sum()) > np.pi)
+
+
+def _two_sided(triangles: Index) -> Index | None:
+    """Number of the surface of each triangle, and of each triangle turned, shape (2 T,).
+
+    None where some triangle lies on one surface with its own mirror image.
+    """
+    count = len(triangles)
+    following = triangles[:, [1, 2, 0]]
+    low, high = np.minimum(triangles, following).ravel(), np.maximum(triangles, following).ravel()
+    key = low * (int(high.max()) + 1) + high
+    order = np.argsort(key, kind="stable")
+    first = np.flatnonzero(np.concatenate([[True], np.diff(key[order]) != 0]))
+    pairs = first[np.diff(np.append(first, len(order))) == 2]
+    one, other = order[pairs], order[pairs + 1]
+    forward = (triangles <= following).ravel()
+    against = (forward[one] == forward[other]).astype(np.int64)  # one of the two is to be turned
+    f, g = one // 3, other // 3
+    label = connected(
+        2 * count,
+        np.concatenate([f, f + count]),
+        np.concatenate([g + count * against, g + count * (1 - against)]),
+    )
+    return None if (label[:count] == label[count:]).any() else label
+
+
+def _signed_volume(vertices: Array, triangles: Index) -> float:
+    p, q, r = (vertices[triangles[:, k]] - vertices[triangles[0, 0]] for k in range(3))
+    return float(np.einsum("ij,ij->", p, np.cross(q, r)) / 6)
 
 
 def _edges(triangles: Index) -> Index:

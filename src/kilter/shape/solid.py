@@ -90,6 +90,10 @@ class Solid:
         The greatest distance of a triangle from its face [length unit].
     accuracy : float
         How far a coordinate may be from the truth [length unit].
+    holes : array_like, shape (h, 2, 3)
+        Boxes, lower and upper corner, in which faces are missing; none of a sound solid.
+    stand_in : bool
+        The triangles are not its faces but bound it: nothing of its surface is known.
 
     Raises
     ------
@@ -106,9 +110,14 @@ class Solid:
     second_moment: Any
     sagitta: float = 0.0
     accuracy: float = 0.0
+    holes: Any = ()
+    stand_in: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "vertices", frozen(self.vertices, (-1, 3)))
+        holes = np.array(self.holes, dtype=np.float64).reshape(-1, 2, 3)
+        holes.flags.writeable = False
+        object.__setattr__(self, "holes", holes)
         for name, shape in (("triangles", (-1, 3)), ("triangle_surface", (-1,))):
             array = np.array(getattr(self, name), dtype=np.int64).reshape(shape)
             array.flags.writeable = False
@@ -213,7 +222,14 @@ def moved_solid(solid: Solid, pose: Pose) -> Solid:
         centroid=pose.apply(solid.centroid[None])[0],
         second_moment=turn @ solid.second_moment @ turn.T,
         accuracy=max(solid.accuracy, largest * 2.0**-52),
+        holes=_moved_boxes(solid.holes, turn, pose.position),
     )
+
+
+def _moved_boxes(boxes: Array, turn: Array, step: Array) -> Array:
+    """Boxes, shape (n, 2, 3), around boxes after a turn and a step."""
+    middle, half = boxes.mean(axis=1) @ turn.T + step, np.ptp(boxes, axis=1) / 2 @ np.abs(turn).T
+    return np.stack([middle - half, middle + half], axis=1)
 
 
 def scaled_solid(solid: Solid, factor: float) -> Solid:
@@ -233,4 +249,5 @@ def scaled_solid(solid: Solid, factor: float) -> Solid:
         second_moment=solid.second_moment * factor**5,
         sagitta=solid.sagitta * factor,
         accuracy=solid.accuracy * factor,
+        holes=solid.holes * factor,
     )

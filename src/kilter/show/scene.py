@@ -47,6 +47,7 @@ def build_scene(answers: Everything) -> dict[str, Any]:
         "shapes": _shapes(answers),
         "parts": _parts(answers, center, names),
         "patches": _patches(answers, center),
+        "open": _open_pairs(answers, center),
         "given": _orientation(answers, answers.given, center),
         "recommended": None if recommended is None else _orientation(answers, recommended, center),
         "region": _region(answers),
@@ -119,6 +120,16 @@ def _patches(answers: Everything, center: Array) -> dict[str, Any]:
         "kinds": [str(word) for word in kinds],
         "kind": pack(kind, "index"),
     }
+
+
+def _open_pairs(answers: Everything, center: Array) -> dict[str, Any]:
+    """Where the open pairs are: in the middle of what their boxes share, or between them."""
+    geometry = answers.assembly.geometry
+    parts = np.array([one.parts for one in answers.contacts.open_pairs], dtype=np.int64)
+    low, high = geometry.part_boxes
+    a, b = parts.reshape(-1, 2).T
+    middle = (np.maximum(low[a], low[b]) + np.minimum(high[a], high[b])) / 2
+    return {"parts": pack(parts.reshape(-1, 2), "index"), "at": pack(middle - center)}
 
 
 def _orientation(answers: Everything, one: Answered, center: Array) -> dict[str, Any]:

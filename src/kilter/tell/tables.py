@@ -109,9 +109,10 @@ def region_sentence(kind: str, *, friction: bool) -> str:
 
 def _region_sentence(answer: Answer) -> str:
     head = region_sentence(answer["kind"], friction=answer["friction"])
+    inner = f"{head[0].lower()}{head[1:]}"
     if answer["friction"]:
-        return f"{HELD} {head}"
-    return head if answer["complete"] else f"{LEFT_OUT} {head[0].lower()}{head[1:]}"
+        return f"{HELD} {inner}"
+    return head if answer["complete"] else f"{LEFT_OUT} {inner}"
 
 
 def tables(answer: Answer) -> list[Table]:

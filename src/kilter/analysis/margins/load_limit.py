@@ -2,7 +2,8 @@
 
     max t:  J^T f + w + t d = 0,  f in Coulomb's cones
 
-One conic program; its multipliers are the motion that starts at the limit. This is the
+One conic program; its multipliers are the motion that starts at the limit. Where it stops
+short of a proof, linear programs in fitted pyramids take over (`limit_sides`). This is the
 associative limit: equilibrium forces exist up to it. Above it nothing holds. Below it what
 holds is subject to what friction guarantees (`kilter.friction.answer`).
 
@@ -21,22 +22,27 @@ from typing import Any, Literal
 
 import numpy as np
 
+from kilter.analysis.margins.limit_sides import (
+    LimitSides,
+    beyond_at,
+    held_at,
+    limit_sides,
+    motion_share,
+    slips_of,
+)
 from kilter.analysis.turning_tolerances import (
-    BEYOND_LIMIT,
-    LIMIT_TOLERANCES,
+    CONIC_SHARP,
     MOVES,
+    NEARLY,
+    SIDES_APART,
     UNLIMITED,
 )
 from kilter.arrays import Array
-from kilter.mechanics.certificate import (
-    ForceProof,
-    MotionProof,
-    check_forces,
-    check_motion,
-    part_sizes,
-)
+from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
 from kilter.mechanics.coulomb_cones import Spread, largest_load, spread
+from kilter.mechanics.opening import Opening, find_opening
 from kilter.mechanics.program import Program
+from kilter.solvers.solver_tolerances import CONIC
 
 __all__ = [
     "Limit",
@@ -63,10 +69,10 @@ class Limit:
     forces : ForceProof
         Forces at the limit.
     mechanism : MotionProof or None
-        The motion that starts there; None where unlimited.
+        The motion that starts there; None where unlimited, or where none was found.
     gap : float
-        Relative distance between a share that is proved to be held and one that is proved
-        not to be; infinite where one of the proofs is missing.
+        Distance from `value`, which is proved to be held, to a share that is proved not to
+        be, over 1 and the value; infinite where that proof is missing.
     """
 
     value: float
@@ -124,7 +130,12 @@ def with_more(program: Program, wrench: Array, share: float) -> Program:
 
 
 def find_limit(
-    program: Program, wrench: Array, *, wide: Spread | None = None, most: float = UNLIMITED
+    program: Program,
+    wrench: Array,
+    *,
+    wide: Spread | None = None,
+    opening: Opening | None = None,
+    most: float = UNLIMITED,
 ) -> Limit | NoLimit:
     """The largest share of further wrenches that contacts can hold.
 
@@ -139,6 +150,8 @@ def find_limit(
         Force [N] and torque about the centre of mass [N x length unit] on each part.
     wide : Spread, optional
         ``spread(program)``, where it is at hand.
+    opening : Opening, optional
+        ``find_opening(wide)``, where it is at hand.
     most : float
         Shares looked at.
 
@@ -155,44 +168,56 @@ def find_limit(
     0.5
     """
     wide = wide or spread(program)
-    best: Limit | NoLimit = NoLimit("failed")
-    for tolerance in LIMIT_TOLERANCES:
-        found = _limit_at(program, wide, wrench, most, tolerance)
-        if isinstance(found, NoLimit):
-            if found.why == "none" and isinstance(best, NoLimit):
-                return found
-            continue
-        if isinstance(best, NoLimit) or found.gap < best.gap:
-            best = found
-        if found.gap < np.inf:
-            break
-    return best
+    opening = opening or find_opening(wide)
+    conic = _in_cones(program, wide, opening, wrench, most)
+    if conic.sides.closed or conic.sides.none:
+        return _limit(conic.sides, most)
+    sides = conic.sides.better(limit_sides(program, wrench, most, conic.across))
+    if not sides.none and sides.gap > SIDES_APART:
+        sharp = _in_cones(program, wide, opening, wrench, most, CONIC_SHARP).sides
+        sides = sides.better(sharp)
+    return _limit(sides, most)
 
 
-def _limit_at(
-    program: Program, wide: Spread, wrench: Array, most: float, tolerance: float
-) -> Limit | NoLimit:
-    """The limit that the solver finds at one tolerance, judged."""
+@dataclass(frozen=True, slots=True, eq=False)
+class _Conic:
+    """What the conic program proves, and where friction points in its solution."""
+
+    sides: LimitSides
+    across: list[Array]
+
+
+def _in_cones(
+    program: Program,
+    wide: Spread,
+    opening: Opening,
+    wrench: Array,
+    most: float,
+    tolerance: float = CONIC,
+) -> _Conic:
+    """Both sides as one conic program has them."""
     from kilter.solvers.clarabel import solve_conic
 
-    problem = wide.problem
     answer = solve_conic(largest_load(wide, wrench, most), tolerance=tolerance)
     if not answer.found:
-        return NoLimit("none" if answer.proves_none else "failed")
+        return _Conic(LimitSides(none=answer.proves_none), [])
     value = float(answer.x[-1])
-    at_limit = with_more(program, wrench, value)
-    forces = check_forces(at_limit, *wide.decoded(answer.x[:-1]))
-    if not forces.holds:
-        return NoLimit("failed")
-    if value >= most * (1 - BEYOND_LIMIT[-1]):
-        return Limit(np.inf, forces, None, 0.0)
-    multipliers = answer.multipliers[: len(problem.right)]
-    motion = problem.motion(problem.over_weight(multipliers))
-    beyond, gap = check_motion(at_limit, motion), np.inf
-    for step in BEYOND_LIMIT:
-        share = value + step * max(abs(value), 1.0)
-        beyond = check_motion(with_more(program, wrench, share), motion)
-        if beyond.holds:
-            gap = step
-            break
-    return Limit(value, forces, beyond, gap)
+    along, aside = wide.decoded(answer.x[:-1])
+    sides = held_at(program, wrench, value, along, aside)
+    if value >= most * (1 - NEARLY):
+        return _Conic(sides, [aside])
+    problem = wide.problem
+    motion = problem.motion(problem.over_weight(answer.multipliers[: len(problem.right)]))
+    across = [aside, -slips_of(program, motion)]
+    motion = opening.mended(motion)
+    start = motion_share(program, wrench, motion)
+    return _Conic(sides.better(beyond_at(program, wrench, start, motion)), across)
+
+
+def _limit(sides: LimitSides, most: float) -> Limit | NoLimit:
+    """The limit between both sides."""
+    if sides.forces is None:
+        return NoLimit("none" if sides.none else "failed")
+    if sides.held >= most * (1 - NEARLY):
+        return Limit(np.inf, sides.forces, None, 0.0)
+    return Limit(sides.held, sides.forces, sides.motion, sides.gap)

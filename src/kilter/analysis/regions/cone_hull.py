@@ -11,6 +11,7 @@ the cone is as thin as that plane.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -106,7 +107,8 @@ def cone_around(rays: Array, blur: float) -> Cone:
         turn = np.linalg.svd(normals[flat[:1]])[2]
         basis = np.vstack([np.roll(turn, -1, axis=0) @ basis[:rank], basis[rank:]])
         rank -= 1
-    return make_cone(basis[rank:], normals @ basis[:rank], rays, blur)
+    cone = make_cone(basis[rank:], normals @ basis[:rank], rays, blur)
+    return replace(cone, strict=True)
 
 
 def facets_of(points: Array, blur: float) -> tuple[Array, Mask]:

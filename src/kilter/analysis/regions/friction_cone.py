@@ -40,23 +40,25 @@ from dataclasses import replace
 import numpy as np
 
 from kilter.analysis.judge import judge
-from kilter.analysis.margins.load_limit import gravity_wrench
+from kilter.analysis.margins.load_limit import NoLimit, find_limit, gravity_wrench
 from kilter.analysis.regions.cone_hull import cone_around, edges_of, extreme_rays
 from kilter.analysis.regions.stable_cone import Proof, StableCone, stable_cone
 from kilter.analysis.turning_tolerances import (
     BEYOND_FACET,
     CONIC_SHARP,
-    FARTHER_BEYOND,
     GAP_DEG,
+    NO_DIRECTION,
     NO_PROJECTION,
+    ON_PLANE,
     PULLED_IN,
     RAY_BLUR,
     SAME_RAY,
 )
 from kilter.arrays import Array
 from kilter.errors import InputError
-from kilter.mechanics.certificate import ForceProof, check_forces, check_motion
+from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
 from kilter.mechanics.coulomb_cones import Spread, gathered, nearest_load, pyramid, spread
+from kilter.mechanics.opening import find_opening
 from kilter.mechanics.program import Program
 from kilter.validate import frozen
 
@@ -135,6 +137,7 @@ class _Cutting:
     def __init__(self, program: Program, progress: Callable[[str], None] | None) -> None:
         self.program, self.progress = program, progress
         self.wide: Spread = spread(program)
+        self.opening = find_opening(self.wide)
         self.axes = np.array([gravity_wrench(program, axis) for axis in np.eye(3)])
         self.rays: list[Proof] = []
         self.facets: list[Proof] = []
@@ -183,7 +186,7 @@ class _Cutting:
             self.progress(f"directions that are held: conic program {self.programs}")
         answer = solve_conic(nearest_load(self.wide, self.axes, direction), tolerance=CONIC_SHARP)
         if not answer.found:
-            return np.pi, None
+            return self._from_within(direction, np.pi)
         nearest = answer.x[-3:]
         size = float(np.linalg.norm(nearest))
         angle = np.pi / 2
@@ -194,7 +197,8 @@ class _Cutting:
             return angle, None
         rows = len(self.wide.problem.right)
         motion = self.wide.problem.motion(self.wide.problem.over_weight(answer.multipliers[:rows]))
-        return angle, self._facet(nearest, motion)
+        facet = self._facet(direction, nearest, self.opening.mended(motion))
+        return self._from_within(direction, angle) if facet is None else (angle, facet)
 
     def _ray(self, down: Array, forces: tuple[Array, Array]) -> Array | None:
         """The ray, moved inwards until forces prove it; None where they do not."""
@@ -212,39 +216,60 @@ class _Cutting:
                 return moved
         return None
 
-    def _facet(self, base: Array, motion: Array) -> Proof | None:
-        """Outward normal of the facet of a motion, and the motion as a proof just beyond it."""
-        program = self.program
-        normal = (program.mass * program.free) @ motion[:, :3]
-        size = float(np.linalg.norm(normal))
-        if size == 0.0:
-            return None
-        normal = normal / size
+    def _facet(self, direction: Array, base: Array, motion: Array) -> Proof | None:
+        """The facet of a motion that cuts a direction off, with a proof just beyond it."""
+        normal = self._normal(motion)
         length = float(np.linalg.norm(base))
         on = base / length if length > NO_PROJECTION else np.zeros(3)
         on = on - (on @ normal) * normal
-        for angle in BEYOND_FACET:
-            down = np.cos(angle) * on + np.sin(angle) * normal if on.any() else normal
-            proof = check_motion(program.turned(down), motion)
-            if proof.holds:
-                self.slack = max(self.slack, angle if on.any() else 0.0)
-                return Proof("facet", -normal + 0.0, down, proof)
-        return self._facet_anew(on, normal)
-
-    def _facet_anew(self, on: Array, normal: Array) -> Proof | None:
-        """The facet of a motion that proves a direction a little farther out."""
-        program = self.program
-        for angle in FARTHER_BEYOND:
-            down = np.cos(angle) * on + np.sin(angle) * normal if on.any() else normal
-            proof = judge(program.turned(down)).motion
-            if proof is None or not proof.holds:
-                continue
-            other = (program.mass * program.free) @ proof.motion[:, :3]
-            other = other / float(np.linalg.norm(other))
-            beyond = float(np.arcsin(min(float(other @ down), 1.0)))
-            self.slack = max(self.slack, beyond if on.any() else 0.0)
-            return Proof("facet", -other + 0.0, down, proof)
+        if normal @ direction > ON_PLANE:
+            for angle in BEYOND_FACET:
+                down = np.cos(angle) * on + np.sin(angle) * normal if on.any() else normal
+                proof = check_motion(self.program.turned(down), motion)
+                if proof.holds:
+                    self.slack = max(self.slack, angle if on.any() else 0.0)
+                    return Proof("facet", -normal + 0.0, down, proof)
         return None
+
+    def _from_within(self, direction: Array, angle: float) -> tuple[float, Proof | None]:
+        """What `_project` finds, on the way from the rays that are known to the direction."""
+        middle: Array = np.sum([ray.vector for ray in self.rays], axis=0)
+        length = float(np.linalg.norm(middle)) if self.rays else 0.0
+        if length < NO_DIRECTION:
+            judged = judge(self.program.turned(direction))
+            if judged.stable and judged.forces is not None:
+                self.rays.append(Proof("ray", direction, direction, judged.forces))
+                return 0.0, None
+            return angle, self._proved(judged.motion, direction, direction)
+        start = middle / length
+        wide, way = self.wide.turned(start), gravity_wrench(self.program, direction - start)
+        limit = find_limit(wide.program, way, wide=wide, opening=self.opening, most=1.0)
+        if isinstance(limit, NoLimit):
+            return angle, None
+        share = min(limit.value, 1.0)
+        there = start + share * (direction - start)
+        ray = self._ray(there / float(np.linalg.norm(there)), _scaled(limit.forces, there))
+        angle = angle if ray is None else min(angle, _between(direction, ray))
+        beyond = start + (share + limit.gap) * (direction - start)
+        return angle, self._proved(limit.mechanism, beyond, direction)
+
+    def _proved(self, motion: MotionProof | None, down: Array, direction: Array) -> Proof | None:
+        """The facet of a motion that is proved for `down`, if it cuts `direction` off."""
+        if motion is None or not np.isfinite(down).all():
+            return None
+        down = down / float(np.linalg.norm(down))
+        proof = check_motion(self.program.turned(down), motion.motion)
+        normal = self._normal(motion.motion)
+        if not proof.holds or normal @ direction <= ON_PLANE:
+            return None
+        self.slack = max(self.slack, float(np.arcsin(min(float(normal @ down), 1.0))))
+        return Proof("facet", -normal + 0.0, down, proof)
+
+    def _normal(self, motion: Array) -> Array:
+        """Outward normal of the facet of a motion: the sum of mass times step, unit; or 0."""
+        normal: Array = (self.program.mass * self.program.free) @ motion[:, :3]
+        size = float(np.linalg.norm(normal))
+        return normal / size if size > 0.0 else normal
 
     def _distance(self, direction: Array, rays: Array) -> float:
         """No more than this from the inner cone [rad]."""
@@ -275,6 +300,12 @@ class _Cutting:
             gap=gap,
             slack=self.slack,
         )
+
+
+def _scaled(proof: ForceProof, down: Array) -> tuple[Array, Array]:
+    """Forces for a direction of any length, over that length."""
+    length = float(np.linalg.norm(down))
+    return proof.forces / length, proof.friction / length
 
 
 def _between(one: Array, other: Array) -> float:

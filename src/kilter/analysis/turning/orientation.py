@@ -292,7 +292,7 @@ def _tilt_margin_deg(program: Program, every: Region, down: Array) -> float:
         return 0.0
     if not len(every.cone.facets):
         return 180.0
-    return float(np.degrees(np.arcsin(np.clip((every.cone.facets @ down).min(), 0.0, 1.0))))
+    return float(np.degrees(every.cone.depth(down)))
 
 
 def _not_found(

@@ -106,7 +106,7 @@ def _surface_boxes(search: ContactSearch) -> tuple[Array, Array, Mask]:
     low = np.full((len(surfaces), 3), np.inf)
     high = -low
     some = np.diff(surfaces.triangle_start) > 0
-    points = geometry.vertices[geometry.triangles[surfaces.triangle]] @ search.boxes.frame.T
+    points = search.boxes.turned[geometry.triangles[surfaces.triangle]]
     first = surfaces.triangle_start[:-1][some]
     if len(first):
         low[some] = np.minimum.reduceat(points.min(axis=1), first)

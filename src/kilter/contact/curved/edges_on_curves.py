@@ -54,10 +54,10 @@ def edges_on_faces(
         np.maximum(boxes.part_low[a], boxes.part_low[b]) - margin,
         np.minimum(boxes.part_high[a], boxes.part_high[b]) + margin,
     )
-    owner_e, edge = edges.inside(geometry, boxes, b, box)
+    owner_e, edge = edges.inside(boxes, b, box)
     sharp = _sharp(geometry, facets, edges, edge)
     owner_e, edge = owner_e[sharp], edge[sharp]
-    box_e = edges.boxes(geometry, boxes.frame, edge)
+    box_e = edges.boxes(boxes, edge)
     found = [(np.empty(0, np.int64), np.empty((0, 3)), np.empty(0, np.int64))]
     for k, x, y in joins(owner, (low, high), owner_e, box_e, margin[:, 0]):
         surface, line = face[x], edge[y]
@@ -80,7 +80,7 @@ def _face_boxes(geometry: Geometry, boxes: Boxes, face: Index) -> tuple[Array, A
     used, place = np.unique(face, return_inverse=True)
     low, high = np.empty((len(used), 3)), np.empty((len(used), 3))
     for k, row in enumerate(used.tolist()):
-        points = geometry.vertices[geometry.triangles[s.triangles_of(row)]] @ boxes.frame.T
+        points = boxes.turned[geometry.triangles[s.triangles_of(row)]]
         low[k] = points.min(axis=(0, 1)) - s.sagitta[row]
         high[k] = points.max(axis=(0, 1)) + s.sagitta[row]
     return low[place], high[place]

@@ -14,16 +14,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, across, cross, ragged, ratio, unit_rows
+from kilter.arrays import Array, Index, Mask, across, ragged
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import CYLINDER, FREE, SPHERE
 from kilter.contact.broad import joins
 from kilter.contact.contact_set import PossibleContacts, Unsupported
-from kilter.contact.contact_tolerances import FREE_PARALLEL
 from kilter.contact.curved.edges_on_curves import edges_on_faces
 from kilter.contact.curved.rims import Force, possible_forces
-from kilter.contact.sharp.edges import Edges, segment_distance
+from kilter.contact.sharp.edges import Edges
 from kilter.contact.touching import Touching, explained
+from kilter.contact.triangle_distance import near_triangles
 
 __all__ = ["RoundContacts", "beside_curved", "no_round_contacts", "round_contacts"]
 
@@ -154,54 +154,5 @@ def _free_touch(
     owners = [np.zeros(len(side), dtype=np.int64) for side in sides]
     found = [np.empty((0, 3))]
     for _, i, j in joins(owners[0], boxes[0], owners[1], boxes[1], np.array([grow])):
-        off, point = _triangles_apart(sides[0][i], sides[1][j])
-        found.append(point[off <= grow])
+        found.append(near_triangles(sides[0][i], sides[1][j], grow))
     return np.concatenate(found)
-
-
-def _triangles_apart(one: Array, other: Array) -> tuple[Array, Array]:
-    """Distance of triangles, shape (n, 3, 3), and a point between them; 0 where they cross."""
-    off, best = np.full(len(one), np.inf), one[:, 0].copy()
-
-    def better(value: Array, point: Array) -> None:
-        use = value < off
-        off[use], best[use] = value[use], point[use]
-
-    for mine, its in ((one, other), (other, one)):
-        normal = unit_rows(cross(its[:, 1] - its[:, 0], its[:, 2] - its[:, 0]))
-        for k in range(3):
-            p, q = mine[:, k], mine[:, (k + 1) % 3]
-            for start, end in ((p, p), (p, q)):
-                height = [np.einsum("ij,ij->i", x - its[:, 0], normal) for x in (start, end)]
-                apart = height[0] - height[1]
-                t = np.where(apart != 0, height[0] / np.where(apart != 0, apart, 1.0), 0.0)
-                crossing = (t >= 0) & (t <= 1)
-                at = start + np.where(crossing, t, 0.0)[:, None] * (end - start)
-                up = np.einsum("ij,ij->i", at - its[:, 0], normal)
-                foot = at - up[:, None] * normal
-                inside = np.ones(len(at), dtype=bool)
-                for m in range(3):
-                    edge = its[:, (m + 1) % 3] - its[:, m]
-                    inside &= np.einsum("ij,ij->i", cross(edge, foot - its[:, m]), normal) >= 0
-                better(np.where(inside, np.abs(up), np.inf), (at + foot) / 2)
-            for m in range(3):
-                start, end = its[:, m], its[:, (m + 1) % 3]
-                better(*_point_edge(p, start, end))
-                sine = np.linalg.norm(cross(q - p, end - start), axis=1)
-                size = np.linalg.norm(q - p, axis=1) * np.linalg.norm(end - start, axis=1)
-                some = np.flatnonzero(sine > FREE_PARALLEL * size)
-                value, point = np.full(len(p), np.inf), p.copy()
-                value[some], here, there = segment_distance(
-                    p[some], q[some], start[some], end[some]
-                )
-                point[some] = (here + there) / 2
-                better(value, point)
-    return off, best
-
-
-def _point_edge(x: Array, start: Array, end: Array) -> tuple[Array, Array]:
-    """Distance of points from edges, and the point half-way."""
-    along = end - start
-    t = ratio(np.einsum("ij,ij->i", x - start, along), (along**2).sum(axis=1))
-    foot = start + np.clip(t, 0, 1)[:, None] * along
-    return np.linalg.norm(x - foot, axis=1), (x + foot) / 2

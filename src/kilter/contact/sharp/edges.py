@@ -61,18 +61,19 @@ class Edges:
         p, q = self.ends(geometry, which)
         return unit_rows(q - p)
 
-    def inside(
-        self, geometry: Geometry, boxes: Boxes, part: Index, box: tuple[Array, Array]
-    ) -> tuple[Index, Index]:
+    def inside(self, boxes: Boxes, part: Index, box: tuple[Array, Array]) -> tuple[Index, Index]:
         """Edges of ``part[k]`` whose box meets box k: pairs (k, edge), ordered by k."""
         owner, edge = ragged(self.start, part)
-        low, high = self.boxes(geometry, boxes.frame, edge)
-        meets = (low <= box[1][owner]).all(axis=1) & (high >= box[0][owner]).all(axis=1)
-        return owner[meets], edge[meets]
+        for axis in range(3):
+            p, q = boxes.turned[:, axis][self.ends_of[edge]].T
+            meets = np.minimum(p, q) <= box[1][owner, axis]
+            meets &= np.maximum(p, q) >= box[0][owner, axis]
+            owner, edge = owner[meets], edge[meets]
+        return owner, edge
 
-    def boxes(self, geometry: Geometry, frame: Array, which: Index) -> tuple[Array, Array]:
-        """Boxes of edges in a frame, lower and upper corners, shape (n, 3) each."""
-        p, q = (end @ frame.T for end in self.ends(geometry, which))
+    def boxes(self, boxes: Boxes, which: Index) -> tuple[Array, Array]:
+        """Boxes of edges, lower and upper corners, shape (n, 3) each."""
+        p, q = boxes.turned[self.ends_of[which]].transpose(1, 0, 2)
         return np.minimum(p, q), np.maximum(p, q)
 
     def behind(

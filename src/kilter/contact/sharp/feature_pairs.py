@@ -104,7 +104,7 @@ class PairBlock:
 
     def edges_near(self, part: Index) -> _Side:
         """Edges of ``part[k]`` in box k that bound a flat facet: pairs (k, edge)."""
-        owner, edge = self.edges.inside(self.geometry, self.boxes, part, (self.low, self.high))
+        owner, edge = self.edges.inside(self.boxes, part, (self.low, self.high))
         flat = ~self.facets.curved[self.edges.facet[edge]].all(axis=1)
         return owner[flat], edge[flat]
 
@@ -120,17 +120,17 @@ class PairBlock:
 
     def turned(self, vertex: Index) -> Array:
         """Vertices in the frame of the boxes."""
-        at: Array = self.geometry.vertices[vertex] @ self.boxes.frame.T
+        at: Array = self.boxes.turned[vertex]
         return at
 
 
 def meetings(block: PairBlock) -> list[Meetings]:
     """Where corners and edges of the pairs of a block meet."""
-    geometry, edges = block.geometry, block.edges
+    edges = block.edges
     a, b = block.search.pairs[block.rows].T
     near = block.edges_near(a), block.edges_near(b)
     corners = [block.corners_near(near[0]), block.corners_near(near[1])]
-    around = [edges.boxes(geometry, block.boxes.frame, edge) for _, edge in near]
+    around = [edges.boxes(block.boxes, edge) for _, edge in near]
     found, free = _corners_on_corners(block, corners[0], corners[1])
     facets = [block.facets_near(b), block.facets_near(a)]
     for side in (0, 1):
@@ -210,7 +210,7 @@ def _corners_on_facets(
     near_facets = near_facets[0][some[near_facets[0]]], near_facets[1][some[near_facets[0]]]
     piece_owner, piece, piece_facet = _triangles_of(facets, near_facets)
     at = block.turned(corner)
-    pieces = geometry.vertices[facets.corners[piece]] @ block.boxes.frame.T
+    pieces = block.boxes.turned[facets.corners[piece]]
     around = pieces.min(axis=1, initial=np.inf), pieces.max(axis=1, initial=-np.inf)
     found = []
     for pair, x, y in joins(owner, (at, at), piece_owner, around, block.tolerance):

@@ -1,0 +1,336 @@
+"""Which way up, and by how much, with friction: are the answers true, and how long do they take?
+
+    python benchmarks/region_census.py arch 300 -o census.jsonl     seeds 0 to 299
+    python benchmarks/region_census.py pile 500 -o census.jsonl     goes on where it was
+    python benchmarks/region_census.py --table census.jsonl
+
+Families: arch, pile, wedge, round (`kilter.scenes.random_turned`). Each assembly is asked for
+region, orientation and margin in a process of its own, which is ended after a minute. Then
+`judge` is asked in random directions, and on either side of the boundary found, of the tilt
+margin and of the least friction; the three margins are compared.
+"""
+
+from __future__ import annotations
+
+import argparse
+import collections
+import json
+import multiprocessing
+import os
+import time
+import traceback
+from typing import Any
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+LIMIT = 60.0
+"""Of each answer [s]; all answers and their recheck may take ten times this."""
+RANDOM, EDGE = 200, 20
+NEAR = 1e-6
+"""How far on either side of a boundary it is asked [rad], and of a least friction [-]."""
+
+
+def work(family: str, seed: int, pipe: Any, directions: int) -> None:
+    """Answer one case, and send what is found on the way."""
+    row: dict[str, Any] = {"family": family, "seed": seed}
+    try:
+        for part in answered(family, seed, directions):
+            row |= part
+            pipe.send(dict(row, cut=True))
+        pipe.send(row)
+    except BaseException as error:
+        last = traceback.extract_tb(error.__traceback__)[-1]
+        where = f"{os.path.basename(last.filename)}:{last.lineno}"
+        pipe.send(dict(row, fault=f"{type(error).__name__}: {error} ({where})"[:300]))
+
+
+def answered(family: str, seed: int, directions: int) -> Any:
+    """Parts of the row of a case, one after another."""
+    import numpy as np
+
+    import kilter
+    from kilter.mechanics.program import build_program
+    from kilter.scenes.random_turned import random_turned
+
+    assembly = random_turned(family, seed)
+    contacts = kilter.contacts(assembly)
+    program = build_program(assembly, contacts)
+    yield {"parts": int(program.free.sum()), "points": len(program.rough)}
+
+    def timed(name: str, ask: Any) -> Any:
+        wall, used = time.perf_counter(), time.process_time()
+        found = ask()
+        times = {
+            f"{name}_s": round(time.perf_counter() - wall, 3),
+            f"{name}_cpu": round(time.process_time() - used, 3),
+        }
+        return found, times
+
+    region, times = timed("region", lambda: kilter.region(assembly, contacts=contacts))
+    yield times | {
+        "kind": region.kind,
+        "gap": region.gap_deg,
+        "proved": region.proved,
+        "programs": region.programs,
+        "words": [w for w in region.warnings if "apart" in w or "proofs" in w],
+    }
+    turned, times = timed("orient", lambda: kilter.orient(assembly, contacts=contacts))
+    yield times | {"orient": turned.verdict, "orient_margin": turned.tilt_margin_deg}
+    margin, times = timed("margin", lambda: kilter.margin(assembly, contacts=contacts))
+    yield times | {
+        "verdict": margin.verdict.verdict,
+        "tilt": margin.tilt_deg,
+        "tilt_lower": None if margin.tilt is None else float(np.degrees(margin.tilt.lower)),
+        "friction": None if margin.friction is None else float(margin.friction.value),
+        "missing": margin.missing,
+    }
+    wall = time.perf_counter()
+    yield rechecked(program, region, margin, turned, directions)
+    yield {"recheck_s": round(time.perf_counter() - wall, 1)}
+
+
+def rechecked(program: Any, region: Any, margin: Any, turned: Any, count: int) -> dict[str, Any]:
+    """What `judge` says against the answers: counts, and every contradiction."""
+    import numpy as np
+
+    from kilter.analysis.judge import judge
+
+    wrong: list[str] = []
+    tally: collections.Counter[str] = collections.Counter()
+    rubs = program if region.friction else program.frictionless
+    slack = max(found.slack for found in region.found)
+
+    def ask(what: str, down: Any, held: bool) -> None:
+        judged = judge(rubs.turned(down)).stable
+        tally["inside" if held else "outside"] += 1
+        if judged is None:
+            tally["open"] += 1
+        elif judged is not held:
+            wrong.append(f"{what} {np.asarray(down).tolist()}: {'not ' * held}held")
+
+    random = np.random.default_rng(program.names.__len__())
+    for down in directions_of(program, region, random, count):
+        inside, outside = side_of(region, down, slack)
+        if inside or outside:
+            ask("direction", down, bool(inside))
+        else:
+            tally["between"] += 1
+    for inner, outer in edges(region, program, random, EDGE):
+        if inner is not None:
+            ask("inner edge", inner, True)
+        if outer is not None:
+            ask("outer edge", outer, False)
+    wrong += margins_wrong(program, margin, turned, region)
+    return {"tally": dict(tally), "wrong": wrong}
+
+
+def directions_of(program: Any, region: Any, random: Any, count: int) -> Any:
+    """Half anywhere, half near the region; in the plane where planar."""
+    import numpy as np
+
+    anywhere = random.normal(size=(count, 3))
+    points = np.array([p.vector for f in region.found for p in f.proofs if p.about == "ray"])
+    if len(points):
+        chosen = points[random.integers(0, len(points), size=count // 2)]
+        anywhere[: count // 2] = (
+            chosen + random.uniform(0, 0.3, (count // 2, 1)) * anywhere[: count // 2]
+        )
+    if program.planar:
+        anywhere[:, 1] = 0.0
+    return anywhere / np.linalg.norm(anywhere, axis=1)[:, None]
+
+
+def side_of(region: Any, down: Any, slack: float) -> tuple[bool, bool]:
+    """Whether a direction is within the inner cone, and beyond the outer one."""
+    import numpy as np
+
+    if region.exact or not len(region.facets):
+        inside = bool(region.contains(down))
+        near = float(region.cone.boundary_angle(down)) < max(10 * region.cone.blur, slack)
+        return inside and not near, not inside and not near
+    inside = bool(region.cone.contains(down, margin=0.0)) and (
+        region.dimension < 3 or bool(region.cone.contains(down, margin=1e-9))
+    )
+    return inside, float((region.facets @ down).min(initial=1.0)) < -np.sin(slack + NEAR)
+
+
+def edges(region: Any, program: Any, random: Any, count: int) -> Any:
+    """Pairs of directions just inside the inner cone and just beyond the outer one."""
+    import numpy as np
+
+    center = region.center
+    if center is None:
+        center = region.rays[0] if len(region.rays) else None
+    if center is None and len(region.lines):
+        center = region.lines[0]
+    if center is None:
+        return
+    slack = max(found.slack for found in region.found)
+    for _ in range(count):
+        aside = random.normal(size=3)
+        if program.planar:
+            aside[1] = 0.0
+        aside = aside - (aside @ center) * center
+        if np.linalg.norm(aside) < 1e-9:
+            continue
+        aside = aside / np.linalg.norm(aside)
+
+        def turned(angle: float, aside: Any = aside) -> Any:
+            return np.cos(angle) * center + np.sin(angle) * aside
+
+        def last(held: Any) -> float:
+            low, high = 0.0, np.pi
+            for _ in range(60):
+                middle = (low + high) / 2
+                low, high = (middle, high) if held(middle) else (low, middle)
+            return low
+
+        inner = last(lambda a: bool(region.cone.contains(turned(a), margin=1e-9)))
+        outer = last(lambda a: not side_of(region, turned(a), slack)[1])
+        yield (
+            turned(inner - NEAR) if inner > NEAR and region.dimension == 3 else None,
+            turned(outer + NEAR) if outer < np.pi - 1e-3 else None,
+        )
+
+
+def margins_wrong(program: Any, margin: Any, turned: Any, region: Any) -> list[str]:
+    """What the margins, the verdicts on either side of them and the region have against another."""
+    import numpy as np
+
+    from kilter.analysis.judge import judge
+    from kilter.mechanics.rows import CONTACT
+
+    wrong = []
+    gap = np.radians(region.gap_deg or 0.0) + 1e-7
+    down = program.down
+    if margin.tilt_deg is not None and margin.tilt_down is not None and not program.applied.any():
+        tilt = np.radians(margin.tilt_deg)
+        aside = margin.tilt_down - (margin.tilt_down @ down) * down
+        size = float(np.linalg.norm(aside))
+        limited = margin.tilt is None or margin.tilt.limit.mechanism is not None
+        if size > 0 and limited:
+            aside = aside / size
+            for step, held in ((-NEAR, bool(tilt > 0)), (NEAR, bool(tilt <= 0))):
+                angle = abs(tilt) + step
+                if tilt <= 0 < step and region.dimension < (2 if program.planar else 3):
+                    continue  # as thin as this: it leaves the region on the other side
+                there = np.cos(angle) * down + np.sin(angle) * aside
+                judged = judge(program.turned(there)).stable
+                if angle > 0 and judged is not None and judged is not held:
+                    wrong.append(f"tilt {margin.tilt_deg} {step:+g}: judged {judged}")
+        if tilt > 0 and limited and region.dimension == (2 if program.planar else 3):
+            outer = np.arcsin(np.clip((region.facets @ down).min(initial=1.0), -1, 1))
+            inner = np.arcsin(np.clip((region.cone.facets @ down).min(initial=1.0), -1, 1))
+            if not inner - 1e-7 <= tilt <= outer + 1e-7:
+                wrong.append(
+                    f"tilt {margin.tilt_deg} outside region's"
+                    f" {np.degrees(inner)} to {np.degrees(outer)}"
+                )
+            if outer - inner > 2 * gap + 1e-6:
+                wrong.append(f"facets {np.degrees(outer - inner)} deg apart, gap {region.gap_deg}")
+    if margin.friction is not None and margin.friction.value > 0:
+        mu = margin.friction.value
+        for factor, held in ((1 - NEAR, False), (1 + NEAR, True)):
+            even = np.where(program.kind == CONTACT, mu * factor, 0.0)
+            judged = judge(program.with_rows(mu=even)).stable
+            if judged is not None and judged is not held:
+                wrong.append(f"friction {mu} x {factor}: judged {judged}")
+    if turned.verdict == "found" and turned.tilt_margin_deg is not None:
+        half = region.half_angle_deg
+        if half is not None and 0 < half < 90 and region.dimension == 3:
+            most = half + np.degrees(gap)
+            if not half - 1e-6 <= turned.tilt_margin_deg <= most + 1e-6:
+                wrong.append(f"orient {turned.tilt_margin_deg}, half angle {half}")
+    if (turned.verdict == "found") != (region.kind != "none") and turned.verdict != "undecided":
+        wrong.append(f"orient {turned.verdict}, region {region.kind}")
+    return wrong
+
+
+def run(family: str, seed: int, directions: int) -> dict[str, Any]:
+    """One case in a process of its own."""
+    context = multiprocessing.get_context("fork")
+    ours, theirs = context.Pipe(duplex=False)
+    process = context.Process(target=work, args=(family, seed, theirs, directions))
+    started = time.perf_counter()
+    process.start()
+    theirs.close()
+    row: dict[str, Any] = {"family": family, "seed": seed, "cut": True}
+    while time.perf_counter() - started < 10 * LIMIT:
+        answers = sum(f"{name}_s" in row for name in ("region", "orient", "margin"))
+        wait = LIMIT if answers < 3 else 10 * LIMIT
+        if not ours.poll(wait):
+            row["fault"] = f"not ended after {wait:g} s, with {answers} answers"
+            break
+        try:
+            row = ours.recv()
+        except EOFError:
+            row["fault"] = f"the process ended, code {process.exitcode}"
+            break
+        if not row.get("cut") or "fault" in row:
+            break
+    process.kill()
+    process.join()
+    return row
+
+
+def table(rows: list[dict[str, Any]]) -> None:
+    """Counts and worst times of each family."""
+    for family in sorted({row["family"] for row in rows}):
+        own = [row for row in rows if row["family"] == family]
+        faults = [row for row in own if "fault" in row]
+        kinds = collections.Counter(row.get("kind", "?") for row in own)
+        tally: collections.Counter[str] = collections.Counter()
+        for row in own:
+            tally.update(row.get("tally", {}))
+        worst = {
+            name: max((row.get(f"{name}_cpu", 0.0) for row in own), default=0.0)
+            for name in ("region", "orient", "margin")
+        }
+        wide = sum(bool(row.get("words")) for row in own)
+        wrong = [row for row in own if row.get("wrong")]
+        print(
+            f"{family}: {len(own)} assemblies, {len(faults)} faults, {len(wrong)} with"
+            f" contradictions, {wide} with a gap or proof that is said to be missing;"
+            f" kinds {dict(kinds)}; asked {dict(tally)}; worst CPU seconds {worst}"
+        )
+        for row in faults:
+            print(f"  seed {row['seed']}: {row['fault']}")
+        for row in wrong:
+            print(f"  seed {row['seed']}: {row['wrong'][:3]}")
+
+
+def main() -> int:
+    """Ask them all."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("family", nargs="?")
+    parser.add_argument("count", nargs="?", type=int, default=10)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--seeds", type=int, nargs="*")
+    parser.add_argument("--directions", type=int, default=RANDOM)
+    parser.add_argument("-o", default=None)
+    parser.add_argument("--table", default=None)
+    given = parser.parse_args()
+    if given.table:
+        with open(given.table) as lines:
+            table([json.loads(line) for line in lines])
+        return 0
+    done = set()
+    if given.o and os.path.exists(given.o):
+        with open(given.o) as lines:
+            done = {(row["family"], row["seed"]) for row in map(json.loads, lines)}
+    rows = []
+
+    for seed in given.seeds or range(given.first, given.first + given.count):
+        if (given.family, seed) in done:
+            continue
+        row = run(given.family, seed, given.directions)
+        rows.append(row)
+        if given.o:
+            with open(given.o, "a") as file:
+                file.write(json.dumps(row) + "\n")
+    table(rows)
+    return int(any("fault" in row or row.get("wrong") for row in rows))
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

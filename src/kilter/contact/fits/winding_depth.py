@@ -1,0 +1,84 @@
+"""How deep corners of one part lie inside another, by the winding number of its surface.
+
+For triangles that bound no body: an edge with one face, or with four.
+
+References
+----------
+A. van Oosterom, J. Strackee, The solid angle of a plane triangle, 1983, equation 8.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from kilter.arrays import Array, Mask, cross
+from kilter.assembly.geometry import Geometry
+from kilter.contact.triangle_distance import surface_distance
+
+__all__ = ["depth_by_winding"]
+
+
+PROBES = 300
+"""Corners of a part that are looked for inside another."""
+BATCH = 4_000_000
+"""Points times triangles in one go."""
+
+
+def depth_by_winding(
+    geometry: Geometry,
+    parts: tuple[int, int],
+    tolerance: float,
+    without: Callable[[Array], Mask],
+) -> float:
+    """How deep corners and edge middles of either part lie inside the other; 0: nowhere."""
+    a, b = parts
+    return max(_depth(geometry, *pair, tolerance, without) for pair in ((a, b), (b, a)))
+
+
+def _depth(
+    geometry: Geometry,
+    a: int,
+    b: int,
+    tolerance: float,
+    without: Callable[[Array], Mask],
+) -> float:
+    own, triangles = geometry.corners_of(a), geometry.corners_of(b)
+    sides = (own + np.roll(own, -1, axis=1)).reshape(-1, 3) / 2
+    probes = np.unique(np.concatenate([own.reshape(-1, 3), own.mean(axis=1), sides]), axis=0)
+    low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
+    probes = probes[((probes > low + tolerance) & (probes < high - tolerance)).all(axis=1)]
+    probes = probes[~without(probes)]
+    if len(probes) > PROBES:
+        probes = probes[:: len(probes) // PROBES + 1]
+    if not len(probes):
+        return 0.0
+    inside = np.concatenate(
+        [
+            _winding(some, triangles) > 0.5
+            for some in np.array_split(probes, 1 + len(probes) * len(triangles) // BATCH)
+        ]
+    )
+    return float(surface_distance(probes[inside], triangles).max(initial=0.0))
+
+
+def _winding(points: Array, triangles: Array) -> Array:
+    """Winding number of a closed surface about points, shape (n,)."""
+    middle = triangles.mean(axis=(0, 1))
+    x, corners = points - middle, triangles - middle
+    # every product of two or three of a - x, b - x, c - x is linear in x but for |x|^2
+    a, b, c = corners.transpose(1, 0, 2)
+    square = (x**2).sum(axis=1)[:, None]
+    la, lb, lc = (
+        np.sqrt(np.maximum(square + (corner**2).sum(axis=1) - 2 * (x @ corner.T), 0.0))
+        for corner in (a, b, c)
+    )
+    bc = cross(b, c)
+    top = np.einsum("ti,ti->t", a, bc) - x @ (bc + cross(c, a) + cross(a, b)).T
+    bottom = la * lb * lc
+    for one, other, length in ((a, b, lc), (b, c, la), (c, a, lb)):
+        product = np.einsum("ti,ti->t", one, other) - x @ (one + other).T + square
+        bottom += product * length
+    winding: Array = np.arctan2(top, bottom).sum(axis=1) / (2 * np.pi)
+    return winding
