@@ -129,7 +129,7 @@ def extruded(profile, depth):
         p, q = corners[k], corners[m]
         step = q - p
         out = np.array([step[1], -step[0]]) / np.hypot(*step)
-        key = k if center is None else ("arc", center)
+        key = k if center is None else ("arc", center, round(float(np.hypot(*(p - center))), 9))
         if key not in names:
             names[key] = len(surfaces)
             if center is None:

@@ -12,6 +12,7 @@ import pytest
 pytest.importorskip("OCP")
 
 from kilter.assembly import Assembly
+from kilter.contact import detect
 from kilter.files import from_dict, load, to_dict
 from kilter.shape.recognition import recognise
 from kilter.shape.solid import Solid
@@ -93,3 +94,26 @@ def test_it_is_read_quickly_and_written_exactly(assembly: Assembly) -> None:
     assert time.process_time() - start < 4.0  # 0.5 s on a free core
     written = to_dict(assembly)
     assert to_dict(from_dict(written)) == written
+
+
+SPACESHIP = FILE.parent / "s1-tu-203" / "s1-tu-203.stp"
+OVERLAPS = {
+    ("foot_2/footback", "mainbody/mainbodyback"): 97.4,
+    ("foot_2/footback", "mainbody/mainbodyfront"): 81.3,
+    ("foot_2/footfront", "mainbody/mainbodyfront"): 152.3,
+}
+"""By exact Booleans of the faces [mm^3]."""
+
+
+@pytest.mark.skipif(not SPACESHIP.is_file(), reason="real data is not here")
+def test_shells_on_one_axis_do_not_interfere_and_what_overlaps_does() -> None:
+    # mainbodyback has a solid cylinder of radius 73, mainbodyfront holes of 67 and 72 on its axis
+    assembly = load(SPACESHIP)
+    contacts = detect.contacts(assembly)
+    found = {
+        tuple(sorted(assembly.names[k] for k in overlap.parts)): overlap
+        for overlap in contacts.overlaps
+    }
+    assert set(found) == set(OVERLAPS)
+    for parts, volume in OVERLAPS.items():  # of triangles, whose arcs are as high as the overlap
+        assert found[parts].volume == pytest.approx(volume, rel=0.2)

@@ -106,6 +106,11 @@ thread: press fits are below, threads drawn at their outer radius above [-]."""
 THREAD = 0.25
 """A thread drawn as a cylinder is thicker than its hole by up to this fraction of its radius:
 M2 in the hole for its tap has .22 [-]."""
+FIT_PLAY = 0.2
+"""A shaft may be thinner than its hole by this fraction of its radius to be meant for it: holes
+for screws of ISO 273, medium, are up to M2 in 2.4 [-]."""
+WALL_RIM = 1e-9
+"""A line meets a triangle up to this fraction of its sides beyond them [-]."""
 FIT_LENGTH = 1e-3
 """A fit shorter than this fraction of its radius is none [-]."""
 SMOOTH_ANGLE = 0.02

@@ -86,7 +86,8 @@ def contacts(
     refused = [*flat.rejected, *curved.rejected, *unknown_contacts(search.unknown)]
     rejected = sorted(refused, key=lambda r: (abs(r.gap), r.angle))
     given, own = _given(assembly)
-    patches = Patches.join([flat.patches, touching.curved.patches, near.patches, given])
+    faces = Patches.join([flat.patches, touching.curved.patches])
+    patches = Patches.join([faces, near.patches, given])
     rims = rim_contacts(search.geometry, flat.patches)
     possible = PossibleContacts.join([near.possible, rims, touching.curved.possible])
     left_open = find_open_pairs(assembly, overlaps, rejected, near.unsupported)
@@ -113,7 +114,7 @@ def contacts(
         warnings=(
             *gap_warnings(flat.patches, rejected, search.limits),
             *curved.warnings,
-            *closed_by_clearance(assembly, flat.patches, search.limits),
+            *closed_by_clearance(assembly, faces, search.limits),
             *overlap_warnings,
         ),
         degenerate=near.degenerate,

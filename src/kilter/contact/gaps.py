@@ -69,7 +69,7 @@ class Tolerance:
         Largest angle between the faces [rad].
     clearance : float or None
         Designed clearance [length unit]: opposed faces that stand apart by up to this count
-        as touching too; faces that penetrate do not.
+        as touching too, round ones in hollow ones as size on size; faces that penetrate do not.
 
     Examples
     --------
@@ -176,7 +176,7 @@ def gap_limits(geometry: Geometry, facets: Facets, pairs: Index, tolerance: Tole
     clearance = tolerance.clearance or 0.0
     return GapLimits(
         gap=gap,
-        closed=np.maximum(gap, clearance),
+        closed=np.maximum(gap, clearance + rounding) if clearance else gap,
         margin=np.maximum(LOOKED_AT_GAPS * wanted, np.maximum(gap, CLUSTER * clearance)),
         rounding=rounding,
         coarse=rounding > thin,

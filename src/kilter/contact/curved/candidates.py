@@ -6,15 +6,43 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Rows, columns
+from kilter.arrays import Array, Index, Mask, Rows, columns
+from kilter.contact.contact_tolerances import FIT_PLAY
 
 __all__ = [
-    "CIRCLE", "LINE", "POINT", "SAME", "Forms", "dot", "make_forms", "without_along",
+    "CIRCLE", "LINE", "POINT", "SAME", "Allowed", "Forms", "dot", "make_forms", "without_along",
 ]  # fmt: skip
 
 
 POINT, LINE, CIRCLE, SAME = range(4)
 """Forms of contact; SAME: one surface in its own counterpart."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Allowed(Rows):
+    """What counts as one surface, as closed, as parallel, of each pair of surfaces, shape (n,).
+
+    Attributes
+    ----------
+    gap : ndarray, shape (n,)
+        Surfaces that differ by up to this are one [length unit].
+    closed : ndarray, shape (n,)
+        The widest gap that counts as closed, at least `gap` [length unit].
+    angle : ndarray, shape (n,)
+        Lines up to this are parallel [rad].
+    share : ndarray, shape (n,)
+        Where a fit is closed, from the core of the first surface (0) to that of the second (1).
+    """
+
+    gap: Array
+    closed: Array
+    angle: Array
+    share: Array
+
+    def fits(self, play: Array, radius: Array) -> Mask:
+        """Where play above the gap tolerance is that of a fit, or is closed, shape (n,)."""
+        result: Mask = (play > self.gap) & (play <= np.maximum(self.closed, FIT_PLAY * radius))
+        return result
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,6 +67,8 @@ class Forms(Rows):
     gap, slope, swing : ndarray, shape (n,)
         The gap at `at`; its rise along a line [-]; how much it varies about its mean
         around a circle [length unit].
+    play : ndarray, shape (n,)
+        The gap all around a fit that only a clearance closes; 0: not of that kind.
     bend : ndarray, shape (n,)
         Radius by which the gap opens beside the contact [length unit].
     """
@@ -52,6 +82,7 @@ class Forms(Rows):
     gap: Array = columns()
     slope: Array = columns()
     swing: Array = columns()
+    play: Array = columns()
     bend: Array = columns()
 
 
@@ -69,6 +100,7 @@ def make_forms(row: Index, form: int, at: Array, normal: Array, gap: Array, **mo
         gap=gap,
         slope=more.get("slope", zero),
         swing=more.get("swing", zero),
+        play=more.get("play", zero),
         bend=more.get("bend", zero),
     )
 

@@ -23,10 +23,18 @@ from kilter.assembly.surfaces import KINDS, SPHERE
 from kilter.contact.broad import facets_in, joins
 from kilter.contact.contact_search import ContactSearch
 from kilter.contact.contact_tolerances import INTERFERENCE
-from kilter.contact.curved.candidates import CIRCLE, LINE, POINT, SAME, Forms
+from kilter.contact.curved.candidates import CIRCLE, LINE, POINT, SAME, Allowed, Forms
 from kilter.contact.curved.contact_points import Spots, arcs_of, ring, socket
 from kilter.contact.curved.coverage import common_spans, slices
-from kilter.contact.curved.curved_patches import CurvedContacts, Found, Made, Pairs, keep, packed
+from kilter.contact.curved.curved_patches import (
+    CurvedContacts,
+    Found,
+    Limits,
+    Made,
+    Pairs,
+    keep,
+    packed,
+)
 from kilter.contact.curved.on_planes import Planes, on_planes
 from kilter.contact.curved.rim_points import rims_on_planes
 from kilter.contact.curved.shells import gaps_between, touching_shells
@@ -121,11 +129,13 @@ def _surface_boxes(search: ContactSearch) -> tuple[Array, Array, Mask]:
 def _touching(search: ContactSearch, both: Pairs, flat: Pairs) -> tuple[Made, Index]:
     surfaces, facets = search.geometry.surfaces, search.facets
     made = Made()
-    limit = search.limits.gap[both.pair] + surfaces.doubt[both.i] + surfaces.doubt[both.j]
+    doubt = surfaces.doubt[both.i] + surfaces.doubt[both.j]
+    limits = _limits(search, both, doubt)
     angle = np.full(len(both.i), search.angle)
-    forms, unknown = meeting(surfaces, both.i, both.j, limit, angle)
+    allowed = Allowed(limits.gap, limits.closed, angle, 0 * angle)
+    forms, unknown = meeting(surfaces, both.i, both.j, allowed, search.geometry.grounded)
     planes = Planes(facets.normal[flat.j], facets.origin[flat.j])
-    flat_limit = search.limits.gap[flat.pair] + surfaces.doubt[flat.i]
+    flat_limits = _limits(search, flat, surfaces.doubt[flat.i])
     level = np.full(len(flat.i), search.angle)
     flats = Forms.join(
         [
@@ -133,13 +143,19 @@ def _touching(search: ContactSearch, both: Pairs, flat: Pairs) -> tuple[Made, In
             rims_on_planes(search.geometry, flat.i, planes, level),
         ]
     )
-    near = _within(search, both, forms, limit)
+    near = _within(search, both, forms, limits.gap)
     shells = near & (forms.form == SAME) & (surfaces.kind[both.i[forms.row]] != SPHERE)
-    touching_shells(search, made, both, forms.take(np.flatnonzero(shells)), limit)
-    _each(search, made, both, forms.take(np.flatnonzero(near & ~shells)), limit, False)
-    near = _within(search, flat, flats, flat_limit)
-    _each(search, made, flat, flats.take(np.flatnonzero(near)), flat_limit, True)
+    touching_shells(search, made, both, forms.take(np.flatnonzero(shells)), limits)
+    _each(search, made, both, forms.take(np.flatnonzero(near & ~shells)), limits, False)
+    near = _within(search, flat, flats, flat_limits.gap)
+    _each(search, made, flat, flats.take(np.flatnonzero(near)), flat_limits, True)
     return made, _unknown(search, both, flat, unknown)
+
+
+def _limits(search: ContactSearch, pairs: Pairs, doubt: Array) -> Limits:
+    """Limits of candidates, raised by how far their surfaces may be from the truth."""
+    limits = search.limits
+    return Limits(limits.gap[pairs.pair] + doubt, limits.closed[pairs.pair] + doubt)
 
 
 def _within(search: ContactSearch, pairs: Pairs, forms: Forms, limit: Array) -> Mask:
@@ -163,7 +179,10 @@ def _within(search: ContactSearch, pairs: Pairs, forms: Forms, limit: Array) -> 
     wide = INTERFERENCE * np.where(size > 0, size, half) + np.where(same, forms.slope, 0.0) * half
     near |= same & (np.abs(forms.gap) <= wide)
     around = (same | (forms.form == CIRCLE)) & (forms.swing > np.maximum(wide, margin))
-    possible: Mask = near & ~around
+    # a fit: what lies off by more than its play lies beside it; a tilted axis is asked later
+    aside = np.linalg.norm(middle - forms.at, axis=1) + half
+    fits = (forms.play > 0) & (forms.swing <= forms.play + margin + forms.slope * aside)
+    possible: Mask = np.where(forms.play > 0, fits, near & ~around)
     return possible
 
 
@@ -180,13 +199,13 @@ def _unknown(search: ContactSearch, both: Pairs, flat: Pairs, unknown: Mask) -> 
 
 
 def _each(
-    search: ContactSearch, made: Made, pairs: Pairs, forms: Forms, limit: Array, plane: bool
+    search: ContactSearch, made: Made, pairs: Pairs, forms: Forms, limits: Limits, plane: bool
 ) -> None:
     """Points, lines, circles and sockets, one by one."""
     for k in range(len(forms.row)):
         row = int(forms.row[k])
         one = forms.take(np.array([k]))
-        _place(search, made, pairs, row, one, float(limit[row]), plane)
+        _place(search, made, pairs, row, one, limits.of(row), plane)
 
 
 def _place(
@@ -195,9 +214,11 @@ def _place(
     pairs: Pairs,
     row: int,
     form: Forms,
-    limit: float,
+    limits: tuple[float, float],
     plane: bool,
 ) -> None:
+    limit, closed = limits
+    play = float(form.play[0])
     i, j, pair = int(pairs.i[row]), int(pairs.j[row]), int(pairs.pair[row])
     surfaces = search.geometry.surfaces
     slack = float(search.geometry.slack[search.pairs[pair]].max())
@@ -217,19 +238,24 @@ def _place(
     elif what == CIRCLE:
         spots = _around(form, faces, reach, limit)
     else:
-        spots = socket(form.at[0], float(surfaces.radius[i]), faces[0][0], faces[1][0],
+        radius = float(surfaces.radius[[i, j]].mean() if play > 0 else surfaces.radius[i])
+        spots = socket(form.at[0], radius, faces[0][0], faces[1][0],
                        float(max(surfaces.sagitta[[i, j]])))  # fmt: skip
     if spots is None:
         return
     if not plane and what in (SAME, CIRCLE):
-        low, high = gaps_between(search, i, j, spots.points, float(form.swing[0]), limit)
+        off = limit if play > 0 else float(form.swing[0])
+        low, high = gaps_between(search, i, j, spots.points, off, limit)
     bend = float(form.bend[0]) or float(search.geometry.size[search.pairs[pair]].min())
-    zone = limit + float(np.sqrt(2 * bend * (limit + 2 * slack)))
+    near = max(limit, abs(gap), play)
+    zone = near + float(np.sqrt(2 * bend * (near + 2 * slack)))
     names = (i, -1) if plane else (i, j)
     turned = bool(pairs.turned[row])
     if what == SAME and surfaces.hollow[i]:  # the normals of a socket are those of the ball
         names, turned = (j, i), not turned
-    keep(search, made, Found(pair, names, (low, high), limit, spots, zone, turned))
+    inside = (spots.points.mean(axis=0)[None], spots.normals[:1]) if what == LINE else None
+    found = Found(pair, names, (low, high), limit, spots, zone, turned, closed, play, inside)
+    keep(search, made, found)
 
 
 _Face = tuple[Array, float]

@@ -13,10 +13,11 @@ from kilter.contact.contact_search import ContactSearch
 from kilter.contact.contact_set import INTERFERE, Overlap, PossibleContacts
 from kilter.contact.contact_tolerances import MEAN_NORMAL, RIM_NORMAL
 from kilter.contact.curved.contact_points import Spots
+from kilter.contact.curved.shared_walls import shared_depth
 from kilter.contact.gaps import APART, PENETRATES, Rejected
 from kilter.contact.patches import Patches
 
-__all__ = ["CurvedContacts", "Found", "Made", "Pairs", "keep", "on_flat", "packed",
+__all__ = ["CurvedContacts", "Found", "Limits", "Made", "Pairs", "keep", "on_flat", "packed",
            "without_repeats"]  # fmt: skip
 
 
@@ -64,6 +65,18 @@ class Pairs(Rows):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Limits:
+    """Gap tolerance, and the widest gap that counts as closed, of each candidate, shape (n,)."""
+
+    gap: Array
+    closed: Array
+
+    def of(self, row: int) -> tuple[float, float]:
+        """Those of one candidate."""
+        return float(self.gap[row]), float(self.closed[row])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Found:
     """One patch as it is found.
 
@@ -82,6 +95,12 @@ class Found:
         Triangles may touch within so far of the contact [length unit].
     turned : bool
         The first surface is part b's.
+    closed : float
+        The widest gap that counts as closed; 0: the gap tolerance [length unit].
+    play : float
+        The gap all around a fit wider than the tolerance; 0: not of that kind [length unit].
+    inside : (points, normals) or None
+        Points within the region of contact, with the normals there; None: the spots.
     """
 
     pair: int
@@ -91,6 +110,14 @@ class Found:
     spots: Spots
     zone: float
     turned: bool
+    closed: float = 0.0
+    play: float = 0.0
+    inside: tuple[Array, Array] | None = None
+
+    @property
+    def key(self) -> tuple[int, int, int]:
+        """The pair of parts and its two surfaces, in one order."""
+        return self.pair, min(self.names), max(self.names)
 
     @property
     def surface(self) -> tuple[int, int]:
@@ -105,27 +132,80 @@ class Found:
 
 @dataclass(slots=True, eq=False)
 class Made:
-    """What was found so far."""
+    """What was found so far: what touches, what stands apart, what reaches into each other."""
 
     found: list[Found] = field(default_factory=list)
+    apart: list[Found] = field(default_factory=list)
+    pressed: list[tuple[Found, float]] = field(default_factory=list)
     rejected: list[Rejected] = field(default_factory=list)
-    overlaps: list[Overlap] = field(default_factory=list)
 
 
 def keep(search: ContactSearch, made: Made, found: Found) -> None:
-    """A patch where the gap is within tolerance, else a near pair or an overlap."""
+    """A patch where the gap is within tolerance, else a near pair or an overlap.
+
+    A fit with play is a patch only where a clearance closes it.
+    """
     low, high = found.gap
+    if found.play > 0:
+        touches, high = low >= -found.limit and found.play <= found.closed, low
+    else:
+        touches = low <= max(found.limit, found.closed) and high >= -found.limit
+    if touches:
+        gap = (found.play, found.play) if found.play > 0 else found.gap
+        made.found.append(dataclasses.replace(found, gap=gap))
+    elif high < -found.limit:
+        depth = _shared(search, found)
+        if depth > found.limit:
+            made.pressed.append((found, depth))
+    else:
+        made.apart.append(found)
+
+
+def _shared(search: ContactSearch, found: Found) -> float:
+    """How deep the material behind the faces is shared [length unit]."""
+    s, (i, j) = search.geometry.surfaces, found.names
+    points, normals = found.inside or (found.spots.points, found.spots.normals)
+    depth = np.full(len(points), -found.gap[1])
+    if j >= 0:
+        rows = np.ones(len(points), dtype=np.int64)
+        depth = -(s.distance(i * rows, points) + s.distance(j * rows, points))
     a, b = (int(k) for k in search.pairs[found.pair])
-    if low <= found.limit and high >= -found.limit:
-        made.found.append(found)
-    elif low > 0:
-        hollow = search.geometry.surfaces.hollow
-        i, j = found.names
-        fit = j >= 0 and bool(hollow[i] != hollow[j])
-        made.rejected.append(Rejected((a, b), low, 0.0, APART, fit))
-    elif high < 0:
-        made.overlaps.append(Overlap((a, b), None, -high, INTERFERE))
-        made.rejected.append(Rejected((a, b), high, 0.0, PENETRATES))
+    parts = (b, a) if found.turned else (a, b)
+    return shared_depth(search.geometry, parts, points, normals, depth)
+
+
+def _settled(search: ContactSearch, made: Made) -> tuple[list[Rejected], list[Overlap]]:
+    """Near pairs and overlaps, and what touches in `made`: two surfaces say one thing.
+
+    A fit that was closed is no line or point as well; one that touches in a line has no play.
+    """
+    closed = {one.key for one in made.found if one.play > 0}
+    made.found = [one for one in made.found if one.play > 0 or one.key not in closed]
+    known = {one.key for one in made.found}
+    known |= {one.key for one, _ in made.pressed}
+    fits = {one.key for one in made.apart if one.play > 0} - known
+    rejected, overlaps = list(made.rejected), []
+    for one in made.apart:
+        if (one.key in fits) if one.play > 0 else (one.key not in fits | closed):
+            rejected.append(_near(search, one))
+    for one, depth in made.pressed:
+        if one.key not in closed:
+            parts = _parts(search, one)
+            overlaps.append(Overlap(parts, None, depth, INTERFERE))
+            rejected.append(Rejected(parts, -depth, 0.0, PENETRATES))
+    return rejected, overlaps
+
+
+def _near(search: ContactSearch, found: Found) -> Rejected:
+    hollow = search.geometry.surfaces.hollow
+    i, j = found.names
+    fit = found.play > 0 or (j >= 0 and bool(hollow[i] != hollow[j]))
+    return Rejected(_parts(search, found), found.play or found.gap[0], 0.0, APART, fit)
+
+
+def _parts(search: ContactSearch, found: Found) -> tuple[int, int]:
+    a, b = (int(k) for k in search.pairs[found.pair])
+    return a, b
 
 
 def without_repeats(curved: CurvedContacts, flat: Patches, tolerance: Array) -> CurvedContacts:
@@ -162,6 +242,7 @@ def on_flat(points: Array, corners: Array, normal: Array, slack: float) -> Mask:
 
 def packed(search: ContactSearch, made: Made, unknown: Index, raised: int) -> CurvedContacts:
     """The patches as arrays, ordered by pair, normals from a to b."""
+    rejected, overlaps = _settled(search, made)
     found = sorted(made.found, key=lambda one: one.pair)
     pair = np.array([one.pair for one in found], dtype=np.int64)
     parts = search.pairs[pair]
@@ -197,8 +278,8 @@ def packed(search: ContactSearch, made: Made, unknown: Index, raised: int) -> Cu
         zone=np.array([one.zone for one in found]),
         unknown=unknown,
         possible=possible,
-        rejected=tuple(made.rejected),
-        overlaps=tuple(made.overlaps),
+        rejected=tuple(rejected),
+        overlaps=tuple(overlaps),
         warnings=_warnings(raised),
     )
 

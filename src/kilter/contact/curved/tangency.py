@@ -21,7 +21,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from kilter.arrays import TINY, Array, Index, Mask, across, cross, unit_rows
+from kilter.arrays import TINY, Array, Index, Mask, across, cross, ratio, unit_rows
 from kilter.assembly.surfaces import CONE, CYLINDER, FREE, SPHERE, TORUS, Surfaces
 from kilter.contact.contact_tolerances import GENERATOR_SINE, NO_DIRECTION
 from kilter.contact.curved.candidates import (
@@ -29,6 +29,7 @@ from kilter.contact.curved.candidates import (
     LINE,
     POINT,
     SAME,
+    Allowed,
     Forms,
     dot,
     make_forms,
@@ -45,17 +46,20 @@ def _inverse(one: Array, other: Array, sign: float) -> Array:
     return result
 
 
-Kernel = Callable[[Surfaces, Index, Index, Index, Array, Array], Forms]
+Kernel = Callable[[Surfaces, Index, Index, Index, Allowed], Forms]
 
 
-def meeting(s: Surfaces, i: Index, j: Index, gap: Array, angle: Array) -> tuple[Forms, Mask]:
+def meeting(s: Surfaces, i: Index, j: Index, allowed: Allowed, held: Mask) -> tuple[Forms, Mask]:
     """Where surfaces `i` and `j` touch, and which pairs no kernel speaks of.
 
     Parameters
     ----------
     i, j : ndarray of int, shape (n,)
-    gap, angle : ndarray, shape (n,)
-        Tolerances [length unit, rad]: when two surfaces count as one, lines as parallel.
+    allowed : Allowed
+        Of each pair; its `share` is filled in here.
+    held : ndarray of bool, shape (N,)
+        Parts that stay where they are when a clearance closes: the fit is made where the other
+        part is, else where the shaft is, so that its own weight does not turn it.
 
     Returns
     -------
@@ -69,6 +73,9 @@ def meeting(s: Surfaces, i: Index, j: Index, gap: Array, angle: Array) -> tuple[
     inside = s.hollow[second] & ~s.hollow[first]
     outside = ~s.hollow[second] & ~s.hollow[first]
     socket = s.hollow[first] & ~s.hollow[second]
+    stays = held[s.part[first]].astype(int) - held[s.part[second]]
+    share = np.where(stays == 0, s.hollow[first] & ~s.hollow[second], stays > 0)
+    allowed = replace(allowed, share=share.astype(np.float64))
     found: list[Forms] = []
     rows = np.arange(len(i))
     for (one, other, which), kernel in _KERNELS.items():
@@ -76,9 +83,8 @@ def meeting(s: Surfaces, i: Index, j: Index, gap: Array, angle: Array) -> tuple[
         k &= {"on": outside, "in": inside, "around": socket}[which]
         chosen = np.flatnonzero(k)
         if len(chosen):
-            found.append(
-                kernel(s, rows[chosen], first[chosen], second[chosen], gap[chosen], angle[chosen])
-            )
+            mine = allowed.take(chosen)
+            found.append(kernel(s, rows[chosen], first[chosen], second[chosen], mine))
     unknown |= _unmodelled(s, first, second, inside, outside, socket)
     forms = Forms.join(found)
     unknown[forms.row] = False  # a kernel spoke of them
@@ -95,17 +101,12 @@ def _unmodelled(s: Surfaces, i: Index, j: Index, inside: Mask, outside: Mask, so
     return unmodelled
 
 
-def _round_in_round(s: Surfaces, row: Index, i: Index, j: Index, gap: Array, angle: Array) -> Forms:
+def _round_in_round(s: Surfaces, row: Index, i: Index, j: Index, allowed: Allowed) -> Forms:
     """Sphere in hollow sphere."""
     apart = s.point[i] - s.point[j]
-    return _nested(s, row, i, j, apart, gap)
-
-
-def _nested(s: Surfaces, row: Index, i: Index, j: Index, apart: Array, gap: Array) -> Forms:
-    """Sphere in sphere: `apart` from the core of j to that of i."""
     play = s.radius[j] - s.radius[i]
     off = np.linalg.norm(apart, axis=1)
-    same = np.abs(play) <= gap
+    same = np.abs(play) <= allowed.gap
     away = unit_rows(apart)
     k, m = np.flatnonzero(same), np.flatnonzero(~same & (play > 0))
     everywhere = make_forms(
@@ -114,14 +115,19 @@ def _nested(s: Surfaces, row: Index, i: Index, j: Index, apart: Array, gap: Arra
     at = s.point[i] + (s.radius[i] + (play - off) / 2)[:, None] * away
     bend = _inverse(s.radius[i], s.radius[j], -1.0)
     point = make_forms(row[m], POINT, at[m], away[m], (play - off)[m], bend=bend[m])
+    f = np.flatnonzero(allowed.fits(play, s.radius[i]))
+    fits = make_forms(
+        row[f], SAME, (s.point[i] - allowed.share[:, None] * apart)[f], away[f], play[f],
+        swing=off[f], play=play[f], bend=s.radius[i[f]],
+    )  # fmt: skip
     tight = np.flatnonzero(~same & (play <= 0))
     pressed = make_forms(
         row[tight], SAME, s.point[i[tight]], away[tight], play[tight], swing=off[tight]
     )
-    return Forms.join([everywhere, point, pressed])
+    return Forms.join([everywhere, fits, point, pressed])
 
 
-def _sphere_sphere(s: Surfaces, row: Index, i: Index, j: Index, gap: Array, angle: Array) -> Forms:
+def _sphere_sphere(s: Surfaces, row: Index, i: Index, j: Index, allowed: Allowed) -> Forms:
     apart = s.point[j] - s.point[i]
     return _outer(s, row, i, apart, s.radius[j])
 
@@ -134,26 +140,17 @@ def _outer(s: Surfaces, row: Index, i: Index, apart: Array, other: Array) -> For
     return make_forms(row, POINT, at, normal, open_, bend=s.radius[i])
 
 
-def _sphere_cylinder(
-    s: Surfaces, row: Index, i: Index, j: Index, gap: Array, angle: Array
-) -> Forms:
+def _sphere_cylinder(s: Surfaces, row: Index, i: Index, j: Index, allowed: Allowed) -> Forms:
     apart = -without_along(s.point[i] - s.point[j], s.axis[j])
     return _outer(s, row, i, apart, s.radius[j])
 
 
-def _sphere_in_cylinder(
-    s: Surfaces, row: Index, i: Index, j: Index, gap: Array, angle: Array
-) -> Forms:
+def _sphere_in_cylinder(s: Surfaces, row: Index, i: Index, j: Index, allowed: Allowed) -> Forms:
     apart = without_along(s.point[i] - s.point[j], s.axis[j])
     play, off = s.radius[j] - s.radius[i], np.linalg.norm(apart, axis=1)
-    ring = np.abs(play) <= gap
-    k, m = np.flatnonzero(ring), np.flatnonzero(~ring & (play > 0))
+    circle = _ring(s, row, i, allowed, (apart, s.axis[j]), play)
+    m = np.flatnonzero(play > allowed.gap)
     away = unit_rows(apart)
-    flat = np.tile([1.0, 0.0, 0.0], (len(k), 1))
-    circle = make_forms(
-        row[k], CIRCLE, s.point[i[k]], flat, play[k],
-        along=s.axis[j[k]], radius=s.radius[i[k]], swing=off[k], bend=s.radius[i[k]],
-    )  # fmt: skip
     at = s.point[i] + (s.radius[i] + (play - off) / 2)[:, None] * away
     bend = np.maximum(_inverse(s.radius[i], s.radius[j], -1.0), s.radius[i])
     return Forms.join(
@@ -161,7 +158,23 @@ def _sphere_in_cylinder(
     )
 
 
-def _sphere_cone(s: Surfaces, row: Index, i: Index, j: Index, gap: Array, angle: Array) -> Forms:
+def _ring(
+    s: Surfaces, row: Index, i: Index, allowed: Allowed, tube: tuple[Array, Array], play: Array
+) -> Forms:
+    """Spheres that fill a tube: `apart` of its line, and the direction of that (`tube`)."""
+    apart, along = tube
+    fit = allowed.fits(play, s.radius[i])
+    k = np.flatnonzero((np.abs(play) <= allowed.gap) | fit)
+    wider = np.where(fit, play, 0.0)[k]
+    flat = np.tile([1.0, 0.0, 0.0], (len(k), 1))
+    at = s.point[i[k]] - np.where(fit, allowed.share, 0.0)[k, None] * apart[k]
+    return make_forms(
+        row[k], CIRCLE, at, flat, play[k], along=along[k], radius=s.radius[i[k]] + wider / 2,
+        swing=np.linalg.norm(apart, axis=1)[k], play=wider, bend=s.radius[i[k]],
+    )  # fmt: skip
+
+
+def _sphere_cone(s: Surfaces, row: Index, i: Index, j: Index, allowed: Allowed) -> Forms:
     _, _, away = s.polar(j, s.point[i])
     alpha = s.half_angle[j]
     normal = -(np.cos(alpha)[:, None] * away - np.sin(alpha)[:, None] * s.axis[j])
@@ -170,29 +183,32 @@ def _sphere_cone(s: Surfaces, row: Index, i: Index, j: Index, gap: Array, angle:
     return make_forms(row, POINT, at, normal, open_, bend=s.radius[i])
 
 
-def _sphere_in_cone(s: Surfaces, row: Index, i: Index, j: Index, gap: Array, angle: Array) -> Forms:
+def _sphere_in_cone(s: Surfaces, row: Index, i: Index, j: Index, allowed: Allowed) -> Forms:
     height, rho, away = s.polar(j, s.point[i])
     alpha = s.half_angle[j]
-    open_ = s.distance(j, s.point[i]) - s.radius[i]
-    centred = rho <= gap
-    k, m = np.flatnonzero(centred), np.flatnonzero(~centred)
     cosine, sine = np.cos(alpha), np.sin(alpha)
+    open_ = s.distance(j, s.point[i]) - s.radius[i]
+    mean = height * sine - s.radius[i]
+    closes = (rho > allowed.gap) & (np.maximum(rho, mean) <= allowed.closed) & (mean > allowed.gap)
+    k, m = (np.flatnonzero(x) for x in ((rho <= allowed.gap) | closes, rho > allowed.gap))
     normal = cosine[:, None] * away - sine[:, None] * s.axis[j]
     at = s.point[i] + (s.radius[i] + open_ / 2)[:, None] * normal
     around = s.point[i] - (s.radius[i] * sine)[:, None] * s.axis[j]
+    around -= np.where(closes, allowed.share * rho, 0.0)[:, None] * away
+    play = np.where(closes, mean, 0.0)
     circle = make_forms(
-        row[k], CIRCLE, around[k], np.column_stack([cosine, -sine, 0 * sine])[k],
-        (height * sine - s.radius[i])[k], along=s.axis[j[k]],
-        radius=(s.radius[i] * cosine)[k], swing=(rho * cosine)[k], bend=s.radius[i[k]],
+        row[k], CIRCLE, around[k], np.column_stack([cosine, -sine, 0 * sine])[k], mean[k],
+        along=s.axis[j[k]], radius=(s.radius[i] * cosine + play / 2)[k], swing=(rho * cosine)[k],
+        play=play[k], bend=s.radius[i[k]],
     )  # fmt: skip
     bend = 10 * s.radius[i]
     return Forms.join([circle, make_forms(row[m], POINT, at[m], normal[m], open_[m], bend=bend[m])])
 
 
-def _sphere_torus(s: Surfaces, row: Index, i: Index, j: Index, gap: Array, angle: Array) -> Forms:
+def _sphere_torus(s: Surfaces, row: Index, i: Index, j: Index, allowed: Allowed) -> Forms:
     height, rho, away = s.polar(j, s.point[i])
     axis, radius = s.axis[j], s.radius[j]
-    centred = rho <= gap
+    centred = rho <= allowed.gap
     k, m = np.flatnonzero(centred), np.flatnonzero(~centred)
     apart = (radius - rho)[:, None] * away - height[:, None] * axis
     point = _outer(s, row, i, apart, s.tube[j]).take(m)
@@ -206,31 +222,22 @@ def _sphere_torus(s: Surfaces, row: Index, i: Index, j: Index, gap: Array, angle
     return Forms.join([circle, point])
 
 
-def _sphere_in_torus(
-    s: Surfaces, row: Index, i: Index, j: Index, gap: Array, angle: Array
-) -> Forms:
+def _sphere_in_torus(s: Surfaces, row: Index, i: Index, j: Index, allowed: Allowed) -> Forms:
     height, rho, away = s.polar(j, s.point[i])
     apart = (rho - s.radius[j])[:, None] * away + height[:, None] * s.axis[j]
     play, off = s.tube[j] - s.radius[i], np.linalg.norm(apart, axis=1)
-    ring = np.abs(play) <= gap
-    k, m = np.flatnonzero(ring), np.flatnonzero(~ring & (play > 0))
+    circle = _ring(s, row, i, allowed, (apart, cross(s.axis[j], away)), play)
+    m = np.flatnonzero(play > allowed.gap)
     normal = unit_rows(apart)
-    flat = np.tile([1.0, 0.0, 0.0], (len(k), 1))
-    circle = make_forms(
-        row[k], CIRCLE, s.point[i[k]], flat, play[k],
-        along=cross(s.axis[j], away)[k], radius=s.radius[i[k]], swing=off[k], bend=s.radius[i[k]],
-    )  # fmt: skip
     at = s.point[i] + (s.radius[i] + (play - off) / 2)[:, None] * normal
     bend = np.maximum(_inverse(s.radius[i], s.tube[j], -1.0), 10 * s.radius[i])
     point = make_forms(row[m], POINT, at[m], normal[m], (play - off)[m], bend=bend[m])
     return Forms.join([circle, point])
 
 
-def _cylinder_cylinder(
-    s: Surfaces, row: Index, i: Index, j: Index, gap: Array, angle: Array
-) -> Forms:
+def _cylinder_cylinder(s: Surfaces, row: Index, i: Index, j: Index, allowed: Allowed) -> Forms:
     sine = np.linalg.norm(cross(s.axis[i], s.axis[j]), axis=1)
-    level = sine <= np.sin(angle)
+    level = sine <= np.sin(allowed.angle)
     k, m = np.flatnonzero(level), np.flatnonzero(~level)
     along, at, apart, slope = _parallel(s, i[k], j[k])
     normal = unit_rows(apart)
@@ -240,7 +247,7 @@ def _cylinder_cylinder(
     line = make_forms(
         row[k], LINE, at, normal, open_, along=along, slope=dot(slope, normal), bend=bend
     )
-    return Forms.join([line, _swept(s, row[m], i[m], j[m], gap[m], angle[m])])
+    return Forms.join([line, _swept(s, row[m], i[m], j[m], allowed.take(m))])
 
 
 def _parallel(s: Surfaces, i: Index, j: Index) -> tuple[Array, Array, Array, Array]:
@@ -255,21 +262,23 @@ def _parallel(s: Surfaces, i: Index, j: Index) -> tuple[Array, Array, Array, Arr
     return along, at, to - at, change
 
 
-def _cylinder_in_cylinder(
-    s: Surfaces, row: Index, i: Index, j: Index, gap: Array, angle: Array
-) -> Forms:
+def _cylinder_in_cylinder(s: Surfaces, row: Index, i: Index, j: Index, allowed: Allowed) -> Forms:
     sine = np.linalg.norm(cross(s.axis[i], s.axis[j]), axis=1)
     play = s.radius[j] - s.radius[i]
-    level = sine <= np.sin(angle)
+    level = sine <= np.sin(allowed.angle)
     along, at, apart, slope = _parallel(s, i, j)
     off = np.linalg.norm(apart, axis=1)
-    same = level & (play <= gap)
-    k, m = np.flatnonzero(same), np.flatnonzero(level & ~same)
+    same = level & (play <= allowed.gap)
+    # a shaft may lean in its hole by its play over the length of that, which the caller asks
+    fit = allowed.fits(play, s.radius[i])
+    fit &= sine <= np.sin(allowed.angle) + 2 * ratio(np.maximum(play, 0), s.radius[i])
+    k, m = np.flatnonzero(same | fit), np.flatnonzero(level & ~same)
     normal = -unit_rows(apart)
     # the gap varies around and along: the caller asks both ends
     everywhere = make_forms(
         row[k], SAME, at[k], normal[k], play[k],
-        along=along[k], radius=s.radius[i[k]], slope=sine[k], swing=off[k], bend=s.radius[i[k]],
+        along=along[k], radius=s.radius[i[k]], slope=sine[k], swing=off[k],
+        play=np.where(fit, play, 0.0)[k], bend=s.radius[i[k]],
     )  # fmt: skip
     # axes that are one leave a gap all around: any direction shows it
     normal = np.where((off > NO_DIRECTION * s.radius[i])[:, None], normal, across(along)[0])
@@ -283,26 +292,27 @@ def _cylinder_in_cylinder(
     return Forms.join([everywhere, line])
 
 
-def _cone_in_cone(s: Surfaces, row: Index, i: Index, j: Index, gap: Array, angle: Array) -> Forms:
+def _cone_in_cone(s: Surfaces, row: Index, i: Index, j: Index, allowed: Allowed) -> Forms:
     """Tapers: the gap across their sides where the axes are one."""
     turned = np.linalg.norm(cross(s.axis[i], s.axis[j]), axis=1)
-    alike = (turned <= np.sin(angle)) & (dot(s.axis[i], s.axis[j]) > 0)
-    alike &= np.abs(s.half_angle[i] - s.half_angle[j]) <= angle
+    alike = (turned <= np.sin(allowed.angle)) & (dot(s.axis[i], s.axis[j]) > 0)
+    alike &= np.abs(s.half_angle[i] - s.half_angle[j]) <= allowed.angle
     k = np.flatnonzero(alike)
-    row, i, j = row[k], i[k], j[k]
+    row, i, j, allowed = row[k], i[k], j[k], allowed.take(k)
     axis = unit_rows(s.axis[i] + s.axis[j])
     alpha = (s.half_angle[i] + s.half_angle[j]) / 2
     shift = s.point[i] - s.point[j]
     lift = dot(shift, axis) * np.sin(alpha)
     off = np.linalg.norm(without_along(shift, axis), axis=1) * np.cos(alpha)
     slope = s.half_angle[j] - s.half_angle[i]
+    closes = (lift > allowed.gap) & (lift <= allowed.closed)
     return make_forms(
-        row, SAME, s.point[i], np.zeros((len(row), 3)), lift,
-        along=axis, slope=slope, swing=off, bend=np.maximum(s.radius[i], gap[k]),
+        row, SAME, s.point[i], np.zeros((len(row), 3)), lift, along=axis, slope=slope, swing=off,
+        play=np.where(closes, lift, 0.0), bend=np.maximum(s.radius[i], allowed.gap),
     )  # fmt: skip
 
 
-def _swept(s: Surfaces, row: Index, i: Index, j: Index, gap: Array, angle: Array) -> Forms:
+def _swept(s: Surfaces, row: Index, i: Index, j: Index, allowed: Allowed) -> Forms:
     """Cylinders and cones side by side: both common planes between them."""
     found: list[Forms] = []
     ai, aj = s.axis[i], s.axis[j]
@@ -321,7 +331,7 @@ def _swept(s: Surfaces, row: Index, i: Index, j: Index, gap: Array, angle: Array
         foot_j, line_j = _generator(s, j[k], -m)
         open_ = dot(foot_j - foot_i, m)
         bottom = dot(cross(line_i, line_j), m)
-        crossing = np.abs(bottom) > np.sin(angle[k])
+        crossing = np.abs(bottom) > np.sin(allowed.angle[k])
         t = dot(cross(foot_j - foot_i, line_j), m) / np.where(crossing, bottom, 1.0)
         at = foot_i + t[:, None] * line_i + (open_ / 2)[:, None] * m
         bend = np.maximum(s.radius[i[k]], s.radius[j[k]]) / np.maximum(
@@ -345,17 +355,22 @@ def _generator(s: Surfaces, i: Index, m: Array) -> tuple[Array, Array]:
 def _torus_on_axis(inner: bool) -> Kernel:
     """A torus about a shaft, or in a bore, of the same axis."""
 
-    def kernel(s: Surfaces, row: Index, i: Index, j: Index, gap: Array, angle: Array) -> Forms:
+    def kernel(s: Surfaces, row: Index, i: Index, j: Index, allowed: Allowed) -> Forms:
         turned = np.linalg.norm(cross(s.axis[i], s.axis[j]), axis=1)
         off = np.linalg.norm(without_along(s.point[j] - s.point[i], s.axis[i]), axis=1)
-        k = np.flatnonzero((turned <= np.sin(angle)) & (off <= gap))
-        row, i, j, off = row[k], i[k], j[k], off[k]
         side = -1.0 if inner else 1.0
         radius = s.radius[j] + side * s.tube[j]
+        play = side * (s.radius[i] - radius)
+        fit = allowed.fits(play, s.radius[i]) & (off <= play + allowed.gap)
+        k = np.flatnonzero((turned <= np.sin(allowed.angle)) & (fit | (off <= allowed.gap)))
+        row, i, j, wider = row[k], i[k], j[k], np.where(fit, play, 0.0)[k]
+        share = np.where(fit, 1 - allowed.share, 0.0)[k, None]
         flat = np.tile([-side, 0.0, 0.0], (len(k), 1))  # from the cylinder to the torus
+        apart = without_along(s.point[i] - s.point[j], s.axis[j])
         return make_forms(
-            row, CIRCLE, s.point[j], flat, side * (s.radius[i] - radius),
-            along=s.axis[j], radius=radius, swing=off, bend=s.tube[j],
+            row, CIRCLE, s.point[j] + share * apart, flat, play[k],
+            along=s.axis[j], radius=radius[k] + side * wider / 2, swing=off[k], play=wider,
+            bend=s.tube[j],
         )  # fmt: skip
 
     return kernel

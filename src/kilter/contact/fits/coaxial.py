@@ -17,6 +17,8 @@ from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import CYLINDER
 from kilter.contact.contact_tolerances import ANGLE, FIT_LENGTH, INTERFERENCE
+from kilter.contact.curved.coaxial_faces import shared_region
+from kilter.contact.curved.coverage import bands_of
 from kilter.contact.gaps import Tolerance
 
 __all__ = ["Fit", "coaxial_fits", "is_tube"]
@@ -53,8 +55,9 @@ class Fit:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Bore:
-    """One cylinder: solid or hollow, from `low` to `high` along its axis from its point."""
+    """One cylinder, a row of the surfaces: solid or hollow, `low` to `high` along its axis."""
 
+    row: int
     point: Array
     axis: Array
     radius: float
@@ -96,6 +99,7 @@ def coaxial_fits(
                 for other in bores[hole]
                 if not one.hollow and other.hollow
                 for fit in _fit((shaft, hole), one, other, gap, tolerance, thickest)
+                if _over_each_other(assembly.geometry, one, other)
             ]
             # of several steps of one shaft, the tightest, and of those the longest
             fits.sort(key=lambda fit: (not fit.tight, -fit.length))
@@ -128,7 +132,7 @@ def _fit(
     offset = float(np.linalg.norm(apart - shaft.axis * (shaft.axis @ apart)))
     interference = shaft.radius - hole.radius
     sine = float(np.linalg.norm(np.cross(shaft.axis, hole.axis)))
-    if sine > tolerance.angle or offset > gap + max(interference, 0.0):
+    if sine > tolerance.angle or offset > gap + abs(interference):
         return []
     if not -gap - (tolerance.clearance or 0.0) <= interference <= thickest * shaft.radius:
         return []
@@ -140,6 +144,12 @@ def _fit(
     return [
         Fit(parts, middle, shaft.axis, shaft.radius, interference, high - low, interference > gap)
     ]
+
+
+def _over_each_other(geometry: Geometry, one: _Bore, other: _Bore) -> bool:
+    """Whether the faces reach over each other around the axis, and not only along it."""
+    bands = bands_of(geometry, np.array([one.row, other.row]))
+    return shared_region(geometry, bands, (one.row, other.row), (0, 1)) is not None
 
 
 def _bores(assembly: Assembly, part: int) -> list[_Bore]:
@@ -155,6 +165,7 @@ def _bore(geometry: Geometry, row: int) -> _Bore:
     corners = geometry.vertices[geometry.triangles[known.triangles_of(row)]].reshape(-1, 3)
     height = (corners - known.point[row]) @ known.axis[row]
     return _Bore(
+        row=row,
         point=known.point[row],
         axis=known.axis[row],
         radius=float(known.radius[row]),
