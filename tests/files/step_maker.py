@@ -21,7 +21,7 @@ from OCP.TDocStd import TDocStd_Document
 from OCP.TopLoc import TopLoc_Location
 from OCP.XCAFDoc import XCAFDoc_DocumentTool
 
-from kilter.files.step_document import quiet
+from kilter.files.occt import quiet
 from kilter.units import metres_per_unit
 
 # (name, shape or list of such, placement or None)

@@ -230,7 +230,7 @@ def test_what_is_no_solid_is_passed_over_and_named(tmp_path: Path) -> None:
     assembly = load(write_step(tmp_path / "a.step", roots))
     assert assembly.names == ("a",)
     assert len(assembly.notes) == 1
-    assert "passed over, no solids: 'skin' (1 shell)" in assembly.notes[0]
+    assert assembly.notes[0] == "passed over, no solids: 'line' (1 edge), 'skin' (1 shell)"
 
 
 def test_a_file_of_surfaces_only(tmp_path: Path) -> None:

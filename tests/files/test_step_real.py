@@ -47,7 +47,7 @@ def solid_of(assembly: Assembly, product: str) -> Solid:
 def test_names_units_and_instances(assembly: Assembly) -> None:
     below = [f"nut-bolt-assembly_{k}/{part}" for k in (1, 2, 3) for part in ("bolt", "nut")]
     sides = [f"l-bracket-assembly_{k}/{n}" for k in (1, 2) for n in [*below, "l-bracket"]]
-    rods = [f"rod-assembly/{n}" for n in ("nut_1", "nut_2", "rod")]
+    rods = ["nut_1", "nut_2", "rod"]  # of the rod-assembly: nothing else is named so
     assert sorted(assembly.names) == sorted(["plate", *rods, *sides])
     assert assembly.units == "mm"
     assert assembly.notes == ()

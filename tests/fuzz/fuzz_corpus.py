@@ -119,7 +119,7 @@ def _step() -> dict[str, bytes]:
         from OCP.STEPControl import STEPControl_StepModelType, STEPControl_Writer
     except ImportError:
         return {}
-    from kilter.files.step_document import quiet
+    from kilter.files.occt import quiet
 
     with TemporaryDirectory() as folder, quiet():
         path = Path(folder) / "box.step"

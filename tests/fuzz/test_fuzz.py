@@ -24,6 +24,13 @@ def test_a_short_round_finds_no_fault(kind: str) -> None:
     assert found == []
 
 
+@pytest.mark.parametrize("number", [5254, 5285], ids=["crash in OCCT", "faces inside out"])
+def test_cases_that_were_faults_once(number: int) -> None:
+    worker = Worker()
+    assert worker.run("files", number) == []
+    worker.end()
+
+
 @pytest.mark.parametrize("name", sorted(corpus()))
 def test_a_whole_file_is_answered_and_its_damage_is_seeded(name: str, tmp_path: Path) -> None:
     path = tmp_path / name

@@ -37,7 +37,13 @@ from kilter.shape.primitives import (
 from kilter.shape.solid import Solid
 from kilter.units import metres_per_unit
 
-__all__ = ["DEFAULT_DENSITY", "Geometry", "build_geometry", "polyhedron_moments"]
+__all__ = [
+    "DEFAULT_DENSITY",
+    "Geometry",
+    "build_geometry",
+    "closed_moments",
+    "polyhedron_moments",
+]
 
 
 DEFAULT_DENSITY = 1000.0
@@ -283,13 +289,19 @@ def _close_in_thought(meshes: dict[int, MeshSurface], moments: tuple[Array, Arra
     for k, mesh in meshes.items():
         if not mesh.small:
             volume[k] = 1.0
-        if not len(mesh.caps) or not mesh.small:
-            continue
-        vertices = np.vstack([mesh.vertices, mesh.caps.reshape(-1, 3)])
-        caps = np.arange(3 * len(mesh.caps)).reshape(-1, 3) + len(mesh.vertices)
-        triangles = np.vstack([mesh.triangles, caps])
-        whole = polyhedron_moments(vertices, triangles, np.array([0, len(triangles)]))
-        volume[k], center[k], second[k] = whole[0][0], whole[1][0], whole[2][0]
+        elif len(mesh.caps):
+            volume[k], center[k], second[k] = closed_moments(mesh)
+
+
+def closed_moments(mesh: MeshSurface) -> tuple[float, Array, Array]:
+    """Volume, centroid and second moment about it of a mesh with what closes it."""
+    vertices = np.vstack([mesh.vertices, mesh.caps.reshape(-1, 3)])
+    caps = np.arange(3 * len(mesh.caps)).reshape(-1, 3) + len(mesh.vertices)
+    triangles = np.vstack([mesh.triangles, caps])
+    volume, center, second, _ = polyhedron_moments(
+        vertices, triangles, np.array([0, len(triangles)])
+    )
+    return float(volume[0]), center[0], second[0]
 
 
 def _unknown(

@@ -22,7 +22,7 @@ from kilter.errors import InputError
 from kilter.shape.closed import open_edges, turned_alike, welded, wound_both_ways
 from kilter.shape.primitives import Mesh
 
-__all__ = ["MeshSurface", "mesh_surface"]
+__all__ = ["MeshSurface", "closed_in_thought", "mesh_surface"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,21 +70,22 @@ def mesh_surface(part: Part, mesh: Mesh, warnings: list[str]) -> MeshSurface:
         if count and len(left) < len(edges):
             warnings.append(f"part {name!r}: {count} faces turned, they were wound the other way")
             triangles, edges = turned, left
-    if not len(edges):
-        return MeshSurface(vertices, triangles, np.empty((0, 3, 3)))
-    if wound_both_ways(triangles):
+    if len(edges) and wound_both_ways(triangles):
         raise InputError(
             f"some faces are wound the wrong way: {len(edges)} edges run twice in one sense",
             part=name,
             hint="let all faces turn the same way, seen from outside",
         )
-    found = _closed_in_thought(vertices, triangles, edges)
-    warnings.append(_allowed(part, found, edges))
+    found = closed_in_thought(vertices, triangles, edges)
+    if len(edges):
+        warnings.append(_allowed(part, found, edges))
     return found
 
 
-def _closed_in_thought(vertices: Array, triangles: Index, edges: Index) -> MeshSurface:
-    """Every group of open edges joined to its middle, the edges run the other way."""
+def closed_in_thought(vertices: Array, triangles: Index, edges: Index) -> MeshSurface:
+    """Every group of open edges, shape (n, 2), joined to its middle, run the other way."""
+    if not len(edges):
+        return MeshSurface(vertices, triangles, np.empty((0, 3, 3)))
     used, ends = np.unique(edges, return_inverse=True)
     ends = ends.reshape(-1, 2)
     group = connected(len(used), *ends.T)

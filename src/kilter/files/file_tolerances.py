@@ -10,7 +10,11 @@ from __future__ import annotations
 
 __all__ = [
     "ALONG",
+    "COARSE",
+    "COARSE_TURN",
+    "CUT_AREA",
     "DEFLECTION",
+    "HOLLOW",
     "INTEGRAL",
     "LEEWAY",
     "LOWEST_CORNERS",
@@ -18,6 +22,7 @@ __all__ = [
     "RIGID",
     "SAME_ANGLE",
     "SAME_FACE",
+    "SEWN",
     "TURN",
     "VOLUME",
 ]
@@ -43,5 +48,15 @@ TURN = 0.2
 """Angle that OCCT is asked for; neighbouring triangles of a round face turn by half of it [rad]."""
 ALONG = 0.7
 """Cosine from which on a face of a block may be one side of an interface [-]."""
+COARSE = 5e-3
+"""The same where the mesher of OCCT cannot cut a face finely."""
+COARSE_TURN = 0.5
+"""Its angle [rad]."""
+SEWN = 1e-5
+"""Edges of a damaged solid this far apart are sewn together, in sizes of the solid."""
+HOLLOW = 1e-3
+"""Faces that are closed in thought enclose at least this fraction of their hull."""
+CUT_AREA = 1e-9
+"""Triangles fill an outline but for this fraction of its area."""
 LEEWAY = 2.0
 """Times the sagitta that triangles may be off, on average, from the faces they stand for."""

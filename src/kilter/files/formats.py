@@ -10,7 +10,7 @@ bodies is taken apart into them. STL and OBJ state no unit; GLB is in metres by 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -71,8 +71,13 @@ MESHES = tuple(ending for ending in FORMATS if ending not in EXACT)
 """Endings of mesh files: what a part's `mesh` may name."""
 
 
-def read_bodies(path: Path) -> FileBodies:
+def read_bodies(path: Path, *, without: Sequence[str] = ()) -> FileBodies:
     """The bodies of a file, in the file's own unit.
+
+    Parameters
+    ----------
+    without : sequence of str
+        Names, or globs, of bodies that need not be read where that saves work (STEP).
 
     Raises
     ------
@@ -80,23 +85,31 @@ def read_bodies(path: Path) -> FileBodies:
         If the file is missing, empty, damaged, or holds no faces; it names the file.
     """
     try:
-        found = FORMATS[path.suffix.lower()](path)
-        if not any(len(shape.triangles) for shape in found.shapes):
+        suffix = path.suffix.lower()
+        exact = suffix in EXACT
+        found = read_step(path, without=without) if exact else FORMATS[suffix](path)
+        if not found.left_out and not any(len(shape.triangles) for shape in found.shapes):
             raise InputError("no faces", hint="export solids, as triangles or polygons")
         return found
     except InputError as error:
         raise error.located(file=str(path)) from None
 
 
-def load_bodies(path: Path, *, units: str | None = None) -> Assembly:
-    """An assembly of the bodies of one file.
+def load_bodies(
+    path: Path, *, units: str | None = None, without: Sequence[str] = ()
+) -> tuple[Assembly, tuple[str, ...]]:
+    """An assembly of the bodies of one file, and the names of those left out already.
+
+    `without`: as of `read_bodies`.
 
     Raises
     ------
     InputError
         As `read_bodies`; and if `units` differ from those that the file states.
     """
-    found = read_bodies(path)
+    found = read_bodies(path, without=without)
+    if not found.shapes:
+        raise InputError("no part is left", file=str(path), hint="leave fewer parts out")
     notes = list(found.notes)
     if found.units and units and units != found.units:
         if not found.by_standard:
@@ -115,4 +128,5 @@ def load_bodies(path: Path, *, units: str | None = None) -> Assembly:
         parts = [Part(name, shape, pose) for name, shape, pose in rows]
     except InputError as error:
         raise error.located(file=str(path)) from None
-    return Assembly(parts, units=units or found.units or "m", source=str(path), notes=notes)
+    assembly = Assembly(parts, units=units or found.units or "m", source=str(path), notes=notes)
+    return assembly, found.left_out

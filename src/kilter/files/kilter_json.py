@@ -299,8 +299,10 @@ def _shape_dict(shape: Shape) -> dict[str, Any]:
 
 
 def _solid_dict(solid: Solid) -> dict[str, Any]:
-    sound = () if len(solid.holes) or solid.stand_in else ("holes", "stand_in")
-    entries = _given(**{n: getattr(solid, n) for n in Solid.__slots__ if n not in sound})
+    entries = _given(**{name: getattr(solid, name) for name in Solid.__slots__})
+    for name in ("holes", "stand_in", "uncertainty"):  # of a sound solid they say nothing
+        if not entries[name]:
+            del entries[name]
     entries["surfaces"] = [
         _given(**{name: getattr(surface, name) for name in Surface.__slots__})
         for surface in solid.surfaces

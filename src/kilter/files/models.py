@@ -86,6 +86,9 @@ class SolidEntry(_Entry):
         [], description="boxes in which faces are missing: lower and upper corner"
     )
     stand_in: Flag = Field(False, description="the triangles bound it, its faces are not known")
+    uncertainty: NotNegative = Field(
+        0.0, description="how far points may be off, as the file it came from states"
+    )
 
 
 class CylinderEntry(_Entry):

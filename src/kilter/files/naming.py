@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 
-__all__ = ["distinct", "filled", "natural_key"]
+__all__ = ["distinct", "filled", "natural_key", "tails"]
 
 
 def distinct(names: Sequence[str]) -> list[str]:
@@ -31,6 +31,24 @@ def distinct(names: Sequence[str]) -> list[str]:
             taken.add(own)
         result.append(own)
     return result
+
+
+def tails(paths: Sequence[tuple[str, ...]]) -> list[str]:
+    """The shortest end of each path that no other path ends with, its pieces parted by ``/``.
+
+    Examples
+    --------
+    >>> tails([("left", "nut"), ("right", "nut"), ("right", "rod"), ("plate",), ("plate",)])
+    ['left/nut', 'right/nut', 'rod', 'plate', 'plate']
+    >>> tails([("a", "plate"), ("plate",)])  # a whole path stays, although others end with it
+    ['a/plate', 'plate']
+    """
+    ends = Counter(path[k:] for path in set(paths) for k in range(len(path)))
+    shortest = [
+        next((path[k:] for k in reversed(range(len(path))) if ends[path[k:]] == 1), path)
+        for path in paths
+    ]
+    return ["/".join(end) for end in shortest]
 
 
 def filled(names: Sequence[str | None], stem: str) -> list[str]:

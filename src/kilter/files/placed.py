@@ -10,7 +10,7 @@ import numpy as np
 from kilter.arrays import Array
 from kilter.rigid import Pose
 from kilter.shape.primitives import Mesh
-from kilter.shape.solid import Solid, scaled_solid
+from kilter.shape.solid import Solid, Surface, scaled_solid
 from kilter.units import metres_per_unit
 
 __all__ = ["FileBodies", "joined", "placed", "scaled"]
@@ -32,6 +32,8 @@ class FileBodies:
     by_standard : bool
         The unit is that of the format, not one that the file states.
     notes : tuple of str
+    left_out : tuple of str
+        Names of bodies that were left out as asked.
     """
 
     names: tuple[str | None, ...]
@@ -40,6 +42,16 @@ class FileBodies:
     units: str | None = None
     by_standard: bool = False
     notes: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()
+
+    def sealed(self) -> FileBodies:
+        """The same, its arrays read-only: those that come from another process are not."""
+        for value in (*self.shapes, *self.poses, *(s for x in self.shapes for s in _surfaces(x))):
+            for name in value.__slots__:
+                array = getattr(value, name)
+                if isinstance(array, np.ndarray):
+                    array.flags.writeable = False
+        return self
 
     @property
     def places(self) -> tuple[Pose, ...]:
@@ -59,6 +71,10 @@ class FileBodies:
             (own[id(shape)], Pose(pose.position * factor, pose.rotation))
             for shape, pose in zip(self.shapes, self.places, strict=True)
         ]
+
+
+def _surfaces(shape: Mesh | Solid) -> tuple[Surface, ...]:
+    return shape.surfaces if isinstance(shape, Solid) else ()
 
 
 def placed(mesh: Mesh, matrix: Array) -> Mesh:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+import fnmatch
 import os
 import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from numpy.typing import ArrayLike
 
@@ -109,12 +110,13 @@ class Reading:
             metres_per_unit(self.units)
         if not isinstance(source, str | os.PathLike) or not os.fspath(source):
             raise InputError(f"a file's path is {source!r:.60}", hint="give a path, or '-'")
-        read, states_gravity = _read(source, self)
-        assembly = _with_contacts(self, read)
+        read = _read(source, self)
+        assembly = _with_contacts(self, read.assembly)
         if self.density is not None:
             assembly = _with_density(assembly, self.density)
-        if self.without:
-            assembly = assembly.without(self.without)
+        still = [p for p in self.without if not fnmatch.filter(read.left_out, p)]
+        if still:
+            assembly = assembly.without(still)
         if self.friction is not None:
             assembly = assembly.with_friction(self.friction)
         if self.up is not None:
@@ -123,7 +125,7 @@ class Reading:
             assembly = assembly.with_down(self.down)
         if self.ground:
             assembly = assembly.with_grounded(self.ground)
-        if self.up is None and self.down is None and not states_gravity:
+        if self.up is None and self.down is None and not read.states_gravity:
             notes = note_on_up(assembly)
             if notes:  # else it keeps the geometry that was asked for
                 assembly = dataclasses.replace(assembly, notes=[*assembly.notes, *notes])
@@ -206,16 +208,28 @@ def _lists(value: Any) -> Any:
     return [_lists(inner) for inner in value] if isinstance(value, tuple) else value
 
 
-def _read(source: str | Path, reading: Reading) -> tuple[Assembly, bool]:
-    """The assembly as the file has it, and whether the file says which way gravity points."""
+class _Read(NamedTuple):
+    """The assembly as the file has it.
+
+    `states_gravity`: the file says which way gravity points; `left_out`: names of parts that were
+    left out while it was read.
+    """
+
+    assembly: Assembly
+    states_gravity: bool = False
+    left_out: tuple[str, ...] = ()
+
+
+def _read(source: str | Path, reading: Reading) -> _Read:
     if os.fspath(source) == STANDARD_INPUT:
         return _from_json(sys.stdin.buffer.read(), Path(), "standard input", reading)
     path, units = Path(source), reading.units
     suffix = path.suffix.lower()
     if _is_folder(path):
-        return load_folder(path, units=units), False
+        return _Read(load_folder(path, units=units))
     if suffix in FORMATS:
-        return load_bodies(path, units=units), False
+        assembly, left_out = load_bodies(path, units=units, without=reading.without)
+        return _Read(assembly, left_out=left_out)
     data = read_bytes(path)
     if suffix == ".json":
         return _from_json(data, path.parent, str(path), reading)
@@ -247,18 +261,17 @@ def _is_folder(path: Path) -> bool:
         return False
 
 
-def _from_json(data: bytes, folder: Path, source: str, reading: Reading) -> tuple[Assembly, bool]:
+def _from_json(data: bytes, folder: Path, source: str, reading: Reading) -> _Read:
     try:
         content = parse_json(data)
     except InputError as error:
         raise error.located(file=source) from None
     if is_compas(content):
-        return from_compas(
-            content, units=reading.units, source=source, contacts=reading.contacts
-        ), False
+        units, contacts = reading.units, reading.contacts
+        return _Read(from_compas(content, units=units, source=source, contacts=contacts))
     assembly = from_dict(content, folder=folder, source=source)
     _check_units(assembly, reading.units)
-    return assembly, True
+    return _Read(assembly, states_gravity=True)
 
 
 def _with_contacts(reading: Reading, assembly: Assembly) -> Assembly:

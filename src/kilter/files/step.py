@@ -1,35 +1,48 @@
 """STEP files (.step, .stp): assemblies of solids with exact faces.
 
-Needs OCCT (the extra ``kilter[step]``), which is loaded when a STEP file is read. The unit of
-the file is kept. A solid that is used in several places is read once and shared.
+Needs OCCT (the extra ``kilter[step]``), which is loaded when a STEP file is read, in a process of
+its own: a file on which it breaks down is refused, and a solid on which it does stands aside
+(`kilter.files.step_process`). The unit of the file is kept, and the accuracy that it states. A
+solid that is used in several places is read once and shared.
 """
 
 from __future__ import annotations
 
 import importlib.util
 import re
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from kilter.errors import InputError
 from kilter.files.placed import FileBodies
 from kilter.files.raw import read_bytes
-from kilter.files.step_document import quiet, read_document
-from kilter.files.step_solids import read_solid
-from kilter.shape.solid import Solid
+from kilter.files.step_process import begin_early, read_apart
 
-__all__ = ["read_step"]
+__all__ = ["begin_early", "read_step"]
 
 _TEXTS = re.compile(rb"'[^']*'|/\*.*?\*/", re.DOTALL)
 
 
-def read_step(path: Path) -> FileBodies:
+def read_step(
+    path: Path,
+    *,
+    without: Sequence[str] = (),
+    progress: Callable[[str], None] | None = None,
+) -> FileBodies:
     """The solids of a STEP file.
+
+    Parameters
+    ----------
+    without : sequence of str
+        Names of solids, or globs, that are left out before they are cut into triangles.
+    progress : callable, optional
+        Called with a word at each stage.
 
     Raises
     ------
     InputError
-        If OCCT is not installed, or the file is missing, no STEP file, damaged, holds no solid
-        or one that is not closed.
+        If OCCT is not installed, or the file is missing, no STEP file, damaged, or holds no
+        solid.
     """
     try:
         _check_text(read_bytes(path))
@@ -38,7 +51,7 @@ def read_step(path: Path) -> FileBodies:
                 "STEP files need OCCT, which is not installed",
                 hint="pip install 'kilter[step]', or export it as 3MF, or one STL a part",
             )
-        return _read(path)
+        return read_apart(path, tuple(without), progress or (lambda stage: None))
     except InputError as error:
         raise error.located(file=str(path)) from None
 
@@ -68,24 +81,3 @@ def _check_text(data: bytes) -> None:
             f"damaged STEP: {len(missing)} entities are named but not there, the first is #{first}",
             hint="copy or export it again",
         )
-
-
-def _read(path: Path) -> FileBodies:
-
-    document = read_document(path)
-    solids: dict[int, Solid] = {}
-    with quiet():
-        for one in document.solids:
-            if one.key in solids:
-                continue
-            try:
-                solids[one.key] = read_solid(one.shape)
-            except InputError as error:
-                raise error.located(part=one.name) from None
-    return FileBodies(
-        names=tuple(one.name for one in document.solids),
-        shapes=tuple(solids[one.key] for one in document.solids),
-        poses=tuple(one.pose for one in document.solids),
-        units=document.units,
-        notes=document.notes,
-    )

@@ -1,27 +1,27 @@
 """The tree of a STEP file: which solids it holds, under which names, and where.
 
-A product that is used in several places is one shape with several placements. A part is named
-by the products above it, ``l-bracket-assembly_2/nut-bolt-assembly_1/bolt``: where a name occurs
-several times among its neighbours each gets a number. A file that is one assembly leaves that
-assembly's own name out. Whatever is no solid is passed over and named in a note.
+A product that is used in several places is one shape with several placements. Where a name occurs
+several times among its neighbours each gets a number, and a part is named by as many of the
+products above it as tell it from all others: ``rod``, ``l-bracket-assembly_2/l-bracket``. Whatever
+is no solid is passed over and named in a note.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-from kilter.errors import InputError, some
+from kilter.errors import InputError
 from kilter.files.file_tolerances import RIGID
-from kilter.files.naming import distinct
+from kilter.files.naming import distinct, tails
+from kilter.files.occt import inside, quiet
 from kilter.rigid import Pose
 from kilter.units import METRES
 
-__all__ = ["Occurrence", "StepDocument", "numbered", "quiet", "read_document"]
+__all__ = ["Occurrence", "StepDocument", "numbered", "read_document"]
 
 
 _DAMAGED = "export it again as STEP (AP214 or AP242)"
@@ -50,21 +50,24 @@ class Occurrence:
         The same for occurrences of one solid.
     pose : Pose
         From the solid's frame to that of the file.
+    skin : bool
+        The file has it as a shell: a solid only if it closes.
     """
 
     name: str
     shape: Any
     key: int
     pose: Pose
+    skin: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StepDocument:
-    """What a STEP file holds: solids, the unit of their lengths, notes on the rest."""
+    """What a STEP file holds: solids, the unit of their lengths, and in words what is none."""
 
     solids: tuple[Occurrence, ...]
     units: str
-    notes: tuple[str, ...]
+    passed: tuple[str, ...]
 
 
 def numbered(names: Sequence[str]) -> list[str]:
@@ -89,40 +92,20 @@ def numbered(names: Sequence[str]) -> list[str]:
     return result
 
 
-@contextmanager
-def quiet() -> Iterator[None]:
-    """No word of OCCT on the output while this lasts."""
-    from OCP.Message import Message
-
-    messenger = Message.DefaultMessenger_s()
-    printers = list(messenger.Printers())
-    for printer in printers:
-        messenger.RemovePrinter(printer)
-    try:
-        yield
-    finally:
-        for printer in printers:
-            messenger.AddPrinter(printer)
-
-
 def read_document(path: Path) -> StepDocument:
     """The solids of a STEP file.
 
     Raises
     ------
     InputError
-        If it is damaged, names files that are missing, or holds no solid.
+        If it is damaged, or names files that are missing.
     """
     with quiet():
         reader, units = _opened(path)
         document = _transferred(reader, units)
         _check_external(reader)
-        solids, passed = _solids(document, path.stem)
-    notes = [f"passed over, no solids: {some(passed, 8)}"] if passed else []
-    if not solids:
-        what = f"no solid, only {some(passed)}" if passed else "no solid"
-        raise InputError(what, hint="export solids, not surfaces or curves")
-    return StepDocument(tuple(solids), units, tuple(notes))
+        solids, passed = _solids(document, reader.ChangeReader().WS().TransferReader(), path.stem)
+    return StepDocument(tuple(solids), units, tuple(passed))
 
 
 def _opened(path: Path) -> tuple[Any, str]:
@@ -171,7 +154,7 @@ def _check_external(reader: Any) -> None:
 # the tree ------------------------------------------------------------------------------
 
 
-def _solids(document: Any, stem: str) -> tuple[list[Occurrence], list[str]]:
+def _solids(document: Any, transfer: Any, stem: str) -> tuple[list[Occurrence], list[str]]:
     """Occurrences of solids in the order of the file, and what else there is, in words."""
     from OCP.collections import Sequence_TDF_Label
     from OCP.TopLoc import TopLoc_Location
@@ -179,27 +162,37 @@ def _solids(document: Any, stem: str) -> tuple[list[Occurrence], list[str]]:
 
     roots = Sequence_TDF_Label()
     XCAFDoc_DocumentTool.ShapeTool_s(document.Main()).GetFreeShapes(roots)
-    walk = _Walk()
-    found = walk.below(list(roots), "", TopLoc_Location(), stem)
-    names = distinct([name for name, *_ in found])
-    solids = [
-        Occurrence(name, shape, key, _pose(location, name))
-        for name, (_, shape, key, location) in zip(names, found, strict=True)
-    ]
+    walk = _Walk(transfer)
+    found = walk.below(list(roots), (), TopLoc_Location(), stem)
+    names = distinct(tails([one.path for one in found]))
+    solids = [walk.placed(name, one) for name, one in zip(names, found, strict=True)]
     return solids, walk.passed
+
+
+class _Found(NamedTuple):
+    """A solid below the names of the products above it, before it is placed."""
+
+    path: tuple[str, ...]
+    shape: Any
+    location: Any
+    skin: bool
 
 
 class _Walk:
     """Goes down the tree of products; keeps what each shape holds."""
 
-    def __init__(self) -> None:
+    def __init__(self, transfer: Any) -> None:
         from OCP.collections import IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher as ShapeMap
 
+        self.transfer = transfer
         self.shapes = ShapeMap()
+        self.skins: dict[int, Any] = {}
         self.passed: list[str] = []
 
-    def below(self, labels: list[Any], above: str, place: Any, stem: str) -> list[Any]:
-        """(name, solid, key, location) of the solids below labels that are neighbours."""
+    def below(
+        self, labels: list[Any], above: tuple[str, ...], place: Any, stem: str
+    ) -> list[_Found]:
+        """The solids below labels that are neighbours."""
         from OCP.TDF import TDF_Label
         from OCP.XCAFDoc import XCAFDoc_ShapeTool
 
@@ -209,19 +202,20 @@ class _Walk:
             own = XCAFDoc_ShapeTool.GetReferredShape_s(label, product)
             products.append(product if own else label)
         names = numbered([_label_name(product) or stem for product in products])
-        found = []
+        found: list[_Found] = []
         for name, label, product in zip(names, labels, products, strict=True):
             location = place.Multiplied(XCAFDoc_ShapeTool.GetLocation_s(label))
-            whole = f"{above}/{name}" if above else name
+            whole = (*above, name)
             if XCAFDoc_ShapeTool.IsAssembly_s(product):
-                inner = "" if not above and len(labels) == 1 else whole
+                inner = () if not above and len(labels) == 1 else whole
                 found += self.below(_components(product), inner, location, stem)
             else:
                 found += self._leaf(product, whole, location)
         return found
 
-    def _leaf(self, product: Any, name: str, place: Any) -> list[Any]:
+    def _leaf(self, product: Any, path: tuple[str, ...], place: Any) -> list[_Found]:
         """Solids of a product without components."""
+        from OCP.TopAbs import TopAbs_ShapeEnum
         from OCP.TopLoc import TopLoc_Location
         from OCP.XCAFDoc import XCAFDoc_ShapeTool
 
@@ -229,15 +223,61 @@ class _Walk:
         if shape is None or shape.IsNull():
             return []
         solids, rest = _split(shape)
-        if rest:
-            self.passed.append(f"{name!r} ({rest})")
-        found = []
-        names = numbered([name] * len(solids))
-        for own, solid in zip(names, solids, strict=True):
-            bare = solid.Located(TopLoc_Location())
-            key = self.shapes.Add(bare)
-            found.append((own, bare, key, place.Multiplied(solid.Location())))
-        return found
+        shells = [] if solids else list(inside(shape, TopAbs_ShapeEnum.TopAbs_SHELL))
+        closed = [shell for shell in shells if self._is_closed(shell)]
+        if rest and not shells:
+            self.passed.append(f"{'/'.join(path)!r} ({rest})")
+        found = [(solid.Located(TopLoc_Location()), solid.Location()) for solid in solids]
+        found += [(self._filled([shell], True), shell.Location()) for shell in closed]
+        skin = bool(shells) and not closed
+        if skin:
+            found.append((self._filled(shells, False), TopLoc_Location()))
+        names = numbered([path[-1]] * len(found))
+        return [
+            _Found((*path[:-1], name), solid, place.Multiplied(where), skin)
+            for name, (solid, where) in zip(names, found, strict=True)
+        ]
+
+    def _is_closed(self, shell: Any) -> bool:
+        """Whether the file says that a shell is closed: the skin of a solid that lost a face."""
+        from OCP.TopLoc import TopLoc_Location
+
+        bare = shell.Located(TopLoc_Location())
+        entity = self.transfer.EntityFromShapeResult(bare, -1)
+        return entity is not None and entity.DynamicType().Name() == "StepShape_ClosedShell"
+
+    def _filled(self, shells: list[Any], bare: bool) -> Any:
+        """The faces of shells as one solid, which may not close; the same for the same shells."""
+        from OCP.BRep import BRep_Builder
+        from OCP.TopAbs import TopAbs_ShapeEnum
+        from OCP.TopLoc import TopLoc_Location
+        from OCP.TopoDS import TopoDS_Shell, TopoDS_Solid
+
+        if bare:
+            shells = [shell.Located(TopLoc_Location()) for shell in shells]
+        key = self.shapes.Add(shells[0])
+        if key not in self.skins:
+            solid, whole, builder = TopoDS_Solid(), TopoDS_Shell(), BRep_Builder()
+            builder.MakeShell(whole)
+            for face in (f for s in shells for f in inside(s, TopAbs_ShapeEnum.TopAbs_FACE)):
+                builder.Add(whole, face)
+            builder.MakeSolid(solid)
+            builder.Add(solid, whole)
+            self.skins[key] = solid
+        return self.skins[key]
+
+    def placed(self, name: str, found: _Found) -> Occurrence:
+        """A solid where it is; one that is scaled or mirrored there is a solid of its own."""
+        from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
+
+        move, shape = found.location.Transformation(), found.shape
+        pose = Pose()
+        if move.IsNegative() or abs(abs(move.ScaleFactor()) - 1) > RIGID:
+            shape = BRepBuilderAPI_Transform(shape, move, True).Shape()
+        else:
+            turn, step = move.GetRotation(), move.TranslationPart()
+            pose = Pose([step.X(), step.Y(), step.Z()], [turn.W(), turn.X(), turn.Y(), turn.Z()])
+        return Occurrence(name, shape, self.shapes.Add(shape), pose, found.skin)
 
 
 def _components(product: Any) -> list[Any]:
@@ -261,30 +301,14 @@ def _label_name(label: Any) -> str:
 def _split(shape: Any) -> tuple[list[Any], str]:
     """The solids of a shape, and what is beside them in words ("2 shells, 1 wire")."""
     from OCP.TopAbs import TopAbs_ShapeEnum as Kind
-    from OCP.TopExp import TopExp_Explorer
     from OCP.TopoDS import TopoDS
 
-    def inside(kind: Any, avoid: Any) -> list[Any]:
-        explorer, found = TopExp_Explorer(shape, kind, avoid), []
-        while explorer.More():
-            found.append(explorer.Current())
-            explorer.Next()
-        return found
-
-    solids = [TopoDS.Solid(s) for s in inside(Kind.TopAbs_SOLID, Kind.TopAbs_SHAPE)]
+    solids = [TopoDS.Solid(s) for s in inside(shape, Kind.TopAbs_SOLID)]
     chain = [Kind.TopAbs_SOLID, Kind.TopAbs_SHELL, Kind.TopAbs_FACE, Kind.TopAbs_WIRE]
     chain += [Kind.TopAbs_EDGE, Kind.TopAbs_VERTEX]
     words = ("", "shell", "face", "wire", "edge", "point")
     rest = []
     for word, kind, avoid in zip(words[1:], chain[1:], chain, strict=False):
-        count = len(inside(kind, avoid))
+        count = len(list(inside(shape, kind, avoid)))
         rest += [f"{count} {word}{'s' if count > 1 else ''}"] if count else []
     return solids, ", ".join(rest)
-
-
-def _pose(location: Any, name: str) -> Pose:
-    move = location.Transformation()
-    if move.IsNegative() or abs(abs(move.ScaleFactor()) - 1) > RIGID:
-        raise InputError("its placement scales or mirrors it", part=name, hint=_DAMAGED)
-    turn, step = move.GetRotation(), move.TranslationPart()
-    return Pose([step.X(), step.Y(), step.Z()], [turn.W(), turn.X(), turn.Y(), turn.Z()])

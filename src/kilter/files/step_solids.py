@@ -3,58 +3,215 @@
 Faces are cut into triangles one by one along shared edges, and the corners on an edge are made
 one by the edge, not by their coordinates, so that the surface is closed. Volume, centre and
 second moment are integrals over the faces as the file has them, to a relative error of 1e-10.
+
+One way after the other, until the triangles close and enclose the volume of the faces:
+
+1. the solid as it is
+2. coarser, where the mesher of OCCT trips over short edges
+3. healed by OCCT, and that coarser
+
+Else the faces that there are, with holes; or, where there are none, their hull or the box around
+the solid as a stand-in. What is uncertain then is said in a note, and open to `kilter.contact`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from kilter.arrays import Array, Index, connected
-from kilter.assembly.geometry import polyhedron_moments
+from kilter.assembly.geometry import closed_moments, polyhedron_moments
+from kilter.assembly.mesh_surface import closed_in_thought
 from kilter.errors import InputError
 from kilter.files.checked_solid import checked
-from kilter.files.file_tolerances import DEFLECTION, INTEGRAL, SAME_FACE, TURN
-from kilter.files.step_surfaces import face_surface, is_plain, points_of_face
+from kilter.files.file_tolerances import (
+    COARSE,
+    COARSE_TURN,
+    DEFLECTION,
+    HOLLOW,
+    INTEGRAL,
+    SAME_FACE,
+    SEWN,
+    TURN,
+    VOLUME,
+)
+from kilter.files.occt import failures, inside
+from kilter.files.step_faces import StepFace, cut_faces, size_of
+from kilter.files.step_surfaces import face_surface, points_of_face
+from kilter.shape.closed import open_edges
 from kilter.shape.solid import Solid, Surface, facing, height
 
-__all__ = ["read_solid"]
+__all__ = ["ReadSolid", "read_solid", "stand_in"]
 
 
 GRID: Array = np.array([(i, j, 4 - i - j) for i in range(5) for j in range(5 - i)]) / 4
 """Where on a triangle its distance from its face is measured."""
 
 
-def read_solid(shape: Any) -> Solid:
-    """The solid that a TopoDS_Solid is, in its own frame.
+class ReadSolid(NamedTuple):
+    """A solid, None where it has no volume; and in words what is not as the file has it."""
 
-    Raises
-    ------
-    InputError
-        If its faces do not close, or cannot be cut into triangles.
-    """
-    faces = list(_meshed(shape))
+    solid: Solid | None
+    note: str = ""
+
+
+def read_solid(shape: Any) -> ReadSolid:
+    """The solid that a TopoDS_Solid is, in its own frame; however damaged, as far as it goes."""
+    best: Solid | None = None
+    for how, attempt, fineness in _attempts(shape):
+        try:
+            faces, lost = cut_faces(attempt, *fineness)
+            found = _solid(attempt, faces, lost)
+            if not len(found.holes):
+                return ReadSolid(checked(found), how)
+        except failures(InputError):
+            continue
+        if best is None or len(found.holes) < len(best.holes):
+            best = found
+    if best is not None:
+        return ReadSolid(best, _HOLES)
+    return stand_in(shape)
+
+
+_HOLES = (
+    "its faces do not close: its volume is that of the faces there are, closed in thought, and "
+    "what it touches at its holes is not known"
+)
+
+
+def _attempts(shape: Any) -> Iterator[tuple[str, Any, tuple[float, float]]]:
+    """What is tried, in words, with the shape and how finely it is cut."""
+    yield "", shape, (DEFLECTION, TURN)
+    yield "", shape, (COARSE, COARSE_TURN)
+    try:
+        mended = _mended(shape)
+    except failures():
+        return
+    if mended is not None:
+        yield "mended by OCCT, its faces did not close", mended, (DEFLECTION, TURN)
+        yield "mended by OCCT, its faces did not close", mended, (COARSE, COARSE_TURN)
+
+
+def _mended(shape: Any) -> Any:
+    """The shape after OCCT has sewn and oriented its faces; None where no solid comes of it."""
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_Sewing
+    from OCP.ShapeFix import ShapeFix_Shape, ShapeFix_Solid
+    from OCP.TopAbs import TopAbs_ShapeEnum
+    from OCP.TopoDS import TopoDS
+
+    fixed = ShapeFix_Shape(shape)
+    fixed.Perform()
+    sewing = BRepBuilderAPI_Sewing(SEWN * size_of(shape))
+    sewing.Add(fixed.Shape())
+    sewing.Perform()
+    shells = list(inside(sewing.SewedShape(), TopAbs_ShapeEnum.TopAbs_SHELL))
+    if len(shells) != 1:
+        return None
+    return ShapeFix_Solid().SolidFromShell(TopoDS.Shell(shells[0]))
+
+
+def _solid(shape: Any, faces: list[StepFace], lost: int) -> Solid:
+    """The solid of faces that are cut; with holes where they do not close."""
     vertices, triangles, owner = _welded(faces)
     if not len(triangles):
         raise InputError("the solid has no faces", hint="heal it where it was made")
-    start = np.array([0, len(triangles)])
-    volume, center, _, _ = polyhedron_moments(vertices, triangles, start)
-    if volume[0] < 0:
+    whole = closed_in_thought(vertices, triangles, open_edges(vertices, triangles))
+    moments = closed_moments(whole)
+    if moments[0] < 0:
         triangles = triangles[:, ::-1]
+        moments = -moments[0], moments[1], -moments[2]
     surfaces, lies_on, sagitta, off = _surfaces(faces, vertices, triangles, owner)
-    solid = Solid(
+    if whole.holes:
+        moments = _believable(vertices, moments)
+    elif not lost:
+        moments = _exact_moments(shape, moments[1])
+    return Solid(
         vertices,
         triangles,
         tuple(surfaces),
         lies_on,
-        *_exact_moments(shape, center[0]),
+        *moments,
         sagitta=sagitta,
         accuracy=max(off, float(np.abs(vertices).max()) * 2.0**-52),
+        holes=np.array(whole.holes),
     )
-    return checked(solid)
+
+
+_Moments = tuple[float, Array, Array]
+
+
+def _believable(vertices: Array, moments: _Moments) -> _Moments:
+    """Moments of faces closed in thought, where a body can have them; else those of the hull."""
+    hull = _hull(vertices)
+    volume, _, second = moments
+    spread = np.linalg.eigvalsh(second)
+    inside = volume <= hull.volume * (1 + VOLUME)
+    if inside and volume > HOLLOW * hull.volume and spread[0] > 0:
+        return moments
+    return hull.volume, hull.centroid, hull.second_moment
+
+
+def _hull(points: Array) -> Solid:
+    """The convex hull of points, as a stand-in.
+
+    Raises
+    ------
+    InputError
+        If they lie in a plane.
+    """
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        hull = ConvexHull(points)
+    except (QhullError, ValueError):
+        raise InputError("the solid has no volume", hint="heal it where it was made") from None
+    used, compact = np.unique(hull.simplices, return_inverse=True)
+    triangles = compact.reshape(-1, 3).astype(np.int64)
+    vertices = points[used]
+    p, q, r = (vertices[triangles[:, k]] for k in range(3))
+    inwards = np.einsum("ij,ij->i", np.cross(q - p, r - p), hull.equations[:, :3]) < 0
+    triangles[inwards] = triangles[inwards][:, ::-1]
+    volume, center, second, _ = polyhedron_moments(
+        vertices, triangles, np.array([0, len(triangles)])
+    )
+    none = np.full(len(triangles), -1)
+    return Solid(vertices, triangles, (), none, volume[0], center[0], second[0], stand_in=True)
+
+
+def stand_in(shape: Any) -> ReadSolid:
+    """The hull of what is known of a solid, or the box around it."""
+    try:
+        return ReadSolid(_hull(_corners(shape)), _STANDS_IN)
+    except failures(InputError):
+        return ReadSolid(None)
+
+
+_STANDS_IN = (
+    "none of its faces can be used: their hull stands in for it, which its mass and centre are "
+    "of, and what it touches is not known"
+)
+
+
+def _corners(shape: Any) -> Array:
+    """Corners of a shape and of the triangles on its faces; where there are too few, of its box."""
+    from OCP.Bnd import Bnd_Box
+    from OCP.BRep import BRep_Tool
+    from OCP.BRepBndLib import BRepBndLib
+    from OCP.TopAbs import TopAbs_ShapeEnum
+    from OCP.TopoDS import TopoDS
+
+    vertices = map(TopoDS.Vertex, inside(shape, TopAbs_ShapeEnum.TopAbs_VERTEX))
+    found = [np.array([BRep_Tool.Pnt_s(vertex).Coord() for vertex in vertices]).reshape(-1, 3)]
+    found += [face.nodes for face in cut_faces(shape, DEFLECTION, TURN)[0]]
+    points = np.vstack(found)
+    if len(points) > 3:
+        return points
+    box = Bnd_Box()
+    BRepBndLib.Add_s(shape, box)
+    ends = np.array([box.CornerMin().Coord(), box.CornerMax().Coord()])
+    return np.array(np.meshgrid(*ends.T)).reshape(3, -1).T
 
 
 def _exact_moments(shape: Any, about: Array) -> tuple[float, Array, Array]:
@@ -72,80 +229,7 @@ def _exact_moments(shape: Any, about: Array) -> tuple[float, Array, Array]:
     return sign * found.Mass(), np.array([center.X(), center.Y(), center.Z()]), second
 
 
-# triangles ------------------------------------------------------------------------------
-
-
-@dataclass(slots=True, eq=False)
-class _Face:
-    """A face cut into triangles; `edges` are (edge, corners along it).
-
-    `parameters` of the corners are there where the kind of surface must be found out.
-    """
-
-    shape: Any
-    nodes: Array
-    parameters: Array
-    triangles: Index
-    edges: list[tuple[Any, Index]]
-
-
-def _meshed(shape: Any) -> Iterator[_Face]:
-    """The faces of a solid, cut into triangles that turn left seen from outside."""
-    from OCP.Bnd import Bnd_Box
-    from OCP.BRepBndLib import BRepBndLib
-    from OCP.BRepMesh import BRepMesh_IncrementalMesh
-    from OCP.TopAbs import TopAbs_ShapeEnum
-    from OCP.TopoDS import TopoDS
-
-    box = Bnd_Box()
-    BRepBndLib.Add_s(shape, box)
-    size = float(np.sqrt(box.SquareExtent()))
-    BRepMesh_IncrementalMesh(shape, DEFLECTION * size, False, TURN, False)
-    for face in _inside(shape, TopAbs_ShapeEnum.TopAbs_FACE):
-        yield _face(TopoDS.Face(face))
-
-
-def _inside(shape: Any, kind: Any) -> Iterator[Any]:
-    from OCP.TopExp import TopExp_Explorer
-
-    explorer = TopExp_Explorer(shape, kind)
-    while explorer.More():
-        yield explorer.Current()
-        explorer.Next()
-
-
-def _face(face: Any) -> _Face:
-    from OCP.BRep import BRep_Tool
-    from OCP.TopAbs import TopAbs_Orientation, TopAbs_ShapeEnum
-    from OCP.TopLoc import TopLoc_Location
-    from OCP.TopoDS import TopoDS
-
-    place = TopLoc_Location()
-    mesh = BRep_Tool.Triangulation_s(face, place)
-    if mesh is None:
-        raise InputError("a face cannot be cut into triangles", hint="heal it where it was made")
-    numbers = range(1, mesh.NbNodes() + 1)
-    nodes = np.array([mesh.Node(k).Coord() for k in numbers]).reshape(-1, 3)
-    if not place.IsIdentity():
-        move = place.Transformation()
-        matrix = np.array([[move.Value(i, j) for j in range(1, 5)] for i in range(1, 4)])
-        nodes = nodes @ matrix[:, :3].T + matrix[:, 3]
-    hidden = mesh.HasUVNodes() and not is_plain(face)
-    pairs = [mesh.UVNode(k).Coord() for k in numbers] if hidden else []
-    corners = [mesh.Triangle(k).Get() for k in range(1, mesh.NbTriangles() + 1)]
-    triangles = np.array(corners, dtype=np.int64).reshape(-1, 3) - 1
-    if face.Orientation() == TopAbs_Orientation.TopAbs_REVERSED:
-        triangles = triangles[:, ::-1]
-    edges = []
-    for edge in map(TopoDS.Edge, _inside(face, TopAbs_ShapeEnum.TopAbs_EDGE)):
-        polygon = BRep_Tool.PolygonOnTriangulation_s(edge, mesh, place)
-        if polygon is not None:
-            rows = [polygon.Node(k) for k in range(1, polygon.NbNodes() + 1)]
-            edges.append((edge, np.array(rows, dtype=np.int64) - 1))
-    return _Face(face, nodes, np.array(pairs).reshape(-1, 2), triangles, edges)
-
-
-def _welded(faces: list[_Face]) -> tuple[Array, Index, Index]:
+def _welded(faces: list[StepFace]) -> tuple[Array, Index, Index]:
     """Vertices, triangles and the face of each, corners on shared edges made one.
 
     Every corner of a face is a node of a graph, and so are the corners along each edge of the
@@ -164,7 +248,7 @@ def _welded(faces: list[_Face]) -> tuple[Array, Index, Index]:
     return nodes[first][used], compact.reshape(-1, 3).astype(np.int64), owner[proper]
 
 
-def _shared(faces: list[_Face], starts: Index) -> tuple[Index, int]:
+def _shared(faces: list[StepFace], starts: Index) -> tuple[Index, int]:
     """Pairs of nodes of the graph that are one corner, and how many nodes there are."""
     from OCP.BRep import BRep_Tool
     from OCP.collections import IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher as ShapeMap
@@ -197,7 +281,7 @@ def _shared(faces: list[_Face], starts: Index) -> tuple[Index, int]:
 
 
 def _surfaces(
-    faces: list[_Face], vertices: Array, triangles: Index, owner: Index
+    faces: list[StepFace], vertices: Array, triangles: Index, owner: Index
 ) -> tuple[list[Surface], Index, float, float]:
     """Surfaces, that of each triangle, the sagitta, and how far corners are off surfaces."""
     found: list[Surface] = []
@@ -217,7 +301,7 @@ def _surfaces(
     return *_merged(found, of_face[owner], triangles, size), sagitta, off
 
 
-def _one_surface(face: _Face, corners: Array) -> tuple[Surface | None, float]:
+def _one_surface(face: StepFace, corners: Array) -> tuple[Surface | None, float]:
     """The surface of a face, and the greatest distance of its triangles from it."""
     amid = np.empty((0, 3))
     if len(face.parameters):

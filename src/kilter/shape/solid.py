@@ -94,6 +94,9 @@ class Solid:
         Boxes, lower and upper corner, in which faces are missing; none of a sound solid.
     stand_in : bool
         The triangles are not its faces but bound it: nothing of its surface is known.
+    uncertainty : float
+        How far points may be off by what the file states of itself [length unit]; not counted
+        in `accuracy`, which is that of the numbers.
 
     Raises
     ------
@@ -112,6 +115,7 @@ class Solid:
     accuracy: float = 0.0
     holes: Any = ()
     stand_in: bool = False
+    uncertainty: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "vertices", frozen(self.vertices, (-1, 3)))
@@ -250,4 +254,5 @@ def scaled_solid(solid: Solid, factor: float) -> Solid:
         sagitta=solid.sagitta * factor,
         accuracy=solid.accuracy * factor,
         holes=solid.holes * factor,
+        uncertainty=solid.uncertainty * factor,
     )

@@ -1,0 +1,52 @@
+"""The accuracy that a STEP file states of its coordinates.
+
+    #15 = UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE(0.01), #12, 'distance_accuracy_value', ...)
+
+in the unit #12: SI with a prefix, or one that is defined by a conversion (inch). Every shape may
+state its own; the greatest counts. The text is searched, since OCCT folds the value into the
+tolerances of edges.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from kilter.units import METRES
+
+__all__ = ["stated_accuracy"]
+
+_STATED = re.compile(
+    r"UNCERTAINTY_MEASURE_WITH_UNIT\s*\(\s*LENGTH_MEASURE\s*\(\s*([^()\s]+)\s*\)\s*,\s*#(\d+)"
+)
+_PREFIX = {"MILLI": 1e-3, "CENTI": 1e-2, "DECI": 1e-1, "MICRO": 1e-6, "KILO": 1e3}
+_SI = re.compile(r"SI_UNIT\s*\(\s*(?:\$|\.(\w+)\.)\s*,\s*\.METRE\.")
+_CONVERTED = re.compile(r"CONVERSION_BASED_UNIT\s*\(\s*'([^']*)'", re.IGNORECASE)
+_NAMED = {"INCH": 0.0254, "FOOT": 0.3048, "MILLIMETRE": 1e-3, "MILLIMETER": 1e-3}
+
+
+def stated_accuracy(path: Path, units: str) -> float:
+    """How far a coordinate may be off [`units`]; 0 where nothing can be read."""
+    text = path.read_bytes().decode("latin-1")
+    found = 0.0
+    for number, unit in set(_STATED.findall(text)):
+        try:
+            value = float(number)
+        except ValueError:
+            continue
+        metres = _metres(text, unit)
+        if value > 0 and metres is not None:
+            found = max(found, value * metres / METRES[units])
+    return found
+
+
+def _metres(text: str, unit: str) -> float | None:
+    """Metres in the unit that is defined as an entity of that number."""
+    defined = re.search(rf"#{unit}\s*=([^;]*);", text)
+    if defined is None:
+        return None
+    converted = _CONVERTED.search(defined[1])
+    if converted is not None:
+        return _NAMED.get(converted[1].strip().upper())
+    si = _SI.search(defined[1])
+    return None if si is None else _PREFIX.get(si[1] or "", None if si[1] else 1.0)

@@ -1,0 +1,154 @@
+"""Faces of a solid of a STEP file, cut into triangles.
+
+OCCT cuts them, with corners along shared edges in common. A face that its mesher leaves out is
+cut here: the polygons of its edges, as its neighbours have them, mapped to the parameters of the
+face and filled by a Delaunay triangulation, with points inside where the face is bent.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from kilter.arrays import Array, Index
+from kilter.errors import InputError
+from kilter.files.occt import failures, inside
+from kilter.files.step_surfaces import is_plain
+from kilter.files.unmeshed import cut_face
+
+__all__ = ["StepFace", "cut_faces", "size_of"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StepFace:
+    """A face cut into triangles that turn left seen from outside.
+
+    Attributes
+    ----------
+    shape : TopoDS_Face
+    nodes : ndarray, shape (n, 3)
+    parameters : ndarray, shape (n, 2)
+        Of the nodes, where the kind of surface must be found out; else none.
+    triangles : ndarray of int, shape (m, 3)
+    edges : list of (TopoDS_Edge, ndarray)
+        Each edge with the nodes along it.
+    """
+
+    shape: Any
+    nodes: Array
+    parameters: Array
+    triangles: Index
+    edges: list[tuple[Any, Index]]
+
+
+def size_of(shape: Any) -> float:
+    """The diagonal of the box around a shape [length unit]; 0 of an empty one."""
+    from OCP.Bnd import Bnd_Box
+    from OCP.BRepBndLib import BRepBndLib
+
+    box = Bnd_Box()
+    BRepBndLib.Add_s(shape, box)
+    return 0.0 if box.IsVoid() else float(np.sqrt(box.SquareExtent()))
+
+
+def cut_faces(shape: Any, deflection: float, turn: float) -> tuple[list[StepFace], int]:
+    """The faces of a solid, cut into triangles, and how many could not be.
+
+    Parameters
+    ----------
+    shape : TopoDS_Shape
+    deflection : float
+        Greatest distance of a triangle from its face, in sizes of the solid.
+    turn : float
+        Angle that OCCT is asked for [rad].
+    """
+    from OCP.BRepMesh import BRepMesh_IncrementalMesh
+    from OCP.BRepTools import BRepTools
+    from OCP.TopAbs import TopAbs_ShapeEnum
+    from OCP.TopoDS import TopoDS
+
+    size = size_of(shape)
+    if not size > 0:
+        raise InputError("the solid has no faces", hint="heal it where it was made")
+    BRepTools.Clean_s(shape)
+    BRepMesh_IncrementalMesh(shape, deflection * size, False, turn, False)
+    shapes = [TopoDS.Face(face) for face in inside(shape, TopAbs_ShapeEnum.TopAbs_FACE)]
+    found: list[StepFace | None] = [_meshed(face) for face in shapes]
+    left = [k for k, face in enumerate(found) if face is None]
+    if left:
+        known = _polygons(shapes)
+        for k in left:
+            found[k] = _cut_here(shapes[k], known, turn)
+    kept = [face for face in found if face is not None]
+    return kept, len(found) - len(kept)
+
+
+def _cut_here(face: Any, known: list[tuple[Any, Array]], turn: float) -> StepFace | None:
+    from OCP.TopAbs import TopAbs_Orientation
+
+    try:
+        cut = cut_face(face, known, turn)
+    except failures():
+        return None
+    if cut is None:
+        return None
+    triangles = cut.triangles
+    if face.Orientation() == TopAbs_Orientation.TopAbs_REVERSED:
+        triangles = triangles[:, ::-1]
+    parameters = np.empty((0, 2)) if is_plain(face) else cut.parameters
+    return StepFace(face, cut.nodes, parameters, triangles, cut.edges)
+
+
+def _polygons(faces: list[Any]) -> list[tuple[Any, Array]]:
+    """Edges of the faces that have triangles, each with the parameters of its corners."""
+    from OCP.BRep import BRep_Tool
+    from OCP.TopAbs import TopAbs_ShapeEnum
+    from OCP.TopLoc import TopLoc_Location
+    from OCP.TopoDS import TopoDS
+
+    place = TopLoc_Location()
+    found = []
+    for face in faces:
+        mesh = BRep_Tool.Triangulation_s(face, place)
+        if mesh is None:
+            continue
+        for edge in map(TopoDS.Edge, inside(face, TopAbs_ShapeEnum.TopAbs_EDGE)):
+            polygon = BRep_Tool.PolygonOnTriangulation_s(edge, mesh, place)
+            if polygon is not None and polygon.HasParameters():
+                rows = range(1, polygon.NbNodes() + 1)
+                found.append((edge, np.array([polygon.Parameter(k) for k in rows])))
+    return found
+
+
+def _meshed(face: Any) -> StepFace | None:
+    """A face with the triangles that OCCT has cut it into; None where it has not."""
+    from OCP.BRep import BRep_Tool
+    from OCP.TopAbs import TopAbs_Orientation, TopAbs_ShapeEnum
+    from OCP.TopLoc import TopLoc_Location
+    from OCP.TopoDS import TopoDS
+
+    place = TopLoc_Location()
+    mesh = BRep_Tool.Triangulation_s(face, place)
+    if mesh is None or not mesh.NbTriangles():
+        return None
+    numbers = range(1, mesh.NbNodes() + 1)
+    nodes = np.array([mesh.Node(k).Coord() for k in numbers]).reshape(-1, 3)
+    if not place.IsIdentity():
+        move = place.Transformation()
+        matrix = np.array([[move.Value(i, j) for j in range(1, 5)] for i in range(1, 4)])
+        nodes = nodes @ matrix[:, :3].T + matrix[:, 3]
+    hidden = mesh.HasUVNodes() and not is_plain(face)
+    pairs = [mesh.UVNode(k).Coord() for k in numbers] if hidden else []
+    corners = [mesh.Triangle(k).Get() for k in range(1, mesh.NbTriangles() + 1)]
+    triangles = np.array(corners, dtype=np.int64).reshape(-1, 3) - 1
+    if face.Orientation() == TopAbs_Orientation.TopAbs_REVERSED:
+        triangles = triangles[:, ::-1]
+    edges = []
+    for edge in map(TopoDS.Edge, inside(face, TopAbs_ShapeEnum.TopAbs_EDGE)):
+        polygon = BRep_Tool.PolygonOnTriangulation_s(edge, mesh, place)
+        if polygon is not None:
+            rows = [polygon.Node(k) for k in range(1, polygon.NbNodes() + 1)]
+            edges.append((edge, np.array(rows, dtype=np.int64) - 1))
+    return StepFace(face, nodes, np.array(pairs).reshape(-1, 2), triangles, edges)

@@ -1,0 +1,225 @@
+"""A face that OCCT's mesher leaves out, cut into triangles in the plane of its parameters.
+
+Corners along an edge are at the parameters that its other face has there, so that the triangles
+of both meet; along a seam, or where neither face has any, as often as the edge turns. The outline
+in the plane of parameters, stretched to lengths, is filled by a Delaunay triangulation.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from kilter.arrays import Array, Index
+from kilter.files.file_tolerances import CUT_AREA
+from kilter.files.occt import inside
+
+__all__ = ["CutFace", "cut_face"]
+
+STEPS = 10
+"""Steps of the grid of points inside of a free-form face, along either parameter."""
+LOOKS = 33
+"""Points of an edge at which its direction is looked at."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CutFace:
+    """Nodes (n, 3), their parameters (n, 2), triangles that turn left in the parameters (m, 3).
+
+    `edges`: each edge of the face with the nodes along it.
+    """
+
+    nodes: Array
+    parameters: Array
+    triangles: Index
+    edges: list[tuple[Any, Index]]
+
+
+def cut_face(face: Any, known: list[tuple[Any, Array]], turn: float) -> CutFace | None:
+    """A face cut into triangles; None where its outline crosses itself or does not close.
+
+    Parameters
+    ----------
+    face : TopoDS_Face
+    known : list of (TopoDS_Edge, ndarray)
+        Edges of the faces beside it, each with the parameters of the corners along it.
+    turn : float
+        Angle between the directions of neighbouring corners [rad].
+    """
+    from OCP.BRepAdaptor import BRepAdaptor_Surface
+    from OCP.TopAbs import TopAbs_ShapeEnum
+    from OCP.TopoDS import TopoDS
+
+    loops: list[Index] = []
+    edges: list[tuple[Any, Index]] = []
+    points: list[Array] = []
+    count = 0
+    for wire in inside(face, TopAbs_ShapeEnum.TopAbs_WIRE):
+        around = _around(TopoDS.Wire(wire), face, known, turn)
+        if not around:
+            return None
+        first, loop = count, []
+        for number, (edge, uv, turned) in enumerate(around):
+            mine = np.arange(count, count + len(uv) - 1)
+            count += len(uv) - 1
+            following = first if number == len(around) - 1 else count
+            along = np.append(mine, following)
+            points.append(uv[:-1])
+            loop.append(mine)
+            edges.append((edge, along[::-1] if turned else along))
+        loops.append(np.concatenate(loop))
+    if not loops or count < 3:
+        return None
+    surface = BRepAdaptor_Surface(face)
+    parameters = np.vstack(points)
+    filled = _filled(parameters, loops, _stretch(surface, parameters), _grid(surface, turn))
+    if filled is None:
+        return None
+    parameters, triangles = filled
+    nodes = np.array([surface.Value(u, v).Coord() for u, v in parameters.tolist()])
+    return CutFace(nodes.reshape(-1, 3), parameters, triangles, edges)
+
+
+def _around(
+    wire: Any, face: Any, known: list[tuple[Any, Array]], turn: float
+) -> list[tuple[Any, Array, bool]]:
+    """(edge, points along it in the parameters of the face, against its own sense), in order.
+
+    Nothing where not all edges of the wire follow one another.
+    """
+    from OCP.BRepAdaptor import BRepAdaptor_Curve2d
+    from OCP.BRepTools import BRepTools_WireExplorer
+    from OCP.TopAbs import TopAbs_Orientation, TopAbs_ShapeEnum
+
+    found = []
+    explorer = BRepTools_WireExplorer(wire, face)
+    while explorer.More():
+        edge = explorer.Current()
+        curve = BRepAdaptor_Curve2d(edge, face)
+        values = next((v for other, v in known if other.IsSame(edge)), None)
+        if values is None:
+            values = _own_corners(edge, curve, turn)
+        uv = np.array([curve.Value(t).Coord() for t in values.tolist()]).reshape(-1, 2)
+        turned = edge.Orientation() == TopAbs_Orientation.TopAbs_REVERSED
+        found.append((edge, uv[::-1] if turned else uv, turned))
+        explorer.Next()
+    whole = len(list(inside(wire, TopAbs_ShapeEnum.TopAbs_EDGE)))
+    return found if len(found) == whole else []
+
+
+def _own_corners(edge: Any, curve: Any, turn: float) -> Array:
+    """Parameters along an edge at which its direction has turned by no more than `turn`."""
+    from OCP.BRep import BRep_Tool
+    from OCP.BRepAdaptor import BRepAdaptor_Curve
+
+    first, last = curve.FirstParameter(), curve.LastParameter()
+    if BRep_Tool.Degenerated_s(edge):
+        return np.linspace(first, last, max(2, int(np.ceil(2 * np.pi / turn)) + 1))
+    space = BRepAdaptor_Curve(edge)
+    looks = np.linspace(first, last, LOOKS).tolist()
+    places = np.array([space.Value(t).Coord() for t in looks])
+    step = np.diff(places, axis=0)
+    length = np.linalg.norm(step, axis=1)
+    step = step[length > 0] / length[length > 0, None]
+    cosine = np.clip((step[1:] * step[:-1]).sum(axis=1), -1.0, 1.0)
+    return np.linspace(first, last, int(np.ceil(np.arccos(cosine).sum() / turn)) + 2)
+
+
+def _stretch(surface: Any, parameters: Array) -> Array:
+    """Length of a step of each parameter in the middle of the face, shape (2,)."""
+    from OCP.gp import gp_Pnt, gp_Vec
+
+    u, v = (parameters.min(axis=0) + parameters.max(axis=0)) / 2
+    along_u, along_v = gp_Vec(), gp_Vec()
+    surface.D1(u, v, gp_Pnt(), along_u, along_v)
+    length = np.array([along_u.Magnitude(), along_v.Magnitude()])
+    return np.where(length > 0, length, 1.0)
+
+
+def _grid(surface: Any, turn: float) -> Array:
+    """Steps of the points inside, shape (2,); infinite along a parameter that does not bend."""
+    kind = str(surface.GetType().name).removeprefix("GeomAbs_")
+    if kind == "Plane":
+        return np.array([np.inf, np.inf])
+    if kind in ("Cylinder", "Cone"):
+        return np.array([turn, np.inf])
+    if kind in ("Sphere", "Torus"):
+        return np.array([turn, turn])
+    spans = (
+        surface.LastUParameter() - surface.FirstUParameter(),
+        surface.LastVParameter() - surface.FirstVParameter(),
+    )
+    return np.array(spans) / STEPS
+
+
+def _filled(
+    parameters: Array, loops: list[Index], stretch: Array, step: Array
+) -> tuple[Array, Index] | None:
+    """Points and triangles, turning left, that fill the outline; more points where it bends."""
+    import shapely
+
+    flat = parameters * stretch
+    rings = sorted(loops, key=lambda loop: -shapely.Polygon(flat[loop]).area)
+    outline = shapely.Polygon(flat[rings[0]], [flat[ring] for ring in rings[1:]])
+    if not outline.is_valid or not outline.area > 0:
+        return None
+    inner = _points_inside(outline, step * stretch)
+    if len(inner):
+        points = np.vstack([flat, inner])
+        triangles = _delaunay(points, outline, loops)
+        if triangles is not None:
+            return points / stretch, triangles
+    pieces = shapely.get_parts(shapely.constrained_delaunay_triangles(outline))
+    corners = shapely.get_coordinates(pieces).reshape(-1, 4, 2)[:, :3]
+    where = {tuple(p): k for k, p in enumerate(flat.tolist())}
+    found = [[where.get(tuple(p), -1) for p in piece] for piece in corners.tolist()]
+    cut = np.array(found, dtype=np.int64).reshape(-1, 3)
+    return None if (cut < 0).any() or not len(cut) else (parameters, _left(flat, cut))
+
+
+def _points_inside(outline: Any, step: Array) -> Array:
+    """Points of a grid that are inside of an outline, half a step from its edge or more."""
+    import shapely
+
+    if not np.isfinite(step).all():
+        return np.empty((0, 2))
+    x0, y0, x1, y1 = outline.bounds
+    x, y = np.meshgrid(
+        np.arange(x0 + step[0], x1, step[0]), np.arange(y0 + step[1], y1, step[1]), indexing="ij"
+    )
+    grid = np.column_stack([x.ravel(), y.ravel()])
+    if not len(grid):
+        return grid
+    spots = shapely.points(grid)
+    away = shapely.distance(outline.boundary, spots) > step.min() / 2
+    found: Array = grid[shapely.contains(outline, spots) & away]
+    return found
+
+
+def _delaunay(points: Array, outline: Any, loops: list[Index]) -> Index | None:
+    """Triangles of the points within the outline; None where they miss a side of it."""
+    import shapely
+    from scipy.spatial import Delaunay
+
+    cut = np.asarray(Delaunay(points).simplices, dtype=np.int64)
+    middle = shapely.points(points[cut].mean(axis=1))
+    cut = _left(points, cut[shapely.contains(outline, middle)])
+    p, q, r = (points[cut[:, k]] for k in range(3))
+    area = ((q - p)[:, 0] * (r - p)[:, 1] - (q - p)[:, 1] * (r - p)[:, 0]).sum() / 2
+    sides = {frozenset(side) for t in cut.tolist() for side in zip(t, t[1:] + t[:1], strict=True)}
+    rims = [
+        frozenset((int(a), int(b))) for n in loops for a, b in zip(n, np.roll(n, -1), strict=True)
+    ]
+    whole = abs(area - outline.area) <= CUT_AREA * outline.area
+    return cut if whole and all(side in sides for side in rims) else None
+
+
+def _left(points: Array, triangles: Index) -> Index:
+    """Triangles of the plane, those that turn right turned."""
+    p, q, r = (points[triangles[:, k]] for k in range(3))
+    right = (q - p)[:, 0] * (r - p)[:, 1] < (q - p)[:, 1] * (r - p)[:, 0]
+    turned = triangles.copy()
+    turned[right] = turned[right][:, ::-1]
+    return turned
