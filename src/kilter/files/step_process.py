@@ -21,6 +21,7 @@ from typing import IO, Any
 
 from kilter.errors import InputError
 from kilter.files.placed import FileBodies
+from kilter.files.step_bodies import step_bodies
 
 __all__ = ["begin_early", "read_apart", "serve"]
 
@@ -97,8 +98,6 @@ def read_apart(path: Path, without: tuple[str, ...], progress: Callable[[str], N
         If the file is damaged.
     """
     if not _can_start():
-        from kilter.files.step_bodies import step_bodies
-
         return step_bodies(path, without, lambda stage, solid: progress(stage))
     broken: set[int] = set()
     at_work = -1
@@ -144,8 +143,6 @@ def serve() -> None:
         os.dup2(nothing, stream)
     _end_with_parent()
     import OCP.STEPCAFControl  # noqa: F401  loaded while nobody waits
-
-    from kilter.files.step_bodies import step_bodies
 
     while True:
         try:
