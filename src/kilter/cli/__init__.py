@@ -62,6 +62,8 @@ def _run(words: list[str]) -> int:
         given = with_two_names(with_floor_value(words))
         result = command()(given, prog_name="kilter", standalone_mode=False)
         sys.stdout.flush()
+        if result == INTERRUPTED:  # the parser of options turns an interruption into its code
+            _say("interrupted")
         return int(result or 0)
     except typer.Exit as ended:
         return int(ended.exit_code)

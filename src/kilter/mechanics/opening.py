@@ -10,6 +10,7 @@ motion of an interior point, good to the root of its gap, proves what an exact o
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.sparse import csc_array, diags_array, eye_array
@@ -21,20 +22,64 @@ from kilter.mechanics.mechanics_tolerances import OPENS_FAR, OPENS_MORE
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import ConicProgram
 
-__all__ = ["Opening", "find_opening"]
+__all__ = ["Opening"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Opening:
-    """The motion `m0`, shape (N, 6); None where there is none that is short."""
+    """The motion `m0` of a program whose rows are spread; sought when it is first needed.
 
-    program: Program
-    m0: Array | None
+    Attributes
+    ----------
+    wide : Spread
+
+    Examples
+    --------
+    >>> from kilter.scenes import friction, stacks
+    >>> from kilter.contact import contacts
+    >>> from kilter.mechanics.coulomb_cones import spread
+    >>> from kilter.mechanics.program import build_program
+    >>> def opening(assembly):
+    ...     return Opening(spread(build_program(assembly, contacts(assembly))))
+    >>> bool(opening(stacks.block_on_slope(10.0, friction=0.5)).m0[1, 2] > 0)
+    True
+    >>> opening(friction.h_block()).m0 is None  # squeezed between two walls
+    True
+    """
+
+    wide: Spread
+
+    @property
+    def program(self) -> Program:
+        """The program, with gravity as it is asked about."""
+        return self.wide.program
+
+    @cached_property
+    def m0(self) -> Array | None:
+        """The shortest motion that opens every contact by 1, shape (N, 6); None: none is short."""
+        from kilter.solvers.clarabel import solve_conic
+
+        answer = solve_conic(_program(self.wide))
+        if not answer.found:
+            return None
+        motion = self.wide.problem.motion(answer.x)
+        least = _least_opening(self.program, motion)
+        far = float(part_sizes(self.program, motion, per_radius=False).max(initial=0.0))
+        if not least > 0.0 or far > OPENS_FAR * least:
+            return None
+        opened: Array = motion / least
+        return opened
+
+    def turned(self, down: Array) -> Opening:
+        """The same with gravity along `down`, shape (3,): it counts in no row."""
+        other = Opening(self.wide.turned(down))
+        other.__dict__["m0"] = self.m0
+        return other
 
     def mended(self, motion: Array) -> Array:
         """The motion made admissible; itself where that cannot be."""
         worst = -_least_opening(self.program, motion)
-        if self.m0 is None or worst <= 0.0:
+        if worst <= 0.0 or self.m0 is None:
             return motion
         mended: Array = motion + (1 + OPENS_MORE) * worst * self.m0
         return mended
@@ -46,36 +91,6 @@ def _least_opening(program: Program, motion: Array) -> float:
     rows = program.rough
     openings[rows] -= program.mu[rows] * np.linalg.norm(program.slips(motion, rows), axis=1)
     return float(openings[~program.two_sided].min(initial=np.inf))
-
-
-def find_opening(wide: Spread) -> Opening:
-    """The shortest motion that opens every contact of a program.
-
-    Examples
-    --------
-    >>> from kilter.scenes import friction, stacks
-    >>> from kilter.contact import contacts
-    >>> from kilter.mechanics.coulomb_cones import spread
-    >>> from kilter.mechanics.program import build_program
-    >>> def opening(assembly):
-    ...     return find_opening(spread(build_program(assembly, contacts(assembly))))
-    >>> bool(opening(stacks.block_on_slope(10.0, friction=0.5)).m0[1, 2] > 0)
-    True
-    >>> opening(friction.h_block()).m0 is None  # squeezed between two walls
-    True
-    """
-    from kilter.solvers.clarabel import solve_conic
-
-    program, problem = wide.program, wide.problem
-    answer = solve_conic(_program(wide))
-    if not answer.found:
-        return Opening(program, None)
-    motion = problem.motion(answer.x)
-    least = _least_opening(program, motion)
-    far = float(part_sizes(program, motion, per_radius=False).max(initial=0.0))
-    if not least > 0.0 or far > OPENS_FAR * least:
-        return Opening(program, None)
-    return Opening(program, motion / least)
 
 
 def _program(wide: Spread) -> ConicProgram:

@@ -12,13 +12,16 @@ objectives, 2024. The polishing step follows OSQP (Stellato et al., 2020, sectio
 
 from __future__ import annotations
 
+import threading
 from dataclasses import replace
+from typing import Any
 
 import clarabel
 import numpy as np
 from scipy.sparse import block_array, csc_array, csc_matrix, diags_array, eye_array
 
 from kilter.arrays import Array, Index
+from kilter.solvers.interrupts import LONG, run_aside
 from kilter.solvers.problem import ConicProgram
 from kilter.solvers.solution import Outcome, Solution
 from kilter.solvers.solver_tolerances import CONIC, CONIC_FIRST, QUADRATIC_GOOD
@@ -99,7 +102,7 @@ def solve_conic(
         cones,
         settings,
     )
-    answer = solver.solve()
+    answer = _solved(solver, program.matrix.nnz)
     if work is not None:
         work.conic(answer.iterations, program.matrix.nnz)
     outcome = _OUTCOMES.get(str(answer.status), "failed")
@@ -107,6 +110,16 @@ def solve_conic(
     if outcome in ("infeasible", "unbounded") or not np.isfinite(x).all():
         x, outcome = np.empty(0), "failed" if outcome == "optimal" else outcome
     return Solution(program, outcome, x, multipliers, "clarabel", answer.iterations)
+
+
+def _solved(solver: Any, entries: int) -> Any:
+    """What the solver answers; beside the main thread where it may take long."""
+    if entries < LONG:
+        return solver.solve()
+    stopped, answers = threading.Event(), []
+    solver.set_termination_callback(lambda _: stopped.is_set())
+    run_aside(lambda: answers.append(solver.solve()), stopped.set)
+    return answers[0]
 
 
 def solve_quadratic(

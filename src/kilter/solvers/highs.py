@@ -37,6 +37,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csc_array
 
 from kilter.arrays import Array, Index
+from kilter.solvers.interrupts import LONG, run_aside
 from kilter.solvers.problem import LinearProgram
 from kilter.solvers.solution import Outcome, Solution
 from kilter.solvers.solver_tolerances import (
@@ -125,10 +126,10 @@ def solve_linear(
     if work is not None and work.seconds is not None:
         highs.setOptionValue("time_limit", work.seconds)
     _passed(highs, program)
-    highs.run()
+    _run(highs, program)
     if highs.getModelStatus() == highspy.HighsModelStatus.kUnboundedOrInfeasible:
         highs.setOptionValue("presolve", "off")  # which is all that presolve found out
-        highs.run()
+        _run(highs, program)
     return _solution(highs, program, solver)
 
 
@@ -299,7 +300,7 @@ class KeptProgram:
         entries = self.program.matrix.nnz
         self._set("simplex_strategy", STRATEGY[strategy])
         self._set("simplex_iteration_limit", steps if work is None else work.steps(steps, entries))
-        self._highs.run()
+        _run(self._highs, self.program)
         answer = _solution(self._highs, self.program, "simplex")
         if work is not None:
             work.linear(answer.iterations, entries)
@@ -389,6 +390,15 @@ def _passed(highs: Any, program: LinearProgram) -> None:
     lp.a_matrix_.index_ = program.matrix.indices
     lp.a_matrix_.value_ = program.matrix.data
     highs.passModel(lp)
+
+
+def _run(highs: Any, program: LinearProgram) -> None:
+    """Solve what was handed over; beside the main thread where it may take long."""
+    if program.matrix.nnz < LONG:
+        highs.run()
+        return
+    highs.HandleUserInterrupt = True
+    run_aside(highs.run, highs.cancelSolve)
 
 
 def _steps(program: LinearProgram) -> int:

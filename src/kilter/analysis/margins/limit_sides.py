@@ -146,7 +146,7 @@ def _round(
         share = float(answer.x[-1])
         problem = scaled(rays)
         along, aside = gathered(program, rays, problem.forces(answer.x[:-1]))
-        sides, vectors = LimitSides(), [aside]
+        sides, vectors = LimitSides(), [aside, _of_patches(program, aside)]
         if not outer or program.planar:
             sides = sides.better(held_at(program, wrench, share, along, aside))
         if outer and share < most * (1 - NEARLY):
@@ -189,6 +189,14 @@ def motion_share(program: Program, wrench: Array, motion: Array) -> float:
     free = program.free[:, None]
     gain = float((np.where(free, wrench, 0.0) * motion).sum())
     return -float((program.load * motion).sum()) / gain if gain > 0 else np.inf
+
+
+def _of_patches(program: Program, aside: Array) -> Array:
+    """Friction of each patch as a whole, at each of its rows, shape (K, 3)."""
+    total = np.zeros((int(program.source.max(initial=-1)) + 1, 3))
+    np.add.at(total, program.source, aside)
+    whole: Array = total[program.source]
+    return whole
 
 
 def slips_of(program: Program, motion: Array) -> Array:

@@ -39,8 +39,8 @@ from kilter.analysis.turning_tolerances import (
 )
 from kilter.arrays import Array
 from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
-from kilter.mechanics.coulomb_cones import Spread, largest_load, spread
-from kilter.mechanics.opening import Opening, find_opening
+from kilter.mechanics.coulomb_cones import largest_load, spread
+from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 from kilter.solvers.solver_tolerances import CONIC
 
@@ -54,6 +54,9 @@ __all__ = [
     "with_more",
 ]
 
+
+MODEST = 10.0
+"""Shares up to which it is asked first."""
 
 Why = Literal["none", "failed"]
 
@@ -133,7 +136,6 @@ def find_limit(
     program: Program,
     wrench: Array,
     *,
-    wide: Spread | None = None,
     opening: Opening | None = None,
     most: float = UNLIMITED,
 ) -> Limit | NoLimit:
@@ -148,10 +150,8 @@ def find_limit(
         With its own load.
     wrench : ndarray, shape (N, 6)
         Force [N] and torque about the centre of mass [N x length unit] on each part.
-    wide : Spread, optional
-        ``spread(program)``, where it is at hand.
     opening : Opening, optional
-        ``find_opening(wide)``, where it is at hand.
+        ``Opening(spread(program))``, where it is at hand.
     most : float
         Shares looked at.
 
@@ -167,14 +167,17 @@ def find_limit(
     >>> round(find_limit(program, aside).value, 9)
     0.5
     """
-    wide = wide or spread(program)
-    opening = opening or find_opening(wide)
-    conic = _in_cones(program, wide, opening, wrench, most)
+    opening = opening or Opening(spread(program))
+    if most > MODEST:  # fewer steps of the solver, and an interval of numbers near 1
+        near = find_limit(program, wrench, opening=opening, most=MODEST)
+        if not (isinstance(near, Limit) and np.isinf(near.value)):
+            return near
+    conic = _in_cones(program, opening, wrench, most)
     if conic.sides.closed or conic.sides.none:
         return _limit(conic.sides, most)
     sides = conic.sides.better(limit_sides(program, wrench, most, conic.across))
     if not sides.none and sides.gap > SIDES_APART:
-        sharp = _in_cones(program, wide, opening, wrench, most, CONIC_SHARP).sides
+        sharp = _in_cones(program, opening, wrench, most, CONIC_SHARP).sides
         sides = sides.better(sharp)
     return _limit(sides, most)
 
@@ -189,7 +192,6 @@ class _Conic:
 
 def _in_cones(
     program: Program,
-    wide: Spread,
     opening: Opening,
     wrench: Array,
     most: float,
@@ -198,6 +200,7 @@ def _in_cones(
     """Both sides as one conic program has them."""
     from kilter.solvers.clarabel import solve_conic
 
+    wide = opening.wide
     answer = solve_conic(largest_load(wide, wrench, most), tolerance=tolerance)
     if not answer.found:
         return _Conic(LimitSides(none=answer.proves_none), [])
@@ -209,9 +212,12 @@ def _in_cones(
     problem = wide.problem
     motion = problem.motion(problem.over_weight(answer.multipliers[: len(problem.right)]))
     across = [aside, -slips_of(program, motion)]
-    motion = opening.mended(motion)
-    start = motion_share(program, wrench, motion)
-    return _Conic(sides.better(beyond_at(program, wrench, start, motion)), across)
+    found = sides.better(beyond_at(program, wrench, value, motion))
+    if not found.closed:
+        motion = opening.mended(motion)
+        start = motion_share(program, wrench, motion)
+        found = found.better(beyond_at(program, wrench, start, motion))
+    return _Conic(found, across)
 
 
 def _limit(sides: LimitSides, most: float) -> Limit | NoLimit:

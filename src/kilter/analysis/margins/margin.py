@@ -43,6 +43,7 @@ from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance
 from kilter.errors import InputError, some_names
 from kilter.mechanics.coulomb_cones import spread
+from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program, build_program
 from kilter.rigid import unit
 from kilter.threads import on_one_thread
@@ -257,8 +258,8 @@ def margin(
     factor = _load_factor(assembly, program, direction)
     sure = _load_factor(assembly, program.frictionless, direction) if bracket else None
     tell("pushes")
-    wide = spread(program)
-    pushes = {part: find_weakest_push(program, part, wide=wide) for part in parts}
+    opening = Opening(spread(program))
+    pushes = {part: find_weakest_push(program, part, opening=opening) for part in parts}
     asked: dict[str, object] = {"about": turned, "friction": friction}
     asked |= {f"push of {program.names[part]}": push for part, push in pushes.items()}
     missing |= {what: one.why for what, one in asked.items() if isinstance(one, NoLimit)}

@@ -22,7 +22,8 @@ from kilter.analysis.turning_tolerances import (
     UNLIMITED,
 )
 from kilter.arrays import Array
-from kilter.mechanics.coulomb_cones import Spread, spread
+from kilter.mechanics.coulomb_cones import spread
+from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 
 __all__ = ["Push", "find_push", "find_weakest_push"]
@@ -69,7 +70,7 @@ class Push:
 
 
 def find_push(
-    program: Program, part: int, direction: Array, *, wide: Spread | None = None
+    program: Program, part: int, direction: Array, *, opening: Opening | None = None
 ) -> Push | NoLimit:
     """The largest push at the centre of mass in a direction; no limit: no balance without it.
 
@@ -84,14 +85,16 @@ def find_push(
     wrench = np.zeros((len(program.names), 6))
     weight = float(program.weight[program.free].sum())
     wrench[part, :3] = weight * direction
-    limit = held_limit(program, wrench, wide=wide or spread(program), most=UNLIMITED)
+    limit = held_limit(program, wrench, opening=opening or Opening(spread(program)), most=UNLIMITED)
     if isinstance(limit, NoLimit):
         return limit
     force = max(limit.value, 0.0) * weight
     return Push(program.names[part], direction, force, force, limit, 1)
 
 
-def find_weakest_push(program: Program, part: int, *, wide: Spread | None = None) -> Push | NoLimit:
+def find_weakest_push(
+    program: Program, part: int, *, opening: Opening | None = None
+) -> Push | NoLimit:
     """The least push at the centre of mass that sets something in motion.
 
     Examples
@@ -104,13 +107,13 @@ def find_weakest_push(program: Program, part: int, *, wide: Spread | None = None
     >>> round(found.force / 9810, 4)  # sliding up a little: mu / sqrt(1 + mu^2)
     0.2873
     """
-    wide = wide or spread(program)
+    opening = opening or Opening(spread(program))
     cap = UNLIMITED * float(program.weight[program.free].sum())
     axes = np.eye(3)[[0, 2]] if program.planar else np.eye(3)
     pushes: list[Push | NoLimit] = []
 
     def ask(direction: Array) -> SupportPoint | None:
-        push = find_push(program, part, direction @ axes, wide=wide)
+        push = find_push(program, part, direction @ axes, opening=opening)
         pushes.append(push)
         if isinstance(push, NoLimit):
             return None
@@ -129,11 +132,9 @@ def find_weakest_push(program: Program, part: int, *, wide: Spread | None = None
 
 
 def _first(planar: bool) -> Array:
-    """Directions looked at first: axes and diagonals."""
-    steps = (-1.0, 0.0, 1.0)
-    grid = [[x, y, z] for x in steps for y in ((0.0,) if planar else steps) for z in steps]
-    vectors = np.array([v for v in grid if any(v)])
-    return np.asarray(vectors / np.linalg.norm(vectors, axis=1)[:, None])
+    """Directions looked at first: both signs of every axis."""
+    axes = np.eye(3)[[0, 2]] if planar else np.eye(3)
+    return np.concatenate([axes, -axes])
 
 
 def _plane(program: Program, part: int, push: Push) -> tuple[Array, float]:

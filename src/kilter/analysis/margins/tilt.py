@@ -33,7 +33,8 @@ from kilter.analysis.turning_tolerances import (
     TILT_AGREES,
 )
 from kilter.arrays import Array, across, cross
-from kilter.mechanics.coulomb_cones import Spread, nearest_load, spread
+from kilter.mechanics.coulomb_cones import nearest_load, spread
+from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 
 __all__ = [
@@ -46,8 +47,8 @@ __all__ = [
     "tilt_about",
 ]
 
-FIRST = 8
-"""Directions looked at first."""
+FIRST = 4
+"""Directions looked at first, between the axes across gravity."""
 PROGRAMS = 64
 """Programs after which the search ends with the gap that is left."""
 
@@ -86,8 +87,11 @@ def tilt_about(program: Program, axis: Array) -> tuple[float, Limit] | NoLimit:
     aside = cross(axis / float(np.linalg.norm(axis)), start)
     quarter = ((start, aside), (aside, -start), (-start, -aside), (-aside, start))
     unlimited: Limit | None = None
+    opening = Opening(spread(program))
     for turns, (down, along) in enumerate(quarter):
-        limit = find_limit(program.turned(down), gravity_wrench(program, along), most=STEEPEST)
+        turned = opening.turned(down)
+        wrench = gravity_wrench(program, along)
+        limit = find_limit(turned.program, wrench, opening=turned, most=STEEPEST)
         if isinstance(limit, NoLimit):
             return limit if turns == 0 else NoLimit("failed")
         if np.isfinite(limit.value):
@@ -118,12 +122,12 @@ def find_tilt_margin(program: Program) -> TiltMargin | NoLimit:
     if program.applied.any():
         raise ValueError("given loads do not turn with gravity")
     basis = across_gravity(program)
-    wide = spread(program)
+    opening = Opening(spread(program))
     limits: list[Limit | NoLimit] = []
 
     def shoot(direction: Array) -> SupportPoint | None:
         wrench = gravity_wrench(program, direction @ basis)
-        limit = held_limit(program, wrench, wide=wide, most=STEEPEST)
+        limit = held_limit(program, wrench, opening=opening, most=STEEPEST)
         limits.append(limit)
         return None if isinstance(limit, NoLimit) else _boundary(program, basis, direction, limit)
 
@@ -145,9 +149,11 @@ def find_tilt_margin(program: Program) -> TiltMargin | NoLimit:
     )
 
 
-def held_limit(program: Program, wrench: Array, *, wide: Spread, most: float) -> Limit | NoLimit:
+def held_limit(
+    program: Program, wrench: Array, *, opening: Opening, most: float
+) -> Limit | NoLimit:
     """The limit, where a share of 0 is held too."""
-    limit = find_limit(program, wrench, wide=wide, most=most)
+    limit = find_limit(program, wrench, opening=opening, most=most)
     below = isinstance(limit, Limit) and limit.value < NOT_HELD
     return NoLimit("none") if below else limit
 
@@ -198,5 +204,5 @@ def first_directions(dimension: int) -> Array:
     """Unit directions of the plane looked at first, shape (n, dimension)."""
     if dimension == 1:
         return np.array([[1.0], [-1.0]])
-    angle = 2 * np.pi * np.arange(FIRST) / FIRST
+    angle = 2 * np.pi * (np.arange(FIRST) + 0.5) / FIRST
     return np.column_stack([np.cos(angle), np.sin(angle)])

@@ -58,7 +58,7 @@ from kilter.arrays import Array
 from kilter.errors import InputError
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
 from kilter.mechanics.coulomb_cones import Spread, gathered, nearest_load, pyramid, spread
-from kilter.mechanics.opening import find_opening
+from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 from kilter.validate import frozen
 
@@ -137,7 +137,7 @@ class _Cutting:
     def __init__(self, program: Program, progress: Callable[[str], None] | None) -> None:
         self.program, self.progress = program, progress
         self.wide: Spread = spread(program)
-        self.opening = find_opening(self.wide)
+        self.opening = Opening(self.wide)
         self.axes = np.array([gravity_wrench(program, axis) for axis in np.eye(3)])
         self.rays: list[Proof] = []
         self.facets: list[Proof] = []
@@ -242,8 +242,8 @@ class _Cutting:
                 return 0.0, None
             return angle, self._proved(judged.motion, direction, direction)
         start = middle / length
-        wide, way = self.wide.turned(start), gravity_wrench(self.program, direction - start)
-        limit = find_limit(wide.program, way, wide=wide, opening=self.opening, most=1.0)
+        opening, way = self.opening.turned(start), gravity_wrench(self.program, direction - start)
+        limit = find_limit(opening.program, way, opening=opening, most=1.0)
         if isinstance(limit, NoLimit):
             return angle, None
         share = min(limit.value, 1.0)
