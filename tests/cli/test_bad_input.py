@@ -225,6 +225,7 @@ def test_an_interrupt_exits_130(
 
     monkeypatch.setattr("kilter.analysis.check.judge", interrupted)
     assert main(["check", "a.json"]) == 130
+    assert capsys.readouterr().err.strip().endswith("kilter: interrupted")
 
 
 def test_a_name_cannot_disturb_the_terminal(capsys: pytest.CaptureFixture[str]) -> None:

@@ -290,7 +290,7 @@ class _Cutting:
         for first, second, half in edges_of(normals, outer):
             sine = max(np.sin(min(distance[k], np.pi / 2)) for k in (first, second))
             widest = max(widest, float(np.arcsin(min(float(sine / np.cos(half)), 1.0))))
-        gap = 0.0 if not len(outer) else min(widest + self.slack, np.pi)
+        gap = 0.0 if not len(outer) else min(widest + self.slack + inner.blur, np.pi)
         return StableCone(
             cone=inner,
             facets=frozen(-normals + 0.0),

@@ -1,0 +1,76 @@
+"""Limits from both sides: exact linear programs beside the conic one, and mended motions."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from margins import program_of
+
+from kilter.analysis.judge import judge
+from kilter.analysis.margins.limit_sides import limit_sides
+from kilter.analysis.margins.load_limit import Limit, find_limit, gravity_wrench, with_more
+from kilter.analysis.margins.tilt import across_gravity
+from kilter.mechanics.certificate import check_motion
+from kilter.mechanics.coulomb_cones import spread
+from kilter.mechanics.opening import Opening
+from kilter.scenes import stacks
+from kilter.scenes.random_turned import random_turned, springer_arch
+
+CASES = [("arch", 1), ("arch", 2), ("pile", 6), ("pile", 12), ("wedge", 3), ("round", 5)]
+
+
+@pytest.mark.parametrize(("family", "seed"), CASES)
+def test_both_ways_find_one_limit_and_judge_agrees(family: str, seed: int) -> None:
+    program = program_of(random_turned(family, seed))
+    basis = across_gravity(program)
+    for angle in (0.3, 2.0):
+        aside = np.cos(angle) * basis[0] + np.sin(angle) * basis[-1]
+        wrench = gravity_wrench(program, aside / np.linalg.norm(aside))
+        limit = find_limit(program, wrench, most=10.0)
+        sides = limit_sides(program, wrench, 10.0)
+        if not isinstance(limit, Limit) or not np.isfinite(limit.value):
+            assert sides.none or sides.held > 9.999 or sides.forces is None
+            continue
+        assert limit.forces.holds
+        assert limit.mechanism.holds
+        assert sides.held <= limit.value + limit.gap + 1e-7
+        assert sides.beyond >= limit.value - 1e-7
+        size = max(abs(limit.value), 1.0)
+        assert judge(with_more(program, wrench, limit.value - 1e-6 * size)).stable is not False
+        assert judge(with_more(program, wrench, limit.value + 1e-5 * size)).stable is not True
+
+
+def test_a_plane_is_exact_in_one_round() -> None:
+    program = program_of(springer_arch(7, 0.2, planar=True))
+    wrench = gravity_wrench(program, np.array([1.0, 0, 0]))
+    sides = limit_sides(program, wrench, 10.0)
+    assert sides.closed
+    assert sides.start - sides.held < 1e-12
+
+
+def test_it_is_proved_that_no_share_is_held() -> None:
+    program = program_of(stacks.block_on_slope(40.0, friction=0.2))
+    across = gravity_wrench(program, np.array([0.0, 1.0, 0.0]))
+    sides = limit_sides(program, across, 10.0)
+    assert sides.none
+    assert sides.forces is None
+
+
+def test_a_share_up_to_the_most_is_unlimited() -> None:
+    program = program_of(stacks.block_on_slope(0.0, friction=0.5))
+    down = gravity_wrench(program, np.array([0.0, 0.0, -1.0]))
+    assert limit_sides(program, down, 1e6).held == pytest.approx(1e6)
+    assert find_limit(program, down).value == np.inf
+
+
+@pytest.mark.parametrize(("family", "seed"), [("arch", 1), ("pile", 6), ("wedge", 2)])
+def test_a_mended_motion_is_admissible(family: str, seed: int) -> None:
+    program = program_of(random_turned(family, seed))
+    opening = Opening(spread(program))
+    assert opening.m0 is not None
+    random = np.random.default_rng(seed)
+    noise = random.normal(size=opening.m0.shape) * program.free[:, None]
+    assert check_motion(program, noise).violation > 1e-3
+    mended = opening.mended(noise)
+    assert check_motion(program, mended).violation < 1e-15
+    assert (opening.mended(mended) == mended).all()

@@ -1,0 +1,90 @@
+"""A solver's call ends at once when it is interrupted, and computes the same beside."""
+
+from __future__ import annotations
+
+import _thread
+import threading
+import time
+
+import numpy as np
+import pytest
+from scipy.sparse import csc_array, random_array
+
+from kilter.solvers import clarabel, highs, interrupts
+from kilter.solvers.interrupts import run_aside
+from kilter.solvers.problem import ConicProgram, LinearProgram
+
+
+def test_what_it_raises_is_raised() -> None:
+    def broken() -> None:
+        raise ValueError("broken")
+
+    with pytest.raises(ValueError, match="broken"):
+        run_aside(broken, lambda: None)
+
+
+def test_an_interruption_stops_the_call_and_goes_on() -> None:
+    stopped = threading.Event()
+    started = time.perf_counter()
+    threading.Timer(0.2, _thread.interrupt_main).start()
+    with pytest.raises(KeyboardInterrupt):
+        run_aside(lambda: stopped.wait(30), stopped.set)
+    assert stopped.is_set()
+    assert time.perf_counter() - started < 10
+
+
+def test_it_is_just_called_in_another_thread() -> None:
+    where: list[threading.Thread] = []
+
+    def ask() -> None:
+        run_aside(lambda: where.append(threading.current_thread()), lambda: None)
+
+    thread = threading.Thread(target=ask)
+    thread.start()
+    thread.join()
+    assert where == [thread]
+
+
+def large_program() -> LinearProgram:
+    """A linear program on which the simplex takes several seconds."""
+    random = np.random.default_rng(0)
+    matrix = csc_array(random_array((1500, 3000), density=0.05, rng=random))
+    one, many = np.ones(1500), np.ones(3000)
+    cost = -random.random(3000)
+    return LinearProgram(cost, matrix, -np.inf * one, one, 0 * many, np.inf * many)
+
+
+def again_and_again(program: LinearProgram) -> None:
+    for _ in range(100):
+        highs.solve_linear(program, presolve=False)
+
+
+def test_the_simplex_is_interrupted() -> None:
+    program = large_program()
+    assert program.matrix.nnz > interrupts.LONG
+    threading.Timer(0.5, _thread.interrupt_main).start()
+    started = time.perf_counter()
+    with pytest.raises(KeyboardInterrupt):
+        again_and_again(program)
+    assert time.perf_counter() - started < 10
+
+
+@pytest.mark.parametrize("solver", ["clarabel", "highs"])
+def test_it_is_the_same_beside(monkeypatch: pytest.MonkeyPatch, solver: str) -> None:
+    linear = LinearProgram(
+        -np.ones(2), csc_array([[1.0, 2.0]]), np.zeros(1), np.ones(1), np.zeros(2), np.ones(2)
+    )
+    conic = ConicProgram(
+        csc_array(np.eye(2)), np.array([0.0, -2.0]), csc_array(-np.eye(2)),
+        np.zeros(2), 0, 0, np.array([2]),
+    )  # fmt: skip
+    solved = (
+        (lambda: clarabel.solve_conic(conic))
+        if solver == "clarabel"
+        else (lambda: highs.solve_linear(linear))
+    )
+    before = solved()
+    monkeypatch.setattr(f"kilter.solvers.{solver}.LONG", 0)
+    after = solved()
+    assert after.outcome == before.outcome == "optimal"
+    assert (after.x == before.x).all()
