@@ -190,9 +190,11 @@ def test_w1_floating_block_falls_at_one_g_wherever_it_is_listed(index):
     assert any("touches nothing" in text for text in verdict.warnings)
 
 
-def test_w2_cube_that_overlaps_in_mid_air_falls_and_is_named():
+def test_w2_cube_that_overlaps_in_mid_air_is_undecided_and_named():
     verdict = judged(traps.penetrating_cube())
-    assert verdict.verdict == "unstable"
+    assert verdict.verdict == "undecided"
+    assert "it would hold if 'held' and 'cube'" in verdict.sentence
+    assert verdict.motion.moves.tolist() == [False, True]  # as drawn it falls
     assert len(verdict.contacts.overlaps) == 1
     assert verdict.contacts.overlaps[0].volume == pytest.approx(0.1)
     text = next(text for text in verdict.warnings if "overlap" in text)

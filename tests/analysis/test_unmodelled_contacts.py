@@ -80,6 +80,7 @@ def test_contact_that_could_hold_it_is_listed_and_undecided():
     assert "not modelled yet" in verdict.sentence
     assert "'cube'" in verdict.sentence
     assert "curved" in verdict.sentence
+    assert [one.kind for one in verdict.contacts.open_pairs] == ["free-form"]
 
 
 @SHARP

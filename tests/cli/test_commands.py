@@ -58,7 +58,17 @@ def test_check_says_everything_that_its_users_rely_on(capsys: pytest.CaptureFixt
         *("verdict", "guarantee", "seated", "sentence", "summary", "neutral", "down", "gravity"),
         "units",
         "density",
-        *("instability", "z", "parts", "contacts", "unsupported", "certificate", "tolerance"),
+        *(
+            "instability",
+            "z",
+            "parts",
+            "contacts",
+            "unsupported",
+            "open_pairs",
+            "if_joined",
+            "certificate",
+            "tolerance",
+        ),
         *("joints", "friction", "forces", "warnings", "time_limit", "seconds"),
     }
     assert set(answer["seconds"]) == {"read", "contacts", "solve", "total"}

@@ -12,18 +12,22 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from kilter.analysis.degenerate_branches import decide_degenerate
 from kilter.analysis.judge import Judgement, judge
+from kilter.analysis.open_question import OpenQuestion, ask_open, open_pairs_answer
+from kilter.analysis.ordinary_contacts import OpenTrial, trial_words, try_ordinary
 from kilter.analysis.remarks import loose_parts, remarks
 from kilter.analysis.verdict import Verdict, Word
 from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance, detect
-from kilter.errors import InputError, some
+from kilter.contact.open_pairs import still_open
+from kilter.errors import InputError
 from kilter.friction.answer import FrictionAnswer, ask_friction
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program, build_program
+from kilter.tell.open_words import undecided_sentence
 from kilter.tell.words import verdict_sentence
 from kilter.threads import on_one_thread
 from kilter.validate import number
@@ -97,7 +101,7 @@ def check(
     decision = _decide(assembly, contacts, work)
     word, program = decision.verdict, decision.program
     seconds["solve"] = time.perf_counter() - started
-    sentence = _sentence(decision)
+    sentence = _sentence(decision, assembly, contacts)
     warnings = _warnings(assembly, contacts, decision)
     if work.cut:
         warnings.append(_late(time_limit))
@@ -113,6 +117,7 @@ def check(
         seconds,
         effort,
         time_limit if work.cut else None,
+        decision.question,
     )
 
 
@@ -137,11 +142,16 @@ class _Decision:
     judgement: Judgement
     friction: FrictionAnswer | None = None
     why: tuple[str, ...] = ()
+    question: OpenQuestion | None = None
+    trial: OpenTrial | None = None
 
 
-def _sentence(decision: _Decision) -> str:
+def _sentence(decision: _Decision, assembly: Assembly, contacts: ContactSet) -> str:
     if decision.verdict == "undecided":
-        return f"Undecided: {'; '.join(decision.why)}."
+        if decision.question is None:
+            return f"Undecided: {'; '.join(decision.why)}."
+        pairs = open_pairs_answer(assembly, contacts, decision.question)
+        return undecided_sentence(pairs, assembly.units, more=decision.why)
     friction = decision.friction
     coarse = bool(decision.program.tolerance.max(initial=0.0) > TOLERANCE)
     return verdict_sentence(
@@ -165,9 +175,7 @@ def _decide(assembly: Assembly, contacts: ContactSet, work: Work) -> _Decision:
         reason = "the time limit was met" if work.cut else _figures(judgement)
         return _Decision("undecided", program, judgement, why=(reason,))
     if judgement.stable:
-        answer = ask_friction(program, work=work)
-        word: Word = "stable" if answer.guarantee == "proved" else "potentially-stable"
-        return _Decision(word, program, judgement, answer)
+        return _with_friction(assembly, contacts, program, judgement, work)
     outer = build_program(assembly, contacts, possible=True)
     if len(outer.part_a) == len(program.part_a):
         return _Decision("unstable", program, judgement)
@@ -177,8 +185,32 @@ def _decide(assembly: Assembly, contacts: ContactSet, work: Work) -> _Decision:
     sharp = decide_degenerate(assembly, contacts)
     if sharp.program is not None and sharp.judgement is not None:
         return _Decision("unstable", sharp.program, sharp.judgement)
-    why = (*_open_questions(assembly, contacts), *sharp.words)
-    return _Decision("undecided", program, judgement, why=why)
+    work.stage("open pairs")
+    question = ask_open(
+        assembly, contacts, program, lambda other: _decide(other, contacts, work).verdict, work=work
+    )
+    unclear = () if question is not None else (_unclear(contacts, work),)
+    return _Decision(
+        "undecided", program, judgement, why=(*unclear, *sharp.words), question=question
+    )
+
+
+def _with_friction(
+    assembly: Assembly, contacts: ContactSet, program: Program, judgement: Judgement, work: Work
+) -> _Decision:
+    """What friction guarantees, with the open pairs as ordinary contacts too."""
+    answer, trial = ask_friction(program, work=work), None
+
+    def proved(other: Program) -> bool:
+        still = judge(other.frictionless, work=work).stable
+        return bool(still) or ask_friction(other, work=work).guarantee == "proved"
+
+    if answer.guarantee == "proved":
+        trial = try_ordinary(assembly, contacts, proved)
+        if not trial.holds:
+            answer = replace(answer, guarantee="open")
+    word: Word = "stable" if answer.guarantee == "proved" else "potentially-stable"
+    return _Decision(word, program, judgement, answer, trial=trial)
 
 
 def _figures(judgement: Judgement) -> str:
@@ -191,16 +223,13 @@ def _figures(judgement: Judgement) -> str:
     )
 
 
-def _open_questions(assembly: Assembly, contacts: ContactSet) -> list[str]:
-    """What could hold it that is not modelled."""
-    names = assembly.names
-    if contacts.unsupported:
-        pairs = [
-            f"{names[u.parts[0]]!r} and {names[u.parts[1]]!r} ({u.kind})"
-            for u in contacts.unsupported
-        ]
-        return [f"contacts of a kind that is not modelled yet could hold it: {some(pairs)}"]
-    return ["the polygon that stands for a round face could hold it, a circle might not"]
+def _unclear(contacts: ContactSet, work: Work) -> str:
+    """Why it is undecided where no joined pairs decide."""
+    if work.cut:
+        return "the time limit was met"
+    if contacts.open_pairs:
+        return "pairs that are left open could hold it together with round rims"
+    return "the polygon that stands for a round face could hold it, a circle might not"
 
 
 def _warnings(assembly: Assembly, contacts: ContactSet, decision: _Decision) -> list[str]:
@@ -208,12 +237,15 @@ def _warnings(assembly: Assembly, contacts: ContactSet, decision: _Decision) -> 
     friction, program = decision.friction, decision.program
     if friction is not None and friction.exclusion is not None and friction.exclusion.assumes:
         warnings.append(f"the proof assumes {friction.exclusion.assumes}")
-    if friction is not None and contacts.unsupported:
-        warnings.append("contacts that are not modelled could add motions, or take them away")
+    left_open = still_open(contacts.open_pairs, assembly)
+    if decision.trial is not None and left_open:
+        warnings.append(trial_words(decision.trial, assembly, len(left_open)))
+    elif friction is not None and left_open:
+        warnings.append("pairs that are left open could add motions, or take them away")
     if decision.verdict == "stable":
         return warnings + loose_parts(assembly, contacts)
-    if contacts.unsupported:
-        warnings.append("z, displacements and motions are those of the modelled contacts")
+    if left_open:
+        warnings.append("z, displacements and motions are those of the certain contacts")
     mass = program.mass[program.free]
     if len(mass) and mass.max() > FAR_APART * mass.min():
         warnings.append(

@@ -29,6 +29,7 @@ from kilter.analysis.motion import (
     still,
 )
 from kilter.analysis.neutral import Neutral, find_neutral
+from kilter.analysis.open_question import OpenQuestion, open_pairs_answer
 from kilter.arrays import sealed
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import DEFAULT_DENSITY
@@ -77,6 +78,8 @@ class Verdict:
         Of the search of motions with friction.
     time_limit : float or None
         What cut the answer short [s].
+    question : OpenQuestion or None
+        The open pairs that decide, where it is undecided because of them.
     """
 
     verdict: Word
@@ -90,6 +93,7 @@ class Verdict:
     seconds: Mapping[str, float]
     effort: float = EFFORT
     time_limit: float | None = None
+    question: OpenQuestion | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "seconds", MappingProxyType(dict(self.seconds)))
@@ -298,6 +302,8 @@ class Verdict:
                 "points": len(contacts.points),
             },
             "unsupported": unsupported_answer(assembly, contacts),
+            "open_pairs": open_pairs_answer(assembly, contacts, self.question),
+            "if_joined": None if self.question is None else self.question.to_dict(assembly.names),
             "joints": joints_answer(assembly),
             "certificate": _certificate(self),
             "friction": _friction(self),

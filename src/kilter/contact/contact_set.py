@@ -27,7 +27,7 @@ from kilter.assembly import Assembly
 from kilter.contact.contact_tolerances import MEAN_NORMAL
 from kilter.contact.gaps import Rejected, Tolerance
 from kilter.contact.left_out import INTERFERE, SAME_BODY, Overlap, PossibleContacts, Unsupported
-from kilter.contact.open_pairs import OpenPair
+from kilter.contact.open_pairs import OpenPair, still_open
 
 __all__ = [
     "INTERFERE",
@@ -217,6 +217,11 @@ class ContactSet:
 
     def __post_init__(self) -> None:
         read_only(self)
+        left = still_open(self.open_pairs, self.assembly)
+        if len(left) < len(self.open_pairs):  # parts were joined since
+            gone = {frozenset(one.parts) for one in self.open_pairs if one not in left}
+            object.__setattr__(self, "possible", self.possible.without_wrenches(gone))
+            object.__setattr__(self, "open_pairs", left)
 
     def __len__(self) -> int:
         return len(self.patch_area)

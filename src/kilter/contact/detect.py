@@ -7,9 +7,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from kilter.arrays import starts
+from kilter.arrays import Mask, starts
 from kilter.assembly import Assembly, require_assembly
-from kilter.contact.contact_search import begin_search
+from kilter.contact.contact_search import ContactSearch, begin_search
 from kilter.contact.contact_set import ContactSet, PossibleContacts
 from kilter.contact.curved.curved_contacts import find_curved
 from kilter.contact.curved.curved_patches import without_repeats
@@ -17,9 +17,10 @@ from kilter.contact.curved.rims import rim_contacts
 from kilter.contact.fits.overlap import find_overlaps
 from kilter.contact.friction_coefficients import friction_coefficients
 from kilter.contact.gaps import Tolerance, closed_by_clearance, gap_warnings
-from kilter.contact.open_pairs import find_open_pairs
+from kilter.contact.open_pairs import find_open_pairs, open_forces
 from kilter.contact.patches import Patches
 from kilter.contact.planar.flat_contacts import GAP_EDGES, find_flat
+from kilter.contact.sharp.near_edges import near_edges
 from kilter.contact.sharp.sharp_contacts import near_contacts
 from kilter.contact.touching import Touching
 from kilter.contact.unknown import unknown_contacts
@@ -84,10 +85,13 @@ def contacts(
     near = near_contacts(touching)
     overlaps, overlap_warnings = find_overlaps(assembly, touching, tolerance)
     refused = [*flat.rejected, *curved.rejected, *unknown_contacts(search.unknown)]
-    rejected = sorted(refused, key=lambda r: (abs(r.gap), r.angle))
     given, own = _given(assembly)
     faces = Patches.join([flat.patches, touching.curved.patches])
     patches = Patches.join([faces, near.patches, given])
+    spoken = [one.parts for one in refused] + [one.parts for one in overlaps]
+    spoken += [one.parts for one in near.unsupported]
+    refused += near_edges(search, _silent(search, patches, spoken))
+    rejected = sorted(refused, key=lambda r: (abs(r.gap), r.angle))
     rims = rim_contacts(search.geometry, flat.patches)
     possible = PossibleContacts.join([near.possible, rims, touching.curved.possible])
     left_open = find_open_pairs(assembly, overlaps, rejected, near.unsupported)
@@ -104,7 +108,9 @@ def contacts(
         points=patches.points,
         normals=patches.normals,
         unsupported=near.unsupported,
-        possible=_with_friction(assembly, possible),
+        possible=PossibleContacts.join(
+            [_with_friction(assembly, possible), open_forces(left_open, search.geometry)]
+        ),
         rejected=tuple(rejected),
         overlaps=overlaps,
         gap_edges=GAP_EDGES,
@@ -120,6 +126,18 @@ def contacts(
         degenerate=near.degenerate,
         open_pairs=left_open,
     )
+
+
+def _silent(search: ContactSearch, patches: Patches, others: list[tuple[int, int]]) -> Mask:
+    """Pairs of which nothing was found, neither patches nor among `others`."""
+    silent = np.ones(len(search.pairs), dtype=bool)
+    silent[patches.pair[patches.pair >= 0]] = False
+    found = {frozenset(pair) for pair in others}
+    if found:
+        rows = np.flatnonzero(silent)
+        known = [frozenset(pair) in found for pair in search.pairs[rows].tolist()]
+        silent[rows[known]] = False
+    return silent
 
 
 def _given(assembly: Assembly) -> tuple[Patches, list[float | None]]:

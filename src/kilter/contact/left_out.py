@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from kilter.arrays import Array, Index, Mask, Rows, columns, read_only
 
 __all__ = ["INTERFERE", "SAME_BODY", "Overlap", "PossibleContacts", "Unsupported"]
@@ -73,3 +75,9 @@ class PossibleContacts(Rows):
 
     def __post_init__(self) -> None:
         read_only(self)
+
+    def without_wrenches(self, pairs: set[frozenset[int]]) -> PossibleContacts:
+        """Without the two-sided forces between the parts of some pairs."""
+        ends = zip(self.part_a.tolist(), self.part_b.tolist(), strict=True)
+        among = np.array([frozenset(pair) in pairs for pair in ends], dtype=bool)
+        return self.take(np.flatnonzero(~(among & self.two_sided)))

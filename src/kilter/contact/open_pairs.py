@@ -33,7 +33,15 @@ from kilter.contact.contact_tolerances import LOOSE_ANGLE, LOOSE_GAP
 from kilter.contact.gaps import THIN, Rejected
 from kilter.contact.left_out import Overlap, PossibleContacts, Unsupported
 
-__all__ = ["KINDS", "OpenKind", "OpenPair", "find_open_pairs", "open_forces", "rigid_groups"]
+__all__ = [
+    "KINDS",
+    "OpenKind",
+    "OpenPair",
+    "find_open_pairs",
+    "open_forces",
+    "rigid_groups",
+    "still_open",
+]
 
 OpenKind = Literal["overlap", "clearance", "near", "free-form", "degenerate"]
 KINDS: tuple[OpenKind, ...] = get_args(OpenKind)
@@ -95,15 +103,19 @@ def find_open_pairs(
     found += [one for r in rejected if (one := _of_rejected(r, size)) is not None]
     found += [_of_unsupported(one) for one in unsupported]
     found.sort(key=lambda one: (*sorted(one.parts), KINDS.index(one.kind), abs(one.gap or 0.0)))
-    if not found:
+    first: dict[frozenset[int], OpenPair] = {}
+    for one in found:
+        first.setdefault(frozenset(one.parts), one)
+    return still_open(first.values(), assembly)
+
+
+def still_open(pairs: Iterable[OpenPair], assembly: Assembly) -> tuple[OpenPair, ...]:
+    """Those that no fixed joints tie, and of which one part is free."""
+    pairs = tuple(pairs)
+    if not pairs:
         return ()
     group = rigid_groups(assembly)
-    first: dict[tuple[int, int], OpenPair] = {}
-    for one in found:
-        a, b = sorted(one.parts)
-        if group[a] != group[b]:
-            first.setdefault((a, b), one)
-    return tuple(first.values())
+    return tuple(one for one in pairs if group[one.parts[0]] != group[one.parts[1]])
 
 
 def _of_overlap(one: Overlap) -> OpenPair:

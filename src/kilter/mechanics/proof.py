@@ -17,6 +17,7 @@ import numpy as np
 from kilter.arrays import Array, Index, Mask
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
+from kilter.contact.open_pairs import still_open
 from kilter.errors import InputError
 from kilter.mechanics.certificate import ForceProof, MotionProof
 from kilter.mechanics.joints import carried, reference_point
@@ -25,7 +26,15 @@ from kilter.mechanics.program import Program
 from kilter.mechanics.proof_form import FORMAT
 from kilter.mechanics.rows import CONTACT, JOINT
 
-__all__ = ["Evidence", "digest_of", "frame_of", "joints_of", "make_proof", "rows_of"]
+__all__ = [
+    "Evidence",
+    "digest_of",
+    "frame_of",
+    "joints_of",
+    "make_proof",
+    "open_pairs_of",
+    "rows_of",
+]
 
 __all__ = ["Evidence", "digest_of", "frame_of", "joints_of", "make_proof", "rows_of"]
 
@@ -132,6 +141,7 @@ def make_proof(
         proof["motion"] = {
             name: motion[k].tolist() for k, name in enumerate(names) if program.free[k]
         }
+        proof["open_pairs"] = open_pairs_of(assembly, contacts)
         proof["certificate"] = {
             "kind": "motion",
             "power": certificate.power,
@@ -176,6 +186,13 @@ def _friction(program: Program, evidence: Evidence, rows: Index) -> dict[str, An
         "residual": witness.residual,
     }  # fmt: skip
     return data
+
+
+def open_pairs_of(assembly: Assembly, contacts: ContactSet) -> list[dict[str, Any]]:
+    """The open pairs, whatever which may do a motion proves its verdict."""
+    names = assembly.names
+    pairs = still_open(contacts.open_pairs, assembly)
+    return [{"parts": [names[k] for k in one.parts], "kind": one.kind} for one in pairs]
 
 
 def joints_of(

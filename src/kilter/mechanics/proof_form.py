@@ -92,7 +92,11 @@ FORCES = _keys(
     certificate=_keys(residual=NUMBER),
 )
 """What a proof by forces has besides."""
-MOTION = _keys(motion=_named(SIX), certificate=_keys(power=NUMBER, violation=NUMBER))
+MOTION = _keys(
+    motion=_named(SIX),
+    certificate=_keys(power=NUMBER, violation=NUMBER),
+    open_pairs=_list(_keys(parts=PAIR, kind=WORD)),
+)
 """What a proof by a motion has besides."""
 FRICTION = _keys(
     guarantee=WORD,

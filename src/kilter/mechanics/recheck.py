@@ -20,7 +20,7 @@ from kilter.mechanics.joints import carried, carriers
 from kilter.mechanics.law_check import LawProof, check_law
 from kilter.mechanics.mechanics_tolerances import AGREES
 from kilter.mechanics.program import Program, build_program
-from kilter.mechanics.proof import digest_of, frame_of, joints_of, rows_of
+from kilter.mechanics.proof import digest_of, frame_of, joints_of, open_pairs_of, rows_of
 from kilter.mechanics.rows import CONTACT, JOINT
 
 __all__ = ["Rechecked", "recheck"]
@@ -56,6 +56,7 @@ def recheck(assembly: Assembly, contacts: ContactSet, proof: dict[str, Any]) -> 
             reasons += more
     elif not reasons:
         power, reasons = _recheck_motion(assembly, contacts, proof)
+        notes += _survived(proof["open_pairs"])
     return Rechecked(reasons, residual, power, notes)
 
 
@@ -262,6 +263,13 @@ def _law_of(program: Program, witness: dict[str, Any], assembly: Assembly) -> La
     return check_law(program, acceleration, forces)
 
 
+def _survived(pairs: list[Any]) -> list[str]:
+    """Which open pairs the motion of a proof is held against."""
+    if not pairs:
+        return []
+    return [f"the motion is one whatever {len(pairs)} open pairs do at their most"]
+
+
 def _recheck_motion(
     assembly: Assembly, contacts: ContactSet, proof: dict[str, Any]
 ) -> tuple[float, list[str]]:
@@ -283,6 +291,8 @@ def _recheck_motion(
             f"the motion gains {judged.power:.3g} W and violates contacts by "
             f"{judged.violation:.3g}: that proves nothing"
         )
+    if proof["open_pairs"] != open_pairs_of(assembly, contacts):
+        reasons.append("its open pairs, which the motion has to survive, are not the file's")
     sizes = part_sizes(outer, motion, per_radius=False)
     if not _near(sizes.max(initial=0.0), 1.0, 1.0):
         reasons.append("its fastest part does not move by 1")

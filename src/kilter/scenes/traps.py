@@ -47,7 +47,7 @@ def floating_block(index: int = 2, *, count: int = 5) -> Assembly:
 def penetrating_cube(depth: float = 0.1) -> Assembly:
     """Case W2: a unit cube in mid-air that overlaps a held one by `depth` [m] sideways.
 
-    No contact carries it: unstable, and the overlap is to be named.
+    No contact carries it, but the overlap might be a joint: undecided, and it is to be named.
     """
     return Assembly(
         [

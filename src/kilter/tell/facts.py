@@ -12,6 +12,7 @@ from typing import Any
 
 from kilter.errors import some
 from kilter.tell.numbers import angle, counts, force, number, plain, vector
+from kilter.tell.open_words import open_facts
 
 __all__ = [
     "ROWS",
@@ -98,6 +99,7 @@ def _check(answer: Answer) -> list[Fact]:
         *_joints(answer),
         ("proof", _proof(answer)),
     ]
+    found += open_facts(answer)
     friction = answer["friction"]
     if friction is not None:
         found.append(("guarantee", _guarantee(answer["guarantee"], friction)))

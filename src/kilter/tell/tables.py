@@ -139,9 +139,9 @@ def moving_table(answer: Answer) -> Table | None:
     parts = sorted(answer["parts"], key=lambda part: -max(part["relative"]))
     free = sum(not part["grounded"] for part in parts)
     moving = [part for part in parts if part["moves"]]
-    left_out = bool(answer["unsupported"])
+    left_out = bool(answer["open_pairs"])
     if verdict == "undecided" or (left_out and moving):
-        by = "modelled contacts" if left_out else "modelled, frictionless contacts"
+        by = "certain contacts" if left_out else "modelled, frictionless contacts"
         title = f"By its {by} alone, {len(moving)} of {free} free parts move:"
     elif verdict == "potentially-stable":
         title = f"{len(moving)} of {free} free parts could move:"

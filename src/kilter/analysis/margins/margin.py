@@ -34,6 +34,7 @@ from kilter.analysis.margins.tilt import (
 )
 from kilter.analysis.margins.uncertainty import Ranges, Uncertainty, find_uncertainty
 from kilter.analysis.margins.what_helps import Help, what_helps
+from kilter.analysis.open_question import open_pair_names, open_pairs_answer
 from kilter.analysis.turning_tolerances import (
     ACROSS_GRAVITY,
 )
@@ -126,6 +127,8 @@ class Margin:
             "units": self.assembly.units,
             "down": self.assembly.down.tolist(),
             "joints": joints_answer(self.assembly),
+            "open_pairs": open_pairs_answer(self.assembly, self.verdict.contacts),
+            "exact": not self.verdict.contacts.open_pairs,
             "tilt_deg": self.tilt_deg,
             "tilt_lower_deg": None if tilt is None else float(np.degrees(tilt.lower)),
             "tilt_down": None if down is None else down.tolist(),
@@ -246,8 +249,9 @@ def margin(
     )
     program = build_program(assembly, verdict.contacts)
     warnings = list(verdict.warnings)
-    if verdict.contacts.unsupported:
-        warnings.append("contacts that are not modelled are left out: margins may be larger")
+    if verdict.contacts.open_pairs:
+        left_out = open_pair_names(assembly, verdict.contacts)
+        warnings.append(f"open pairs are left out, with them margins may be larger: {left_out}")
     tell("tilt")
     missing: dict[str, Why] = {}
     tilt, degrees, down = _tilt(program, warnings, missing)

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.analysis.answers import joints_answer
+from kilter.analysis.open_question import open_pairs_answer
 from kilter.analysis.regions.cone_oracle import intersection
 from kilter.analysis.regions.friction_cone import friction_cone
 from kilter.analysis.regions.polyhedral_cone import Cone
@@ -207,6 +208,11 @@ class Region:
             "complete": self.complete,
             "friction": self.friction,
             "joints": joints_answer(self.assemblies[0]),
+            "open_pairs": [
+                pair
+                for assembly, own in zip(self.assemblies, self.contacts, strict=True)
+                for pair in open_pairs_answer(assembly, own)
+            ],
             "gap_deg": self.gap_deg,
             "proved": self.proved,
             "accuracy_deg": float(np.degrees(max(cone.blur, slack))),

@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from kilter.analysis.motion import find_motion
+from kilter.analysis.open_question import open_pair_names
 from kilter.analysis.regions.stable_cone import Proof, StableCone
 from kilter.analysis.remarks import remarks, touching_nothing
 from kilter.arrays import Array, Mask
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
-from kilter.errors import some, some_names
+from kilter.errors import some_names
 from kilter.mechanics.certificate import MotionProof, part_sizes
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program
@@ -69,7 +70,7 @@ def warnings_of(
 def further_forces(contacts: ContactSet, rubs: bool) -> bool:
     """Whether contacts not modelled, or friction unless it is counted (`rubs`), may hold more."""
     friction = not rubs and bool((contacts.patch_mu > 0).any())
-    return friction or len(contacts.possible) > 0 or len(contacts.unsupported) > 0
+    return friction or len(contacts.possible) > 0 or len(contacts.open_pairs) > 0
 
 
 def _inner(assembly: Assembly, contacts: ContactSet, rubs: bool) -> list[str]:
@@ -77,11 +78,8 @@ def _inner(assembly: Assembly, contacts: ContactSet, rubs: bool) -> list[str]:
     why = []
     if not rubs and (contacts.patch_mu > 0).any():
         why.append("friction")
-    if contacts.unsupported:
-        pairs = [
-            " and ".join(repr(assembly.names[k]) for k in u.parts) for u in contacts.unsupported
-        ]
-        why.append(f"contacts of a kind that is not modelled yet ({some(pairs)})")
+    if contacts.open_pairs:
+        why.append(f"what open pairs could bring ({open_pair_names(assembly, contacts)})")
     if not why:
         return []
     word = "held" if rubs else "stable"

@@ -27,6 +27,7 @@ import numpy as np
 from kilter.analysis.answers import joints_answer
 from kilter.analysis.check import check
 from kilter.analysis.judge import Judgement, judge
+from kilter.analysis.open_question import open_pair_names, open_pairs_answer
 from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.region import Region, region
 from kilter.analysis.regions.stable_cone import stable_cone
@@ -133,6 +134,7 @@ class Orientation:
             "joints": joints_answer(self.assembly),
             "parts": there["parts"],
             "unsupported": there["unsupported"],
+            "open_pairs": open_pairs_answer(self.assembly, self.region.contacts[0]),
             "tolerance": there["tolerance"],
             "region": {
                 "kind": self.region.kind,
@@ -350,8 +352,8 @@ def _open_questions(
     why = []
     if every.friction:
         why.append("without friction no orientation is stable, and friction could hold one")
-    if contacts.unsupported:
-        why.append("contacts of a kind that is not modelled yet could hold it")
+    if contacts.open_pairs:
+        why.append(f"open pairs could hold it: {open_pair_names(assembly, contacts)}")
     return why or ["the polygon that stands for a round face could hold it, a circle might not"]
 
 

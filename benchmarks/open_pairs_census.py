@@ -1,0 +1,165 @@
+"""Random assemblies with open pairs: does every verdict hold for every contact set between?
+
+    python benchmarks/open_pairs_census.py           300 assemblies
+    python benchmarks/open_pairs_census.py 1000 7    1,000, from seed 7 on
+
+Parts are pushed into overlap or out of contact by 1.5 to 50 tolerances
+(`kilter.scenes.random_pushed`). Then every open pair is taken away, or taken for the contact that
+was meant, or joined, in every subset, with and without friction, and the deciding set is held
+against all sets of open pairs. Prints what contradicts itself, which must be nothing.
+"""
+
+from __future__ import annotations
+
+import collections
+import itertools
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from kilter import check
+from kilter.analysis.judge import judge
+from kilter.analysis.ordinary_contacts import with_ordinary_contacts
+from kilter.analysis.verdict import Verdict
+from kilter.arrays import Array, Index
+from kilter.assembly import Assembly, Joint
+from kilter.contact import ContactSet, contacts
+from kilter.contact.contact_tolerances import GAP
+from kilter.contact.open_pairs import OpenPair
+from kilter.friction.answer import ask_friction
+from kilter.mechanics.program import Program, build_program
+from kilter.scenes.random_pushed import pushed_assembly
+
+MOST = 5
+"""Open pairs of which every way is tried; of more, those with one or two pairs changed."""
+ABSENT, ORDINARY, JOINED = range(3)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """An assembly as drawn, and the contacts that were meant."""
+
+    drawn: Assembly
+    meant: ContactSet
+
+
+def touching(assembly: Assembly) -> tuple[Index, Array, Array]:
+    """Contacts of an assembly: parts, normals, gap tolerances."""
+    found = contacts(assembly)
+    gap = GAP * assembly.geometry.size[found.patch_parts].min(axis=1)
+    return found.patch_parts, found.patch_normal, gap
+
+
+def ways(count: int) -> Iterator[tuple[int, ...]]:
+    """What each open pair is."""
+    if count <= MOST:
+        yield from itertools.product(range(3), repeat=count)
+        return
+    for others in range(3):
+        for some in itertools.combinations(range(count), 2):
+            for values in itertools.product(range(3), repeat=2):
+                way = [others] * count
+                for place, value in zip(some, values, strict=True):
+                    way[place] = value
+                yield tuple(way)
+
+
+def joined(assembly: Assembly, pairs: Sequence[OpenPair]) -> Assembly:
+    """The assembly with fixed joints between the parts of some pairs."""
+    names = assembly.names
+    return assembly.with_joints([Joint((names[p.parts[0]], names[p.parts[1]])) for p in pairs])
+
+
+def program_of(scene: Scene, verdict: Verdict, way: tuple[int, ...]) -> Program:
+    """The program of one way that the open pairs may be."""
+    pairs = verdict.contacts.open_pairs
+    ordinary = tuple(p for p, what in zip(pairs, way, strict=True) if what == ORDINARY)
+    tied = [p for p, what in zip(pairs, way, strict=True) if what == JOINED]
+    meant = with_ordinary_contacts(verdict.contacts, scene.meant, ordinary)
+    return build_program(joined(scene.drawn, tied), meant)
+
+
+def contradictions(scene: Scene, verdict: Verdict, effort: float) -> list[str]:
+    """Where a contact set between the extremes disagrees with a verdict."""
+    wrong = []
+    word = verdict.verdict
+    for way in dict.fromkeys(ways(len(verdict.contacts.open_pairs))):
+        program = program_of(scene, verdict, way)
+        holds = judge(program).stable
+        if word == "unstable" and holds:
+            wrong.append(f"unstable, but forces exist with {way}")
+        if word in ("stable", "settles", "potentially-stable") and holds is False:
+            wrong.append(f"{word}, but no forces with {way}")
+        smooth = judge(program.frictionless).stable
+        if word == "stable" and verdict.friction is None and smooth is False:
+            wrong.append(f"stable, but without friction unstable with {way}")
+        if word == "stable" and verdict.friction is not None and JOINED not in way and not smooth:
+            answer = ask_friction(program, work=effort)
+            if answer.guarantee == "refuted":
+                wrong.append(f"proved, but a motion obeys the law with {way}")
+    if word == "undecided":
+        wrong += not_smallest(scene, verdict)
+    return wrong
+
+
+def not_smallest(scene: Scene, verdict: Verdict) -> list[str]:
+    """Whether the deciding set does not hold, or a smaller one does."""
+    if verdict.question is None:
+        return [f"undecided without a set that decides: {verdict.sentence}"]
+    pairs, chosen = verdict.contacts.open_pairs, verdict.question.deciding
+    inner = build_program(scene.drawn, verdict.contacts)
+    if judge(inner).stable:
+        return ["undecided, but it holds as drawn"]
+    wrong = []
+    for size in range(len(pairs) + 1):
+        sets = [
+            some
+            for some in itertools.combinations(pairs, size)
+            if judge(build_program(joined(scene.drawn, some), verdict.contacts)).stable
+        ]
+        if sets:
+            break
+    if size != len(chosen.pairs) or set(chosen.pairs) not in [set(some) for some in sets]:
+        wrong.append(f"the set has {len(chosen.pairs)} pairs, the smallest {size}")
+    if chosen.smallest != (len(pairs) <= 12):
+        wrong.append("smallest or not is said wrong")
+    return wrong
+
+
+def asked(seed: int, effort: float = 1.0) -> tuple[str, list[str]]:
+    """Answer, and contradictions, of one scene with its friction and without."""
+    scene = pushed_assembly(seed, touching)
+    answers, wrong = [], []
+    for mu in dict.fromkeys((scene.drawn.friction, 0.0)):
+        drawn = scene.drawn.with_friction(mu)
+        one = Scene(drawn, contacts(scene.meant.with_friction(mu)))
+        verdict = check(drawn, effort=effort)
+        count = len(verdict.contacts.open_pairs)
+        answers.append(f"{verdict.verdict}, {min(count, 5)}{'+' * (count > 5)} open")
+        wrong += [f"mu {mu:.3g}: {word}" for word in contradictions(one, verdict, effort)]
+    return f"{scene.family:8} " + " | ".join(answers), wrong
+
+
+def main() -> int:
+    """Ask them all; 1 where something contradicts itself."""
+    words = sys.argv[1:]
+    count = int(words[0]) if words else 300
+    first = int(words[1]) if len(words) > 1 else 0
+    answers: collections.Counter[str] = collections.Counter()
+    found: list[str] = []
+    started = time.process_time()
+    for seed in range(first, first + count):
+        answer, wrong = asked(seed)
+        answers[answer] += 1
+        found += [f"seed {seed}: {word}" for word in wrong]
+        if wrong:
+            print(f"seed {seed} ({answer}): {wrong[:3]}", flush=True)
+    for answer, number in sorted(answers.items()):
+        print(f"{number:>6}  {answer}")
+    print(f"{len(found)} contradictions, {time.process_time() - started:.0f} s of CPU")
+    return int(bool(found))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

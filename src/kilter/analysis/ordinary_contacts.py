@@ -1,0 +1,168 @@
+"""Open pairs as ordinary contacts: does what friction proves hold with them too?
+
+More forces only help an equilibrium to exist, but with friction they may hurt what is proved: a
+block on a slope is held by it; with a second, smoother support in the same plane a motion obeys
+the contact law. So what is proved, or settles, is asked again with the open pairs as contacts
+of the kind that they would be if they touched, in every subset of them. Where these are too many,
+or a pair has no such kind (a free form), nothing but equilibrium is said.
+
+The contacts that open pairs would be are those that a detection finds whose tolerance takes
+their gaps, depths and tilts in; a degenerate point pushes along the centre of its normals.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from kilter.arrays import Index, starts
+from kilter.assembly import Assembly
+from kilter.contact import ContactSet, detect
+from kilter.contact.contact_tolerances import LOOSE_ANGLE
+from kilter.contact.friction_coefficients import friction_coefficients
+from kilter.contact.open_pairs import OpenPair, still_open
+from kilter.errors import some
+from kilter.mechanics.program import Program, build_program
+
+__all__ = ["MOST_TRIED", "OpenTrial", "trial_words", "try_ordinary", "with_ordinary_contacts"]
+
+MOST_TRIED = 4
+"""Open pairs of which every subset is tried."""
+WIDER = 1.01
+"""By so much the tolerance of the detection is wider than the widest gap."""
+
+
+@dataclass(frozen=True, slots=True)
+class OpenTrial:
+    """What became of a claim when open pairs were ordinary contacts.
+
+    Attributes
+    ----------
+    holds : bool
+        In every subset of them.
+    tried : int
+        How many subsets.
+    failed : tuple of OpenPair
+        The first subset in which it does not hold.
+    """
+
+    holds: bool
+    tried: int
+    failed: tuple[OpenPair, ...] = ()
+
+
+def try_ordinary(
+    assembly: Assembly, contacts: ContactSet, claim: Callable[[Program], bool]
+) -> OpenTrial:
+    """Ask a claim of the program of each subset of the open pairs.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    contacts : ContactSet
+    claim : callable
+        From a program to whether what is claimed holds of it.
+    """
+    pairs = still_open(contacts.open_pairs, assembly)
+    if len(pairs) > MOST_TRIED or any(one.kind == "free-form" for one in pairs):
+        return OpenTrial(not pairs, 0)
+    wide = _touching_all(assembly, contacts, pairs) if pairs else contacts
+    tried = 0
+    for chosen in _subsets(pairs):
+        tried += 1
+        if not claim(build_program(assembly, with_ordinary_contacts(contacts, wide, chosen))):
+            return OpenTrial(False, tried, chosen)
+    return OpenTrial(True, tried)
+
+
+def trial_words(trial: OpenTrial, assembly: Assembly, count: int) -> str:
+    """What a trial of `count` open pairs says."""
+    if trial.holds:
+        return (
+            f"what is proved is so with the {count} open pairs as ordinary contacts too, "
+            f"in every subset of them ({trial.tried} tried)"
+        )
+    if not trial.failed:
+        return f"not proved, since {count} open pairs may be contacts too, in more ways than tried"
+    names = assembly.names
+    pairs = [f"{names[p.parts[0]]!r} and {names[p.parts[1]]!r}" for p in trial.failed]
+    return f"not proved, since it is not so if these touch as ordinary contacts: {some(pairs)}"
+
+
+def _subsets(pairs: tuple[OpenPair, ...]) -> Iterator[tuple[OpenPair, ...]]:
+    for count in range(1, len(pairs) + 1):
+        yield from combinations(pairs, count)
+
+
+def _touching_all(
+    assembly: Assembly, contacts: ContactSet, pairs: tuple[OpenPair, ...]
+) -> ContactSet:
+    """Contacts with a tolerance that takes in what is open between these pairs."""
+    far = [abs(one.gap or 0.0) for one in pairs] + [one.depth or 0.0 for one in pairs]
+    gap = max(WIDER * max(far), contacts.gap)
+    angle = max(contacts.tolerance.angle, LOOSE_ANGLE)
+    wide = dataclasses.replace(contacts.tolerance, gap=gap, angle=angle)
+    return detect.contacts(assembly, tolerance=wide)
+
+
+def with_ordinary_contacts(
+    contacts: ContactSet, wide: ContactSet, pairs: tuple[OpenPair, ...]
+) -> ContactSet:
+    """The contact set with those of `wide` between some open pairs in place of its own.
+
+    Parameters
+    ----------
+    contacts, wide : ContactSet
+        Of one assembly.
+    pairs : tuple of OpenPair
+        A degenerate one brings a push at each of its points.
+    """
+    faces = {frozenset(one.parts) for one in pairs if one.kind != "degenerate"}
+    edges = {frozenset(one.parts) for one in pairs if one.kind == "degenerate"}
+    keep = [frozenset(p) not in faces for p in contacts.patch_parts.tolist()]
+    take = [frozenset(p) in faces for p in wide.patch_parts.tolist()]
+    first, second = (_patches(c, np.flatnonzero(k)) for c, k in ((contacts, keep), (wide, take)))
+    third = _pushes(contacts, edges)
+    values: dict[str, Any] = {
+        name: np.concatenate([x[name] for x in (first, second, third)]) for name in first
+    }
+    return dataclasses.replace(contacts, patch_start=starts(values.pop("count")), **values)
+
+
+def _patches(contacts: ContactSet, rows: Index) -> dict[str, Any]:
+    """Columns of some patches and of their points."""
+    some = np.isin(contacts.point_patch, rows)
+    names = ("parts", "normal", "area", "gap", "mu", "kind", "accuracy")
+    found = {f"patch_{name}": getattr(contacts, f"patch_{name}")[rows] for name in names}
+    count = np.diff(contacts.patch_start)[rows]
+    return {
+        **found,
+        "count": count,
+        "points": contacts.points[some],
+        "normals": contacts.normals[some],
+    }
+
+
+def _pushes(contacts: ContactSet, edges: set[frozenset[int]]) -> dict[str, Any]:
+    """A patch of one point at each degenerate point of some pairs."""
+    points = contacts.approximate
+    parts = np.column_stack([points.part_a, points.part_b])
+    rows = np.array([k for k, p in enumerate(parts.tolist()) if frozenset(p) in edges], np.int64)
+    points, parts, none = points.take(rows), parts[rows], np.zeros(len(rows))
+    return {
+        "patch_parts": parts,
+        "patch_normal": points.normals,
+        "patch_area": none,
+        "patch_gap": np.zeros((len(rows), 2)),
+        "patch_mu": friction_coefficients(contacts.assembly, parts),
+        "patch_kind": np.full(len(rows), "edge-edge", dtype=contacts.patch_kind.dtype),
+        "patch_accuracy": none,
+        "count": np.ones(len(rows), dtype=np.int64),
+        "points": points.points,
+        "normals": points.normals,
+    }

@@ -1,0 +1,78 @@
+"""Parts that are joined to each other as one body: the same program with fewer freedoms.
+
+A fixed joint has six unknown forces and six equations between the freedoms of its parts. Where
+parts move as one, they may as well be one: mass, centre and inertia of body B of parts i are
+
+    m = sum m_i,   c = sum m_i c_i / m,   I = sum I_i + m_i (|d_i|^2 - d_i d_i^T),   d_i = c_i - c
+
+and rows between two parts of one body go. Forces and motions are those of the joined parts.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kilter.arrays import Array, Index, cross
+from kilter.mechanics.program import Program
+
+__all__ = ["merged"]
+
+
+def merged(program: Program, group: Index) -> Program:
+    """The program whose parts are the groups of parts of another.
+
+    Parameters
+    ----------
+    program : Program
+    group : ndarray of int, shape (N,)
+        A number from 0 on for each part, the same for parts that move as one; every number up to
+        the greatest is used. A group with a held part is held.
+
+    Examples
+    --------
+    >>> from kilter.contact import contacts
+    >>> from kilter.mechanics.program import build_program
+    >>> from kilter.scenes import scene
+    >>> assembly = scene("tower")
+    >>> program = build_program(assembly, contacts(assembly))
+    >>> one = merged(program, np.minimum(np.arange(len(assembly)), 1))
+    >>> len(one.names), bool(one.mass[1] == program.mass[1:].sum())
+    (2, True)
+    """
+    count = int(group.max(initial=-1)) + 1
+    mass = np.bincount(group, program.mass, minlength=count)
+    center = _sums(group, program.mass[:, None] * program.center, count) / mass[:, None]
+    arm = program.center - center[group]
+    square = np.einsum("ij,ij->i", arm, arm)[:, None, None] * np.eye(3)
+    steiner = program.mass[:, None, None] * (square - arm[:, :, None] * arm[:, None, :])
+    applied = program.applied.copy()
+    applied[:, 3:] += cross(arm, applied[:, :3])
+    radius, tolerance = np.zeros(count), np.zeros(count)
+    np.maximum.at(radius, group, program.radius + np.linalg.norm(arm, axis=1))
+    np.maximum.at(tolerance, group, program.tolerance)
+    free = np.ones(count, dtype=bool)
+    free[group[~program.free]] = False
+    place = np.append(group, -1)
+    a, b = place[program.part_a], place[program.part_b]
+    still = ~np.append(free, False)
+    rows = np.flatnonzero((a != b) & ~(still[a] & still[b]))
+    first = np.unique(group, return_index=True)[1]
+    return program.taking(rows).with_rows(
+        names=tuple(program.names[k] for k in first),
+        free=free,
+        center=center,
+        mass=mass,
+        inertia=_sums(group, program.inertia + steiner, count),
+        radius=radius,
+        applied=_sums(group, applied, count),
+        part_a=a[rows],
+        part_b=b[rows],
+        tolerance=tolerance,
+    )
+
+
+def _sums(group: Index, values: Array, count: int) -> Array:
+    """Sums of rows by group."""
+    total = np.zeros((count, *values.shape[1:]))
+    np.add.at(total, group, values)
+    return total
