@@ -2,7 +2,7 @@
 
 Accelerations are in units of g, everything else is relative [-].
 
-    MOTION_GOOD < MOTION_ENOUGH < MOVES         what moves is told from what rounding moves
+    MOTION_GOOD < MOTION_ENOUGH < MOVES < STATED_MOST      what moves, what rounding moves
     ZERO_MOTION < MOTION_GOOD
     ENTERS, RANK, PRESSES >= mechanics' TOLERANCE    nothing is told finer than it is judged
 """
@@ -18,6 +18,7 @@ __all__ = [
     "NO_DESCENT",
     "PRESSES",
     "RANK",
+    "STATED_MOST",
     "ZERO_MOTION",
 ]
 
@@ -39,3 +40,5 @@ PRESSES = 1e-9
 """Normal forces below this fraction of the largest weight have no pressure centre."""
 ENTERS = 1e-9
 """Openings below minus this, at unit speed, enter."""
+STATED_MOST = 1e-2
+"""Accelerations above this are no matter of the accuracy that a file states [g]."""

@@ -10,10 +10,12 @@ it, the verdict is undecided and says why.
 
 from __future__ import annotations
 
+import dataclasses
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from kilter.analysis.as_stated import explained_by_accuracy
 from kilter.analysis.degenerate_branches import decide_degenerate
 from kilter.analysis.judge import Judgement, judge
 from kilter.analysis.open_question import OpenQuestion, ask_open, open_pairs_answer
@@ -98,7 +100,7 @@ def check(
     seconds["contacts"] = time.perf_counter() - started
     tell("verdict")
     started = time.perf_counter()
-    decision = _decide(assembly, contacts, work)
+    decision = _as_stated(assembly, contacts, _decide(assembly, contacts, work))
     word, program = decision.verdict, decision.program
     seconds["solve"] = time.perf_counter() - started
     sentence = _sentence(decision, assembly, contacts)
@@ -211,6 +213,14 @@ def _with_friction(
             answer = replace(answer, guarantee="open")
     word: Word = "stable" if answer.guarantee == "proved" else "potentially-stable"
     return _Decision(word, program, judgement, answer, trial=trial)
+
+
+def _as_stated(assembly: Assembly, contacts: ContactSet, decision: _Decision) -> _Decision:
+    """The decision; undecided where the accuracy that the file states explains what moves."""
+    if decision.verdict != "unstable":
+        return decision
+    why = explained_by_accuracy(assembly, contacts, decision.program)
+    return dataclasses.replace(decision, verdict="undecided", why=(why,)) if why else decision
 
 
 def _figures(judgement: Judgement) -> str:

@@ -10,7 +10,10 @@ tolerances of edges.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from pathlib import Path
+
+import numpy as np
 
 from kilter.units import METRES
 
@@ -25,19 +28,28 @@ _CONVERTED = re.compile(r"CONVERSION_BASED_UNIT\s*\(\s*'([^']*)'", re.IGNORECASE
 _NAMED = {"INCH": 0.0254, "FOOT": 0.3048, "MILLIMETRE": 1e-3, "MILLIMETER": 1e-3}
 
 
-def stated_accuracy(path: Path, units: str) -> float:
-    """How far a coordinate may be off [`units`]; 0 where nothing can be read."""
-    text = path.read_bytes().decode("latin-1")
+def stated_accuracy(paths: Iterable[Path], units: str) -> float:
+    """How far a coordinate of some files may be off [`units`]; 0 where nothing can be read."""
     found = 0.0
-    for number, unit in set(_STATED.findall(text)):
+    for path in paths:
         try:
-            value = float(number)
-        except ValueError:
+            text = path.read_bytes().decode("latin-1")
+        except OSError:
             continue
-        metres = _metres(text, unit)
-        if value > 0 and metres is not None:
-            found = max(found, value * metres / METRES[units])
+        for number, unit in set(_STATED.findall(text)):
+            metres = _metres(text, unit)
+            if metres is not None:
+                found = max(found, _number(number) * metres / METRES[units])
     return found
+
+
+def _number(word: str) -> float:
+    """A number above zero; 0 where it is none."""
+    try:
+        value = float(word)
+    except ValueError:
+        return 0.0
+    return value if 0 < value < np.inf else 0.0
 
 
 def _metres(text: str, unit: str) -> float | None:

@@ -61,7 +61,7 @@ def step_bodies(
             empty.append(one.name)
     if not found and len(kept) == len(document.solids):
         raise _nothing(passed, empty)
-    accuracy = stated_accuracy(path, document.units)
+    accuracy = stated_accuracy(document.files, document.units)
     solids = {one.key: dataclasses.replace(solid, uncertainty=accuracy) for one, solid in found}
     notes = [f"passed over, no solids: {some(passed, 8)}"] if passed else []
     notes += [f"left out, they have no volume: {some_names(empty, 8)}"] if empty else []

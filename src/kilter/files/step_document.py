@@ -63,11 +63,23 @@ class Occurrence:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StepDocument:
-    """What a STEP file holds: solids, the unit of their lengths, and in words what is none."""
+    """What a STEP file holds.
+
+    Attributes
+    ----------
+    solids : tuple of Occurrence
+    units : str
+        Of their lengths.
+    passed : tuple of str
+        What is no solid, in words.
+    files : tuple of Path
+        The file, and those that it names.
+    """
 
     solids: tuple[Occurrence, ...]
     units: str
     passed: tuple[str, ...]
+    files: tuple[Path, ...]
 
 
 def numbered(names: Sequence[str]) -> list[str]:
@@ -103,9 +115,9 @@ def read_document(path: Path) -> StepDocument:
     with quiet():
         reader, units = _opened(path)
         document = _transferred(reader, units)
-        _check_external(reader)
+        files = [path, *(path.parent / name for name in _external(reader))]
         solids, passed = _solids(document, reader.ChangeReader().WS().TransferReader(), path.stem)
-    return StepDocument(tuple(solids), units, tuple(passed))
+    return StepDocument(tuple(solids), units, tuple(passed), tuple(files))
 
 
 def _opened(path: Path) -> tuple[Any, str]:
@@ -138,17 +150,20 @@ def _transferred(reader: Any, units: str) -> Any:
     return document
 
 
-def _check_external(reader: Any) -> None:
-    """Refuse a file that names others which are missing or cannot be read."""
+def _external(reader: Any) -> list[str]:
+    """The files that a file names; refused where one is missing or cannot be read."""
     from OCP.IFSelect import IFSelect_ReturnStatus
 
+    found = []
     for external in reader.ExternFiles():
+        name = external.GetName()
+        found.append(name.ToCString() if name else "")
         if external.GetLoadStatus() != IFSelect_ReturnStatus.IFSelect_RetDone:
-            name = external.GetName()
             raise InputError(
-                f"names another file, {name.ToCString() if name else ''!r}, that cannot be read",
+                f"names another file, {found[-1]!r}, that cannot be read",
                 hint="put it beside this one, or export all in one file",
             )
+    return found
 
 
 # the tree ------------------------------------------------------------------------------
