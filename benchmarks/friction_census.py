@@ -30,7 +30,7 @@ def asked(seed: int, effort: float) -> tuple[str, str, list[str]]:
     if verdict.friction is not None:
         answer += f", {verdict.guarantee}"
         if verdict.verdict == "stable":
-            if not find_seating(verdict.program).seated:
+            if not find_seating(verdict.program).holds:
                 wrong.append("proved but not seated")
             found = find_coulomb_motion(verdict.program, work=effort, seed=1)
             if found is not None:

@@ -15,6 +15,7 @@ EFFORT = 1
 """Seconds for what friction guarantees, a scene; what is open then says so."""
 WORDS = {
     "stable": "Stable",
+    "settles": "Settles",
     "potentially-stable": "Potentially stable",
     "unstable": "Unstable",
     "undecided": "Undecided",

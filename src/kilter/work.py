@@ -49,6 +49,8 @@ DENSE, DENSE_ENTRY, DENSE_WIDE = 60.0, 0.02, 250.0
 """Of a full system solved, of an entry of it; one of so many unknowns costs twice that."""
 SPARSE, SPARSE_ENTRY, SPARSE_WIDE = 500.0, 0.3, 200.0
 """Of a sparse system factorised, of an entry of the factors; the same."""
+BAND, BAND_POINT, BAND_ENTRY = 150.0, 0.5, 0.01
+"""Of a band system solved, of a point of it, and of an entry of the band."""
 JUDGED, JUDGED_POINT = 1000.0, 6.0
 """Of a candidate held against the contact law, and of a point of it."""
 
@@ -181,6 +183,10 @@ class Work:
     def sparse(self, unknowns: int, entries: int) -> None:
         """Count a sparse system that was factorised, with entries of its factors."""
         self.charge(SPARSE + SPARSE_ENTRY * entries * (1.0 + entries / unknowns / SPARSE_WIDE))
+
+    def band(self, unknowns: int, width: int, points: int) -> None:
+        """Count a band system that was made from its points and solved."""
+        self.charge(BAND + BAND_POINT * points + BAND_ENTRY * unknowns * width * (1 + width / 30))
 
     def judged(self, points: int) -> None:
         """Count a candidate that was held against the contact law."""

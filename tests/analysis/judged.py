@@ -44,7 +44,7 @@ def judged(assembly: Assembly, **options: Any) -> Verdict:
         with pytest.raises(InputError, match="no proof"):
             verdict.proof()
         return verdict
-    assert verdict.verdict in ("stable", "potentially-stable", "unstable")
+    assert verdict.verdict in ("stable", "settles", "potentially-stable", "unstable")
     copy = reloaded(assembly)
     proof = json.loads(json.dumps(verdict.proof(), allow_nan=False))
     answer = verified(copy, proof)
@@ -77,7 +77,7 @@ def _exactly_one_holds(verdict: Verdict) -> None:
     program = verdict.program
     balanced = forces is not None and check_forces(program, forces.forces, forces.friction).holds
     unstable = motion is not None and check_motion(program, motion.motion).holds
-    assert balanced == (verdict.verdict in ("stable", "potentially-stable"))
+    assert balanced == (verdict.level is not None)
     assert unstable == (verdict.verdict == "unstable")
 
 
@@ -90,9 +90,12 @@ def _moves_as_it_should(verdict: Verdict) -> None:
     if verdict.verdict == "stable":
         assert verdict.friction is not None or verdict.displacement.z == 0.0
         assert not verdict.motion.acceleration.any()
-    if verdict.verdict == "potentially-stable":
+    if verdict.verdict in ("settles", "potentially-stable"):
         assert verdict.guarantee in ("refuted", "open")
         assert verdict.seated is not None
+        passed, of = verdict.tries
+        assert (verdict.verdict == "settles") == (verdict.guarantee == "open" and passed == of == 8)
+    assert (verdict.verdict == "potentially-stable") == (verdict.why is not None)
 
 
 def program_of(assembly: Assembly, *, possible: bool = False, sticking: bool = False) -> Program:

@@ -19,6 +19,7 @@ pytestmark = pytest.mark.browser
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
 WORDS = {
     "stable": "Stable",
+    "settles": "Settles",
     "potentially-stable": "Potentially stable",
     "unstable": "Unstable",
     "undecided": "Undecided",

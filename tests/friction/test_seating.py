@@ -50,9 +50,10 @@ def in_cones_and_balanced(built, seating):
 def test_both_sides_of_a_limit(assembly, seated):
     built = program(assembly)
     seating = find_seating(built)
-    assert seating.seated == seated
+    assert seating.holds == seated
     assert (seating.residual <= 1e-9) == seated
     assert (seating.runaway is None) == seated
+    assert seating.seated == ("yes" if seated else "runs-away")
     assert in_cones_and_balanced(built, seating) == seated
 
 
@@ -69,7 +70,7 @@ def test_wide_pads_press_evenly_and_so_need_more(pad):
     for factor, seated in ((1.02, True), (0.99, False)):
         built = program(friction.bracket(factor * least, friction=0.6, pad=pad))
         assert equilibrium(built)
-        assert find_seating(built, starts=12).seated == seated
+        assert find_seating(built, starts=12).holds == seated
 
 
 @pytest.mark.parametrize(
@@ -87,7 +88,7 @@ def test_held_by_squeeze_alone_is_not_seated(assembly):
     built = program(assembly)
     assert equilibrium(built)
     seating = find_seating(built)
-    assert not seating.seated
+    assert not seating.holds
     assert seating.starts == 6
     assert float((built.load * seating.runaway).sum()) > 0
 
@@ -97,13 +98,13 @@ def test_held_by_squeeze_alone_is_not_seated(assembly):
 def test_real_blocks_between_plates_are_not_seated(name):
     built = program(compas(name))
     assert equilibrium(built)
-    assert not find_seating(built).seated
+    assert not find_seating(built).holds
 
 
 @real_data
 @pytest.mark.parametrize("name", ["type-a", "type-c", "bridge"])
 def test_real_wedges_and_a_bridge_are_seated(name):
-    assert find_seating(program(compas(name))).seated
+    assert find_seating(program(compas(name))).holds
 
 
 @pytest.mark.parametrize(
@@ -124,7 +125,7 @@ def test_real_wedges_and_a_bridge_are_seated(name):
 def test_what_rests_is_seated(assembly):
     built = program(assembly)
     seating = find_seating(built)
-    assert seating.seated
+    assert seating.holds
     assert in_cones_and_balanced(built, seating)
 
 
@@ -134,7 +135,7 @@ def test_seated_implies_equilibrium_for_blocks_at_random():
     for _ in range(20):
         assembly = random_block(rng, 3).with_down([rng.normal(), 0, -1])
         built = program(assembly)
-        seated = find_seating(built).seated
+        seated = find_seating(built).holds
         counts[seated] += 1
         assert equilibrium(built) or not seated
     assert min(counts.values()) >= 4
@@ -144,16 +145,16 @@ def test_no_size_place_or_unit_changes_it():
     for tilt, seated in ((44.10, True), (44.15, False)):
         trough = friction.trough(30, tilt=tilt, friction=0.84)
         for other in (scaled(trough, 1e-3), moved(trough, [0.8, 0.2, 0.4, 0.4], [30, -20, 10])):
-            assert find_seating(program(other)).seated == seated
+            assert find_seating(program(other)).holds == seated
 
 
 def test_a_joint_carries():
     floating = traps.floating_block(2)
-    assert not find_seating(program(floating)).seated
+    assert not find_seating(program(floating)).holds
     loose = [part.name for part in floating.parts if not part.grounded]
     tied = floating._replace(joints=[Joint(("ground", name)) for name in loose])
     seating = find_seating(program(tied))
-    assert seating.seated
+    assert seating.holds
     assert seating.starts == 1
 
 
@@ -169,13 +170,13 @@ def test_one_force_flipped_does_not_balance():
 
 
 def test_same_seed_same_answer():
-    built = program(thin_bracket(1.02))
+    built = program(friction.h_block())
     one, two = find_seating(built), find_seating(built)
-    assert one.starts > 1
+    assert one.starts > 2
     assert np.array_equal(one.forces, two.forces)
 
 
 def test_nothing_free_is_seated_and_no_work_leaves_one_start():
     held = friction.h_block().with_grounded(["*"])
-    assert find_seating(program(held)).seated
+    assert find_seating(program(held)).holds
     assert find_seating(program(friction.h_block()), work=0).starts == 1

@@ -66,7 +66,7 @@ def test_real_blocks_between_plates_fall_freely(name):
 def test_a_bracket_is_seated_and_can_fall():
     built, witness = found_and_checked(thin_bracket(1.1))
     assert equilibrium(built)
-    assert find_seating(built).seated
+    assert find_seating(built).holds
     assert witness.law.power == pytest.approx(1)
 
 
@@ -148,7 +148,7 @@ def test_what_cannot_hold_moves_exactly(assembly):
 def test_nothing_touches_and_all_falls():
     built, witness = found_and_checked(traps.floating_block(1, count=2).without(["floor"]))
     assert not len(built.part_a)
-    assert not find_seating(built).seated
+    assert not find_seating(built).holds
     assert witness.law.power == pytest.approx(1)
 
 

@@ -24,7 +24,7 @@ from kilter.analysis.margins.tilt import (
 from kilter.assembly import Load
 from kilter.scenes import arches, friction, rounds, stacks, walls
 
-HOLDS = ("stable", "potentially-stable")
+HOLDS = ("stable", "settles", "potentially-stable")
 X = np.array([1.0, 0.0, 0.0])
 
 

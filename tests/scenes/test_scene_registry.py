@@ -40,7 +40,7 @@ class TestEveryScene:
             assert answer == "stable"
         else:
             assert without > 1e-3
-            assert has_friction == (answer in ("stable", "potentially-stable"))
+            assert has_friction == (answer in ("stable", "settles", "potentially-stable"))
 
     def test_is_named_and_told_in_a_line(self, name):
         entry = SCENES[name]
@@ -53,6 +53,7 @@ class TestEveryScene:
 def test_there_are_scenes_of_every_answer():
     assert {entry.answer for entry in SCENES.values()} == {
         "stable",
+        "settles",
         "potentially-stable",
         "unstable",
     }

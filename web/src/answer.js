@@ -51,7 +51,7 @@ function surely(region, down) {
 }
 
 function known_(page, name, known, down) {
-  const held = known.verdict === "stable" || known.verdict === "potentially-stable";
+  const held = ["stable", "settles", "potentially-stable"].includes(known.verdict);
   const moving = [];
   known.moves.forEach((m, k) => m && moving.push(k));
   const inCone = page.region ? marginAt(page, down, contains(page.region, down)) : { margin: null };

@@ -16,6 +16,7 @@ import { basis, degrees, direction, force, marginWords, movingWords, number, pla
 
 const SIGNS = {
   stable: "✓",
+  settles: "✓",
   "potentially-stable": "≈",
   unstable: "✕",
   undecided: "?",
@@ -23,6 +24,7 @@ const SIGNS = {
 };
 const TONES = {
   stable: "stable",
+  settles: "stable",
   "potentially-stable": "stable",
   unstable: "unstable",
   undecided: "undecided",
@@ -188,7 +190,7 @@ class Page {
     on("go-given", "click", () => this.turn(page.given.down, { exactly: true, follow: true }));
     on("go-recommended", "click", () => this.turn(page.recommended.down, { follow: true }));
     id("go-recommended").disabled = !page.recommended;
-    const held = page.recommended && ["stable", "potentially-stable"].includes(page.recommended.verdict);
+    const held = page.recommended && ["stable", "settles", "potentially-stable"].includes(page.recommended.verdict);
     if (page.recommended && !held) id("go-recommended").textContent = "Nearest to stable";
     on("go-nearest", "click", () =>
       this.turn(nearest(page.region, this.down), { follow: true }),

@@ -29,6 +29,7 @@ from kilter.errors import InputError
 from kilter.friction.answer import FrictionAnswer, ask_friction
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program, build_program
+from kilter.tell.levels import REQUIRE, require_level
 from kilter.tell.open_words import undecided_sentence
 from kilter.tell.words import verdict_sentence
 from kilter.threads import on_one_thread
@@ -47,6 +48,8 @@ def check(
     *,
     contacts: ContactSet | None = None,
     tolerance: Tolerance | None = None,
+    require: str = REQUIRE,
+    measures: bool = False,
     effort: float = EFFORT,
     time_limit: float | None = None,
     progress: Callable[[str], None] | None = None,
@@ -62,6 +65,12 @@ def check(
         Found from the geometry where not given.
     tolerance : Tolerance, optional
         When faces count as touching.
+    require : {"equilibrium", "settles", "proved", "strict"}
+        The level at which `Verdict.stable` is true; "strict" is refused until second order is
+        built.
+    measures : bool
+        Also z, kappa and the displacements of LP (9) where friction plays a part. They leave
+        it out.
     effort : float
         For what friction guarantees: the search of a motion, and the proof that there is
         none. Work that is counted, not timed: 0 quick, 1 usual, each further one ten times
@@ -89,6 +98,7 @@ def check(
     tell = progress or (lambda stage: None)
     if contacts is not None and not isinstance(contacts, ContactSet):
         raise InputError(f"contacts are {contacts!r:.60}", hint="give what kilter.contacts returns")
+    require = require_level(require)
     work = _work(effort, time_limit, progress)
     require_assembly(assembly, "check")
     assembly.require_grounded()
@@ -120,6 +130,8 @@ def check(
         effort,
         time_limit if work.cut else None,
         decision.question,
+        require,
+        measures,
     )
 
 
@@ -156,10 +168,15 @@ def _sentence(decision: _Decision, assembly: Assembly, contacts: ContactSet) -> 
         return undecided_sentence(pairs, assembly.units, more=decision.why)
     friction = decision.friction
     coarse = bool(decision.program.tolerance.max(initial=0.0) > TOLERANCE)
+    if friction is None:
+        return verdict_sentence(decision.verdict, coarse=coarse)
+    settling = friction.settling
     return verdict_sentence(
         decision.verdict,
-        guarantee=None if friction is None else friction.guarantee,
-        seated=friction is not None and friction.seated is True,
+        guarantee=friction.guarantee,
+        why=friction.why,
+        squeeze=friction.seating.seated == "runs-away",
+        tries=(len(friction.tries), len(settling.ends), settling.of),
         coarse=coarse,
     )
 
@@ -211,8 +228,7 @@ def _with_friction(
         trial = try_ordinary(assembly, contacts, proved)
         if not trial.holds:
             answer = replace(answer, guarantee="open")
-    word: Word = "stable" if answer.guarantee == "proved" else "potentially-stable"
-    return _Decision(word, program, judgement, answer, trial=trial)
+    return _Decision(_word(answer), program, judgement, answer, trial=trial)
 
 
 def _as_stated(assembly: Assembly, contacts: ContactSet, decision: _Decision) -> _Decision:
@@ -221,6 +237,13 @@ def _as_stated(assembly: Assembly, contacts: ContactSet, decision: _Decision) ->
         return decision
     why = explained_by_accuracy(assembly, contacts, decision.program)
     return dataclasses.replace(decision, verdict="undecided", why=(why,)) if why else decision
+
+
+def _word(friction: FrictionAnswer) -> Word:
+    """The verdict on what has forces of equilibrium by friction."""
+    if friction.guarantee == "proved":
+        return "stable"
+    return "settles" if friction.settles else "potentially-stable"
 
 
 def _figures(judgement: Judgement) -> str:

@@ -41,6 +41,7 @@ from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import Evidence, make_proof
 from kilter.mechanics.rows import POSSIBLE
 from kilter.tell.html import html_of
+from kilter.tell.levels import REQUIRE, holds, level_of
 from kilter.tell.words import NAMED, motion_summary, motion_words
 from kilter.threads import on_one_thread
 from kilter.units import metres_per_unit
@@ -48,7 +49,7 @@ from kilter.work import EFFORT
 
 __all__ = ["Verdict", "Word"]
 
-Word = Literal["stable", "potentially-stable", "unstable", "undecided"]
+Word = Literal["stable", "settles", "potentially-stable", "unstable", "undecided"]
 
 BARELY = 1e-3
 """Instability below which the accuracy of the data is asked about."""
@@ -62,7 +63,7 @@ class Verdict:
 
     Attributes
     ----------
-    verdict : {"stable", "potentially-stable", "unstable", "undecided"}
+    verdict : {"stable", "settles", "potentially-stable", "unstable", "undecided"}
     sentence : str
         The verdict in words.
     assembly, contacts, program
@@ -80,6 +81,10 @@ class Verdict:
         What cut the answer short [s].
     question : OpenQuestion or None
         The open pairs that decide, where it is undecided because of them.
+    require : str
+        The level that is asked for (`kilter.tell.levels`).
+    measures : bool
+        Z, kappa and displacements of LP (9) are asked for where friction plays a part.
     """
 
     verdict: Word
@@ -94,6 +99,8 @@ class Verdict:
     effort: float = EFFORT
     time_limit: float | None = None
     question: OpenQuestion | None = None
+    require: str = REQUIRE
+    measures: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "seconds", MappingProxyType(dict(self.seconds)))
@@ -101,8 +108,19 @@ class Verdict:
 
     @property
     def stable(self) -> bool:
-        """Whether the verdict is "stable"; none of the other three is."""
-        return self.verdict == "stable"
+        """Whether it holds at the level that is asked for."""
+        return holds(self.level, self.require)
+
+    @property
+    def level(self) -> str | None:
+        """The level that it reaches: proved, settles, equilibrium, or None."""
+        return level_of(self.verdict)
+
+    @property
+    def why(self) -> str | None:
+        """Why it is only potentially stable: refuted, jams, squeeze or not-found; else None."""
+        asked = self.verdict == "potentially-stable" and self.friction is not None
+        return self.friction.why if asked and self.friction is not None else None
 
     @property
     def guarantee(self) -> str:
@@ -112,15 +130,21 @@ class Verdict:
         return {"stable": "proved", "unstable": "refuted"}.get(self.verdict, "open")
 
     @property
-    def seated(self) -> bool | None:
-        """Does its own weight make the friction that holds it? None where it is not asked."""
-        asked = self.verdict == "potentially-stable" and self.friction is not None
-        return self.friction.seated if asked and self.friction is not None else None
+    def seated(self) -> str | None:
+        """Has it a seat? yes, runs-away or not-found; None where it is not asked."""
+        return None if self.friction is None else self.friction.seating.seated
+
+    @property
+    def tries(self) -> tuple[int, int] | None:
+        """How many tries came to rest, put down loosely, and of how many; None: not asked."""
+        if self.friction is None:
+            return None
+        return len(self.friction.tries), len(self.friction.settling.ends)
 
     @property
     def certificate(self) -> ForceProof | MotionProof | None:
         """The proof that holds, if any."""
-        if self.verdict in ("stable", "potentially-stable"):
+        if self.level is not None:
             return self.judgement.forces
         return self.judgement.motion if self.verdict == "unstable" else None
 
@@ -152,7 +176,7 @@ class Verdict:
 
     @on_one_thread
     def _motion(self) -> ImpendingMotion:
-        if self.verdict == "stable":
+        if self.verdict in ("stable", "settles"):
             return still(self.program)
         if self.verdict == "undecided" or not self.modelled.mu.any():
             return find_motion(self.modelled)
@@ -165,9 +189,15 @@ class Verdict:
         return find_motion(self.modelled) if found is None else found
 
     @property
+    def measured(self) -> bool:
+        """Whether z and displacements of LP (9) are told: friction plays no part, or asked for."""
+        rubs = self.friction is not None or bool(self.program.mu.any())
+        return self.measures or not rubs
+
+    @property
     def instability(self) -> float | None:
         """Kappa of the motion [-]; None with loads, or where no motion is known."""
-        unknown = self.verdict == "potentially-stable" and self.guarantee == "open"
+        unknown = self.level in ("settles", "equilibrium") and self.guarantee == "open"
         return None if self.assembly.loads or unknown else self.motion.instability
 
     @cached_property
@@ -261,6 +291,8 @@ class Verdict:
             answer.guarantee,
             witness=None if answer.witness is None else answer.witness.law,
             seated=answer.seat,
+            tries=answer.tries,
+            of=answer.settling.of,
             exclusion=None
             if exclusion is None or not exclusion.proved
             else {
@@ -282,8 +314,13 @@ class Verdict:
         assembly, contacts, neutral = self.assembly, self.contacts, self.neutral
         return {
             "verdict": self.verdict,
+            "level": self.level,
+            "require": self.require,
+            "holds": self.stable,
+            "why": self.why,
             "guarantee": self.guarantee,
             "seated": self.seated,
+            "tries": _tries(self.tries),
             "sentence": self.sentence,
             "summary": self.summary,
             "neutral": None
@@ -293,8 +330,8 @@ class Verdict:
             "gravity": assembly.gravity.tolist(),
             "units": assembly.units,
             "density": _density(assembly),
-            "instability": self.instability,
-            "z": self.displacement.z,
+            "instability": self.instability if self.measured else None,
+            "z": self.displacement.z if self.measured else None,
             "parts": [_part(self, k) for k in range(len(assembly.parts))],
             "contacts": {
                 "pairs": contacts.pairs,
@@ -344,7 +381,7 @@ class Verdict:
 
 def _part(verdict: Verdict, k: int) -> dict[str, Any]:
     part, motion = verdict.assembly.parts[k], verdict.motion
-    shift = verdict.displacement.displacement
+    shift = verdict.displacement.displacement if verdict.measured else None
     slow = not motion.moves.any() and motion.relative[k].max() > ROUNDING
     return {
         "name": part.name,
@@ -395,7 +432,12 @@ def _friction(verdict: Verdict) -> dict[str, Any] | None:
         "witness": None
         if witness is None
         else {"power": witness.law.power, "residual": witness.law.residual, "found": witness.found},
-        "seating": {"seated": answer.seated, "residual": seating.residual},
+        "seating": {
+            "seated": seating.seated,
+            "residual": seating.residual,
+            "direction": None if seating.runaway is None else seating.runaway.tolist(),
+        },
+        "settling": {"ends": list(answer.settling.ends), "of": answer.settling.of},
         "exclusion": None
         if exclusion is None
         else {
@@ -433,3 +475,7 @@ def _forces(verdict: Verdict, found: ContactForces) -> dict[str, Any]:
             }
         )
     return {"least": found.least, "residual": found.residual, "patches": patches}
+
+
+def _tries(tries: tuple[int, int] | None) -> dict[str, int] | None:
+    return None if tries is None else {"passed": tries[0], "of": tries[1]}

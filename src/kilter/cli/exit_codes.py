@@ -2,12 +2,24 @@
 
 from __future__ import annotations
 
-__all__ = ["FAULT", "INTERRUPTED", "ORIENT", "USAGE", "VERDICT", "VERIFY", "WRITTEN"]
+__all__ = [
+    "FAULT",
+    "HOLDS",
+    "INTERRUPTED",
+    "LOWER",
+    "ORIENT",
+    "USAGE",
+    "VERDICT",
+    "VERIFY",
+    "WRITTEN",
+]
 
 WRITTEN = 0
 """The answer is given or written, whatever it says."""
-VERDICT = {"stable": 0, "unstable": 1, "potentially-stable": 3, "undecided": 4}
-"""Of `check`."""
+HOLDS, LOWER = 0, 3
+"""Of `check`: it holds at the level that is asked for, or only at a lower one."""
+VERDICT = {"unstable": 1, "undecided": 4}
+"""Of `check` where it holds at no level."""
 ORIENT = {"found": 0, "none": 1, "undecided": 4}
 VERIFY = {True: 0, False: 1}
 """Of whether a proof holds."""

@@ -10,10 +10,11 @@ from typing import Annotated
 import typer
 
 from kilter.cli.asked import Asked
-from kilter.cli.exit_codes import VERDICT, VERIFY, WRITTEN
+from kilter.cli.exit_codes import HOLDS, LOWER, VERDICT, VERIFY, WRITTEN
 from kilter.cli.options import FORM, File, Json, Output, Quiet, asks
 from kilter.cli.output import Progress, as_json, emit, keep_apart, write_whole
 from kilter.errors import InputError
+from kilter.tell.levels import REQUIRE
 
 __all__ = ["check", "contacts", "example", "verify"]
 
@@ -31,6 +32,24 @@ def check(
             show_default=False,
         ),
     ] = None,
+    require: Annotated[
+        str,
+        typer.Option(
+            "--require",
+            metavar="LEVEL",
+            help="What exit 0 means: equilibrium, settles, proved or strict.",
+            rich_help_panel=FORM,
+        ),
+    ] = REQUIRE,
+    measures: Annotated[
+        bool,
+        typer.Option(
+            "--measures",
+            help="Also z, kappa and the displacements of LP (9) where friction plays a part; they "
+            "leave it out.",
+            rich_help_panel=FORM,
+        ),
+    ] = False,
     forces: Annotated[
         bool,
         typer.Option(
@@ -50,8 +69,9 @@ def check(
 ) -> int:
     """Does it stay together under gravity; if not, what moves, and how?
 
-    Exit 0 stable, 1 unstable, 3 potentially stable (friction can hold it, but need not), 4
-    undecided. All of it is of first order.
+    Exit 0 it holds at the level of --require, 1 unstable, 3 it holds at a lower level only, 4
+    undecided. Levels: equilibrium (forces that hold it exist), settles (put down loosely it comes
+    to rest, and no motion was found), proved. All of it is of first order.
 
     Displacements of LP (9) are given for up to 300 free parts, neutral motions for up to 100.
     """
@@ -70,6 +90,8 @@ def check(
             assembly,
             contacts=found,
             tolerance=asked.tolerance,
+            require=require,
+            measures=measures,
             effort=asked.effort,
             time_limit=asked.time_limit,
             progress=progress,
@@ -91,7 +113,9 @@ def check(
         answer["suggested_joints"] = listed
         after = "\n\n" + suggestions_text(listed) + after
     asked.tell(answer, *([forces_table(answer)] if forces else []), after=after)
-    return VERDICT[verdict.verdict]
+    if verdict.level is None:
+        return VERDICT[verdict.verdict]
+    return HOLDS if verdict.stable else LOWER
 
 
 @asks()

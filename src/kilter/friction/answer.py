@@ -1,13 +1,15 @@
 """Friction: what must hold, what may, and what cannot.
 
 Equilibrium forces within Coulomb's cones are necessary for parts to stay, not sufficient: the
-contact law may allow a motion as well, with other forces. So three questions after the first:
+contact law may allow a motion as well, with other forces. So questions after the first:
 
-1. Is there a motion that obeys the law too? One that is found, with its forces, *refutes*
-   the guarantee (`kilter.friction.motion_search`).
-2. Does its own weight press the contacts so that friction holds it (*seated*,
-   `kilter.friction.seating`)?
-3. If none was found: can every motion be excluded (`kilter.friction.exclusion`)? Then it is
+1. Does its own weight press the contacts so that friction holds it, if it is put there with
+   care (*seated*, `kilter.friction.seating`)?
+2. Does it come to rest however loosely it is put down (*settles*,
+   `kilter.friction.settling`)?
+3. Is there a motion that obeys the law too? One that is found, with its forces, *refutes*
+   the guarantee (`kilter.friction.motion_search`), and then it does not count that it settles.
+4. If none was found: can every motion be excluded (`kilter.friction.exclusion`)? Then it is
    stable, *proved*.
 
 What is stable without friction is stable for every mu, since any solution of the contact law
@@ -25,28 +27,37 @@ characterizations of rigid body contact problems with Coulomb friction, 2000.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
+from kilter.arrays import Array
+from kilter.friction.elastic_forces import elastic_forces
 from kilter.friction.exclusion import Exclusion, prove_no_motion
+from kilter.friction.law import coulomb_law
 from kilter.friction.motion_search import CoulombMotion, find_coulomb_motion
 from kilter.friction.seating import Seating, find_seating
+from kilter.friction.settling import Settling, find_settling
 from kilter.mechanics.certificate import ForceProof, check_forces
 from kilter.mechanics.program import Program
 from kilter.work import EFFORT, PER_EFFORT, Work
 
-__all__ = ["FrictionAnswer", "ask_friction"]
+__all__ = ["FrictionAnswer", "Why", "ask_friction"]
 
-SEATING = 0.1
-"""Units of seating, over those of one effort, after which no new start of it is made."""
+SEATING = 2.0
+"""Efforts of seating, beside those of the search."""
+SETTLING = 8.0
+"""Efforts of settling, beside those of the search: tries that are not made when it is spent are
+not passed. An arch of 100 voussoirs in space takes a quarter of it."""
 ROUNDS = ((0.15, 0.45), (0.65, 1.0))
 """Fractions of the work at which the search of a motion ends, and the proof after it, in two
 rounds. Most assemblies are decided in the first, by a short search or a short proof; what is
 left needs long ones, and which of the two is not known before."""
 
 Answer = Literal["proved", "refuted", "open"]
+Why = Literal["refuted", "jams", "squeeze", "not-found"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,6 +73,9 @@ class FrictionAnswer:
     seating : Seating
     seat : ForceProof or None
         The forces that seat it, judged; where seated.
+    settling : Settling
+    tries : tuple of ForceProof
+        The forces of each try that came to balance, judged.
     exclusion : Exclusion or None
         The proof that there is no motion, or how far it came.
     work : float
@@ -72,13 +86,26 @@ class FrictionAnswer:
     witness: CoulombMotion | None
     seating: Seating
     seat: ForceProof | None
+    settling: Settling
+    tries: tuple[ForceProof, ...]
     exclusion: Exclusion | None
     work: float
 
     @property
-    def seated(self) -> bool:
-        """Its own weight makes the forces that hold it."""
-        return self.seat is not None
+    def settles(self) -> bool:
+        """It came to balance in every try, by forces that are judged, and no motion was found."""
+        return self.guarantee != "refuted" and len(self.tries) == self.settling.of
+
+    @property
+    def why(self) -> Why | None:
+        """Why it may not stay, the first that applies; None where it settles or is proved."""
+        if self.guarantee == "refuted":
+            return "refuted"
+        if self.guarantee == "proved" or self.settles:
+            return None
+        if self.seat is not None:
+            return "jams" if self.settling.runs_away else "not-found"
+        return "squeeze" if self.seating.seated == "runs-away" else "not-found"
 
 
 def ask_friction(
@@ -86,7 +113,7 @@ def ask_friction(
     *,
     work: Work | float = EFFORT,
 ) -> FrictionAnswer:
-    """Guarantee and seating of a program whose cones hold forces of equilibrium.
+    """Guarantee, seating and settling of a program whose cones hold forces of equilibrium.
 
     Parameters
     ----------
@@ -96,21 +123,25 @@ def ask_friction(
         For the search and the proof together, or an effort.
     """
     whole = Work.of(work)
-    whole.stage("seating")
-    seating = find_seating(program, work=whole.beside(SEATING * PER_EFFORT))
-    seat = _seat(program, seating)
+    seating, settling = _put_down(program, whole)
+    seat = _judged(program, [seating.forces] if seating.seated == "yes" else [])
+    tries = _judged(program, settling.forces)
 
     def answer(
         guarantee: Answer, witness: CoulombMotion | None = None, exclusion: Exclusion | None = None
     ) -> FrictionAnswer:
-        return FrictionAnswer(guarantee, witness, seating, seat, exclusion, whole.spent)
+        first = seat[0] if seat else None
+        return FrictionAnswer(
+            guarantee, witness, seating, first, settling, tries, exclusion, whole.spent
+        )
 
+    runaway = seating.runaway if seating.runaway is not None else settling.runaway
     exclusion, searched = None, False
     for search_until, proof_until in ROUNDS:
         if not searched:
             whole.stage("looking for a motion")
             part = whole.until(search_until)
-            witness = find_coulomb_motion(program, work=part, runaway=seating.runaway)
+            witness = find_coulomb_motion(program, work=part, runaway=runaway)
             if witness is not None:
                 return answer("refuted", witness)
             # a search that ended before its time would find the same again: nothing
@@ -122,11 +153,25 @@ def ask_friction(
     return answer("open", exclusion=exclusion)
 
 
-def _seat(program: Program, seating: Seating) -> ForceProof | None:
-    """The forces that seat it, where they pass as a proof of equilibrium."""
-    if not seating.seated:
-        return None
-    along = np.einsum("ij,ij->i", seating.forces, program.normal)
-    across = seating.forces - along[:, None] * program.normal
-    judged = check_forces(program, along, across)
-    return judged if judged.holds else None
+def _put_down(program: Program, whole: Work) -> tuple[Seating, Settling]:
+    """With care, and loosely."""
+    law = coulomb_law(program)
+    efforts = PER_EFFORT * max(whole.allowed / PER_EFFORT, 1.0)
+    whole.stage("seating")
+    beside = whole.beside(SEATING * efforts)
+    elastic = elastic_forces(law, work=beside) if len(law.load) and law.strength else None
+    seating = find_seating(program, work=beside, elastic=elastic)
+    whole.stage("putting it down loosely")
+    settling = find_settling(program, work=whole.beside(SETTLING * efforts), elastic=elastic)
+    return seating, settling
+
+
+def _judged(program: Program, forces: Sequence[Array]) -> tuple[ForceProof, ...]:
+    """Forces that pass as a proof of equilibrium."""
+    found = []
+    for one in forces:
+        along = np.einsum("ij,ij->i", one, program.normal)
+        judged = check_forces(program, along, one - along[:, None] * program.normal)
+        if judged.holds:
+            found.append(judged)
+    return tuple(found)

@@ -30,6 +30,7 @@ __all__ = [
     "COARSEST_NO_POWER",
     "CONE_ROUNDING",
     "CREEP",
+    "ELASTIC_GAP",
     "EXACTLY",
     "FLAT",
     "GOAL",
@@ -42,6 +43,7 @@ __all__ = [
     "NO_POWER",
     "OBEYED",
     "POINT_AT_REST",
+    "PRESSES",
     "SHARP",
     "SLACK",
     "SOFT_MODE",
@@ -129,5 +131,9 @@ BALANCED = 1e-9
 (`kilter.mechanics.program.TOLERANCE`)."""
 GOAL = 1e-11
 """Imbalance of a part, over its weight, at which the iteration ends."""
+ELASTIC_GAP = 1e-9
+"""Gap asked of the forces of the least elastic energy."""
+PRESSES = 1e-3
+"""A point with a force below this part of the greatest does not tell a deflection."""
 SOFT_SQUEEZE = 1e-6
 """Regularisation of the least squares that find the displacement of a random start."""

@@ -50,6 +50,10 @@ class Evidence:
         A motion that obeys the contact law.
     seated : ForceProof or None
         Forces by which its own weight seats it.
+    tries : tuple of ForceProof
+        Forces of each try that came to rest, put down loosely.
+    of : int
+        Tries that were asked for.
     exclusion : dict or None
         How every motion was excluded: kind, programs solved, what it assumes.
     """
@@ -57,6 +61,8 @@ class Evidence:
     guarantee: str
     witness: LawProof | None = None
     seated: ForceProof | None = None
+    tries: tuple[ForceProof, ...] = ()
+    of: int = 0
     exclusion: dict[str, Any] | None = None
 
 
@@ -154,8 +160,10 @@ def make_proof(
 def _verdict(certificate: ForceProof | MotionProof, evidence: Evidence | None) -> str:
     if isinstance(certificate, MotionProof):
         return "unstable"
-    proved = evidence is None or evidence.guarantee == "proved"
-    return "stable" if proved else "potentially-stable"
+    if evidence is None or evidence.guarantee == "proved":
+        return "stable"
+    settles = evidence.guarantee == "open" and 0 < evidence.of == len(evidence.tries)
+    return "settles" if settles else "potentially-stable"
 
 
 def _vectors(program: Program, proof: ForceProof, rows: Index) -> list[list[float]]:
@@ -169,11 +177,9 @@ def _friction(program: Program, evidence: Evidence, rows: Index) -> dict[str, An
     joints = np.flatnonzero(program.kind == JOINT)
     seated, witness = evidence.seated, evidence.witness
     data: dict[str, Any] = {"guarantee": evidence.guarantee, "exclusion": evidence.exclusion}
-    data["seated"] = None if seated is None else {
-        "forces": _vectors(program, seated, rows),
-        "joints": seated.forces[joints].tolist(),
-        "residual": seated.residual,
-    }  # fmt: skip
+    data["seated"] = None if seated is None else _balanced(program, seated, rows, joints)
+    tries = [_balanced(program, one, rows, joints) for one in evidence.tries]
+    data["tries"] = {"passed": len(tries), "of": evidence.of, "forces": tries}
     data["witness"] = None if witness is None else {
         "acceleration": {
             name: witness.acceleration[k].tolist()
@@ -193,6 +199,15 @@ def open_pairs_of(assembly: Assembly, contacts: ContactSet) -> list[dict[str, An
     names = assembly.names
     pairs = still_open(contacts.open_pairs, assembly)
     return [{"parts": [names[k] for k in one.parts], "kind": one.kind} for one in pairs]
+
+
+def _balanced(program: Program, proof: ForceProof, rows: Index, joints: Index) -> dict[str, Any]:
+    """Forces that balance every part as data."""
+    return {
+        "forces": _vectors(program, proof, rows),
+        "joints": proof.forces[joints].tolist(),
+        "residual": proof.residual,
+    }
 
 
 def joints_of(

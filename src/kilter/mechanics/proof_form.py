@@ -98,10 +98,13 @@ MOTION = _keys(
     open_pairs=_list(_keys(parts=PAIR, kind=WORD)),
 )
 """What a proof by a motion has besides."""
+BALANCED = _keys(forces=_list(VECTOR), joints=_list(NUMBER), residual=NUMBER)
+"""Forces that balance every part."""
 FRICTION = _keys(
     guarantee=WORD,
     exclusion=_maybe(_keys(kind=WORD, programs=COUNT)),
-    seated=_maybe(_keys(forces=_list(VECTOR), joints=_list(NUMBER), residual=NUMBER)),
+    seated=_maybe(BALANCED),
+    tries=_keys(passed=COUNT, of=COUNT, forces=_list(BALANCED)),
     witness=_maybe(
         _keys(
             acceleration=_named(SIX),

@@ -25,6 +25,9 @@ from kilter.mechanics.rows import CONTACT, JOINT
 
 __all__ = ["Rechecked", "recheck"]
 
+LEAST_TRIES = 8
+"""Tries that must have come to rest for a proof to say that it settles."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rechecked:
@@ -67,6 +70,8 @@ def _wrong_verdict(verdict: str, balanced: bool, friction: dict[str, Any] | None
         fits = "unstable"
     elif guarantee == "proved":
         fits = "stable"
+    elif guarantee == "open" and _settles(friction):
+        fits = "settles"
     else:
         fits = "potentially-stable"
     if verdict != fits:
@@ -80,6 +85,12 @@ def _wrong_verdict(verdict: str, balanced: bool, friction: dict[str, Any] | None
     if guarantee == "proved" and not friction["exclusion"]:
         return ["it says 'proved' but not how every motion was excluded"]
     return []
+
+
+def _settles(friction: dict[str, Any] | None) -> bool:
+    """Whether every try of enough is there."""
+    tries = None if friction is None else friction["tries"]
+    return tries is not None and LEAST_TRIES <= tries["of"] == len(tries["forces"])
 
 
 def _near(one: Any, other: Any, size: float) -> bool:
@@ -221,12 +232,10 @@ def _recheck_friction(
     reasons, notes = [], []
     seated, witness = friction["seated"], friction["witness"]
     if seated is not None:
-        forces, across, more = _given_forces(program, seated["forces"], seated["joints"])
-        judged = check_forces(program, forces, across)
+        residual, more = _recheck_balance(program, seated)
         reasons += [f"seated: {word}" for word in more]
-        if not judged.holds or not _near(judged.residual, seated["residual"], 1.0):
-            reasons.append("the forces that seat it do not balance")
-        notes.append(f"seated by forces that balance to {judged.residual:.1e} of a weight")
+        notes.append(f"seated by forces that balance to {residual:.1e} of a weight")
+    reasons += _recheck_tries(program, friction["tries"], notes)
     if witness is not None:
         law = _law_of(program, witness, assembly)
         if law is None:
@@ -244,6 +253,32 @@ def _recheck_friction(
             f"({exclusion['programs']} programs), which is not repeated here"
         )
     return reasons, notes
+
+
+def _recheck_balance(program: Program, given: dict[str, Any]) -> tuple[float, list[str]]:
+    """Residual of forces that are to balance every part, and complaints."""
+    forces, across, reasons = _given_forces(program, given["forces"], given["joints"])
+    judged = check_forces(program, forces, across)
+    if not judged.holds or not _near(judged.residual, given["residual"], 1.0):
+        reasons.append("the forces do not balance")
+    return judged.residual, reasons
+
+
+def _recheck_tries(program: Program, tries: dict[str, Any], notes: list[str]) -> list[str]:
+    """Complaints about the forces of the tries, and a note on them."""
+    reasons, worst = [], 0.0
+    if tries["passed"] != len(tries["forces"]) or tries["passed"] > tries["of"]:
+        return ["it has not the forces of every try that it says came to rest"]
+    for number, one in enumerate(tries["forces"], 1):
+        residual, more = _recheck_balance(program, one)
+        reasons += [f"try {number}: {word}" for word in more]
+        worst = max(worst, residual)
+    if tries["passed"]:
+        notes.append(
+            f"{tries['passed']} of {tries['of']} tries came to rest, by forces that balance to "
+            f"{worst:.1e} of a weight; the way there is not repeated here"
+        )
+    return reasons
 
 
 def _law_of(program: Program, witness: dict[str, Any], assembly: Assembly) -> LawProof | None:

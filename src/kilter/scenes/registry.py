@@ -15,7 +15,7 @@ from kilter.errors import InputError, nearest_name
 
 __all__ = ["SCENES", "Answer", "Example", "listed", "scene"]
 
-Answer = Literal["stable", "potentially-stable", "unstable"]
+Answer = Literal["stable", "settles", "potentially-stable", "unstable"]
 Builder = TypeVar("Builder", bound=Callable[..., Assembly])
 
 
@@ -33,9 +33,9 @@ class Example:
         Makes the assembly.
     source : str
         Case, figure or publication.
-    answer : {"stable", "potentially-stable", "unstable"}
-        The verdict. "potentially-stable": friction can hold it, but a motion obeys the contact
-        law as well, or the proof that none does takes more than the usual effort.
+    answer : {"stable", "settles", "potentially-stable", "unstable"}
+        The verdict. "settles": the proof that no motion obeys the contact law takes more than
+        the usual effort. "potentially-stable": a motion obeys it as well.
     """
 
     name: str

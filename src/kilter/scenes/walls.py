@@ -283,7 +283,7 @@ def short_base(
     "tilted-wall",
     "a wall tilted 5 degrees out of its plane, friction 0.6",
     source="S7",
-    answer="potentially-stable",
+    answer="settles",
 )
 def tilted_wall(
     degrees: float = 5.0, *, friction: float = 0.6, courses: int = 9, per_course: int = 6

@@ -32,6 +32,7 @@ DOTS = 200
 INK = "#1F2937"
 COLOURS = {
     "stable": "#00694E",
+    "settles": "#3F6B00",
     "potentially-stable": "#8A5A00",
     "unstable": "#B3261E",
     "undecided": "#4B5563",

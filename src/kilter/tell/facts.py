@@ -45,7 +45,17 @@ GUARANTEE = {
     "refuted": "refuted: another motion obeys Coulomb's law",
     "open": "open: neither proved nor refuted",
 }
-SEATED = {True: "yes: by its own weight", False: "no: its own weight does not hold it"}
+SEATED = {
+    "yes": "yes: put there with care, its own weight holds it",
+    "runs-away": "no: from every start its parts run away",
+    "not-found": "not found",
+}
+WHY = {
+    "refuted": "a motion obeys the contact law too",
+    "jams": "it can jam, but does not come to rest in every try",
+    "squeeze": "only squeeze holds it",
+    "not-found": "no seat was found, or not every try was made to its end",
+}
 DIRECTIONS = {
     "lines": "both senses stable",
     "rays": "extreme directions",
@@ -105,14 +115,30 @@ def _check(answer: Answer) -> list[Fact]:
         found.append(("guarantee", _guarantee(answer["guarantee"], friction)))
     if answer["seated"] is not None:
         found.append(("seated", SEATED[answer["seated"]]))
+        found.append(("settles", _settles(**answer["tries"], asked=friction["settling"]["of"])))
+    if answer["level"] is not None:
+        found.append(("level", _level(answer)))
     forces = forces_phrase(answer["forces"])
     if forces is not None:
         found.append(("forces", forces))
-    if answer["verdict"] != "stable":
+    if answer["z"] is not None and answer["verdict"] != "stable":
         found.append(("instability", _instability(answer)))
     if answer["neutral"] is not None:
         found.append(("neutral", _neutral(**answer["neutral"])))
     return [*found, *_seconds(answer)]
+
+
+def _level(answer: Answer) -> str:
+    """The level reached, and what was asked for."""
+    level, why = answer["level"], answer["why"]
+    words = level if why is None else f"{level}: {WHY[why]}"
+    return words if answer["holds"] else f"{words} (asked for: {answer['require']})"
+
+
+def _settles(passed: int, of: int, *, asked: int) -> str:
+    """How it came to rest when it was put down loosely."""
+    words = f"{passed} of {of} loose tries came to rest"
+    return words if of == asked else f"{words}; {asked} were to be made"
 
 
 def _parts(parts: Sequence[Answer]) -> str:

@@ -16,6 +16,7 @@ LONG = 80
 COLOURS = {
     "stable": "#00694E",
     "found": "#00694E",
+    "settles": "#3F6B00",
     "potentially-stable": "#8A5A00",
     "unstable": "#B3261E",
     "none": "#B3261E",

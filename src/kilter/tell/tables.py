@@ -134,7 +134,9 @@ def moving_table(answer: Answer) -> Table | None:
         return None
     verdict = answer["verdict"]
     refuted = answer.get("guarantee") != "open"
-    if verdict in ("stable", "found") or (verdict == "potentially-stable" and not refuted):
+    if verdict in ("stable", "settles", "found") or (
+        verdict == "potentially-stable" and not refuted
+    ):
         return None
     parts = sorted(answer["parts"], key=lambda part: -max(part["relative"]))
     free = sum(not part["grounded"] for part in parts)

@@ -22,6 +22,7 @@ __all__ = [
 
 VERDICTS = {
     "stable": "Stable",
+    "settles": "Settles",
     "potentially-stable": "Potentially stable",
     "unstable": "Unstable",
     "undecided": "Undecided",
@@ -40,20 +41,29 @@ SENTENCES = {
         "Stable{within}: with this friction no motion can start, whatever the contact forces "
         "were before."
     ),
-    ("potentially-stable", "refuted seated"): (
+    ("settles", None): (
+        "Settles{within}: put down loosely, its own weight makes the friction that holds it, in "
+        "each of {of} tries; no motion was found; not proved."
+    ),
+    ("potentially-stable", "refuted"): (
         "Potentially stable{within}: its own weight can make the friction that holds it, but "
         "released loose it could also move like this."
     ),
-    ("potentially-stable", "refuted"): (
+    ("potentially-stable", "refuted squeeze"): (
         "Potentially stable{within}, held only by squeeze: it stays only if something other than "
         "its weight presses the parts together; else it moves like this."
     ),
-    ("potentially-stable", "open seated"): (
-        "Potentially stable{within}: forces that hold it exist and its weight makes them; no "
-        "motion was found; not proved."
+    ("potentially-stable", "jams"): (
+        "Potentially stable{within}: it can jam, but put down loosely it came to rest in {passed} "
+        "of {tried} tries; no motion was found."
     ),
-    ("potentially-stable", "open"): (
-        "Potentially stable{within}: forces that hold it exist; neither seated nor a motion found."
+    ("potentially-stable", "squeeze"): (
+        "Potentially stable{within}, held only by squeeze: it stays only if something other than "
+        "its weight presses the parts together; no motion was found."
+    ),
+    ("potentially-stable", "not-found"): (
+        "Potentially stable{within}: forces that hold it exist; whether it settles was not found "
+        "out, nor a motion."
     ),
     ("unstable", None): (
         "Unstable{beyond}: no contact forces can hold it; here is how it starts to move."
@@ -84,31 +94,46 @@ NONE = {
 }
 
 
-def verdict_sentence(verdict: str, *, guarantee: str | None, seated: bool, coarse: bool) -> str:
+def verdict_sentence(
+    verdict: str,
+    *,
+    guarantee: str | None = None,
+    why: str | None = None,
+    squeeze: bool = False,
+    tries: tuple[int, int, int] = (0, 0, 0),
+    coarse: bool = False,
+) -> str:
     """The sentence of a verdict that is not undecided.
 
     Parameters
     ----------
-    verdict : {"stable", "potentially-stable", "unstable"}
+    verdict : {"stable", "settles", "potentially-stable", "unstable"}
     guarantee : str, optional
         What friction guarantees, where the verdict rests on it.
-    seated : bool
+    why : str, optional
+        Why it is only potentially stable.
+    squeeze : bool
+        Every seat runs away.
+    tries : tuple of int
+        Passed, made, and asked for.
     coarse : bool
         The data are coarser than float64.
 
     Examples
     --------
-    >>> verdict_sentence("stable", guarantee=None, seated=False, coarse=False)
+    >>> verdict_sentence("stable")
     'Stable: it cannot start to move, however slippery the parts.'
     """
-    key = None
-    if verdict == "stable":
-        key = guarantee
-    elif verdict == "potentially-stable":
-        key = f"{guarantee} seated" if seated else guarantee
+    key = guarantee if verdict == "stable" else why
+    if why == "refuted" and squeeze:
+        key = "refuted squeeze"
+    passed, tried, of = tries
     return SENTENCES[verdict, key].format(
         within=" within the accuracy of the data" if coarse else "",
         beyond=" beyond the accuracy of the data" if coarse else "",
+        passed=passed,
+        tried=tried,
+        of=of,
     )
 
 

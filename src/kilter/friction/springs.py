@@ -1,0 +1,255 @@
+"""Contacts that give a little: forces of a displacement, and the balance of the parts.
+
+With a stiffness k along the normal, 0.7 k across it, and a gap g >= 0 at each point, a small
+displacement x of the parts makes the forces
+
+    f_n = k max(0, -(u_n + g)),   f_t = -0.7 k u_t, cut to |f_t| <= mu f_n,      u = H x
+    r(x) = w + H^T f(H x)
+
+(scaled as in `kilter.friction.law`, x being a displacement here). Each force is exactly in its
+cone, so that where r = 0 the forces are forces of equilibrium. The size of k does not matter.
+
+Systems (d - dr/dx) dx = y are solved by a band matrix, parts in the order of reverse Cuthill
+and McKee, or as sparse ones where the band is wide.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csc_array, csr_array
+from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+from kilter.arrays import TINY, Array, Index
+from kilter.friction.law import CoulombLaw
+from kilter.work import Work
+
+__all__ = ["ACROSS", "SpringState", "SpringSystem", "Springs", "spring_system"]
+
+ACROSS = 0.7
+"""Stiffness across a contact over that along its normal: about that of two elastic bodies."""
+WIDEST_BAND = 400
+"""Half width of a band above which systems are solved as sparse ones."""
+
+
+@dataclass(slots=True)
+class SpringState:
+    """A displacement with what follows from it: forces (n, u, v), -df/du and r."""
+
+    x: Array
+    forces: Array
+    slope: Array
+    rest: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SpringSystem:
+    """Where the entries of -dr/dx are, the same for all stiffnesses, gaps and displacements.
+
+    Attributes
+    ----------
+    law : CoulombLaw
+    transposed : csr_array
+        H^T.
+    lever : ndarray, shape (K, 3, 2 d)
+        H of each point by its two parts, of d freedoms; points of a pair follow each other.
+    points : ndarray of int, shape (K,)
+        The rows in that order.
+    begins : ndarray of int
+        Where each pair begins in it.
+    place : ndarray of int, shape (pairs x 2 d x 2 d,)
+        Where each entry of a pair goes: in the band, or among the stored entries.
+    band : int
+        Half width of the band; 0 where the system is solved as a sparse one.
+    order : ndarray of int, shape (n,)
+        Where each unknown is in the system.
+    row, start : ndarray of int
+        Of a sparse system, as in a csc_array; empty else.
+    weight : ndarray
+        Weights of the free parts, scaled as r is.
+    """
+
+    law: CoulombLaw
+    transposed: csr_array
+    lever: Array
+    points: Index
+    begins: Index
+    place: Index
+    band: int
+    order: Index
+    row: Index
+    start: Index
+    weight: Array
+
+
+def spring_system(law: CoulombLaw) -> SpringSystem:
+    """The places of the entries of a law's systems."""
+    program, per = law.program, law.root.shape[1]
+    index = np.full(len(program.names), -1)
+    index[program.free] = np.arange(len(law.root))
+    ends = np.column_stack([index[program.part_a], index[program.part_b]])
+    points = np.lexsort((ends[:, 1], ends[:, 0]))
+    pairs, begins = np.unique(ends[points], axis=0, return_index=True)
+    lever = _levers(law, ends, per)[points]
+    rank = _ranks(pairs, len(law.root))
+    order = (per * rank[:, None] + np.arange(per)).reshape(-1)
+    held = pairs < 0
+    unknown = per * rank[np.where(held, 0, pairs)][:, :, None] + np.arange(per)
+    unknown = np.where(held[:, :, None], -1, unknown).reshape(len(pairs), 2 * per)
+    i = np.broadcast_to(unknown[:, :, None], (len(pairs), 2 * per, 2 * per)).reshape(-1)
+    j = np.broadcast_to(unknown[:, None, :], (len(pairs), 2 * per, 2 * per)).reshape(-1)
+    used = (i >= 0) & (j >= 0)
+    band = max(int(np.abs(i - j)[used].max(initial=0)), 1)
+    row = start = np.empty(0, dtype=np.int64)
+    if band <= WIDEST_BAND:
+        count = (3 * band + 1) * len(law.load)
+        place = np.where(used, (2 * band + i - j) * len(law.load) + j, count)
+    else:
+        place, row, start = _stored(i, j, used, len(law.load))
+        band = 0
+    return SpringSystem(
+        law, law.matrix.T.tocsr(), lever, points, begins, place, band, order, row, start,
+        _weights(law),
+    )  # fmt: skip
+
+
+def _weights(law: CoulombLaw) -> Array:
+    part = np.flatnonzero(law.program.free)
+    weight = law.program.weight[part] / np.sqrt(law.program.mass[part]) / max(law.strength, TINY)
+    least: Array = np.maximum(weight, TINY)
+    return least
+
+
+def _levers(law: CoulombLaw, ends: Index, per: int) -> Array:
+    """H of each point by its first and second part, shape (K, 3, 2 d)."""
+    entries = law.matrix.tocoo()
+    point, line = entries.row // 3, entries.row % 3
+    part, freedom = entries.col // per, entries.col % per
+    side = (ends[point, 1] == part).astype(np.int64)
+    lever = np.zeros((len(ends), 3, 2 * per))
+    lever[point, line, side * per + freedom] = entries.data
+    return lever
+
+
+def _ranks(pairs: Index, count: int) -> Index:
+    """The place of each part, so that parts that touch are near each other."""
+    both = pairs[(pairs >= 0).all(axis=1)]
+    ones = np.ones(2 * len(both))
+    graph = csr_array((ones, (both.T.reshape(-1), both[:, ::-1].T.reshape(-1))), (count, count))
+    rank = np.empty(count, dtype=np.int64)
+    rank[reverse_cuthill_mckee(graph, symmetric_mode=True)] = np.arange(count)
+    return rank
+
+
+def _stored(i: Index, j: Index, used: np.ndarray, count: int) -> tuple[Index, Index, Index]:
+    """Places of entries in a csc_array that has the diagonal too; its rows and column starts."""
+    diagonal = np.arange(count) * (count + 1)
+    keys, inverse = np.unique(np.concatenate([j[used] * count + i[used], diagonal]),
+                              return_inverse=True)  # fmt: skip
+    place = np.full(len(i), len(keys))
+    place[used] = inverse.reshape(-1)[: int(used.sum())]
+    start = np.searchsorted(keys, np.arange(count + 1) * count)
+    return place, keys % count, start
+
+
+class Springs:
+    """The equations r(x) = 0 for one stiffness and gap a point.
+
+    Parameters
+    ----------
+    system : SpringSystem
+    stiffness : ndarray, shape (K,)
+    gap : ndarray, shape (K,), optional
+        None where not given.
+    """
+
+    def __init__(self, system: SpringSystem, stiffness: Array, gap: Array | None = None) -> None:
+        self.system, self.stiffness = system, stiffness
+        self.gap = np.zeros(len(stiffness)) if gap is None else gap
+
+    def at(self, x: Array) -> SpringState:
+        """The state of a displacement."""
+        law = self.system.law
+        u = (law.matrix @ x).reshape(-1, 3)
+        u[:, 0] += self.gap
+        forces, slope = _response(law, self.stiffness, u)
+        return SpringState(x, forces, slope, law.load + self.system.transposed @ forces.reshape(-1))
+
+    def imbalance(self, state: SpringState) -> float:
+        """Worst imbalance of a part over its weight."""
+        weight = self.system.weight
+        rest = np.linalg.norm(state.rest.reshape(len(weight), -1), axis=1)
+        return float((rest / weight).max())
+
+    def newton(self, state: SpringState, right: Array, drag: float, work: Work) -> Array:
+        """The step dx of (drag - dr/dx) dx = right; numpy's LinAlgError where there is none."""
+        system, count = self.system, len(right)
+        lever = system.lever
+        blocks = np.matmul(np.swapaxes(lever, 1, 2), np.matmul(state.slope[system.points], lever))
+        if len(system.begins):
+            blocks = np.add.reduceat(blocks, system.begins, axis=0)
+        if system.band:
+            return self._by_band(blocks, right, drag, work)
+        values = _summed(system.place, blocks, len(system.row))
+        matrix = csc_array((values, system.row, system.start), shape=(count, count))
+        matrix.setdiag(matrix.diagonal() + drag)
+        return _by_factors(matrix, right[np.argsort(system.order)], work)[system.order]
+
+    def _by_band(self, blocks: Array, right: Array, drag: float, work: Work) -> Array:
+        from scipy.linalg.lapack import dgbsv
+
+        system, count, band = self.system, len(right), self.system.band
+        size = (3 * band + 1) * count
+        values = _summed(system.place, blocks, size)
+        matrix = values.reshape(3 * band + 1, count)
+        matrix[2 * band] += drag
+        work.band(count, band, len(system.points))
+        ordered = np.empty(count)
+        ordered[system.order] = right
+        _, _, step, failed = dgbsv(band, band, matrix, ordered, overwrite_ab=True)
+        if failed:
+            raise np.linalg.LinAlgError("the band matrix is singular")
+        back: Array = step[system.order]
+        return back
+
+
+def _summed(place: Index, blocks: Array, count: int) -> Array:
+    """Entries summed up by their places; what has no place is left out."""
+    sums = np.bincount(place, blocks.reshape(-1), minlength=count + 1)[:count]
+    return np.asarray(sums, dtype=np.float64)
+
+
+def _by_factors(matrix: csc_array, right: Array, work: Work) -> Array:
+    from scipy.sparse.linalg import splu
+
+    try:
+        factor = splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+    except RuntimeError as error:
+        raise np.linalg.LinAlgError(str(error)) from None
+    work.sparse(len(right), factor.nnz)
+    step: Array = factor.solve(right)
+    return step
+
+
+def _response(law: CoulombLaw, stiffness: Array, u: Array) -> tuple[Array, Array]:
+    """Forces (n, u, v) of displacements of the points, and -df/du, shape (K, 3, 3)."""
+    k, across = stiffness, ACROSS * stiffness
+    touching = (u[:, 0] < 0) | law.tied
+    f_n = np.where(touching, -k * u[:, 0], 0.0)
+    pull = -across[:, None] * u[:, 1:]
+    drag = np.sqrt((pull**2).sum(axis=1))
+    limit = np.where(law.tied, 0.0, law.mu * f_n)
+    sticks = drag <= limit
+    share = np.where(sticks, 1.0, limit / np.maximum(drag, TINY))
+    forces = np.empty_like(u)
+    forces[:, 0], forces[:, 1:] = f_n, share[:, None] * pull
+    slope = np.zeros((len(u), 3, 3))
+    slope[:, 0, 0] = k * touching
+    e = pull / np.maximum(drag, TINY)[:, None]
+    slides = ~sticks & touching & ~law.tied
+    slope[:, 1:, 0] = (law.mu * k * slides)[:, None] * e
+    bend = (across * share)[:, None, None] * np.eye(2)
+    bend -= np.where(slides, across * share, 0.0)[:, None, None] * e[:, :, None] * e[:, None, :]
+    slope[:, 1:, 1:] = bend * touching[:, None, None]
+    return forces, slope
