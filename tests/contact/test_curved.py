@@ -491,6 +491,19 @@ def test_ball_on_the_rim_of_a_hole_is_listed_and_bounded():
     assert [u.kind for u in verdict.contacts.unsupported] == ["curved"]
 
 
+@pytest.mark.parametrize(
+    ("gap", "kinds"), [(3.3e-5, ["free-form"]), (2.7e-3, ["free-form"]), (3.3e-3, [])]
+)
+def test_ball_just_above_the_rim_of_a_hole_is_open_as_far_as_loose_data_would_reach(gap, kinds):
+    # the size of the ball is 3: a gap tolerance of 3e-5; loose data reach to 3e-3
+    centre = [0, 0, 1 + np.sqrt((1.5 + gap) ** 2 - 1)]
+    parts = [held(bore()), Part("ball", Sphere(1.5), Pose(centre))]
+    verdict = check(Assembly(parts))
+    assert len(verdict.contacts) == 0
+    assert [pair.kind for pair in verdict.contacts.open_pairs] == kinds
+    assert verdict.verdict == ("undecided" if kinds else "unstable")
+
+
 def test_torus_beside_a_torus_is_listed():
     parts = [held(torus(2, 0.5)), Part("ring", torus(2, 0.5), Pose([0, 0, 1.0]))]
     contacts = detect.contacts(Assembly(parts))

@@ -34,7 +34,7 @@ from solids import (
     trough,
 )
 
-from kilter import Assembly, Cylinder, Part, Pose, Sphere, check
+from kilter import Assembly, Box, Cylinder, Part, Pose, Sphere, check, fastened
 from kilter.assembly.lowest import lowest_heights
 from kilter.contact import detect
 
@@ -206,3 +206,18 @@ def test_rim_above_the_table_by_more_than_the_tolerance_is_no_contact():
         contacts = detect.contacts(body.with_floor(low - height * size))
         assert len(contacts) == count
         assert contacts.unsupported == ()
+
+
+@pytest.mark.parametrize(
+    "foot", [Cylinder(1.0, 2.0), mesh_of(peg(1.0, -1, 1)), cone_frustum(ALPHA)]
+)
+@pytest.mark.parametrize(("reach", "word"), [(1.0, "stable"), (4.0, "unstable")])
+def test_joining_all_to_all_never_holds_a_round_foot_to_the_table(foot, reach, word):
+    # a bar on the foot whose weight is beyond it tips both over, however they are joined
+    turn = (0, 1, 0, 0)
+    top = float(np.max(-Assembly([Part("foot", foot)]).geometry.vertices[:, 2]))
+    bar = Part("bar", Box([2 * reach, 0.2, 0.2]), Pose([0.7 * reach, 0, top + 0.1]), mass=1.0)
+    parts = [Part("foot", foot, Pose([0, 0, 0], turn), mass=0.1), bar]
+    joined = fastened(Assembly(parts).with_floor(), [("*", "*")])
+    assert [joint.parts for joint in joined.joints] == [("foot", "bar")]
+    assert check(joined).verdict == word

@@ -82,7 +82,7 @@ def contacts(
     flat = find_flat(search)
     touching = Touching(search, flat.patches, without_repeats(curved, flat.patches, gap))
     tell("edges and corners")
-    near = near_contacts(touching)
+    near = near_contacts(touching, [*flat.rejected, *curved.rejected])
     overlaps, overlap_warnings = find_overlaps(assembly, touching, tolerance)
     refused = [*flat.rejected, *curved.rejected, *unknown_contacts(search.unknown)]
     given, own = _given(assembly)

@@ -19,7 +19,7 @@ __all__ = ["edges_on_faces"]
 
 
 def edges_on_faces(
-    touching: Touching, edges: Edges, rows: Index, *, turn: bool
+    touching: Touching, edges: Edges, rows: Index, reach: Array, *, turn: bool
 ) -> tuple[Index, Array, Index]:
     """Where sharp edges of b (of a, if `turn`) touch curved faces of the other part.
 
@@ -29,6 +29,8 @@ def edges_on_faces(
     edges : Edges
         Of all parts of the pairs `rows`.
     rows : ndarray of int, shape (n,)
+    reach : ndarray, shape (number of pairs,)
+        Up to this distance they touch [length unit].
     turn : bool
 
     Returns
@@ -40,7 +42,7 @@ def edges_on_faces(
     """
     search, curved = touching.search, touching.curved
     geometry, facets, boxes = search.geometry, search.facets, search.boxes
-    pairs, tolerance = search.pairs, search.limits.gap
+    pairs, tolerance = search.pairs, reach
     s = geometry.surfaces
     a, b = pairs[rows].T[::-1] if turn else pairs[rows].T
     slack = geometry.slack[b]

@@ -54,7 +54,7 @@ def beside_curved(geometry: Geometry, parts: Index, points: Array, slack: Array)
 
 
 def round_contacts(
-    touching: Touching, edges: Edges, rows: Index, rims: tuple[Index, Array]
+    touching: Touching, edges: Edges, rows: Index, rims: tuple[Index, Array], reach: Array
 ) -> RoundContacts:
     """Which of the pairs `rows` touch at a curved surface without a patch that says how.
 
@@ -66,27 +66,29 @@ def round_contacts(
     rows : ndarray of int, shape (n,)
     rims : (pair, point)
         Where corners and edges beside curved faces touch the other part.
+    reach : ndarray, shape (number of pairs,)
+        Up to this distance they touch, or might [length unit].
     """
     search, curved = touching.search, touching.curved
-    geometry, pairs, gap = search.geometry, search.pairs, search.limits.gap
+    geometry, pairs = search.geometry, search.pairs
     found: dict[int, list[tuple[Array, int]]] = {}
 
     def note(pair: Index, point: Array, surface: Index) -> None:
         for name in np.unique(pair).tolist():
             mine = np.flatnonzero(pair == name)
-            slack = float(gap[name] + 2 * geometry.slack[pairs[name]].max())
+            slack = float(reach[name] + 2 * geometry.slack[pairs[name]].max())
             free = ~explained(touching, name, point[mine], slack)
             found.setdefault(name, []).extend((point[k], int(surface[k])) for k in mine[free])
 
     note(rims[0], rims[1], np.full(len(rims[0]), -1))
     for turn in (False, True):
-        note(*edges_on_faces(touching, edges, rows, turn=turn))
+        note(*edges_on_faces(touching, edges, rows, reach, turn=turn))
     chosen = curved.unknown[np.isin(curved.unknown[:, 0], rows)]
     known = np.column_stack([curved.patches.pair, curved.surface]).tolist()
     known = {tuple(row) for row in known}
     chosen = chosen[[tuple(row) not in known for row in chosen.tolist()]]
     for pair, i, j in chosen.tolist():
-        point = _free_touch(geometry, pairs[pair], (i, j), float(gap[pair]))
+        point = _free_touch(geometry, pairs[pair], (i, j), float(reach[pair]))
         note(np.full(len(point), pair), point, np.full(len(point), -1))
     return _listed(geometry, pairs, found)
 

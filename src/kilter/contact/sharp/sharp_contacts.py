@@ -17,14 +17,16 @@ For two convex parts a patch of planar contact is complete: nothing else is look
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask
 from kilter.assembly.geometry import Geometry
+from kilter.contact.broad import Boxes
 from kilter.contact.contact_set import Degenerate, PossibleContacts, Unsupported
-from kilter.contact.contact_tolerances import MEETS_EXACTLY, ONE_POINT
+from kilter.contact.contact_tolerances import LOOSE_GAP, MEETS_EXACTLY, ONE_POINT
 from kilter.contact.curved.rims import coaxial_clear, rims_clear
 from kilter.contact.curved.unmodelled import (
     RoundContacts,
@@ -32,6 +34,7 @@ from kilter.contact.curved.unmodelled import (
     no_round_contacts,
     round_contacts,
 )
+from kilter.contact.gaps import Rejected
 from kilter.contact.patches import Patches
 from kilter.contact.sharp.edge_contacts import edge_contacts
 from kilter.contact.sharp.edges import Edges, find_edges
@@ -79,19 +82,23 @@ class _Near:
         return self.touching.search.limits.gap
 
 
-def near_contacts(touching: Touching) -> NearContacts:
-    """Corner, edge and round contacts of the pairs that patches do not settle."""
+def near_contacts(touching: Touching, rejected: Iterable[Rejected]) -> NearContacts:
+    """Corner, edge and round contacts of the pairs that patches do not settle.
+
+    `rejected`: faces that came near; of their pairs it is known already that they are open.
+    """
     search = touching.search
     boxes, convex = search.boxes, search.facets.convex_part
     a, b = search.pairs.T
     settled = convex[a] & convex[b] & touching.has_patch
-    grow = search.limits.gap[:, None]
-    meets = (boxes.part_low[a] <= boxes.part_high[b] + grow).all(axis=1)
-    meets &= (boxes.part_low[b] <= boxes.part_high[a] + grow).all(axis=1)
-    rows = np.flatnonzero(meets & ~settled)
+    reach = _reach(touching, rejected)
+    rows = np.flatnonzero(_meet(boxes, a, b, search.limits.gap) & ~settled)
+    beside = np.flatnonzero(_meet(boxes, a, b, reach) & ~settled)
+    beside = beside[_round_parts(search.geometry)[search.pairs[beside]].any(axis=1)]
     patches, degenerate, rounds = Patches.none(), Degenerate.none(), no_round_contacts()
-    if len(rows):
-        edges = find_edges(search.geometry, search.facets, np.unique(search.pairs[rows]))
+    either = np.union1d(rows, beside)
+    if len(either):
+        edges = find_edges(search.geometry, search.facets, np.unique(search.pairs[either]))
         near = _Near(touching, edges)
         met = _meetings(near, rows, search.limits.gap)
         met = met.take(np.flatnonzero(~_beside_curved(near, met)))
@@ -100,7 +107,7 @@ def near_contacts(touching: Touching) -> NearContacts:
         pushes, clauses = _unexplained(met, pushes, clauses, touching)
         patches = edge_contacts(search, edges, met, pushes)
         degenerate = _degenerate(near, met, clauses, every)
-        rounds = _rounds(near, rows)
+        rounds = _rounds(near, beside, reach)
     return NearContacts(
         patches=patches,
         degenerate=degenerate,
@@ -149,28 +156,49 @@ def _beside_curved(near: _Near, met: Meetings) -> Mask:
     return beside
 
 
-def _rounds(near: _Near, rows: Index) -> RoundContacts:
+def _meet(boxes: Boxes, a: Index, b: Index, grow: Array) -> Mask:
+    """Pairs of parts whose boxes come within a distance."""
+    apart = np.maximum(
+        boxes.part_low[a] - boxes.part_high[b], boxes.part_low[b] - boxes.part_high[a]
+    )
+    return np.asarray(apart.max(axis=1) <= grow)
+
+
+def _reach(touching: Touching, rejected: Iterable[Rejected]) -> Array:
+    """How near edges and free forms of each pair are to a round face where they might touch it.
+
+    A pair of which no face touches or comes near is looked at as far as loose data would take
+    it for touching.
+    """
+    limits, search = touching.search.limits, touching.search
+    known = {tuple(sorted(one.parts)) for one in rejected}
+    told = [tuple(sorted(pair)) in known for pair in search.pairs.tolist()] if known else False
+    size = search.geometry.size[search.pairs].min(axis=1)
+    loose = np.where(touching.has_patch | told, 0.0, LOOSE_GAP * size)
+    return np.asarray(np.maximum(limits.closed, loose))
+
+
+def _rounds(near: _Near, rows: Index, reach: Array) -> RoundContacts:
     """What touches beside or on curved faces of the pairs `rows`.
 
     Triangles lie off their surfaces by up to the slack: rims are looked for as far away.
     """
-    geometry = near.geometry
-    rows = rows[_round_parts(geometry)[near.pairs[rows]].any(axis=1)]
     if not len(rows):
         return no_round_contacts()
-    met = _meetings(near, rows, near.gap + geometry.slack[near.pairs].sum(axis=1))
-    met = met.take(np.flatnonzero(_beside_curved(near, met) & ~_clear(near, met)))
+    geometry = near.geometry
+    met = _meetings(near, rows, reach + geometry.slack[near.pairs].sum(axis=1))
+    met = met.take(np.flatnonzero(_beside_curved(near, met) & ~_clear(near, met, reach)))
     met = met.take(np.flatnonzero(~_settled(near, met)))
     pushes, clauses = _unexplained(met, *_normals(near, met), near.touching)
     on_rim = np.concatenate([pushes.meeting, clauses.meeting])
     rims = met.pair[on_rim], met.middle[on_rim]
-    return round_contacts(near.touching, near.edges, rows, rims)
+    return round_contacts(near.touching, near.edges, rows, rims, reach)
 
 
-def _clear(near: _Near, met: Meetings) -> Mask:
+def _clear(near: _Near, met: Meetings, reach: Array) -> Mask:
     """Meetings with round rims that as a whole stay clear of a plane, or of a rim of one axis."""
     geometry, facets = near.geometry, near.touching.search.facets
-    limit = near.gap[met.pair]
+    limit = reach[met.pair]
     clear = np.zeros(len(met), dtype=bool)
     ends = np.stack([met.feature, met.feature], axis=2)
     edge = met.kind == EDGE
