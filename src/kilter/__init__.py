@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from kilter.analysis.turning.orientation import Orientation as Orientation
     from kilter.analysis.turning.orientation import orient as orient
     from kilter.analysis.verdict import Verdict as Verdict
+    from kilter.analysis.verification import Verification as Verification
+    from kilter.analysis.verification import verify as verify
     from kilter.assembly.assembly import Assembly as Assembly
     from kilter.assembly.interactions import FrictionPair as FrictionPair
     from kilter.assembly.interactions import GivenContact as GivenContact
@@ -40,8 +42,6 @@ if TYPE_CHECKING:
     from kilter.errors import SolverError as SolverError
     from kilter.files.reading import load as load
     from kilter.files.writing import dump as dump
-    from kilter.mechanics.verification import Verification as Verification
-    from kilter.mechanics.verification import verify as verify
     from kilter.publish import Report as Report
     from kilter.publish import draw as draw
     from kilter.publish import report as report
@@ -69,7 +69,7 @@ _HOMES = {
     "orient": "kilter.analysis.turning.orientation",
     "region": "kilter.analysis.regions.region",
     "report": "kilter.publish",
-    "verify": "kilter.mechanics.verification",
+    "verify": "kilter.analysis.verification",
     "view": "kilter.publish",
     # beside them
     "common_region": "kilter.analysis.regions.region",
@@ -96,7 +96,7 @@ _HOMES = {
     "Region": "kilter.analysis.regions.region",
     "Report": "kilter.publish",
     "Verdict": "kilter.analysis.verdict",
-    "Verification": "kilter.mechanics.verification",
+    "Verification": "kilter.analysis.verification",
     # and what they refuse
     "InputError": "kilter.errors",
     "KilterError": "kilter.errors",

@@ -16,12 +16,12 @@ import stranger
 
 from kilter import InputError, check
 from kilter.analysis.verdict import Verdict
+from kilter.analysis.verification import proof_tolerance, verify_proof
 from kilter.assembly import Assembly
 from kilter.contact import detect
 from kilter.files import from_dict, to_dict
 from kilter.mechanics.certificate import check_forces, check_motion
 from kilter.mechanics.program import Program, build_program
-from kilter.mechanics.verification import proof_tolerance, verify_proof
 
 __all__ = ["judged", "kappa", "program_of", "reloaded", "verified", "z_of"]
 

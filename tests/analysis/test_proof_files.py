@@ -17,9 +17,9 @@ from builders import (
 from judged import judged, reloaded, verified
 
 from kilter import InputError
+from kilter.analysis.verification import verify_proof
 from kilter.contact import detect
 from kilter.mechanics.proof import digest_of
-from kilter.mechanics.verification import verify_proof
 from kilter.scenes import paper, stacks
 
 CASES = {

@@ -10,10 +10,10 @@ from scipy.spatial.transform import Rotation
 
 from kilter import Assembly, Box, Load, Mesh, Part, Pose, Prism, check
 from kilter.analysis.degenerate_branches import decide_degenerate
+from kilter.analysis.verification import verify_proof
 from kilter.contact import detect
 from kilter.mechanics.degenerate import without_degenerate
 from kilter.mechanics.program import build_program
-from kilter.mechanics.verification import verify_proof
 from kilter.scenes import arches, walls
 from kilter.scenes.pieces import block, floor, prism, turn
 

@@ -9,6 +9,7 @@ import pytest
 from tubes import pin, tube
 
 from kilter import InputError, Tolerance, check, fastened
+from kilter.analysis.verification import proof_tolerance, verify_proof
 from kilter.assembly import Assembly, Joint, Part
 from kilter.cli import main
 from kilter.contact import detect
@@ -17,7 +18,6 @@ from kilter.contact.fits.shared_body import PartSolids, shared_body
 from kilter.contact.fits.suggestions import suggest_joints
 from kilter.files import dump, from_dict, to_dict
 from kilter.mechanics.proof import digest_of
-from kilter.mechanics.verification import proof_tolerance, verify_proof
 from kilter.rigid import Pose
 from kilter.scenes.pieces import block, floor, turn
 from kilter.scenes.transform import moved, scaled

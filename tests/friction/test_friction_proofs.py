@@ -106,10 +106,3 @@ def test_guarantee_without_its_evidence_is_refused(proven, key):
         other["friction"][key] = None
         other["digest"] = digest_of(other)
         assert not verified(assembly, other).holds
-
-
-def test_exclusion_is_said_not_to_be_repeated():
-    assembly = CASES["proved"]()
-    answer = verified(reloaded(assembly), check(assembly, effort=3).proof())
-    assert answer.holds
-    assert any("not repeated" in note for note in answer.notes)

@@ -8,9 +8,9 @@ from cones import BUILDERS, directions, region_of, same_rays
 
 import kilter
 from kilter.analysis.regions.region import common_region
+from kilter.analysis.verification import verify_proof
 from kilter.contact import detect
 from kilter.errors import InputError
-from kilter.mechanics.verification import verify_proof
 from kilter.scenes import paper, rails, stacks, wedges
 from kilter.scenes.transform import as_single, moved
 

@@ -7,9 +7,9 @@ import pytest
 from cones import KINDS, MORE, region_of
 
 import kilter
+from kilter.analysis.verification import proof_tolerance, verify_proof
 from kilter.contact import detect
 from kilter.files import from_dict, to_dict
-from kilter.mechanics.verification import proof_tolerance, verify_proof
 from kilter.scenes import rails, wedges
 
 

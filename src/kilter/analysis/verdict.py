@@ -35,6 +35,7 @@ from kilter.assembly import Assembly
 from kilter.assembly.geometry import DEFAULT_DENSITY
 from kilter.contact import ContactSet
 from kilter.friction.answer import FrictionAnswer
+from kilter.friction.exclusion_file import exclusion_data
 from kilter.mechanics.certificate import ForceProof, MotionProof
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program, build_program
@@ -295,11 +296,7 @@ class Verdict:
             of=answer.settling.of,
             exclusion=None
             if exclusion is None or not exclusion.proved
-            else {
-                "kind": exclusion.kind,
-                "programs": exclusion.programs,
-                "assumes": exclusion.assumes,
-            },
+            else exclusion_data(exclusion),
         )
 
     def with_seconds(self, **more: float) -> Verdict:

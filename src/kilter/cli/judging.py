@@ -144,7 +144,7 @@ def verify(
     The file is read as it was for the proof (parts held, left out, direction of gravity);
     the answer names these conditions.
     """
-    from kilter.mechanics.verification import verify as recompute
+    from kilter.analysis.verification import verify as recompute
     from kilter.tell.text import text_of
 
     keep_apart(file, output)

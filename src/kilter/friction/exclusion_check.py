@@ -7,7 +7,6 @@ from the law; nothing else of the proof is believed. A step that does not fit pr
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -58,6 +57,7 @@ class _Repeated:
         self.relaxation = Relaxation(law)
         self.bounds = first_bounds(law, self.relaxation, opening)
         self.power = 1.0
+        self.patches = range(len(law.twist))
 
     def step(self, step: ExclusionStep) -> None:
         """What one further step leaves."""
@@ -77,16 +77,25 @@ class _Repeated:
         self.power = min(self.power, power)
         self.bounds = rescaled(self.relaxation.fastest, self.bounds, power / self.bounds.scale)
 
-    def _closed(self, bounds: Enclosure, step: CaseStep) -> bool:
+    def _closed(self, bounds: Enclosure, root: CaseStep) -> bool:
         """Whether a case, or all cases that it is divided into, leave nothing."""
-        for one in step.powers:
-            bounds, power = power_by(self.relaxation, bounds, one)
+        ready = [(bounds, root)]
+        while ready:
+            own, case = ready.pop()
+            left = self._left(own, case)
+            if left is None:
+                continue
+            if not len(self.law.group) > case.point >= 0 and case.patch not in self.patches:
+                return False
+            below = cases(self.law, left, case.point, case.patch)
+            ready += zip(below, case.cases, strict=True)
+        return True
+
+    def _left(self, bounds: Enclosure, case: CaseStep) -> Enclosure | None:
+        """The bounds that the programs of a case leave; None if they leave nothing."""
+        for step in case.powers:
+            bounds, power = power_by(self.relaxation, bounds, step)
             if bounds.scale * power <= self.tolerance:
-                return True
+                return None
             bounds = rescaled(self.relaxation.fastest, bounds, power)
-        if step.point < 0 and step.patch < 0:
-            return False
-        found = cases(self.law, bounds, step.point, step.patch)
-        return len(found) == len(step.cases) and all(
-            self._closed(replace(own), below) for own, below in zip(found, step.cases, strict=True)
-        )
+        return bounds

@@ -26,11 +26,13 @@ from kilter.friction.moment_products import law_products, monomials
 from kilter.friction.reduced_law import ReducedLaw
 from kilter.solvers.semidefinite import Multipliers
 
-__all__ = ["MomentStep", "Squares", "power_left", "squares_of"]
+__all__ = ["SQUARES", "MomentStep", "Squares", "power_left", "squares_of"]
 
 Squares = Literal["pairs", "pushes", "cliques"]
 """Which matrices of products are held positive: of the motions of the bodies of a patch; of
 the motion of a body and the pushes on it as well; of all that is thought of."""
+SQUARES: tuple[Squares, ...] = ("pairs", "pushes", "cliques")
+"""The cheapest first."""
 ROUNDING = 1e-13
 """Rounding of the sums of R, over the sums of their terms' sizes: a few hundred of 1e-16."""
 

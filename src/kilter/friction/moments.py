@@ -27,7 +27,7 @@ import numpy as np
 
 from kilter.arrays import Array, Index
 from kilter.friction.force_bound import force_bound
-from kilter.friction.moment_bound import MomentStep, Squares, power_left, squares_of
+from kilter.friction.moment_bound import SQUARES, MomentStep, Squares, power_left, squares_of
 from kilter.friction.moment_forms import MomentForms, moment_forms
 from kilter.friction.moment_products import ProductRows, law_products, monomials, over_monomials
 from kilter.friction.reduced_law import ReducedLaw
@@ -36,8 +36,6 @@ from kilter.work import SEMIDEFINITE_ENTRY, Work
 
 __all__ = ["MomentProof", "moment_program", "moment_proof"]
 
-LADDER: tuple[Squares, ...] = ("pairs", "pushes", "cliques")
-"""Matrices of products, the cheapest first."""
 DEAR: dict[Squares, float] = {"pairs": 1.0, "pushes": 1.0, "cliques": 6.0}
 """What an entry costs: large matrices are factorised as well."""
 USUAL_STEPS = 20
@@ -87,15 +85,15 @@ def moment_proof(law: ReducedLaw, opening: Array, tolerance: float, *, work: Wor
     if not np.isfinite(forces):
         return MomentProof(left, ())
     for _ in range(STEPS):
-        if left <= tolerance or rung == len(LADDER) or work.over:
+        if left <= tolerance or rung == len(SQUARES) or work.over:
             break
-        step = _step(law, scale, LADDER[rung], work)
+        step = _step(law, scale, SQUARES[rung], work)
         power = scale**2 if step is None else power_left(law, step, forces)
         if step is not None and power < left:
             steps, left = [*steps, step], power
         work.tell(f"motions with more than {left:.1e} of the power of free fall are excluded")
         if power > HOPEFUL * scale**2:
-            rung = len(LADDER) if left < NEARLY else rung + 1
+            rung = len(SQUARES) if left < NEARLY else rung + 1
         scale = max(float(np.sqrt(left)), SMALLEST * scale)
     return MomentProof(left, tuple(steps))
 

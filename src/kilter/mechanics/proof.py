@@ -2,7 +2,7 @@
 
 The parts, contact points, load and the forces or the motion of a verdict as data; with
 friction also the motion that obeys Coulomb's law beside forces of equilibrium, and the
-forces by which its own weight seats it. `kilter.mechanics.verification` recomputes it.
+forces by which its own weight seats it. `kilter.analysis.verification` recomputes it.
 """
 
 from __future__ import annotations
@@ -36,8 +36,6 @@ __all__ = [
     "rows_of",
 ]
 
-__all__ = ["Evidence", "digest_of", "frame_of", "joints_of", "make_proof", "rows_of"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Evidence:
@@ -55,7 +53,7 @@ class Evidence:
     of : int
         Tries that were asked for.
     exclusion : dict or None
-        How every motion was excluded: kind, programs solved, what it assumes.
+        How every motion was excluded, with all steps (`kilter.friction.exclusion_file`).
     """
 
     guarantee: str

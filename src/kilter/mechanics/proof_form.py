@@ -102,7 +102,15 @@ BALANCED = _keys(forces=_list(VECTOR), joints=_list(NUMBER), residual=NUMBER)
 """Forces that balance every part."""
 FRICTION = _keys(
     guarantee=WORD,
-    exclusion=_maybe(_keys(kind=WORD, programs=COUNT)),
+    exclusion=_maybe(
+        _keys(
+            kind=WORD,
+            programs=COUNT,
+            assumes=WORD,
+            opening=_maybe(_list(NUMBER)),
+            steps=_list(_keys()),
+        )
+    ),
     seated=_maybe(BALANCED),
     tries=_keys(passed=COUNT, of=COUNT, forces=_list(BALANCED)),
     witness=_maybe(

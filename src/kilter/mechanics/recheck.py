@@ -1,7 +1,6 @@
 """A proof judged again on the program of an assembly: number by number, then its evidence.
 
-That no motion obeys Coulomb's law is the outcome of a search: of it a proof says how it was
-made, and only its forces can be judged again; the notes say so.
+That no motion obeys Coulomb's law is judged elsewhere (`kilter.friction.exclusion_file`).
 """
 
 from __future__ import annotations
@@ -246,12 +245,6 @@ def _recheck_friction(
         if not _near((law.power, law.residual), claimed, 1.0):
             reasons.append("power or residual of the motion are not those that it states")
         notes.append(f"a motion obeys Coulomb's law too, to {law.residual:.1e}")
-    exclusion = friction["exclusion"]
-    if friction["guarantee"] == "proved":
-        notes.append(
-            f"that no motion obeys Coulomb's law was shown by {exclusion['kind']} "
-            f"({exclusion['programs']} programs), which is not repeated here"
-        )
     return reasons, notes
 
 

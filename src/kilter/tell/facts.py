@@ -40,6 +40,8 @@ TELLING = {
     "certificate": "check",
 }
 """A key that only one kind of answer has; the first that is there tells the kind."""
+MOST_OF_FREE_FALL = 0.9
+"""A bound of the power of any motion that is above this share of free fall is not worth words."""
 GUARANTEE = {
     "proved": "proved: no other motion obeys Coulomb's law",
     "refuted": "refuted: another motion obeys Coulomb's law",
@@ -212,6 +214,9 @@ def _guarantee(guarantee: str, friction: Answer) -> str:
     exclusion, witness = friction["exclusion"], friction["witness"]
     if exclusion is not None and exclusion["proved"]:
         words += f" ({exclusion['kind']}, {exclusion['programs']} programs)"
+    elif guarantee == "open" and exclusion is not None and exclusion["bound"] < MOST_OF_FREE_FALL:
+        share = f"{100 * exclusion['bound']:.2g} %"
+        words += f"; any motion starts with at most {share} of the power of free fall"
     if witness is not None:
         words += f" (to {witness['residual']:.1e})" if witness["residual"] else " (exactly)"
     return words

@@ -1,7 +1,8 @@
 """Proofs recomputed: the file read anew, its contacts found anew, and no solver.
 
 Both are held against the proof number by number, and its forces and motions are judged
-again (`kilter.mechanics.recheck`).
+again (`kilter.mechanics.recheck`); the steps that exclude every motion are repeated
+(`kilter.friction.exclusion_file`).
 """
 
 from __future__ import annotations
@@ -17,6 +18,8 @@ from kilter.contact import ContactSet, Tolerance, contacts
 from kilter.contact.fits.fastening import fasten_as_read
 from kilter.errors import InputError
 from kilter.files.reading import Reading, read_json
+from kilter.friction.exclusion_file import recheck_exclusion
+from kilter.mechanics.program import build_program
 from kilter.mechanics.proof_form import require_form
 from kilter.mechanics.recheck import recheck
 
@@ -169,13 +172,19 @@ def verify_proof(assembly: Assembly, contacts: ContactSet, proof: dict[str, Any]
     """
     require_form(proof)
     found = recheck(assembly, contacts, proof)
+    reasons, notes = list(found.reasons), list(found.notes)
+    friction = proof.get("friction")
+    if not reasons and friction is not None and friction["guarantee"] == "proved":
+        program = build_program(assembly, contacts)
+        more, also = recheck_exclusion(program, friction["exclusion"])
+        reasons, notes = reasons + more, notes + also
     return Verification(
-        not found.reasons,
+        not reasons,
         proof["verdict"],
-        tuple(found.reasons),
+        tuple(reasons),
         found.residual,
         found.power,
-        tuple(found.notes),
+        tuple(notes),
         held=tuple(part.name for part in assembly if part.grounded),
         gravity=tuple(assembly.gravity.tolist()),
         units=assembly.units,
