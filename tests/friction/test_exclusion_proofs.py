@@ -10,7 +10,8 @@ from cases import planar, program
 from judged import reloaded, verified
 
 from kilter import check
-from kilter.friction.exclusion import no_power, prove_no_motion
+from kilter.friction.exclusion import prove_no_motion
+from kilter.friction.exclusion_bounds import no_power
 from kilter.friction.exclusion_check import power_not_excluded
 from kilter.friction.exclusion_file import exclusion_data, recheck_exclusion
 from kilter.mechanics.proof import digest_of

@@ -7,14 +7,15 @@ import pytest
 from cases import program
 from witnessed import witnessed
 
-from kilter.friction.force_bound import force_bound, opening_motion
+from kilter.friction.force_bound import force_bound
 from kilter.friction.moment_bound import MomentStep, power_left
 from kilter.friction.moment_forms import moment_forms
 from kilter.friction.moment_products import law_products, monomials
 from kilter.friction.moments import moment_program, moment_proof
+from kilter.friction.opening_motion import opening_motion
 from kilter.friction.reduced_law import reduced_law
 from kilter.scenes import friction, stacks
-from kilter.solvers.semidefinite import solve_semidefinite
+from kilter.solvers.clarabel import solve_semidefinite
 from kilter.work import Work, units_of
 
 KINDS = {

@@ -7,10 +7,10 @@ import pytest
 from witnessed import witnessed
 
 from kilter.friction.contraction import contract, power_bound, shrunk
-from kilter.friction.enclosure import rescaled
+from kilter.friction.enclosure import cases, rescaled
 from kilter.friction.exclusion import prove_no_motion, start_proof
-from kilter.friction.exclusion_cases import breach, cases
-from kilter.friction.force_bound import opening_motion
+from kilter.friction.exclusion_cases import breach
+from kilter.friction.opening_motion import opening_motion
 from kilter.friction.reduced_law import reduced_law
 from kilter.work import Work, units_of
 

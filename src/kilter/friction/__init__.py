@@ -12,7 +12,8 @@ the law, also where they do not. Below these two, in the order in which they are
     mode_search           motions by branch and bound
 
     reduced_law           the law with joints eliminated and points grouped
-    force_bound           a motion that bounds all forces
+    force_bound, opening_motion
+                          a motion that bounds all forces
     moment_forms, moment_products, moment_bound, moments
                           products of the law, and what they leave of the power without cases
     enclosure             bounds of all solutions, and cones of twists
@@ -20,7 +21,9 @@ the law, also where they do not. Below these two, in the order in which they are
     contraction           bounds shrunk by linear programs
     exclusion_cases       branch and bound until no case is left
     exclusion             the proof that no motion can start; exclusion_steps what it is made of
-    exclusion_check       the proof repeated without a solver
+    exclusion_bounds      what follows from multipliers, whoever found them
+    exclusion_check, exclusion_file
+                          the proof repeated without a solver; the proof as data
 
     friction_tolerances   every tolerance, and how they stand to one another
 """

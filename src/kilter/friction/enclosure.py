@@ -28,6 +28,7 @@ __all__ = [
     "Enclosure",
     "LargestSpeeds",
     "TwistCone",
+    "cases",
     "first_enclosure",
     "halves",
     "largest_speeds",
@@ -220,6 +221,16 @@ def halves(cone: TwistCone) -> list[TwistCone]:
         half[:, k] = middle
         found.append(half)
     return found
+
+
+def cases(law: ReducedLaw, bounds: Enclosure, point: int, patch: int) -> list[Enclosure]:
+    """The cases of a point or of a patch; every solution within the bounds is in one of them."""
+    if point >= 0:
+        return [touching_at(bounds, point), open_at(bounds, point)]
+    cone = bounds.cones[patch]
+    size = law.twist[patch].shape[0]
+    cones = halves(cone) if cone is not None else [AT_REST, *orthants(size)]
+    return [with_twist_in(law, bounds, patch, cone) for cone in cones]
 
 
 def widened(cone: TwistCone) -> TwistCone:

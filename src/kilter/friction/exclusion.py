@@ -23,21 +23,22 @@ from typing import Literal
 import numpy as np
 
 from kilter.arrays import Array
-from kilter.friction.contraction import FORCES, ProofAttempt, contract, power_bound, shrunk
-from kilter.friction.enclosure import Enclosure, first_enclosure, rescaled
+from kilter.friction.contraction import ProofAttempt, contract, power_bound, shrunk
+from kilter.friction.enclosure import Enclosure, rescaled
+from kilter.friction.exclusion_bounds import FORCES, first_bounds, largest_forces, no_power
 from kilter.friction.exclusion_cases import CasesLeft, divided
 from kilter.friction.exclusion_steps import ExclusionStep
-from kilter.friction.force_bound import force_bound, opening_motion
-from kilter.friction.friction_tolerances import COARSEST_NO_POWER, LARGEST_FORCE, NO_POWER
+from kilter.friction.friction_tolerances import LARGEST_FORCE
 from kilter.friction.moments import moment_proof
+from kilter.friction.opening_motion import opening_motion
 from kilter.friction.reduced_law import ReducedLaw, reduced_law, refusal
-from kilter.friction.relaxation import TANGENTS, Relaxation
+from kilter.friction.relaxation import Relaxation
 from kilter.mechanics.program import Program
 from kilter.solvers.highs import bounding
 from kilter.threads import on_one_thread
 from kilter.work import Work
 
-__all__ = ["Exclusion", "first_bounds", "no_power", "prove_no_motion", "start_proof"]
+__all__ = ["Exclusion", "prove_no_motion", "start_proof"]
 
 Kind = Literal["moments", "contraction", "modes", "sectors"]
 
@@ -129,7 +130,7 @@ def prove_no_motion(program: Program, *, work: Work | float = 1.0) -> Exclusion:
         attempt.solver.solves + len(attempt.steps),
         left.nodes,
         left.power,
-        "" if not proved or np.isfinite(_forces(law, opening)) else LIMIT,
+        "" if not proved or np.isfinite(largest_forces(law, opening)) else LIMIT,
         work.spent,
         opening=opening,
         steps=tuple(attempt.steps) if proved else (),
@@ -142,25 +143,6 @@ def start_proof(
     """Relaxation and solver of a law, and what is known before anything is asked."""
     attempt = ProofAttempt(law, Relaxation(law), bounding(), work, tolerance)
     return attempt, first_bounds(law, attempt.relaxation, opening)
-
-
-def first_bounds(law: ReducedLaw, relaxation: Relaxation, opening: Array | None) -> Enclosure:
-    """What is known before anything is asked; without `opening` a bound of forces is assumed."""
-    largest = min(_forces(law, opening), LARGEST_FORCE)
-    force = np.full(len(law.group), largest)
-    return replace(first_enclosure(law, relaxation.fastest, force, TANGENTS), cuts=True)
-
-
-def _forces(law: ReducedLaw, opening: Array | None) -> float:
-    """The bound of the sum of all forces that a motion proves; infinity without one."""
-    return np.inf if opening is None else force_bound(law, opening)
-
-
-def no_power(program: Program) -> float:
-    """The power that counts as none: that of the data, for the lightest part on its own."""
-    mass = program.mass[program.free]
-    coarse = min(max(NO_POWER, float(program.tolerance[program.free].max())), COARSEST_NO_POWER)
-    return coarse * float(mass.min() / mass.sum())
 
 
 def _tried(

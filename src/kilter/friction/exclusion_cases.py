@@ -30,24 +30,14 @@ import numpy as np
 from kilter.arrays import Array
 from kilter.friction.branching import CaseTree
 from kilter.friction.contraction import ProofAttempt, power_bound
-from kilter.friction.enclosure import (
-    AT_REST,
-    Enclosure,
-    halves,
-    open_at,
-    orthants,
-    rescaled,
-    touching_at,
-    width,
-    with_twist_in,
-)
+from kilter.friction.enclosure import Enclosure, cases, rescaled, width
 from kilter.friction.exclusion_steps import CaseStep
 from kilter.friction.friction_tolerances import NARROWEST_CONE, OBEYED
 from kilter.friction.reduced_law import ReducedLaw
 from kilter.friction.relaxation import Relaxation
 from kilter.work import Work
 
-__all__ = ["Breach", "CasesLeft", "breach", "cases", "divided"]
+__all__ = ["Breach", "CasesLeft", "breach", "divided"]
 
 AGAIN = 0.5
 """A power below this fraction of the scale is bounded again, at its own scale, where numbers
@@ -130,16 +120,6 @@ def breach(law: ReducedLaw, relaxation: Relaxation, bounds: Enclosure, x: Array)
     if most >= slid:
         return Breach(point, -1, most, total)
     return Breach(-1, patch, slid, total)
-
-
-def cases(law: ReducedLaw, bounds: Enclosure, point: int, patch: int) -> list[Enclosure]:
-    """The cases of a point or of a patch; every solution within the bounds is in one of them."""
-    if point >= 0:
-        return [touching_at(bounds, point), open_at(bounds, point)]
-    cone = bounds.cones[patch]
-    size = law.twist[patch].shape[0]
-    cones = halves(cone) if cone is not None else [AT_REST, *orthants(size)]
-    return [with_twist_in(law, bounds, patch, cone) for cone in cones]
 
 
 def divided(attempt: ProofAttempt, bounds: Enclosure, until: Work | None = None) -> CasesLeft:

@@ -8,15 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from kilter.arrays import Array
-from kilter.friction.contraction import power_by, shrunk_by
-from kilter.friction.enclosure import Enclosure, rescaled
-from kilter.friction.exclusion import first_bounds, no_power
-from kilter.friction.exclusion_cases import cases
+from kilter.friction.enclosure import Enclosure, cases, rescaled
+from kilter.friction.exclusion_bounds import (
+    first_bounds,
+    largest_forces,
+    no_power,
+    power_by,
+    shrunk_by,
+)
 from kilter.friction.exclusion_steps import CaseStep, ExclusionStep, PowerStep, ShrinkStep
-from kilter.friction.force_bound import force_bound
 from kilter.friction.moment_bound import MomentStep, power_left
 from kilter.friction.reduced_law import ReducedLaw, reduced_law, refusal
 from kilter.friction.relaxation import Relaxation
@@ -53,7 +54,7 @@ class _Repeated:
 
     def __init__(self, law: ReducedLaw, opening: Array | None, tolerance: float) -> None:
         self.law, self.tolerance = law, tolerance
-        self.forces = np.inf if opening is None else force_bound(law, opening)
+        self.forces = largest_forces(law, opening)
         self.relaxation = Relaxation(law)
         self.bounds = first_bounds(law, self.relaxation, opening)
         self.power = 1.0

@@ -14,12 +14,11 @@ list, each before those that it is divided into, with how many these are.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from kilter.arrays import Array
-from kilter.friction.exclusion import Exclusion
 from kilter.friction.exclusion_check import power_not_excluded
 from kilter.friction.exclusion_steps import (
     CaseStep,
@@ -31,6 +30,9 @@ from kilter.friction.exclusion_steps import (
 from kilter.friction.moment_bound import SQUARES, MomentStep
 from kilter.mechanics.program import Program
 from kilter.solvers.semidefinite import Multipliers
+
+if TYPE_CHECKING:  # who reads a proof needs no solver
+    from kilter.friction.exclusion import Exclusion
 
 __all__ = ["exclusion_data", "recheck_exclusion"]
 

@@ -31,7 +31,8 @@ from kilter.friction.moment_bound import SQUARES, MomentStep, Squares, power_lef
 from kilter.friction.moment_forms import MomentForms, moment_forms
 from kilter.friction.moment_products import ProductRows, law_products, monomials, over_monomials
 from kilter.friction.reduced_law import ReducedLaw
-from kilter.solvers.semidefinite import SemidefiniteProgram, solve_semidefinite
+from kilter.solvers.clarabel import solve_semidefinite
+from kilter.solvers.semidefinite import SemidefiniteProgram
 from kilter.work import SEMIDEFINITE_ENTRY, Work
 
 __all__ = ["MomentProof", "moment_program", "moment_proof"]

@@ -1,4 +1,4 @@
-"""Conic and quadratic programs, by Clarabel; quadratic ones are then made exact.
+"""Conic, semidefinite and quadratic programs, by Clarabel; quadratic ones are then made exact.
 
 An interior point's answer is only as good as the square root of its gap. In a program without
 cones the rows whose multiplier outweighs their slack are taken as active, and the equations of
@@ -18,16 +18,25 @@ from typing import Any
 
 import clarabel
 import numpy as np
-from scipy.sparse import block_array, csc_array, csc_matrix, diags_array, eye_array
+from scipy.sparse import (
+    block_array,
+    csc_array,
+    csc_matrix,
+    csr_array,
+    diags_array,
+    eye_array,
+    vstack,
+)
 
-from kilter.arrays import Array, Index
+from kilter.arrays import TINY, Array, Index
 from kilter.solvers.interrupts import LONG, run_aside
 from kilter.solvers.problem import ConicProgram
+from kilter.solvers.semidefinite import Multipliers, SemidefiniteProgram
 from kilter.solvers.solution import Outcome, Solution
 from kilter.solvers.solver_tolerances import CONIC, CONIC_FIRST, QUADRATIC_GOOD
 from kilter.work import Work
 
-__all__ = ["solve_conic", "solve_quadratic"]
+__all__ = ["solve_conic", "solve_quadratic", "solve_semidefinite"]
 
 STEPS = 100
 """Steps of the interior point after which it is given up."""
@@ -41,6 +50,13 @@ ROUNDING = 1e-15
 """Residual of the equations that ends the refinement."""
 OPENS, PULLS = 1e-11, 1e-9
 """Slack, over the largest unknown, and multiplier below minus which a guess of a row changes."""
+
+SEMIDEFINITE_STEPS = 60
+"""Steps of the interior point after which it is given up."""
+SEMIDEFINITE_REGULAR = 1e-7
+"""Regularisation of the equations of a step, over the largest entry of their diagonal."""
+SEMIDEFINITE_GAP = 1e-9
+"""Gap and feasibility asked for."""
 
 _OUTCOMES: dict[str, Outcome] = {
     "Solved": "optimal",
@@ -195,3 +211,80 @@ def _equations(program: ConicProgram, rows: Index, start: Solution) -> tuple[Arr
             break
         z = z + factor.solve(rest)
     return z[:count], z[count:]
+
+
+def solve_semidefinite(program: SemidefiniteProgram, *, work: Work) -> Multipliers | None:
+    """Multipliers of the rows of a program; None where the solver broke down."""
+    size = program.dimension
+    weights = [
+        np.ones(1),
+        1.0 / _lengths(program.equal),
+        1.0 / _lengths(program.positive),
+        np.repeat(1.0 / _lengths(program.cones).reshape(-1, size).max(axis=1, initial=TINY), size),
+    ]
+    first = csr_array(([1.0], ([0], [0])), shape=(1, len(program.gain)))
+    signed = [first, program.equal, -program.positive, -program.cones]
+    rows = [csr_array(one.multiply(w[:, None])) for one, w in zip(signed, weights, strict=True)]
+    stacked = vstack([*rows, *(-one for one in program.squares)], format="csc")
+    orders = [_order(one.shape[0]) for one in program.squares]
+    cones = [clarabel.ZeroConeT(1 + program.equal.shape[0])]
+    if program.positive.shape[0]:
+        cones.append(clarabel.NonnegativeConeT(program.positive.shape[0]))
+    cones += [clarabel.SecondOrderConeT(size)] * (program.cones.shape[0] // size)
+    cones += [clarabel.PSDTriangleConeT(order) for order in orders]
+    bound = np.zeros(stacked.shape[0])
+    bound[0] = 1.0
+    none = csc_matrix((len(program.gain), len(program.gain)))
+    solver = clarabel.DefaultSolver(
+        none, -program.gain, csc_matrix(stacked), bound, cones, _semidefinite_settings(work)
+    )
+    answer = _solved(solver, stacked.nnz)
+    work.semidefinite(answer.iterations, stacked.nnz)
+    z = np.array(answer.z)
+    if not len(z) or not np.isfinite(z).all():
+        return None
+    heights = [len(w) for w in weights]
+    _, equal, positive, conic, rest = np.split(z, np.cumsum(heights))
+    triangles = np.split(rest, np.cumsum([one.shape[0] for one in program.squares])[:-1])
+    return Multipliers(
+        equal * weights[1],
+        positive * weights[2],
+        conic * weights[3],
+        tuple(_matrix(one, order) for one, order in zip(triangles, orders, strict=True)),
+    )
+
+
+def _semidefinite_settings(work: Work) -> clarabel.DefaultSettings:
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = SEMIDEFINITE_GAP
+    settings.max_iter = SEMIDEFINITE_STEPS
+    settings.max_threads = 1
+    settings.presolve_enable = False
+    settings.chordal_decomposition_enable = False
+    settings.static_regularization_constant = SEMIDEFINITE_REGULAR
+    settings.direct_solve_method = "faer"
+    if work.seconds is not None:
+        settings.time_limit = work.seconds
+    return settings
+
+
+def _lengths(rows: csr_array) -> Array:
+    """Euclidean length of each row, at least `TINY`."""
+    square = np.asarray(rows.multiply(rows).sum(axis=1)).ravel()
+    return np.asarray(np.maximum(np.sqrt(square), TINY))
+
+
+def _order(height: int) -> int:
+    """K of an upper triangle of k (k + 1) / 2 numbers."""
+    return round((float(np.sqrt(8.0 * height + 1.0)) - 1.0) / 2.0)
+
+
+def _matrix(triangle: Array, order: int) -> Array:
+    """The symmetric matrix of an upper triangle."""
+    column, row = np.tril_indices(order)
+    values = triangle * np.where(row == column, 1.0, np.sqrt(0.5))
+    matrix = np.zeros((order, order))
+    matrix[row, column] = values
+    matrix[column, row] = values
+    return matrix
