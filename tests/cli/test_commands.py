@@ -70,7 +70,7 @@ def test_check_says_everything_that_its_users_rely_on(capsys: pytest.CaptureFixt
             "certificate",
             "tolerance",
         ),
-        *("joints", "friction", "forces", "warnings", "time_limit", "seconds"),
+        *("nearest", "joints", "friction", "forces", "warnings", "time_limit", "seconds"),
     }
     assert set(answer["seconds"]) == {"read", "contacts", "solve", "total"}
     assert set(answer["tolerance"]) == {"gap", "angle_deg", "clearance", "verdict", "moves"}

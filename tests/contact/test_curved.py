@@ -130,7 +130,7 @@ def test_interference_is_an_overlap_and_no_contact(depth):
     (overlap,) = contacts.overlaps
     assert overlap.depth == pytest.approx(depth, rel=1e-6)
     assert "interfere" in overlap.why
-    assert any("interfere" in warning for warning in contacts.warnings)
+    assert any("interfere" in warning for warning in contacts.remarks())
 
 
 def test_loose_peg_lies_in_its_hole_along_a_line():

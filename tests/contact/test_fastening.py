@@ -142,13 +142,14 @@ def test_thicker_shaft_is_an_interference_fit(turned):
     found = detect.contacts(assembly)
     named = [overlap for overlap in found.overlaps if set(overlap.parts) == {1, 2}]
     assert [overlap.why for overlap in named] == ["interfere"]
-    assert any("interfere" in text for text in found.warnings)
+    assert any("interfere" in text for text in found.remarks())
     suggestion = suggest_joints(assembly, found)[0]
     assert suggestion.parts == ("bolt", "sleeve")
     assert suggestion.option == "--fasten bolt sleeve"
     assert suggestion.joint == {"parts": ["bolt", "sleeve"], "kind": "fixed"}
     joined = fastened(assembly, [("bolt", "sleeve")], contacts=found)
     assert suggest_joints(joined, found) == []
+    assert not any("interfere" in text for text in found.of(joined).remarks())
 
 
 @pytest.mark.parametrize("turned", [False, True])

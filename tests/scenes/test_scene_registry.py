@@ -26,7 +26,8 @@ class TestEveryScene:
         assert geometry.warnings == ()
 
     def test_has_no_parts_that_overlap(self, name):
-        assert overlapping(BUILT[name]) == []
+        meant = [("post", "screw")] if name == "cad-export" else []
+        assert overlapping(BUILT[name]) == meant
 
     def test_has_contacts_that_touch_exactly(self, name):
         assembly = BUILT[name]

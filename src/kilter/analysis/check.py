@@ -24,6 +24,7 @@ from kilter.analysis.remarks import loose_parts, remarks
 from kilter.analysis.verdict import Verdict, Word
 from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance, detect
+from kilter.contact.fits.coincident import require_apart
 from kilter.contact.open_pairs import still_open
 from kilter.errors import InputError
 from kilter.friction.answer import FrictionAnswer, ask_friction
@@ -107,6 +108,7 @@ def check(
     _ = assembly.geometry
     if contacts is None:
         contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
+    require_apart(assembly, contacts)
     seconds["contacts"] = time.perf_counter() - started
     tell("verdict")
     started = time.perf_counter()

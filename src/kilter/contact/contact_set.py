@@ -8,7 +8,7 @@ section 2.1 and Figure 3), so nothing is lost for the equilibrium of rigid parts
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -25,9 +25,12 @@ from kilter.arrays import (
 )
 from kilter.assembly import Assembly
 from kilter.contact.contact_tolerances import MEAN_NORMAL
+from kilter.contact.fits.coaxial import Fit
 from kilter.contact.gaps import Rejected, Tolerance
 from kilter.contact.left_out import INTERFERE, SAME_BODY, Overlap, PossibleContacts, Unsupported
+from kilter.contact.neighbours import Neighbour
 from kilter.contact.open_pairs import OpenPair, still_open
+from kilter.tell.contact_words import overlap_warnings
 
 __all__ = [
     "INTERFERE",
@@ -190,6 +193,10 @@ class ContactSet:
         Points of contact without one normal; also listed in `unsupported`.
     open_pairs : tuple of OpenPair
         Pairs that the geometry leaves open; what they could bring is in `possible`.
+    neighbours : tuple of Neighbour
+        What comes nearest to parts that touch nothing.
+    fits : tuple of Fit
+        Shafts in holes: tight, size on size, or with a clearance.
     """
 
     assembly: Assembly
@@ -214,6 +221,8 @@ class ContactSet:
     warnings: tuple[str, ...]
     degenerate: Degenerate = field(default_factory=Degenerate.none)
     open_pairs: tuple[OpenPair, ...] = ()
+    neighbours: tuple[Neighbour, ...] = ()
+    fits: tuple[Fit, ...] = ()
 
     def __post_init__(self) -> None:
         read_only(self)
@@ -263,6 +272,33 @@ class ContactSet:
             return 0
         return len(np.unique(np.sort(self.patch_parts, axis=1), axis=0))
 
+    def of(self, assembly: Assembly) -> ContactSet:
+        """The same contacts of an assembly of the same parts, joined or held in another way."""
+        return self if assembly is self.assembly else replace(self, assembly=assembly)
+
+    @property
+    def alone(self) -> Index:
+        """Parts that touch nothing, overlap nothing and are joined to nothing."""
+        index = self.assembly.index
+        touched = np.zeros(len(self.assembly.parts), dtype=bool)
+        touched[self.patch_parts.ravel()] = True
+        pairs = [one.parts for one in self.unsupported] + [one.parts for one in self.overlaps]
+        touched[np.array(pairs, dtype=np.int64).ravel()] = True
+        joined = [name for joint in self.assembly.joints for name in joint.parts]
+        touched[[index[name] for name in joined if name in index]] = True
+        return np.flatnonzero(~touched)
+
+    def nearest(self) -> list[dict[str, Any]]:
+        """What comes nearest to each part that touches nothing, as JSON data of an answer."""
+        known = {one.part: one for one in self.neighbours}
+        names, held = self.assembly.names, self.assembly.geometry.grounded
+        none = {"nearest": None, "gap": None, "accuracy": None}
+        return [
+            (known[k].to_dict(names) if k in known else {"part": names[k], **none})
+            | {"grounded": bool(held[k])}
+            for k in self.alone.tolist()
+        ]
+
     def to_dict(self) -> dict[str, Any]:
         """As JSON data: the answer of ``kilter contacts --json``."""
         assembly = self.assembly
@@ -283,11 +319,10 @@ class ContactSet:
                 }
                 for r in self.rejected[:LISTED]
             ],
-            "overlaps": [
-                {"parts": self._names(o.parts), "volume": o.volume, "depth": o.depth, "why": o.why}
-                for o in self.overlaps
-            ],
+            "overlaps": [self._overlap(one) for one in self.overlaps],
             "open_pairs": [one.to_dict(assembly.names) for one in self.open_pairs],
+            "nearest": self.nearest(),
+            "fits": [one.to_dict(assembly.names) for one in self.fits],
             "joints": assembly.joints_data(),
             "sizes": [float(sizes.min()), float(sizes.max())],
             "histogram": {
@@ -299,8 +334,24 @@ class ContactSet:
                 "angle_deg": float(np.degrees(self.tolerance.angle)),
                 "clearance": self.tolerance.clearance,
             },
-            "warnings": [*assembly.notes, *assembly.geometry.warnings, *self.warnings],
+            "warnings": self.remarks(),
         }
+
+    def remarks(self) -> list[str]:
+        """Remarks of the reader, of the geometry and of the contacts, in words."""
+        left_open = {frozenset(one.parts) for one in self.open_pairs}
+        over = [self._overlap(one) for one in self.overlaps if frozenset(one.parts) in left_open]
+        assembly = self.assembly
+        return [
+            *assembly.notes,
+            *assembly.geometry.warnings,
+            *self.warnings,
+            *overlap_warnings(over, assembly.units),
+        ]
+
+    def _overlap(self, one: Overlap) -> dict[str, Any]:
+        sizes = {"volume": one.volume, "depth": one.depth, "share": one.share}
+        return {"parts": self._names(one.parts), **sizes, "why": one.why}
 
     def _names(self, parts: Any) -> list[str]:
         return [self.assembly.names[k] for k in parts]

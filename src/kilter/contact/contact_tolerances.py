@@ -111,6 +111,10 @@ FIT_PLAY = 0.2
 for screws of ISO 273, medium, are up to M2 in 2.4 [-]."""
 WALL_RIM = 1e-9
 """A line meets a triangle up to this fraction of its sides beyond them [-]."""
+COINCIDENT = 0.5
+"""Parts that share more than this fraction of the volume of the smaller are refused [-]."""
+INSIDE = 0.99
+"""A part lies inside another where they share more than this fraction of it [-]."""
 FIT_LENGTH = 1e-3
 """A fit shorter than this fraction of its radius is none [-]."""
 SMOOTH_ANGLE = 0.02

@@ -11,12 +11,15 @@ from kilter.arrays import Mask, starts
 from kilter.assembly import Assembly, require_assembly
 from kilter.contact.contact_search import ContactSearch, begin_search
 from kilter.contact.contact_set import ContactSet, PossibleContacts
+from kilter.contact.contact_tolerances import FIT_PLAY, THREAD
 from kilter.contact.curved.curved_contacts import find_curved
 from kilter.contact.curved.curved_patches import without_repeats
 from kilter.contact.curved.rims import rim_contacts
+from kilter.contact.fits.coaxial import coaxial_fits
 from kilter.contact.fits.overlap import find_overlaps
 from kilter.contact.friction_coefficients import friction_coefficients
 from kilter.contact.gaps import Tolerance, closed_by_clearance, gap_warnings
+from kilter.contact.neighbours import nearest_parts
 from kilter.contact.open_pairs import find_open_pairs, open_forces
 from kilter.contact.patches import Patches
 from kilter.contact.planar.flat_contacts import GAP_EDGES, find_flat
@@ -83,7 +86,7 @@ def contacts(
     touching = Touching(search, flat.patches, without_repeats(curved, flat.patches, gap))
     tell("edges and corners")
     near = near_contacts(touching, [*flat.rejected, *curved.rejected])
-    overlaps, overlap_warnings = find_overlaps(assembly, touching, tolerance)
+    overlaps = find_overlaps(assembly, touching, tolerance)
     refused = [*flat.rejected, *curved.rejected, *unknown_contacts(search.unknown)]
     given, own = _given(assembly)
     faces = Patches.join([flat.patches, touching.curved.patches])
@@ -95,7 +98,7 @@ def contacts(
     rims = rim_contacts(search.geometry, flat.patches)
     possible = PossibleContacts.join([near.possible, rims, touching.curved.possible])
     left_open = find_open_pairs(assembly, overlaps, rejected, near.unsupported)
-    return ContactSet(
+    found = ContactSet(
         assembly=assembly,
         patch_parts=patches.parts,
         patch_normal=patches.normal,
@@ -121,11 +124,15 @@ def contacts(
             *gap_warnings(flat.patches, rejected, search.limits),
             *curved.warnings,
             *closed_by_clearance(assembly, faces, search.limits),
-            *overlap_warnings,
         ),
         degenerate=near.degenerate,
         open_pairs=left_open,
+        fits=tuple(
+            coaxial_fits(assembly, search.pairs, tolerance, thickest=THREAD, thinnest=FIT_PLAY)
+        ),
     )
+    tell("nearest parts")
+    return dataclasses.replace(found, neighbours=nearest_parts(search.geometry, found.alone))
 
 
 def _silent(search: ContactSearch, patches: Patches, others: list[tuple[int, int]]) -> Mask:

@@ -35,6 +35,7 @@ ROOMS = (
     "rounds",
     "traps",
     "rails",
+    "exported",
 )
 """Modules that list examples, in the order in which they are listed."""
 
@@ -59,6 +60,6 @@ def example(name: str | None = None) -> list[Example] | Assembly:
     >>> example("tower")
     <Assembly: 6 parts, 1 held, in m>
     >>> len(example()), example()[0]
-    (47, <Example: paper-figure-1, unstable: a block drives another out of a right-angled one>)
+    (48, <Example: paper-figure-1, unstable: a block drives another out of a right-angled one>)
     """
     return list(SCENES.values()) if name is None else scene(name)

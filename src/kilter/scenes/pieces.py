@@ -14,8 +14,9 @@ from kilter.assembly import Part
 from kilter.errors import InputError
 from kilter.rigid import Pose, unit
 from kilter.shape.primitives import Box, Mesh, Prism
+from kilter.shape.solid import Solid, Surface
 
-__all__ = ["block", "cells", "compose", "floor", "prism", "ring", "turn", "turned_parts"]
+__all__ = ["block", "cells", "compose", "floor", "prism", "ring", "tube", "turn", "turned_parts"]
 
 
 def block(name: str, low: ArrayLike, high: ArrayLike, **properties: Any) -> Part:
@@ -79,6 +80,75 @@ def turned_parts(parts: Sequence[Part], rotation: ArrayLike) -> list[Part]:
         )
         for part in parts
     ]
+
+
+def tube(
+    name: str,
+    bore: float,
+    outer: float,
+    height: float,
+    at: ArrayLike = (0.0, 0.0, 0.0),
+    *,
+    sides: int = 48,
+    **properties: Any,
+) -> Part:
+    """A tube about z: exact cylinders and its two flat ends.
+
+    Parameters
+    ----------
+    bore, outer : float
+        Radii [length unit].
+    height : float
+        Along z, half of it to each side of `at` [length unit].
+    at : array_like, shape (3,)
+    sides : int
+        Of the polygons that stand for the circles in its triangles.
+
+    Examples
+    --------
+    >>> round(tube("ring", 1, 2, 4).shape.volume / np.pi, 12)
+    12.0
+    """
+    angle = np.arange(sides) * (2 * np.pi / sides)
+    circle = np.column_stack([np.cos(angle), np.sin(angle)])
+    rings = [
+        np.column_stack([radius * circle, np.full(sides, z)])
+        for radius in (bore, outer)
+        for z in (-height / 2, height / 2)
+    ]
+    k, j = np.arange(sides), (np.arange(sides) + 1) % sides
+    low_in, high_in, low_out, high_out = (k + n * sides for n in range(4))
+    a, b, c, d = (j + n * sides for n in range(4))
+    quads = [
+        (low_in, high_in, b, a),  # the bore, its normals inwards
+        (low_out, c, d, high_out),
+        (high_in, high_out, d, b),
+        (low_in, a, c, low_out),
+    ]
+    triangles = np.concatenate(
+        [np.column_stack(three) for p, q, r, s in quads for three in ((p, q, r), (p, r, s))]
+    )
+    surface = np.repeat([0, 1, 2, 3], 2 * sides)
+    area = np.pi * (outer**2 - bore**2)
+    volume = area * height
+    across = volume * ((outer**2 + bore**2) / 4)
+    faces = [
+        Surface("cylinder", [0, 0, 0], [0, 0, 1], radius=bore, hollow=True),
+        Surface("cylinder", [0, 0, 0], [0, 0, 1], radius=outer),
+        Surface("plane", [0, 0, height / 2], [0, 0, 1]),
+        Surface("plane", [0, 0, -height / 2], [0, 0, -1]),
+    ]
+    solid = Solid(
+        np.concatenate(rings),
+        triangles,
+        tuple(faces),
+        surface,
+        volume,
+        [0, 0, 0],
+        np.diag([across, across, volume * height**2 / 12]),
+        sagitta=outer * (1 - np.cos(np.pi / sides)),
+    )
+    return Part(name, solid, Pose(at), **properties)
 
 
 def ring(inner: float, outer: float, depth: float) -> Mesh:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from kilter.tell.contact_words import gap_words
 from kilter.tell.facts import Answer, kind_of
 from kilter.tell.numbers import count, counts, force, number, vector
 from kilter.tell.words import NAMED
@@ -21,7 +22,7 @@ __all__ = [
     "tables",
 ]
 
-INTERFERENCE = "an interference fit: join it with --fasten"
+INTERFERENCE = "an interference fit: a press fit or a thread"
 NO_FORCE = 1e-9
 """A force below this fraction of the greatest is what rounding leaves of none [-]."""
 NO_GAP = 1e-14
@@ -82,7 +83,13 @@ def sentences(answer: Answer) -> list[str]:
         patches = answer["patches"]
         pairs = len({tuple(patch["parts"]) for patch in patches})
         points = sum(len(patch["points"]) for patch in patches)
-        return [f"Parts touch in {counts(pairs=pairs, patches=len(patches), points=points)}."]
+        lines = [f"Parts touch in {counts(pairs=pairs, patches=len(patches), points=points)}."]
+        left_open, alone = len(answer["open_pairs"]), len(answer["nearest"])
+        if left_open:
+            lines.append(f"Left open by the geometry: {count(left_open, 'pair')}.")
+        if alone:
+            lines.append(f"Touching nothing: {count(alone, 'part')}.")
+        return lines
     if kind == "assembly":
         return [f"An assembly of {count(len(answer['parts']), 'part')}."]
     if kind == "verify":
@@ -123,7 +130,15 @@ def tables(answer: Answer) -> list[Table]:
     if kind == "check":
         return [table for table in [fastened_table(answer)] if len(table.items)]
     if kind == "contacts":
-        every = [fastened_table(answer), _patches(answer), _gaps(answer), *_doubtful(answer)]
+        every = [
+            _open_pairs(answer),
+            _lone(answer),
+            fastened_table(answer),
+            _fits(answer),
+            _patches(answer),
+            _gaps(answer),
+            *_doubtful(answer),
+        ]
         return [table for table in every if len(table.items)]
     return []
 
@@ -226,6 +241,48 @@ def _patches(answer: Answer) -> Table:
     return Table("Where they touch:", (*head, "mu", "points"), answer["patches"], row)
 
 
+def _open_pairs(answer: Answer) -> Table:
+    """Pairs between which the geometry does not say what acts."""
+    unit = answer["units"]
+
+    def row(one: Answer) -> Sequence[str]:
+        size = ""
+        if one["depth"] is not None:
+            size = f"{number(one['depth'], 3)} {unit} deep"
+        elif one["gap"]:
+            size = f"gap {number(one['gap'], 3)} {unit}"
+        return *_names(one), one["kind"], size, one["why"]
+
+    return Table("Left open, so that a verdict may hang on it:", (), answer["open_pairs"], row)
+
+
+def _lone(answer: Answer) -> Table:
+    """Parts that touch nothing, the nearest to something first."""
+
+    def row(one: Answer) -> Sequence[str]:
+        if one["nearest"] is None:
+            return Name(one["part"]), "", ""
+        return Name(one["part"]), gap_words(one, answer["units"]), Name(one["nearest"])
+
+    def gap(one: Answer) -> float:
+        return math.inf if one["gap"] is None else float(one["gap"])
+
+    head = ("part", "gap", "nearest part")
+    return Table("Touching nothing:", head, sorted(answer["nearest"], key=gap), row)
+
+
+def _fits(answer: Answer) -> Table:
+    """Shafts in holes."""
+    unit = answer["units"]
+
+    def row(one: Answer) -> Sequence[str]:
+        play = "0" if one["fit"] == "size on size" else number(one["clearance"], 3)
+        return *_names(one), number(one["radius"]), play, number(one["length"], 4), one["fit"]
+
+    head = ("shaft", "hole", f"radius [{unit}]", f"clearance [{unit}]", f"length [{unit}]", "fit")
+    return Table("Shafts in holes (clearance of the radius):", head, answer["fits"], row)
+
+
 def _gaps(answer: Answer) -> Table:
     """A row a decade of gaps that has any, with a bar."""
     edges, counts = answer["histogram"]["edges"], answer["histogram"]["counts"]
@@ -254,6 +311,8 @@ def _doubtful(answer: Answer) -> list[Table]:
     """What is not modelled, what came near, what overlaps."""
     unit = answer["units"]
     odd, near, over = (answer[key] for key in ("unsupported", "rejected", "overlaps"))
+    left_open = {frozenset(one["parts"]) for one in answer["open_pairs"]}
+    over = [one for one in over if frozenset(one["parts"]) not in left_open]
 
     def rejected(one: Answer) -> Sequence[str]:
         size = f"gap {number(one['gap'], 3)} {unit}"
@@ -276,7 +335,7 @@ def _doubtful(answer: Answer) -> list[Table]:
             lambda one: (*_names(one), one["kind"], f"at {vector(one['point'])}"),
         ),
         Table(f"Near, but not touching: {count(len(near), 'pair')} of faces", (), near, rejected),
-        Table(f"Overlapping: {count(len(over), 'pair')}", (), over, overlap),
+        Table(f"Overlapping, and joined or held: {count(len(over), 'pair')}", (), over, overlap),
     ]
 
 

@@ -32,6 +32,7 @@ from kilter.analysis.turning_tolerances import GAP_DEG
 from kilter.arrays import Array, Mask
 from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance, detect
+from kilter.contact.fits.coincident import require_apart
 from kilter.errors import InputError
 from kilter.mechanics.certificate import ForceProof
 from kilter.mechanics.program import build_program
@@ -290,6 +291,7 @@ def _region(
     progress: Tell | None,
 ) -> Region:
     """The region of one assembly, with friction or without it."""
+    require_apart(assembly, contacts)
     program = build_program(assembly, contacts)
     program = program if rubs else program.frictionless
     between = time.perf_counter()

@@ -7,8 +7,9 @@ tolerance (size on size), or thinner (a clearance, which holds nothing).
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -40,8 +41,8 @@ class Fit:
         Radius of the shaft over that of the hole [length unit]; negative: a clearance.
     length : float
         Along the axis [length unit].
-    tight : bool
-        The shaft is thicker than the gap tolerance explains.
+    doubt : float
+        What the gap tolerance explains of it [length unit].
     """
 
     parts: tuple[int, int]
@@ -50,7 +51,31 @@ class Fit:
     radius: float
     interference: float
     length: float
-    tight: bool
+    doubt: float
+
+    @property
+    def tight(self) -> bool:
+        """The shaft is thicker than the gap tolerance explains."""
+        return self.interference > self.doubt
+
+    def to_dict(self, names: Sequence[str]) -> dict[str, Any]:
+        """As JSON data; `parts` are the shaft and the part with the hole."""
+        return {
+            "parts": [names[k] for k in self.parts],
+            "point": self.point.tolist(),
+            "axis": self.axis.tolist(),
+            "radius": self.radius,
+            "clearance": -self.interference,
+            "length": self.length,
+            "fit": self.kind,
+        }
+
+    @property
+    def kind(self) -> str:
+        """What it is: "interference", "size on size" or "clearance"."""
+        if self.tight:
+            return "interference"
+        return "clearance" if self.interference < -self.doubt else "size on size"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,6 +98,7 @@ def coaxial_fits(
     tolerance: Tolerance,
     *,
     thickest: float = INTERFERENCE,
+    thinnest: float = 0.0,
 ) -> list[Fit]:
     """Fits between pairs of parts: interfering, or size on size within the tolerance.
 
@@ -84,10 +110,15 @@ def coaxial_fits(
         Of the gap, the clearance and the angle.
     thickest : float
         The greatest interference, as a fraction of the radius of the shaft [-].
+    thinnest : float
+        The greatest clearance, where that of the tolerance is less, as such a fraction [-].
     """
     bores: dict[int, list[_Bore]] = {}
     found = []
-    for a, b in sorted({(min(pair), max(pair)) for pair in pairs}):
+    known = assembly.geometry.surfaces
+    rounds = set(known.part[known.kind == CYLINDER].tolist())
+    both = {(int(min(pair)), int(max(pair))) for pair in pairs if rounds.issuperset(pair)}
+    for a, b in sorted(both):
         for part in (a, b):
             if part not in bores:
                 bores[part] = _bores(assembly, part)
@@ -98,7 +129,7 @@ def coaxial_fits(
                 for one in bores[shaft]
                 for other in bores[hole]
                 if not one.hollow and other.hollow
-                for fit in _fit((shaft, hole), one, other, gap, tolerance, thickest)
+                for fit in _fit((shaft, hole), one, other, gap, tolerance, (thickest, thinnest))
                 if _over_each_other(assembly.geometry, one, other)
             ]
             # of several steps of one shaft, the tightest, and of those the longest
@@ -124,7 +155,7 @@ def _fit(
     hole: _Bore,
     gap: float,
     tolerance: Tolerance,
-    thickest: float,
+    widest: tuple[float, float],
 ) -> list[Fit]:
     gap += shaft.doubt + hole.doubt
     along = float(shaft.axis @ hole.axis)
@@ -132,18 +163,18 @@ def _fit(
     offset = float(np.linalg.norm(apart - shaft.axis * (shaft.axis @ apart)))
     interference = shaft.radius - hole.radius
     sine = float(np.linalg.norm(np.cross(shaft.axis, hole.axis)))
+    thickest, thinnest = (part * shaft.radius for part in widest)
+    clearance = max(tolerance.clearance or 0.0, thinnest)
     if sine > tolerance.angle or offset > gap + abs(interference):
         return []
-    if not -gap - (tolerance.clearance or 0.0) <= interference <= thickest * shaft.radius:
+    if not -gap - clearance <= interference <= thickest:
         return []
     ends = float(shaft.axis @ apart) + along * np.array([hole.low, hole.high])
     low, high = max(shaft.low, float(ends.min())), min(shaft.high, float(ends.max()))
     if high - low <= FIT_LENGTH * shaft.radius:
         return []
     middle = shaft.point + shaft.axis * (low + high) / 2
-    return [
-        Fit(parts, middle, shaft.axis, shaft.radius, interference, high - low, interference > gap)
-    ]
+    return [Fit(parts, middle, shaft.axis, shaft.radius, interference, high - low, gap)]
 
 
 def _over_each_other(geometry: Geometry, one: _Bore, other: _Bore) -> bool:

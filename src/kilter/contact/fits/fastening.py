@@ -8,7 +8,6 @@ volume, but for the same body twice. What was not named pair by pair is told wit
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable, Iterable, Sequence
 
 from kilter.assembly import Assembly, Joint
@@ -115,7 +114,7 @@ def fasten_as_read(
         overlaps=reading.fasten_overlaps,
         contacts=contacts,
     )
-    return joined, dataclasses.replace(contacts, assembly=joined)
+    return joined, contacts.of(joined)
 
 
 def _chosen(assembly: Assembly, pattern: str) -> set[str]:

@@ -50,8 +50,8 @@ class _Overlapping:
 
 def find_overlaps(
     assembly: Assembly, touching: Touching, allowed: Tolerance
-) -> tuple[tuple[Overlap, ...], list[str]]:
-    """Pairs that share volume, and warnings that name them."""
+) -> tuple[Overlap, ...]:
+    """Pairs that share volume."""
     search = touching.search
     geometry, facets, boxes = search.geometry, search.facets, search.boxes
     a, b = search.pairs.T
@@ -75,27 +75,7 @@ def find_overlaps(
             overlap = _overlap(of, row, parts, float(tolerance[row]))
         if overlap is not None:
             found.append(overlap)
-    found = [_measured(of, overlap) for overlap in _named(assembly, found, allowed)]
-    return tuple(found), _warnings(assembly, found)
-
-
-LISTED = 20
-"""So many overlaps are named in warnings."""
-
-
-def _warnings(assembly: Assembly, found: list[Overlap]) -> list[str]:
-    names, unit = assembly.names, assembly.units
-    warnings = []
-    for overlap in found[:LISTED]:
-        first, second = (repr(names[k]) for k in overlap.parts)
-        size = "" if overlap.volume is None else f", volume {overlap.volume:.3g} {unit}^3"
-        warnings.append(
-            f"{first} and {second} {overlap.why}, {overlap.depth:.3g} {unit} deep{size}; "
-            "an overlap is not a contact"
-        )
-    if len(found) > LISTED:
-        warnings.append(f"{len(found) - LISTED} more pairs overlap")
-    return warnings
+    return tuple(_measured(of, overlap) for overlap in _named(assembly, found, allowed))
 
 
 def _named(assembly: Assembly, found: list[Overlap], tolerance: Tolerance) -> list[Overlap]:

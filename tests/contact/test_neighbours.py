@@ -1,0 +1,169 @@
+"""What is nearest to a part that touches nothing, against closed forms; parts on one another."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tubes import pin, tube
+
+from kilter import InputError, check, contacts, dump, fastened, margin, orient, region
+from kilter.assembly import Assembly, Part
+from kilter.cli import main
+from kilter.rigid import Pose
+from kilter.scenes.pieces import block, turn
+from kilter.scenes.transform import moved, scaled
+from kilter.shape.primitives import Box, Sphere
+
+BASE = block("base", [-5, -5, -1], [5, 5, 0], grounded=True)
+
+
+def only(assembly: Assembly) -> dict:
+    (one,) = [one for one in contacts(assembly).nearest() if not one["grounded"]]
+    return one
+
+
+# nearest parts ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("factor", [1e-3, 1.0, 1e3])
+def test_a_gap_between_faces_edges_and_corners_is_their_distance(factor: float) -> None:
+    cases = [
+        (Pose([0, 0, 0.75]), 0.25),  # face over face
+        (Pose([5.7, 0, 1.1]), np.hypot(0.2, 0.6)),  # edge beside edge
+        (Pose([5.7, 5.8, 1.1]), np.sqrt(0.2**2 + 0.3**2 + 0.6**2)),  # corner off corner
+        # an edge on its side over a face: half a diagonal below the centre
+        (Pose([0, 0, 1], turn([1, 0, 0], 45)), 1 - np.sqrt(0.5)),
+        # crossed edges, of a beam on its edge over the rim of the base
+        (Pose([5, 0, 1], turn([0, 1, 0], 45)), 1 - np.sqrt(0.5)),
+    ]
+    for pose, gap in cases:
+        assembly = Assembly([BASE, Part("top", Box([1, 1, 1]), pose)])
+        for one in (assembly, moved(assembly, turn([1, 2, 3], 77), [3, -1, 4])):
+            found = only(scaled(one, factor))
+            assert found["part"] == "top"
+            assert found["nearest"] == "base"
+            assert found["gap"] == pytest.approx(gap * factor, rel=1e-9)
+            assert found["accuracy"] < 1e-9 * factor
+
+
+def test_a_gap_of_round_faces_is_right_within_what_is_told() -> None:
+    ball = Part("ball", Sphere(2.0), Pose([0, 0, 2.75]))
+    found = only(Assembly([BASE, ball]))
+    assert abs(found["gap"] - 0.75) <= found["accuracy"] < 0.1
+    # within a bore, where boxes enclose each other
+    rod = pin("rod", 0.5, 3.0, [0, 0.2, 0])
+    held = tube("ring", 1.0, 2.0, 4.0, grounded=True)
+    found = contacts(Assembly([held, rod])).nearest()
+    assert [one["part"] for one in found] == ["ring", "rod"]
+    assert found[0]["gap"] == found[1]["gap"]
+    assert abs(found[0]["gap"] - 0.3) <= found[0]["accuracy"] < 0.01
+
+
+def test_of_several_the_nearest_is_named_though_its_box_is_not() -> None:
+    """A long diagonal beam has the nearer box, a small block the nearer surface."""
+    beam = Part("beam", Box([12, 0.2, 0.2]), Pose([0, 6, 6], turn([0, 1, 1], 90)))
+    near = block("near", [1.2, 0.0, 6.0], [2.2, 1.0, 7.0])
+    assembly = Assembly([BASE, beam, near, block("top", [-1, 0, 6], [0, 1, 7])])
+    found = {one["part"]: one for one in contacts(assembly).nearest()}
+    gaps = []
+    for other in ("base", "beam", "near"):
+        two = Assembly([assembly[other], assembly["top"]])
+        gaps.append((next(o for o in contacts(two).nearest() if o["part"] == "top")["gap"], other))
+    assert (found["top"]["gap"], found["top"]["nearest"]) == min(gaps)
+
+
+def test_what_touches_overlaps_or_is_joined_is_not_alone() -> None:
+    cube = block("cube", [0, 0, 0], [1, 1, 1])
+    sunk = block("sunk", [0, 0, 0.9], [1, 1, 2])
+    assert contacts(Assembly([BASE, cube, sunk])).nearest() == []
+    aside = Assembly([BASE, cube, block("aside", [3, 0, 0.5], [4, 1, 1])])
+    assert [one["part"] for one in contacts(aside).nearest()] == ["aside"]
+    alone = Assembly([block("cube", [0, 0, 0], [1, 1, 1], grounded=True)])
+    assert contacts(alone).nearest() == [
+        {"part": "cube", "nearest": None, "gap": None, "accuracy": None, "grounded": True}
+    ]
+
+
+def test_check_and_contacts_name_the_nearest_in_words_and_data(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = str(tmp_path / "a.kilter.json")
+    dump(Assembly([BASE, block("top", [0, 0, 0.25], [1, 1, 1])], units="mm"), file)
+    for command in ("check", "contacts"):
+        main([command, file, "--json"])
+        answer = json.loads(capsys.readouterr().out)
+        names = [(one["part"], one["nearest"], one["gap"]) for one in answer["nearest"]]
+        assert names == [("base", "top", 0.25), ("top", "base", 0.25)]
+    main(["check", file])
+    assert "touches nothing: 'top' (0.25 mm from 'base')" in capsys.readouterr().err
+    main(["contacts", file])
+    out = capsys.readouterr().out
+    assert "Touching nothing: 2 parts." in out
+    assert "  top   0.25 mm  base\n" in out
+
+
+# parts on one another ---------------------------------------------------------------------
+
+
+def lying(share: float, *, grounded: bool = False) -> Assembly:
+    """Two cubes that share a fraction of each other."""
+    first = block("a", [0, 0, 0], [1, 1, 1], grounded=True)
+    return Assembly([first, block("b", [1 - share, 0, 0], [2 - share, 1, 1], grounded=grounded)])
+
+
+@pytest.mark.parametrize("judge", [check, orient, region, margin])
+def test_parts_that_share_more_than_half_are_refused(judge) -> None:  # type: ignore[no-untyped-def]
+    with pytest.raises(InputError, match="'a' and 'b' share 51 % of 'b': misplaced, or drawn"):
+        judge(lying(0.51))
+    judge(lying(0.49))
+    judge(fastened(lying(0.51), [("a", "b")]))
+    judge(Assembly([*lying(0.51, grounded=True).parts, block("c", [3, 0, 0], [4, 1, 1])]))
+
+
+def test_the_likely_reason_is_told() -> None:
+    frames = [block(f"part-{k}", [-k - 1, -1, -1], [k + 1, 1, 1]) for k in range(3)]
+    with pytest.raises(InputError, match="each file seems to be in a frame of its own; export"):
+        check(Assembly([block("g", [-9, -9, -9], [9, 9, -8], grounded=True), *frames]))
+    twice = [block("one", [0, 0, 0], [1, 1, 1], grounded=True), block("two", [0, 0, 0], [1, 1, 1])]
+    with pytest.raises(InputError, match=r"'one' and 'two' are the same body twice: a copy"):
+        check(Assembly(twice))
+    inside = [tube("body", 1, 4, 4, grounded=True), pin("insert", 0.5, 2, [2.5, 0, 0])]
+    with pytest.raises(InputError, match="'insert' lies inside 'body': misplaced, or drawn with"):
+        check(Assembly(inside))
+    assert check(fastened(Assembly(inside), suggested=True)).verdict == "stable"
+    low = [block("post", [0, 0, 0], [1, 1, 10]), block("plate", [3, 0, 0], [5, 1, 0.5])]
+    with pytest.raises(InputError, match="'plate' lies inside 'floor': the table is too high"):
+        check(Assembly(low).with_floor(1.0))
+
+
+def test_a_nut_without_its_hole_is_no_part_in_the_wrong_place() -> None:
+    """M8: a hexagon of 13 mm as a round of as much area, on a shank of 8 mm."""
+    nut = pin("nut", 6.83, 6.5, grounded=True)
+    found = check(Assembly([nut, pin("bolt", 4, 40)], units="mm"))
+    assert found.verdict != "stable"
+    (overlap,) = found.contacts.overlaps
+    assert overlap.share == pytest.approx((4 / 6.83) ** 2, rel=0.01)
+
+
+def test_a_raw_folder_is_refused_in_a_sentence_and_contacts_lists_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from kilter.shape.primitives import surface
+
+    for k in range(3):
+        vertices, faces = surface(Box([3 + k, 2, 2]))
+        lines = [f"v {x} {y} {z}" for x, y, z in vertices.tolist()]
+        lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces.tolist()]
+        (tmp_path / f"p{k}.obj").write_text("\n".join(lines))
+    assert main(["check", str(tmp_path), "--ground", "p0"]) == 2
+    out, error = capsys.readouterr()
+    assert out == ""
+    assert error.count("\n") == 1
+    assert "lies inside" in error
+    assert "frame of its own" in error
+    assert "--fasten-overlaps" in error
+    assert main(["contacts", str(tmp_path)]) == 0
+    assert main(["check", str(tmp_path), "--ground", "p0", "--fasten-overlaps"]) == 0
