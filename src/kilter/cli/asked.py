@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from kilter.cli.arguments import contact_tolerance, reading_of
 from kilter.cli.output import as_json, emit, keep_apart, tell_warnings
 from kilter.errors import InputError
+from kilter.files.formats import prepare
 from kilter.files.reading import LOWEST, Reading
 
 if TYPE_CHECKING:
@@ -88,6 +89,7 @@ class Asked:
             quiet=given["quiet"],
         )
         asked.apart()
+        prepare(Path(asked.file))
         return asked
 
     def of_file(self, file: str) -> Asked:
@@ -105,7 +107,7 @@ class Asked:
         from kilter.contact.fits.fastening import fasten_as_read
 
         progress("reading")
-        assembly = self.reading.read(self.file)
+        assembly = self.reading.read(self.file, progress=progress)
         return fasten_as_read(assembly, self.reading, tolerance=self.tolerance, progress=progress)
 
     def tell(self, answer: Mapping[str, Any], *more: Table, after: str = "") -> None:

@@ -22,12 +22,12 @@ from kilter.files.naming import filled
 from kilter.files.obj import read_obj
 from kilter.files.placed import FileBodies
 from kilter.files.raw import read_bytes
-from kilter.files.step import read_step
+from kilter.files.step import begin_early, read_step
 from kilter.files.stl import read_stl
 from kilter.files.threemf import read_3mf
 from kilter.shape.primitives import Mesh
 
-__all__ = ["EXACT", "FORMATS", "MESHES", "load_bodies", "read_bodies"]
+__all__ = ["EXACT", "FORMATS", "MESHES", "load_bodies", "prepare", "read_bodies"]
 
 _Named = list[tuple[str | None, Mesh]]
 
@@ -71,13 +71,26 @@ MESHES = tuple(ending for ending in FORMATS if ending not in EXACT)
 """Endings of mesh files: what a part's `mesh` may name."""
 
 
-def read_bodies(path: Path, *, without: Sequence[str] = ()) -> FileBodies:
+def prepare(path: Path) -> None:
+    """Have what reads a file of this ending get ready while other work is done."""
+    if path.suffix.lower() in EXACT and path.is_file():
+        begin_early()
+
+
+def read_bodies(
+    path: Path,
+    *,
+    without: Sequence[str] = (),
+    progress: Callable[[str], None] | None = None,
+) -> FileBodies:
     """The bodies of a file, in the file's own unit.
 
     Parameters
     ----------
     without : sequence of str
         Names, or globs, of bodies that need not be read where that saves work (STEP).
+    progress : callable, optional
+        Called with a word at each stage (STEP).
 
     Raises
     ------
@@ -86,8 +99,10 @@ def read_bodies(path: Path, *, without: Sequence[str] = ()) -> FileBodies:
     """
     try:
         suffix = path.suffix.lower()
-        exact = suffix in EXACT
-        found = read_step(path, without=without) if exact else FORMATS[suffix](path)
+        if suffix in EXACT:
+            found = read_step(path, without=without, progress=progress)
+        else:
+            found = FORMATS[suffix](path)
         if not found.left_out and not any(len(shape.triangles) for shape in found.shapes):
             raise InputError("no faces", hint="export solids, as triangles or polygons")
         return found
@@ -96,18 +111,22 @@ def read_bodies(path: Path, *, without: Sequence[str] = ()) -> FileBodies:
 
 
 def load_bodies(
-    path: Path, *, units: str | None = None, without: Sequence[str] = ()
+    path: Path,
+    *,
+    units: str | None = None,
+    without: Sequence[str] = (),
+    progress: Callable[[str], None] | None = None,
 ) -> tuple[Assembly, tuple[str, ...]]:
     """An assembly of the bodies of one file, and the names of those left out already.
 
-    `without`: as of `read_bodies`.
+    `without`, `progress`: as of `read_bodies`.
 
     Raises
     ------
     InputError
         As `read_bodies`; and if `units` differ from those that the file states.
     """
-    found = read_bodies(path, without=without)
+    found = read_bodies(path, without=without, progress=progress)
     if not found.shapes:
         raise InputError("no part is left", file=str(path), hint="leave fewer parts out")
     notes = list(found.notes)

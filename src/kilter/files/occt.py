@@ -12,12 +12,15 @@ __all__ = ["failures", "inside", "quiet"]
 def failures(*more: type[Exception]) -> tuple[type[Exception], ...]:
     """What OCCT and its bindings raise over a shape that is not sound; and what is added to it.
 
-    Its own failures; and of the bindings, which refuse the null handles and empty boxes that
-    such shapes come with, errors of type, value and run time.
+    The bindings make each kind of failure a class of its own, without a common base. They refuse
+    the null handles and empty boxes that such shapes come with by errors of type, value and run
+    time.
     """
-    from OCP.Standard import Standard_Failure
+    import OCP.Standard
 
-    return (Standard_Failure, RuntimeError, TypeError, ValueError, *more)
+    name = OCP.Standard.__name__.partition(".")[0]
+    kinds = [kind for kind in Exception.__subclasses__() if kind.__module__.startswith(name)]
+    return (*kinds, RuntimeError, TypeError, ValueError, *more)
 
 
 @contextmanager

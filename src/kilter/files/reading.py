@@ -6,7 +6,7 @@ import dataclasses
 import fnmatch
 import os
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -104,13 +104,15 @@ class Reading:
         except (TypeError, ValueError):
             raise InputError("the proof's options cannot be read", hint="make it anew") from None
 
-    def read(self, source: str | Path) -> Assembly:
+    def read(
+        self, source: str | Path, *, progress: Callable[[str], None] | None = None
+    ) -> Assembly:
         """The assembly of a file; what is to be fastened is left as it is."""
         if self.units is not None:
             metres_per_unit(self.units)
         if not isinstance(source, str | os.PathLike) or not os.fspath(source):
             raise InputError(f"a file's path is {source!r:.60}", hint="give a path, or '-'")
-        read = _read(source, self)
+        read = _read(source, self, progress)
         assembly = _with_contacts(self, read.assembly)
         if self.density is not None:
             assembly = _with_density(assembly, self.density)
@@ -220,7 +222,7 @@ class _Read(NamedTuple):
     left_out: tuple[str, ...] = ()
 
 
-def _read(source: str | Path, reading: Reading) -> _Read:
+def _read(source: str | Path, reading: Reading, progress: Callable[[str], None] | None) -> _Read:
     if os.fspath(source) == STANDARD_INPUT:
         return _from_json(sys.stdin.buffer.read(), Path(), "standard input", reading)
     path, units = Path(source), reading.units
@@ -228,7 +230,9 @@ def _read(source: str | Path, reading: Reading) -> _Read:
     if _is_folder(path):
         return _Read(load_folder(path, units=units))
     if suffix in FORMATS:
-        assembly, left_out = load_bodies(path, units=units, without=reading.without)
+        assembly, left_out = load_bodies(
+            path, units=units, without=reading.without, progress=progress
+        )
         return _Read(assembly, left_out=left_out)
     data = read_bytes(path)
     if suffix == ".json":

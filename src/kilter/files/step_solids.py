@@ -63,9 +63,9 @@ def read_solid(shape: Any) -> ReadSolid:
     for how, attempt, fineness in _attempts(shape):
         try:
             faces, lost = cut_faces(attempt, *fineness)
-            found = _solid(attempt, faces, lost)
+            found, inwards = _solid(attempt, faces, lost)
             if not len(found.holes):
-                return ReadSolid(checked(found), how)
+                return ReadSolid(checked(found), how or (_INWARDS if inwards else ""))
         except failures(InputError):
             continue
         if best is None or len(found.holes) < len(best.holes):
@@ -75,6 +75,10 @@ def read_solid(shape: Any) -> ReadSolid:
     return stand_in(shape)
 
 
+_INWARDS = (
+    "its faces point inwards and are turned; OCCT may have taken the other side of a round face: "
+    "see that its volume is right"
+)
 _HOLES = (
     "its faces do not close: its volume is that of the faces there are, closed in thought, and "
     "what it touches at its holes is not known"
@@ -112,14 +116,15 @@ def _mended(shape: Any) -> Any:
     return ShapeFix_Solid().SolidFromShell(TopoDS.Shell(shells[0]))
 
 
-def _solid(shape: Any, faces: list[StepFace], lost: int) -> Solid:
-    """The solid of faces that are cut; with holes where they do not close."""
+def _solid(shape: Any, faces: list[StepFace], lost: int) -> tuple[Solid, bool]:
+    """The solid of faces that are cut, with holes where they do not close; and if they look in."""
     vertices, triangles, owner = _welded(faces)
     if not len(triangles):
         raise InputError("the solid has no faces", hint="heal it where it was made")
     whole = closed_in_thought(vertices, triangles, open_edges(vertices, triangles))
     moments = closed_moments(whole)
-    if moments[0] < 0:
+    inwards = moments[0] < 0
+    if inwards:
         triangles = triangles[:, ::-1]
         moments = -moments[0], moments[1], -moments[2]
     surfaces, lies_on, sagitta, off = _surfaces(faces, vertices, triangles, owner)
@@ -127,7 +132,7 @@ def _solid(shape: Any, faces: list[StepFace], lost: int) -> Solid:
         moments = _believable(vertices, moments)
     elif not lost:
         moments = _exact_moments(shape, moments[1])
-    return Solid(
+    solid = Solid(
         vertices,
         triangles,
         tuple(surfaces),
@@ -137,6 +142,7 @@ def _solid(shape: Any, faces: list[StepFace], lost: int) -> Solid:
         accuracy=max(off, float(np.abs(vertices).max()) * 2.0**-52),
         holes=np.array(whole.holes),
     )
+    return solid, inwards
 
 
 _Moments = tuple[float, Array, Array]

@@ -13,6 +13,7 @@ import numpy as np
 
 from kilter.arrays import Array
 from kilter.files.file_tolerances import RECOGNISED
+from kilter.files.occt import failures
 from kilter.shape.solid import Surface, height
 
 __all__ = ["face_surface", "is_plain", "points_of_face"]
@@ -74,8 +75,11 @@ def _proposed(face: Any, nodes: Array, within: float) -> Surface | None:
         ("Sphere", gp_Sphere()),
         ("Cone", gp_Cone()),
     ):
-        if getattr(recognition, f"Is{kind}")(within, shape):
-            return _NATIVE[kind](shape, nodes)
+        try:
+            if getattr(recognition, f"Is{kind}")(within, shape):
+                return _NATIVE[kind](shape, nodes)
+        except failures():  # it trips over some splines, and has nothing to propose then
+            continue
     return None
 
 

@@ -1,0 +1,78 @@
+"""Irregular files at random: read as a second program measures them, or refused in a sentence."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from random_files import Made, mesh_file, step_file
+
+from kilter.assembly import Assembly
+from kilter.cli import main
+from kilter.errors import InputError
+from kilter.files import load
+
+CASES = 24
+"""In the usual round; the slow one has more."""
+MANY = 300
+
+
+def held(path: Path) -> Assembly:
+    return load(path, ground="*")
+
+
+def rechecked(made: Made, capsys: pytest.CaptureFixture[str], slack: float) -> str:
+    """What became of a file: "read", "mended" or "refused"."""
+    code = main(["contacts", str(made.path)])
+    said = capsys.readouterr()
+    assert code in (0, 2), said.err
+    if code == 2:
+        assert made.spoilt
+        lines = [line for line in said.err.splitlines() if "warning:" not in line]
+        assert len(lines) == 1, said.err
+        assert "; " in lines[0]  # what is wrong; what to do
+        with pytest.raises(InputError):
+            _ = load(made.path).geometry
+        _ = held(made.path).geometry  # a held part may be open
+        return "refused"
+    assembly = load(made.path)
+    geometry = assembly.geometry
+    assert sorted(assembly.names) == sorted(made.volumes)
+    for k, name in enumerate(assembly.names):
+        doubted = any(repr(name) in note for note in assembly.notes)
+        if name not in made.spoilt and not doubted:
+            size = float(geometry.size[k])
+            assert geometry.volume[k] == pytest.approx(made.volumes[name], rel=slack)
+            away = np.linalg.norm(geometry.center[k] - made.centers[name])
+            assert away <= slack * max(size, float(np.abs(made.centers[name]).max()))
+    if made.turned:
+        assert any("wound the other way" in warning for warning in geometry.warnings)
+    return "mended" if made.spoilt or made.turned else "read"
+
+
+def round_of(kind: str, seeds: range, folder: Path, capsys: pytest.CaptureFixture[str]) -> set[str]:
+    seen = set()
+    for seed in seeds:
+        rng = np.random.default_rng([len(kind), seed])
+        made = mesh_file(rng, folder) if kind == "mesh" else step_file(rng, folder)
+        try:
+            seen.add(rechecked(made, capsys, 1e-5 if kind == "mesh" else 1e-7))
+        except BaseException as error:
+            raise AssertionError(f"{kind} {seed}") from error
+    return seen
+
+
+@pytest.mark.parametrize("kind", ["mesh", "STEP"])
+def test_a_short_round(kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    if kind == "STEP":
+        pytest.importorskip("OCP")
+    assert {"read", "mended"} <= round_of(kind, range(CASES), tmp_path, capsys)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["mesh", "STEP"])
+def test_a_long_round(kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    if kind == "STEP":
+        pytest.importorskip("OCP")
+    assert {"read", "mended"} <= round_of(kind, range(CASES, MANY), tmp_path, capsys)
