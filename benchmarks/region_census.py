@@ -5,7 +5,7 @@
     python benchmarks/region_census.py --table census.jsonl
 
 Families: arch, pile, wedge, round (`kilter.scenes.random_turned`). Each assembly is asked for
-region, orientation and margin in a process of its own, which is ended after a minute. Then
+region, orientation and margin in a process of its own; a fault where one takes a minute. Then
 `judge` is asked in random directions, and on either side of the boundary found, of the tilt
 margin and of the least friction; the three margins are compared.
 """
@@ -24,7 +24,9 @@ from typing import Any
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 LIMIT = 60.0
-"""Of each answer [s]; all answers and their recheck may take ten times this."""
+"""Of each answer, of the processor [s]."""
+WAIT = 20 * LIMIT
+"""Until a process that says nothing is ended, on a machine that is shared [s]."""
 RANDOM, EDGE = 200, 20
 NEAR = 1e-6
 """How far on either side of a boundary it is asked [rad], and of a least friction [-]."""
@@ -64,6 +66,8 @@ def answered(family: str, seed: int, directions: int) -> Any:
             f"{name}_s": round(time.perf_counter() - wall, 3),
             f"{name}_cpu": round(time.process_time() - used, 3),
         }
+        if times[f"{name}_cpu"] > LIMIT:
+            raise TimeoutError(f"{name} took {times[f'{name}_cpu']:g} s of the processor")
         return found, times
 
     region, times = timed("region", lambda: kilter.region(assembly, contacts=contacts))
@@ -146,7 +150,10 @@ def side_of(region: Any, down: Any, slack: float) -> tuple[bool, bool]:
 
     if region.exact or not len(region.facets):
         inside = bool(region.contains(down))
-        near = float(region.cone.boundary_angle(down)) < max(10 * region.cone.blur, slack)
+        across = region.equations[np.abs(region.equations @ [0.0, 1.0, 0.0]) < 1.0 - 1e-9]
+        walls = across if region.assemblies[0].planar else region.equations
+        sines = np.abs(np.concatenate([walls @ down, region.cone.facets @ down]))
+        near = float(sines.min(initial=1.0)) < max(10 * region.cone.blur, slack)
         return inside and not near, not inside and not near
     inside = bool(region.cone.contains(down, margin=0.0)) and (
         region.dimension < 3 or bool(region.cone.contains(down, margin=1e-9))
@@ -251,15 +258,12 @@ def run(family: str, seed: int, directions: int) -> dict[str, Any]:
     context = multiprocessing.get_context("fork")
     ours, theirs = context.Pipe(duplex=False)
     process = context.Process(target=work, args=(family, seed, theirs, directions))
-    started = time.perf_counter()
     process.start()
     theirs.close()
     row: dict[str, Any] = {"family": family, "seed": seed, "cut": True}
-    while time.perf_counter() - started < 10 * LIMIT:
-        answers = sum(f"{name}_s" in row for name in ("region", "orient", "margin"))
-        wait = LIMIT if answers < 3 else 10 * LIMIT
-        if not ours.poll(wait):
-            row["fault"] = f"not ended after {wait:g} s, with {answers} answers"
+    while True:
+        if not ours.poll(WAIT):
+            row["fault"] = f"not ended after {WAIT:g} s"
             break
         try:
             row = ours.recv()
