@@ -13,7 +13,8 @@ Then `undecided`, with the two figures. With friction an order of its own:
 1. planar: the cone has two rays, so the program is linear and is judged as one;
 2. large: an inner pyramid, linear, whose forces are forces of equilibrium;
 3. the load factor in exact cones, by interior point;
-4. pyramids of more and more sides, the inner ones for forces, the outer ones for a motion:
+4. pyramids of more and more sides, some where friction points in the solutions before; the
+   inner ones for forces, the outer ones for a motion:
    by simplex, which is exact where the set of equilibria has no inside.
 """
 
@@ -27,7 +28,14 @@ import numpy as np
 
 from kilter.arrays import Array
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
-from kilter.mechanics.coulomb_cones import Spread, gathered, load_factor_in_cones, pyramid, spread
+from kilter.mechanics.coulomb_cones import (
+    Spread,
+    angles_across,
+    gathered,
+    load_factor_in_cones,
+    pyramid,
+    spread,
+)
 from kilter.mechanics.forms import (
     Scaled,
     equilibrium,
@@ -215,22 +223,48 @@ def _in_cones(program: Program, work: Work) -> Iterator[_Candidate]:
     large = int(program.free.sum()) * len(program.freedoms) > LARGE
     if large:
         yield _by_pyramid(program, SIDES[0], work)
-    yield _by_cones(spread(program), work)
+    candidate = _by_cones(spread(program), work)
+    yield candidate
+    fitted = _angles(program, candidate)
     for sides in SIDES:
-        if sides * len(program.rough) > LARGEST_PYRAMID:
+        if (sides + len(fitted)) * len(program.rough) > LARGEST_PYRAMID:
             return
-        yield _by_pyramid(program, sides, work)
-        yield _by_pyramid(program, sides, work, outer=True)
+        even = [np.full(len(program.rough), 2 * np.pi * k / sides) for k in range(sides)]
+        angles = np.column_stack([*even, *fitted])
+        for outer in (False, True):
+            candidate = _by_pyramid(program, sides, work, outer=outer, angles=angles)
+            yield candidate
+            fitted += _angles(program, candidate)
 
 
-def _by_pyramid(program: Program, sides: int, work: Work, *, outer: bool = False) -> _Candidate:
+def _angles(program: Program, candidate: _Candidate) -> list[Array]:
+    """Where friction points at each rough contact, by forces and by slips [rad]."""
+    found = []
+    if candidate.friction is not None:
+        found.append(angles_across(program, candidate.friction))
+    if candidate.motion is not None:
+        slips = np.zeros((len(program.part_a), 3))
+        slips[program.rough] = -program.slips(candidate.motion, program.rough)
+        found.append(angles_across(program, slips))
+    return found
+
+
+def _by_pyramid(
+    program: Program,
+    sides: int,
+    work: Work,
+    *,
+    outer: bool = False,
+    angles: Array | None = None,
+) -> _Candidate:
     """The proof that a pyramid carries: forces of an inner one, a motion of an outer one.
 
     A planar pyramid is the cone itself and is both.
     """
-    rays = pyramid(program, sides, outer=outer)
+    rays = pyramid(program, sides, outer=outer, angles=angles)
     judged = judge(rays, work=work)
-    word = f"{'outer' if outer else 'inner'} pyramid of {sides} sides"
+    count = sides if angles is None else angles.shape[1]
+    word = f"{'outer' if outer else 'inner'} pyramid of {count} sides"
     words = "; ".join((word, *judged.solvers))
     both = program.planar
     forces = friction = None

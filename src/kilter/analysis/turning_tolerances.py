@@ -15,9 +15,11 @@ from __future__ import annotations
 
 __all__ = [
     "ACROSS_GRAVITY",
+    "AROUND_LIMIT",
     "BALANCED",
     "BEYOND_CONE",
     "BEYOND_FACET",
+    "BEYOND_FAR",
     "BEYOND_LIMIT",
     "BLUR_OVER_TOLERANCE",
     "CONIC_SHARP",
@@ -148,7 +150,11 @@ PULLED_IN = (0.0, 1e-8, 1e-7, 1e-6, RAY_BLUR)
 BEYOND_FACET = (1e-9, 1e-8, 1e-7, 1e-6)
 """Beyond a facet with friction: where its motion is asked to prove it; else it is sought anew,
 as a limit, from within [rad]."""
+BEYOND_FAR = (*BEYOND_FACET, 1e-5, 1e-4, 1e-3)
+"""The same for a motion that is exactly admissible, however little power it gains [rad]."""
 BEYOND_CONE = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
 """Beyond a facet without friction: where a motion is asked to prove it [rad]."""
+AROUND_LIMIT = (3e-9, 3e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
+"""On either side of a limit, over 1 and it: where a proof of it is asked for [-]."""
 BEYOND_LIMIT = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
 """Above a load limit, relative to it: where its mechanism is asked to prove it [-]."""

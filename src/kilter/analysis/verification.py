@@ -8,6 +8,7 @@ again (`kilter.mechanics.recheck`); the steps that exclude every motion are repe
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +20,7 @@ from kilter.contact.fits.fastening import fasten_as_read
 from kilter.errors import InputError
 from kilter.files.reading import Reading, read_json
 from kilter.friction.exclusion_file import recheck_exclusion
+from kilter.mechanics.bundle import changed, differs, is_bundle, unbundled
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof_form import require_form
 from kilter.mechanics.recheck import recheck
@@ -101,7 +103,8 @@ def verify(
         A file is read as it was for the proof: parts held, left out, direction of gravity.
         An assembly is taken as it is.
     proof : dict or path
-        What `Verdict.proof` returned, or the file that ``kilter check --proof`` wrote.
+        What `Verdict.proof`, `Region.proof` or `Margin.proof` returned, or the file that
+        ``--proof`` of ``kilter check``, ``region`` or ``margin`` wrote.
     progress : callable, optional
         Called with a word at each stage.
 
@@ -126,20 +129,24 @@ def verify(
         file = os.fspath(proof)
         data = read_json(Path(proof))
     try:
-        require_form(data)
+        several = isinstance(data, dict) and is_bundle(data)
+        first = next(unbundled(data))[1] if several else data
+        require_form(first)
+        assert isinstance(first, dict)
         assert isinstance(data, dict)
-        tolerance = proof_tolerance(data)
+        tolerance = proof_tolerance(first)
         known = None
         if isinstance(assembly, str | os.PathLike):
             tell("reading")
-            reading = Reading.from_options(data["options"])
+            reading = Reading.from_options(first["options"])
             assembly = reading.read(assembly)
             assembly, known = fasten_as_read(
                 assembly, reading, tolerance=tolerance, progress=progress
             )
         require_assembly(assembly, "verify")
         found = known or contacts(assembly, tolerance=tolerance, progress=progress)
-        return verify_proof(assembly, found, data)
+        recompute = verify_bundle if several else verify_proof
+        return recompute(assembly, found, data)
     except InputError as error:
         raise error.located(file=file) from None
 
@@ -159,6 +166,40 @@ def proof_tolerance(proof: dict[str, Any]) -> Tolerance:
         relative_gap=values["relative_gap"],
         angle=values["angle"],
         clearance=values.get("clearance"),
+    )
+
+
+def verify_bundle(assembly: Assembly, contacts: ContactSet, bundle: dict[str, Any]) -> Verification:
+    """Recompute every proof of a region or a margin.
+
+    Raises
+    ------
+    InputError
+        If a proof is not one.
+    """
+    reasons, residual, power, counts = [], [], [], Counter[str]()
+    proof: dict[str, Any] = {}
+    for about, proof in unbundled(bundle):
+        what = str(about.get("about"))
+        other, touching = changed(assembly, contacts, about.get("change"))
+        found = verify_proof(other, touching, proof)
+        wrong = [*found.reasons, *filter(None, [differs(about, proof)])]
+        reasons += [f"{what} {about.get('vector', about.get('value', ''))}: {one}" for one in wrong]
+        counts[f"{what}: {'held by forces' if 'forces' in proof else 'a motion starts'}"] += 1
+        residual += [] if found.residual is None else [found.residual]
+        power += [] if found.power is None else [found.power]
+    return Verification(
+        not reasons,
+        str(bundle.get("kind")),
+        tuple(reasons),
+        max(residual, default=None),
+        min(power, default=None),
+        tuple(f"{count} x {what}" for what, count in counts.items()),
+        held=tuple(part.name for part in assembly if part.grounded),
+        gravity=tuple(assembly.gravity.tolist()),
+        units=assembly.units,
+        options=proof["options"],
+        tolerance=proof["tolerance"],
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from enum import StrEnum
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -10,11 +11,13 @@ import typer
 from kilter.cli.asked import Asked
 from kilter.cli.exit_codes import ORIENT, WRITTEN
 from kilter.cli.options import FORM, asks
-from kilter.cli.output import Progress
+from kilter.cli.output import Progress, as_json, write_whole
 from kilter.errors import InputError
 
 if TYPE_CHECKING:
+    from kilter.analysis.margins.margin import Margin
     from kilter.analysis.margins.uncertainty import Ranges
+    from kilter.analysis.regions.region import Region
 
 __all__ = ["margin", "orient", "region"]
 
@@ -63,6 +66,18 @@ def orient(
     return ORIENT[answer.verdict]
 
 
+Proof = Annotated[
+    Path | None,
+    typer.Option(
+        "--proof",
+        metavar="P.json",
+        help="Write the proofs here; 'kilter verify FILE P.json' rechecks them.",
+        rich_help_panel=FORM,
+        show_default=False,
+    ),
+]
+
+
 @asks()
 def region(
     asked: Asked,
@@ -76,6 +91,7 @@ def region(
             "--common", help="The directions stable for all of the files: no reorientation between."
         ),
     ] = False,
+    proof: Proof = None,
 ) -> int:
     """Every direction of gravity for which it stays: exactly, with a proof for each boundary.
 
@@ -96,8 +112,17 @@ def region(
         else:
             [(assembly, contacts)] = given
             answer = find(assembly, contacts=contacts, tolerance=tolerance, progress=progress)
-    asked.tell(answer.to_dict())
+    asked.tell(answer.to_dict(), after=_written(asked, proof, answer))
     return WRITTEN
+
+
+def _written(asked: Asked, proof: Path | None, answer: Region | Margin) -> str:
+    """Write the proofs where that was asked for; a line that says so."""
+    if proof is None:
+        return ""
+    asked.apart(proof)
+    write_whole(proof, as_json(answer.proof(options=asked.reading.options())))
+    return f"\nproof file  written to {proof}"
 
 
 @asks(searches=True)
@@ -183,6 +208,7 @@ def margin(
             show_default=False,
         ),
     ] = None,
+    proof: Proof = None,
 ) -> int:
     """By how much does it hold: tilt, least friction, load factor, the push each part resists.
 
@@ -207,7 +233,7 @@ def margin(
             time_limit=asked.time_limit,
             progress=progress,
         )
-    asked.tell(found.to_dict())
+    asked.tell(found.to_dict(), after=_written(asked, proof, found))
     return WRITTEN
 
 

@@ -23,6 +23,7 @@ __all__ = [
     "BLUR",
     "COARSE_POWER",
     "CONE_ROUNDING",
+    "FOLLOWS",
     "MIRROR",
     "MIRROR_CELL",
     "MIRROR_ROWS",
@@ -30,6 +31,7 @@ __all__ = [
     "NO_EXCUSE",
     "OPENS_FAR",
     "OPENS_MORE",
+    "POWER_ROUNDING",
     "RULED_OUT",
     "STILL",
     "TOLERANCE",
@@ -57,6 +59,10 @@ NO_EXCUSE = 0.01
 """Imbalance over the weight of a part that no contact force excuses."""
 STILL = 1e-6
 """A part, or point, slower than this fraction of the fastest does not move, or slide."""
+POWER_ROUNDING = 1e-14
+"""What rounding leaves of a power, over the sum of the sizes of its terms [-]."""
+FOLLOWS = 1e-8
+"""The normal of a facet and that of its motion are one up to this [-]."""
 AGREES = 1e-9
 """Numbers of a file and of a proof are the same up to this fraction of their size."""
 

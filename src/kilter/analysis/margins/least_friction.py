@@ -106,14 +106,15 @@ def find_least_friction(program: Program) -> LeastFriction | NoLimit:
     best = start
     upper = min(upper, _used(program, best))
     solved = 2
+    open_from = open_to = upper  # between them it could not be decided
     for _ in range(STEPS):
         if upper <= MU_NOTHING:
             return LeastFriction(0.0, 0.0, False, best, mechanism, solved)
-        if upper - lower <= MU_AGREES * upper:
+        open_from, open_to = min(open_from, upper), min(open_to, upper)
+        above, below = upper - open_to, open_from - lower
+        if max(above, below) <= MU_AGREES * upper:
             break
-        middle = np.sqrt(max(lower, MU_NOTHING / 10) * upper)
-        if upper < 2 * lower:
-            middle = 0.5 * (lower + upper)
+        middle = _between(open_to, upper) if above > below else _between(lower, open_from)
         judged = judge(_with(program, middle))
         solved += 1
         if judged.stable and judged.forces is not None:
@@ -121,9 +122,19 @@ def find_least_friction(program: Program) -> LeastFriction | NoLimit:
             upper = min(middle, _used(program, best))
         elif judged.stable is False and judged.motion is not None:
             mechanism, lower = judged.motion, middle
+            open_from, open_to = max(open_from, lower), max(open_to, lower)
+        elif open_from == upper:  # the first
+            open_from = open_to = middle
         else:
-            break
+            open_from, open_to = min(open_from, middle), max(open_to, middle)
     return LeastFriction(upper, lower, True, best, mechanism, solved)
+
+
+def _between(low: float, high: float) -> float:
+    """The middle, or where they are far apart that of their logarithms."""
+    if high < 2 * low:
+        return 0.5 * (low + high)
+    return float(np.sqrt(max(low, MU_NOTHING / 10) * high))
 
 
 def _with(program: Program, mu: float) -> Program:

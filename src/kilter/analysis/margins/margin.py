@@ -25,6 +25,7 @@ from kilter.analysis.margins.load_limit import (
     finite,
     gravity_wrench,
 )
+from kilter.analysis.margins.margin_proofs import margin_proofs
 from kilter.analysis.margins.pushes import Push, find_weakest_push
 from kilter.analysis.margins.tilt import (
     TiltMargin,
@@ -43,6 +44,7 @@ from kilter.arrays import Array
 from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance
 from kilter.errors import InputError, some_names
+from kilter.mechanics.bundle import make_bundle
 from kilter.mechanics.coulomb_cones import spread
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program, build_program
@@ -86,6 +88,8 @@ class Margin:
         does not dilate (not associative) the limits lie between these and `load_factor`.
         None where it was not asked for.
     pushes : tuple of Push
+    push : ndarray, shape (3,), or None
+        The direction that `load_factor` was asked of; None: of the given loads.
     missing : dict
         What was asked for and is not there, "tilt", "about", "friction", "load_factor",
         "bracket" or "push of NAME", and why: "none", proved that there is none (it is not held
@@ -110,6 +114,7 @@ class Margin:
     load_factor: tuple[Limit | None, Limit | None] | None
     guaranteed: tuple[Limit | None, Limit | None] | None
     pushes: tuple[Push, ...]
+    push: Array | None
     missing: dict[str, Why]
     uncertainty: Uncertainty | None
     helps: tuple[Help, ...]
@@ -148,6 +153,16 @@ class Margin:
             "warnings": list(self.warnings),
             "seconds": self.seconds,
         }
+
+    def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
+        """Forces within each limit and a motion beyond it, for `kilter.verify`, as JSON data.
+
+        Raises
+        ------
+        InputError
+            If no limit is known.
+        """
+        return make_bundle("margin", margin_proofs(self, options=options or {}))
 
     def _bracket(self) -> dict[str, list[float | None] | None] | None:
         """Where the limits with sliding that does not dilate lie; None: it was not asked."""
@@ -289,6 +304,7 @@ def margin(
         load_factor=None if factor is None else (_known(factor[0]), _known(factor[1])),
         guaranteed=None if sure is None else (_known(sure[0]), _known(sure[1])),
         pushes=tuple(push for push in pushes.values() if isinstance(push, Push)),
+        push=direction,
         missing=missing,
         uncertainty=worst,
         helps=helps,

@@ -34,7 +34,7 @@ polaires, 1962.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -45,6 +45,7 @@ from kilter.analysis.regions.cone_hull import cone_around, edges_of, extreme_ray
 from kilter.analysis.regions.stable_cone import Proof, StableCone, stable_cone
 from kilter.analysis.turning_tolerances import (
     BEYOND_FACET,
+    BEYOND_FAR,
     CONIC_SHARP,
     GAP_DEG,
     NO_DIRECTION,
@@ -56,7 +57,7 @@ from kilter.analysis.turning_tolerances import (
 )
 from kilter.arrays import Array
 from kilter.errors import InputError
-from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
+from kilter.mechanics.certificate import ForceProof, check_forces, check_motion
 from kilter.mechanics.coulomb_cones import Spread, gathered, nearest_load, pyramid, spread
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
@@ -216,19 +217,27 @@ class _Cutting:
                 return moved
         return None
 
-    def _facet(self, direction: Array, base: Array, motion: Array) -> Proof | None:
+    def _facet(
+        self, direction: Array, base: Array, motion: Array, steps: Sequence[float] = BEYOND_FACET
+    ) -> Proof | None:
         """The facet of a motion that cuts a direction off, with a proof just beyond it."""
         normal = self._normal(motion)
+        if normal @ direction <= ON_PLANE:
+            return None
         length = float(np.linalg.norm(base))
         on = base / length if length > NO_PROJECTION else np.zeros(3)
         on = on - (on @ normal) * normal
-        if normal @ direction > ON_PLANE:
-            for angle in BEYOND_FACET:
-                down = np.cos(angle) * on + np.sin(angle) * normal if on.any() else normal
-                proof = check_motion(self.program.turned(down), motion)
-                if proof.holds:
-                    self.slack = max(self.slack, angle if on.any() else 0.0)
-                    return Proof("facet", -normal + 0.0, down, proof)
+
+        def judged(angle: float) -> Proof:
+            down = np.cos(angle) * on + np.sin(angle) * normal if on.any() else normal
+            proof = check_motion(self.program.turned(down), motion)
+            return Proof("facet", -normal + 0.0, down, proof)
+
+        for angle in steps:
+            # twice as far as where it just holds: a reader's rounding is another
+            if judged(angle).certificate.holds and judged(2 * angle).certificate.holds:
+                self.slack = max(self.slack, 2 * angle if on.any() else 0.0)
+                return judged(2 * angle)
         return None
 
     def _from_within(self, direction: Array, angle: float) -> tuple[float, Proof | None]:
@@ -240,7 +249,9 @@ class _Cutting:
             if judged.stable and judged.forces is not None:
                 self.rays.append(Proof("ray", direction, direction, judged.forces))
                 return 0.0, None
-            return angle, self._proved(judged.motion, direction, direction)
+            if judged.motion is None:
+                return angle, None
+            return angle, self._facet(direction, np.zeros(3), judged.motion.motion)
         start = middle / length
         opening, way = self.opening.turned(start), gravity_wrench(self.program, direction - start)
         limit = find_limit(opening.program, way, opening=opening, most=1.0)
@@ -250,20 +261,9 @@ class _Cutting:
         there = start + share * (direction - start)
         ray = self._ray(there / float(np.linalg.norm(there)), _scaled(limit.forces, there))
         angle = angle if ray is None else min(angle, _between(direction, ray))
-        beyond = start + (share + limit.gap) * (direction - start)
-        return angle, self._proved(limit.mechanism, beyond, direction)
-
-    def _proved(self, motion: MotionProof | None, down: Array, direction: Array) -> Proof | None:
-        """The facet of a motion that is proved for `down`, if it cuts `direction` off."""
-        if motion is None or not np.isfinite(down).all():
-            return None
-        down = down / float(np.linalg.norm(down))
-        proof = check_motion(self.program.turned(down), motion.motion)
-        normal = self._normal(motion.motion)
-        if not proof.holds or normal @ direction <= ON_PLANE:
-            return None
-        self.slack = max(self.slack, float(np.arcsin(min(float(normal @ down), 1.0))))
-        return Proof("facet", -normal + 0.0, down, proof)
+        if limit.mechanism is None:
+            return angle, None
+        return angle, self._facet(direction, there, limit.mechanism.motion, BEYOND_FAR)
 
     def _normal(self, motion: Array) -> Array:
         """Outward normal of the facet of a motion: the sum of mass times step, unit; or 0."""

@@ -34,6 +34,7 @@ from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.coincident import require_apart
 from kilter.errors import InputError
+from kilter.mechanics.bundle import make_bundle
 from kilter.mechanics.certificate import ForceProof
 from kilter.mechanics.program import build_program
 from kilter.tell.facts import region_phrase
@@ -182,6 +183,25 @@ class Region:
             for proof, k in certified
         ]
         return [proof for proof in proofs if proof is not None]
+
+    def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
+        """All of `proofs` in one, for `kilter.verify`, as JSON data.
+
+        Raises
+        ------
+        InputError
+            If there are several assemblies, or no proof.
+        """
+        if len(self.assemblies) > 1:
+            raise InputError(
+                "a common region has proofs about several files",
+                hint="ask each file by itself, or write those of `proofs` one by one",
+            )
+        proofs = []
+        for one in self.proofs(options=options):
+            about = {"about": one.about, "vector": one.vector.tolist()}
+            proofs.append((about | {"change": {"down": one.data["down"]}}, one.data))
+        return make_bundle("region", proofs)
 
     def to_dict(self) -> dict[str, Any]:
         """The answer as JSON data, that of ``kilter region --json``.

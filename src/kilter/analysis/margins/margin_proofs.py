@@ -1,0 +1,161 @@
+"""What proves a margin, as data that a stranger can verify: forces within, a motion beyond.
+
+Each limit is one number of an assembly that is changed: gravity along another direction, one
+coefficient at every contact, further loads. Just within the limit forces hold what is changed,
+just beyond it a motion starts; both are as near to the limit as they are proved.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any, Protocol
+
+import numpy as np
+
+from kilter.analysis.judge import judge
+from kilter.analysis.margins.least_friction import LeastFriction
+from kilter.analysis.margins.load_limit import Limit
+from kilter.analysis.margins.pushes import Push
+from kilter.analysis.margins.tilt import TiltMargin
+from kilter.analysis.turning_tolerances import AROUND_LIMIT
+from kilter.arrays import Array
+from kilter.assembly import Assembly
+from kilter.contact import ContactSet
+from kilter.mechanics.bundle import changed
+from kilter.mechanics.certificate import ForceProof, MotionProof, check_motion
+from kilter.mechanics.program import Program, build_program
+from kilter.mechanics.proof import Evidence, make_proof
+
+__all__ = ["margin_proofs"]
+
+Change = Callable[[float], dict[str, Any]]
+About = tuple[dict[str, Any], dict[str, Any]]
+
+
+class KnownLimits(Protocol):
+    """What is known of a margin: members of `kilter.analysis.margins.margin.Margin`."""
+
+    @property
+    def assembly(self) -> Assembly: ...
+    @property
+    def contacts(self) -> ContactSet: ...
+    @property
+    def program(self) -> Program: ...
+    @property
+    def tilt(self) -> TiltMargin | None: ...
+    @property
+    def friction(self) -> LeastFriction | None: ...
+    @property
+    def load_factor(self) -> tuple[Limit | None, Limit | None] | None: ...
+    @property
+    def pushes(self) -> tuple[Push, ...]: ...
+    @property
+    def push(self) -> Array | None: ...
+
+
+def margin_proofs(found: KnownLimits, *, options: dict[str, Any]) -> list[About]:
+    """Proofs of tilt, least friction, greatest load factor and pushes, as far as they are known."""
+    proofs = []
+    for what, value, change, upwards, motion in _limits(found):
+        for held in (True, False):
+            sign = -1.0 if held == upwards else 1.0
+            for step in AROUND_LIMIT:
+                at = value + sign * step * max(abs(value), 1.0)
+                if at < 0 and what == "friction":
+                    break
+                data = _proof(found, change(at), held, None if held else motion, options)
+                if data is not None:
+                    about = {"about": what, "value": at, "held": held, "change": change(at)}
+                    proofs.append((about, data))
+                    break
+    return proofs
+
+
+def _limits(found: KnownLimits) -> Iterator[tuple[str, float, Change, bool, MotionProof | None]]:
+    """Name, value, the change at a value, whether more is beyond, and the motion there."""
+    tilt, friction, factor = found.tilt, found.friction, found.load_factor
+    if tilt is not None and tilt.limit.mechanism is not None:
+        down = found.program.down
+        aside = tilt.down - (tilt.down @ down) * down
+        if np.linalg.norm(aside) > 0:
+            aside = aside / np.linalg.norm(aside)
+            yield "tilt", tilt.angle, _turned(down, aside), True, tilt.limit.mechanism
+    if friction is not None and friction.value > 0 and friction.attained:
+        yield "friction", friction.value, lambda mu: {"mu": mu}, False, friction.mechanism
+    if factor is not None and factor[1] is not None and np.isfinite(factor[1].value):
+        greatest = factor[1]
+        yield "load factor", greatest.value, _loaded(found), True, greatest.mechanism
+    for push in found.pushes:
+        if np.isfinite(push.force):
+            weight = float(found.program.weight[found.program.free].sum())
+            pushed = _pushed(found.assembly, push.part, push.direction * weight)
+            name = f"push of {push.part}"
+            yield name, push.force / weight, pushed, True, push.limit.mechanism
+
+
+def _turned(down: Array, aside: Array) -> Change:
+    return lambda angle: {"down": (np.cos(angle) * down + np.sin(angle) * aside).tolist()}
+
+
+def _load(part: str, force: Array, torque: Array, point: Array | None = None) -> dict[str, Any]:
+    where = None if point is None else point.tolist()
+    return {"part": part, "force": force.tolist(), "torque": torque.tolist(), "point": where}
+
+
+def _loaded(found: KnownLimits) -> Change:
+    """A share of the loads that were asked about."""
+    assembly, program = found.assembly, found.program
+    if found.push is None:
+        return lambda share: {
+            "loads": [
+                _load(one.part, share * one.force, share * one.torque, one.point)
+                for one in assembly.loads
+            ]
+        }
+    given = [_load(one.part, one.force, one.torque, one.point) for one in assembly.loads]
+    push = found.push * program.g
+    return lambda share: {
+        "loads": given
+        + [
+            _load(name, share * mass * push, np.zeros(3))
+            for name, mass, free in zip(program.names, program.mass, program.free, strict=True)
+            if free
+        ]
+    }
+
+
+def _pushed(assembly: Assembly, part: str, force: Array) -> Change:
+    given = [_load(one.part, one.force, one.torque, one.point) for one in assembly.loads]
+    return lambda share: {"loads": [*given, _load(part, share * force, np.zeros(3))]}
+
+
+def _proof(
+    found: KnownLimits,
+    change: dict[str, Any],
+    held: bool,
+    motion: MotionProof | None,
+    options: dict[str, Any],
+) -> dict[str, Any] | None:
+    """The proof of what is changed; None where there is none."""
+    assembly, contacts = changed(found.assembly, found.contacts, change)
+    return _certified(assembly, contacts, held, motion, options)
+
+
+def _certified(
+    assembly: Assembly,
+    contacts: ContactSet,
+    held: bool,
+    motion: MotionProof | None,
+    options: dict[str, Any],
+) -> dict[str, Any] | None:
+    program = build_program(assembly, contacts)
+    proof: ForceProof | MotionProof | None = None
+    if motion is not None:
+        proof = check_motion(program, motion.motion)
+    if proof is None or not proof.holds:
+        judged = judge(program)
+        proof = judged.forces if held else judged.motion
+    if proof is None or not proof.holds:
+        return None
+    evidence = Evidence("open") if program.mu.any() else None
+    return make_proof(assembly, contacts, program, proof, options, evidence=evidence)

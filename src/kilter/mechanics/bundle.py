@@ -1,0 +1,120 @@
+"""Several proofs about one assembly in one file: those of a region, or of a margin.
+
+What all of them say (parts, points, units, how the file is read) is there once, in `common`;
+each of `proofs` has the rest, and before it
+
+    about, value     what it is about: a ray, a facet; a tilt, and the angle at which it is proved
+    vector           the ray, line or normal
+    change           what of the file is another: `down`, `mu` of every contact, `loads`
+
+A ray is proved along itself, and the motion of a facet gains power beyond exactly that facet:
+the sum of mass times step is its outward normal. Both are checked beside each proof.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from kilter.assembly import Assembly, Load
+from kilter.contact.contact_set import ContactSet
+from kilter.errors import InputError
+from kilter.mechanics.mechanics_tolerances import FOLLOWS
+from kilter.mechanics.proof_form import FORMAT, require_form
+
+__all__ = ["changed", "differs", "is_bundle", "make_bundle", "unbundled"]
+
+COMMON = ("kilter_proof", "units", "planar", "options", "tolerance", "parts", "points")
+"""What all proofs of a file say alike."""
+
+
+def make_bundle(
+    kind: str, proofs: Sequence[tuple[Mapping[str, Any], Mapping[str, Any]]]
+) -> dict[str, Any]:
+    """One file of proofs, each with what it is about.
+
+    Raises
+    ------
+    InputError
+        If there is no proof.
+    """
+    if not proofs:
+        raise InputError(f"there is no proof of this {kind} to write")
+    first = proofs[0][1]
+    common = {key: first[key] for key in COMMON}
+    rest = []
+    for about, proof in proofs:
+        own = {key: value for key, value in proof.items() if common.get(key, ...) != value}
+        rest.append({**about, "proof": own})
+    return {"kilter_proofs": FORMAT, "kind": kind, "common": common, "proofs": rest}
+
+
+def is_bundle(data: Any) -> bool:
+    """Whether it is a file of several proofs."""
+    return isinstance(data, dict) and "kilter_proofs" in data
+
+
+def unbundled(bundle: Any) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
+    """What each proof is about, and the proof.
+
+    Raises
+    ------
+    InputError
+        If it has not the form of one.
+    """
+    entries, common = bundle.get("proofs"), bundle.get("common")
+    if bundle["kilter_proofs"] != FORMAT or not isinstance(common, dict):
+        raise InputError("this is no file of kilter proofs", hint="make it anew with --proof")
+    if not isinstance(entries, list) or not entries:
+        raise InputError("the file has no proofs", hint="make it anew with --proof")
+    for entry in entries:
+        if not isinstance(entry, dict) or not isinstance(entry.get("proof"), dict):
+            raise InputError(f"a proof is {entry!r:.40}", hint="make it anew with --proof")
+        proof = {**common, **entry["proof"]}
+        require_form(proof)
+        yield {key: value for key, value in entry.items() if key != "proof"}, proof
+
+
+def changed(assembly: Assembly, contacts: ContactSet, change: Any) -> tuple[Assembly, ContactSet]:
+    """The assembly and its contacts as a proof speaks of them.
+
+    Raises
+    ------
+    InputError
+        If the change makes no sense.
+    """
+    if not isinstance(change, dict):
+        raise InputError(f"a change is {change!r:.40}", hint="make it anew with --proof")
+    mu = change.get("mu")
+    if change.get("down") is not None:
+        assembly = assembly.with_down(change["down"])
+    if mu is not None:
+        contacts = dataclasses.replace(contacts, patch_mu=np.full(len(contacts.patch_mu), mu))
+    if change.get("loads") is not None:
+        loads = [Load(**load) for load in change["loads"]]
+        assembly = dataclasses.replace(assembly, loads=loads)
+    return assembly, contacts
+
+
+def differs(about: Mapping[str, Any], proof: Mapping[str, Any]) -> str:
+    """Why a proof is not of what it is said to be about; empty where it is."""
+    vector = about.get("vector")
+    if vector is None:
+        return ""
+    given = np.asarray(vector, dtype=float)
+    if "forces" in proof:
+        down = np.asarray(proof["down"])
+        near = min(np.linalg.norm(down - given), np.linalg.norm(down + given))
+        return "" if near <= FOLLOWS else "its forces are for another direction"
+    total = np.zeros(3)
+    for part in proof["parts"]:
+        if not part["grounded"]:
+            total += part["mass"] * np.asarray(proof["motion"][part["name"]][:3])
+    size = float(np.linalg.norm(total))
+    along = total / size if size > 0 else total
+    if about.get("about") == "facet" and np.linalg.norm(along + given) > FOLLOWS:
+        return "its motion gains power beyond another facet"
+    return ""
