@@ -93,3 +93,10 @@ def test_accuracy_and_empty_meshes_pass_through() -> None:
     parts = split_bodies(Mesh(mesh.vertices, mesh.triangles, accuracy=0.25))
     assert [part.accuracy for part in parts] == [0.25, 0.25]
     assert len(split_bodies(Mesh([], np.empty((0, 3), dtype=int)))) == 1
+
+
+def test_a_face_of_two_corners_is_no_body() -> None:
+    vertices, faces = surface(Box([1, 1, 1]))
+    for extra in ([[0, 0, 1]], [[3, 2, 2], [5, 5, 5]]):
+        (body,) = split_bodies(Mesh(vertices, np.vstack([faces, extra])))
+        assert len(body.triangles) == 12

@@ -217,12 +217,17 @@ GLB_EDITS = [
     (lambda h: h["accessors"][0].update(count=35), "35 corners do not make triangles"),
     (lambda h: h["accessors"][1].update(count=4), "names vertex"),
     (lambda h: h["accessors"][0].update(componentType=5126), "not whole numbers"),
-    (lambda h: h["nodes"][-1].update(mesh=7), "damaged GLB: IndexError"),
+    (lambda h: h["nodes"][-1].update(mesh=7), "damaged GLB: mesh 7 of"),
     (lambda h: h["nodes"][-1].update(children=[len(h["nodes"]) - 1]), "stands under two nodes"),
     (lambda h: h["nodes"][-1].update(translation=[0, 0, float("nan")]), "has no finite place"),
     (lambda h: h["meshes"][0]["primitives"][0].update(mode=0), "no faces"),
     (lambda h: h.update(meshes={}), "damaged GLB"),
-    (lambda h: h.update(nodes=[5]), "damaged GLB"),
+    (lambda h: h.update(nodes=[5]), "damaged GLB: nodes.0: input should be"),
+    (lambda h: h["scenes"][0].update(nodes=[-1]), "damaged GLB: scenes.0.nodes.0"),
+    (lambda h: h["accessors"][1].update(type="VEC2"), "is of type 'VEC2', not VEC3"),
+    (lambda h: h["accessors"][1].update(bufferView=9), "buffer view 9 of"),
+    (lambda h: h["accessors"][1].pop("componentType"), "componentType: field required"),
+    (lambda h: h["nodes"][-1].update(rotation=[0, 0, 1]), "rotation: list should have at least"),
 ]
 
 

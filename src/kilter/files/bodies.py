@@ -31,8 +31,12 @@ def split_bodies(mesh: Mesh) -> list[Mesh]:
     """
     places, inverse = np.unique(mesh.vertices + 0.0, axis=0, return_inverse=True)
     faces: Index = inverse.reshape(-1)[mesh.triangles].astype(np.int64)
-    if not len(faces):
+    proper = (faces != np.roll(faces, 1, axis=1)).all(axis=1)
+    if not proper.any():
         return [mesh]
+    if not proper.all():  # a face of two corners hangs together with nothing
+        rows = mesh.triangles[proper]
+        return split_bodies(Mesh(mesh.vertices, rows, accuracy=mesh.accuracy))
     with np.errstate(all="ignore"):
         label = _labels(places, faces)
         if label.max() == 0:

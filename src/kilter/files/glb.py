@@ -11,7 +11,7 @@ Khronos, glTF 2.0 specification, sections 3.5 (nodes), 3.6 (buffers), 4.4 (GLB).
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,12 @@ from kilter.files.strict_json import parse_json
 from kilter.rigid import quaternion_to_matrix
 from kilter.shape.primitives import Mesh
 
+if TYPE_CHECKING:
+    from kilter.files.gltf_models import Gltf, Node, Primitive, Sparse
+
 __all__ = ["read_glb"]
+
+_Row = TypeVar("_Row")
 
 
 COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
@@ -42,18 +47,27 @@ def read_glb(data: bytes) -> tuple[list[tuple[str | None, Mesh]], list[str]]:
     InputError
         If the file is damaged, compressed, or refers to other files.
     """
-    try:
-        header, binary = _chunks(data)
-        _refuse_unread(header)
-        with np.errstate(all="ignore"):  # what is not finite is refused by name
-            return _solids(header, binary)
-    except (KeyError, IndexError, TypeError, ValueError, AttributeError, OverflowError) as error:
-        what = f"damaged GLB: {type(error).__name__} {error}"
-        raise InputError(what[:120], hint=_DAMAGED) from None
+    header, binary = _chunks(data)
+    _refuse_unread(header)
+    with np.errstate(all="ignore"):  # what is not finite is refused by name
+        return _solids(header, binary)
 
 
-def _chunks(data: bytes) -> tuple[dict[str, Any], bytes]:
-    """The JSON and the binary chunk."""
+def _at(rows: list[_Row], k: int, what: str) -> _Row:
+    """Entry k of a list of the header.
+
+    Raises
+    ------
+    InputError
+        If it is not there.
+    """
+    if k >= len(rows):
+        raise InputError(f"damaged GLB: {what} {k} of {len(rows)} is not there", hint=_DAMAGED)
+    return rows[k]
+
+
+def _chunks(data: bytes) -> tuple[Gltf, bytes]:
+    """The header and the binary chunk."""
     if data[:4] != b"glTF":
         raise InputError("not a GLB file: it does not begin with 'glTF'", hint=_DAMAGED)
     version, length = (int.from_bytes(data[k : k + 4], "little") for k in (4, 8))
@@ -72,24 +86,34 @@ def _chunks(data: bytes) -> tuple[dict[str, Any], bytes]:
     header = parse_json(chunks.get(b"JSON", b""))
     if not isinstance(header, dict):
         raise InputError("the GLB has no header", hint=_DAMAGED)
-    return header, chunks.get(b"BIN\0", b"")
+    return _checked(header), chunks.get(b"BIN\0", b"")
 
 
-def _refuse_unread(header: dict[str, Any]) -> None:
-    primitives = [p for mesh in header.get("meshes", []) for p in mesh["primitives"]]
-    used = {*header.get("extensionsRequired", [])}
-    used |= {name for p in primitives for name in p.get("extensions", {})}
+def _checked(header: dict[str, Any]) -> Gltf:
+    from pydantic import ValidationError
+
+    from kilter.files.gltf_models import Gltf
+
+    try:
+        return Gltf.model_validate(header)
+    except ValidationError as error:
+        fault = error.errors(include_url=False)[0]
+        place = ".".join(str(step) for step in fault["loc"])
+        what = f"damaged GLB: {place}: {fault['msg'].lower()}"
+        raise InputError(what[:120], hint=_DAMAGED) from None
+
+
+def _refuse_unread(header: Gltf) -> None:
+    used = {*header.extensionsRequired}
+    used |= {name for mesh in header.meshes for p in mesh.primitives for name in p.extensions}
     packed = sorted(name for name in used if "compression" in name)
     if packed:
         raise InputError(f"meshes are packed with {packed[0]}", hint="export without compression")
-    if any("uri" in buffer for buffer in header.get("buffers", [])):
+    if any(buffer.uri is not None for buffer in header.buffers):
         raise InputError("meshes are in other files", hint="export as one binary GLB")
 
 
-def _solids(
-    header: dict[str, Any], binary: bytes
-) -> tuple[list[tuple[str | None, Mesh]], list[str]]:
-    nodes, meshes = header.get("nodes", []), header.get("meshes", [])
+def _solids(header: Gltf, binary: bytes) -> tuple[list[tuple[str | None, Mesh]], list[str]]:
     read: dict[int, Mesh | None] = {}
     solids: list[tuple[str | None, Mesh]] = []
     seen: set[int] = set()
@@ -97,63 +121,63 @@ def _solids(
     pending = [(k, np.eye(4)) for k in reversed(_roots(header))]
     while pending:
         k, above = pending.pop()
+        node = _at(header.nodes, k, "node")
         if k in seen:
             raise InputError(f"node {k} of the GLB stands under two nodes", hint=_DAMAGED)
         seen.add(k)
-        node, matrix = nodes[k], above @ _matrix(nodes[k])
+        matrix = above @ _matrix(node)
         if not np.isfinite(matrix).all():
             raise InputError(f"node {k} of the GLB has no finite place", hint=_DAMAGED)
-        pending.extend((child, matrix) for child in reversed(node.get("children", [])))
-        if "mesh" not in node:
+        pending.extend((child, matrix) for child in reversed(node.children))
+        if node.mesh is None:
             continue
-        source = meshes[node["mesh"]]
-        name = str(node.get("name") or source.get("name") or "").strip() or None
-        if node["mesh"] not in read:
-            read[node["mesh"]] = _named_mesh(header, binary, source, name)
-        mesh = read[node["mesh"]]
+        source = _at(header.meshes, node.mesh, "mesh")
+        name = (node.name or source.name or "").strip() or None
+        if node.mesh not in read:
+            read[node.mesh] = _named_mesh(header, binary, source.primitives, name)
+        mesh = read[node.mesh]
         skipped += mesh is None
         solids += [] if mesh is None else [(name, placed(mesh, matrix))]
     notes = [f"{skipped} objects without triangles are passed over"] if skipped else []
     return solids, notes
 
 
-def _roots(header: dict[str, Any]) -> list[int]:
-    if header.get("scenes"):
-        return list(header["scenes"][header.get("scene", 0)].get("nodes", []))
-    nodes = header.get("nodes", [])
-    below = {child for node in nodes for child in node.get("children", [])}
-    return [k for k in range(len(nodes)) if k not in below]
+def _roots(header: Gltf) -> list[int]:
+    if header.scenes:
+        return _at(header.scenes, header.scene, "scene").nodes
+    below = {child for node in header.nodes for child in node.children}
+    return [k for k in range(len(header.nodes)) if k not in below]
 
 
-def _matrix(node: dict[str, Any]) -> Array:
+def _matrix(node: Node) -> Array:
     """The node's own transform, shape (4, 4): a matrix, or turn after scale, then step."""
-    if "matrix" in node:
-        return np.array(node["matrix"], dtype=np.float64).reshape(4, 4).T
+    if node.matrix is not None:
+        return np.array(node.matrix).reshape(4, 4).T
     matrix = np.eye(4)
-    x, y, z, w = node.get("rotation", [0, 0, 0, 1])
-    matrix[:3, :3] = quaternion_to_matrix([w, x, y, z]) * np.array(node.get("scale", [1, 1, 1]))
-    matrix[:3, 3] = node.get("translation", [0, 0, 0])
+    x, y, z, w = node.rotation
+    matrix[:3, :3] = quaternion_to_matrix([w, x, y, z]) * np.array(node.scale)
+    matrix[:3, 3] = node.translation
     return matrix
 
 
 def _named_mesh(
-    header: dict[str, Any], binary: bytes, source: dict[str, Any], name: str | None
+    header: Gltf, binary: bytes, primitives: list[Primitive], name: str | None
 ) -> Mesh | None:
     try:
-        pieces = [_primitive(header, binary, p) for p in source["primitives"]]
+        pieces = [_primitive(header, binary, primitive) for primitive in primitives]
         kept = [piece for piece in pieces if piece is not None]
         return joined(kept) if kept else None
     except InputError as error:
         raise error.located(part=name) from None
 
 
-def _primitive(header: dict[str, Any], binary: bytes, primitive: dict[str, Any]) -> Mesh | None:
-    mode = primitive.get("mode", TRIANGLES)
-    if mode not in (TRIANGLES, STRIP, FAN) or "POSITION" not in primitive["attributes"]:
+def _primitive(header: Gltf, binary: bytes, primitive: Primitive) -> Mesh | None:
+    mode = primitive.mode
+    if mode not in (TRIANGLES, STRIP, FAN) or "POSITION" not in primitive.attributes:
         return None
-    vertices = _accessor(header, binary, primitive["attributes"]["POSITION"])
-    if "indices" in primitive:
-        indices = _accessor(header, binary, primitive["indices"])
+    vertices = _accessor(header, binary, primitive.attributes["POSITION"], "VEC3")
+    if primitive.indices is not None:
+        indices = _accessor(header, binary, primitive.indices, "SCALAR")
         if indices.dtype.kind != "u":
             raise InputError("corners of the GLB are not whole numbers", hint=_DAMAGED)
         corners = indices.reshape(-1).astype(np.int64)
@@ -172,39 +196,58 @@ def _primitive(header: dict[str, Any], binary: bytes, primitive: dict[str, Any])
     return Mesh(vertices, faces, accuracy=accuracy)
 
 
-def _accessor(header: dict[str, Any], binary: bytes, index: int) -> NDArray[Any]:
+def _accessor(header: Gltf, binary: bytes, index: int, wanted: str) -> NDArray[Any]:
     """Rows of numbers, shape (n, width), as the accessor describes them."""
-    accessor = header["accessors"][index]
-    count, width = int(accessor["count"]), WIDTHS[accessor["type"]]
-    kind = np.dtype(COMPONENTS[accessor["componentType"]])
-    if "bufferView" in accessor:
-        rows = _view(header, binary, accessor, kind, (count, width))
+    accessor = _at(header.accessors, index, "accessor")
+    if accessor.type != wanted:
+        what = f"damaged GLB: accessor {index} is of type {accessor.type!r:.20}, not {wanted}"
+        raise InputError(what, hint=_DAMAGED)
+    count, width, kind = (
+        accessor.count,
+        WIDTHS[wanted],
+        np.dtype(COMPONENTS[accessor.componentType]),
+    )
+    if accessor.bufferView is not None:
+        place = accessor.bufferView, accessor.byteOffset
+        rows = _view(header, binary, place, kind, (count, width))
     else:
         _check_count(count * width * kind.itemsize, len(binary) * 64)
         rows = np.zeros((count, width), dtype=kind)
-    if "sparse" in accessor:
-        sparse = accessor["sparse"]
-        n, where = int(sparse["count"]), sparse["indices"]
-        at = _view(header, binary, where, np.dtype(COMPONENTS[where["componentType"]]), (n, 1))
-        rows = rows.copy()
-        rows[at[:, 0]] = _view(header, binary, sparse["values"], kind, (n, width))
-    if accessor.get("normalized"):
+    if accessor.sparse is not None:
+        rows = _with_sparse(header, binary, accessor.sparse, rows)
+    if accessor.normalized and kind.kind in "iu":
         return np.maximum(rows / np.iinfo(kind).max, -1.0)
     return rows
 
 
+def _with_sparse(header: Gltf, binary: bytes, sparse: Sparse, rows: NDArray[Any]) -> NDArray[Any]:
+    """The rows with those that stand apart in their places."""
+    where, values, n = sparse.indices, sparse.values, sparse.count
+    kind = np.dtype(COMPONENTS[where.componentType])
+    at = _view(header, binary, (where.bufferView, where.byteOffset), kind, (n, 1))[:, 0]
+    if n and int(at.max()) >= len(rows):
+        raise InputError(f"damaged GLB: row {at.max()} of {len(rows)} is not there", hint=_DAMAGED)
+    rows = rows.copy()
+    shape = n, rows.shape[1]
+    rows[at] = _view(header, binary, (values.bufferView, values.byteOffset), rows.dtype, shape)
+    return rows
+
+
 def _view(
-    header: dict[str, Any],
+    header: Gltf,
     binary: bytes,
-    place: dict[str, Any],
+    place: tuple[int, int],
     kind: np.dtype[Any],
     shape: tuple[int, int],
 ) -> NDArray[Any]:
-    view = header["bufferViews"][place["bufferView"]]
-    start = int(view.get("byteOffset", 0)) + int(place.get("byteOffset", 0))
+    """Rows at a place: the number of a view, and the byte in it where they begin."""
+    view = _at(header.bufferViews, place[0], "buffer view")
+    start = view.byteOffset + place[1]
     row = shape[1] * kind.itemsize
-    stride = int(view.get("byteStride", row))
+    stride = view.byteStride or row
     _check_count(start + stride * (shape[0] - 1) + row if shape[0] else 0, len(binary))
+    if not shape[0]:
+        return np.empty(shape, dtype=kind)
     return np.ndarray(shape, kind, binary, start, (stride, kind.itemsize))
 
 
