@@ -66,6 +66,7 @@ def test_check_says_everything_that_its_users_rely_on(capsys: pytest.CaptureFixt
             "contacts",
             "unsupported",
             "open_pairs",
+            "counted_gap",
             "if_joined",
             "certificate",
             "tolerance",

@@ -13,13 +13,20 @@ from __future__ import annotations
 import dataclasses
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from kilter.analysis.as_stated import explained_by_accuracy
 from kilter.analysis.degenerate_branches import decide_degenerate
 from kilter.analysis.judge import Judgement, judge
 from kilter.analysis.open_question import OpenQuestion, ask_open, open_pairs_answer
-from kilter.analysis.ordinary_contacts import OpenTrial, trial_words, try_ordinary
+from kilter.analysis.ordinary_contacts import (
+    EQUILIBRIUM,
+    PROVED,
+    SETTLES,
+    OpenTrial,
+    trial_words,
+    try_ordinary,
+)
 from kilter.analysis.remarks import loose_parts, remarks
 from kilter.analysis.verdict import Verdict, Word
 from kilter.assembly import Assembly, require_assembly
@@ -31,6 +38,7 @@ from kilter.friction.answer import FrictionAnswer, ask_friction
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program, build_program
 from kilter.tell.levels import REQUIRE, require_level
+from kilter.tell.numbers import number as text_of
 from kilter.tell.open_words import undecided_sentence
 from kilter.tell.words import verdict_sentence
 from kilter.threads import on_one_thread
@@ -170,8 +178,10 @@ def _sentence(decision: _Decision, assembly: Assembly, contacts: ContactSet) -> 
         return undecided_sentence(pairs, assembly.units, more=decision.why)
     friction = decision.friction
     coarse = bool(decision.program.tolerance.max(initial=0.0) > TOLERANCE)
+    gap = contacts.counted_gap
+    counted = "" if gap is None else f"{text_of(gap, 3)} {assembly.units}"
     if friction is None:
-        return verdict_sentence(decision.verdict, coarse=coarse)
+        return verdict_sentence(decision.verdict, coarse=coarse, counted=counted)
     settling = friction.settling
     return verdict_sentence(
         decision.verdict,
@@ -180,6 +190,7 @@ def _sentence(decision: _Decision, assembly: Assembly, contacts: ContactSet) -> 
         squeeze=friction.seating.seated == "runs-away",
         tries=(len(friction.tries), len(settling.ends), settling.of),
         coarse=coarse,
+        counted=counted,
     )
 
 
@@ -222,15 +233,25 @@ def _with_friction(
     """What friction guarantees, with the open pairs as ordinary contacts too."""
     answer, trial = ask_friction(program, work=work), None
 
-    def proved(other: Program) -> bool:
-        still = judge(other.frictionless, work=work).stable
-        return bool(still) or ask_friction(other, work=work).guarantee == "proved"
+    def level(other: Program) -> int:
+        if judge(other.frictionless, work=work).stable:
+            return PROVED
+        return _level(ask_friction(other, work=work.beside(work.allowed)))
 
-    if answer.guarantee == "proved":
-        trial = try_ordinary(assembly, contacts, proved)
-        if not trial.holds:
-            answer = replace(answer, guarantee="open")
+    if _level(answer) > EQUILIBRIUM:
+        trial = try_ordinary(assembly, contacts, level)
+        if trial.level < PROVED and answer.guarantee == "proved":
+            answer = dataclasses.replace(answer, guarantee="open")
+        if trial.level < SETTLES:
+            answer = dataclasses.replace(answer, tries=())
     return _Decision(_word(answer), program, judgement, answer, trial=trial)
+
+
+def _level(friction: FrictionAnswer) -> int:
+    """What friction guarantees, as a level that can be compared."""
+    if friction.guarantee == "proved":
+        return PROVED
+    return SETTLES if friction.settles else EQUILIBRIUM
 
 
 def _as_stated(assembly: Assembly, contacts: ContactSet, decision: _Decision) -> _Decision:

@@ -29,8 +29,19 @@ from kilter.contact.open_pairs import OpenPair, still_open
 from kilter.errors import some
 from kilter.mechanics.program import Program, build_program
 
-__all__ = ["MOST_TRIED", "OpenTrial", "trial_words", "try_ordinary", "with_ordinary_contacts"]
+__all__ = [
+    "EQUILIBRIUM",
+    "MOST_TRIED",
+    "PROVED",
+    "SETTLES",
+    "OpenTrial",
+    "trial_words",
+    "try_ordinary",
+    "with_ordinary_contacts",
+]
 
+EQUILIBRIUM, SETTLES, PROVED = range(3)
+"""What friction guarantees: forces exist; it settles; no motion obeys the law."""
 MOST_TRIED = 4
 """Open pairs of which every subset is tried."""
 WIDER = 1.01
@@ -39,59 +50,63 @@ WIDER = 1.01
 
 @dataclass(frozen=True, slots=True)
 class OpenTrial:
-    """What became of a claim when open pairs were ordinary contacts.
+    """What friction guarantees when open pairs are ordinary contacts.
 
     Attributes
     ----------
-    holds : bool
-        In every subset of them.
+    level : {EQUILIBRIUM, SETTLES, PROVED}
+        The lowest of every subset of them.
     tried : int
         How many subsets.
-    failed : tuple of OpenPair
-        The first subset in which it does not hold.
+    lowest : tuple of OpenPair
+        The first subset of that level, where it is not PROVED.
     """
 
-    holds: bool
+    level: int
     tried: int
-    failed: tuple[OpenPair, ...] = ()
+    lowest: tuple[OpenPair, ...] = ()
 
 
 def try_ordinary(
-    assembly: Assembly, contacts: ContactSet, claim: Callable[[Program], bool]
+    assembly: Assembly, contacts: ContactSet, level_of: Callable[[Program], int]
 ) -> OpenTrial:
-    """Ask a claim of the program of each subset of the open pairs.
+    """Ask the level of the program of each subset of the open pairs.
 
     Parameters
     ----------
     assembly : Assembly
     contacts : ContactSet
-    claim : callable
-        From a program to whether what is claimed holds of it.
+    level_of : callable
+        From a program to what friction guarantees of it.
     """
     pairs = still_open(contacts.open_pairs, assembly)
     if len(pairs) > MOST_TRIED or any(one.kind == "free-form" for one in pairs):
-        return OpenTrial(not pairs, 0)
+        return OpenTrial(EQUILIBRIUM if pairs else PROVED, 0)
     wide = _touching_all(assembly, contacts, pairs) if pairs else contacts
-    tried = 0
-    for chosen in _subsets(pairs):
-        tried += 1
-        if not claim(build_program(assembly, with_ordinary_contacts(contacts, wide, chosen))):
-            return OpenTrial(False, tried, chosen)
-    return OpenTrial(True, tried)
+    found = OpenTrial(PROVED, 0)
+    for tried, chosen in enumerate(_subsets(pairs), start=1):
+        other = with_ordinary_contacts(contacts, wide, chosen)
+        level = level_of(build_program(assembly, other))
+        lower = level < found.level
+        found = OpenTrial(min(level, found.level), tried, chosen if lower else found.lowest)
+        if level == EQUILIBRIUM:
+            break
+    return found
 
 
 def trial_words(trial: OpenTrial, assembly: Assembly, count: int) -> str:
     """What a trial of `count` open pairs says."""
-    if trial.holds:
+    if trial.level == PROVED:
         return (
-            f"what is proved is so with the {count} open pairs as ordinary contacts too, "
+            f"what is said of friction is so with the {count} open pairs as ordinary contacts too, "
             f"in every subset of them ({trial.tried} tried)"
         )
-    if not trial.failed:
-        return f"not proved, since {count} open pairs may be contacts too, in more ways than tried"
+    word = "proved" if trial.level == SETTLES else "said to settle"
+    if not trial.lowest:
+        return f"not {word}, since {count} open pairs may be contacts too, in more ways than tried"
     names = assembly.names
-    pairs = [f"{names[p.parts[0]]!r} and {names[p.parts[1]]!r}" for p in trial.failed]
-    return f"not proved, since it is not so if these touch as ordinary contacts: {some(pairs)}"
+    pairs = [f"{names[p.parts[0]]!r} and {names[p.parts[1]]!r}" for p in trial.lowest]
+    return f"not {word}, since it is not so if these touch as ordinary contacts: {some(pairs)}"
 
 
 def _subsets(pairs: tuple[OpenPair, ...]) -> Iterator[tuple[OpenPair, ...]]:

@@ -337,6 +337,7 @@ class Verdict:
             },
             "unsupported": unsupported_answer(assembly, contacts),
             "open_pairs": open_pairs_answer(assembly, contacts, self.question),
+            "counted_gap": contacts.counted_gap,
             "if_joined": None if self.question is None else self.question.to_dict(assembly.names),
             "nearest": contacts.of(assembly).nearest(),
             "joints": joints_answer(assembly),

@@ -26,7 +26,7 @@ from kilter.arrays import (
 from kilter.assembly import Assembly
 from kilter.contact.contact_tolerances import MEAN_NORMAL
 from kilter.contact.fits.coaxial import Fit
-from kilter.contact.gaps import Rejected, Tolerance
+from kilter.contact.gaps import Rejected, Tolerance, nearest_gap
 from kilter.contact.left_out import INTERFERE, SAME_BODY, Overlap, PossibleContacts, Unsupported
 from kilter.contact.neighbours import Neighbour
 from kilter.contact.open_pairs import OpenPair, still_open
@@ -264,6 +264,24 @@ class ContactSet:
     def point_patch(self) -> Index:
         """The patch of each point, shape (K,)."""
         return np.repeat(np.arange(len(self)), np.diff(self.patch_start))
+
+    @property
+    def counted_gap(self) -> float | None:
+        """The widest gap of a patch that only a widened tolerance takes for contact.
+
+        None where every patch would count by the default tolerance too.
+        """
+        given, usual = self.tolerance, Tolerance()
+        if given == usual or not len(self):
+            return None
+        geometry = self.assembly.geometry
+        parts = self.patch_parts
+        limit = usual.gap_of(geometry.size[parts].min(axis=1))
+        limit = np.maximum(limit, 2 * geometry.accuracy[parts].sum(axis=1))
+        spread = self.patch_gap[:, 1] - self.patch_gap[:, 0]
+        tilted = spread > 2 * usual.angle * np.sqrt(self.patch_area) + limit
+        wide = (np.abs(nearest_gap(self.patch_gap)) > limit) | tilted
+        return float(np.abs(self.patch_gap[wide]).max()) if wide.any() else None
 
     @property
     def pairs(self) -> int:

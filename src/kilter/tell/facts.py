@@ -126,7 +126,8 @@ def _check(answer: Answer) -> list[Fact]:
     if answer["z"] is not None and answer["verdict"] != "stable":
         found.append(("instability", _instability(answer)))
     if answer["neutral"] is not None:
-        found.append(("neutral", _neutral(**answer["neutral"])))
+        closed = answer["counted_gap"] is not None
+        found.append(("neutral", _neutral(**answer["neutral"], closed=closed)))
     return [*found, *_seconds(answer)]
 
 
@@ -248,9 +249,9 @@ def _instability(answer: Answer) -> str:
     return words
 
 
-def _neutral(two_sided: int, one_sided: int) -> str:
+def _neutral(two_sided: int, one_sided: int, *, closed: bool = False) -> str:
     if two_sided + one_sided == 0:
-        return "none: strictly held"
+        return "none, counting gaps as closed" if closed else "none: strictly held"
     return (
         f"{two_sided} two-sided, {one_sided} one-sided motions cost no energy to first order; "
         "only there does second order matter"

@@ -36,7 +36,7 @@ ALONG = 1e-6
 NAMED = 2
 """Parts that `motion_summary` describes, the fastest."""
 SENTENCES = {
-    ("stable", None): "Stable{within}: it cannot start to move, however slippery the parts.",
+    ("stable", None): "Stable{within}: it cannot start to move{slippery}.",
     ("stable", "proved"): (
         "Stable{within}: with this friction no motion can start, whatever the contact forces "
         "were before."
@@ -102,6 +102,7 @@ def verdict_sentence(
     squeeze: bool = False,
     tries: tuple[int, int, int] = (0, 0, 0),
     coarse: bool = False,
+    counted: str = "",
 ) -> str:
     """The sentence of a verdict that is not undecided.
 
@@ -118,18 +119,24 @@ def verdict_sentence(
         Passed, made, and asked for.
     coarse : bool
         The data are coarser than float64.
+    counted : str
+        The widest gap that only a widened tolerance counts as closed.
 
     Examples
     --------
     >>> verdict_sentence("stable")
     'Stable: it cannot start to move, however slippery the parts.'
+    >>> verdict_sentence("stable", counted="1 mm")
+    'Stable, counting gaps up to 1 mm as closed: it cannot start to move.'
     """
     key = guarantee if verdict == "stable" else why
     if why == "refuted" and squeeze:
         key = "refuted squeeze"
     passed, tried, of = tries
+    counting = f", counting gaps up to {counted} as closed" if counted else ""
     return SENTENCES[verdict, key].format(
-        within=" within the accuracy of the data" if coarse else "",
+        within=(" within the accuracy of the data" if coarse else "") + counting,
+        slippery="" if counted else ", however slippery the parts",
         beyond=" beyond the accuracy of the data" if coarse else "",
         passed=passed,
         tried=tried,
