@@ -14,12 +14,11 @@ are known by those only.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, across, cross, unit_rows
-from kilter.assembly.assembly_tolerances import BESIDE_SEAM, CREASE, UPRIGHT
+from kilter.arrays import Array, Index, across, cross, unit_rows
+from kilter.assembly.assembly_tolerances import BESIDE_SEAM, UPRIGHT
+from kilter.assembly.edge_curves import Chords
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import FREE, SPHERE, TORUS
 from kilter.shape.closed import shared_edges
@@ -31,8 +30,6 @@ AROUND = 144
 """Points that are asked of a circle that is lowest all around."""
 SECTIONS = 36
 """Golden sections of a chord, to 3e-8 of it: heights are then exact to rounding."""
-STEPS = 4
-"""Newton steps from a chord to the edge that it stands for."""
 GOLDEN = (np.sqrt(5.0) - 1) / 2
 
 
@@ -94,56 +91,24 @@ def _lowest_of_surface(geometry: Geometry, row: int, up: Array) -> Array:
 # on edges -----------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Chords:
-    """Chords p to q of edges between two faces: a surface (-1: the plane of a triangle) each."""
-
-    p: Array
-    q: Array
-    surface: Index
-    origin: Array
-    normal: Array
-
-    def rising(self, side: int, points: Array, geometry: Geometry) -> tuple[Array, Array]:
-        """Signed distance of points from the faces of a side, and its gradient."""
-        row, s = self.surface[:, side], geometry.surfaces
-        normal = self.normal[:, side].copy()
-        value = np.einsum("ij,ij->i", points - self.origin[:, side], normal)
-        curved = np.flatnonzero(row >= 0)
-        value[curved] = s.distance(row[curved], points[curved])
-        normal[curved] = s.outward(row[curved], points[curved])
-        return value, normal
-
-    def on_edge(self, share: Array, geometry: Geometry) -> tuple[Array, Mask]:
-        """Points of the edges over shares of their chords, and where they were found."""
-        along = unit_rows(self.q - self.p)
-        points = self.p + share[:, None] * (self.q - self.p)
-        for _ in range(STEPS):
-            (f, m), (g, n) = (self.rising(side, points, geometry) for side in (0, 1))
-            sine = np.einsum("ij,ij->i", cross(m, n), along)
-            crease = np.abs(sine) > CREASE
-            step = f[:, None] * cross(along, n) - g[:, None] * cross(along, m)
-            points = points + step / np.where(crease, sine, np.inf)[:, None]
-        length = np.linalg.norm(self.q - self.p, axis=1)
-        off = np.maximum(*(np.abs(self.rising(side, points, geometry)[0]) for side in (0, 1)))
-        return points, crease & (off <= BESIDE_SEAM * length)
-
-
 def _on_edges(geometry: Geometry, up: Array, low: Array) -> tuple[Index, Array]:
     """Parts and heights of the lowest points of edges beside exact round faces."""
     chords, part = _chords(geometry, up, low)
     if not len(part):
         return part, np.empty(0)
-    left, right = np.zeros(len(part)), np.ones(len(part))
+    s, left, right = geometry.surfaces, np.zeros(len(part)), np.ones(len(part))
     for _ in range(SECTIONS):
         one, other = right - GOLDEN * (right - left), left + GOLDEN * (right - left)
-        lower = chords.on_edge(one, geometry)[0] @ up < chords.on_edge(other, geometry)[0] @ up
+        lower = (
+            chords.on_edge(one, geometry.surfaces)[0] @ up
+            < chords.on_edge(other, geometry.surfaces)[0] @ up
+        )
         left, right = np.where(lower, left, one), np.where(lower, other, right)
-    points, found = chords.on_edge((left + right) / 2, geometry)
+    points, found = chords.on_edge((left + right) / 2, s)
     return part[found], (points @ up)[found]
 
 
-def _chords(geometry: Geometry, up: Array, low: Array) -> tuple[_Chords, Index]:
+def _chords(geometry: Geometry, up: Array, low: Array) -> tuple[Chords, Index]:
     """Edges between different faces, one of them round, near the bottom of their parts."""
     s, label = geometry.surfaces, geometry.triangle_surface
     owner = geometry.triangle_part
@@ -161,5 +126,5 @@ def _chords(geometry: Geometry, up: Array, low: Array) -> tuple[_Chords, Index]:
     normal = unit_rows(
         cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 2] - corners[:, :, 0])
     )
-    chords = _Chords(p[keep], q[keep], rows[keep], corners[:, :, 0], normal)
+    chords = Chords(p[keep], q[keep], rows[keep], corners[:, :, 0], normal)
     return chords, owner[sides[keep, 0]]

@@ -22,7 +22,7 @@ from kilter.assembly.geometry import Geometry
 from kilter.contact.contact_set import INTERFERE, SAME_BODY, Overlap
 from kilter.contact.contact_tolerances import SAME_PLACE
 from kilter.contact.fits.coaxial import coaxial_fits
-from kilter.contact.fits.shared_body import PartSolids, depth_of, shared_body
+from kilter.contact.fits.shared_body import PartSolids, SharedBody, depth_of, shared_body
 from kilter.contact.fits.winding_depth import depth_by_winding
 from kilter.contact.gaps import Tolerance
 from kilter.contact.planar.facets import Facets
@@ -78,6 +78,10 @@ def find_overlaps(
     return tuple(_measured(of, overlap) for overlap in _named(assembly, found, allowed))
 
 
+FINER = 2
+"""Rounds in which triangles are cut finer to measure what is shared."""
+
+
 def _named(assembly: Assembly, found: list[Overlap], tolerance: Tolerance) -> list[Overlap]:
     """Overlaps, those of shafts in tighter holes named as such."""
     fits = coaxial_fits(assembly, [overlap.parts for overlap in found], tolerance)
@@ -90,13 +94,24 @@ def _named(assembly: Assembly, found: list[Overlap], tolerance: Tolerance) -> li
 
 def _measured(of: _Overlapping, overlap: Overlap) -> Overlap:
     """An overlap with its volume and that over the volume of the smaller part."""
-    volume = overlap.volume
-    if volume is None:
+    volume, geometry, both = overlap.volume, of.geometry, list(overlap.parts)
+    if volume is None or (geometry.slack[both] > 0).any():
         body = shared_body(of.solids, *overlap.parts)
-        volume = None if body is None else body.volume
-    smaller = float(of.geometry.volume[list(overlap.parts)].min())
+        volume = _exact_volume(geometry, overlap.parts, body) if body is not None else volume
+    smaller = float(geometry.volume[both].min())
     share = None if volume is None else volume / smaller
     return replace(overlap, volume=volume, share=share)
+
+
+def _exact_volume(geometry: Geometry, parts: tuple[int, int], body: SharedBody) -> float:
+    """The volume of a shared body, of finer triangles where round faces are known exactly."""
+    slack = float(geometry.slack[list(parts)].sum())
+    if not slack or not len(body.corners):
+        return body.volume
+    corners = body.corners.reshape(-1, 3)
+    box = corners.min(axis=0) - slack, corners.max(axis=0) + slack
+    finer = shared_body(PartSolids(geometry, (FINER, box)), *parts)
+    return body.volume if finer is None else finer.volume
 
 
 def _overlap(

@@ -9,7 +9,7 @@ asked at its corners and at the middles of its sides and triangles. The distance
 nearest corner of the other surface is never less than that, so the farthest points are asked
 first, and the rest only until that bound falls below what was found.
 
-Curved faces count as their inscribed polyhedra.
+Curved faces count as their inscribed polyhedra, cut as fine as is asked for.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ import numpy as np
 
 from kilter.arrays import Array, Index, Mask
 from kilter.assembly.geometry import Geometry
+from kilter.assembly.refined import refined
 from kilter.contact.triangle_distance import at_most, surface_distance
 from kilter.shape.closed import welded
 
@@ -38,10 +39,12 @@ class PartSolids:
     """The parts as the kernel holds them, each made when it is first cut; None: refused.
 
     A part stands in its own place, its centre of mass at the origin: coordinates keep their
-    digits, and what is far from the origin of the file is cut as well as what is near.
+    digits, and what is far from the origin of the file is cut as well as what is near. With
+    `finer` (rounds, box) triangles within a box are cut finer, on their exact surfaces.
     """
 
     geometry: Geometry
+    finer: tuple[int, tuple[Array, Array]] | None = None
     made: dict[int, Any] = field(default_factory=dict)
 
     def of(self, part: int) -> Any:
@@ -52,10 +55,10 @@ class PartSolids:
 
     def _make(self, part: int) -> Any:
         g = self.geometry
-        first, last = g.vertex_start[part], g.vertex_start[part + 1]
-        rows = g.triangles[g.triangle_start[part] : g.triangle_start[part + 1]] - first
+        rounds, box = self.finer or (0, (g.center[part], g.center[part]))
+        corners, rows = refined(g, part, rounds, box)
         vertices, triangles, _ = welded(
-            g.vertices[first:last] - g.center[part], rows, accuracy=float(g.accuracy[part])
+            corners - g.center[part], rows, accuracy=float(g.accuracy[part])
         )
         if not _bounds_a_body(triangles):
             return None
