@@ -51,10 +51,10 @@ SEATING = 2.0
 SETTLING = 8.0
 """Efforts of settling, beside those of the search: tries that are not made when it is spent are
 not passed. An arch of 100 voussoirs in space takes a quarter of it."""
-ROUNDS = ((0.15, 0.45), (0.65, 1.0))
-"""Fractions of the work at which the search of a motion ends, and the proof after it, in two
-rounds. Most assemblies are decided in the first, by a short search or a short proof; what is
-left needs long ones, and which of the two is not known before."""
+EXCLUDING = 2.0
+"""Efforts of the proof that there is no motion, beside those of the search: it comes after the
+starts of the search, which find most motions at once, and before its contact modes, which take
+long and are needed where no proof exists."""
 
 Answer = Literal["proved", "refuted", "open"]
 Why = Literal["refuted", "jams", "squeeze", "not-found"]
@@ -136,21 +136,16 @@ def ask_friction(
         )
 
     runaway = seating.runaway if seating.runaway is not None else settling.runaway
-    exclusion, searched = None, False
-    for search_until, proof_until in ROUNDS:
-        if not searched:
-            whole.stage("looking for a motion")
-            part = whole.until(search_until)
-            witness = find_coulomb_motion(program, work=part, runaway=runaway)
-            if witness is not None:
-                return answer("refuted", witness)
-            # a search that ended before its time would find the same again: nothing
-            searched = not part.over
-        whole.stage("excluding every motion")
-        exclusion = prove_no_motion(program, work=whole.until(proof_until))
-        if exclusion.proved:
-            return answer("proved", exclusion=exclusion)
-    return answer("open", exclusion=exclusion)
+    whole.stage("looking for a motion")
+    witness = find_coulomb_motion(program, work=whole, runaway=runaway, only="starts")
+    if witness is not None:
+        return answer("refuted", witness)
+    whole.stage("excluding every motion")
+    exclusion = prove_no_motion(program, work=whole.beside(EXCLUDING * whole.allowed))
+    if exclusion.proved:
+        return answer("proved", exclusion=exclusion)
+    witness = find_coulomb_motion(program, work=whole, only="modes")
+    return answer("open" if witness is None else "refuted", witness, exclusion)
 
 
 def _put_down(program: Program, whole: Work) -> tuple[Seating, Settling]:

@@ -42,13 +42,17 @@ __all__ = ["Exclusion", "prove_no_motion", "start_proof"]
 
 Kind = Literal["moments", "contraction", "modes", "sectors"]
 
-FIRST = 0.1
-"""Fraction of the work for modes before anything is contracted; in space, for the forces."""
+FIRST = 0.5
+"""Fraction of the work for modes before anything is contracted."""
+FORCES_FIRST = 0.1
+"""In space, fraction of the work for the bounds of forces."""
 SECOND = 0.4
 """Fraction of what is left then for contraction."""
 LIMIT = f"contact forces up to {LARGEST_FORCE:g} times the weight"
 """What a proof supposes where nothing bounds the forces."""
-BY_MOMENTS = 0.6
+CASES, CASE_ENTRY = 5, 3.0
+"""In space cases are begun if so many can be paid; units of an entry of the relaxation in each."""
+BY_MOMENTS = 0.8
 """Fraction of the work after which moments begin no further step."""
 
 
@@ -160,10 +164,11 @@ def _tried(
             return "moments", CasesLeft(found.power, 0, True)
         least = found.power
         bounds = rescaled(attempt.relaxation.fastest, bounds, least)
-    if attempt.work.over:
+    cost = CASE_ENTRY * attempt.relaxation.program(bounds).matrix.nnz
+    if attempt.work.over or CASES * cost > attempt.work.left:
         return "sectors", CasesLeft(least, 0, False)
     _, _, answer, _ = power_bound(attempt, bounds)
-    bounds = shrunk(attempt, bounds, answer, FORCES, attempt.work.until(FIRST))
+    bounds = shrunk(attempt, bounds, answer, FORCES, attempt.work.until(FORCES_FIRST))
     left = _kept(attempt, divided(attempt, bounds))
     return "sectors", replace(left, power=min(left.power, least))
 

@@ -25,7 +25,7 @@ from scipy.sparse import csr_array, eye_array, hstack, vstack
 from kilter.arrays import Index, Mask, starts
 from kilter.friction.reduced_law import ReducedLaw
 
-__all__ = ["MomentForms", "moment_forms"]
+__all__ = ["MomentForms", "bodies_of", "moment_forms", "width_of"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -137,6 +137,16 @@ def moment_forms(law: ReducedLaw, scale: float) -> MomentForms:
         slip, zero, ft.reshape(groups, law.directions), ut.reshape(groups, law.directions),
         np.arange(at[5], at[-1]).reshape(patches, count), patch, bodies, touching,
     )  # fmt: skip
+
+
+def width_of(law: ReducedLaw) -> int:
+    """How many coordinates z has."""
+    return 1 + len(law.load) + len(law.group) + (law.directions + 1) * len(law.mu)
+
+
+def bodies_of(law: ReducedLaw) -> int:
+    """How many bodies a law has."""
+    return len(_bodies(law))
 
 
 def _spread(rows: csr_array, before: int, width: int) -> csr_array:

@@ -28,7 +28,7 @@ import numpy as np
 from kilter.arrays import Array, Index
 from kilter.friction.force_bound import force_bound
 from kilter.friction.moment_bound import SQUARES, MomentStep, Squares, power_left, squares_of
-from kilter.friction.moment_forms import MomentForms, moment_forms
+from kilter.friction.moment_forms import MomentForms, bodies_of, moment_forms, width_of
 from kilter.friction.moment_products import ProductRows, law_products, monomials, over_monomials
 from kilter.friction.reduced_law import ReducedLaw
 from kilter.solvers.clarabel import solve_semidefinite
@@ -82,8 +82,9 @@ def moment_proof(law: ReducedLaw, opening: Array, tolerance: float, *, work: Wor
     """
     forces, left = force_bound(law, opening), 1.0
     steps: list[MomentStep] = []
-    rung, scale = 0, 1.0
-    if not np.isfinite(forces):
+    # pairs of three bodies and more leave too much
+    rung, scale = int(bodies_of(law) > 2), 1.0
+    if not np.isfinite(forces) or width_of(law) > MOST_FORMS:
         return MomentProof(left, ())
     for _ in range(STEPS):
         if left <= tolerance or rung == len(SQUARES) or work.over:
@@ -102,8 +103,6 @@ def moment_proof(law: ReducedLaw, opening: Array, tolerance: float, *, work: Wor
 def _step(law: ReducedLaw, scale: float, squares: Squares, work: Work) -> MomentStep | None:
     """One semidefinite program; None where it cannot be paid, or its solver breaks down."""
     forms = moment_forms(law, scale)
-    if forms.width > MOST_FORMS:
-        return None
     program = moment_program(forms, squares)
     if DEAR[squares] * SEMIDEFINITE_ENTRY * USUAL_STEPS * program.entries > work.left:
         return None

@@ -33,6 +33,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import chain
+from typing import Literal
 
 import numpy as np
 from scipy.sparse import csc_array, eye_array
@@ -51,6 +53,8 @@ from kilter.threads import on_one_thread
 from kilter.work import Work
 
 __all__ = ["CoulombMotion", "DeSaxcePrograms", "de_saxce_programs", "find_coulomb_motion"]
+
+Part = Literal["starts", "modes"]
 
 STARTS = 8
 """Starts of De Saxce's iteration: free fall, all lubricated, none, the rest at random."""
@@ -161,6 +165,7 @@ def find_coulomb_motion(
     seed: int = 0,
     nearest: bool = False,
     runaway: Array | None = None,
+    only: Part | None = None,
 ) -> CoulombMotion | None:
     """A motion that obeys the contact law, or None where none was found.
 
@@ -176,11 +181,15 @@ def find_coulomb_motion(
         Also a motion that does not obey the law well enough to count, the nearest.
     runaway : ndarray, shape (N, 6), optional
         Of `find_seating`, where that has been asked already.
+    only : {"starts", "modes"}, optional
+        Only from starts of De Saxce's iteration, which take little; or only by contact modes.
     """
     search = _MotionSearch(program, Work.of(work))
     if not len(search.law.load) or not search.law.strength:
         return None
-    for found, candidate in _starts(search, np.random.default_rng(seed), runaway):
+    starts = _starts(search, np.random.default_rng(seed), runaway) if only != "modes" else ()
+    modes = _modes(search) if only != "starts" else ()
+    for found, candidate in chain(starts, modes):
         if candidate is not None:
             _iterate(search, candidate, found)
         if search.over:
@@ -215,11 +224,16 @@ def _starts(
         x = law.columns(runaway)
         x = x * (law.load @ x) / max(float(x @ x), TINY)
         yield "run-away from its seat", TrialMotion(x, np.zeros((len(law.mu), 3)))
-    say("looking for a motion: contact modes")
-    if len(law.mu) <= MOST_POINTS:
-        for candidate in by_modes(law, nodes=NODES, work=search.work):
-            search.programs += 1
-            yield BY_MODES, candidate
+
+
+def _modes(search: _MotionSearch) -> Iterator[tuple[str, TrialMotion]]:
+    """Candidates by contact modes."""
+    if search.over or len(search.law.mu) > MOST_POINTS:
+        return
+    search.work.stage("looking for a motion: contact modes")
+    for candidate in by_modes(search.law, nodes=NODES, work=search.work):
+        search.programs += 1
+        yield BY_MODES, candidate
 
 
 def _iterate(search: _MotionSearch, candidate: TrialMotion, found: str) -> None:
