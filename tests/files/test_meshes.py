@@ -160,6 +160,22 @@ def gltf(edit: Any = None, mesh: trimesh.Trimesh | None = None) -> bytes:
     return head + text + rest
 
 
+def test_nodes_above_tell_parts_of_one_name_apart(write) -> None:
+    def edit(header: dict[str, Any]) -> None:
+        header["nodes"] = [
+            {"name": "left", "children": [2, 3]},
+            {"name": "right", "translation": [5, 0, 0], "children": [4, 5]},
+            {"name": "bolt", "mesh": 0},
+            {"name": "nut", "mesh": 0, "translation": [2, 0, 0]},
+            {"name": "bolt", "mesh": 0},
+            {"name": "bolt", "mesh": 0, "translation": [0, 3, 0]},
+        ]
+        header["scenes"] = [{"nodes": [0, 1]}]
+
+    names = load(write("a.glb", gltf(edit))).names
+    assert names == ("left/bolt", "nut", "right/bolt", "right/bolt_2")
+
+
 def test_instances_of_a_mesh_stand_where_their_nodes_put_them(write) -> None:
     def edit(header: dict[str, Any]) -> None:
         header["nodes"] = [
@@ -171,7 +187,7 @@ def test_instances_of_a_mesh_stand_where_their_nodes_put_them(write) -> None:
         header["scenes"] = [{"nodes": [0]}]
 
     assembly = load(write("a.glb", gltf(edit)))
-    assert assembly.names == ("bolt", "bolt_2", "nut")
+    assert assembly.names == ("bolt", "bolt/bolt", "nut")
     assert assembly.geometry.volume == pytest.approx([1, 2, 1])
     assert assembly.geometry.center[1:] == pytest.approx(np.array([[3, 0, 0], [0, 5, 0]]))
     assert not assembly.geometry.warnings  # the mirror image is not inside out

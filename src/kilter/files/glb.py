@@ -1,8 +1,9 @@
 """GLB (binary glTF 2.0): the meshes of its scene, each where its nodes put it.
 
 The primitives of one mesh make one solid (they differ in material only). Names are those of
-the nodes, else of the meshes. The standard says metres and y up; both stay as they are: give
-a direction of gravity along -y. Coordinates are float32. Compressed meshes are refused.
+the nodes, else of the meshes, with as many of the nodes above as tell them apart. The standard
+says metres and y up; both stay as they are: give a direction of gravity along -y. Coordinates
+are float32. Compressed meshes are refused.
 
 References
 ----------
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 from kilter.arrays import Array
 from kilter.errors import InputError
 from kilter.files.accuracy import SINGLE
+from kilter.files.naming import tails
 from kilter.files.placed import joined, placed
 from kilter.files.strict_json import parse_json
 from kilter.rigid import quaternion_to_matrix
@@ -115,12 +117,13 @@ def _refuse_unread(header: Gltf) -> None:
 
 def _solids(header: Gltf, binary: bytes) -> tuple[list[tuple[str | None, Mesh]], list[str]]:
     read: dict[int, Mesh | None] = {}
-    solids: list[tuple[str | None, Mesh]] = []
+    solids: list[tuple[tuple[str, ...], Mesh]] = []
     seen: set[int] = set()
     skipped = 0
-    pending = [(k, np.eye(4)) for k in reversed(_roots(header))]
+    start: tuple[str, ...] = ()
+    pending = [(k, np.eye(4), start) for k in reversed(_roots(header))]
     while pending:
-        k, above = pending.pop()
+        k, above, path = pending.pop()
         node = _at(header.nodes, k, "node")
         if k in seen:
             raise InputError(f"node {k} of the GLB stands under two nodes", hint=_DAMAGED)
@@ -128,18 +131,23 @@ def _solids(header: Gltf, binary: bytes) -> tuple[list[tuple[str | None, Mesh]],
         matrix = above @ _matrix(node)
         if not np.isfinite(matrix).all():
             raise InputError(f"node {k} of the GLB has no finite place", hint=_DAMAGED)
-        pending.extend((child, matrix) for child in reversed(node.children))
+        own = (node.name or "").strip()
+        below = (*path, own) if own else path
+        pending.extend((child, matrix, below) for child in reversed(node.children))
         if node.mesh is None:
             continue
         source = _at(header.meshes, node.mesh, "mesh")
-        name = (node.name or source.name or "").strip() or None
+        name = own or (source.name or "").strip() or None
         if node.mesh not in read:
             read[node.mesh] = _named_mesh(header, binary, source.primitives, name)
         mesh = read[node.mesh]
         skipped += mesh is None
-        solids += [] if mesh is None else [(name, placed(mesh, matrix))]
+        solids += [] if mesh is None else [((*path, name or ""), placed(mesh, matrix))]
+    named = [row for row, (whole, _) in enumerate(solids) if whole[-1]]
+    names = dict(zip(named, tails([solids[row][0] for row in named]), strict=True))
+    found = [(names.get(row), mesh) for row, (_, mesh) in enumerate(solids)]
     notes = [f"{skipped} objects without triangles are passed over"] if skipped else []
-    return solids, notes
+    return found, notes
 
 
 def _roots(header: Gltf) -> list[int]:
