@@ -1,0 +1,95 @@
+"""The same answer, bit for bit: alone, on a busy machine, with other hash seeds and threads.
+
+    python benchmarks/same_answer.py                 the scenes and 30 random assemblies
+    python benchmarks/same_answer.py ../shared/data  and the assemblies of a folder of folders
+
+Each assembly is checked in a process of its own under four conditions, and every number of the
+answer but `seconds` is compared: alone with one thread; beside four processes that keep the
+machine busy; with another PYTHONHASHSEED; with two threads. Prints what differs, which must be
+nothing.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+RANDOM = 30
+"""Random assemblies."""
+LIMIT = 300
+"""Seconds that an assembly may take."""
+CONDITIONS = {
+    "alone": {"PYTHONHASHSEED": "0", "threads": "1", "busy": "0"},
+    "busy": {"PYTHONHASHSEED": "0", "threads": "1", "busy": "4"},
+    "hash seed 1": {"PYTHONHASHSEED": "1", "threads": "1", "busy": "0"},
+    "two threads": {"PYTHONHASHSEED": "0", "threads": "2", "busy": "0"},
+}
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "RAYON_NUM_THREADS")
+
+
+def subjects(folders: list[Path], into: Path) -> list[tuple[str, list[str]]]:
+    """Names, and what to type after ``kilter check``."""
+    from kilter import dump
+    from kilter.scenes import SCENES, scene
+    from kilter.scenes.random_friction import random_assembly
+
+    found = []
+    for name in SCENES:
+        file = into / f"{name}.kilter.json"
+        dump(scene(name), file)
+        found.append((name, [str(file)]))
+    for seed in range(RANDOM):
+        file = into / f"random-{seed}.kilter.json"
+        dump(random_assembly(seed)[1], file)
+        found.append((file.stem, [str(file)]))
+    for folder in folders:
+        for one in sorted(path for path in folder.glob("*/*") if path.suffix in ("", ".json")):
+            found.append((str(one), [str(one), "--floor", "--friction", "0.6"]))
+    return found
+
+
+def answered(words: list[str], condition: dict[str, str]) -> str:
+    """A digest of the answer without its times, or the exit code of what is refused."""
+    known = dict.fromkeys(THREADS, condition["threads"])
+    environment = os.environ | known | {"PYTHONHASHSEED": condition["PYTHONHASHSEED"]}
+    spin = [sys.executable, "-c", "while True: pass"]
+    others = [subprocess.Popen(spin) for _ in range(int(condition["busy"]))]
+    command = [sys.executable, "-m", "kilter", "check", *words, "--json", "--quiet"]
+    try:
+        ran = subprocess.run(
+            command, env=environment, capture_output=True, text=True, timeout=LIMIT, check=False
+        )
+    except subprocess.TimeoutExpired:
+        return "late"
+    finally:
+        for one in others:
+            one.kill()
+    if not ran.stdout:
+        return f"exit {ran.returncode}"
+    answer = json.loads(ran.stdout)
+    answer.pop("seconds")
+    text = json.dumps(answer, sort_keys=True)
+    return f"{answer['verdict']} {hashlib.sha256(text.encode()).hexdigest()[:12]}"
+
+
+def main() -> int:
+    """Compare them all; 1 where something differs."""
+    different = 0
+    with tempfile.TemporaryDirectory() as folder:
+        asked = subjects([Path(word) for word in sys.argv[1:]], Path(folder))
+        for name, words in asked:
+            answers = {key: answered(words, one) for key, one in CONDITIONS.items()}
+            same = len(set(answers.values())) == 1
+            different += not same
+            print(f"{name:<40} {answers['alone'] if same else answers}", flush=True)
+    print(f"{len(asked)} assemblies, {different} that differ")
+    return int(bool(different))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
