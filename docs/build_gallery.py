@@ -12,7 +12,7 @@ from typing import Any
 
 PAGE = "gallery.md"
 EFFORT = 1
-"""Seconds for what friction guarantees, a scene; what is open then says so."""
+"""Of what friction guarantees, a scene; what is open then says so."""
 WORDS = {
     "stable": "Stable",
     "settles": "Settles",

@@ -129,9 +129,7 @@ def moment_forms(law: ReducedLaw, scale: float) -> MomentForms:
     at = starts([one_of.shape[0] for one_of in blocks])
     un, ut, total, zero = (np.arange(at[k], at[k + 1]) for k in range(1, 5))
     bodies = _bodies(law)
-    touching = np.array([
-        [bool(forces[owner == k][:, own].nnz) for own in bodies] for k in range(patches)
-    ]).reshape(patches, len(bodies))  # fmt: skip
+    touching = _touching(forces, owner, bodies, patches)
     return MomentForms(
         law, scale, csr_array(vstack(blocks, format="csr")), int(one[0]), motion, fn, un, total,
         slip, zero, ft.reshape(groups, law.directions), ut.reshape(groups, law.directions),
@@ -147,6 +145,18 @@ def width_of(law: ReducedLaw) -> int:
 def bodies_of(law: ReducedLaw) -> int:
     """How many bodies a law has."""
     return len(_bodies(law))
+
+
+def _touching(forces: csr_array, owner: Index, bodies: tuple[Index, ...], patches: int) -> Mask:
+    """Which patch pushes which body, shape (patches, bodies)."""
+    entries = forces.tocoo()
+    pushed = np.zeros((patches, forces.shape[1]), dtype=np.int64)
+    pushed[owner[entries.coords[0]], entries.coords[1]] = 1
+    own = np.zeros((forces.shape[1], len(bodies)), dtype=np.int64)
+    for number, columns in enumerate(bodies):
+        own[columns, number] = 1
+    found: Mask = (pushed @ own) > 0
+    return found
 
 
 def _spread(rows: csr_array, before: int, width: int) -> csr_array:

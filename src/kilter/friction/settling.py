@@ -16,6 +16,7 @@ The gaps are drawn with a seed of their own a try: the same assembly has the sam
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 from typing import Literal
 
 import numpy as np
@@ -87,7 +88,7 @@ def find_settling(
     *,
     tries: int = TRIES,
     seed: int = 0,
-    work: Work | float = 1.0,
+    work: Work | float = inf,
     elastic: ElasticForces | None = None,
 ) -> Settling:
     """Whether parts that are put down loosely come to rest.

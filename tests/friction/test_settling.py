@@ -1,0 +1,189 @@
+"""Put down loosely, does it come to rest? Both sides of limits, and what only jams."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from held_or_not import compas, cylinders, program, real_data, slope, thin_bracket
+
+from kilter import InputError, check
+from kilter.cli import main
+from kilter.friction.elastic_forces import elastic_forces
+from kilter.friction.law import coulomb_law
+from kilter.friction.seating import find_seating
+from kilter.friction.settling import find_settling
+from kilter.friction.springs import Springs, spring_system
+from kilter.mechanics.law_check import check_balance
+from kilter.scenes import arches, friction, stacks, walls
+from kilter.scenes.random_friction import random_assembly
+from kilter.work import Work
+
+
+@pytest.mark.parametrize(
+    ("assembly", "settles"),
+    [
+        (slope(26.5), True),
+        (slope(26.6), False),  # atan 0.5 = 26.565
+        (friction.trough(30, tilt=44.10, friction=0.84), True),
+        (friction.trough(30, tilt=44.15, friction=0.84), False),  # 44.126
+        (friction.ladder(51.36), True),
+        (friction.ladder(51.32), False),  # 51.3402
+        (cylinders(0.2681, 0.0895), True),
+        (cylinders(0.2678, 0.0895), False),  # 2 - sqrt 3 = 0.267949
+        (friction.v_block(friction=0.5), True),
+        (friction.books(4), True),
+        (arches.arch(20, ratio=0.15, friction=0.7), True),
+        (walls.wall(4, 4, friction=0.6), True),
+    ],
+)
+def test_both_sides_of_a_limit(assembly, settles):
+    found = find_settling(program(assembly))
+    assert found.passed == (8 if settles else 0)
+    assert found.ends == (("balance",) * 8 if settles else ("runs-away",) * 8)
+    assert (found.runaway is None) == settles
+    built = program(assembly)
+    assert all(check_balance(built, one) <= 1e-9 for one in found.forces)
+
+
+@pytest.mark.parametrize(
+    "assembly",
+    [
+        friction.bracket(),
+        thin_bracket(1.1),
+        friction.h_block(),
+        friction.a_block(),
+        friction.squeezed_row(4),
+        friction.squeezed_row(5, thickness=0.3, height=0.4, friction=0.7),
+    ],
+    ids=["bracket", "thin bracket", "H", "A", "row", "flat arch"],
+)
+def test_what_only_jams_or_is_squeezed_does_not_settle(assembly):
+    built = program(assembly)
+    assert find_settling(built).ends == ("runs-away",) * 8
+    verdict = check(assembly)
+    assert (verdict.verdict, verdict.level) == ("potentially-stable", "equilibrium")
+    assert not verdict.stable
+
+
+@pytest.mark.parametrize(("count", "planar"), [(20, False), (50, False), (100, True)])
+def test_arches_settle(count, planar):
+    assert find_settling(program(arches.arch(count, friction=0.6, planar=planar))).settles
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("planar", [False, True])
+def test_an_arch_of_a_hundred_voussoirs_settles(planar):
+    assert find_settling(program(arches.arch(100, friction=0.6, planar=planar))).settles
+
+
+def test_a_long_arch_is_seated():
+    seating = find_seating(program(arches.arch(300, friction=0.6, planar=False)))
+    assert (seating.seated, seating.starts) == ("yes", 1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("planar", [False, True])
+def test_an_arch_of_a_thousand_voussoirs_is_seated(planar):
+    seating = find_seating(program(arches.arch(1000, friction=0.6, planar=planar)))
+    assert (seating.seated, seating.starts) == ("yes", 1)
+
+
+@real_data
+def test_a_real_shelf_and_a_real_bridge_settle():
+    for name in ("shelf-stable", "bridge"):
+        assert find_settling(program(compas(name))).settles
+
+
+def test_a_motion_keeps_the_level_at_equilibrium_though_every_try_came_to_rest():
+    _, fence = random_assembly(594)
+    verdict = check(fence)
+    assert verdict.tries == (8, 8)
+    assert (verdict.level, verdict.why, verdict.guarantee) == ("equilibrium", "refuted", "refuted")
+
+
+def test_work_that_runs_out_is_not_found_and_never_no():
+    built = program(arches.arch(20, friction=0.6, planar=False))
+    found = find_settling(built, work=Work(3e4))
+    assert found.ends[-1] == "not-found"
+    assert len(found.ends) < 8
+    assert not found.settles
+    assert not found.runs_away
+
+
+def test_the_same_tries_again_and_other_tries_of_another_seed():
+    built = program(stacks.tower(3, tilt=5.0, friction=0.5))
+    one, two, other = (find_settling(built, seed=seed) for seed in (0, 0, 100))
+    assert all(np.array_equal(a, b) for a, b in zip(one.forces, two.forces, strict=True))
+    assert not np.array_equal(one.forces[0], other.forces[0])
+
+
+def test_forces_of_the_least_energy_balance_and_are_a_start():
+    law = coulomb_law(program(arches.arch(9, friction=0.6, planar=False)))
+    elastic = elastic_forces(law, work=Work())
+    rest = law.load + law.matrix.T @ elastic.forces.reshape(-1)
+    assert np.abs(rest).max() < 1e-7
+    across = np.linalg.norm(elastic.forces[:, 1:], axis=1)
+    assert (across <= law.mu * elastic.forces[:, 0] + 1e-7).all()
+
+
+@pytest.mark.parametrize("wide", [False, True])
+def test_the_newton_step_solves_the_system_written_out(wide, monkeypatch):
+    law = coulomb_law(program(walls.wall(3, 3, friction=0.6)))
+    if wide:
+        monkeypatch.setattr("kilter.friction.springs.WIDEST_BAND", 0)
+    rng = np.random.default_rng(3)
+    springs = Springs(spring_system(law), rng.uniform(0.5, 2, len(law.mu)), rng.random(len(law.mu)))
+    state = springs.at(rng.normal(size=len(law.load)))
+    right, small = rng.normal(size=len(law.load)), 1e-6
+    step = springs.newton(state, right, 0.3, Work())
+    ahead = springs.at(state.x + small * step).rest - springs.at(state.x - small * step).rest
+    assert 0.3 * step - ahead / (2 * small) == pytest.approx(right, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("name", "require", "code"),
+    [
+        ("tower", "proved", 0),
+        ("trough", "settles", 0),
+        ("trough", "proved", 3),
+        ("squeezed-block", "settles", 3),
+        ("squeezed-block", "equilibrium", 0),
+        ("hanging-brick", "equilibrium", 1),
+        ("tower", "strict", 2),
+        ("tower", "sure", 2),
+    ],
+)
+def test_the_exit_code_is_that_of_the_level_asked_for(name, require, code, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["example", name]) == 0
+    file = f"{name}.kilter.json"
+    assert main(["check", file, "--quiet", "--effort", "0", "--require", require]) == code
+
+
+def test_stable_in_python_is_the_level_asked_for():
+    trough = friction.trough(30, tilt=35.0, friction=0.84)
+    assert check(trough, effort=0).stable
+    assert not check(trough, effort=0, require="proved").stable
+    with pytest.raises(InputError, match="not looked at yet"):
+        check(trough, require="strict")
+
+
+def test_a_time_limit_says_so_and_exits_by_the_level():
+    trough = friction.trough(30, tilt=35.0, friction=0.84)
+    late = check(trough, time_limit=0.0)
+    assert late.time_limit == 0.0
+    assert any("time limit" in words for words in late.warnings)
+    assert late.level in (None, "equilibrium")
+    assert check(trough, effort=0).time_limit is None
+
+
+def test_measures_that_leave_friction_out_are_told_where_asked_for():
+    trough = friction.trough(30, tilt=60.0, friction=0.3)
+    plain, measured = (check(trough, measures=on).to_dict() for on in (False, True))
+    assert plain["verdict"] == "unstable"
+    assert plain["z"] is None
+    assert plain["instability"] is None
+    assert plain["parts"][1]["displacement"] is None
+    assert measured["z"] < 0
+    assert measured["instability"] > 0
+    assert check(stacks.tower(2)).to_dict()["z"] == 0.0
