@@ -48,9 +48,9 @@ __all__ = ["FrictionAnswer", "Why", "ask_friction"]
 
 SEATING = 2.0
 """Efforts of seating, beside those of the search."""
-SETTLING = 8.0
+SETTLING = 4.0
 """Efforts of settling, beside those of the search: tries that are not made when it is spent are
-not passed. An arch of 100 voussoirs in space takes a quarter of it."""
+not passed. An arch of 100 voussoirs in space takes half of it."""
 EXCLUDING = 2.0
 """Efforts of the proof that there is no motion, beside those of the search: it comes after the
 starts of the search, which find most motions at once, and before its contact modes, which take
