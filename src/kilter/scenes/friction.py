@@ -239,7 +239,7 @@ def _between_plates(half_angle: float, friction: float, planar: bool) -> Assembl
     )
 
 
-@listed("trough", "a prism in a tilted trough", source="I3", answer="settles")
+@listed("trough", "a prism in a tilted trough", source="I3", answer="stable")
 def trough(
     slope: float = 30.0, *, tilt: float = 40.0, friction: float = 0.84, length: float = 6.0
 ) -> Assembly:
