@@ -78,7 +78,7 @@ def check(
     from kilter.analysis.check import check as decide
     from kilter.contact.fits.suggestions import suggest_joints
     from kilter.tell.tables import forces_table
-    from kilter.tell.text import suggestions_text
+    from kilter.tell.text import suggestions_hint, suggestions_text
 
     asked.apart(proof)
     with Progress(asked.quiet) as progress:
@@ -108,6 +108,9 @@ def check(
         if proof.exists():
             caution = f"undecided: no proof to write, {proof} is left as it was"
             answer["warnings"].append(caution)
+    if not suggest and verdict.verdict != "stable" and not asked.json:
+        looks = suggest_joints(verdict.assembly, verdict.contacts)
+        after = suggestions_hint([one.kind for one in looks if one.fixed]) + after
     if suggest:
         listed = [one.to_dict() for one in suggest_joints(verdict.assembly, verdict.contacts)]
         answer["suggested_joints"] = listed

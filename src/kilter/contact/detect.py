@@ -15,7 +15,7 @@ from kilter.contact.contact_tolerances import FIT_PLAY, THREAD
 from kilter.contact.curved.curved_contacts import find_curved
 from kilter.contact.curved.curved_patches import without_repeats
 from kilter.contact.curved.rims import rim_contacts
-from kilter.contact.fits.coaxial import coaxial_fits
+from kilter.contact.fits.coaxial import Fit, coaxial_fits
 from kilter.contact.fits.overlap import find_overlaps
 from kilter.contact.friction_coefficients import friction_coefficients
 from kilter.contact.gaps import Tolerance, closed_by_clearance, gap_warnings
@@ -127,12 +127,18 @@ def contacts(
         ),
         degenerate=near.degenerate,
         open_pairs=left_open,
-        fits=tuple(
-            coaxial_fits(assembly, search.pairs, tolerance, thickest=THREAD, thinnest=FIT_PLAY)
-        ),
+        fits=_fits(assembly, search, tolerance, {frozenset(one.parts) for one in overlaps}),
     )
     tell("nearest parts")
     return dataclasses.replace(found, neighbours=nearest_parts(search.geometry, found.alone))
+
+
+def _fits(
+    assembly: Assembly, search: ContactSearch, tolerance: Tolerance, over: set[frozenset[int]]
+) -> tuple[Fit, ...]:
+    """Shafts in holes; tight ones where their parts overlap: else their walls do not meet."""
+    found = coaxial_fits(assembly, search.pairs, tolerance, thickest=THREAD, thinnest=FIT_PLAY)
+    return tuple(fit for fit in found if not fit.tight or frozenset(fit.parts) in over)
 
 
 def _silent(search: ContactSearch, patches: Patches, others: list[tuple[int, int]]) -> Mask:

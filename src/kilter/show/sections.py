@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from kilter.show.packing import readable
 from kilter.tell.facts import facts, region_words
 from kilter.tell.numbers import number, vector
-from kilter.tell.tables import Name, Table, forces_table, tables
+from kilter.tell.tables import Name, Table, forces_table, open_table, tables
 from kilter.tell.words import VERDICTS
 
 if TYPE_CHECKING:
@@ -50,8 +50,9 @@ def named(name: str) -> str:
 
 def sections(answers: Everything, *, command: str, versions: dict[str, str]) -> str:
     """The sections below the picture."""
-    parts = [_verdict(answers), _parts(answers), _contacts(answers), _warnings(answers)]
-    return "\n".join([*parts, _made(command, versions)])
+    parts = [_verdict(answers), _left_open(answers), _parts(answers), _contacts(answers)]
+    parts.append(_warnings(answers))
+    return "\n".join(filter(None, [*parts, _made(command, versions)]))
 
 
 def _section(title: str, *body: str, rows: int = 0) -> str:
@@ -129,10 +130,20 @@ def _parts(answers: Everything) -> str:
     return _section(f"Parts ({len(told)})", body, rows=len(told))
 
 
+def _left_open(answers: Everything) -> str:
+    """Pairs that the geometry leaves open; nothing where there are none."""
+    table = open_table(answers.contacts.to_dict())
+    if not len(table.items):
+        return ""
+    return _section(f"Left open ({len(table.items)})", _table(table), rows=len(table.items))
+
+
 def _contacts(answers: Everything) -> str:
     touching = answers.contacts.to_dict()
     body = [_facts((term, text(words)) for term, words in facts(touching))]
     for table in tables(touching):
+        if table.title == open_table(touching).title:
+            continue  # it has a section of its own
         body += [f"<h3>{text(table.title.rstrip(':'))}</h3>", _table(table)]
     count = len(touching["patches"])
     return _section(f"Contacts ({count})", *body, rows=count)

@@ -10,6 +10,7 @@ from typing import Any
 from kilter.tell.contact_words import gap_words
 from kilter.tell.facts import Answer, kind_of
 from kilter.tell.numbers import count, counts, force, number, vector
+from kilter.tell.open_words import settling_options
 from kilter.tell.words import NAMED
 
 __all__ = [
@@ -17,6 +18,7 @@ __all__ = [
     "Table",
     "forces_table",
     "moving_table",
+    "open_table",
     "region_sentence",
     "sentences",
     "tables",
@@ -131,7 +133,7 @@ def tables(answer: Answer) -> list[Table]:
         return [table for table in [fastened_table(answer)] if len(table.items)]
     if kind == "contacts":
         every = [
-            _open_pairs(answer),
+            open_table(answer),
             _lone(answer),
             fastened_table(answer),
             _fits(answer),
@@ -241,8 +243,8 @@ def _patches(answer: Answer) -> Table:
     return Table("Where they touch:", (*head, "mu", "points"), answer["patches"], row)
 
 
-def _open_pairs(answer: Answer) -> Table:
-    """Pairs between which the geometry does not say what acts."""
+def open_table(answer: Answer) -> Table:
+    """Pairs between which the geometry does not say what acts, and the option that settles each."""
     unit = answer["units"]
 
     def row(one: Answer) -> Sequence[str]:
@@ -251,9 +253,11 @@ def _open_pairs(answer: Answer) -> Table:
             size = f"{number(one['depth'], 3)} {unit} deep"
         elif one["gap"]:
             size = f"gap {number(one['gap'], 3)} {unit}"
-        return *_names(one), one["kind"], size, one["why"]
+        [option] = settling_options([{**one, "decides": True}])
+        return *_names(one), one["kind"], size, one["why"], option
 
-    return Table("Left open, so that a verdict may hang on it:", (), answer["open_pairs"], row)
+    head = ("part a", "part b", "kind", "how far", "why", "it holds with")
+    return Table("Left open, so that a verdict may hang on it:", head, answer["open_pairs"], row)
 
 
 def _lone(answer: Answer) -> Table:

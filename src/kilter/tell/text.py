@@ -9,7 +9,7 @@ from kilter.tell.facts import Answer, facts
 from kilter.tell.numbers import count, plain, shortened
 from kilter.tell.tables import Name, Table, moving_table, sentences, tables
 
-__all__ = ["LISTED", "aligned", "listed", "suggestions_text", "text_of"]
+__all__ = ["LISTED", "aligned", "listed", "suggestions_hint", "suggestions_text", "text_of"]
 
 LISTED = 20
 """Rows of a list that are shown; --json gives all."""
@@ -65,6 +65,25 @@ def aligned(rows: Sequence[Sequence[str]], indent: str = "") -> list[str]:
         (indent + "  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True))).rstrip()
         for row in shown
     ]
+
+
+def suggestions_hint(kinds: Sequence[str]) -> str:
+    """That pairs look as if they were fastened, by their kinds; nothing where none do.
+
+    Examples
+    --------
+    >>> suggestions_hint(["thread", "thread", "overlap"]).strip()
+    '3 pairs look fastened (2 thread, 1 overlap): --fasten-suggested joins them, \
+--suggest-joints lists them.'
+    """
+    if not kinds:
+        return ""
+    counted = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
+    verb, them = ("looks", "it") if len(kinds) == 1 else ("look", "them")
+    return (
+        f"\n\n{count(len(kinds), 'pair')} {verb} fastened ({counted}): --fasten-suggested joins "
+        f"{them}, --suggest-joints lists {them}."
+    )
 
 
 def suggestions_text(suggestions: Sequence[Answer]) -> str:
