@@ -17,6 +17,7 @@ from dataclasses import dataclass
 
 from kilter.analysis.as_stated import explained_by_accuracy
 from kilter.analysis.degenerate_branches import decide_degenerate
+from kilter.analysis.fitted_normals import rests_on_fits, why_fits_leave_it_open
 from kilter.analysis.judge import Judgement, judge
 from kilter.analysis.open_question import OpenQuestion, ask_open, open_pairs_answer
 from kilter.analysis.ordinary_contacts import (
@@ -198,8 +199,11 @@ def _decide(assembly: Assembly, contacts: ContactSet, work: Work) -> _Decision:
     program = build_program(assembly, contacts)
     smooth = program.frictionless
     judgement = judge(smooth, work=work)
-    if judgement.stable:
+    fitted = bool(judgement.stable) and rests_on_fits(smooth, contacts, work)
+    if judgement.stable and not fitted:
         return _Decision("stable", smooth, judgement)
+    if fitted and program is smooth:
+        return _Decision("undecided", program, judgement, why=(why_fits_leave_it_open(contacts),))
     if program is not smooth:
         work.stage("equilibrium with friction")
         judgement = judge(program, work=work)
@@ -207,6 +211,8 @@ def _decide(assembly: Assembly, contacts: ContactSet, work: Work) -> _Decision:
         reason = "the time limit was met" if work.cut else _figures(judgement)
         return _Decision("undecided", program, judgement, why=(reason,))
     if judgement.stable:
+        if rests_on_fits(program, contacts, work):
+            return _on_fits(program, judgement, work)
         return _with_friction(assembly, contacts, program, judgement, work)
     outer = build_program(assembly, contacts, possible=True)
     if len(outer.part_a) == len(program.part_a):
@@ -252,6 +258,13 @@ def _level(friction: FrictionAnswer) -> int:
     if friction.guarantee == "proved":
         return PROVED
     return SETTLES if friction.settles else EQUILIBRIUM
+
+
+def _on_fits(program: Program, judgement: Judgement, work: Work) -> _Decision:
+    """Equilibrium alone: with normals in doubt nothing is said of other motions."""
+    answer = ask_friction(program, work=work.beside(0.0))
+    answer = dataclasses.replace(answer, guarantee="open", tries=())
+    return _Decision("potentially-stable", program, judgement, answer)
 
 
 def _as_stated(assembly: Assembly, contacts: ContactSet, decision: _Decision) -> _Decision:

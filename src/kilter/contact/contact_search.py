@@ -7,13 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index
+from kilter.arrays import Array, Index, Mask
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.broad import Boxes, make_boxes, part_pairs
 from kilter.contact.gaps import GapLimits, Tolerance, gap_limits, reach_of
 from kilter.contact.planar.facets import Facets, find_facets
 from kilter.contact.unknown import unknown_pairs
+from kilter.shape.primitives import Mesh
 
 __all__ = ["ContactSearch", "begin_search"]
 
@@ -35,6 +36,8 @@ class ContactSearch:
         Angle tolerance [rad].
     unknown : ndarray of int, shape (m, 2)
         Pairs that may touch where the surface of one of them is not known.
+    meshes : ndarray of bool, shape (N,)
+        Parts known by their triangles only.
     """
 
     geometry: Geometry
@@ -44,6 +47,7 @@ class ContactSearch:
     limits: GapLimits
     angle: float
     unknown: Index
+    meshes: Mask
 
     def face(self, row: int) -> Array:
         """Triangles of a curved surface, shape (m, 3, 3)."""
@@ -73,7 +77,8 @@ def begin_search(
     near = _pairs_to_detect(assembly, boxes, tolerance)
     pairs, unknown = unknown_pairs(geometry, near, reach_of(geometry, tolerance))
     limits = gap_limits(geometry, facets, pairs, tolerance)
-    return ContactSearch(geometry, facets, boxes, pairs, limits, tolerance.angle, unknown)
+    meshes = np.array([isinstance(part.shape, Mesh) for part in assembly.parts])
+    return ContactSearch(geometry, facets, boxes, pairs, limits, tolerance.angle, unknown, meshes)
 
 
 def _pairs_to_detect(assembly: Assembly, boxes: Boxes, tolerance: Tolerance) -> Index:

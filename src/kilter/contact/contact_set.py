@@ -169,9 +169,11 @@ class ContactSet:
         Friction coefficient [-].
     patch_kind : ndarray of str, shape (P,)
         "plane", "edge-edge", "edge-face", "vertex-face", "cylinder", "sphere", "cone", "torus",
-        or "given" for contacts listed in the file.
+        "smooth" (fitted faces of meshes), or "given" for contacts listed in the file.
     patch_accuracy : ndarray, shape (P,)
         Accuracy of the coordinates over the size of the patch [-].
+    patch_doubt : ndarray, shape (P,)
+        How far the normals may be off that a fit gave; 0 for those of faces [rad].
     patch_start : ndarray of int, shape (P + 1,)
         The points of patch p are rows ``patch_start[p]`` to ``patch_start[p + 1]``.
     points : ndarray, shape (K, 3)
@@ -207,6 +209,7 @@ class ContactSet:
     patch_mu: Array
     patch_kind: Labels
     patch_accuracy: Array
+    patch_doubt: Array
     patch_start: Index
     points: Array
     normals: Array

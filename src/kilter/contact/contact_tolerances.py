@@ -163,3 +163,26 @@ BESIDE_CIRCLE = 0.05
 """A circle of contact reaches this fraction of its size to its sides [-]."""
 AXIS_ROUNDING = 1e-15
 """A component of a unit axis that is rounding [-]."""
+
+# smooth faces of meshes ----------------------------------------------------------------------
+
+SMOOTH_EDGE = 0.35
+"""Triangles that meet at less than this are pieces of one smooth face [rad]."""
+SMOOTH_BEND = 1e-3
+"""Triangles that meet at more than this make a face bend [rad]."""
+SMOOTH_DOUBT = 1e-5
+"""A corner whose triangles bend by less than this lies in a plane [rad]."""
+FIT_CUT = 1e-9
+"""Singular values below this fraction of the largest fix nothing in a fit [-]."""
+SMOOTH_FACING = 0.35
+"""Normals of two smooth faces that face each other differ by less than this from opposed [rad]."""
+SMOOTH_ASIDE = 0.05
+"""A line along a fitted normal misses a face by up to this fraction of its length [-]."""
+SMOOTH_GAP = 0.25
+"""Smooth faces touch up to the gap tolerance and this fraction of both sagittas [-]."""
+SMOOTH_UNSURE = 0.05
+"""A point where the normals of both sides differ by twice this has no normal [rad]."""
+SMOOTH_LEAST = 1e-4
+"""Fitted normals are never known better than this [rad]."""
+ONE_DIRECTION = 1e-5
+"""Straight edges whose directions differ by less have one direction [rad]."""

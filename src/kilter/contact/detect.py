@@ -7,11 +7,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from kilter.arrays import Mask, starts
+from kilter.arrays import Array, Mask, starts
 from kilter.assembly import Assembly, require_assembly
 from kilter.contact.contact_search import ContactSearch, begin_search
 from kilter.contact.contact_set import ContactSet, PossibleContacts
-from kilter.contact.contact_tolerances import FIT_PLAY, THREAD
+from kilter.contact.contact_tolerances import FIT_PLAY, NORMAL_SNAP, THREAD
 from kilter.contact.curved.curved_contacts import find_curved
 from kilter.contact.curved.curved_patches import without_repeats
 from kilter.contact.curved.rims import rim_contacts
@@ -25,6 +25,7 @@ from kilter.contact.patches import Patches
 from kilter.contact.planar.flat_contacts import GAP_EDGES, find_flat
 from kilter.contact.sharp.near_edges import near_edges
 from kilter.contact.sharp.sharp_contacts import near_contacts
+from kilter.contact.smooth.smooth_joints import find_smooth
 from kilter.contact.touching import Touching
 from kilter.contact.unknown import unknown_contacts
 from kilter.errors import InputError
@@ -82,37 +83,43 @@ def contacts(
     gap = search.limits.gap
     tell("faces")
     curved = find_curved(search)
-    flat = find_flat(search)
-    touching = Touching(search, flat.patches, without_repeats(curved, flat.patches, gap))
+    smooth = find_smooth(search)
+    flat = find_flat(search, smooth)
+    touching = Touching(search, flat.patches, without_repeats(curved, flat.patches, gap), smooth)
     tell("edges and corners")
     near = near_contacts(touching, [*flat.rejected, *curved.rejected])
     overlaps = find_overlaps(assembly, touching, tolerance)
     refused = [*flat.rejected, *curved.rejected, *unknown_contacts(search.unknown)]
     given, own = _given(assembly)
     faces = Patches.join([flat.patches, touching.curved.patches])
-    patches = Patches.join([faces, near.patches, given])
+    patches = Patches.join([faces, smooth.patches, near.patches, given])
+    doubt = np.zeros(len(patches))
+    doubt[len(faces) : len(faces) + len(smooth.joints)] = [joint.tilt for joint in smooth.joints]
+    unsupported = (*near.unsupported, *smooth.unsure)
     spoken = [one.parts for one in refused] + [one.parts for one in overlaps]
-    spoken += [one.parts for one in near.unsupported]
+    spoken += [one.parts for one in unsupported]
     refused += near_edges(search, _silent(search, patches, spoken))
     rejected = sorted(refused, key=lambda r: (abs(r.gap), r.angle))
     rims = rim_contacts(search.geometry, flat.patches)
     possible = PossibleContacts.join([near.possible, rims, touching.curved.possible])
-    left_open = find_open_pairs(assembly, overlaps, rejected, near.unsupported)
+    tilted = smooth.possible(friction_coefficients(assembly, search.pairs))
+    left_open = find_open_pairs(assembly, overlaps, rejected, unsupported)
     found = ContactSet(
         assembly=assembly,
         patch_parts=patches.parts,
         patch_normal=patches.normal,
         patch_area=patches.area,
         patch_gap=patches.gap,
-        patch_mu=friction_coefficients(assembly, patches.parts, own),
+        patch_mu=_certain(friction_coefficients(assembly, patches.parts, own), doubt),
         patch_kind=patches.kind,
         patch_accuracy=patches.accuracy,
+        patch_doubt=doubt,
         patch_start=patches.start,
         points=patches.points,
         normals=patches.normals,
-        unsupported=near.unsupported,
+        unsupported=unsupported,
         possible=PossibleContacts.join(
-            [_with_friction(assembly, possible), open_forces(left_open, search.geometry)]
+            [_with_friction(assembly, possible), tilted, open_forces(left_open, search.geometry)]
         ),
         rejected=tuple(rejected),
         overlaps=overlaps,
@@ -123,6 +130,7 @@ def contacts(
         warnings=(
             *gap_warnings(flat.patches, rejected, search.limits),
             *curved.warnings,
+            *smooth.warnings,
             *closed_by_clearance(assembly, faces, search.limits),
         ),
         degenerate=near.degenerate,
@@ -151,6 +159,15 @@ def _silent(search: ContactSearch, patches: Patches, others: list[tuple[int, int
         known = [frozenset(pair) in found for pair in search.pairs[rows].tolist()]
         silent[rows[known]] = False
     return silent
+
+
+def _certain(mu: Array, doubt: Array) -> Array:
+    """The friction that holds whatever the normals are within their doubt.
+
+    A force within mu - doubt of the fitted normal is within mu of the true one.
+    """
+    certain: Array = np.where(doubt > NORMAL_SNAP, np.maximum(mu - doubt, 0.0), mu)
+    return certain
 
 
 def _given(assembly: Assembly) -> tuple[Patches, list[float | None]]:

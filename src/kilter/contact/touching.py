@@ -11,17 +11,19 @@ from kilter.contact.contact_search import ContactSearch
 from kilter.contact.contact_tolerances import BESIDE, BESIDE_CIRCLE, NORMAL_SNAP
 from kilter.contact.curved.curved_patches import CurvedContacts, on_flat
 from kilter.contact.patches import Patches
+from kilter.contact.smooth.smooth_joints import SmoothJoints
 
 __all__ = ["Touching", "explained", "in_patch", "on_patches"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Touching:
-    """A search with the patches of flat and of curved faces, both ordered by pair."""
+    """A search with its smooth joints, and patches of flat and of curved faces by pair."""
 
     search: ContactSearch
     flat: Patches
     curved: CurvedContacts
+    smooth: SmoothJoints
 
     @property
     def has_patch(self) -> Mask:
@@ -29,6 +31,7 @@ class Touching:
         found = np.zeros(len(self.search.pairs), dtype=bool)
         found[self.flat.pair] = True
         found[self.curved.patches.pair] = True
+        found[[joint.pair for joint in self.smooth.joints]] = True
         return found
 
 
@@ -45,7 +48,7 @@ def explained(touching: Touching, pair: int, points: Array, slack: float) -> Mas
 
 def in_patch(touching: Touching, pair: int, points: Array, slack: float) -> Mask:
     """Points, shape (n, 3), on a curved face of a pair that touches all over."""
-    held = np.zeros(len(points), dtype=bool)
+    held = touching.smooth.explains(np.full(len(points), pair), points)
     patches = touching.curved.patches
     for patch in patches.of_pair(pair):
         if patches.area[patch] > 0:

@@ -22,6 +22,7 @@ from kilter.contact.gaps import (
 from kilter.contact.patches import Patches
 from kilter.contact.planar.facet_overlays import FacetFrame, Pieces, facet_frames, overlaps_of
 from kilter.contact.planar.merging import merge
+from kilter.contact.smooth.smooth_joints import SmoothJoints
 
 __all__ = ["GAP_EDGES", "FlatContacts", "find_flat"]
 
@@ -40,14 +41,16 @@ class FlatContacts:
     counts: Index
 
 
-def find_flat(search: ContactSearch) -> FlatContacts:
-    """Contacts of flat faces of the pairs of a search."""
+def find_flat(search: ContactSearch, smooth: SmoothJoints) -> FlatContacts:
+    """Contacts of flat faces of the pairs of a search, without those of its smooth joints."""
     geometry, facets, limits = search.geometry, search.facets, search.limits
     widest = max(LOOKED_AT_ANGLE, 2 * search.angle)
     cosine = float(np.cos(widest))
     pair, i, j = facet_pairs(facets, search.boxes, search.pairs, limits.margin, cosine)
     flat = ~(facets.curved[i] | facets.curved[j])
     pair, i, j = pair[flat], i[flat], j[flat]
+    plain = ~smooth.between(pair, i, j)
+    pair, i, j = pair[plain], i[plain], j[plain]
     frames = facet_frames(facets, pair, i, j, limits.margin[pair])
     angle = search.angle + _angle_rounding(search, frames)
     size = np.minimum(geometry.size[facets.part[frames.i]], geometry.size[facets.part[frames.j]])

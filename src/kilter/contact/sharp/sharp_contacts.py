@@ -101,6 +101,7 @@ def near_contacts(touching: Touching, rejected: Iterable[Rejected]) -> NearConta
         edges = find_edges(search.geometry, search.facets, np.unique(search.pairs[either]))
         near = _Near(touching, edges)
         met = _meetings(near, rows, search.limits.gap)
+        met = met.take(np.flatnonzero(~touching.smooth.explains(met.pair, met.middle)))
         met = met.take(np.flatnonzero(~_beside_curved(near, met)))
         pushes, clauses = _normals(near, met)
         every = pushes

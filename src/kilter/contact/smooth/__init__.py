@@ -1,0 +1,1 @@
+"""Contacts of smoothly curved faces that two meshes cut into different triangles."""
