@@ -132,7 +132,7 @@ def _bridge(random: np.random.Generator) -> Assembly:
         parts.append(block(f"post-{k}", [x - 0.2, -0.3, 0], [x + 0.2, 0.3, 1.0]))
     start, end = xs[0] - random.uniform(0, 0.5), xs[-1] + random.uniform(-0.5, 1.0)
     parts.append(block("beam", [start, -0.3, 1.0], [end, 0.3, 1.3]))
-    if random.random() < 0.5:
+    if random.random() < 0.5 and end >= xs[-1] + 0.2:  # not through the last post
         parts.append(block("wall", [end, -0.5, 0], [end + 0.5, 0.5, 2.0], grounded=True))
     if random.random() < 0.5:
         x = float(random.uniform(start, end))
