@@ -46,6 +46,7 @@ __all__ = [
     "OPTIMAL_FACE",
     "OUTSIDE_HULL",
     "PARALLEL_PLANES",
+    "PROVED_APART",
     "PULLED_IN",
     "PUSH_AGREES",
     "RAY_BLUR",
@@ -118,6 +119,8 @@ CONIC_SHARP = 1e-12
 """Asked of the conic solver where a motion proves a boundary as near as it is exact [-]."""
 LIMIT_AGREES = 2e-7
 """Shares of a load proved to be held and not to be differ by this at most, over 1 and them [-]."""
+PROVED_APART = 1e-5
+"""Where the proofs of both sides are farther apart, the motion is mended [-]."""
 SIDES_APART = 1e-2
 """Where they differ by more after linear programs, a sharper conic one is asked [-]."""
 OPTIMAL_FACE = 1e-10

@@ -349,10 +349,15 @@ def _margin(answer: Answer) -> list[Fact]:
     limits = answer["load_limits"]
     if limits is not None:
         ends = answer["load_factor"]
-        words = "no factor is held" if ends is None else _interval(ends) + _starting(limits[1])
+        words = "not known: the numbers failed"
+        if answer["missing"].get("load_factor") != "failed":
+            words = "no factor is held, however small or large"
+        words = words if ends is None else _interval(ends) + _starting(limits[1])
         found.append(("load factor", words))
     if answer["load_factor_bracket"] is not None:
         found.append(("bracket", _bracket(answer["load_factor_bracket"]["greatest"])))
+    if "none" in [why for what, why in answer["missing"].items() if what.startswith("push of")]:
+        found.append(("pushes", "none is resisted: it is not in balance as given"))
     found += _worst(answer["uncertainty"])
     helps = [one["sentence"] for one in answer["helps"]]
     return found + [("" if k else "helps", words) for k, words in enumerate(helps)]
@@ -373,7 +378,12 @@ def _starting(limit: Answer | None) -> str:
 def _tilt(answer: Answer) -> str:
     tilt, lower = answer["tilt_deg"], answer["tilt_lower_deg"]
     if tilt is None:
-        return "none: no direction within a right angle is held, or given loads do not turn"
+        why = answer["missing"].get("tilt")
+        if why is None:
+            return "none: given loads do not turn with gravity"
+        if why == "failed":
+            return "not known: the numbers failed"
+        return "none: not held as given, nor with gravity along any direction within a right angle"
     down = vector(answer["tilt_down"])
     if lower is None:
         return f"{angle(tilt)}: outside; the nearest held direction is {down}"
@@ -388,7 +398,8 @@ def _tilt(answer: Answer) -> str:
 def _least_friction(answer: Answer) -> str:
     least = answer["friction"]
     if least is None:
-        return "none is enough"
+        failed = answer["missing"].get("friction") == "failed"
+        return "not known: the numbers failed" if failed else "none is enough to hold it"
     if least == 0.0:
         attained = answer["friction_limit"]["attained"]
         return (

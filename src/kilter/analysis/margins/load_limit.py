@@ -34,6 +34,7 @@ from kilter.analysis.turning_tolerances import (
     CONIC_SHARP,
     MOVES,
     NEARLY,
+    PROVED_APART,
     SIDES_APART,
     UNLIMITED,
 )
@@ -213,7 +214,7 @@ def _in_cones(
     motion = problem.motion(problem.over_weight(answer.multipliers[: len(problem.right)]))
     across = [aside, -slips_of(program, motion)]
     found = sides.better(beyond_at(program, wrench, value, motion))
-    if not found.closed:
+    if not found.closed or found.gap > PROVED_APART:
         motion = opening.mended(motion)
         start = motion_share(program, wrench, motion)
         found = found.better(beyond_at(program, wrench, start, motion))

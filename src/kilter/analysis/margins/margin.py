@@ -271,14 +271,18 @@ def margin(
     missing: dict[str, Why] = {}
     tilt, degrees, down = _tilt(program, warnings, missing)
     turned = None if axis is None else tilt_about(program, axis)
-    tell("friction")
+    tell("friction" if degrees is None else f"tilt {degrees:.6g} deg; friction")
     friction = find_least_friction(program)
-    tell("load factor")
+    least = "" if isinstance(friction, NoLimit) else f"friction {friction.value:.6g}; "
+    tell(f"{least}load factor")
     factor = _load_factor(assembly, program, direction)
     sure = _load_factor(assembly, program.frictionless, direction) if bracket else None
     tell("pushes")
     opening = Opening(spread(program))
-    pushes = {part: find_weakest_push(program, part, opening=opening) for part in parts}
+    pushes = {}
+    for part in parts:
+        pushes[part] = find_weakest_push(program, part, opening=opening)
+        tell(f"pushes: {len(pushes)} of {len(parts)}")
     asked: dict[str, object] = {"about": turned, "friction": friction}
     asked |= {f"push of {program.names[part]}": push for part, push in pushes.items()}
     missing |= {what: one.why for what, one in asked.items() if isinstance(one, NoLimit)}
@@ -287,6 +291,10 @@ def margin(
         if whys:
             missing[what] = "failed" if "failed" in whys else "none"
     warnings += _missing_words(missing)
+    if pushed is None and int(program.free.sum()) > PUSHED:
+        warnings.append(
+            f"pushes are left out above {PUSHED} free parts: --part NAME asks for those of a part"
+        )
     worst = _worst(program, ranges, direction, warnings, tell)
     greatest = None if factor is None else _known(factor[1])
     helps = what_helps(program, tilt, greatest, direction)
