@@ -16,7 +16,8 @@ KEYS = {
     "joints",
     "verdict", "sentence", "guarantee", "units", "down", "tilt_deg", "tilt_lower_deg", "tilt_down",
     "tilt_limit", "about", "friction", "friction_limit", "load_factor", "load_factor_bracket",
-    "load_limits", "pushes", "missing", "uncertainty", "helps", "warnings", "seconds",
+    "load_limits", "pushes", "missing", "uncertainty", "helps", "warnings", "seconds", "open_pairs",
+    "exact",
 }  # fmt: skip
 
 
