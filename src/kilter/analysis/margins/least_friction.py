@@ -17,6 +17,7 @@ from kilter.analysis.judge import judge
 from kilter.analysis.margins.load_limit import NoLimit, starting
 from kilter.analysis.turning_tolerances import (
     MU_AGREES,
+    MU_CLOSE,
     MU_NOTHING,
 )
 from kilter.mechanics.certificate import ForceProof, MotionProof
@@ -32,6 +33,8 @@ TRIED = (1.0, 30.0, 1e3)
 LARGEST = TRIED[-1]
 """Coefficients above this count as none that holds."""
 STEPS = 80
+UNDECIDED = 3
+"""Coefficients that may be left undecided, at many times the cost of others."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,6 +110,7 @@ def find_least_friction(program: Program) -> LeastFriction | NoLimit:
     upper = min(upper, _used(program, best))
     solved = 2
     open_from = open_to = upper  # between them it could not be decided
+    undecided_left = UNDECIDED
     for _ in range(STEPS):
         if upper <= MU_NOTHING:
             return LeastFriction(0.0, 0.0, False, best, mechanism, solved)
@@ -123,9 +127,15 @@ def find_least_friction(program: Program) -> LeastFriction | NoLimit:
         elif judged.stable is False and judged.motion is not None:
             mechanism, lower = judged.motion, middle
             open_from, open_to = max(open_from, lower), max(open_to, lower)
+        elif upper - lower <= MU_CLOSE * upper:
+            break
         elif open_from == upper:  # the first
             open_from = open_to = middle
+            undecided_left -= 1
+        elif undecided_left == 0:
+            break
         else:
+            undecided_left -= 1
             open_from, open_to = min(open_from, middle), max(open_to, middle)
     return LeastFriction(upper, lower, True, best, mechanism, solved)
 

@@ -56,6 +56,8 @@ __all__ = [
 ]
 
 
+MENDED = 2000
+"""Rows up to which a limit whose two sides agree is proved nearer: it costs a program more."""
 MODEST = 10.0
 """Shares up to which it is asked first."""
 
@@ -214,7 +216,8 @@ def _in_cones(
     motion = problem.motion(problem.over_weight(answer.multipliers[: len(problem.right)]))
     across = [aside, -slips_of(program, motion)]
     found = sides.better(beyond_at(program, wrench, value, motion))
-    if not found.closed or found.gap > PROVED_APART:
+    apart = found.gap > PROVED_APART and len(program.part_a) <= MENDED
+    if not found.closed or apart:
         motion = opening.mended(motion)
         start = motion_share(program, wrench, motion)
         found = found.better(beyond_at(program, wrench, start, motion))
