@@ -230,7 +230,8 @@ def _in_cones(program: Program, work: Work) -> Iterator[_Candidate]:
         if (sides + len(fitted)) * len(program.rough) > LARGEST_PYRAMID:
             return
         even = [np.full(len(program.rough), 2 * np.pi * k / sides) for k in range(sides)]
-        angles = np.column_stack([*even, *fitted])
+        # many even rays need no fitted ones beside them, which only make them nearly parallel
+        angles = np.column_stack([*even, *(fitted if sides < SIDES[-1] else [])])
         for outer in (False, True):
             candidate = _by_pyramid(program, sides, work, outer=outer, angles=angles)
             yield candidate
