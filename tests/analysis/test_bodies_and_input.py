@@ -8,7 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from judged import judged, random_turn
 
+from kilter.analysis.check import check
 from kilter.assembly import Assembly, FrictionPair, GivenContact, Joint, Load, Part
+from kilter.contact import contacts
 from kilter.errors import InputError
 from kilter.rigid import Pose
 from kilter.scenes import stacks
@@ -210,10 +212,9 @@ def test_w10_face_of_no_area_is_dropped_and_counted():
 
 def test_w10_same_geometry_under_two_names_is_named():
     parts = [floor([-2, -2], [2, 2]), *(block(n, [0, 0, 0], [1, 1, 1]) for n in ("one", "two"))]
-    verdict = judged(Assembly(parts))
-    text = next(text for text in verdict.warnings if "same body twice" in text)
-    assert "'one'" in text
-    assert "'two'" in text
+    with pytest.raises(InputError, match="'one' and 'two' are the same body twice"):
+        check(Assembly(parts))
+    assert any("same body twice" in text for text in contacts(Assembly(parts)).remarks())
 
 
 @pytest.mark.parametrize(
