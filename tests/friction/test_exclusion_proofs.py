@@ -20,7 +20,7 @@ from kilter.scenes import arches, friction, stacks
 CASES = {
     "slope": (lambda: stacks.block_on_slope(26.0, friction=0.5), "moments"),
     "trough": (lambda: friction.trough(30.0, tilt=44.0), "moments"),
-    "three cubes": (lambda: stacks.tower(3, tilt=15.0, friction=0.5), "moments"),
+    "three cubes": (lambda: stacks.tower(3, tilt=15.0, friction=0.5), "sectors"),
     "arch": (lambda: arches.arch(7), "modes"),
     "ladder": (lambda: friction.ladder(55.0), None),
     "slope in the plane": (lambda: planar(stacks.block_on_slope(26.0, friction=0.5)), None),

@@ -71,7 +71,7 @@ UNSTABLE = (
     "wedge-on-wedge", "inverted-triangle", "wall-on-short-base", "hanging-brick", "arch", "bracket",
     "arch-with-held-ends", "floating-block", "arch-7", "arch-13", "arch-turned",
     "short-base-turned", "short-base-large", "short-base-small", "pile-on-short-base",
-    "pile-turned", "slot-and-float", "slot-and-float-planar",
+    "pile-turned", "slot-and-float", "slot-and-float-planar", "cad-export",
 )  # fmt: skip
 """Those for which no direction is stable."""
 

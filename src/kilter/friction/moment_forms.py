@@ -161,7 +161,9 @@ def _touching(forces: csr_array, owner: Index, bodies: tuple[Index, ...], patche
 
 def _spread(rows: csr_array, before: int, width: int) -> csr_array:
     """Rows with columns of zeros before and behind."""
-    entries = csr_array(rows).tocoo()
+    entries = csr_array(rows)
+    entries.eliminate_zeros()  # products of forms multiply what is stored
+    entries = entries.tocoo()
     places = (entries.coords[0], entries.coords[1] + before)
     return csr_array((entries.data, places), shape=(rows.shape[0], width))
 

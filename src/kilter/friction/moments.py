@@ -51,6 +51,8 @@ STEPS = 8
 """Steps at most."""
 MOST_FORMS = 700
 """Coordinates of z above which matrices over all of them are too large."""
+MOST_ENTRIES = 20_000_000
+"""Entries of the matrices of products above which they are not formed: memory."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,11 +105,19 @@ def moment_proof(law: ReducedLaw, opening: Array, tolerance: float, *, work: Wor
 def _step(law: ReducedLaw, scale: float, squares: Squares, work: Work) -> MomentStep | None:
     """One semidefinite program; None where it cannot be paid, or its solver breaks down."""
     forms = moment_forms(law, scale)
+    if _entries_of(forms, squares) > MOST_ENTRIES:
+        return None
     program = moment_program(forms, squares)
     if DEAR[squares] * SEMIDEFINITE_ENTRY * USUAL_STEPS * program.entries > work.left:
         return None
     multipliers = solve_semidefinite(program, work=work)
     return None if multipliers is None else MomentStep(scale, squares, multipliers)
+
+
+def _entries_of(forms: MomentForms, squares: Squares) -> int:
+    """Entries of the matrices of products, before they are formed, at most."""
+    length = np.diff(forms.rows.indptr)
+    return sum(int(length[one].sum()) ** 2 for one in squares_of(forms, squares)) // 2
 
 
 def moment_program(forms: MomentForms, squares: Squares) -> SemidefiniteProgram:
