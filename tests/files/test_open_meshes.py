@@ -129,7 +129,7 @@ def test_what_comes_near_a_hole_is_listed() -> None:
 
 
 def test_a_held_sheet_is_a_table() -> None:
-    """Two triangles without thickness hold what is above them; wound down, its other side is open."""
+    """Two triangles without thickness hold what is above; wound down, their other side is open."""
     corners = [[-2, -2, 0], [2, -2, 0], [2, 2, 0], [-2, 2, 0]]
     cube = Part("cube", Box([1, 1, 1]), Pose([0, 0, 0.5]))
     for faces, verdict in (
