@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import _thread
+import signal
 import threading
 import time
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -13,6 +15,14 @@ from scipy.sparse import csc_array, random_array
 from kilter.solvers import clarabel, highs, interrupts
 from kilter.solvers.interrupts import run_aside
 from kilter.solvers.problem import ConicProgram, LinearProgram
+
+
+@pytest.fixture(autouse=True)
+def heard() -> Iterator[None]:
+    """A shell that starts this in the background leaves interruptions ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 def test_what_it_raises_is_raised() -> None:
