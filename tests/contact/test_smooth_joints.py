@@ -144,3 +144,10 @@ def test_curved_blocks_of_a_library_are_never_held_by_their_triangles(tolerance)
     verdict = kilter.check(assembly.with_friction(0.84), tolerance=tolerance, effort=0)
     assert verdict.verdict in HOLDS
     assert verdict.verdict != "stable"
+
+
+def test_recognition_ends_on_a_mesh_whose_facets_were_dropped_and_taken_in_again():
+    """Seed 18: an arc of an ellipse, of which cylinders grew and shrank without end."""
+    _, assembly, kind = made(18)
+    assert kind == "arc"
+    assert len(assembly.geometry.surfaces) == 0

@@ -207,22 +207,21 @@ def _grow(mesh: FacetMesh, start: Index, kind: str, free: Mask) -> tuple[Surface
         mesh, mesh.points(start)
     ):
         return None, none
-    inside = np.zeros(len(free), dtype=bool)
-    inside[start] = True
+    seen = np.zeros(len(free), dtype=bool)
+    seen[start] = True
     front, fitted_to = start, len(start)
     while len(front):
         near = np.unique(gathered(front, graph.first, graph.neighbours))
-        near = near[free[near] & ~inside[near]]
+        near = near[free[near] & ~seen[near]]
         if not len(near) or not len(chosen):
             break
         within = tolerance_of(mesh, mesh.points(chosen))
         front = near[deviation(mesh, near, surface) <= GROWING * within]
-        inside[front] = True
+        seen[front] = True
         chosen = np.concatenate([chosen, front])
         if len(chosen) > 1.3 * fitted_to:
+            # what a fit drops stays seen: taken in again, it could be dropped without end
             surface, chosen, front = _refitted(mesh, chosen, front, kind, surface)
-            inside[:] = False
-            inside[chosen] = True
             fitted_to = max(len(chosen), 1)
     surface, chosen, _ = _refitted(mesh, chosen, front, kind, surface)
     if len(chosen) < FEWEST_FACETS:
