@@ -13,7 +13,6 @@ import numpy as np
 
 from kilter.analysis.judge import judge
 from kilter.contact import ContactSet
-from kilter.contact.contact_tolerances import NORMAL_SNAP
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
 from kilter.work import Work
@@ -23,7 +22,7 @@ __all__ = ["rests_on_fits", "why_fits_leave_it_open"]
 
 def rests_on_fits(program: Program, contacts: ContactSet, work: Work) -> bool:
     """Whether forces that hold a program need contacts whose normals are in doubt."""
-    unsure = np.flatnonzero(contacts.patch_doubt > NORMAL_SNAP)
+    unsure = np.flatnonzero(contacts.patch_doubt)
     rows = (program.kind == CONTACT) & np.isin(program.source, unsure)
     return bool(rows.any()) and not judge(program.taking(~rows), work=work).stable
 

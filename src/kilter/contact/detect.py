@@ -11,7 +11,7 @@ from kilter.arrays import Array, Mask, starts
 from kilter.assembly import Assembly, require_assembly
 from kilter.contact.contact_search import ContactSearch, begin_search
 from kilter.contact.contact_set import ContactSet, PossibleContacts
-from kilter.contact.contact_tolerances import FIT_PLAY, NORMAL_SNAP, THREAD
+from kilter.contact.contact_tolerances import FIT_PLAY, THREAD
 from kilter.contact.curved.curved_contacts import find_curved
 from kilter.contact.curved.curved_patches import without_repeats
 from kilter.contact.curved.rims import rim_contacts
@@ -166,7 +166,7 @@ def _certain(mu: Array, doubt: Array) -> Array:
 
     A force within mu - doubt of the fitted normal is within mu of the true one.
     """
-    certain: Array = np.where(doubt > NORMAL_SNAP, np.maximum(mu - doubt, 0.0), mu)
+    certain: Array = np.maximum(mu - doubt, 0.0)
     return certain
 
 

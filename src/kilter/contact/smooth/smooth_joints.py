@@ -24,7 +24,6 @@ from kilter.contact.broad import joins
 from kilter.contact.contact_search import ContactSearch
 from kilter.contact.contact_tolerances import (
     GAP,
-    NORMAL_SNAP,
     ONE_DIRECTION,
     PATCH_ANGLE,
     SMOOTH_FACING,
@@ -162,13 +161,12 @@ class SmoothJoints:
 
     @property
     def unsure(self) -> tuple[Unsupported, ...]:
-        """Joints whose normals are known less well than those of faces that touch."""
+        """The pairs of the joints: fitted normals are never certain."""
         found: dict[tuple[int, int], Unsupported] = {}
         for joint in self.joints:
-            if joint.tilt > NORMAL_SNAP:
-                a, b = (int(k) for k in self.search.pairs[joint.pair])
-                x, y, z = joint.found.point[0].tolist()
-                found.setdefault((a, b), Unsupported((a, b), "curved", (x, y, z)))
+            a, b = (int(k) for k in self.search.pairs[joint.pair])
+            x, y, z = joint.found.point[0].tolist()
+            found.setdefault((a, b), Unsupported((a, b), "curved", (x, y, z)))
         return tuple(found.values())
 
     def between(self, pair: Index, i: Index, j: Index) -> Mask:
