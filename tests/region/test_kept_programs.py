@@ -8,9 +8,10 @@ from scipy.sparse import csc_array, random_array
 
 from kilter.errors import SolverError
 from kilter.solvers.clarabel import solve_conic, solve_quadratic
-from kilter.solvers.highs import KeptProgram, find_optimum, solve_linear
+from kilter.solvers.highs import KeptProgram, Warm, find_optimum, solve_linear
 from kilter.solvers.problem import LinearProgram, quadratic_program
 from kilter.solvers.solution import Solution
+from kilter.work import Work
 
 
 def random_program(seed: int, rows: int = 15, columns: int = 30) -> LinearProgram:
@@ -61,8 +62,8 @@ def test_a_wrong_answer_is_solved_again(monkeypatch: pytest.MonkeyPatch) -> None
     right = kept.solve()
     run, told = KeptProgram._run, []
 
-    def wrong_once(self: KeptProgram, strategy: int, steps: int) -> Solution:
-        found = run(self, strategy, steps)
+    def wrong_once(self: KeptProgram, strategy: Warm, steps: int, work: Work | None) -> Solution:
+        found = run(self, strategy, steps, work)
         told.append(found.residual)
         if len(told) == 1:
             return replace(found, x=found.x + 1.0)
