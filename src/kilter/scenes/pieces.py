@@ -16,7 +16,18 @@ from kilter.rigid import Pose, unit
 from kilter.shape.primitives import Box, Mesh, Prism
 from kilter.shape.solid import Solid, Surface
 
-__all__ = ["block", "cells", "compose", "floor", "prism", "ring", "tube", "turn", "turned_parts"]
+__all__ = [
+    "block",
+    "cells",
+    "compose",
+    "floor",
+    "posts",
+    "prism",
+    "ring",
+    "tube",
+    "turn",
+    "turned_parts",
+]
 
 
 def block(name: str, low: ArrayLike, high: ArrayLike, **properties: Any) -> Part:
@@ -36,6 +47,17 @@ def floor(
 ) -> Part:
     """A held slab, thickness 1, from (x, y) `low` to `high`, its top at height `top`."""
     return block(name, [*low, top - 1.0], [*high, top], grounded=True)
+
+
+def posts(random: np.random.Generator) -> tuple[list[Part], float]:
+    """A floor with two to four posts at random, side by side along x; and where they end in x."""
+    parts: list[Part] = [floor([-4, -4], [8, 4])]
+    x = 0.0
+    for k in range(int(random.integers(2, 5))):
+        width, rise = float(random.uniform(0.2, 0.8)), float(random.uniform(0.5, 2.0))
+        parts.append(block(f"post-{k}", [x, -0.5, 0], [x + width, 0.5, rise]))
+        x += width
+    return parts, x
 
 
 def prism(name: str, polygon: Any, depth: float = 1.0, **properties: Any) -> Part:

@@ -9,7 +9,7 @@ import numpy as np
 from kilter.assembly import Assembly, Part
 from kilter.scenes.arches import arch
 from kilter.scenes.friction import a_block, bracket, h_block, ladder, trough, v_block
-from kilter.scenes.pieces import block, floor
+from kilter.scenes.pieces import block, floor, posts
 from kilter.scenes.transform import tilted
 from kilter.scenes.wedges import keystone
 
@@ -73,11 +73,6 @@ def _stack(random: np.random.Generator, mu: float, planar: bool) -> Assembly:
 
 def _fence(random: np.random.Generator, mu: float, planar: bool) -> Assembly:
     """Posts that stand side by side on a tilted floor, against one another."""
-    parts: list[Part] = [floor([-4, -4], [8, 4])]
-    x = 0.0
-    for k in range(int(random.integers(2, 5))):
-        width, rise = float(random.uniform(0.2, 0.8)), float(random.uniform(0.5, 2.0))
-        parts.append(block(f"post-{k}", [x, -0.5, 0], [x + width, 0.5, rise]))
-        x += width
+    parts, _ = posts(random)
     made = tilted(Assembly(parts, friction=mu), [0, 1, 0], float(random.uniform(-25, 25)))
     return dataclasses.replace(made, planar=planar)

@@ -17,7 +17,7 @@ from kilter.assembly import Assembly, Part
 from kilter.rigid import Pose
 from kilter.scenes.arches import arch
 from kilter.scenes.friction import a_block, h_block, trough, v_block
-from kilter.scenes.pieces import block, floor
+from kilter.scenes.pieces import block, floor, posts
 from kilter.scenes.random_friction import random_assembly
 from kilter.scenes.wedges import keystone
 from kilter.shape.primitives import Box
@@ -142,12 +142,7 @@ def _bridge(random: np.random.Generator) -> Assembly:
 
 def _fence(random: np.random.Generator) -> Assembly:
     """Posts side by side on a slope, against a wall at its end as often as not."""
-    parts: list[Part] = [floor([-4, -4], [8, 4])]
-    x = 0.0
-    for k in range(int(random.integers(2, 5))):
-        width, rise = float(random.uniform(0.2, 0.8)), float(random.uniform(0.5, 2.0))
-        parts.append(block(f"post-{k}", [x, -0.5, 0], [x + width, 0.5, rise]))
-        x += width
+    parts, x = posts(random)
     if random.random() < 0.5:
         parts.append(block("wall", [x, -1, 0], [x + 1, 1, 2], grounded=True))
     lean = np.radians(float(random.uniform(-20, 20)))

@@ -83,6 +83,13 @@ def _inner(assembly: Assembly, contacts: ContactSet, rubs: bool) -> list[str]:
     if not why:
         return []
     word = "held" if rubs else "stable"
+    doubt = float(contacts.patch_doubt.max(initial=0.0))
+    if doubt and not rubs:
+        return [
+            f"{' and '.join(why)} left out; the directions found rest on the fitted normals of "
+            f"curved faces, which are known to {np.degrees(doubt):.1g} degrees only: none of them "
+            "is certain without friction"
+        ]
     return [
         f"{' and '.join(why)} left out: every direction found is {word}, and more may be,"
         " since further forces can only help"
