@@ -18,6 +18,7 @@ from kilter.analysis.everything import everything
 from kilter.scenes import SCENES, scene
 from kilter.scenes.walls import wall_of
 from kilter.show.page import error_page, render
+from kilter.tell.numbers import force
 
 HOSTILE = [
     "</script><script>window.hit=1</script>",
@@ -226,6 +227,12 @@ def test_what_is_left_out_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     page = Tags(render(answers, "x")).text
     assert "the stability map is found up to 3 free parts" in page
     assert "'kilter orient' looks at every size" in page
+
+
+def test_a_force_is_said_as_the_program_of_the_page_says_it() -> None:
+    """`web/test` asks the page's own `force` for the same table."""
+    table = json.loads((Path(__file__).parent / "forces.json").read_text(encoding="utf-8"))
+    assert [force(newtons) for newtons, _ in table] == [words for _, words in table]
 
 
 def test_above_its_limit_the_region_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:

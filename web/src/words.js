@@ -11,10 +11,10 @@ export function degrees(angle) {
 export const number = (value, digits = 4) =>
   Number.isFinite(value) ? String(Number(Number(value).toPrecision(digits))) : "–";
 
-/** A force with a unit that suits its size, as `kilter.tell` shows it. */
+/** A force with a unit that suits its size, as `kilter.tell` shows it: `tests/show/forces.json`. */
 export function force(newtons) {
   const units = [[1e6, "MN"], [1e3, "kN"], [1, "N"], [1e-3, "mN"]];
-  const [size, unit] = units.find(([least]) => newtons >= least) || [1, "N"];
+  const [size, unit] = units.find(([least]) => Math.abs(newtons) >= least) || [1, "N"];
   return `${number(newtons / size)} ${unit}`;
 }
 

@@ -21,8 +21,7 @@ from kilter.analysis.turning.stability_map import StabilityMap, stability_map
 from kilter.analysis.verdict import Verdict
 from kilter.arrays import Array, Index
 from kilter.assembly import Assembly, require_assembly
-from kilter.contact import ContactSet, Tolerance
-from kilter.contact import contacts as find_contacts
+from kilter.contact import ContactSet, Tolerance, detect
 from kilter.errors import InputError, SolverError
 from kilter.mechanics.program import Program, build_program
 from kilter.threads import on_one_thread
@@ -178,7 +177,7 @@ def everything(
     require_assembly(assembly, "report")
     assembly.require_grounded()
     if contacts is None:
-        contacts = find_contacts(assembly, tolerance=tolerance, progress=progress)
+        contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
     verdict = check(
         assembly, contacts=contacts, effort=effort, time_limit=time_limit, progress=progress
     )
