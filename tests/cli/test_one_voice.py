@@ -16,8 +16,10 @@ from kilter.assembly import Assembly
 from kilter.cli import main
 from kilter.errors import InputError
 from kilter.scenes import SCENES, scene
-from kilter.tell.facts import facts, forces_phrase, region_phrase
+from kilter.tell.check_facts import forces_phrase
+from kilter.tell.facts import facts
 from kilter.tell.html import html_of
+from kilter.tell.region_facts import region_phrase
 from kilter.tell.text import text_of
 
 EXAMPLES = sorted((Path(__file__).resolve().parents[2] / "examples").glob("*.json"))

@@ -16,7 +16,7 @@ from kilter.arrays import Array
 from kilter.show.colours import part_colours
 from kilter.show.packing import pack, readable
 from kilter.show.shapes import placed
-from kilter.tell.facts import forces_phrase
+from kilter.tell.check_facts import forces_phrase
 from kilter.tell.words import VERDICTS, live_words
 from kilter.units import metres_per_unit
 

@@ -11,8 +11,9 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from kilter.show.packing import readable
-from kilter.tell.facts import facts, region_words
+from kilter.tell.facts import facts
 from kilter.tell.numbers import number, vector
+from kilter.tell.region_facts import region_words
 from kilter.tell.tables import Name, Table, forces_table, open_table, tables
 from kilter.tell.words import VERDICTS
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import html
 
-from kilter.tell.facts import Answer, facts
+from kilter.tell.facts import facts
+from kilter.tell.shared_facts import Answer
 from kilter.tell.tables import moving_table, sentences
 
 __all__ = ["html_of"]

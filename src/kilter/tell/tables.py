@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from kilter.tell.contact_words import gap_words
-from kilter.tell.facts import Answer, kind_of
+from kilter.tell.facts import kind_of
 from kilter.tell.numbers import count, counts, force, number, vector
 from kilter.tell.open_words import settling_options
+from kilter.tell.shared_facts import Answer
 from kilter.tell.words import NAMED
 
 __all__ = [

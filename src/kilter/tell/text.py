@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 
-from kilter.tell.facts import Answer, facts
+from kilter.tell.facts import facts
 from kilter.tell.numbers import count, plain, shortened
+from kilter.tell.shared_facts import Answer
 from kilter.tell.tables import Name, Table, moving_table, sentences, tables
 
 __all__ = ["LISTED", "aligned", "listed", "suggestions_hint", "suggestions_text", "text_of"]

@@ -37,8 +37,8 @@ from kilter.errors import InputError
 from kilter.mechanics.bundle import make_bundle
 from kilter.mechanics.certificate import ForceProof
 from kilter.mechanics.program import build_program
-from kilter.tell.facts import region_phrase
 from kilter.tell.html import html_of
+from kilter.tell.region_facts import region_phrase
 from kilter.threads import on_one_thread
 
 __all__ = ["Region", "common_region", "region"]

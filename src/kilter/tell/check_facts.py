@@ -1,0 +1,166 @@
+"""What the answer of a check says beside its sentence: what it rests on, its level, its forces."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+from kilter.tell.numbers import counts, force, number, plain
+from kilter.tell.open_words import open_facts
+from kilter.tell.shared_facts import (
+    Answer,
+    Fact,
+    balance_phrase,
+    gravity_phrase,
+    instability_phrase,
+    joint_facts,
+    parts_phrase,
+)
+
+__all__ = ["check_facts", "forces_phrase"]
+
+MOST_OF_FREE_FALL = 0.9
+"""A bound of the power of any motion that is above this share of free fall is not worth words."""
+GUARANTEE = {
+    "proved": "proved: no other motion obeys Coulomb's law",
+    "refuted": "refuted: another motion obeys Coulomb's law",
+    "open": "open: neither proved nor refuted",
+}
+SEATED = {
+    "yes": "yes: put there with care, its own weight holds it",
+    "runs-away": "no: from every start its parts run away",
+    "not-found": "not found",
+}
+WHY = {
+    "refuted": "a motion obeys the contact law too",
+    "jams": "it can jam, but does not come to rest in every try",
+    "squeeze": "only squeeze holds it",
+    "not-found": "no seat was found, or not every try was made to its end",
+}
+
+
+def check_facts(answer: Answer) -> list[Fact]:
+    """Terms of a verdict and what they are."""
+    found = [
+        ("parts", parts_phrase(answer["parts"])),
+        ("units", f"{answer['units']}; {_density(answer['density'])}"),
+        ("mass", f"{number(_free_mass(answer['parts']))} kg free"),
+        ("gravity", gravity_phrase(answer)),
+        ("contacts", counts(**answer["contacts"])),
+        *joint_facts(answer),
+        ("proof", _proof(answer)),
+    ]
+    found += open_facts(answer)
+    friction = answer["friction"]
+    if friction is not None:
+        found.append(("guarantee", _guarantee(answer["guarantee"], friction)))
+    if answer["seated"] is not None:
+        found.append(("seated", SEATED[answer["seated"]]))
+        found.append(("settles", _settles(**answer["tries"], asked=friction["settling"]["of"])))
+    if answer["level"] is not None:
+        found.append(("level", _level(answer)))
+    forces = forces_phrase(answer["forces"])
+    if forces is not None:
+        found.append(("forces", forces))
+    if answer["z"] is not None and answer["verdict"] != "stable":
+        found.append(("instability", instability_phrase(answer)))
+    if answer["neutral"] is not None:
+        closed = answer["counted_gap"] is not None
+        found.append(("neutral", _neutral(**answer["neutral"], closed=closed)))
+    return [*found, *_seconds(answer)]
+
+
+def _level(answer: Answer) -> str:
+    """The level reached, and what was asked for."""
+    level, why = answer["level"], answer["why"]
+    words = level if why is None else f"{level}: {WHY[why]}"
+    return words if answer["holds"] else f"{words} (asked for: {answer['require']})"
+
+
+def _settles(passed: int, of: int, *, asked: int) -> str:
+    """How it came to rest when it was put down loosely."""
+    words = f"{passed} of {of} loose tries came to rest"
+    return words if of == asked else f"{words}; {asked} were to be made"
+
+
+def _free_mass(parts: Iterable[Answer]) -> float:
+    return math.fsum(part["mass"] for part in parts if not part["grounded"])
+
+
+def _density(density: Answer) -> str:
+    """What the masses of the free parts rest on."""
+    words = []
+    if density["given"] is not None:
+        ends = [number(end) for end in dict.fromkeys(density["given"])]
+        words.append(f"density {' to '.join(ends)} kg/m^3")
+    if density["default"] is not None:
+        words.append(f"density {number(density['default'])} kg/m^3 where none is given")
+    return ", ".join(words) or "masses as given"
+
+
+def _proof(answer: Answer) -> str:
+    """What proves a verdict."""
+    proof = answer["certificate"]
+    if proof["kind"] == "forces":
+        limit = f"(tolerance {answer['tolerance']['verdict']:.0e})"
+        return f"{balance_phrase(proof['residual'])} {limit}, recomputed apart from the solver"
+    if proof["kind"] == "motion":
+        return (
+            f"a motion that gains {proof['power']:.4g} W at 1 m/s and violates "
+            f"{_violation(proof['violation'])}, recomputed apart from the solver"
+        )
+    return "none"
+
+
+def _violation(violation: float) -> str:
+    return f"contacts by {abs(violation):.0e}" if violation else "no contact"
+
+
+def _guarantee(guarantee: str, friction: Answer) -> str:
+    """What friction guarantees, and how that is known."""
+    words = GUARANTEE[guarantee]
+    if guarantee == "open":
+        words += f" (more than --effort {number(friction['effort'])} may decide)"
+    exclusion, witness = friction["exclusion"], friction["witness"]
+    if exclusion is not None and exclusion["proved"]:
+        words += f" ({exclusion['kind']}, {exclusion['programs']} programs)"
+    elif guarantee == "open" and exclusion is not None and exclusion["bound"] < MOST_OF_FREE_FALL:
+        share = f"{100 * exclusion['bound']:.2g} %"
+        words += f"; any motion starts with at most {share} of the power of free fall"
+    if witness is not None:
+        words += f" (to {witness['residual']:.1e})" if witness["residual"] else " (exactly)"
+    return words
+
+
+def forces_phrase(forces: Answer | None) -> str | None:
+    """The greatest contact force, and where most of the friction is used; None of none."""
+    patches = [] if forces is None else forces["patches"]
+    if not patches:
+        return None
+    greatest = max(patches, key=lambda patch: math.hypot(*patch["resultant"]))
+    words = f"up to {force(math.hypot(*greatest['resultant']))}, {_pair(greatest)}"
+    rubs = [patch for patch in patches if patch["utilisation"]]
+    if rubs:
+        most = max(rubs, key=lambda patch: float(patch["utilisation"]))
+        words += f"; friction used up to {100 * most['utilisation']:.3g} %, {_pair(most)}"
+    return words
+
+
+def _pair(patch: Answer) -> str:
+    first, second = patch["parts"]
+    return f"{plain(first)} on {plain(second)}"
+
+
+def _neutral(two_sided: int, one_sided: int, *, closed: bool = False) -> str:
+    if two_sided + one_sided == 0:
+        return "none, counting gaps as closed" if closed else "none: strictly held"
+    return (
+        f"{two_sided} two-sided, {one_sided} one-sided motions cost no energy to first order; "
+        "only there does second order matter"
+    )
+
+
+def _seconds(answer: Answer) -> list[Fact]:
+    taken = answer.get("seconds") or {}
+    words = ", ".join(f"{key} {value:.2g}" for key, value in taken.items())
+    return [("seconds", words)] if words else []

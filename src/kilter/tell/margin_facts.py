@@ -1,0 +1,110 @@
+"""What the answer of margins says: tilt, least friction, loads, the worst case, what helps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from kilter.errors import some
+from kilter.tell.numbers import angle, number, plain, vector
+from kilter.tell.shared_facts import Answer, Fact, joint_facts
+
+__all__ = ["margin_facts"]
+
+
+def margin_facts(answer: Answer) -> list[Fact]:
+    """Terms of margins and what they are."""
+    found = [*joint_facts(answer), ("tilt", _tilt(answer))]
+    about = answer["about"]
+    if about is not None:
+        turn = about["tilt_deg"]
+        words = "a full turn is held" if turn is None else angle(turn)
+        found.append(("about axis", words + _starting(about["limit"])))
+    found.append(("friction", _least_friction(answer)))
+    limits = answer["load_limits"]
+    if limits is not None:
+        ends = answer["load_factor"]
+        words = "not known: the numbers failed"
+        if answer["missing"].get("load_factor") != "failed":
+            words = "no factor is held, however small or large"
+        words = words if ends is None else _interval(ends) + _starting(limits[1])
+        found.append(("load factor", words))
+    if answer["load_factor_bracket"] is not None:
+        found.append(("bracket", _bracket(answer["load_factor_bracket"]["greatest"])))
+    if "none" in [why for what, why in answer["missing"].items() if what.startswith("push of")]:
+        found.append(("pushes", "none is resisted: it is not in balance as given"))
+    found += _worst(answer["uncertainty"])
+    helps = [one["sentence"] for one in answer["helps"]]
+    return found + [("" if k else "helps", words) for k, words in enumerate(helps)]
+
+
+def _interval(ends: Sequence[float | None]) -> str:
+    return " to ".join("unlimited" if end is None else number(end) for end in ends)
+
+
+def _starting(limit: Answer | None) -> str:
+    """What starts to move beyond a limit."""
+    names = [] if limit is None else [plain(name) for name in limit["moves"]]
+    if limit is None or limit["mechanism"] is None:
+        return ""
+    return f"; then {some(names)} start{'s' if len(names) == 1 else ''} to move"
+
+
+def _tilt(answer: Answer) -> str:
+    tilt, lower = answer["tilt_deg"], answer["tilt_lower_deg"]
+    if tilt is None:
+        why = answer["missing"].get("tilt")
+        if why is None:
+            return "none: given loads do not turn with gravity"
+        if why == "failed":
+            return "not known: the numbers failed"
+        return "none: not held as given, nor with gravity along any direction within a right angle"
+    down = vector(answer["tilt_down"])
+    if lower is None:
+        return f"{angle(tilt)}: outside; the nearest held direction is {down}"
+    if answer["tilt_limit"]["mechanism"] is None:
+        return "more than 90 deg: no tilt up to a right angle fails"
+    words = f"{angle(tilt)} to the nearest direction that fails"
+    if tilt - lower > 1e-6 * max(tilt, 1e-12):
+        words += f" (at least {number(lower)})"
+    return f"{words}, down = {down}{_starting(answer['tilt_limit'])}"
+
+
+def _least_friction(answer: Answer) -> str:
+    least = answer["friction"]
+    if least is None:
+        failed = answer["missing"].get("friction") == "failed"
+        return "not known: the numbers failed" if failed else "none is enough to hold it"
+    if least == 0.0:
+        attained = answer["friction_limit"]["attained"]
+        return (
+            "none is needed"
+            if attained
+            else "any mu above 0 holds, since parts are clamped between others"
+        )
+    return f"mu >= {number(least)}, the same at every contact"
+
+
+def _bracket(greatest: Sequence[float | None] | None) -> str:
+    """Where the greatest load factor lies where sliding does not dilate."""
+    if greatest is None:
+        return "no factor is held"
+    low, high = greatest
+    sure = "none" if low is None else number(round(low, 12))
+    most = "unlimited" if high is None else number(high)
+    return f"guaranteed up to {sure}, held by forces up to {most}: the limit lies between"
+
+
+def _worst(worst: Answer | None) -> list[Fact]:
+    """The worst case over intervals."""
+    if worst is None:
+        return []
+    exact, tilt = worst["kind"] == "exact", worst["tilt_deg"]
+    if not worst["held"]:
+        words = "some are not held as given" if exact else "not shown that all are held as given"
+    else:
+        words = "all are held as given" if tilt is None else angle(tilt)
+        words += " (exact)" if exact else " (inner: at least that)"
+    found = [("worst case", words)]
+    if worst["load_factor"] is not None:
+        found.append(("", f"load factor {_interval(worst['load_factor'])}"))
+    return found

@@ -1,0 +1,73 @@
+"""Facts that several kinds of answers tell: parts, joints, gravity, what touches, a balance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from kilter.errors import some
+from kilter.tell.numbers import number, plain, vector
+
+__all__ = [
+    "Answer",
+    "Fact",
+    "balance_phrase",
+    "gravity_phrase",
+    "instability_phrase",
+    "joint_facts",
+    "parts_phrase",
+    "touching_phrase",
+]
+
+Answer = Mapping[str, Any]
+Fact = tuple[str, str]
+
+
+def parts_phrase(parts: Sequence[Answer]) -> str:
+    """How many parts there are, and which are held."""
+    held = [plain(part["name"]) for part in parts if part.get("grounded")]
+    return f"{len(parts)}, held: {some(held) or 'none (joints to the ground)'}"
+
+
+def gravity_phrase(answer: Answer) -> str:
+    """Size and direction of gravity."""
+    size = math.hypot(*answer["gravity"])
+    along = [component / size for component in answer["gravity"]]
+    return f"{number(size)} m/s^2 along {vector(along)}"
+
+
+def joint_facts(answer: Answer) -> list[Fact]:
+    """The joints, a row a kind."""
+    found: list[Fact] = []
+    joints = answer.get("joints", ())
+    for kind in dict.fromkeys(joint["kind"] for joint in joints):
+        pairs = [
+            " - ".join(plain(name) for name in joint["parts"])
+            for joint in joints
+            if joint["kind"] == kind
+        ]
+        found.append(("" if found else "joints", f"{len(pairs)} {kind}: {some(pairs)}"))
+    return found
+
+
+def touching_phrase(gap: str, degrees: float, clearance: float | None, unit: str) -> str:
+    """When faces count as touching."""
+    words = f"gap up to {gap}, angle up to {number(degrees, 3)} deg"
+    if clearance is None:
+        return words
+    return f"{words}, clearances up to {number(clearance, 3)} {unit} taken as closed"
+
+
+def balance_phrase(residual: float) -> str:
+    """How well forces balance every part."""
+    how = f"to {residual:.1e} of its weight" if residual else "exactly"
+    return f"contact forces that balance every part {how}"
+
+
+def instability_phrase(answer: Answer) -> str:
+    """Z of LP (9), and kappa where it is known."""
+    words = f"z = {number(answer['z'])} (LP (9): kg, {answer['units']}, gravity 1)"
+    if answer["instability"] is not None:
+        words += f", kappa = {number(answer['instability'])} (0 stable, 1 free fall)"
+    return words
