@@ -11,7 +11,7 @@ import itertools
 
 import numpy as np
 
-from kilter.assembly.geometry import polyhedron_moments
+from kilter.assembly.polyhedra import polyhedron_moments
 from kilter.shape.primitives import Mesh
 from kilter.shape.solid import Solid, Surface
 

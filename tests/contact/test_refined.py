@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from solids import bolt, bore, cone_frustum, mesh_of, peg, socket, torus, trough
 
 from kilter import Assembly, Box, Cylinder, Part, Pose, Sphere
-from kilter.assembly.geometry import polyhedron_moments
+from kilter.assembly.polyhedra import polyhedron_moments
 from kilter.assembly.refined import refined
 from kilter.contact import detect
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from kilter.assembly.geometry import polyhedron_moments
+from kilter.assembly.polyhedra import polyhedron_moments
 from kilter.files.bodies import split_bodies
 from kilter.shape.primitives import Box, Mesh, surface
 

@@ -32,7 +32,7 @@ from kilter.analysis.neutral import Neutral, find_neutral
 from kilter.analysis.open_question import OpenQuestion, open_pairs_answer
 from kilter.arrays import sealed
 from kilter.assembly import Assembly
-from kilter.assembly.geometry import DEFAULT_DENSITY
+from kilter.assembly.masses import DEFAULT_DENSITY
 from kilter.contact import ContactSet
 from kilter.friction.answer import FrictionAnswer
 from kilter.friction.exclusion_file import exclusion_data

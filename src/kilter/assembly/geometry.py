@@ -1,13 +1,4 @@
-"""What follows from the shapes of an assembly, in arrays: one row a part.
-
-Exact sums over the tetrahedra that the origin of the part makes with each triangle
-(p, q, r) of its closed surface, 6V = sum p.(q x r):
-
-    V c = sum 6v (p + q + r) / 24,     int x x^T = sum 6v (s s^T + p p^T + q q^T + r r^T) / 120
-
-with s = p + q + r, each taken about a vertex of the part so that distance from the world's
-origin costs no digits. Boxes, cylinders and spheres use their closed forms.
-"""
+"""What follows from the shapes of an assembly, in arrays: one row a part."""
 
 from __future__ import annotations
 
@@ -16,38 +7,27 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross, ragged, read_only, starts
+from kilter.arrays import Array, Index, Mask, read_only, starts
 from kilter.assembly.assembly_tolerances import FLAT_PART, INSIDE_OUT, LARGEST
+from kilter.assembly.masses import box_sizes, part_masses, part_moments
 from kilter.assembly.mesh_surface import MeshSurface, mesh_surface
 from kilter.assembly.part import Part
+from kilter.assembly.polyhedra import closed_moments
 from kilter.assembly.surfaces import Surfaces, join_surfaces, surfaces_of
-from kilter.assembly.unknown_surfaces import UnknownSurfaces
+from kilter.assembly.unknown_surfaces import UnknownSurfaces, unknown_surfaces
 from kilter.errors import InputError, some_names
 from kilter.rigid import quaternion_to_matrix
 from kilter.shape.primitives import (
     BOX_CORNERS,
     BOX_TRIANGLES,
     Box,
-    Cylinder,
     Mesh,
     Prism,
-    Sphere,
     surface,
 )
 from kilter.shape.solid import Solid
-from kilter.units import metres_per_unit
 
-__all__ = [
-    "DEFAULT_DENSITY",
-    "Geometry",
-    "build_geometry",
-    "closed_moments",
-    "polyhedron_moments",
-]
-
-
-DEFAULT_DENSITY = 1000.0
-"""Density where a part has neither density nor mass [kg/m^3]."""
+__all__ = ["Geometry", "build_geometry"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -166,7 +146,7 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
     counts = np.diff(vertex_start)
     owner = np.repeat(np.arange(len(parts)), counts)
 
-    volume, center, second, area_center = _moments(parts, boxes, local)
+    volume, center, second, area_center = part_moments(parts, boxes, local)
     _close_in_thought(meshes, (volume, center, second))
     flipped = np.flatnonzero(volume < 0)
     for k in flipped:
@@ -196,7 +176,7 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
             hint="give a closed solid",
         )
     _refuse_inside_out(parts, boxes, second)
-    mass, center, second = _masses(parts, units, (volume, center, second), warnings)
+    mass, center, second = part_masses(parts, units, (volume, center, second), warnings)
 
     world = np.einsum("nij,nj->ni", rotation[owner], vertices) + position[owner]
     world_center = np.einsum("nij,nj->ni", rotation, center) + position
@@ -231,7 +211,7 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
         triangle_surface=triangle_surface,
         slack=slack,
         warnings=tuple(warnings),
-        unknown=_unknown(parts, meshes, (rotation, position)),
+        unknown=unknown_surfaces(parts, meshes, (rotation, position)),
     )
 
 
@@ -269,7 +249,7 @@ def _local_surfaces(
     all_triangles = np.empty((triangle_start[-1], 3), dtype=np.int64)
     if boxes.any():
         where = np.flatnonzero(boxes)
-        sizes = _box_sizes(parts, where)
+        sizes = box_sizes(parts, where)
         rows = vertex_start[where][:, None] + np.arange(8)
         all_vertices[rows] = BOX_CORNERS * sizes[:, None, :]
         rows = triangle_start[where][:, None] + np.arange(12)
@@ -291,161 +271,6 @@ def _close_in_thought(meshes: dict[int, MeshSurface], moments: tuple[Array, Arra
             volume[k] = 1.0
         elif len(mesh.caps):
             volume[k], center[k], second[k] = closed_moments(mesh)
-
-
-def closed_moments(mesh: MeshSurface) -> tuple[float, Array, Array]:
-    """Volume, centroid and second moment about it of a mesh with what closes it."""
-    vertices = np.vstack([mesh.vertices, mesh.caps.reshape(-1, 3)])
-    caps = np.arange(3 * len(mesh.caps)).reshape(-1, 3) + len(mesh.vertices)
-    triangles = np.vstack([mesh.triangles, caps])
-    volume, center, second, _ = polyhedron_moments(
-        vertices, triangles, np.array([0, len(triangles)])
-    )
-    return float(volume[0]), center[0], second[0]
-
-
-def _unknown(
-    parts: Sequence[Part], meshes: dict[int, MeshSurface], poses: tuple[Array, Array]
-) -> UnknownSurfaces:
-    """Boxes, in the world, of the holes of open meshes and solids, and of stand-ins."""
-    places: list[tuple[int, Array, bool]] = []
-    for k, part in enumerate(parts):
-        shape = part.shape
-        if k in meshes:
-            places += [(k, np.array(box), False) for box in meshes[k].holes]
-        elif isinstance(shape, Solid) and shape.stand_in:
-            box = np.array([shape.vertices.min(axis=0), shape.vertices.max(axis=0)])
-            places.append((k, box, True))
-        elif isinstance(shape, Solid):
-            places += [(k, box, False) for box in shape.holes]
-    if not places:
-        return UnknownSurfaces.none()
-    owner = np.array([k for k, _, _ in places])
-    rotation, position = (pose[owner] for pose in poses)
-    box = np.array([box for _, box, _ in places])
-    middle, half = box.mean(axis=1), np.ptp(box, axis=1) / 2
-    center = np.einsum("nij,nj->ni", rotation, middle) + position
-    reach = np.einsum("nij,nj->ni", np.abs(rotation), half)
-    whole = np.array([whole for _, _, whole in places])
-    return UnknownSurfaces(owner, center - reach, center + reach, whole)
-
-
-def _box_sizes(parts: Sequence[Part], which: Index) -> Array:
-    """Lengths along x, y, z of parts that are boxes, shape (n, 3)."""
-    shapes = (parts[k].shape for k in which.tolist())
-    return np.array([shape.size for shape in shapes if isinstance(shape, Box)])
-
-
-def polyhedron_moments(
-    vertices: Array, triangles: Index, start: Index
-) -> tuple[Array, Array, Array, Array]:
-    """Volume, centroid, second moment about it and surface centroid of N polyhedra.
-
-    Parameters
-    ----------
-    vertices : ndarray, shape (V, 3)
-    triangles : ndarray, shape (T, 3)
-    start : ndarray, shape (N + 1,)
-        First triangle of each polyhedron.
-
-    Returns
-    -------
-    volume : ndarray, shape (N,)
-        Negative where the faces point inwards.
-    centroid : ndarray, shape (N, 3)
-    second : ndarray, shape (N, 3, 3)
-        Integral of x x^T about the centroid [length unit^5].
-    surface_centroid : ndarray, shape (N, 3)
-
-    References
-    ----------
-    Exact integration of polynomials over simplices; see the module's first lines.
-    """
-    origin = vertices[triangles[start[:-1], 0]]
-    shift = np.repeat(origin, np.diff(start), axis=0)
-    p, q, r = (vertices[triangles[:, k]] - shift for k in range(3))
-    total = p + q + r
-    normal = cross(q - p, r - p)
-    area = np.linalg.norm(normal, axis=1)
-    six = np.einsum("ij,ij->i", p, cross(q, r))
-    volume = _group_sum(six, start) / 6
-    first = _group_sum(six[:, None] * total, start) / 24
-    outer = sum(np.einsum("n,ni,nj->nij", six, x, x) for x in (total, p, q, r))
-    second = _group_sum(np.asarray(outer), start) / 120
-    with np.errstate(divide="ignore", invalid="ignore"):
-        centroid = first / volume[:, None]
-        surface_centroid = _group_sum(area[:, None] * total, start) / (
-            3 * _group_sum(area, start)[:, None]
-        )
-    second = second - volume[:, None, None] * centroid[:, :, None] * centroid[:, None, :]
-    return volume, centroid + origin, second, surface_centroid + origin
-
-
-def _moments(
-    parts: Sequence[Part],
-    boxes: Mask,
-    local: tuple[Array, Index, Index, Index],
-) -> tuple[Array, Array, Array, Array]:
-    vertices, _, triangles, triangle_start = local
-    count = len(parts)
-    volume, center = np.zeros(count), np.zeros((count, 3))
-    second, area_center = np.zeros((count, 3, 3)), np.zeros((count, 3))
-    if boxes.any():
-        where = np.flatnonzero(boxes)
-        sizes = _box_sizes(parts, where)
-        volume[where] = sizes.prod(axis=1)
-        second[where[:, None], range(3), range(3)] = volume[where][:, None] * sizes**2 / 12
-    where = np.flatnonzero(~boxes)
-    if len(where):
-        _, rows = ragged(triangle_start, where)
-        start = starts(np.diff(triangle_start)[where])
-        result = polyhedron_moments(vertices, triangles[rows], start)
-        volume[where], center[where], second[where], area_center[where] = result
-    for k in where.tolist():
-        shape = parts[k].shape
-        if isinstance(shape, Cylinder):
-            volume[k] = np.pi * shape.radius**2 * shape.height
-            moments = [shape.radius**2 / 4, shape.radius**2 / 4, shape.height**2 / 12]
-        elif isinstance(shape, Sphere):
-            volume[k] = 4 / 3 * np.pi * shape.radius**3
-            moments = [shape.radius**2 / 5] * 3
-        elif isinstance(shape, Solid):
-            volume[k], center[k], second[k] = shape.volume, shape.centroid, shape.second_moment
-            continue
-        else:
-            continue
-        center[k], area_center[k] = 0.0, 0.0
-        second[k] = volume[k] * np.diag(moments)
-    return volume, center, second, area_center
-
-
-def _masses(
-    parts: Sequence[Part],
-    units: str,
-    moments: tuple[Array, Array, Array],
-    warnings: list[str],
-) -> tuple[Array, Array, Array]:
-    """Masses [kg], centres and mass-weighted second moments from geometry and overrides."""
-    volume, center, second = moments
-    cubic_metres = volume * metres_per_unit(units) ** 3
-    density = np.array([part.density or DEFAULT_DENSITY for part in parts])
-    given = np.array([part.mass is not None for part in parts])
-    mass = density * cubic_metres
-    mass[given] = [part.mass for part in parts if part.mass is not None]
-    free = np.array([not part.grounded for part in parts])
-    default = np.array([part.mass is None and part.density is None for part in parts])
-    if (default & free).any() and (~default & free).any():
-        assumed = some_names([p.name for p, d in zip(parts, default & free, strict=True) if d])
-        warnings.append(
-            f"density {DEFAULT_DENSITY:g} kg/m^3 assumed for {assumed} "
-            "beside parts with a mass or density of their own: the verdict depends on the ratios"
-        )
-    second = second * (mass / volume)[:, None, None]
-    center = center.copy()
-    for k, part in enumerate(parts):
-        if part.center_of_mass is not None:
-            center[k] = part.center_of_mass
-    return mass, center, second
 
 
 def _curved(
@@ -473,9 +298,4 @@ def _curved(
 
 def _group_max(values: Array, start: Index) -> Array:
     result: Array = np.maximum.reduceat(values, start[:-1])
-    return result
-
-
-def _group_sum(values: Array, start: Index) -> Array:
-    result: Array = np.add.reduceat(values, start[:-1], axis=0)
     return result

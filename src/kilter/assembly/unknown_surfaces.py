@@ -6,13 +6,17 @@ What another part meets there nobody can say, so its contacts are open: that is 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, Rows, columns, read_only
+from kilter.assembly.mesh_surface import MeshSurface
+from kilter.assembly.part import Part
+from kilter.shape.solid import Solid
 
-__all__ = ["UnknownSurfaces"]
+__all__ = ["UnknownSurfaces", "unknown_surfaces"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,3 +51,38 @@ class UnknownSurfaces(Rows):
         found = np.zeros(count, dtype=bool)
         found[self.part[self.whole]] = True
         return found
+
+
+def unknown_surfaces(
+    parts: Sequence[Part], meshes: dict[int, MeshSurface], poses: tuple[Array, Array]
+) -> UnknownSurfaces:
+    """Those of parts: the holes of open meshes and solids, and stand-ins.
+
+    Parameters
+    ----------
+    parts : sequence of Part
+    meshes : dict
+        Surfaces of the parts that are meshes, by their position.
+    poses : tuple of ndarray
+        Rotation matrices, shape (N, 3, 3), and positions, shape (N, 3) [length unit].
+    """
+    places: list[tuple[int, Array, bool]] = []
+    for k, part in enumerate(parts):
+        shape = part.shape
+        if k in meshes:
+            places += [(k, np.array(box), False) for box in meshes[k].holes]
+        elif isinstance(shape, Solid) and shape.stand_in:
+            box = np.array([shape.vertices.min(axis=0), shape.vertices.max(axis=0)])
+            places.append((k, box, True))
+        elif isinstance(shape, Solid):
+            places += [(k, box, False) for box in shape.holes]
+    if not places:
+        return UnknownSurfaces.none()
+    owner = np.array([k for k, _, _ in places])
+    rotation, position = (pose[owner] for pose in poses)
+    box = np.array([box for _, box, _ in places])
+    middle, half = box.mean(axis=1), np.ptp(box, axis=1) / 2
+    center = np.einsum("nij,nj->ni", rotation, middle) + position
+    reach = np.einsum("nij,nj->ni", np.abs(rotation), half)
+    whole = np.array([whole for _, _, whole in places])
+    return UnknownSurfaces(owner, center - reach, center + reach, whole)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kilter.assembly.geometry import polyhedron_moments
+from kilter.assembly.polyhedra import polyhedron_moments
 from kilter.errors import InputError
 from kilter.files.file_tolerances import LEEWAY, VOLUME
 from kilter.shape.closed import open_edges

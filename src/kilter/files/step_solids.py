@@ -22,8 +22,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from kilter.arrays import Array, Index, connected
-from kilter.assembly.geometry import closed_moments, polyhedron_moments
 from kilter.assembly.mesh_surface import closed_in_thought
+from kilter.assembly.polyhedra import closed_moments, polyhedron_moments
 from kilter.errors import InputError
 from kilter.files.checked_solid import checked
 from kilter.files.file_tolerances import (

@@ -1,0 +1,98 @@
+"""What parts weigh, and how their matter lies: from shapes, densities and what is given."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from kilter.arrays import Array, Index, Mask, ragged, starts
+from kilter.assembly.part import Part
+from kilter.assembly.polyhedra import polyhedron_moments
+from kilter.errors import some_names
+from kilter.shape.primitives import Box, Cylinder, Sphere
+from kilter.shape.solid import Solid
+from kilter.units import metres_per_unit
+
+__all__ = ["DEFAULT_DENSITY", "box_sizes", "part_masses", "part_moments"]
+
+DEFAULT_DENSITY = 1000.0
+"""Density where a part has neither density nor mass [kg/m^3]."""
+
+
+def part_moments(
+    parts: Sequence[Part],
+    boxes: Mask,
+    local: tuple[Array, Index, Index, Index],
+) -> tuple[Array, Array, Array, Array]:
+    """Volume, centroid, second moment about it and surface centroid of each part, in its frame.
+
+    Boxes, cylinders and spheres by their closed forms. `local`: vertices, first vertex of each
+    part, triangles, first triangle of each part.
+    """
+    vertices, _, triangles, triangle_start = local
+    count = len(parts)
+    volume, center = np.zeros(count), np.zeros((count, 3))
+    second, area_center = np.zeros((count, 3, 3)), np.zeros((count, 3))
+    if boxes.any():
+        where = np.flatnonzero(boxes)
+        sizes = box_sizes(parts, where)
+        volume[where] = sizes.prod(axis=1)
+        second[where[:, None], range(3), range(3)] = volume[where][:, None] * sizes**2 / 12
+    where = np.flatnonzero(~boxes)
+    if len(where):
+        _, rows = ragged(triangle_start, where)
+        start = starts(np.diff(triangle_start)[where])
+        result = polyhedron_moments(vertices, triangles[rows], start)
+        volume[where], center[where], second[where], area_center[where] = result
+    for k in where.tolist():
+        shape = parts[k].shape
+        if isinstance(shape, Cylinder):
+            volume[k] = np.pi * shape.radius**2 * shape.height
+            moments = [shape.radius**2 / 4, shape.radius**2 / 4, shape.height**2 / 12]
+        elif isinstance(shape, Sphere):
+            volume[k] = 4 / 3 * np.pi * shape.radius**3
+            moments = [shape.radius**2 / 5] * 3
+        elif isinstance(shape, Solid):
+            volume[k], center[k], second[k] = shape.volume, shape.centroid, shape.second_moment
+            continue
+        else:
+            continue
+        center[k], area_center[k] = 0.0, 0.0
+        second[k] = volume[k] * np.diag(moments)
+    return volume, center, second, area_center
+
+
+def part_masses(
+    parts: Sequence[Part],
+    units: str,
+    moments: tuple[Array, Array, Array],
+    warnings: list[str],
+) -> tuple[Array, Array, Array]:
+    """Masses [kg], centres and mass-weighted second moments from geometry and overrides."""
+    volume, center, second = moments
+    cubic_metres = volume * metres_per_unit(units) ** 3
+    density = np.array([part.density or DEFAULT_DENSITY for part in parts])
+    given = np.array([part.mass is not None for part in parts])
+    mass = density * cubic_metres
+    mass[given] = [part.mass for part in parts if part.mass is not None]
+    free = np.array([not part.grounded for part in parts])
+    default = np.array([part.mass is None and part.density is None for part in parts])
+    if (default & free).any() and (~default & free).any():
+        assumed = some_names([p.name for p, d in zip(parts, default & free, strict=True) if d])
+        warnings.append(
+            f"density {DEFAULT_DENSITY:g} kg/m^3 assumed for {assumed} "
+            "beside parts with a mass or density of their own: the verdict depends on the ratios"
+        )
+    second = second * (mass / volume)[:, None, None]
+    center = center.copy()
+    for k, part in enumerate(parts):
+        if part.center_of_mass is not None:
+            center[k] = part.center_of_mass
+    return mass, center, second
+
+
+def box_sizes(parts: Sequence[Part], which: Index) -> Array:
+    """Lengths along x, y, z of parts that are boxes, shape (n, 3)."""
+    shapes = (parts[k].shape for k in which.tolist())
+    return np.array([shape.size for shape in shapes if isinstance(shape, Box)])
