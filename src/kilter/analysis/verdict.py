@@ -30,16 +30,20 @@ from kilter.analysis.motion import (
 )
 from kilter.analysis.neutral import Neutral, find_neutral
 from kilter.analysis.open_question import OpenQuestion, open_pairs_answer
+from kilter.analysis.verdict_answer import (
+    certificate_answer,
+    density_answer,
+    forces_answer,
+    friction_answer,
+)
 from kilter.arrays import sealed
 from kilter.assembly import Assembly
-from kilter.assembly.masses import DEFAULT_DENSITY
 from kilter.contact import ContactSet
 from kilter.friction.answer import FrictionAnswer
-from kilter.friction.exclusion_file import exclusion_data
 from kilter.mechanics.certificate import ForceProof, MotionProof
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program, build_program
-from kilter.mechanics.proof import Evidence, make_proof
+from kilter.mechanics.proof import make_proof
 from kilter.mechanics.rows import POSSIBLE
 from kilter.tell.html import html_of
 from kilter.tell.levels import REQUIRE, holds, level_of
@@ -280,23 +284,7 @@ class Verdict:
             self.program,
             self.certificate,
             options or {},
-            evidence=self._evidence(),
-        )
-
-    def _evidence(self) -> Evidence | None:
-        answer = self.friction
-        if answer is None:
-            return None
-        exclusion = answer.exclusion
-        return Evidence(
-            answer.guarantee,
-            witness=None if answer.witness is None else answer.witness.law,
-            seated=answer.seat,
-            tries=answer.tries,
-            of=answer.settling.of,
-            exclusion=None
-            if exclusion is None or not exclusion.proved
-            else exclusion_data(exclusion),
+            evidence=None if self.friction is None else self.friction.evidence,
         )
 
     def with_seconds(self, **more: float) -> Verdict:
@@ -309,6 +297,7 @@ class Verdict:
     def to_dict(self) -> dict[str, Any]:
         """The answer of `kilter check --json`, and every fact that its text tells."""
         assembly, contacts, neutral = self.assembly, self.contacts, self.neutral
+        tries = self.tries
         return {
             "verdict": self.verdict,
             "level": self.level,
@@ -317,7 +306,7 @@ class Verdict:
             "why": self.why,
             "guarantee": self.guarantee,
             "seated": self.seated,
-            "tries": _tries(self.tries),
+            "tries": None if tries is None else {"passed": tries[0], "of": tries[1]},
             "sentence": self.sentence,
             "summary": self.summary,
             "neutral": None
@@ -326,10 +315,10 @@ class Verdict:
             "down": assembly.down.tolist(),
             "gravity": assembly.gravity.tolist(),
             "units": assembly.units,
-            "density": _density(assembly),
+            "density": density_answer(assembly),
             "instability": self.instability if self.measured else None,
             "z": self.displacement.z if self.measured else None,
-            "parts": [_part(self, k) for k in range(len(assembly.parts))],
+            "parts": [self._part(k) for k in range(len(assembly.parts))],
             "contacts": {
                 "pairs": contacts.pairs,
                 "patches": len(contacts),
@@ -341,9 +330,9 @@ class Verdict:
             "if_joined": None if self.question is None else self.question.to_dict(assembly.names),
             "nearest": contacts.of(assembly).nearest(),
             "joints": joints_answer(assembly),
-            "certificate": _certificate(self),
-            "friction": _friction(self),
-            "forces": None if self.forces is None else _forces(self, self.forces),
+            "certificate": certificate_answer(self.certificate, self.judgement),
+            "friction": friction_answer(self.friction, self.effort),
+            "forces": forces_answer(self.forces, contacts, self.program),
             "tolerance": {
                 "gap": contacts.gap,
                 "angle_deg": float(np.degrees(contacts.tolerance.angle)),
@@ -354,6 +343,24 @@ class Verdict:
             "warnings": [*self.warnings, *([self.barely] if self.barely else [])],
             "time_limit": self.time_limit,
             "seconds": dict(self.seconds),
+        }
+
+    def _part(self, k: int) -> dict[str, Any]:
+        """A part of the answer: its mass, and how it starts to move."""
+        part, motion = self.assembly.parts[k], self.motion
+        shift = self.displacement.displacement if self.measured else None
+        slow = not motion.moves.any() and motion.relative[k].max() > ROUNDING
+        return {
+            "name": part.name,
+            "grounded": part.grounded,
+            "mass": float(self.program.mass[k]),
+            "displacement": None if shift is None else (shift[k] + 0.0).tolist(),
+            "acceleration": (motion.acceleration[k] + 0.0).tolist(),
+            "relative": (motion.relative[k] + 0.0).tolist(),
+            "moves": bool(motion.moves[k]),
+            "motion": self.words(k),
+            # told where no part is above the threshold of `moves`
+            "slow_motion": self.words(k, slow=True) if slow and not part.grounded else None,
         }
 
     def _repr_html_(self) -> str:
@@ -376,105 +383,3 @@ class Verdict:
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update({**state, "seconds": MappingProxyType(state["seconds"])})
-
-
-def _part(verdict: Verdict, k: int) -> dict[str, Any]:
-    part, motion = verdict.assembly.parts[k], verdict.motion
-    shift = verdict.displacement.displacement if verdict.measured else None
-    slow = not motion.moves.any() and motion.relative[k].max() > ROUNDING
-    return {
-        "name": part.name,
-        "grounded": part.grounded,
-        "mass": float(verdict.program.mass[k]),
-        "displacement": None if shift is None else (shift[k] + 0.0).tolist(),
-        "acceleration": (motion.acceleration[k] + 0.0).tolist(),
-        "relative": (motion.relative[k] + 0.0).tolist(),
-        "moves": bool(motion.moves[k]),
-        "motion": verdict.words(k),
-        # told where no part is above the threshold of `moves`
-        "slow_motion": verdict.words(k, slow=True) if slow and not part.grounded else None,
-    }
-
-
-def _density(assembly: Assembly) -> dict[str, Any]:
-    """What the masses of the free parts without a given mass rest on [kg/m^3]."""
-    free = [part.density for part in assembly.parts if not part.grounded and part.mass is None]
-    given = [density for density in free if density is not None]
-    return {
-        "given": [min(given), max(given)] if given else None,
-        "default": DEFAULT_DENSITY if len(given) < len(free) else None,
-    }
-
-
-def _certificate(verdict: Verdict) -> dict[str, Any]:
-    proof, forces, motion = (
-        verdict.certificate,
-        verdict.judgement.forces,
-        verdict.judgement.motion,
-    )
-    kind = None if proof is None else "forces" if isinstance(proof, ForceProof) else "motion"
-    return {
-        "kind": kind,
-        "residual": None if forces is None else forces.residual,
-        "power": None if motion is None else motion.power,
-        "violation": None if motion is None else motion.violation,
-    }
-
-
-def _friction(verdict: Verdict) -> dict[str, Any] | None:
-    """How the guarantee came about, where the verdict rests on friction."""
-    answer = verdict.friction
-    if answer is None:
-        return None
-    witness, seating, exclusion = answer.witness, answer.seating, answer.exclusion
-    return {
-        "witness": None
-        if witness is None
-        else {"power": witness.law.power, "residual": witness.law.residual, "found": witness.found},
-        "seating": {
-            "seated": seating.seated,
-            "residual": seating.residual,
-            "direction": None if seating.runaway is None else seating.runaway.tolist(),
-        },
-        "settling": {"ends": list(answer.settling.ends), "of": answer.settling.of},
-        "exclusion": None
-        if exclusion is None
-        else {
-            "proved": exclusion.proved,
-            "kind": exclusion.kind,
-            "programs": exclusion.programs,
-            "bound": exclusion.bound,
-            "assumes": exclusion.assumes,
-        },
-        "effort": verdict.effort,
-        "work": answer.work,
-    }
-
-
-def _forces(verdict: Verdict, found: ContactForces) -> dict[str, Any]:
-    """Forces of equilibrium, on the second part of each patch."""
-    contacts, names = verdict.contacts, verdict.assembly.names
-    rows = np.argsort(found.patch_of, kind="stable")
-    ends = np.cumsum(np.bincount(found.patch_of, minlength=len(found.patch)))
-    points = verdict.program.point[found.rows]
-    patches = []
-    for k, own in enumerate(np.split(rows, ends[:-1]) if len(ends) else []):
-        patch = found.patch[k]
-        presses, rubs = np.isfinite(found.center[k]).all(), np.isfinite(found.utilisation[k])
-        patches.append(
-            {
-                "parts": [names[i] for i in contacts.patch_parts[patch]],
-                "kind": str(contacts.patch_kind[patch]),
-                "resultant": found.resultant[k].tolist(),
-                "normal_force": float(found.normal_force[k]),
-                "center": found.center[k].tolist() if presses else None,
-                "utilisation": float(found.utilisation[k]) if rubs else None,
-                "points": points[own].tolist(),
-                "forces": (found.force[own] + 0.0).tolist(),
-            }
-        )
-    return {"least": found.least, "residual": found.residual, "patches": patches}
-
-
-def _tries(tries: tuple[int, int] | None) -> dict[str, int] | None:
-    return None if tries is None else {"passed": tries[0], "of": tries[1]}

@@ -36,12 +36,14 @@ import numpy as np
 from kilter.arrays import Array
 from kilter.friction.elastic_forces import elastic_forces
 from kilter.friction.exclusion import Exclusion, prove_no_motion
+from kilter.friction.exclusion_file import exclusion_data
 from kilter.friction.law import coulomb_law
 from kilter.friction.motion_search import CoulombMotion, find_coulomb_motion
 from kilter.friction.seating import Seating, find_seating
 from kilter.friction.settling import Settling, find_settling
 from kilter.mechanics.certificate import ForceProof, check_forces
 from kilter.mechanics.program import Program
+from kilter.mechanics.proof import Evidence
 from kilter.work import EFFORT, PER_EFFORT, Work
 
 __all__ = ["FrictionAnswer", "Why", "ask_friction"]
@@ -106,6 +108,21 @@ class FrictionAnswer:
         if self.seat is not None:
             return "jams" if self.settling.runs_away else "not-found"
         return "squeeze" if self.seating.seated == "runs-away" else "not-found"
+
+    @property
+    def evidence(self) -> Evidence:
+        """What a proof file says of it."""
+        exclusion = self.exclusion
+        return Evidence(
+            self.guarantee,
+            witness=None if self.witness is None else self.witness.law,
+            seated=self.seat,
+            tries=self.tries,
+            of=self.settling.of,
+            exclusion=None
+            if exclusion is None or not exclusion.proved
+            else exclusion_data(exclusion),
+        )
 
 
 def ask_friction(
