@@ -47,6 +47,8 @@ def values() -> Iterator[Any]:
     yield kilter.orient(scene("paper-figure-11"))
     yield kilter.margin(scene("tower"))
     yield kilter.verify(scene("tower"), kilter.check(scene("tower")).proof())
+    yield kilter.states(scene("tower"))
+    yield kilter.states(scene("tower")).of()
     yield kilter.example()[0]
 
 

@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from kilter.analysis.check import check as check
     from kilter.analysis.margins.margin import Margin as Margin
     from kilter.analysis.margins.margin import margin as margin
+    from kilter.analysis.planning.states import State as State
+    from kilter.analysis.planning.states import States as States
+    from kilter.analysis.planning.states import states as states
     from kilter.analysis.regions.region import Region as Region
     from kilter.analysis.regions.region import common_region as common_region
     from kilter.analysis.regions.region import region as region
@@ -74,6 +77,7 @@ _HOMES = {
     # beside them
     "common_region": "kilter.analysis.regions.region",
     "fastened": "kilter.contact.fits.fastening",
+    "states": "kilter.analysis.planning.states",
     # what they take
     "Assembly": "kilter.assembly.assembly",
     "Box": "kilter.shape.primitives",
@@ -95,6 +99,8 @@ _HOMES = {
     "Orientation": "kilter.analysis.turning.orientation",
     "Region": "kilter.analysis.regions.region",
     "Report": "kilter.publish",
+    "State": "kilter.analysis.planning.states",
+    "States": "kilter.analysis.planning.states",
     "Verdict": "kilter.analysis.verdict",
     "Verification": "kilter.analysis.verification",
     # and what they refuse

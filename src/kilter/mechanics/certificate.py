@@ -38,7 +38,14 @@ from kilter.mechanics.mechanics_tolerances import (
 )
 from kilter.mechanics.program import Program
 
-__all__ = ["ForceProof", "MotionProof", "check_forces", "check_motion", "part_sizes"]
+__all__ = [
+    "ForceProof",
+    "MotionProof",
+    "check_forces",
+    "check_motion",
+    "part_sizes",
+    "violations",
+]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,19 +129,27 @@ def check_motion(program: Program, motion: Array) -> MotionProof:
         return MotionProof(motion, 0.0, 0.0, 0.0, False)
     motion = motion / largest
     power = float((program.load * motion).sum())
-    openings = program.velocities(motion) * program.arm
-    rows = program.rough
-    if len(rows):
-        slip = np.linalg.norm(program.slips(motion, rows), axis=1)
-        openings[rows] -= program.mu[rows] * slip
-    bad = np.where(program.two_sided, -np.abs(openings), np.minimum(openings, 0.0))
-    violation = float(-bad.min(initial=0.0))
+    violation = float(-violations(program, motion).min(initial=0.0))
     moving = program.free & (sizes > STILL * largest)
     weight = float(program.weight[moving].sum())
     ratio = power / max(violation * weight, TINY)
     tolerance = np.maximum(TOLERANCE, COARSE_POWER * program.tolerance)
     needed = float((tolerance * program.weight)[moving].sum())
     return MotionProof(motion, power, violation, ratio, power > needed and ratio >= RULED_OUT)
+
+
+def violations(program: Program, motion: Array) -> Array:
+    """By how much a motion leaves the dual cone of each row: u_n - mu |u_t|, at most 0, (K,).
+
+    In the unit of the motion's translations; of rows that may also pull, -|u_n|.
+    """
+    opening = program.velocities(motion) * program.arm
+    rows = program.rough
+    if len(rows):
+        slip = np.linalg.norm(program.slips(motion, rows), axis=1)
+        opening[rows] -= program.mu[rows] * slip
+    bad: Array = np.where(program.two_sided, -np.abs(opening), np.minimum(opening, 0.0))
+    return bad
 
 
 def part_sizes(program: Program, six: Array, *, per_radius: bool) -> Array:

@@ -1,0 +1,96 @@
+"""The programs of the states of one assembly: contacts and rows once, then rows by masks.
+
+A state is a set S of parts that are present and a set H of them that are held. Its program has
+the rows between present parts of which one is free, F = S - H - G (G: the grounded parts):
+
+    J_SF^T f + w_F = 0        the rows of `Program` of all parts, those of absent parts left out
+
+Absent parts stay in the arrays as parts that are not free and that no row names, so that every
+state has the parts of the assembly, by their positions.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from kilter.arrays import Array, Index, Mask
+from kilter.assembly import Assembly
+from kilter.contact import ContactSet
+from kilter.mechanics.mechanics_tolerances import BLUR, TOLERANCE
+from kilter.mechanics.program import Program, build_program
+from kilter.mechanics.rows import CONTACT
+
+__all__ = ["StatePrograms", "build_state_programs", "parts_of", "rows_of_state"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StatePrograms:
+    """The program of all parts, and what its states need.
+
+    Attributes
+    ----------
+    whole : Program
+        All parts present, none held but the grounded ones.
+    outer : Program
+        The same with every force that contacts which are not modelled might bring; `whole`
+        itself where there are none.
+    patch_blur : ndarray, shape (P,)
+        The tolerance that the accuracy of each patch asks for [-].
+    """
+
+    whole: Program
+    outer: Program
+    patch_blur: Array
+
+    @property
+    def free(self) -> Mask:
+        """Parts that are not grounded, shape (N,)."""
+        return self.whole.free
+
+    @property
+    def open(self) -> bool:
+        """Whether forces that are not modelled may act."""
+        return self.outer is not self.whole
+
+    def of(self, present: Mask, held: Mask) -> Program:
+        """The program of a state; masks of shape (N,)."""
+        return self._taken(self.whole, present, held)
+
+    def outer_of(self, present: Mask, held: Mask) -> Program:
+        """The same with the forces that are not modelled."""
+        return self._taken(self.outer, present, held)
+
+    def _taken(self, program: Program, present: Mask, held: Mask) -> Program:
+        free = self.free & present & ~held
+        rows = np.flatnonzero(rows_of_state(program, present, free))
+        tolerance = np.full(len(free), TOLERANCE)
+        contacts = rows[program.kind[rows] == CONTACT]
+        blur = self.patch_blur[program.source[contacts]]
+        np.maximum.at(tolerance, program.part_a[contacts], blur)
+        np.maximum.at(tolerance, program.part_b[contacts], blur)
+        return replace(program.taking(rows), free=free, tolerance=tolerance)
+
+
+def rows_of_state(program: Program, present: Mask, free: Mask) -> Mask:
+    """Rows whose parts are present and of which one is free, shape (K,)."""
+    here, moves = np.append(present, True), np.append(free, False)
+    a, b = program.part_a, program.part_b
+    rows: Mask = here[a] & here[b] & (moves[a] | moves[b])
+    return rows
+
+
+def build_state_programs(assembly: Assembly, contacts: ContactSet) -> StatePrograms:
+    """The programs of an assembly and its contacts, built once."""
+    whole = build_program(assembly, contacts)
+    outer = build_program(assembly, contacts, possible=True)
+    blur: Array = np.maximum(TOLERANCE, BLUR * contacts.patch_accuracy)
+    return StatePrograms(whole, outer if len(outer.part_a) > len(whole.part_a) else whole, blur)
+
+
+def parts_of(program: Program, rows: Index) -> Mask:
+    """Parts that some rows name, shape (N,); the ground is none."""
+    found = np.zeros(len(program.names) + 1, dtype=bool)
+    found[program.part_a[rows]] = found[program.part_b[rows]] = True
+    return found[:-1]

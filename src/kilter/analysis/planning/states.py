@@ -1,0 +1,421 @@
+"""Does a half-built assembly hold? Contacts once, then a verdict for any parts present and held.
+
+What a planner asks thousands of times: of the parts S that are present, H held, are there
+contact forces that hold the others (the level "equilibrium" of `kilter.check`)? An order that
+ends with the first certificate that is judged to hold in the state itself:
+
+1. forces or a motion of a state before (`kilter.analysis.planning.known_proofs`);
+2. a kept linear program with pyramids of friction, which goes on from the state before;
+3. exact cones, since what a pyramid does not hold they may;
+4. `kilter.check` of the state, where open pairs, fitted normals or the accuracy that a file
+   states of itself leave it open.
+
+Holding more never hurts: what holds with H held, holds with more of its parts held. Neither more
+parts present nor fewer need hold: an arch does before its keystone is out, and after.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from kilter.analysis.as_stated import explained_by_accuracy
+from kilter.analysis.check import check
+from kilter.analysis.judge import judge
+from kilter.analysis.planning.holds import Holds, find_fewest_holds
+from kilter.analysis.planning.known_proofs import (
+    KnownForces,
+    KnownMotion,
+    forces_for_others,
+    motions_for_others,
+)
+from kilter.analysis.planning.part_sets import bits_of
+from kilter.analysis.planning.pyramid_program import PyramidProgram
+from kilter.analysis.planning.state_programs import (
+    StatePrograms,
+    build_state_programs,
+    rows_of_state,
+)
+from kilter.analysis.verdict import Verdict
+from kilter.arrays import Mask
+from kilter.assembly import Assembly, require_assembly
+from kilter.contact import ContactSet, Tolerance, detect
+from kilter.contact.fits.coincident import require_apart
+from kilter.contact.sub_contacts import contacts_among
+from kilter.errors import InputError
+from kilter.mechanics.certificate import (
+    ForceProof,
+    MotionProof,
+    check_forces,
+    check_motion,
+    part_sizes,
+)
+from kilter.mechanics.mechanics_tolerances import STILL
+from kilter.mechanics.program import Program, build_program
+from kilter.mechanics.proof import Evidence, make_proof
+from kilter.threads import on_one_thread
+
+__all__ = ["State", "States", "states"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class State:
+    """What was found of one state.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of all N parts.
+    present, free : ndarray of bool, shape (N,)
+        Parts that are there; those of them that are neither held nor grounded.
+    stable : bool or None
+        Whether forces that hold it exist; None: undecided.
+    program : Program
+        The rows of the state, of which the certificate speaks.
+    forces : ForceProof or None
+        Where it holds.
+    motion : MotionProof or None
+        Where it does not.
+    verdict : Verdict or None
+        The answer of `kilter.check`, where nothing less decided; then the evidence is there.
+    """
+
+    names: tuple[str, ...]
+    present: Mask
+    free: Mask
+    stable: bool | None
+    program: Program
+    forces: ForceProof | None = None
+    motion: MotionProof | None = None
+    verdict: Verdict | None = None
+
+    @property
+    def moving(self) -> list[str]:
+        """Parts that the motion moves; none where it holds."""
+        return [name for name, moves in zip(self.names, self.moves, strict=True) if moves]
+
+    @property
+    def moves(self) -> Mask:
+        """The same as a mask, shape (N,)."""
+        if self.motion is None:
+            named = set(self.verdict.moving) if self.verdict and self.stable is False else set()
+            return np.array([name in named for name in self.names], dtype=bool)
+        sizes = part_sizes(self.program, self.motion.motion, per_radius=False)
+        moves: Mask = sizes > STILL * sizes.max(initial=0.0)
+        return moves
+
+    def __repr__(self) -> str:
+        word = {True: "holds", False: "falls", None: "undecided"}[self.stable]
+        free = int(self.free.sum())
+        return f"<State: {int(self.present.sum())} parts, {free} free, {word}>"
+
+    def __bool__(self) -> bool:
+        raise TypeError("a state is neither true nor false: use .stable")
+
+
+class States:
+    """The states of an assembly: which parts are present, and which of them held.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    contacts : ContactSet
+        Its contacts.
+
+    Attributes
+    ----------
+    assembly, contacts
+    counts : dict
+        How many states were `asked`, decided by a proof that was `known`, by linear programs
+        (`programs`), by exact `cones`, by a `check`.
+
+    See Also
+    --------
+    states : makes one from an assembly.
+    """
+
+    def __init__(self, assembly: Assembly, contacts: ContactSet) -> None:
+        self.assembly = assembly
+        self.contacts = contacts
+        self.counts = {"asked": 0, "known": 0, "programs": 0, "cones": 0, "checks": 0}
+        self._programs: StatePrograms = build_state_programs(assembly, contacts)
+        self._pyramid: PyramidProgram | None = None
+        self._forces: list[KnownForces] = []
+        self._motions: list[KnownMotion] = []
+        self._found: dict[tuple[int, int], State] = {}
+
+    def __len__(self) -> int:
+        return len(self._found)
+
+    def __repr__(self) -> str:
+        return f"<States: of {len(self.assembly)} parts, {len(self)} known>"
+
+    def of(self, present: str | Iterable[str] = "*", held: str | Iterable[str] = ()) -> State:
+        """The state with some parts present, and some of these held.
+
+        Parameters
+        ----------
+        present : str or iterable of str
+            Names; ``*`` and ``?`` are globs. Grounded parts that are not named are absent.
+        held : str or iterable of str
+            Beside the grounded ones.
+
+        Raises
+        ------
+        InputError
+            If a name matches no part, or a held part is not present.
+
+        Examples
+        --------
+        >>> from kilter.scenes import scene
+        >>> tower = states(scene("tower"))
+        >>> tower.of(), tower.of(["base", "cube-2"])
+        (<State: 6 parts, 5 free, holds>, <State: 2 parts, 1 free, falls>)
+        >>> tower.of(["base", "cube-2"], held="cube-2").stable
+        True
+        """
+        there, kept = self.mask(present), self.mask(held)
+        if (kept & ~there).any():
+            name = self.assembly.names[int(np.flatnonzero(kept & ~there)[0])]
+            raise InputError("is held but not present", part=name, hint="name it in both")
+        return self.judge(there, kept)
+
+    @on_one_thread
+    def fewest_holds(
+        self,
+        present: str | Iterable[str] = "*",
+        *,
+        among: str | Iterable[str] = "*",
+        most: int | None = None,
+    ) -> Holds[State]:
+        """The fewest parts to hold, beside the grounded ones, so that a state holds.
+
+        Parameters
+        ----------
+        present : str or iterable of str
+            As of `of`.
+        among : str or iterable of str
+            Parts that may be held.
+        most : int, optional
+            More than these are not asked for.
+
+        Raises
+        ------
+        InputError
+            If a name matches no part.
+
+        Examples
+        --------
+        >>> from kilter.scenes.arches import arch
+        >>> open_arch = states(arch(9, ratio=0.3, friction=0.6).without("voussoir-4"))
+        >>> open_arch.fewest_holds()
+        <Holds: voussoir-3, voussoir-5>
+        >>> open_arch.fewest_holds(most=1)
+        <Holds: none, 2 or more are needed>
+        """
+        there, movable = self.mask(present), self.mask(among) & self._programs.free
+        return find_fewest_holds(self.judge, self.assembly.names, there, movable, most=most)
+
+    def mask(self, patterns: str | Iterable[str]) -> Mask:
+        """The parts that match, shape (N,).
+
+        Raises
+        ------
+        InputError
+            If a pattern matches no part.
+        """
+        chosen = self.assembly.matching(patterns)
+        return np.array([name in chosen for name in self.assembly.names], dtype=bool)
+
+    def judge(self, present: Mask, held: Mask) -> State:
+        """The state of two masks, shape (N,); `held` counts where a part is present."""
+        free = self._programs.free & present & ~held
+        key = bits_of(present), bits_of(free)
+        state = self._found.get(key)
+        if state is None:
+            self.counts["asked"] += 1
+            state = self._found[key] = self._judged(present, free, key)
+        return state
+
+    @on_one_thread
+    def _judged(self, present: Mask, free: Mask, key: tuple[int, int]) -> State:
+        held = present & ~free
+        program = self._programs.of(present, held)
+        outer = self._programs.outer_of(present, held) if self._programs.open else program
+        state = State(self.assembly.names, present, free, None, program)
+        proof = self._proved(state, outer, key)
+        if isinstance(proof, ForceProof) and not self._fitted(program):
+            return self._holding(state, proof)
+        if isinstance(proof, MotionProof) and not self._explained(program):
+            return self._falling(state, outer, proof)
+        return self._checked(state)
+
+    def _proved(
+        self, state: State, outer: Program, key: tuple[int, int]
+    ) -> ForceProof | MotionProof | None:
+        """The first certificate that holds."""
+        program = state.program
+        for known in self._motions:
+            if known.fits(*key):
+                motion = check_motion(outer, known.motion)
+                if motion.holds:
+                    self.counts["known"] += 1
+                    return motion
+        rows = rows_of_state(self._programs.whole, state.present, state.free)
+        for one in self._forces:
+            if one.fits(*key):
+                forces = check_forces(program, one.forces[rows], one.friction[rows])
+                if forces.holds:
+                    self.counts["known"] += 1
+                    return forces
+        return self._by_pyramid(state, outer, rows) or self._by_cones(program, outer)
+
+    def _by_pyramid(
+        self, state: State, outer: Program, rows: Mask
+    ) -> ForceProof | MotionProof | None:
+        if not state.free.any():
+            return check_forces(state.program, np.zeros(len(state.program.part_a)))
+        if self._pyramid is None:
+            self._pyramid = PyramidProgram(self._programs.whole)
+        self.counts["programs"] += 1
+        offered = self._pyramid.solve(state.present, state.free)
+        if isinstance(offered, tuple):
+            forces = check_forces(state.program, offered[0][rows], offered[1][rows])
+            return forces if forces.holds else None
+        motion = None if offered is None else check_motion(outer, offered)
+        return motion if motion is not None and motion.holds else None
+
+    def _by_cones(self, program: Program, outer: Program) -> ForceProof | MotionProof | None:
+        self.counts["cones"] += 1
+        judgement = judge(program)
+        if judgement.stable is False and outer is not program:
+            judgement = judge(outer)
+            if judgement.stable:
+                return None
+        if judgement.stable is None:
+            return None
+        return judgement.forces if judgement.stable else judgement.motion
+
+    def _fitted(self, program: Program) -> bool:
+        """Whether forces may rest on normals in doubt, with no friction to make up for it."""
+        return bool(self.contacts.patch_doubt.any()) and not program.mu.any()
+
+    def _explained(self, program: Program) -> bool:
+        """Whether the accuracy that the file states may explain what moves."""
+        return bool(explained_by_accuracy(self.assembly, self.contacts, program))
+
+    def _holding(self, state: State, proof: ForceProof) -> State:
+        rows = rows_of_state(self._programs.whole, state.present, state.free)
+        known = forces_for_others(self._programs.whole, rows, proof, state.free)
+        if not any(one.balanced == known.balanced and not one.needed & ~known.needed
+                   for one in self._forces):  # fmt: skip
+            self._forces.append(known)
+        return State(state.names, state.present, state.free, True, state.program, forces=proof)
+
+    def _falling(self, state: State, outer: Program, proof: MotionProof) -> State:
+        known = motions_for_others(self._programs.outer, outer, proof)
+        new = [
+            one
+            for one in known
+            if not any(
+                not old.moving & ~one.moving and not old.entered & ~one.entered
+                for old in self._motions
+            )
+        ]
+        self._motions += new
+        judged = check_motion(outer, known[0].motion)
+        proof = judged if judged.holds else proof
+        return State(state.names, state.present, state.free, False, outer, motion=proof)
+
+    def _checked(self, state: State) -> State:
+        """The state as `kilter.check` finds it."""
+        self.counts["checks"] += 1
+        assembly = self.sub_assembly(state)
+        contacts = contacts_among(self.contacts, assembly)
+        verdict = check(assembly, contacts=contacts, require="equilibrium", effort=0)
+        stable = None if verdict.verdict == "undecided" else verdict.stable
+        return State(state.names, state.present, state.free, stable, state.program, verdict=verdict)
+
+    def sub_assembly(self, state: State) -> Assembly:
+        """A state as an assembly of its own: the parts present, the held ones held."""
+        names = np.array(self.assembly.names)
+        assembly = self.assembly
+        if not state.present.all():
+            assembly = assembly.without(names[~state.present].tolist())
+        held = names[state.present & ~state.free].tolist()
+        return assembly.with_grounded(held) if held else assembly
+
+    def proof(self, state: State, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
+        """The proof of a state, for `kilter.verify` of `sub_assembly`, as JSON data.
+
+        Parameters
+        ----------
+        state : State
+        options : dict, optional
+            How the file is read, for the proof file.
+
+        Raises
+        ------
+        InputError
+            If the state is undecided.
+        """
+        if state.verdict is not None:
+            return state.verdict.proof(options=options or {})
+        assembly = self.sub_assembly(state)
+        contacts = contacts_among(self.contacts, assembly)
+        program = build_program(assembly, contacts, possible=state.motion is not None)
+        if state.motion is not None:
+            motion = check_motion(program, state.motion.motion[state.present])
+            return make_proof(assembly, contacts, program, motion, options or {})
+        evidence = Evidence("open") if program.mu.any() else None
+        return make_proof(
+            assembly, contacts, program, state.forces, options or {}, evidence=evidence
+        )
+
+
+@on_one_thread
+def states(
+    assembly: Assembly,
+    *,
+    contacts: ContactSet | None = None,
+    tolerance: Tolerance | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> States:
+    """The states of an assembly that is being built, ready to be asked one by one.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Whole; what is grounded in it is held in every state in which it is present.
+    contacts : ContactSet, optional
+        Found from the geometry where not given.
+    tolerance : Tolerance, optional
+        When faces count as touching.
+    progress : callable, optional
+        Called with a word at each stage.
+
+    Raises
+    ------
+    InputError
+        If the geometry is not usable.
+
+    Examples
+    --------
+    >>> from kilter.scenes import scene
+    >>> arch = states(scene("arch"))
+    >>> arch.of().stable, arch.of("springer*").stable
+    (True, True)
+    >>> without = [name for name in arch.assembly.names if name != "voussoir-10"]
+    >>> arch.of(without).stable
+    False
+    >>> arch.of(without, held=["voussoir-9", "voussoir-11"]).stable
+    True
+    """
+    require_assembly(assembly, "states")
+    if contacts is None:
+        contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
+    require_apart(assembly, contacts)
+    return States(assembly, contacts)
