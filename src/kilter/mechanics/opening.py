@@ -5,15 +5,19 @@
 exists where no forces hold one another in balance without a load (Farkas): nothing is squeezed.
 A motion m whose worst violation is v becomes m + v m0, which is admissible exactly. So the
 motion of an interior point, good to the root of its gap, proves what an exact one does.
+
+The same program with another objective gives the motion that bounds all contact forces best
+(`kilter.friction.opening_motion`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csc_array, diags_array, eye_array
+from scipy.sparse import csc_array, csr_array, eye_array, hstack, vstack
 
 from kilter.arrays import Array
 from kilter.mechanics.certificate import part_sizes
@@ -22,7 +26,7 @@ from kilter.mechanics.mechanics_tolerances import OPENS_FAR, OPENS_MORE
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import ConicProgram
 
-__all__ = ["Opening"]
+__all__ = ["Opening", "opening_program"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,23 +98,62 @@ def _least_opening(program: Program, motion: Array) -> float:
 
 
 def _program(wide: Spread) -> ConicProgram:
-    """Min 1/2 |m|^2 over scaled motions, every contact opening by 1. x = m."""
+    """The shortest of the scaled motions. x = m."""
     program, rough = wide.program, wide.rough
-    opening = wide.problem.openings().tocsr()
-    across = wide.directions.shape[1]
-    alone = np.flatnonzero(~program.two_sided & (program.mu <= 0))
-    joined = np.flatnonzero(program.two_sided)
-    count = len(program.part_a)
-    slips = count + np.arange(across)[None, :] * len(rough) + np.arange(len(rough))[:, None]
-    cones = np.column_stack([rough, slips])
-    share = np.column_stack([np.ones(len(rough)), np.tile(program.mu[rough, None], across)])
-    bound = np.column_stack([-np.ones(len(rough)), np.zeros((len(rough), across))])
-    rows = np.concatenate([joined, alone, cones.ravel()])
-    scale = np.concatenate([np.ones(len(joined) + len(alone)), share.ravel()])
-    ends = np.concatenate([np.zeros(len(joined)), -np.ones(len(alone)), bound.ravel()])
-    matrix = csc_array(diags_array(-scale) @ opening[rows])
-    size = matrix.shape[1]
+    opening, count = csr_array(wide.problem.openings()), len(program.part_a)
+    slips = [
+        count + k * len(rough) + np.arange(len(rough)) for k in range(wide.directions.shape[1])
+    ]
+    return opening_program(
+        opening[np.flatnonzero(program.two_sided)],
+        opening[np.flatnonzero(~program.two_sided & (program.mu <= 0))],
+        [opening[rows] for rows in (rough, *slips)],
+        program.mu[rough],
+    )
+
+
+def opening_program(
+    joined: csr_array,
+    smooth: csr_array,
+    rough: Sequence[csr_array],
+    mu: Array,
+    *,
+    load: Array | None = None,
+) -> ConicProgram:
+    """A motion m that opens every contact by 1: the shortest, or what bounds the forces best.
+
+        min 1/2 |m|^2,  or  min (|m| - load.m) / 2:
+        J m = 0 at joints,   u_n >= 1 at smooth contacts,   u_n - mu |u_t| >= 1 at rough ones
+
+    Parameters
+    ----------
+    joined, smooth : csr_array, shapes (J, n), (S, n)
+        J, and u_n.
+    rough : sequence of csr_array, shape (R, n)
+        u_n of the rough contacts, then u_t along each direction across them.
+    mu : ndarray, shape (R,)
+    load : ndarray, shape (n,), optional
+        Where given, x = (a bound of |m|, m), else x = m.
+    """
+    wide, count = len(rough), len(mu)
+    cones = vstack([rough[0], *[row.multiply(mu[:, None]) for row in rough[1:]]], format="csr")
+    order = np.arange(count)[:, None] + count * np.arange(wide)
+    matrix = -vstack([joined, smooth, cones[order.reshape(-1)]], format="csc")
+    ends = np.zeros((count, wide))
+    ends[:, 0] = -1.0
+    bound = np.concatenate([np.zeros(joined.shape[0]), -np.ones(smooth.shape[0]), ends.reshape(-1)])
+    sizes, size = np.full(count, wide), matrix.shape[1]
+    heads = (joined.shape[0], smooth.shape[0])
+    if load is None:
+        return ConicProgram(
+            csc_array(eye_array(size)), np.zeros(size), matrix, bound, *heads, sizes
+        )
+    beside = hstack([csc_array((matrix.shape[0], 1)), matrix])
     return ConicProgram(
-        csc_array(eye_array(size)), np.zeros(size), matrix, ends,
-        len(joined), len(alone), np.full(len(rough), 1 + across),
-    )  # fmt: skip
+        csc_array((size + 1, size + 1)),
+        np.concatenate([[0.5], -0.5 * load]),
+        csc_array(vstack([beside, -eye_array(size + 1)])),
+        np.concatenate([bound, np.zeros(size + 1)]),
+        *heads,
+        np.append(sizes, size + 1),
+    )
