@@ -57,7 +57,7 @@ from kilter.analysis.turning_tolerances import (
 )
 from kilter.arrays import Array
 from kilter.errors import InputError
-from kilter.mechanics.certificate import ForceProof, check_forces, check_motion
+from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
 from kilter.mechanics.coulomb_cones import Spread, gathered, nearest_load, pyramid, spread
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
@@ -120,16 +120,18 @@ def friction_cone(
 def _exact(program: Program, progress: Callable[[str], None] | None) -> StableCone:
     rays = pyramid(program, 2)
     found = stable_cone(rays, progress=progress)
-    proofs = []
-    for proof in found.proofs:
-        turned = program.turned(proof.down)
-        certificate = proof.certificate
+    opening = Opening(spread(program))
+
+    def judged(proof: Proof) -> ForceProof | MotionProof:
+        turned, certificate = program.turned(proof.down), proof.certificate
         if isinstance(certificate, ForceProof):
-            own = check_forces(turned, *gathered(program, rays, certificate.forces))
-            proofs.append(replace(proof, certificate=own))
-        else:
-            proofs.append(replace(proof, certificate=check_motion(turned, certificate.motion)))
-    return replace(found, proofs=tuple(proofs))
+            return check_forces(turned, *gathered(program, rays, certificate.forces))
+        motion = check_motion(turned, certificate.motion)
+        # what a simplex leaves of a violation is mended
+        return motion if motion.holds else check_motion(turned, opening.mended(motion.motion))
+
+    proofs = tuple(replace(proof, certificate=judged(proof)) for proof in found.proofs)
+    return replace(found, proofs=proofs)
 
 
 class _Cutting:
