@@ -15,7 +15,7 @@ from kilter.analysis.regions.friction_cone import friction_cone
 from kilter.analysis.regions.stable_cone import stable_cone
 from kilter.cli import main
 from kilter.errors import InputError
-from kilter.scenes import friction, paper, stacks, walls
+from kilter.scenes import arches, friction, paper, stacks, walls
 from kilter.scenes.pieces import block, floor
 
 
@@ -53,6 +53,13 @@ def test_in_a_plane_it_is_exact(mu):
     assert found.gap == 0.0
     assert found.cone.kind == "fan"
     assert found.cone.half_angle_deg == pytest.approx(np.degrees(np.arctan(mu)), abs=1e-7)
+    assert found.proved
+
+
+def test_every_facet_of_a_planar_arch_has_its_proof():
+    """A simplex leaves enough of a violation that some motions must be mended."""
+    found = friction_cone(program_of(arches.arch(20, ratio=0.15, friction=0.7)))
+    assert len(found.proofs) == 4
     assert found.proved
 
 
@@ -205,8 +212,6 @@ def test_commands_take_friction(tmp_path, monkeypatch, capsys):
 @pytest.mark.parametrize(("count", "ratio"), [(3, 0.1), (4, 0.1), (5, 0.1), (6, 0.1), (4, 0.3)])
 def test_arches_in_space_agree_with_judge(count, ratio):
     """Thin arches have few corners, each found again and again a little aside."""
-    from kilter.scenes import arches
-
     arch = arches.arch(count, ratio=ratio, radius=1.0, planar=False)
     program = program_of(arch)
     found = friction_cone(program)

@@ -11,10 +11,11 @@ from margins import by_points, force_of, leaning, loaded, program_of, small_asse
 
 import kilter
 from kilter.analysis.judge import judge
-from kilter.analysis.margins import load_limit
+from kilter.analysis.margins import load_limit, tilt
 from kilter.analysis.margins.least_friction import find_least_friction
 from kilter.analysis.margins.limit_sides import LimitSides
 from kilter.analysis.margins.load_limit import Limit, NoLimit, find_limit, gravity_wrench, with_more
+from kilter.analysis.margins.margin import PUSHED
 from kilter.analysis.margins.pushes import find_weakest_push
 from kilter.analysis.margins.tilt import (
     find_nearest_held,
@@ -22,7 +23,8 @@ from kilter.analysis.margins.tilt import (
     tilt_about,
 )
 from kilter.assembly import Load
-from kilter.scenes import arches, friction, rounds, stacks, walls
+from kilter.scenes import arches, friction, rounds, scene, stacks, walls
+from kilter.tell.facts import facts
 
 HOLDS = ("stable", "settles", "potentially-stable")
 X = np.array([1.0, 0.0, 0.0])
@@ -340,3 +342,49 @@ def test_a_push_that_is_not_resisted_says_why():
     answer = kilter.margin(slope, effort=0)
     assert set(answer.missing.values()) == {"none"}
     assert any("no push is resisted" in text for text in answer.warnings)
+
+
+@pytest.mark.parametrize("name", ["harmonic-stack", "tube", "channel", "paper-figure-11-turned"])
+def test_what_is_just_balanced_has_margins_of_exactly_zero(name):
+    answer = kilter.margin(scene(name), effort=0)
+    assert (answer.tilt_deg, answer.tilt.lower) == (0.0, 0.0)
+    assert np.array_equal(answer.tilt_down, answer.program.down)
+    assert {push.force for push in answer.pushes} == {0.0}
+
+
+@pytest.mark.parametrize("name", ["pit", "closed-frame"])
+def test_where_no_tilt_fails_there_is_no_direction_that_does(name):
+    answer = kilter.margin(scene(name), effort=0)
+    assert (answer.tilt_deg, answer.tilt_down) == (90.0, None)
+    assert answer.to_dict()["tilt_down"] is None
+    assert "more than 90 deg" in str(facts(answer.to_dict()))
+
+
+def test_a_limit_without_a_motion_is_no_right_angle(monkeypatch):
+    """What is held is proved, and that no more is held is not."""
+    real = tilt.find_limit
+
+    def without_motion(*given, **options):
+        return dataclasses.replace(real(*given, **options), mechanism=None, gap=np.inf)
+
+    monkeypatch.setattr(tilt, "find_limit", without_motion)
+    answer = kilter.margin(stacks.block_on_slope(0.0, friction=0.5), effort=0)
+    assert np.tan(np.radians(answer.tilt_deg)) == pytest.approx(0.5, abs=0.01)
+    assert answer.tilt_down is not None
+    assert "is not proved" in str(facts(answer.to_dict()))
+
+
+def test_parts_above_the_limit_are_asked_for_by_name():
+    tower = stacks.tower(PUSHED + 1, friction=0.8)
+    silent = kilter.margin(tower, effort=0)
+    assert not silent.pushes
+    assert "hold" not in {one.what for one in silent.helps}
+    assert any("--part NAME" in text for text in silent.warnings)
+    lowest = min(tower.parts[1:], key=lambda part: part.pose.position[2]).name
+    asked = kilter.margin(tower, pushed=[lowest], effort=0)
+    assert [push.part for push in asked.pushes] == [lowest]
+    held = [one for one in asked.helps if one.what == "hold"]
+    assert [one.parts for one in held] == [(lowest,)]
+    # the rest of the tower is one lower
+    gain = np.arctan(1 / PUSHED) - np.arctan(1 / (PUSHED + 1))
+    assert held[0].gain == pytest.approx(np.degrees(gain), abs=1e-5)

@@ -94,3 +94,10 @@ def test_a_load_on_a_held_or_unknown_part_is_refused(tower, capsys, part):
     Path(tower).write_text(json.dumps(data))
     assert main(["margin", tower]) == 2
     assert part in capsys.readouterr().err
+
+
+def test_the_exit_code_says_nothing_of_the_verdict_which_comes_first(tower, capsys):
+    kilter.dump(stacks.block_on_slope(50.0, friction=0.3), "slope.json")
+    answer = answered(capsys, "margin", "slope.json", "--effort", "0")
+    assert next(iter(answer.items())) == ("verdict", "unstable")
+    assert main(["check", "slope.json", "--effort", "0", "--quiet"]) == 1

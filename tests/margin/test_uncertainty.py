@@ -8,14 +8,16 @@ import numpy as np
 import pytest
 from margins import program_of, small_assembly
 
+import kilter
 from kilter.analysis.judge import judge
-from kilter.analysis.margins import uncertainty
-from kilter.analysis.margins.load_limit import find_limit, gravity_wrench
+from kilter.analysis.margins import following_forces, uncertainty
+from kilter.analysis.margins.load_limit import NoLimit, find_limit, gravity_wrench
 from kilter.analysis.margins.tilt import find_tilt_margin
 from kilter.analysis.margins.uncertainty import Ranges, corner, find_uncertainty
 from kilter.arrays import cross
 from kilter.mechanics.rows import CONTACT
 from kilter.scenes import stacks, walls
+from kilter.tell.facts import facts
 
 X = np.array([1.0, 0.0, 0.0])
 
@@ -141,6 +143,26 @@ def test_intervals_too_wide_are_not_held():
     program = program_of(planar(stacks.block_on_slope(0.0, friction=2.0)))
     worst = find_uncertainty(program, Ranges(center=0.6))
     assert (worst.held, worst.tilt_deg) == (False, None)
+    assert worst.missing == {"held": "none", "tilt": "none"}
+
+
+@pytest.mark.parametrize("corners", [0, uncertainty.CORNERS])
+def test_a_failure_is_not_taken_for_what_is_not_held(monkeypatch, corners):
+    def failed(*_, **__):
+        return NoLimit("failed")
+
+    monkeypatch.setattr(uncertainty, "CORNERS", corners)
+    monkeypatch.setattr(uncertainty, "find_limit", failed)
+    monkeypatch.setattr(uncertainty, "find_tilt_margin", failed)
+    monkeypatch.setattr(following_forces, "BALANCED", -1.0)
+    block = planar(stacks.block_on_slope(0.0, friction=0.5))
+    answer = kilter.margin(block, push=X, ranges=Ranges(mass=(0.9, 1.1)), effort=0)
+    worst = answer.uncertainty
+    assert worst.kind == "inner"
+    assert worst.missing == {"held": "failed", "tilt": "failed", "load_factor": "failed"}
+    assert (worst.held, worst.tilt_deg, worst.load_factor) == (False, None, None)
+    said = dict(facts(answer.to_dict()))
+    assert said["worst case"] == "not known: the numbers failed"
 
 
 @pytest.mark.parametrize("seed", range(5))

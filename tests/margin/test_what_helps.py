@@ -54,7 +54,7 @@ def with_mass(program, part, share):
 
 def test_friction_that_helps_the_tilt_by_finite_differences():
     program = program_of(offset_pair())
-    found = by_kind(what_helps(program, find_tilt_margin(program), None, None))["friction"]
+    found = by_kind(what_helps(program, find_tilt_margin(program), None, None, held=()))["friction"]
     assert found.parts == ("low", "high")
     slope = (
         degrees(with_mu(program, found.parts, STEP)) - degrees(with_mu(program, found.parts, -STEP))
@@ -66,7 +66,7 @@ def test_friction_that_helps_the_tilt_by_finite_differences():
 def test_mass_that_helps_the_tilt_by_finite_differences():
     """The pair topples together: more weight below makes it safer."""
     program = program_of(offset_pair(mu=(2.0, 2.0), above=7000.0))
-    found = by_kind(what_helps(program, find_tilt_margin(program), None, None))["mass"]
+    found = by_kind(what_helps(program, find_tilt_margin(program), None, None, held=()))["mass"]
     one, other = (degrees(with_mass(program, found.parts[0], s)) for s in (STEP, -STEP))
     assert (one - other) / (2 * STEP) == pytest.approx(found.gain, rel=1e-4)
 
@@ -80,7 +80,7 @@ def test_what_helps_the_load_factor_of_a_wall_by_finite_differences(number):
         return find_limit(changed, gravity_wrench(changed, X)).value
 
     limit = find_limit(program, gravity_wrench(program, X))
-    found = by_kind(what_helps(program, None, limit, X))
+    found = by_kind(what_helps(program, None, limit, X, held=()))
     for kind, changed in (("friction", with_mu), ("mass", with_mass)):
         if kind not in found:
             continue
@@ -99,7 +99,7 @@ def test_what_helps_against_a_given_load():
     program = program_of(dataclasses.replace(slab, loads=[Load("block", force=[100.0, 0, 0])]))
     base = program.with_rows(applied=np.zeros_like(program.applied))
     limit = find_limit(base, program.applied)
-    found = by_kind(what_helps(program, None, limit, None))
+    found = by_kind(what_helps(program, None, limit, None, held=[1]))
     weight = 9810.0
     assert limit.value == pytest.approx(0.4 * weight / 100, rel=1e-8)
     assert found["friction"].gain == pytest.approx(weight / 100, rel=1e-6)
@@ -111,7 +111,9 @@ def test_holding_a_part_gains_what_it_says():
     tower = stacks.tower(4, friction=2.0)
     program = program_of(tower)
     before = find_tilt_margin(program)
-    found = by_kind(what_helps(program, before, None, None))["hold"]
+    found = by_kind(
+        what_helps(program, before, None, None, held=np.flatnonzero(program.free).tolist())
+    )["hold"]
     parts = [
         dataclasses.replace(p, grounded=p.grounded or p.name in found.parts) for p in tower.parts
     ]

@@ -41,6 +41,7 @@ __all__ = [
     "NO_GAIN",
     "NO_LENGTH",
     "NO_PROJECTION",
+    "NO_SHARE",
     "ON_PLANE",
     "OPPOSITE",
     "OPTIMAL",
@@ -101,6 +102,8 @@ MOVES = 1e-6
 """A part moves in a mechanism where it is faster than this fraction of the fastest [-]."""
 NOT_HELD = -1e-7
 """A largest share of a load below this: it is not held as given [-]."""
+NO_SHARE = 1e-12
+"""A largest share of a load nearer to 0 than this is 0 [-]."""
 MU_NOTHING = 1e-7
 """Coefficients of friction below this count as zero: any friction holds [-]."""
 NO_GAIN = 1e-6

@@ -154,7 +154,8 @@ def margin(
         typer.Option(
             "--part",
             metavar="NAME",
-            help="The weakest push of this part; repeatable. All parts where not given, up to 20.",
+            help="The weakest push of this part, and what holding it adds; repeatable. All parts "
+            "where not given, up to 20.",
             rich_help_panel=ASKED,
             show_default=False,
         ),
@@ -213,7 +214,8 @@ def margin(
     """By how much does it hold: tilt, least friction, load factor, the push each part resists.
 
     Limits are those of equilibrium forces: above them nothing holds, and the mechanism that
-    starts there is named. Exit 0.
+    starts there is named. Exit 0, whatever the verdict: it is `verdict` in --json, and check
+    exits by it.
     """
     from kilter.analysis.margins.margin import margin as find
 

@@ -58,11 +58,13 @@ def _tilt(answer: Answer) -> str:
         if why == "failed":
             return "not known: the numbers failed"
         return "none: not held as given, nor with gravity along any direction within a right angle"
+    if answer["tilt_down"] is None:
+        return "more than 90 deg: no tilt up to a right angle fails"
     down = vector(answer["tilt_down"])
     if lower is None:
         return f"{angle(tilt)}: outside; the nearest held direction is {down}"
     if answer["tilt_limit"]["mechanism"] is None:
-        return "more than 90 deg: no tilt up to a right angle fails"
+        return f"{angle(tilt)} are held, down = {down}; that no more are is not proved"
     words = f"{angle(tilt)} to the nearest direction that fails"
     if tilt - lower > 1e-6 * max(tilt, 1e-12):
         words += f" (at least {number(lower)})"
@@ -99,12 +101,18 @@ def _worst(worst: Answer | None) -> list[Fact]:
     if worst is None:
         return []
     exact, tilt = worst["kind"] == "exact", worst["tilt_deg"]
+    unknown = "not known: the numbers failed"
     if not worst["held"]:
         words = "some are not held as given" if exact else "not shown that all are held as given"
+        words = unknown if worst["missing"]["held"] == "failed" else words
+    elif worst["missing"].get("tilt") == "failed":
+        words = f"all are held as given; the tilt is {unknown}"
     else:
         words = "all are held as given" if tilt is None else angle(tilt)
         words += " (exact)" if exact else " (inner: at least that)"
     found = [("worst case", words)]
+    if worst["missing"].get("load_factor") == "failed":
+        found.append(("", f"load factor {unknown}"))
     if worst["load_factor"] is not None:
         found.append(("", f"load factor {_interval(worst['load_factor'])}"))
     return found

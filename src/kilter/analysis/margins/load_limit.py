@@ -34,6 +34,7 @@ from kilter.analysis.turning_tolerances import (
     CONIC_SHARP,
     MOVES,
     NEARLY,
+    NO_SHARE,
     PROVED_APART,
     SIDES_APART,
     UNLIMITED,
@@ -230,4 +231,5 @@ def _limit(sides: LimitSides, most: float) -> Limit | NoLimit:
         return NoLimit("none" if sides.none else "failed")
     if sides.held >= most * (1 - NEARLY):
         return Limit(np.inf, sides.forces, None, 0.0)
-    return Limit(sides.held, sides.forces, sides.motion, sides.gap)
+    value = sides.held if abs(sides.held) > NO_SHARE else 0.0
+    return Limit(value, sides.forces, sides.motion, sides.gap)

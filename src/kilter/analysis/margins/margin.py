@@ -76,7 +76,7 @@ class Margin:
     tilt_deg : float or None
         Least turn of gravity to the boundary; negative when outside.
     tilt_down : ndarray, shape (3,), or None
-        Direction of gravity there.
+        Direction of gravity there; None where no tilt up to a right angle fails.
     about : tuple of (float, Limit), or None
         Angle [rad] about the axis that was asked for, and the limit.
     friction : LeastFriction or None
@@ -176,7 +176,7 @@ class Margin:
 
     def __repr__(self) -> str:
         tilt = "none" if self.tilt_deg is None else f"{self.tilt_deg:.6g} deg"
-        if self.tilt is not None and self.tilt.limit.mechanism is None:
+        if self.tilt is not None and self.tilt_down is None:
             tilt = "over 90 deg"
         mu = "none" if self.friction is None else f"{self.friction.value:.6g}"
         if self.friction is not None and not self.friction.attained:
@@ -225,7 +225,8 @@ def margin(
     about : array_like, shape (3,), optional
         Also the tilt about this axis, across gravity, by the right-hand rule.
     pushed : list of str, optional
-        Parts whose weakest push is sought; where not given all, up to `PUSHED` free parts.
+        Parts whose weakest push is sought, and which are held in turn to see what that adds;
+        where not given all, up to `PUSHED` free parts.
     ranges : Ranges, optional
         Also the worst tilt margin and load factor over these intervals.
     bracket : bool
@@ -293,11 +294,12 @@ def margin(
     warnings += _missing_words(missing)
     if pushed is None and int(program.free.sum()) > PUSHED:
         warnings.append(
-            f"pushes are left out above {PUSHED} free parts: --part NAME asks for those of a part"
+            f"pushes, and what holding a part adds, are left out above {PUSHED} free parts:"
+            " --part NAME asks for those of a part"
         )
     worst = _worst(program, ranges, direction, warnings, tell)
     greatest = None if factor is None else _known(factor[1])
-    helps = what_helps(program, tilt, greatest, direction)
+    helps = what_helps(program, tilt, greatest, direction, held=parts)
     seconds = {**verdict.seconds, "total": time.perf_counter() - started}
     return Margin(
         assembly=assembly,
@@ -372,7 +374,10 @@ def _worst(
     tell("uncertainty")
     worst = find_uncertainty(program, ranges, push=push)
     if worst is None:
-        warnings.append("too many parts and contacts for masses or centres within intervals")
+        warnings.append(
+            "too many parts and contacts for masses or centres within intervals, so no worst"
+            " case is given: without --mass-range and --com-range there is no such limit"
+        )
     return worst
 
 
@@ -385,7 +390,8 @@ def _tilt(
         return None, None, None
     tilt = find_tilt_margin(program)
     if isinstance(tilt, TiltMargin):
-        return tilt, float(np.degrees(tilt.angle)), tilt.down
+        fails = tilt.angle < np.pi / 2
+        return tilt, float(np.degrees(tilt.angle)), tilt.down if fails else None
     nearest = find_nearest_held(program)
     if tilt.why == "failed" or isinstance(nearest, NoLimit):
         missing["tilt"] = nearest.why if isinstance(nearest, NoLimit) else tilt.why

@@ -64,7 +64,7 @@ class TiltMargin:
     lower : float
         An angle up to which every turn is held [rad].
     down : ndarray, shape (3,)
-        Direction of gravity at the limit, unit.
+        Direction of gravity at the limit, unit; as given where a right angle is not enough.
     limit : Limit
         Forces and mechanism there.
     programs : int
@@ -137,7 +137,7 @@ def find_tilt_margin(program: Program) -> TiltMargin | NoLimit:
         return NoLimit("none" if NoLimit("none") in limits else "failed")
     limit = limits[face.answer]
     assert isinstance(limit, Limit)
-    if limit.mechanism is None:  # unlimited in every direction
+    if face.outer >= STEEPEST * (1 - TILT_AGREES):  # unlimited in every direction
         return TiltMargin(np.pi / 2, np.pi / 2, program.down, limit, face.asked)
     down = program.down + face.outer * (face.normal @ basis)
     return TiltMargin(

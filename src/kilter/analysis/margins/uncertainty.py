@@ -20,38 +20,31 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
+from kilter.analysis.margins.following_forces import FollowingForces, Unknowns
 from kilter.analysis.margins.load_limit import (
     NoLimit,
+    Why,
     find_limit,
     finite,
     gravity_wrench,
 )
 from kilter.analysis.margins.tilt import (
     TiltMargin,
-    across_gravity,
     find_tilt_margin,
-    first_directions,
 )
-from kilter.analysis.regions.enclose import SupportPoint, nearest_face
 from kilter.analysis.turning_tolerances import (
-    BALANCED,
-    FOLLOWING_AGREES,
     UNLIMITED,
 )
 from kilter.arrays import Array, cross
 from kilter.errors import InputError
-from kilter.mechanics.affine import UncertainLoad, affine_forces, affine_imbalance
 from kilter.mechanics.coulomb_cones import pyramid
-from kilter.mechanics.forms import Scaled, scaled
+from kilter.mechanics.forms import scaled
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
-
-if TYPE_CHECKING:
-    from kilter.solvers.highs import Method
 
 __all__ = ["CORNERS", "Ranges", "Uncertainty", "corner", "find_uncertainty", "weakened"]
 
@@ -61,12 +54,6 @@ CORNERS = 32
 """Corners of the box of masses and centres up to which each is looked at."""
 SIDES = 8
 """Sides of the pyramids inside the cones, in space."""
-STEEP = 1e3
-"""Tangents of a tilt, and shares of a load, above which forces that follow are not sought."""
-SHOTS = 16
-"""Directions looked at for the least tilt where forces follow."""
-SIMPLEX = 30_000
-"""Entries of the linear program up to which simplex is tried first, else interior point."""
 LARGEST = 2_000_000
 """Entries of the linear program of forces that follow above which none is sought."""
 
@@ -134,6 +121,10 @@ class Uncertainty:
         None where not all are held, or loads are given.
     load_factor : (float, float) or None
         None where not asked for, or no factor is held by all.
+    missing : dict
+        What of "held", "tilt" and "load_factor" is asked for and is not there, and why: "none",
+        some are not held, or where inner no forces that follow hold all; "failed", the numbers
+        did.
     corners : int
         How many were looked at; 0 where forces follow.
     worst : tuple of (ndarray, ndarray), or None
@@ -145,6 +136,7 @@ class Uncertainty:
     held: bool
     tilt_deg: float | None
     load_factor: tuple[float, float] | None
+    missing: dict[str, Why]
     corners: int
     worst: tuple[Array, Array] | None
 
@@ -168,6 +160,7 @@ class Uncertainty:
             "held": self.held,
             "tilt_deg": self.tilt_deg,
             "load_factor": None if ends is None else [finite(end) for end in ends],
+            "missing": dict(self.missing),
             "corners": self.corners,
             "worst": at,
         }
@@ -226,15 +219,15 @@ def find_uncertainty(
 
 def _by_corners(program: Program, ranges: Ranges, push: Array | None, kind: Kind) -> Uncertainty:
     """The least of the corners; where the numbers fail at one, nothing is shown of all."""
-    tilt, factor, worst, held, count = np.inf, (-np.inf, np.inf), None, True, 0
-    loaded = bool(program.applied.any())
-    failed = False
+    tilt, factor, worst, count = np.inf, (-np.inf, np.inf), None, 0
+    asked, loaded = push is not None or bool(program.applied.any()), bool(program.applied.any())
+    missing: dict[str, Why] = {}
     for mass, shift in _corners(program, ranges):
         count += 1
         one = corner(program, mass, shift)
         limits = _limits(one, push)
-        if limits is None:
-            failed, factor = True, (np.inf, -np.inf)
+        if isinstance(limits, NoLimit):
+            _add(missing, ("load_factor",), limits)
         else:
             factor = max(factor[0], limits[0]), min(factor[1], limits[1])
         still = (
@@ -243,19 +236,29 @@ def _by_corners(program: Program, ranges: Ranges, push: Array | None, kind: Kind
             else find_tilt_margin(one)
         )
         if isinstance(still, NoLimit):
-            held, failed = False, failed or still.why == "failed"
+            _add(missing, ("held",) if loaded else ("held", "tilt"), still)
         elif isinstance(still, TiltMargin) and still.angle < tilt:
             tilt, worst = still.angle, (mass, shift)
-    asked = push is not None or loaded
+    if factor[0] > factor[1]:
+        _add(missing, ("load_factor",), NoLimit("none"))
+    held = "held" not in missing
     return Uncertainty(
         ranges,
-        "inner" if failed else kind,
+        "inner" if "failed" in missing.values() else kind,
         held,
         float(np.degrees(tilt)) if held and not loaded else None,
-        factor if asked and factor[0] <= factor[1] else None,
+        factor if asked and "load_factor" not in missing else None,
+        missing,
         count,
         worst if held else None,
     )
+
+
+def _add(missing: dict[str, Why], names: tuple[str, ...], why: NoLimit) -> None:
+    """What is missing of all; one that is known not to hold outweighs one that failed."""
+    for name in names:
+        if missing.get(name) != "none":
+            missing[name] = why.why
 
 
 def _corners(program: Program, ranges: Ranges) -> Iterator[tuple[Array, Array]]:
@@ -273,8 +276,8 @@ def _corners(program: Program, ranges: Ranges) -> Iterator[tuple[Array, Array]]:
         yield mass, shift
 
 
-def _limits(program: Program, push: Array | None) -> tuple[float, float] | None:
-    """Least and greatest load factor, empty where none is held; None where the numbers fail."""
+def _limits(program: Program, push: Array | None) -> tuple[float, float] | NoLimit:
+    """Least and greatest load factor; no limit: none is held, or the numbers fail."""
     if push is None and not program.applied.any():
         return -np.inf, np.inf
     base, wrench = program, program.applied
@@ -284,7 +287,7 @@ def _limits(program: Program, push: Array | None) -> tuple[float, float] | None:
         base = program.with_rows(applied=np.zeros_like(program.applied))
     least, greatest = (find_limit(base, sign * wrench) for sign in (-1.0, 1.0))
     if isinstance(least, NoLimit) or isinstance(greatest, NoLimit):
-        return None if NoLimit("failed") in (least, greatest) else (np.inf, -np.inf)
+        return NoLimit("failed" if NoLimit("failed") in (least, greatest) else "none")
     return -least.value, greatest.value
 
 
@@ -294,102 +297,35 @@ def _by_following(program: Program, ranges: Ranges, push: Array | None) -> Uncer
     unknowns = _unknowns(rays, ranges)
     if problem.matrix.nnz * (1 + 2 * len(unknowns)) > LARGEST:
         return None
-    following = _Following(rays, problem, unknowns, ranges)
+    following = FollowingForces(rays, problem, unknowns, mass=ranges.mass, center=ranges.center)
     loaded = bool(program.applied.any())
+    missing: dict[str, Why] = {}
     still = following.reach(np.zeros_like(program.applied), None, 1.0)
+    if isinstance(still, NoLimit):
+        _add(missing, ("held",) if loaded else ("held", "tilt"), still)
     factor = None
     if push is not None or loaded:
         wrench = None if push is not None else program.applied
-        ends = [following.reach(wrench, push, UNLIMITED, sign) for sign in (-1.0, 1.0)]
-        if ends[0] is not None and ends[1] is not None:
-            factor = (-ends[0], ends[1])
-    tilt = None if loaded or still is None else following.tilt()
-    degrees = None if tilt is None else float(np.degrees(tilt))
-    return Uncertainty(ranges, "inner", still is not None, degrees, factor, 0, None)
+        least, greatest = (following.reach(wrench, push, UNLIMITED, sign) for sign in (-1.0, 1.0))
+        if isinstance(least, NoLimit) or isinstance(greatest, NoLimit):
+            failed = NoLimit("failed") in (least, greatest)
+            missing["load_factor"] = "failed" if failed else "none"
+        else:
+            factor = (-least, greatest)
+    degrees = None
+    if not loaded and not isinstance(still, NoLimit):
+        tilt = following.tilt()
+        if isinstance(tilt, NoLimit):
+            missing["tilt"] = tilt.why
+        else:
+            degrees = float(np.degrees(tilt))
+    held = not isinstance(still, NoLimit)
+    return Uncertainty(ranges, "inner", held, degrees, factor, missing, 0, None)
 
 
-def _unknowns(program: Program, ranges: Ranges) -> list[tuple[int, int]]:
-    """(part, what): what is 3 for its mass, else the axis of its centre."""
+def _unknowns(program: Program, ranges: Ranges) -> Unknowns:
+    """What varies, (part, what): 3 for its mass, else the axis of its centre."""
     axes = (0, 2) if program.planar else (0, 1, 2)
     what = [3] if ranges.mass[0] < ranges.mass[1] else []
     what += list(axes) if ranges.center > 0 else []
     return [(int(k), w) for k in np.flatnonzero(program.free) for w in what]
-
-
-class _Following:
-    """Limits with forces that follow masses and centres in proportion."""
-
-    def __init__(
-        self, program: Program, problem: Scaled, unknowns: list[tuple[int, int]], ranges: Ranges
-    ) -> None:
-        self.program, self.problem, self.unknowns = program, problem, unknowns
-        self.middle = 0.5 * (ranges.mass[0] + ranges.mass[1])
-        self.spread = 0.5 * (ranges.mass[1] - ranges.mass[0])
-        self.moment = ranges.center * ranges.mass[1]
-
-    def _sides(self, direction: Array) -> Array:
-        """What each unknown adds to the load of a body force along a direction, (K, rows)."""
-        program = self.program
-        size = program.mass * program.g
-        sides = []
-        for part, what in self.unknowns:
-            wrench = np.zeros((len(program.names), 6))
-            if what == 3:
-                wrench[part, :3] = self.spread * size[part] * direction
-            else:
-                wrench[part, 3:] = self.moment * size[part] * cross(np.eye(3)[what], direction)
-            sides.append(self.problem.scaled_load(wrench))
-        return np.array(sides).reshape(len(sides), len(self.problem.right))
-
-    def reach(
-        self, wrench: Array | None, push: Array | None, most: float, sign: float = 1.0
-    ) -> float | None:
-        """The largest share of given wrenches, or of a body force, held for all; None: none is."""
-        program = self.program
-        down = program.down
-        base = self.middle * gravity_wrench(program, down)
-        if wrench is None or not program.applied.any():
-            base = base + program.applied
-        if push is not None:
-            given = self.middle * sign * gravity_wrench(program, push)
-            turns = sign * self._sides(push)
-        else:
-            assert wrench is not None
-            given, turns = sign * wrench, np.zeros((len(self.unknowns), len(self.problem.right)))
-        load = UncertainLoad(
-            self.problem.scaled_load(base),
-            self.problem.scaled_load(given),
-            self._sides(down),
-            turns,
-        )
-        return self._solved(load, most)
-
-    def _solved(self, load: UncertainLoad, most: float) -> float | None:
-        from kilter.solvers.highs import solve_linear
-
-        program = affine_forces(self.problem, load, min(most, STEEP))
-        methods: tuple[Method, ...] = ("simplex", "interior")
-        if program.matrix.nnz > SIMPLEX:
-            methods = ("interior", "simplex")
-        for method in methods:
-            answer = solve_linear(program, method=method)
-            if answer.outcome == "infeasible":
-                return None
-            if not answer.optimal:
-                continue
-            if affine_imbalance(self.problem, load, answer.x) <= BALANCED:
-                share = float(answer.x[0])
-                return np.inf if most > STEEP and share >= STEEP * (1 - FOLLOWING_AGREES) else share
-        return None
-
-    def tilt(self) -> float | None:
-        """A turn of gravity [rad] up to which every direction is held for all."""
-        basis = across_gravity(self.program)
-
-        def shoot(direction: Array) -> SupportPoint | None:
-            share = self.reach(None, direction @ basis, STEEP)
-            return None if share is None else SupportPoint(share * direction, direction, share)
-
-        first = first_directions(len(basis))
-        face = nearest_face(shoot, first, agree=FOLLOWING_AGREES, limit=SHOTS)
-        return None if face is None or face.failed else float(np.arctan(face.inner))

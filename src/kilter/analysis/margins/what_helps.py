@@ -13,6 +13,7 @@ which it moves: the parts that drive it most are held in turn, and the margin fo
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -39,9 +40,7 @@ __all__ = ["Help", "what_helps"]
 
 
 HELD = 4
-"""Parts that are held in turn."""
-FEW = 20
-"""Free parts above which none is."""
+"""Parts that are held in turn, of those that may be."""
 MORE_FRICTION = 0.1
 """Of mu, in words."""
 MORE_MASS = 0.1
@@ -83,7 +82,12 @@ class Help:
 
 
 def what_helps(
-    program: Program, tilt: TiltMargin | None, factor: Limit | None, push: Array | None
+    program: Program,
+    tilt: TiltMargin | None,
+    factor: Limit | None,
+    push: Array | None,
+    *,
+    held: Sequence[int],
 ) -> tuple[Help, ...]:
     """The best of each kind for the tilt margin, where there is one, else for the load factor.
 
@@ -94,6 +98,8 @@ def what_helps(
         Greatest load factor.
     push : ndarray, shape (3,), or None
         The direction that it is of; None: of given loads.
+    held : sequence of int
+        Free parts, by position, of which those that drive the mechanism most are held in turn.
 
     Examples
     --------
@@ -102,7 +108,7 @@ def what_helps(
     >>> block = stacks.block_on_slope(0.0, friction=0.5)
     >>> from kilter.mechanics.program import build_program
     >>> program = build_program(block, contacts(block))
-    >>> [one.what for one in what_helps(program, find_tilt_margin(program), None, None)]
+    >>> [one.what for one in what_helps(program, find_tilt_margin(program), None, None, held=[1])]
     ['hold', 'friction']
     """
     if tilt is not None and tilt.angle < np.pi / 2:
@@ -115,13 +121,14 @@ def what_helps(
         if isinstance(limit, NoLimit):
             return ()
         slope = float(np.degrees(np.cos(tilt.angle) ** 2))
-        return _helps(program, limit, along, True, slope, "tilt")
+        return _helps(program, limit, along, True, slope, "tilt", held)
     if factor is None:
         return ()
     if push is not None:
-        return _helps(program, factor, gravity_wrench(program, push), True, 1.0, "load factor")
+        along = gravity_wrench(program, push)
+        return _helps(program, factor, along, True, 1.0, "load factor", held)
     base = program.with_rows(applied=np.zeros_like(program.applied))
-    return _helps(base, factor, program.applied, False, 1.0, "load factor")
+    return _helps(base, factor, program.applied, False, 1.0, "load factor", held)
 
 
 def _helps(
@@ -131,6 +138,7 @@ def _helps(
     by_mass: bool,
     slope: float,
     of: Literal["tilt", "load factor"],
+    held: Sequence[int],
 ) -> tuple[Help, ...]:
     """The best of each kind; `along` grows with the masses where `by_mass`."""
     if limit.mechanism is None or not np.isfinite(limit.value):
@@ -142,7 +150,7 @@ def _helps(
     weight = program.load - program.applied + (limit.value * along if by_mass else 0.0)
     power = np.where(program.free, (weight * motion).sum(axis=1), 0.0)
     found = [
-        _hold(program, limit, along, motion, power, of),
+        _hold(program, limit, along, motion, power, of, held),
         _friction(program, limit, motion, slope / pace, of),
         _mass(program, -power * slope / pace, of),
     ]
@@ -160,12 +168,12 @@ def _hold(
     motion: Array,
     power: Array,
     of: Literal["tilt", "load factor"],
+    held: Sequence[int],
 ) -> Help | None:
     """The part that gains most when it is held, of those that drive the mechanism most."""
-    if int(program.free.sum()) > FEW:
-        return None
     size = part_sizes(program, motion, per_radius=False)
-    moving = np.flatnonzero(program.free & (size > MOVES * size.max()))
+    chosen = np.asarray(held, dtype=np.int64)
+    moving = chosen[size[chosen] > MOVES * size.max()]
     best: tuple[float, int] | None = None
     for k in moving[np.argsort(-power[moving], kind="stable")][:HELD]:
         gain = _gain_of_holding(program, int(k), limit, along, of)
