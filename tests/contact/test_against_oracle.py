@@ -153,7 +153,7 @@ def complaints(seeds, name: str | None = None) -> list[str]:
 
 @pytest.mark.parametrize("name", sorted(FAMILIES))
 def test_random_scenes_agree_with_the_oracle(name):
-    count = -(-(SCENES or 300) // len(FAMILIES))
+    count = -(-(SCENES or 140) // len(FAMILIES))
     wrong = complaints(range(count), name)
     assert not wrong, "\n".join(wrong)
 

@@ -16,6 +16,7 @@ from kilter import Assembly, Mesh, Part, Pose
 from kilter.contact import ContactSet, detect
 from kilter.mechanics.degenerate import allowed_program
 from kilter.mechanics.program import build_program
+from sampled import sampled
 
 Array = NDArray[np.float64]
 FAMILIES = {"cubes": pairs_of_cubes, "tips": tips_on_cubes}
@@ -122,7 +123,7 @@ def crosses(assembly: Assembly, contacts: ContactSet, motion: Array) -> bool:
 
 
 @pytest.mark.parametrize("name", FAMILIES)
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", sampled(1, 3))
 def test_no_constraint_is_lost_or_invented(name, seed):
     counts = np.zeros(4, dtype=int)
     wrong = []

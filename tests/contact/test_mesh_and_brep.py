@@ -12,6 +12,7 @@ from kilter.assembly import Assembly, Part
 from kilter.contact import detect
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box
+from sampled import sampled
 
 LYING = [np.sqrt(0.5), np.sqrt(0.5), 0, 0]
 """Turns z to -y: a peg that lies along y."""
@@ -53,9 +54,10 @@ def assembly_of(name, *, sides, exact):
 
 
 @pytest.mark.parametrize("name", SHAPES)
-def test_same_verdict_in_every_direction(name):
+@pytest.mark.parametrize("cuts", sampled(1, [[48], [72]]))
+def test_same_verdict_in_every_direction(name, cuts):
     exact = assembly_of(name, sides=48, exact=True)
-    meshes = [assembly_of(name, sides=n, exact=False) for n in (48, 72)]
+    meshes = [assembly_of(name, sides=n, exact=False) for n in cuts]
     kinds = set(detect.contacts(exact).patch_kind.tolist())
     assert kinds  # they touch
     assert all(set(detect.contacts(mesh).patch_kind.tolist()) == kinds for mesh in meshes)
