@@ -8,11 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from curved_joints import JOINTS, blocks, exact_normals
+from free_forms import oval_plug
 
 import kilter
-from kilter import Tolerance
+from kilter import Assembly, Part, Tolerance
 from kilter.analysis.neutral import find_neutral
 from kilter.contact.left_out import PossibleContacts
+from kilter.contact.smooth.smooth_faces import smooth_faces
 from kilter.mechanics.program import build_program
 from kilter.rigid import Pose
 from kilter.scenes.pieces import turn
@@ -155,3 +157,31 @@ def test_recognition_ends_on_a_mesh_whose_facets_were_dropped_and_taken_in_again
     _, assembly, kind = made(18)
     assert kind == "arc"
     assert len(assembly.geometry.surfaces) == 0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_fitted_normals_are_off_by_less_than_their_doubt(seed):
+    joint, assembly, _ = made(seed)
+    for part in (0, 1):
+        for face in smooth_faces(assembly.geometry, part, mesh=True):
+            x, y, z = face.points.T
+            if np.abs(z - joint.height(x, y)).max() > 1e-9:
+                continue
+            out = -1.0 if part else 1.0
+            exact = out * exact_normals(joint, face.points, Pose())
+            off = np.linalg.norm(face.normals - exact, axis=1)
+            # at the corner of a face that one facet alone meets, too
+            assert off.max() < max(face.doubt.max(), 1e-3)
+            assert np.sqrt((off**2).mean()) < 0.5 * np.sqrt((face.doubt**2).mean())
+
+
+@pytest.mark.parametrize("turned", [(1, 0, 0, 0), (0.5, 0.5, -0.5, 0.5), (0.8, 0.1, 0.3, 0.5)])
+def test_normals_of_a_tall_prism_are_those_of_its_outline_however_it_is_turned(turned):
+    plug = Part("plug", oval_plug(), Pose([1, 2, 3], np.array(turned) / np.linalg.norm(turned)))
+    (face,) = smooth_faces(Assembly([plug]).geometry, 0, mesh=False)
+    x, y, _ = ((face.points - plug.pose.position) @ plug.pose.matrix).T
+    exact = np.column_stack([x / 2, 2 * y, 0 * x])
+    exact /= np.linalg.norm(exact, axis=1)[:, None]
+    off = np.linalg.norm(face.normals - exact @ plug.pose.matrix.T, axis=1)
+    assert off.max() < 4e-3
+    assert face.sagitta < 6e-3

@@ -92,7 +92,8 @@ def contacts(
     refused = [*flat.rejected, *curved.rejected, *unknown_contacts(search.unknown)]
     given, own = _given(assembly)
     faces = Patches.join([flat.patches, touching.curved.patches])
-    patches = Patches.join([faces, smooth.patches, near.patches, given])
+    faces_and_fits = Patches.join([faces, smooth.patches])
+    patches = Patches.join([faces_and_fits, near.patches, given])
     doubt = np.zeros(len(patches))
     doubt[len(faces) : len(faces) + len(smooth.joints)] = [joint.tilt for joint in smooth.joints]
     unsupported = (*near.unsupported, *smooth.unsure)
@@ -131,7 +132,7 @@ def contacts(
             *gap_warnings(flat.patches, rejected, search.limits),
             *curved.warnings,
             *smooth.warnings,
-            *closed_by_clearance(assembly, faces, search.limits),
+            *closed_by_clearance(assembly, faces_and_fits, search.limits),
         ),
         degenerate=near.degenerate,
         open_pairs=left_open,

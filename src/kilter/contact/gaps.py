@@ -244,7 +244,8 @@ def _coarse(limits: GapLimits) -> list[str]:
 def closed_by_clearance(assembly: Assembly, patches: Patches, limits: GapLimits) -> list[str]:
     """Which pairs stand apart, and touch because a clearance was closed."""
     apart = nearest_gap(patches.gap)
-    rows = np.flatnonzero(apart > limits.gap[patches.pair])
+    gap, closed = limits.gap[patches.pair], limits.closed[patches.pair]
+    rows = np.flatnonzero((apart > gap) & (closed > gap))
     if not len(rows):
         return []
     widest: dict[tuple[int, int], float] = {}

@@ -78,6 +78,7 @@ def round_contacts(
             mine = np.flatnonzero(pair == name)
             slack = float(reach[name] + 2 * geometry.slack[pairs[name]].max())
             free = ~explained(touching, name, point[mine], slack)
+            free &= ~touching.smooth.explains(pair[mine], point[mine])
             found.setdefault(name, []).extend((point[k], int(surface[k])) for k in mine[free])
 
     note(rims[0], rims[1], np.full(len(rims[0]), -1))

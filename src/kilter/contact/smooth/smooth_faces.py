@@ -1,6 +1,7 @@
-"""Smooth faces of meshes: triangles that bend into each other, and the surface they stand for.
+"""Smooth faces: triangles that bend into each other, and the surface they stand for.
 
-The corners of a tessellated face lie on the face itself. At each corner a cubic
+Of a mesh they are all that lie on no known surface, of an exact solid its free forms. The corners
+of a tessellated face lie on the face itself. At each corner a cubic
 
     z = a x + b y + (second and third order),   z along the mean of the triangles' normals,
 
@@ -26,6 +27,7 @@ import numpy as np
 
 from kilter.arrays import Array, Index, Mask, across, connected, cross, unit_rows
 from kilter.assembly.geometry import Geometry
+from kilter.assembly.surfaces import FREE
 from kilter.contact.contact_tolerances import (
     FIT_CUT,
     SMOOTH_BEND,
@@ -40,7 +42,11 @@ __all__ = ["SmoothFace", "smooth_faces"]
 FEWEST = 16
 """Triangles of a smooth face, at least."""
 AROUND = 24
-"""Corners that a fit looks at."""
+"""Corners that a fit looks at, at most."""
+SIDES_AWAY = 3
+"""A fit looks at corners up to so many sides of triangles away."""
+HUB = 3 * AROUND
+"""Corners of more sides than this are hubs of fans, across which a fit does not look."""
 CUBIC = 13
 """A fit of third order needs this many corners, one of second order 6."""
 
@@ -76,10 +82,15 @@ class SmoothFace:
     sagitta: float
 
 
-def smooth_faces(geometry: Geometry, part: int) -> list[SmoothFace]:
-    """The smooth faces of a part that is a mesh, without those of a known surface."""
+def smooth_faces(geometry: Geometry, part: int, *, mesh: bool) -> list[SmoothFace]:
+    """The smooth faces of a part without those of a known surface; of a solid, its free forms."""
     first, last = geometry.triangle_start[part], geometry.triangle_start[part + 1]
-    rows = np.arange(first, last)[geometry.triangle_surface[first:last] < 0]
+    label = geometry.triangle_surface[first:last]
+    chosen = label < 0
+    if not mesh:
+        chosen = ~chosen
+        chosen[chosen] = geometry.surfaces.kind[label[chosen]] == FREE
+    rows = np.arange(first, last)[chosen]
     if len(rows) < FEWEST:
         return []
     corners = geometry.vertices[geometry.triangles[rows]]
@@ -106,7 +117,8 @@ def _face(geometry: Geometry, part: int, rows: Index, normal: Array, inner: Mask
     used, local = np.unique(geometry.triangles[rows], return_inverse=True)
     triangles = local.reshape(-1, 3)
     points = geometry.vertices[used]
-    normals, doubt = _fitted(points, *_mean_normals(points, triangles, normal))
+    near, there = _around(points, triangles)
+    normals, doubt = _fitted(points, near, there, *_mean_normals(points, triangles, normal))
     half = np.stack([triangles, triangles[:, [1, 2, 0]]], axis=2)
     step = np.roll(points[triangles], -1, axis=1) - points[triangles]
     turn = np.roll(normals[triangles], -1, axis=1) - normals[triangles]
@@ -123,7 +135,10 @@ def _face(geometry: Geometry, part: int, rows: Index, normal: Array, inner: Mask
 
 
 def _mean_normals(points: Array, triangles: Index, normal: Array) -> tuple[Array, Array]:
-    """Mean normals at corners, by angle; and how far those around a corner bend from it [rad]."""
+    """Mean normals at corners, by angle; and how far those around bend from theirs [rad].
+
+    Of a corner and those beside it: a corner of one flat facet alone lies on a bent face too.
+    """
     corners = points[triangles]
     after, before = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
     sine = np.linalg.norm(np.cross(after, before), axis=2)
@@ -134,24 +149,61 @@ def _mean_normals(points: Array, triangles: Index, normal: Array) -> tuple[Array
     off = np.linalg.norm(mean[triangles] - normal[:, None], axis=2)
     bend = np.zeros(len(points))
     np.maximum.at(bend, triangles, off)
-    return mean, bend
+    around = np.zeros(len(points))
+    np.maximum.at(around, triangles, bend[triangles].max(axis=1)[:, None])
+    return mean, around
 
 
-def _fitted(points: Array, mean: Array, bend: Array) -> tuple[Array, Array]:
+def _around(points: Array, triangles: Index) -> tuple[Index, Mask]:
+    """The corners around each, itself first, (n, AROUND), and which of the entries are any.
+
+    Those up to `SIDES_AWAY` sides away, the fewest first, of as many the nearest. Of a tall
+    prism that is its other rim too, where the nearest alone are far along the one.
+    """
+    from scipy.sparse import coo_array, csr_array  # most assemblies need none, and it takes time
+
+    n = len(points)
+    start = np.concatenate([triangles.ravel(), triangles.ravel(), np.arange(n)])
+    end = np.concatenate([np.roll(triangles, 1, 1).ravel(), np.roll(triangles, 2, 1).ravel()])
+    beside = csr_array(coo_array((np.ones(len(start)), (start, np.append(end, np.arange(n))))))
+    beside.data[:] = 1.0
+    # what goes on from a corner; from the hub of a fan nothing does
+    onward = beside.copy()
+    onward.data[np.repeat(np.diff(beside.indptr) > HUB, np.diff(beside.indptr))] = 0.0
+    reached, fewest = beside, beside.copy()
+    for _ in range(1, SIDES_AWAY):
+        reached = reached @ onward
+        reached.data[:] = reached.data > 0
+        fewest = fewest + reached
+    found = fewest.tocoo()
+    row, other = found.row[found.data > 0], found.col[found.data > 0]
+    far = np.linalg.norm(points[other] - points[row], axis=1)
+    order = np.lexsort((other, far, -found.data[found.data > 0], row))
+    row, other = row[order], other[order]
+    place = np.arange(len(row)) - np.searchsorted(row, row)
+    kept = place < AROUND
+    near = np.tile(np.arange(n)[:, None], AROUND)
+    near[row[kept], place[kept]] = other[kept]
+    there = np.arange(AROUND) < np.bincount(row, minlength=n)[:, None]
+    return near, there
+
+
+def _fitted(
+    points: Array, near: Index, there: Mask, mean: Array, bend: Array
+) -> tuple[Array, Array]:
     """Normals of cubics through the corners around each, and how well they are known."""
-    from scipy.spatial import cKDTree  # most assemblies need none, and it takes its time
-
-    count = min(AROUND, len(points))
-    _, near = cKDTree(points).query(points, k=count)
     apart = points[near] - points[:, None]
     u, v = across(mean)
     x, y, z = (np.einsum("nki,ni->nk", apart, w) for w in (u, v, mean))
     scale = np.sqrt((x**2 + y**2).max(axis=1))[:, None]
     x, y, z = x / scale, y / scale, z / scale
-    alike = np.einsum("nki,ni->nk", mean[near], mean) > 0.5
+    alike = there & (np.einsum("nki,ni->nk", mean[near], mean) > 0.5)
     weight = np.where(alike, 1 / (0.05 + x**2 + y**2), 0.0)
-    second = np.stack([x, y, x * x, x * y, y * y], axis=2)
-    third = np.stack([x**3, x * x * y, x * y * y, y**3], axis=2)
+    # with these factors the least coefficients are the same whichever way x and y lie: where
+    # corners on two straight rims leave some open, as those of a prism do
+    two, three = np.sqrt([2.0, 3.0])
+    second = np.stack([x, y, x * x, two * x * y, y * y], axis=2)
+    third = np.stack([x**3, three * x * x * y, three * x * y * y, y**3], axis=2)
     third[alike.sum(axis=1) < CUBIC] = 0.0
     rough = _slopes(second, z, weight)
     fine = _slopes(np.concatenate([second, third], axis=2), z, weight)

@@ -7,6 +7,9 @@ that they stand for do, with the normals of these, within the gap tolerance and 
 sagittas (of the surfaces, which are better known than their triangles). Facets that do lie on
 each other one by one stay facets: those are the faces.
 
+Free forms of exact solids have no formula either. Where a clearance closes what lies between two
+of them they touch in the same way, all over, with the normals of the surfaces fitted to them.
+
 The normals are fitted. A straight direction that both faces leave free within what the normals
 of the two sides differ by is set free exactly; and beside each normal those tilted by as much
 are possible. Where the sides differ by more than `SMOOTH_UNSURE` a point is left out.
@@ -155,8 +158,8 @@ class SmoothJoints:
         worst = float(np.degrees(max(joint.tilt for joint in self.joints)))
         many = "1 pair" if pairs == 1 else f"{pairs} pairs"
         return (
-            f"curved faces cut differently on both sides, {many}: they touch with the normals of "
-            f"surfaces fitted to their corners, known to {worst:.1g} degrees",
+            f"curved faces without a formula, {many}: they touch with the normals of surfaces "
+            f"fitted to their corners, known to {worst:.1g} degrees",
         )
 
     @property
@@ -191,16 +194,17 @@ class SmoothJoints:
 
 
 def find_smooth(search: ContactSearch) -> SmoothJoints:
-    """The smooth joints of the pairs of a search."""
+    """The smooth joints of the pairs of a search: of meshes, and where a clearance closes."""
     convex, (a, b) = search.facets.convex_part, search.pairs.T
-    rows = np.flatnonzero(search.meshes[a] & search.meshes[b] & ~(convex[a] & convex[b]))
+    mesh, closes = search.meshes, search.limits.closed > search.limits.gap
+    rows = np.flatnonzero((mesh[a] & mesh[b] | closes) & ~(convex[a] & convex[b]))
     faces: dict[int, list[SmoothFace]] = {}
     found: list[SmoothJoint] = []
     for row in rows.tolist():
         parts = (int(a[row]), int(b[row]))
         for part in parts:
             if part not in faces:
-                faces[part] = smooth_faces(search.geometry, part)
+                faces[part] = smooth_faces(search.geometry, part, mesh=bool(mesh[part]))
         for one in faces[parts[0]]:
             for other in faces[parts[1]]:
                 found += _joint(search, row, (one, other))
@@ -225,7 +229,8 @@ def _joint(
         return []
     facets = (_facets_of(search, one), _facets_of(search, other))
     area, flush = _common_area(search, row, facets, reach)
-    if flush >= FACETS * area:
+    facets_are_faces = bool(search.meshes[search.pairs[row]].all())
+    if facets_are_faces and flush >= FACETS * area:
         return []
     found = every.take(np.flatnonzero(sure))
     tilt = 2 * float(np.sqrt((found.apart**2).mean()))
