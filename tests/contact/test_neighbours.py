@@ -167,3 +167,31 @@ def test_a_raw_folder_is_refused_in_a_sentence_and_contacts_lists_it(
     assert "--fasten-overlaps" in error
     assert main(["contacts", str(tmp_path)]) == 0
     assert main(["check", str(tmp_path), "--ground", "p0", "--fasten-overlaps"]) == 0
+
+
+# copies ------------------------------------------------------------------------------------
+
+
+def table_with(*places: tuple[float, float, float]) -> Assembly:
+    """Feet on a base, and one of another shape that enters it."""
+    feet = [Part(f"foot_{k}", Box([1, 1, 2]), Pose(at)) for k, at in enumerate(places)]
+    return Assembly([BASE, *feet, Part("peg", Box([1, 1, 1]), Pose([4, 4, 0.3]))])
+
+
+def test_a_copy_that_overlaps_where_the_others_do_not_is_asked_about() -> None:
+    told = [w for w in contacts(table_with((0, 0, 1), (3, 0, 0.9))).remarks() if "placed" in w]
+    assert told == [
+        "is 'foot_1' placed right? it overlaps 'base', and its copy 'foot_0' overlaps nothing"
+    ]
+    assert told[0] in check(table_with((0, 0, 1), (3, 0, 0.9))).warnings
+
+
+@pytest.mark.parametrize("places", [[(0, 0, 1), (3, 0, 1)], [(0, 0, 0.9), (3, 0, 0.8)]])
+def test_copies_that_all_overlap_or_none_are_not_asked_about(places) -> None:  # type: ignore[no-untyped-def]
+    assert not any("placed" in w for w in contacts(table_with(*places)).remarks())
+
+
+def test_a_copy_that_is_fastened_is_meant_so() -> None:
+    assembly = table_with((0, 0, 1), (3, 0, 0.9))
+    joined = fastened(assembly, [("base", "foot_1")])
+    assert not any("placed" in w for w in check(joined).warnings)

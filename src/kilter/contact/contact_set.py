@@ -26,11 +26,12 @@ from kilter.arrays import (
 from kilter.assembly import Assembly
 from kilter.contact.contact_tolerances import MEAN_NORMAL
 from kilter.contact.fits.coaxial import Fit
+from kilter.contact.fits.copies import odd_copies
 from kilter.contact.gaps import Rejected, Tolerance, nearest_gap
 from kilter.contact.left_out import INTERFERE, SAME_BODY, Overlap, PossibleContacts, Unsupported
 from kilter.contact.neighbours import Neighbour
 from kilter.contact.open_pairs import OpenPair, still_open
-from kilter.tell.contact_words import overlap_warnings
+from kilter.tell.contact_words import copy_warnings, overlap_warnings
 
 __all__ = [
     "INTERFERE",
@@ -361,13 +362,18 @@ class ContactSet:
     def remarks(self) -> list[str]:
         """Remarks of the reader, of the geometry and of the contacts, in words."""
         left_open = {frozenset(one.parts) for one in self.open_pairs}
-        over = [self._overlap(one) for one in self.overlaps if frozenset(one.parts) in left_open]
+        over = [one for one in self.overlaps if frozenset(one.parts) in left_open]
         assembly = self.assembly
+        odd = [
+            (assembly.names[part], self._names(others), assembly.names[copy])
+            for part, others, copy in odd_copies(assembly.geometry, self.overlaps, over)
+        ]
         return [
             *assembly.notes,
             *assembly.geometry.warnings,
             *self.warnings,
-            *overlap_warnings(over, assembly.units),
+            *overlap_warnings([self._overlap(one) for one in over], assembly.units),
+            *copy_warnings(odd),
         ]
 
     def _overlap(self, one: Overlap) -> dict[str, Any]:

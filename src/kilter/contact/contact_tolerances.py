@@ -113,6 +113,8 @@ WALL_RIM = 1e-9
 """A line meets a triangle up to this fraction of its sides beyond them [-]."""
 COINCIDENT = 0.5
 """Parts that share more than this fraction of the volume of the smaller are refused [-]."""
+SAME_SHAPE = 1e-6
+"""Copies of a part differ in volume and inertia by less than this fraction [-]."""
 INSIDE = 0.99
 """A part lies inside another where they share more than this fraction of it [-]."""
 FIT_LENGTH = 1e-3

@@ -8,12 +8,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from kilter.errors import some
+from kilter.errors import some, some_names
 from kilter.tell.numbers import number
 
-__all__ = ["gap_words", "lone_warnings", "overlap_warnings"]
+__all__ = ["copy_warnings", "gap_words", "lone_warnings", "overlap_warnings"]
 
 Entry = Mapping[str, Any]
+FEW = 3
+"""So many misplaced copies are named."""
 LISTED = 20
 """So many overlaps are named."""
 ROUND = 0.005
@@ -39,6 +41,24 @@ def overlap_warnings(overlaps: Sequence[Entry], units: str) -> list[str]:
         )
     more = len(overlaps) - LISTED
     return [*found, *([f"{more} more pairs overlap"] if more > 0 else [])]
+
+
+def copy_warnings(odd: Sequence[tuple[str, Sequence[str], str]]) -> list[str]:
+    """Parts that overlap others, and a copy of each that overlaps nothing: a line in all.
+
+    Examples
+    --------
+    >>> copy_warnings([("foot_2", ["body", "head"], "foot_1")])
+    ["is 'foot_2' placed right? it overlaps 'body', 'head', and its copy 'foot_1' overlaps nothing"]
+    """
+    if not odd:
+        return []
+    words = [
+        f"is {part!r} placed right? it overlaps {some_names(others)}, and its copy {copy!r} "
+        "overlaps nothing"
+        for part, others, copy in odd
+    ]
+    return ["; ".join(words[:FEW]) + (f"; {len(words) - FEW} more like it" * (len(words) > FEW))]
 
 
 def lone_warnings(nearest: Sequence[Entry], units: str) -> list[str]:
