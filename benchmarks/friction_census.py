@@ -3,10 +3,12 @@
     python benchmarks/friction_census.py                200 assemblies at the usual effort
     python benchmarks/friction_census.py 884 1          as many, at an effort
     python benchmarks/friction_census.py 2000 0.5 7     the same, from seed 7 on
+    python benchmarks/friction_census.py 884 -o FILE    each answer to a file at once, a line of
+                                                        JSON; what is there is not asked again
 
 Each is judged; then the other side is asked too: of what is proved, a motion is looked for with
-other lubricated patches; of what is refuted, a proof is tried. Prints a table of levels with
-times [s], and what contradicts itself, which must be nothing:
+other lubricated patches; of what is refuted, a proof is tried. Prints a table of levels and one of
+answers, with times [CPU s], and what contradicts itself, which must be nothing:
 
     proved, and a motion obeys the law          a witness that breaks the law
     a witness, and a proof                      refuted, and a level above equilibrium
@@ -14,9 +16,13 @@ times [s], and what contradicts itself, which must be nothing:
 
 from __future__ import annotations
 
+import argparse
 import collections
+import json
 import sys
 import time
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -41,42 +47,72 @@ def contradictions(verdict: object, effort: float) -> list[str]:
     return wrong
 
 
-def asked(seed: int, effort: float) -> tuple[str, str, float, list[str]]:
-    """Family, answer, seconds and contradictions of one random assembly."""
+def asked(seed: int, effort: float) -> dict[str, Any]:
+    """Family, level, answer, CPU seconds and contradictions of one random assembly."""
     family, assembly = random_assembly(seed)
     started = time.process_time()
     verdict = check(assembly, effort=effort)
     seconds = time.process_time() - started
+    level = f"{verdict.level or 'none':<11} {verdict.verdict}"
+    one = {"seed": seed, "family": family, "level": level, "seconds": seconds}
     if verdict.friction is None:
-        return family, verdict.verdict, seconds, []
+        return one | {"answer": verdict.verdict, "wrong": []}
     passed, of = verdict.tries
     tries = "all" if passed == of else "some" if passed else "no"
     answer = f"{verdict.verdict:<19} {verdict.why or verdict.guarantee:<10}"
     answer += f" seat {verdict.seated:<10} {tries} tries passed"
-    return family, answer, seconds, contradictions(verdict, effort)
+    return one | {"answer": answer, "wrong": contradictions(verdict, effort)}
+
+
+def known(file: Path | None) -> dict[int, dict[str, Any]]:
+    """What a file of answers holds, by seed."""
+    if file is None or not file.exists():
+        return {}
+    return {one["seed"]: one for one in map(json.loads, file.read_text().splitlines())}
+
+
+def table(found: list[dict[str, Any]], by: str) -> None:
+    """Counts and times of each level, or answer."""
+    times = collections.defaultdict(list)
+    for one in found:
+        times[one[by]].append(one["seconds"])
+    print(f"{'count':>6} {'mean':>7} {'median':>7} {'worst':>7}  {by}")
+    for what, own in sorted(times.items()):
+        mean, median, worst = np.mean(own), np.median(own), max(own)
+        print(f"{len(own):>6} {mean:>7.2f} {median:>7.2f} {worst:>7.2f}  {what}")
+    print()
+
+
+def odd(one: dict[str, Any]) -> bool:
+    """Whether tries and answer are worth a look: those of what moves pass, or not all others."""
+    answer = one["answer"]
+    refuted = answer.startswith("potentially-stable  refuted")
+    return ("some tries" in answer and (refuted or answer.startswith("stable"))) or (
+        "all tries" in answer and refuted
+    )
 
 
 def main() -> int:
     """Ask them all; 1 where something contradicts itself."""
-    words = sys.argv[1:]
-    count = int(words[0]) if words else 200
-    effort = float(words[1]) if len(words) > 1 else 1.0
-    first = int(words[2]) if len(words) > 2 else 0
-    times: dict[str, list[float]] = collections.defaultdict(list)
-    odd, wrong = [], []
-    for seed in range(first, first + count):
-        family, answer, seconds, more = asked(seed, effort)
-        times[answer].append(seconds)
-        wrong += [f"seed {seed} ({family}): {word}" for word in more]
-        if answer.startswith(("stable", "potentially-stable refuted")) and "some" in answer:
-            odd.append(f"seed {seed} ({family}): {answer}")
-        if answer.startswith("potentially-stable  refuted") and "all" in answer:
-            odd.append(f"seed {seed} ({family}): {answer}")
-    print(f"{'count':>6} {'mean':>7} {'worst':>7}  answer")
-    for answer, own in sorted(times.items()):
-        print(f"{len(own):>6} {np.mean(own):>7.2f} {max(own):>7.2f}  {answer}")
-    print("\n".join(["", f"{len(odd)} worth a look", *odd]))
-    print("\n".join(["", f"{len(wrong)} contradictions", *wrong]))
+    reader = argparse.ArgumentParser()
+    reader.add_argument("count", type=int, nargs="?", default=200)
+    reader.add_argument("effort", type=float, nargs="?", default=1.0)
+    reader.add_argument("first", type=int, nargs="?", default=0)
+    reader.add_argument("-o", dest="file", type=Path)
+    words = reader.parse_args()
+    before, found = known(words.file), []
+    for seed in range(words.first, words.first + words.count):
+        one = before.get(seed) or asked(seed, words.effort)
+        found.append(one)
+        if words.file is not None and seed not in before:
+            with words.file.open("a") as out:
+                out.write(json.dumps(one) + "\n")
+    table(found, "level")
+    table(found, "answer")
+    look = [f"seed {one['seed']} ({one['family']}): {one['answer']}" for one in found if odd(one)]
+    print("\n".join([f"{len(look)} worth a look", *look, ""]))
+    wrong = [f"seed {one['seed']}: {word}" for one in found for word in one["wrong"]]
+    print("\n".join([f"{len(wrong)} contradictions", *wrong]))
     return int(bool(wrong))
 
 
