@@ -53,6 +53,8 @@ BAND, BAND_POINT, BAND_ENTRY = 150.0, 0.5, 0.01
 """Of a band system solved, of a point of it, and of an entry of the band."""
 JUDGED, JUDGED_POINT = 1000.0, 6.0
 """Of a candidate held against the contact law, and of a point of it."""
+WEIGHED, WEIGHED_POINT = 150.0, 0.6
+"""Of a candidate of which it is told cheaply whether that is worth it, and of a point of it."""
 
 
 def units_of(effort: float) -> float:
@@ -191,6 +193,10 @@ class Work:
     def judged(self, points: int) -> None:
         """Count a candidate that was held against the contact law."""
         self.charge(JUDGED + JUDGED_POINT * points)
+
+    def weighed(self, points: int) -> None:
+        """Count a candidate of which it was told whether it is worth being judged."""
+        self.charge(WEIGHED + WEIGHED_POINT * points)
 
     def until(self, fraction: float) -> Work:
         """The share that is over when this fraction of the whole is spent."""

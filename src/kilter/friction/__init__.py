@@ -9,6 +9,7 @@ the law, also where they do not. Below these two, in the order in which they are
     seating               does its own weight make the forces that hold it?
     motion_search         De Saxce's iteration; what polish and mode_search add to it
     polish                a nearly right motion made exact, mode by mode
+    near_law              which candidates are worth it, and worth an exact judgement
     mode_search           motions by branch and bound
 
     reduced_law           the law with joints eliminated and points grouped
