@@ -52,6 +52,9 @@ LIMIT = f"contact forces up to {LARGEST_FORCE:g} times the weight"
 """What a proof supposes where nothing bounds the forces."""
 CASES, CASE_ENTRY = 5, 3.0
 """In space cases are begun if so many can be paid; units of an entry of the relaxation in each."""
+CLOSE_BY, MANY, GLANCE = 1e-5, 300, 0.1
+"""Of what moments leave, powers above the first were not closed by fewer than so many cases: where
+they cannot be paid, cases may take the third fraction of what is left, for a better bound."""
 BY_MOMENTS = 0.8
 """Fraction of the work after which moments begin no further step."""
 
@@ -167,9 +170,12 @@ def _tried(
     cost = CASE_ENTRY * attempt.relaxation.program(bounds).matrix.nnz
     if attempt.work.over or CASES * cost > attempt.work.left:
         return "sectors", CasesLeft(least, 0, False)
-    _, _, answer, _ = power_bound(attempt, bounds)
-    bounds = shrunk(attempt, bounds, answer, FORCES, attempt.work.until(FORCES_FIRST))
-    left = _kept(attempt, divided(attempt, bounds))
+    hopeless = least > CLOSE_BY and MANY * cost > attempt.work.left
+    work = attempt.work.fraction_left(GLANCE) if hopeless else attempt.work
+    if not hopeless:
+        _, _, answer, _ = power_bound(attempt, bounds)
+        bounds = shrunk(attempt, bounds, answer, FORCES, attempt.work.until(FORCES_FIRST))
+    left = _kept(attempt, divided(attempt, bounds, work))
     return "sectors", replace(left, power=min(left.power, least))
 
 
