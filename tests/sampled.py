@@ -11,7 +11,10 @@ __all__ = ["sampled"]
 
 
 def sampled(always: int, cases: Iterable[Any] | int) -> list[Any]:
-    """The first `always` of the cases as they are, the rest marked slow; a number: its range. A tuple has several arguments."""
+    """The first `always` of the cases (a number: its range) as they are, the rest marked slow.
+
+    A case that is a tuple has several arguments.
+    """
     every = list(range(cases) if isinstance(cases, int) else cases)
     rest = [one if isinstance(one, tuple) else (one,) for one in every[always:]]
     return every[:always] + [pytest.param(*one, marks=pytest.mark.slow) for one in rest]
