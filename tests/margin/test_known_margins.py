@@ -25,6 +25,7 @@ from kilter.analysis.margins.tilt import (
 from kilter.assembly import Load
 from kilter.scenes import arches, friction, rounds, scene, stacks, walls
 from kilter.tell.facts import facts
+from sampled import sampled
 
 HOLDS = ("stable", "settles", "potentially-stable")
 X = np.array([1.0, 0.0, 0.0])
@@ -236,7 +237,7 @@ def test_a_load_a_little_less_is_held_and_a_little_more_is_not(number):
         assert judge(more).stable is stable
 
 
-@pytest.mark.parametrize("seed", range(50))
+@pytest.mark.parametrize("seed", sampled(12, 50))
 def test_the_conic_limit_is_where_the_verdict_changes(seed):
     """`judge` on both sides of it, and by bisection from far away."""
     program = program_of(small_assembly(seed))

@@ -101,7 +101,7 @@ def all_are_safe(name, count):
 
 @pytest.mark.parametrize("name", CASES)
 def test_samples_within_the_intervals_are_at_least_as_safe(name):
-    all_are_safe(name, 500 // len(CASES) + 1)
+    all_are_safe(name, 120 // len(CASES) + 1)
 
 
 @pytest.mark.slow

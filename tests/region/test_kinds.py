@@ -27,7 +27,7 @@ def test_every_kind_is_produced() -> None:
 @pytest.mark.parametrize("name", [*KINDS, *MORE])
 def test_directions_one_by_one(name: str) -> None:
     region = region_of(name)
-    assert not disagreements(region, directions(region, 500))
+    assert not disagreements(region, directions(region, 100))
 
 
 @pytest.mark.slow

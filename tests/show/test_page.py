@@ -158,7 +158,7 @@ def test_what_is_drawn_is_what_was_answered(name: str) -> None:
     # without time for a proof, so that what is found does not depend on the machine
     answers = everything(assembly, effort=0)
     data = data_of(render(answers, name))
-    verdict = kilter.check(assembly, effort=0)
+    verdict = kilter.check(assembly, contacts=answers.contacts, effort=0)
     assert data["given"]["verdict"] == verdict.verdict
     assert data["given"]["sentence"] == verdict.sentence
     assert unpacked(data["given"]["moves"]).astype(bool).tolist() == verdict.motion.moves.tolist()
