@@ -6,8 +6,8 @@ implicit Euler steps of dx/dt = r(x),
     (x' - x) / h = r(x')
 
 with a step h that grows as r falls: at first the path of parts in thick oil, at last Newton's
-method. Each step is solved by Newton's method, shortened where its full step does not reduce
-the error. Where nothing holds, x runs away: it goes on while r stands still.
+method. Each step is solved by Newton's method, shortened where its full step goes beyond the
+least energy along it. Where nothing holds, x runs away: it goes on while r stands still.
 
 References
 ----------
@@ -31,17 +31,16 @@ __all__ = ["Rest", "relaxed"]
 
 FIRST = 1.0
 """First step h."""
-INNER = 12
-"""Newton steps within one step h."""
+INNER, IDLE = 80, 25
+"""Newton steps within one step h, and those after which it failed if the error did not fall."""
 STEP_ERROR, STEP_ERROR_SMALL, SMALL = 0.5, 0.1, 0.05
 """A step h is solved to this fraction of r at its beginning; the second below an r of SMALL."""
-SHORTENED = (1.0, 0.5, 0.25, 0.1, 0.03)
-"""Fractions of a Newton step that are tried until one reduces the error enough."""
-ENOUGH = 0.5
-"""A fraction q of a step is enough if the error falls by this share of q."""
+LEFT, SEARCHED, EDGE = 0.2, 8, 0.1
+"""Along a Newton step the work of the error falls to this fraction; points that are tried; how
+near the ends of what is left the next may be."""
 FALLING = 0.98
-"""A Newton step that leaves more than this fraction of the error ends the step h as failed."""
-GROWTH, SLOW, LEAP, EASY = 2.0, 1.5, 10.0, 6
+"""A Newton step that leaves more than this fraction of the least error did not let it fall."""
+GROWTH, SLOW, LEAP, EASY = 2.0, 1.2, 10.0, 6
 """H grows by GROWTH after a step that took up to EASY Newton steps, else by SLOW; times the
 factor by which r fell, up to LEAP."""
 CUT = 0.25
@@ -95,6 +94,8 @@ def relaxed(
     while step > SHORTEST and not work.over:
         new, count = _advanced(springs, state, step, work)
         steps += count
+        if new is None and springs.imbalance(state) <= NEARLY * BALANCED:
+            break  # at the rounding of its numbers it does not come to the goal
         if new is None:
             step *= CUT
             continue
@@ -108,7 +109,6 @@ def relaxed(
             break
         step *= (GROWTH if count <= EASY else SLOW) * float(np.clip(fall, 1.0, LEAP))
         step = min(step, LIMIT)
-    # at the rounding of its numbers it does not come to the goal
     near = springs.imbalance(state) <= NEARLY * BALANCED
     return Rest(state, "balance" if near else "not-found", steps)
 
@@ -118,28 +118,54 @@ def _advanced(
 ) -> tuple[SpringState | None, int]:
     """The state a pseudo-time `step` later, None where Newton fails; Newton steps made."""
     new, right = state, state.rest
-    last = float(np.linalg.norm(right))
-    enough = (STEP_ERROR if last > SMALL else STEP_ERROR_SMALL) * last
+    least = float(np.linalg.norm(right))
+    enough = (STEP_ERROR if least > SMALL else STEP_ERROR_SMALL) * least
+    idle = 0
     for count in range(1, INNER + 1):
         try:
             move = springs.newton(new, right, 1.0 / step, work)
         except np.linalg.LinAlgError:
             return None, count
-        best = np.inf
-        for part in SHORTENED:
-            trial = springs.at(new.x + part * move)
-            rest = trial.rest - (trial.x - state.x) / step
-            error = float(np.linalg.norm(rest))
-            if error < best:
-                best, nearest, right = error, trial, rest
-            if error <= max((1.0 - ENOUGH * part) * last, enough):
-                break
-        if not best < np.inf:
-            return None, count
-        new = nearest
-        if best <= enough:
+        new, right = _along(springs, (state, new, right), move, step, enough)
+        error = float(np.linalg.norm(right))
+        if error <= enough:
             return new, count
-        if best > FALLING * last:
+        idle = 0 if error < FALLING * least else idle + 1
+        if idle == IDLE or not error < np.inf:
+            return None, count
+        least = min(least, error)
+    return None, INNER
+
+
+def _along(
+    springs: Springs,
+    at: tuple[SpringState, SpringState, Array],
+    move: Array,
+    step: float,
+    enough: float,
+) -> tuple[SpringState, Array]:
+    """The state along a Newton step at which it does hardly any work more, and its error.
+
+    `at`: the state at the beginning of the step h, the last, and its error. A point that comes
+    to touch adds much to the error, though little to the energy; so the line search looks at
+    the work of the error along the step, which falls from above 0 to 0 where the energy is
+    least. It is shortened where it is far below.
+    """
+    begin, last, right = at
+    low, high = (0.0, float(move @ right)), (1.0, 0.0)
+    limit, part = LEFT * low[1], 1.0
+    for _ in range(SEARCHED):
+        new = springs.at(last.x + part * move)
+        error = new.rest - (new.x - begin.x) / step
+        gain = float(move @ error)
+        there = gain >= -limit and (part == 1.0 or gain <= limit)
+        if there or limit <= 0 or float(np.linalg.norm(error)) <= enough:
             break
-        last = best
-    return None, count
+        if gain > 0:
+            low = (part, gain)
+        else:
+            high = (part, gain)
+        between = low[0] + (high[0] - low[0]) * low[1] / (low[1] - high[1])
+        edge = EDGE * (high[0] - low[0])
+        part = min(max(between, low[0] + edge), high[0] - edge)
+    return new, error

@@ -35,11 +35,11 @@ WIDEST_BAND = 400
 
 @dataclass(slots=True)
 class SpringState:
-    """A displacement with what follows from it: forces (n, u, v), -df/du and r."""
+    """A displacement with what follows from it: u with gaps counted in, forces (n, u, v), r."""
 
     x: Array
+    opening: Array
     forces: Array
-    slope: Array
     rest: Array
 
 
@@ -56,9 +56,9 @@ class SpringSystem:
         H of each point by its two parts, of d freedoms; points of a pair follow each other.
     points : ndarray of int, shape (K,)
         The rows in that order.
-    begins : ndarray of int
-        Where each pair begins in it.
-    place : ndarray of int, shape (pairs x 2 d x 2 d,)
+    pair : ndarray of int, shape (K,)
+        The pair of each point in it.
+    place : ndarray of int, shape (pairs, 2 d x 2 d)
         Where each entry of a pair goes: in the band, or among the stored entries.
     band : int
         Half width of the band; 0 where the system is solved as a sparse one.
@@ -74,7 +74,7 @@ class SpringSystem:
     transposed: csr_array
     lever: Array
     points: Index
-    begins: Index
+    pair: Index
     place: Index
     band: int
     order: Index
@@ -90,7 +90,7 @@ def spring_system(law: CoulombLaw) -> SpringSystem:
     index[program.free] = np.arange(len(law.root))
     ends = np.column_stack([index[program.part_a], index[program.part_b]])
     points = np.lexsort((ends[:, 1], ends[:, 0]))
-    pairs, begins = np.unique(ends[points], axis=0, return_index=True)
+    pairs, pair = np.unique(ends[points], axis=0, return_inverse=True)
     lever = _levers(law, ends, per)[points]
     rank = _ranks(pairs, len(law.root))
     order = (per * rank[:, None] + np.arange(per)).reshape(-1)
@@ -109,8 +109,8 @@ def spring_system(law: CoulombLaw) -> SpringSystem:
         place, row, start = _stored(i, j, used, len(law.load))
         band = 0
     return SpringSystem(
-        law, law.matrix.T.tocsr(), lever, points, begins, place, band, order, row, start,
-        _weights(law),
+        law, law.matrix.T.tocsr(), lever, points, pair.reshape(-1), place.reshape(len(pairs), -1),
+        band, order, row, start, _weights(law),
     )  # fmt: skip
 
 
@@ -173,8 +173,8 @@ class Springs:
         law = self.system.law
         u = (law.matrix @ x).reshape(-1, 3)
         u[:, 0] += self.gap
-        forces, slope = _response(law, self.stiffness, u)
-        return SpringState(x, forces, slope, law.load + self.system.transposed @ forces.reshape(-1))
+        forces = _response(law, self.stiffness, u)
+        return SpringState(x, u, forces, law.load + self.system.transposed @ forces.reshape(-1))
 
     def imbalance(self, state: SpringState) -> float:
         """Worst imbalance of a part over its weight."""
@@ -185,23 +185,33 @@ class Springs:
     def newton(self, state: SpringState, right: Array, drag: float, work: Work) -> Array:
         """The step dx of (drag - dr/dx) dx = right; numpy's LinAlgError where there is none."""
         system, count = self.system, len(right)
-        lever = system.lever
-        blocks = np.matmul(np.swapaxes(lever, 1, 2), np.matmul(state.slope[system.points], lever))
-        if len(system.begins):
-            blocks = np.add.reduceat(blocks, system.begins, axis=0)
+        place, blocks = self._blocks(state)
         if system.band:
-            return self._by_band(blocks, right, drag, work)
-        values = _summed(system.place, blocks, len(system.row))
+            return self._by_band(place, blocks, right, drag, work)
+        values = _summed(place, blocks, len(system.row))
         matrix = csc_array((values, system.row, system.start), shape=(count, count))
         matrix.setdiag(matrix.diagonal() + drag)
         return _by_factors(matrix, right[np.argsort(system.order)], work)[system.order]
 
-    def _by_band(self, blocks: Array, right: Array, drag: float, work: Work) -> Array:
+    def _blocks(self, state: SpringState) -> tuple[Index, Array]:
+        """Of the pairs that touch, where the entries of -dr/dx go, and the entries."""
+        system, law = self.system, self.system.law
+        touching = (state.opening[:, 0] < 0) | law.tied
+        used = np.flatnonzero(touching[system.points])
+        points, pair, lever = system.points[used], system.pair[used], system.lever[used]
+        slope = _slopes(law, self.stiffness, state.opening, points)
+        blocks = np.matmul(np.swapaxes(lever, 1, 2), np.matmul(slope, lever))
+        begins = np.flatnonzero(np.diff(pair, prepend=-1))
+        if len(begins):
+            blocks = np.add.reduceat(blocks, begins, axis=0)
+        return system.place[pair[begins]], blocks
+
+    def _by_band(self, place: Index, blocks: Array, right: Array, drag: float, work: Work) -> Array:
         from scipy.linalg.lapack import dgbsv
 
         system, count, band = self.system, len(right), self.system.band
         size = (3 * band + 1) * count
-        values = _summed(system.place, blocks, size)
+        values = _summed(place, blocks, size)
         matrix = values.reshape(3 * band + 1, count)
         matrix[2 * band] += drag
         work.band(count, band, len(system.points))
@@ -216,7 +226,7 @@ class Springs:
 
 def _summed(place: Index, blocks: Array, count: int) -> Array:
     """Entries summed up by their places; what has no place is left out."""
-    sums = np.bincount(place, blocks.reshape(-1), minlength=count + 1)[:count]
+    sums = np.bincount(place.reshape(-1), blocks.reshape(-1), minlength=count + 1)[:count]
     return np.asarray(sums, dtype=np.float64)
 
 
@@ -232,24 +242,31 @@ def _by_factors(matrix: csc_array, right: Array, work: Work) -> Array:
     return step
 
 
-def _response(law: CoulombLaw, stiffness: Array, u: Array) -> tuple[Array, Array]:
-    """Forces (n, u, v) of displacements of the points, and -df/du, shape (K, 3, 3)."""
-    k, across = stiffness, ACROSS * stiffness
+def _response(law: CoulombLaw, stiffness: Array, u: Array) -> Array:
+    """Forces (n, u, v) of displacements of the points, shape (K, 3)."""
     touching = (u[:, 0] < 0) | law.tied
-    f_n = np.where(touching, -k * u[:, 0], 0.0)
+    forces = u * (-stiffness * touching)[:, None]
+    forces[:, 1:] *= ACROSS
+    limit = np.where(law.tied, 0.0, law.mu * forces[:, 0])
+    drag = np.hypot(forces[:, 1], forces[:, 2])
+    slides = np.flatnonzero(drag > limit)
+    forces[slides, 1:] *= (limit[slides] / drag[slides])[:, None]
+    return forces
+
+
+def _slopes(law: CoulombLaw, stiffness: Array, u: Array, points: Index) -> Array:
+    """-df/du of points that touch, shape (n, 3, 3)."""
+    k, tied, mu = stiffness[points], law.tied[points], law.mu[points]
+    u, across = u[points], ACROSS * k
     pull = -across[:, None] * u[:, 1:]
-    drag = np.sqrt((pull**2).sum(axis=1))
-    limit = np.where(law.tied, 0.0, law.mu * f_n)
-    sticks = drag <= limit
-    share = np.where(sticks, 1.0, limit / np.maximum(drag, TINY))
-    forces = np.empty_like(u)
-    forces[:, 0], forces[:, 1:] = f_n, share[:, None] * pull
-    slope = np.zeros((len(u), 3, 3))
-    slope[:, 0, 0] = k * touching
+    drag = np.hypot(pull[:, 0], pull[:, 1])
+    limit = np.where(tied, 0.0, -mu * k * u[:, 0])
+    slides = (drag > limit) & ~tied
+    share = np.where(drag > limit, limit / np.maximum(drag, TINY), 1.0) * across
     e = pull / np.maximum(drag, TINY)[:, None]
-    slides = ~sticks & touching & ~law.tied
-    slope[:, 1:, 0] = (law.mu * k * slides)[:, None] * e
-    bend = (across * share)[:, None, None] * np.eye(2)
-    bend -= np.where(slides, across * share, 0.0)[:, None, None] * e[:, :, None] * e[:, None, :]
-    slope[:, 1:, 1:] = bend * touching[:, None, None]
-    return forces, slope
+    slope = np.zeros((len(u), 3, 3))
+    slope[:, 0, 0] = k
+    slope[:, 1:, 0] = (mu * k * slides)[:, None] * e
+    slope[:, 1:, 1:] = share[:, None, None] * np.eye(2)
+    slope[:, 1:, 1:] -= (share * slides)[:, None, None] * e[:, :, None] * e[:, None, :]
+    return slope
