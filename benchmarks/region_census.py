@@ -19,6 +19,7 @@ import multiprocessing
 import os
 import time
 import traceback
+from collections.abc import Callable
 from typing import Any
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
@@ -31,8 +32,11 @@ RANDOM, EDGE = 200, 20
 NEAR = 1e-6
 """How far on either side of a boundary it is asked [rad], and of a least friction [-]."""
 
+Answered = Callable[[str, int, int], Any]
+"""Parts of the row of a case, one after another: of a family, a seed, so many directions."""
 
-def work(family: str, seed: int, pipe: Any, directions: int) -> None:
+
+def work(family: str, seed: int, pipe: Any, directions: int, answered: Answered) -> None:
     """Answer one case, and send what is found on the way."""
     row: dict[str, Any] = {"family": family, "seed": seed}
     try:
@@ -46,7 +50,7 @@ def work(family: str, seed: int, pipe: Any, directions: int) -> None:
         pipe.send(dict(row, fault=f"{type(error).__name__}: {error} ({where})"[:300]))
 
 
-def answered(family: str, seed: int, directions: int) -> Any:
+def turned(family: str, seed: int, directions: int) -> Any:
     """Parts of the row of a case, one after another."""
     import numpy as np
 
@@ -78,8 +82,8 @@ def answered(family: str, seed: int, directions: int) -> Any:
         "programs": region.programs,
         "words": [w for w in region.warnings if "apart" in w or "proofs" in w],
     }
-    turned, times = timed("orient", lambda: kilter.orient(assembly, contacts=contacts))
-    yield times | {"orient": turned.verdict, "orient_margin": turned.tilt_margin_deg}
+    oriented, times = timed("orient", lambda: kilter.orient(assembly, contacts=contacts))
+    yield times | {"orient": oriented.verdict, "orient_margin": oriented.tilt_margin_deg}
     margin, times = timed("margin", lambda: kilter.margin(assembly, contacts=contacts))
     yield times | {
         "verdict": margin.verdict.verdict,
@@ -89,7 +93,7 @@ def answered(family: str, seed: int, directions: int) -> Any:
         "missing": margin.missing,
     }
     wall = time.perf_counter()
-    yield rechecked(program, region, margin, turned, directions)
+    yield rechecked(program, region, margin, oriented, directions)
     yield {"recheck_s": round(time.perf_counter() - wall, 1)}
 
 
@@ -253,11 +257,14 @@ def margins_wrong(program: Any, margin: Any, turned: Any, region: Any) -> list[s
     return wrong
 
 
-def run(family: str, seed: int, directions: int) -> dict[str, Any]:
+def run(
+    family: str, seed: int, directions: int, answered: Answered | None = None
+) -> dict[str, Any]:
     """One case in a process of its own."""
     context = multiprocessing.get_context("fork")
     ours, theirs = context.Pipe(duplex=False)
-    process = context.Process(target=work, args=(family, seed, theirs, directions))
+    given = (family, seed, theirs, directions, answered or turned)
+    process = context.Process(target=work, args=given)
     process.start()
     theirs.close()
     row: dict[str, Any] = {"family": family, "seed": seed, "cut": True}

@@ -146,6 +146,27 @@ def test_a_solver_that_is_stopped_says_failed_not_that_there_is_none(
     assert not KeptProgram(program).solve().holds
 
 
+def test_where_no_simplex_ends_the_interior_point_takes_over(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from kilter.solvers import highs
+
+    program = random_program(4)
+    right = solve_linear(program)
+    monkeypatch.setattr(highs, "FEW", 1)
+    monkeypatch.setattr(highs, "MANY", 0)
+    kept = KeptProgram(program, goal="point")
+    answer = kept.solve()
+    assert answer.solver != "simplex"
+    assert answer.optimal
+    assert answer.objective == pytest.approx(right.objective, abs=1e-6)
+    # there is no basis to go on from
+    monkeypatch.undo()
+    again = kept.solve(-program.cost)
+    assert again.solver == "simplex"
+    assert again.holds
+
+
 def test_conic_answers_say_none_endless_or_a_point() -> None:
     def inside(low: float) -> Solution:  # low <= x <= 1, min x^2
         rows = csc_array([[1.0], [-1.0]])

@@ -56,6 +56,7 @@ __all__ = [
     "SAME_POINT",
     "SAME_RAY",
     "SIDES_APART",
+    "SIDES_NEAR",
     "STEEPEST",
     "TILT_AGREES",
     "UNLIMITED",
@@ -125,6 +126,8 @@ LIMIT_AGREES = 2e-7
 """Shares of a load proved to be held and not to be differ by this at most, over 1 and them [-]."""
 PROVED_APART = 1e-5
 """Where the proofs of both sides are farther apart, the motion is mended [-]."""
+SIDES_NEAR = 1e-4
+"""Where the proofs of both sides of a large program are this near, it is left at that [-]."""
 SIDES_APART = 1e-2
 """Where they differ by more after linear programs, a sharper conic one is asked [-]."""
 OPTIMAL_FACE = 1e-10

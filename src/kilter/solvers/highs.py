@@ -8,8 +8,9 @@ A kept program goes on from its last basis. A new cost leaves it primal feasible
 simplex goes on from there, stopped early, since a cold start by the dual simplex overtakes it
 where the new optimum is far. Boxed columns keep it dual feasible too: then the dual simplex
 goes on. What comes back is not believed (`kilter.solvers.solution`): where it is not good
-enough, the program is solved again, cold, then with another scaling. Every run ends: steps are
-limited by the size of the program, and where all tries fail, that is the answer.
+enough, the program is solved again, cold, then with another scaling, then by the interior point.
+Every run ends: steps are limited by the size of the program, and where all tries fail, that is
+the answer.
 
 A basis B that is optimal for one cost stays optimal for every cost whose reduced costs keep
 their signs, and those are linear in the cost (`KeptProgram.sensitivity`):
@@ -282,14 +283,25 @@ class KeptProgram:
             tries.append(self._run("dual", _steps(self.program), work))
             self._steps = tries[-1].iterations
         self._set("simplex_scale_strategy", SCALINGS[0])
+        if self._goal != "bound" and all(one.outcome == "failed" for one in tries):
+            tries.append(self._by_interior(work))
         best = tries[0]
         if len(tries) > 1:
             bound = self._goal == "bound"
             best = min(tries, key=lambda one: -one.bound if bound else one.residual)
-        self._based = self._enough(best)
+        self._based = best.basis is not None and self._enough(best)
         if not best.optimal and len({one.outcome for one in tries}) > 1:
             best = replace(best, outcome="failed")  # the tries contradict each other
         return best
+
+    def _by_interior(self, work: Work | None) -> Solution:
+        """The other method, where no simplex came to an end."""
+        if work is not None and work.over:
+            return Solution(self.program, "failed", np.empty(0), np.empty(0), "none", 0)
+        answer = solve_linear(self.program, method="interior", work=work)
+        if work is not None:
+            work.linear(answer.iterations, self.program.matrix.nnz)
+        return answer
 
     def _enough(self, solution: Solution) -> bool:
         if self._goal == "bound":

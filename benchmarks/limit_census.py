@@ -1,0 +1,154 @@
+"""Load factors and pushes by bisection of the verdict: are they what `margin` says?
+
+    python benchmarks/limit_census.py arch 40 -o limits.jsonl     seeds 0 to 39
+
+Of each assembly of `region_census` that holds as given: the load factor of a body force in a
+random direction, and the largest push on a random part in another, are bisected by `judge` to
+`NEAR`, from doubled shares, without what `margin` found. Then `kilter.check` is asked at both
+ends, with the loads in the assembly; and pushes of the least size that is resisted in every
+direction are asked in random ones.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Callable
+from typing import Any
+
+from region_census import run
+
+NEAR = 1e-6
+"""How near bisection comes to a limit, over 1 and it [-]."""
+LARGEST = 1e3
+"""Shares from which on a limit counts as unlimited [-]."""
+AROUND = 10
+"""Directions in which the least push is asked."""
+
+
+def answered(family: str, seed: int, directions: int) -> Any:
+    """The row of a case, by parts."""
+    import numpy as np
+
+    import kilter
+    from kilter.analysis.judge import judge
+    from kilter.analysis.margins.load_limit import gravity_wrench, with_more
+    from kilter.analysis.margins.pushes import find_push
+    from kilter.mechanics.program import build_program
+    from kilter.scenes.random_turned import random_turned
+
+    assembly = random_turned(family, seed)
+    contacts = kilter.contacts(assembly)
+    program = build_program(assembly, contacts)
+    yield {"held": judge(program).stable is True, "wrong": []}
+    if judge(program).stable is not True:
+        return
+    random = np.random.default_rng(seed)
+
+    def direction() -> Any:
+        along = random.normal(size=3) * ([1, 0, 1] if program.planar else [1, 1, 1])
+        return along / np.linalg.norm(along)
+
+    def pushed(along: Any) -> Any:
+        wrench = np.zeros((len(program.names), 6))
+        wrench[part, :3] = float(program.weight[program.free].sum()) * along
+        return wrench
+
+    along, aside = direction(), direction()
+    part = int(random.choice(np.flatnonzero(program.free)))
+    names = [program.names[part]]
+    margin = kilter.margin(assembly, contacts=contacts, push=along, pushed=names, effort=0)
+    greatest, push = (margin.load_factor or (None, None))[1], find_push(program, part, aside)
+    found = {
+        "load factor": (getattr(greatest, "value", np.nan), gravity_wrench(program, along)),
+        "push": (getattr(getattr(push, "limit", None), "value", np.nan), pushed(aside)),
+    }
+    wrong = []
+    for what, (value, wrenches) in found.items():
+
+        def held(share: float, wrenches: Any = wrenches) -> bool | None:
+            return judge(with_more(program, wrenches, share)).stable
+
+        low, high, undecided = bisected(held)
+        yield {what: [value, low, high, undecided]}
+        slack = NEAR * max(1.0, low)
+        if not low - slack <= value <= high + slack:
+            wrong.append(f"{what} {value}, bisected {low} to {high}")
+        for share, holds in ((low, True), (high, False)):
+            if np.isfinite(share):
+                verdict = checked(assembly, contacts, share * wrenches)
+                if verdict != "undecided" and (verdict != "unstable") is not holds:
+                    wrong.append(f"{what} at {share}: check says {verdict}")
+    for one in margin.pushes:
+        share = min(one.lower / float(program.weight[program.free].sum()), LARGEST) * (1 - NEAR)
+        for _ in range(AROUND):
+            if judge(with_more(program, pushed(direction()), share)).stable is False:
+                wrong.append(f"least push {one.lower} is not resisted")
+    yield {"wrong": wrong}
+
+
+def checked(assembly: Any, contacts: Any, wrenches: Any) -> str:
+    """What `check` says of an assembly with forces on its parts."""
+    import dataclasses
+
+    import kilter
+    from kilter.assembly import Load
+
+    forces = zip(assembly.parts, wrenches[:, :3], strict=True)
+    loads = [Load(part.name, force=force) for part, force in forces if force.any()]
+    loaded = dataclasses.replace(assembly, loads=loads)
+    verdict: str = kilter.check(loaded, contacts=contacts, effort=0).verdict
+    return verdict
+
+
+def bisected(held: Callable[[float], bool | None]) -> tuple[float, float, int]:
+    """A share that is held and one that is not, nearer than `NEAR`; how many were undecided."""
+    low, high, undecided = 0.0, NEAR, 0
+    while True:
+        answer = held(high)
+        if answer is False:
+            break
+        low = high if answer else low
+        undecided += answer is None
+        if high >= LARGEST:
+            return low, float("inf"), undecided
+        high *= 4
+    while high - low > NEAR / 2 * max(1.0, low):
+        middle = 0.5 * (low + high)
+        answer = held(middle)
+        if answer is None:  # of what cannot be decided, only the ends are narrowed
+            undecided += 1
+            break
+        low, high = (middle, high) if answer else (low, middle)
+    return low, high, undecided
+
+
+def main() -> int:
+    """Ask them all."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("family")
+    parser.add_argument("count", type=int)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("-o", default=None)
+    given = parser.parse_args()
+    rows = []
+    for seed in range(given.first, given.first + given.count):
+        rows.append(run(given.family, seed, 0, answered))
+        if given.o:
+            with open(given.o, "a") as file:
+                file.write(json.dumps(rows[-1]) + "\n")
+    held = [row for row in rows if row.get("held")]
+    faults = [row for row in rows if "fault" in row]
+    wrong = [row for row in held if row["wrong"]]
+    open_ends = sum(bool(row[what][3]) for row in held for what in ("load factor", "push"))
+    print(
+        f"{given.family}: {len(rows)} assemblies, {len(held)} hold as given, {len(faults)} faults,"
+        f" {len(wrong)} with contradictions, {open_ends} limits with a share left undecided"
+    )
+    for row in faults + wrong:
+        print(f"  seed {row['seed']}: {row.get('fault', row.get('wrong'))}")
+    return int(bool(faults or wrong))
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
