@@ -19,7 +19,10 @@ if TYPE_CHECKING:
     from kilter.analysis.check import check as check
     from kilter.analysis.margins.margin import Margin as Margin
     from kilter.analysis.margins.margin import margin as margin
-    from kilter.analysis.planning.states import State as State
+    from kilter.analysis.planning.order import Order as Order
+    from kilter.analysis.planning.order import Step as Step
+    from kilter.analysis.planning.plan import plan as plan
+    from kilter.analysis.planning.state import State as State
     from kilter.analysis.planning.states import States as States
     from kilter.analysis.planning.states import states as states
     from kilter.analysis.regions.region import Region as Region
@@ -70,6 +73,7 @@ _HOMES = {
     "load": "kilter.files.reading",
     "margin": "kilter.analysis.margins.margin",
     "orient": "kilter.analysis.turning.orientation",
+    "plan": "kilter.analysis.planning.plan",
     "region": "kilter.analysis.regions.region",
     "report": "kilter.publish",
     "verify": "kilter.analysis.verification",
@@ -96,11 +100,13 @@ _HOMES = {
     "ContactSet": "kilter.contact.contact_set",
     "Example": "kilter.scenes.registry",
     "Margin": "kilter.analysis.margins.margin",
+    "Order": "kilter.analysis.planning.order",
     "Orientation": "kilter.analysis.turning.orientation",
     "Region": "kilter.analysis.regions.region",
     "Report": "kilter.publish",
-    "State": "kilter.analysis.planning.states",
+    "State": "kilter.analysis.planning.state",
     "States": "kilter.analysis.planning.states",
+    "Step": "kilter.analysis.planning.order",
     "Verdict": "kilter.analysis.verdict",
     "Verification": "kilter.analysis.verification",
     # and what they refuse

@@ -4,12 +4,14 @@ Accelerations are in units of g, everything else is relative [-].
 
     MOTION_GOOD < MOTION_ENOUGH < MOVES < STATED_MOST      what moves, what rounding moves
     ZERO_MOTION < MOTION_GOOD
+    ALONG < the angle of contacts                    faces along a path stop nothing
     ENTERS, RANK, PRESSES >= mechanics' TOLERANCE    nothing is told finer than it is judged
 """
 
 from __future__ import annotations
 
 __all__ = [
+    "ALONG",
     "ENTERS",
     "LEAST_IS_OPTIMAL",
     "MOTION_ENOUGH",
@@ -21,6 +23,9 @@ __all__ = [
     "STATED_MOST",
     "ZERO_MOTION",
 ]
+
+ALONG = 1e-7
+"""Faces whose normal has no more than this along a path lie along it."""
 
 MOVES = 1e-6
 """A part moves where its linear, or radius x angular, acceleration is above this [g]."""

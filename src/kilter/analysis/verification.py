@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from kilter.analysis.planning.order_check import wrong_order
 from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance, contacts
 from kilter.contact.fits.fastening import fasten_as_read
@@ -188,6 +189,8 @@ def verify_bundle(assembly: Assembly, contacts: ContactSet, bundle: dict[str, An
         counts[f"{what}: {'held by forces' if 'forces' in proof else 'a motion starts'}"] += 1
         residual += [] if found.residual is None else [found.residual]
         power += [] if found.power is None else [found.power]
+    if bundle.get("kind") == "plan":
+        reasons += wrong_order(assembly, contacts, [about for about, _ in unbundled(bundle)])
     return Verification(
         not reasons,
         str(bundle.get("kind")),

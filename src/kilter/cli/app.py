@@ -9,10 +9,11 @@ import typer
 from kilter.cli.directions import margin, orient, region
 from kilter.cli.judging import check, contacts, example, verify
 from kilter.cli.pages import draw, report, view
+from kilter.cli.planning import plan
 
 __all__ = ["command"]
 
-COMMANDS = (check, orient, region, margin, report, view, draw, contacts, verify, example)
+COMMANDS = (check, orient, region, margin, plan, report, view, draw, contacts, verify, example)
 
 app = typer.Typer(
     name="kilter",

@@ -15,10 +15,14 @@ if TYPE_CHECKING:
 
 __all__ = [
     "contact_tolerance",
+    "pair_of",
     "reading_of",
     "with_floor_value",
     "with_two_names",
 ]
+
+PAIRS = ("--fasten", "--before", "--screws")
+"""Options that take two names."""
 
 
 def reading_of(
@@ -44,7 +48,7 @@ def reading_of(
         friction=friction,
         units=units,
         density=density,
-        fasten=tuple(_pair(words) for words in fasten or ()),
+        fasten=tuple(pair_of("--fasten", words) for words in fasten or ()),
         fasten_suggested=fasten_suggested,
         fasten_overlaps=fasten_overlaps,
         up=up,
@@ -52,21 +56,29 @@ def reading_of(
     )
 
 
-def _pair(words: str) -> tuple[str, str]:
-    """Two names from one value of ``--fasten``, as `with_two_names` wrote it."""
+def pair_of(option: str, words: str) -> tuple[str, str]:
+    """Two names from one value of an option of `PAIRS`, as `with_two_names` wrote it.
+
+    Raises
+    ------
+    InputError
+        If they are not two.
+    """
     try:
         first, second = json.loads(words)
     except ValueError:
         first = second = None
     if not (isinstance(first, str) and isinstance(second, str)):
         raise InputError(
-            f"--fasten has {words!r}", hint="give two names after it: --fasten 'bolt*' 'nut*'"
+            f"{option} has {words!r}", hint=f"give two names after it: {option} 'bolt*' 'nut*'"
         )
     return first, second
 
 
 def with_two_names(words: list[str]) -> list[str]:
     """Each ``--fasten A B`` as one word, which is what the parser of options can repeat.
+
+    So with every option of `PAIRS`.
 
     Raises
     ------
@@ -83,16 +95,17 @@ def with_two_names(words: list[str]) -> list[str]:
     while k < len(words):
         if words[k] == "--":
             return result + words[k:]
-        if words[k] != "--fasten":
+        option = words[k]
+        if option not in PAIRS:
             result.append(words[k])
             k += 1
             continue
         pair = words[k + 1 : k + 3]
         if len(pair) < 2 or any(word.startswith("--") for word in pair):
             raise InputError(
-                "--fasten needs two names", hint="for instance --fasten 'bolt*' 'nut*'"
+                f"{option} needs two names", hint=f"for instance {option} 'bolt*' 'nut*'"
             )
-        result.append(f"--fasten={json.dumps(pair)}")
+        result.append(f"{option}={json.dumps(pair)}")
         k += 3
     return result
 

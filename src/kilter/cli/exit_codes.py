@@ -8,6 +8,7 @@ __all__ = [
     "INTERRUPTED",
     "LOWER",
     "ORIENT",
+    "PLAN",
     "USAGE",
     "VERDICT",
     "VERIFY",
@@ -21,6 +22,8 @@ HOLDS, LOWER = 0, 3
 VERDICT = {"unstable": 1, "undecided": 4}
 """Of `check` where it holds at no level."""
 ORIENT = {"found": 0, "none": 1, "undecided": 4}
+PLAN = {"impossible": 1, "none-found": 4}
+"""Of `plan` where there is no order."""
 VERIFY = {True: 0, False: 1}
 """Of whether a proof holds."""
 USAGE = 2

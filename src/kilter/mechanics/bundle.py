@@ -5,7 +5,8 @@ each of `proofs` has the rest, and before it
 
     about, value     what it is about: a ray, a facet; a tilt, and the angle at which it is proved
     vector           the ray, line or normal
-    change           what of the file is another: `down`, `mu` of every contact, `loads`
+    change           what of the file is another: `down`, `mu` of every contact, `loads`; parts
+                     that it is `without`, parts `held`
 
 A ray is proved along itself, and the motion of a facet gains power beyond exactly that facet:
 the sum of mass times step is its outward normal. Both are checked beside each proof.
@@ -21,6 +22,7 @@ import numpy as np
 
 from kilter.assembly import Assembly, Load
 from kilter.contact.contact_set import ContactSet
+from kilter.contact.sub_contacts import contacts_among
 from kilter.errors import InputError
 from kilter.mechanics.mechanics_tolerances import FOLLOWS
 from kilter.mechanics.proof_form import FORMAT, require_form
@@ -96,6 +98,12 @@ def changed(assembly: Assembly, contacts: ContactSet, change: Any) -> tuple[Asse
     if change.get("loads") is not None:
         loads = [Load(**load) for load in change["loads"]]
         assembly = dataclasses.replace(assembly, loads=loads)
+    if change.get("without") or change.get("held"):
+        if change.get("without"):
+            assembly = assembly.without(change["without"])
+        if change.get("held"):
+            assembly = assembly.with_grounded(change["held"])
+        contacts = contacts_among(contacts, assembly)
     return assembly, contacts
 
 

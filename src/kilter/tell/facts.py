@@ -14,6 +14,7 @@ from kilter.errors import some
 from kilter.tell.check_facts import check_facts
 from kilter.tell.margin_facts import margin_facts
 from kilter.tell.numbers import number, plain, vector
+from kilter.tell.plan_words import order_facts
 from kilter.tell.region_facts import orient_facts, region_facts
 from kilter.tell.shared_facts import (
     Answer,
@@ -28,6 +29,7 @@ from kilter.tell.shared_facts import (
 __all__ = ["facts", "kind_of"]
 
 TELLING = {
+    "held_steps": "plan",
     "kilter": "assembly",
     "rotation": "orient",
     "facets": "region",
@@ -40,7 +42,7 @@ TELLING = {
 
 
 def kind_of(answer: Answer) -> str:
-    """Which answer it is: check, contacts, orient, region, margin, verify or assembly.
+    """Which answer it is: check, contacts, orient, region, margin, plan, verify or assembly.
 
     Raises
     ------
@@ -127,6 +129,7 @@ _TELLERS: dict[str, Callable[[Answer], list[Fact]]] = {
     "contacts": _contacts,
     "margin": margin_facts,
     "orient": orient_facts,
+    "plan": order_facts,
     "region": region_facts,
     "verify": _verify,
 }

@@ -11,6 +11,7 @@ from kilter.tell.contact_words import gap_words
 from kilter.tell.facts import kind_of
 from kilter.tell.numbers import count, counts, force, number, vector
 from kilter.tell.open_words import settling_options
+from kilter.tell.plan_words import step_cells
 from kilter.tell.shared_facts import Answer
 from kilter.tell.words import NAMED
 
@@ -130,6 +131,8 @@ def tables(answer: Answer) -> list[Table]:
     kind = kind_of(answer)
     if kind == "margin" and answer["pushes"]:
         return [_pushes(answer)]
+    if kind == "plan" and answer["steps"]:
+        return [_steps(answer)]
     if kind == "check":
         return [table for table in [fastened_table(answer)] if len(table.items)]
     if kind == "contacts":
@@ -209,6 +212,17 @@ def forces_table(answer: Answer) -> Table:
 
     which = "least sum of squares" if found["least"] else "as the verdict's proof has them"
     return Table(f"Contact forces of equilibrium ({which}; one of many):", head, patches, row)
+
+
+def _steps(answer: Answer) -> Table:
+    """The steps of a plan, in their order."""
+    numbered = list(enumerate(answer["steps"], 1))
+
+    def row(item: tuple[int, Answer]) -> Sequence[str]:
+        number, step = item
+        return str(number), Name(step["parts"][0]), *step_cells(step)
+
+    return Table("Put in one after the other:", (), numbered, row)
 
 
 def _pushes(answer: Answer) -> Table:

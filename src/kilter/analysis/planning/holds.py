@@ -150,19 +150,24 @@ def find_fewest_holds(
 
 
 def _smaller(judge: Judge[Found], present: Mask, state: Found) -> Cut[Found]:
-    """The parts of a motion, held one by one while one is left."""
+    """The parts of a motion, held while one is left: half of those not tried, a quarter, ..."""
     moves = state.moves.copy()
-    tried = np.zeros(len(moves), dtype=bool)
+    needed = np.zeros(len(moves), dtype=bool)
+    size = max(int(moves.sum()) // 2, 1)
     while True:
-        left = np.flatnonzero(moves & ~tried)
+        left = np.flatnonzero(moves & ~needed)
         if not len(left) or moves.sum() < 2:
             break
-        tried[left[0]] = True
+        size = min(size, max(len(left) // 2, 1))
         held = present & ~moves
-        held[left[0]] = True
+        held[left[:size]] = True
         other = judge(present, held)
         if other.stable is False:
             moves = other.moves.copy()
+        elif size == 1:
+            needed[left[0]] = True
+        else:
+            size //= 2
     return Cut(moves, judge(present, present & ~moves))
 
 

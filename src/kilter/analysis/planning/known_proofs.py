@@ -55,6 +55,10 @@ class KnownForces:
         """Whether they may prove a state."""
         return not free & ~self.balanced and not self.needed & ~present
 
+    def covers(self, other: KnownForces) -> bool:
+        """Whether they fit wherever others do."""
+        return not other.balanced & ~self.balanced and not self.needed & ~other.needed
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class KnownMotion:
@@ -75,6 +79,10 @@ class KnownMotion:
     def fits(self, present: int, free: int) -> bool:
         """Whether it may prove that a state falls."""
         return not self.moving & ~free and not self.entered & present
+
+    def covers(self, other: KnownMotion) -> bool:
+        """Whether it fits wherever another does."""
+        return not self.moving & ~other.moving and not self.entered & ~other.entered
 
 
 def forces_for_others(whole: Program, rows: Mask, proof: ForceProof, free: Mask) -> KnownForces:

@@ -17,7 +17,7 @@ parts present nor fewer need hold: an arch does before its keystone is out, and 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -34,12 +34,12 @@ from kilter.analysis.planning.known_proofs import (
 )
 from kilter.analysis.planning.part_sets import bits_of
 from kilter.analysis.planning.pyramid_program import PyramidProgram
+from kilter.analysis.planning.state import State
 from kilter.analysis.planning.state_programs import (
     StatePrograms,
     build_state_programs,
     rows_of_state,
 )
-from kilter.analysis.verdict import Verdict
 from kilter.arrays import Mask
 from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance, detect
@@ -51,69 +51,12 @@ from kilter.mechanics.certificate import (
     MotionProof,
     check_forces,
     check_motion,
-    part_sizes,
 )
-from kilter.mechanics.mechanics_tolerances import STILL
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import Evidence, make_proof
 from kilter.threads import on_one_thread
 
-__all__ = ["State", "States", "states"]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class State:
-    """What was found of one state.
-
-    Attributes
-    ----------
-    names : tuple of str
-        Of all N parts.
-    present, free : ndarray of bool, shape (N,)
-        Parts that are there; those of them that are neither held nor grounded.
-    stable : bool or None
-        Whether forces that hold it exist; None: undecided.
-    program : Program
-        The rows of the state, of which the certificate speaks.
-    forces : ForceProof or None
-        Where it holds.
-    motion : MotionProof or None
-        Where it does not.
-    verdict : Verdict or None
-        The answer of `kilter.check`, where nothing less decided; then the evidence is there.
-    """
-
-    names: tuple[str, ...]
-    present: Mask
-    free: Mask
-    stable: bool | None
-    program: Program
-    forces: ForceProof | None = None
-    motion: MotionProof | None = None
-    verdict: Verdict | None = None
-
-    @property
-    def moving(self) -> list[str]:
-        """Parts that the motion moves; none where it holds."""
-        return [name for name, moves in zip(self.names, self.moves, strict=True) if moves]
-
-    @property
-    def moves(self) -> Mask:
-        """The same as a mask, shape (N,)."""
-        if self.motion is None:
-            named = set(self.verdict.moving) if self.verdict and self.stable is False else set()
-            return np.array([name in named for name in self.names], dtype=bool)
-        sizes = part_sizes(self.program, self.motion.motion, per_radius=False)
-        moves: Mask = sizes > STILL * sizes.max(initial=0.0)
-        return moves
-
-    def __repr__(self) -> str:
-        word = {True: "holds", False: "falls", None: "undecided"}[self.stable]
-        free = int(self.free.sum())
-        return f"<State: {int(self.present.sum())} parts, {free} free, {word}>"
-
-    def __bool__(self) -> bool:
-        raise TypeError("a state is neither true nor false: use .stable")
+__all__ = ["States", "states"]
 
 
 class States:
@@ -217,7 +160,16 @@ class States:
         <Holds: none, 2 or more are needed>
         """
         there, movable = self.mask(present), self.mask(among) & self._programs.free
-        return find_fewest_holds(self.judge, self.assembly.names, there, movable, most=most)
+        return self.holds_of(there, movable, most=most)
+
+    def holds_of(self, present: Mask, movable: Mask, *, most: int | None = None) -> Holds[State]:
+        """`fewest_holds` of masks, shape (N,): parts present, and those that may be held."""
+        return find_fewest_holds(self.judge, self.assembly.names, present, movable, most=most)
+
+    @property
+    def no_goods(self) -> int:
+        """Motions that are kept, each a proof of every state in which it can start."""
+        return len(self._motions)
 
     def mask(self, patterns: str | Iterable[str]) -> Mask:
         """The parts that match, shape (N,).
@@ -246,17 +198,23 @@ class States:
         program = self._programs.of(present, held)
         outer = self._programs.outer_of(present, held) if self._programs.open else program
         state = State(self.assembly.names, present, free, None, program)
-        proof = self._proved(state, outer, key)
+        proof = self._by_known(state, outer, key)
+        if proof is None:
+            proof = self._by_pyramid(state, outer) or self._by_cones(program, outer)
+            if isinstance(proof, MotionProof):
+                proof = self._learned_motion(outer, proof)
+            elif proof is not None:
+                self._learn_forces(state, proof)
         if isinstance(proof, ForceProof) and not self._fitted(program):
-            return self._holding(state, proof)
+            return replace(state, stable=True, forces=proof)
         if isinstance(proof, MotionProof) and not self._explained(program):
-            return self._falling(state, outer, proof)
+            return replace(state, stable=False, program=outer, motion=proof)
         return self._checked(state)
 
-    def _proved(
+    def _by_known(
         self, state: State, outer: Program, key: tuple[int, int]
     ) -> ForceProof | MotionProof | None:
-        """The first certificate that holds."""
+        """The first proof of another state that holds in this one."""
         program = state.program
         for known in self._motions:
             if known.fits(*key):
@@ -271,11 +229,9 @@ class States:
                 if forces.holds:
                     self.counts["known"] += 1
                     return forces
-        return self._by_pyramid(state, outer, rows) or self._by_cones(program, outer)
+        return None
 
-    def _by_pyramid(
-        self, state: State, outer: Program, rows: Mask
-    ) -> ForceProof | MotionProof | None:
+    def _by_pyramid(self, state: State, outer: Program) -> ForceProof | MotionProof | None:
         if not state.free.any():
             return check_forces(state.program, np.zeros(len(state.program.part_a)))
         if self._pyramid is None:
@@ -283,6 +239,7 @@ class States:
         self.counts["programs"] += 1
         offered = self._pyramid.solve(state.present, state.free)
         if isinstance(offered, tuple):
+            rows = rows_of_state(self._programs.whole, state.present, state.free)
             forces = check_forces(state.program, offered[0][rows], offered[1][rows])
             return forces if forces.holds else None
         motion = None if offered is None else check_motion(outer, offered)
@@ -307,28 +264,22 @@ class States:
         """Whether the accuracy that the file states may explain what moves."""
         return bool(explained_by_accuracy(self.assembly, self.contacts, program))
 
-    def _holding(self, state: State, proof: ForceProof) -> State:
-        rows = rows_of_state(self._programs.whole, state.present, state.free)
-        known = forces_for_others(self._programs.whole, rows, proof, state.free)
-        if not any(one.balanced == known.balanced and not one.needed & ~known.needed
-                   for one in self._forces):  # fmt: skip
-            self._forces.append(known)
-        return State(state.names, state.present, state.free, True, state.program, forces=proof)
+    def _learn_forces(self, state: State, proof: ForceProof) -> None:
+        """Keep forces, where none are kept that prove more."""
+        whole = self._programs.whole
+        rows = rows_of_state(whole, state.present, state.free)
+        new = forces_for_others(whole, rows, proof, state.free)
+        if not any(old.covers(new) for old in self._forces):
+            self._forces.append(new)
 
-    def _falling(self, state: State, outer: Program, proof: MotionProof) -> State:
-        known = motions_for_others(self._programs.outer, outer, proof)
-        new = [
-            one
-            for one in known
-            if not any(
-                not old.moving & ~one.moving and not old.entered & ~one.entered
-                for old in self._motions
-            )
-        ]
-        self._motions += new
-        judged = check_motion(outer, known[0].motion)
-        proof = judged if judged.holds else proof
-        return State(state.names, state.present, state.free, False, outer, motion=proof)
+    def _learned_motion(self, outer: Program, proof: MotionProof) -> MotionProof:
+        """Keep the motion of each group, where none is kept that proves more; the strongest."""
+        found = motions_for_others(self._programs.outer, outer, proof)
+        for new in found:
+            if not any(old.covers(new) for old in self._motions):
+                self._motions.append(new)
+        strongest = check_motion(outer, found[0].motion)
+        return strongest if strongest.holds else proof
 
     def _checked(self, state: State) -> State:
         """The state as `kilter.check` finds it."""
@@ -337,7 +288,7 @@ class States:
         contacts = contacts_among(self.contacts, assembly)
         verdict = check(assembly, contacts=contacts, require="equilibrium", effort=0)
         stable = None if verdict.verdict == "undecided" else verdict.stable
-        return State(state.names, state.present, state.free, stable, state.program, verdict=verdict)
+        return replace(state, stable=stable, verdict=verdict)
 
     def sub_assembly(self, state: State) -> Assembly:
         """A state as an assembly of its own: the parts present, the held ones held."""

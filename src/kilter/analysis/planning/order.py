@@ -1,0 +1,384 @@
+"""Order: the answer of `plan`, its steps forwards, each with what proves it.
+
+A step puts one part in along its way, reversed: from far away to its seat. What stands then, the
+held parts held, holds with the moving part absent; once it is in place and held too, it holds as
+well. Between two steps some parts are gripped and some let go; in which succession the hands do so
+is not asked.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from kilter.analysis.check import check
+from kilter.analysis.judge import judge
+from kilter.analysis.planning.removal import Direction, Leg, Screw
+from kilter.analysis.planning.search import OrderSearch, Removed
+from kilter.analysis.planning.state import State
+from kilter.analysis.planning.states import States
+from kilter.arrays import Array
+from kilter.contact.sub_contacts import contacts_among
+from kilter.errors import InputError
+from kilter.mechanics.bundle import make_bundle
+from kilter.tell.html import html_of
+from kilter.tell.levels import holds
+from kilter.tell.numbers import count
+from kilter.tell.plan_words import order_sentence
+
+__all__ = ["Order", "Step", "steps_of"]
+
+FAR = 2.0
+"""How far away a part begins, over the size of the whole assembly."""
+VERDICTS = {"proved": "stable", "settles": "settles", "equilibrium": "potentially-stable"}
+"""Of a step by its level."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Step:
+    """A part that is put in.
+
+    Attributes
+    ----------
+    part : str
+    legs : tuple of Leg
+        Its way out; it comes in along it, reversed.
+    over : str or None
+        The bolt over whose thread it comes.
+    touches, rubs : tuple of str
+        What it touches once it is in place; what it slides along on the last piece of its way.
+    held, grips, releases : tuple of str
+        Parts held while it moves; of these, those that were not held before; parts that were.
+    state : State
+        What stands while it moves.
+    level : {"proved", "settles", "equilibrium"}
+        How surely that holds.
+    """
+
+    part: str
+    legs: tuple[Leg, ...]
+    over: str | None
+    touches: tuple[str, ...]
+    rubs: tuple[str, ...]
+    held: tuple[str, ...]
+    grips: tuple[str, ...]
+    releases: tuple[str, ...]
+    state: State
+    level: str
+
+    @property
+    def direction(self) -> Direction:
+        """The direction of the last piece of its way in (unit, world frame)."""
+        x, y, z = (0.0 - one for one in self.legs[0].direction)
+        return x, y, z
+
+    def path(self, far: float) -> Array:
+        """Its way in, as places relative to its seat, the seat last, shape (n, 3) [length unit].
+
+        Parameters
+        ----------
+        far : float
+            Length of the endless piece.
+        """
+        lengths = [leg.length if np.isfinite(leg.length) else far for leg in self.legs]
+        pieces = [
+            size * np.array(leg.direction) for size, leg in zip(lengths, self.legs, strict=True)
+        ]
+        places = np.cumsum([np.zeros(3), *pieces], axis=0)
+        back: Array = places[::-1] + 0.0
+        return back
+
+    def __repr__(self) -> str:
+        held = f", held: {', '.join(self.held)}" if self.held else ""
+        return f"<Step: {self.part}{held}>"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Order:
+    """What `plan` found.
+
+    Attributes
+    ----------
+    states : States
+        Of the assembly.
+    steps : tuple of Step
+        In the order of assembly; empty where none was found.
+    best : tuple of str
+        Where none was found: the parts that could be put in last, the last first.
+    falling : tuple of State
+        Where no order without holds exists: each part that cannot be reached by one, with the
+        motion of it alone on all that can.
+    whole : State
+        The finished assembly.
+    hold : int
+        Most parts that might be held at once.
+    require : str
+        The level that is asked of every step.
+    precedence : tuple of pairs of str
+        That the order keeps to, as asked for.
+    directions : tuple
+        That were tried.
+    screws : tuple of Screw
+    exhausted, interrupted : bool
+        Whether the search came to its end; whether it was stopped from outside.
+    time_limit : float or None
+        What cut the search short [s].
+    counts : mapping
+    seconds : mapping
+        Of each stage [s].
+    """
+
+    states: States
+    steps: tuple[Step, ...]
+    best: tuple[str, ...]
+    falling: tuple[State, ...]
+    whole: State
+    hold: int
+    require: str
+    precedence: tuple[tuple[str, str], ...]
+    directions: tuple[Any, ...]
+    screws: tuple[Screw, ...]
+    exhausted: bool
+    interrupted: bool
+    time_limit: float | None
+    counts: Mapping[str, int]
+    seconds: Mapping[str, float]
+
+    @property
+    def verdict(self) -> str:
+        """One of "found", "impossible" (no order exists, that is proved) and "none-found"."""
+        if self.steps:
+            return "found"
+        return "impossible" if self.falling and self.hold == 0 else "none-found"
+
+    @property
+    def found(self) -> bool:
+        """Whether there is an order."""
+        return bool(self.steps)
+
+    @property
+    def level(self) -> str | None:
+        """The lowest level of its steps; None where there is none."""
+        levels = [step.level for step in self.steps]
+        order = list(VERDICTS)
+        return max(levels, key=order.index, default=None)
+
+    @property
+    def holds(self) -> bool:
+        """Whether it was found and every step reaches the level that is asked for."""
+        return self.found and holds(self.level, self.require)
+
+    @property
+    def holds_max(self) -> int:
+        """Most parts that are held at once."""
+        return max((len(step.held) for step in self.steps), default=0)
+
+    @property
+    def held_steps(self) -> int:
+        """Steps during which a part is held."""
+        return sum(bool(step.held) for step in self.steps)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The answer as JSON data, that of ``kilter plan --json``."""
+        assembly = self.states.assembly
+        answer: dict[str, Any] = {
+            "found": self.found,
+            "verdict": self.verdict,
+            "level": self.level,
+            "holds": self.holds,
+            "require": self.require,
+            "holds_max": self.holds_max,
+            "held_steps": self.held_steps,
+            "turns": 0,
+            "units": assembly.units,
+            "base": [part.name for part in assembly if part.grounded],
+            "steps": [self._step(step) for step in self.steps],
+            "precedence": [list(pair) for pair in self.precedence],
+            "impossible": self._impossible(),
+            "best": list(self.best),
+            "search": {**self.counts, "exhausted": self.exhausted, "hold": self.hold},
+            "assumes": {
+                "directions": [d if isinstance(d, str) else list(d) for d in self.directions],
+                "tolerance": self.states.contacts.tolerance.relative_gap,
+                "screws": [[assembly.names[s.bolt], assembly.names[s.nut]] for s in self.screws],
+            },
+            "interrupted": self.interrupted,
+            "time_limit": self.time_limit,
+            "warnings": self.states.contacts.remarks(),
+            "seconds": {key: round(value, 6) for key, value in self.seconds.items()},
+        }
+        return {**answer, "sentence": order_sentence(answer)}
+
+    def _step(self, step: Step) -> dict[str, Any]:
+        far = FAR * float(np.ptp(self.states.assembly.geometry.vertices, axis=0).max())
+        return {
+            "parts": [step.part],
+            "direction": list(step.direction),
+            "path": step.path(far).tolist(),
+            "touches": list(step.touches),
+            "rubs": list(step.rubs),
+            "held": list(step.held),
+            "grips": list(step.grips),
+            "releases": list(step.releases),
+            "down": self.states.assembly.down.tolist(),
+            "verdict": VERDICTS[step.level],
+            "level": step.level,
+        }
+
+    def _impossible(self) -> dict[str, Any] | None:
+        """Why there is no order without holds."""
+        if not self.falling:
+            return None
+        names = self.states.assembly.names
+        alone = [names[int(np.flatnonzero(state.free)[0])] for state in self.falling]
+        return {
+            "kind": "closure",
+            "holds": 0,
+            "parts": alone,
+            "motions": [
+                None if state.motion is None
+                else {name: state.motion.motion[names.index(name)].tolist()}
+                for name, state in zip(alone, self.falling, strict=True)
+            ],
+        }  # fmt: skip
+
+    def table(self) -> str:
+        """The steps as CSV text: a line each, what is in one cell joined by ``;``.
+
+        Columns: step, part, held, grips, releases, the direction of insertion, touches, level.
+        """
+        rows = ["step,part,held,grips,releases,x,y,z,touches,level"]
+        for k, step in enumerate(self.steps, 1):
+            cells = [step.held, step.grips, step.releases]
+            joined = [_cell(";".join(one)) for one in cells]
+            along = [f"{x:.12g}" for x in step.direction]
+            rest = [_cell(";".join(step.touches)), step.level]
+            rows.append(",".join([str(k), _cell(step.part), *joined, *along, *rest]))
+        return "\n".join(rows) + "\n"
+
+    def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
+        """The proofs of all its steps, or of the impossibility, for `kilter.verify`, as JSON data.
+
+        Parameters
+        ----------
+        options : dict, optional
+            How the file is read.
+
+        Raises
+        ------
+        InputError
+            If nothing was found and nothing is proved.
+        """
+        if self.verdict == "none-found":
+            raise InputError("no order was found, and nothing is proved: there is no proof")
+        names, proofs = self.states.assembly.names, []
+        stated: list[tuple[dict[str, Any], State]] = []
+        if self.steps:
+            stated.append(({"about": "whole"}, self.whole))
+        stated += [
+            (
+                {
+                    "about": "step",
+                    "part": step.part,
+                    "legs": [
+                        [list(leg.direction), leg.length if np.isfinite(leg.length) else None]
+                        for leg in step.legs
+                    ],
+                    "over": step.over,
+                },
+                step.state,
+            )
+            for step in self.steps
+        ]
+        stated += [
+            ({"about": "falls alone", "part": names[int(np.flatnonzero(state.free)[0])]}, state)
+            for state in self.falling
+        ]
+        for about, state in stated:
+            change = {
+                "without": [n for n, here in zip(names, state.present, strict=True) if not here],
+                "held": self._held(state),
+            }
+            proofs.append(
+                ({**about, "change": change}, self.states.proof(state, options=options or {}))
+            )
+        return make_bundle("plan", proofs)
+
+    def _held(self, state: State) -> list[str]:
+        return _held_names(self.states, state)
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows."""
+        return html_of(self.to_dict())
+
+    def __repr__(self) -> str:
+        if not self.found:
+            return f"<Order: {self.verdict}>"
+        steps = count(len(self.steps), "step")
+        return f"<Order: found, {steps}, {self.held_steps} with parts held>"
+
+    def __bool__(self) -> bool:
+        raise TypeError("an order is neither true nor false: use .found")
+
+
+def _cell(text: str) -> str:
+    """A cell of a CSV line."""
+    if any(sign in text for sign in ',"\n\r'):
+        return '"' + text.replace('"', '""') + '"'
+    return text
+
+
+def _held_names(states: States, state: State) -> list[str]:
+    """Parts of a state that are held, beside the grounded ones."""
+    grounded = states.assembly.geometry.grounded
+    held = state.present & ~state.free & ~grounded
+    return [name for name, one in zip(states.assembly.names, held, strict=True) if one]
+
+
+def steps_of(
+    search: OrderSearch, removed: Sequence[Removed], require: str, effort: float
+) -> list[Step]:
+    """The removals as steps forwards, each with the level that its state reaches."""
+    states, names = search.states, search.states.assembly.names
+    steps: list[Step] = []
+    before: set[str] = set()
+    for one in reversed(removed):
+        held = _held_names(states, one.state)
+        touches, rubs = search.removal.touching(one.part, one.state.present, one.legs[0].direction)
+        bolt = search.removal.over(one.part, one.state.present)
+        steps.append(
+            Step(
+                part=names[one.part],
+                legs=one.legs,
+                over=None if bolt is None else names[bolt],
+                touches=_names(names, touches),
+                rubs=_names(names, rubs),
+                held=tuple(held),
+                grips=tuple(name for name in held if name not in before),
+                releases=tuple(sorted(before - set(held), key=names.index)),
+                state=one.state,
+                level=_level(states, one.state, require, effort),
+            )
+        )
+        before = {*held, names[one.part]} if held else set()
+    return steps
+
+
+def _names(names: Sequence[str], parts: Iterable[int]) -> tuple[str, ...]:
+    return tuple(names[k] for k in parts)
+
+
+def _level(states: States, state: State, require: str, effort: float) -> str:
+    """How surely a state holds that forces can hold."""
+    if state.verdict is not None and state.verdict.level is not None:
+        return state.verdict.level
+    if judge(state.program.frictionless).stable:
+        return "proved"
+    if require == "equilibrium":
+        return "equilibrium"
+    assembly = states.sub_assembly(state)
+    contacts = contacts_among(states.contacts, assembly)
+    return check(assembly, contacts=contacts, require=require, effort=effort).level or "equilibrium"

@@ -1,0 +1,236 @@
+"""In which order can it be put together, what must be held, and why not with less?
+
+An order is found backwards (`kilter.analysis.planning.search`); each of its steps is a state with
+forces that hold it while the next part comes in (`kilter.analysis.planning.states`), and a way in
+that nothing stops (`kilter.analysis.planning.removal`). With nothing held, that there is no order
+along any paths may be proved (`kilter.analysis.planning.closure`). Else "none found" says what
+was tried, and proves nothing.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kilter.analysis.planning.closure import find_unreachable
+from kilter.analysis.planning.order import Order, steps_of
+from kilter.analysis.planning.part_sets import bits_of
+from kilter.analysis.planning.removal import Removal, Screw
+from kilter.analysis.planning.screws import find_screws
+from kilter.analysis.planning.search import OrderSearch, Removed
+from kilter.analysis.planning.state import State
+from kilter.analysis.planning.states import States, states
+from kilter.assembly import Assembly, require_assembly
+from kilter.contact import ContactSet, Tolerance
+from kilter.errors import InputError, some_names
+from kilter.tell.levels import require_level
+from kilter.threads import on_one_thread
+from kilter.validate import number
+from kilter.work import EFFORT, Work, units_of
+
+__all__ = ["plan"]
+
+MOST_HELD = 2
+"""Parts held at once that are tried, one more after the other, where no number is given."""
+SEARCH = 40.0
+"""Work of the search of an order over that of an effort [-]."""
+
+
+@on_one_thread
+def plan(
+    assembly: Assembly,
+    *,
+    hold: int | None = None,
+    directions: Sequence[str | ArrayLike] = ("axes", "normals"),
+    before: Iterable[tuple[str, str]] = (),
+    never_hold: str | Iterable[str] = (),
+    screws: Iterable[tuple[str, str]] = (),
+    require: str = "equilibrium",
+    effort: float = EFFORT,
+    time_limit: float | None = None,
+    contacts: ContactSet | None = None,
+    tolerance: Tolerance | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> Order:
+    """An order in which an assembly can be put together, part by part, each step proved.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Whole, at least one part of it held: the base, which is there from the start.
+    hold : int, optional
+        Most parts held at once, beside the one that moves; the fewest up to 2 where not given.
+    directions : sequence of "axes", "normals" or array_like, shape (3,)
+        Along which parts are moved, in the order in which they are tried; world frame.
+    before : iterable of pairs of str
+        The parts that match the first are put in before those that match the second.
+    never_hold : str or iterable of str
+        Parts that must not be held.
+    screws : iterable of pairs of str
+        Bolts and nuts: a bolt stays while its nut is on, a nut comes off along its axis.
+    require : {"equilibrium", "settles", "proved"}
+        The level that `Order.holds` asks of every step; the search is at "equilibrium".
+    effort : float
+        Work that the search may take, counted and not timed: 1 usual, each further one ten times
+        more.
+    time_limit, contacts, tolerance, progress
+        As of `kilter.check`.
+
+    Raises
+    ------
+    InputError
+        If nothing or everything is grounded, the whole does not hold, a name matches nothing,
+        the precedence goes round in a circle, or no thread joins the parts of a screw.
+
+    Examples
+    --------
+    >>> from kilter.scenes import scene
+    >>> found = plan(scene("tower"))
+    >>> found, [step.part for step in found.steps]
+    (<Order: found, 5 steps, 0 with parts held>, ['cube-1', 'cube-2', 'cube-3', 'cube-4', 'cube-5'])
+    """
+    require_assembly(assembly, "plan")
+    assembly.require_grounded()
+    level = require_level(require)
+    most = MOST_HELD if hold is None else _whole_number(hold)
+    if time_limit is not None:
+        time_limit = number(time_limit, "time_limit", lowest=0)
+    units = SEARCH * units_of(number(effort, "effort", lowest=0))
+    work = Work(units, progress, time_limit=time_limit)
+    started = time.perf_counter()
+    after = _later(assembly, before)
+    found = states(assembly, contacts=contacts, tolerance=tolerance, progress=progress)
+    seconds = {"contacts": time.perf_counter() - started}
+    between = time.perf_counter()
+    whole = _require_whole(found)
+    turned = find_screws(found.contacts, screws)
+    removal = Removal(found.contacts, directions=directions, screws=turned)
+    holdable = ~assembly.geometry.grounded
+    if never_hold:
+        holdable &= ~found.mask(never_hold)
+    search = OrderSearch(found, removal, after, holdable, work)
+    work.stage("what stands by itself")
+    _, falling = find_unreachable(found)
+    removed, interrupted = _searched(search, 1 if falling else 0, most)
+    seconds["search"] = time.perf_counter() - between
+    work.stage("levels of the steps")
+    steps = steps_of(search, removed or [], level, effort)
+    seconds["solve"] = time.perf_counter() - between
+    return Order(
+        states=found,
+        steps=tuple(steps),
+        best=tuple(assembly.names[one.part] for one in search.best) if removed is None else (),
+        falling=tuple(falling),
+        whole=whole,
+        hold=most,
+        require=level,
+        precedence=_pairs(assembly, after, turned),
+        directions=tuple(one if isinstance(one, str) else tuple(one) for one in directions),  # type: ignore[arg-type]
+        screws=tuple(turned),
+        exhausted=search.exhausted,
+        interrupted=interrupted,
+        time_limit=time_limit if work.cut else None,
+        counts={
+            "states": search.visited,
+            "programs": found.counts["programs"] + found.counts["cones"],
+            "sweeps": removal.sweeps.tests,
+            "no_goods": found.no_goods,
+        },
+        seconds=seconds,
+    )
+
+
+def _searched(search: OrderSearch, least: int, most: int) -> tuple[list[Removed] | None, bool]:
+    """The removals of the fewest holds that were found, and whether it was interrupted."""
+    try:
+        for hold in range(least, most + 1):
+            search.work.stage(f"an order with {hold} held")
+            found = search.find(hold)
+            if found is not None or search.work.over:
+                return found, False
+    except KeyboardInterrupt:
+        search.exhausted = False
+        return None, True
+    return None, False
+
+
+def _whole_number(hold: int) -> int:
+    if isinstance(hold, bool) or not isinstance(hold, int | np.integer) or hold < 0:
+        raise InputError(f"hold is {hold!r:.40}", hint="give a whole number, 0 or more")
+    return int(hold)
+
+
+def _require_whole(found: States) -> State:
+    """The state of the whole assembly, which has to hold by itself."""
+    assembly = found.assembly
+    grounded = assembly.geometry.grounded
+    if grounded.all():
+        raise InputError("everything is held: there is nothing to put together")
+    state = found.judge(np.ones(len(assembly), dtype=bool), grounded)
+    if state.stable is False:
+        raise InputError(
+            f"the finished assembly does not hold: {some_names(state.moving)} would move",
+            file=assembly.source or None,
+            hint="see kilter.check",
+            option="see 'kilter check'",
+        )
+    if state.stable is None:
+        raise InputError(
+            "whether the finished assembly holds is undecided",
+            file=assembly.source or None,
+            hint="see kilter.check",
+            option="see 'kilter check'",
+        )
+    return state
+
+
+def _later(assembly: Assembly, before: Iterable[tuple[str, str]]) -> list[int]:
+    """Of each part the set of those that come later, by the pairs that were asked for."""
+    later = [0] * len(assembly)
+    for pair in before:
+        if isinstance(pair, str) or len(pair) != 2:
+            raise InputError(f"before has {pair!r:.60}", hint="give pairs of names")
+        first, second = (sorted(assembly.matching(one)) for one in pair)
+        for name in first:
+            for other in second:
+                if assembly[other].grounded and not assembly[name].grounded:
+                    raise InputError(
+                        f"{name!r} is to come before {other!r}, which is held from the start",
+                        hint="leave that pair out",
+                    )
+                later[assembly.index[name]] |= 1 << assembly.index[other]
+    _require_no_circle(assembly, later)
+    return later
+
+
+def _require_no_circle(assembly: Assembly, later: list[int]) -> None:
+    left = bits_of(np.ones(len(later), dtype=bool))
+    while True:
+        last = [k for k in range(len(later)) if left >> k & 1 and not later[k] & left]
+        if not last:
+            break
+        for k in last:
+            left &= ~(1 << k)
+    if left:
+        names = [name for k, name in enumerate(assembly.names) if left >> k & 1]
+        raise InputError(
+            f"the precedence goes round in a circle: {some_names(names)}",
+            hint="leave one of the pairs out",
+        )
+
+
+def _pairs(
+    assembly: Assembly, later: list[int], screws: Sequence[Screw]
+) -> tuple[tuple[str, str], ...]:
+    """The precedence that was asked for, pair by pair; of screws the bolt before its nut."""
+    names = assembly.names
+    asked = [
+        (names[k], names[other])
+        for k in range(len(names))
+        for other in range(len(names))
+        if later[k] >> other & 1
+    ]
+    return (*asked, *((names[one.bolt], names[one.nut]) for one in screws))

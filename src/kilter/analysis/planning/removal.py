@@ -1,0 +1,223 @@
+"""Ways out for a part: straight lines, or two of them, that nothing present stops.
+
+Directions are tried in one order: those that were asked for, the axes (upwards first), then for
+each part those that its contacts suggest: away from all that it touches, and along each of its
+normals. A direction that presses against a contact is left out before any sweep.
+
+A way of two legs goes along d1 to where a corner comes level with another, or half way between
+two such places, and leaves along d2. (All places where what stops d2 changes are of that kind.)
+
+A bolt stays while its nut is on, and the nut comes off along its axis alone, over the thread.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kilter.analysis.planning.part_sets import members
+from kilter.analysis.planning.sweeps import Direction, Sweeps
+from kilter.arrays import Array, Index, Mask
+from kilter.contact import ContactSet
+from kilter.errors import InputError
+from kilter.rigid import unit
+
+__all__ = ["Direction", "Leg", "Removal", "Screw"]
+
+NORMALS = 12
+"""Normals of a part's contacts that are tried as directions."""
+PLACES = 200
+"""Places at which a way may turn that are tried for each direction."""
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """A straight piece of a way out: unit direction, world frame, and length [length unit]."""
+
+    direction: Direction
+    length: float
+
+
+@dataclass(frozen=True, slots=True)
+class Screw:
+    """A nut on a bolt, by position, and the axis along which it comes off (unit)."""
+
+    bolt: int
+    nut: int
+    axis: Direction
+
+
+class Removal:
+    """Ways out of the parts of an assembly.
+
+    Parameters
+    ----------
+    contacts : ContactSet
+    directions : sequence of "axes", "normals" or array_like, shape (3,)
+        What is tried, in this order; vectors need not be unit.
+    screws : sequence of Screw
+
+    Attributes
+    ----------
+    sweeps : Sweeps
+
+    Raises
+    ------
+    InputError
+        If a direction is none.
+    """
+
+    def __init__(
+        self,
+        contacts: ContactSet,
+        *,
+        directions: Sequence[str | ArrayLike] = ("axes", "normals"),
+        screws: Sequence[Screw] = (),
+    ) -> None:
+        self.sweeps = Sweeps(contacts)
+        self._geometry = contacts.assembly.geometry
+        self._up = -contacts.assembly.down
+        self._angle = contacts.tolerance.angle
+        self._touching = _touching(contacts)
+        self._given = [_direction(one) if not isinstance(one, str) else one for one in directions]
+        unknown = [one for one in directions if isinstance(one, str) and one not in SUGGESTED]
+        if unknown or not self._given:
+            raise InputError(
+                f"a direction is {unknown[0] if unknown else 'missing'!r}",
+                hint="give axes, normals or x,y,z",
+            )
+        self._known: dict[int, list[Direction]] = {}
+        self._screws = list(screws)
+
+    def way_out(self, part: int, present: int, *, legs: int = 1) -> tuple[Leg, ...] | None:
+        """A way out of a part past those of a set, of so many legs; None where none was found.
+
+        Parameters
+        ----------
+        part : int
+        present : int
+            The set, as of `kilter.analysis.planning.part_sets`.
+        legs : {1, 2}
+        """
+        others = present & ~(1 << part)
+        directions = self.directions(part)
+        for screw in self._screws:
+            if screw.bolt == part and others >> screw.nut & 1:
+                return None
+            if screw.nut == part and others >> screw.bolt & 1:
+                back = _negative(screw.axis)
+                directions, others, legs = [screw.axis, back], others & ~(1 << screw.bolt), 1
+        if legs == 1:
+            for direction in self._unpressed(part, others, directions):
+                if not self.sweeps.stops(part, others, direction):
+                    return (Leg(direction, float("inf")),)
+            return None
+        return self._by_two_legs(part, others, directions)
+
+    def over(self, part: int, present: Mask) -> int | None:
+        """The bolt that a nut comes off, of the parts present; None where it is on none."""
+        on = (one.bolt for one in self._screws if one.nut == part and present[one.bolt])
+        return next(on, None)
+
+    def touching(
+        self, part: int, present: Mask, direction: Direction
+    ) -> tuple[list[int], list[int]]:
+        """Present parts that a part touches, and those that it slides along in a direction."""
+        other, normals = self._touching[part]
+        here = present[other]
+        slides = here & (np.abs(normals @ np.array(direction)) <= self._angle)
+        return np.unique(other[here]).tolist(), np.unique(other[slides]).tolist()
+
+    def directions(self, part: int) -> list[Direction]:
+        """Directions that are tried for a part, in their order."""
+        if part not in self._known:
+            found: list[Direction] = []
+            for one in self._given:
+                if not isinstance(one, str):
+                    found.append(one)
+                else:
+                    found += self._axes() if one == "axes" else self._normals(part)
+            self._known[part] = list(dict.fromkeys(found))
+        return self._known[part]
+
+    def _axes(self) -> list[Direction]:
+        axes = [_direction(sign * axis) for sign in (1.0, -1.0) for axis in np.eye(3)]
+        return sorted(axes, key=lambda d: -round(float(np.array(d) @ self._up), 9))
+
+    def _normals(self, part: int) -> list[Direction]:
+        """Away from all that it touches, then along each normal away from a part."""
+        away = -self._touching[part][1]
+        away = away[np.sort(np.unique(away.round(9), axis=0, return_index=True)[1])]
+        mean = away.sum(axis=0)
+        found = [mean] if np.linalg.norm(mean) > self._angle else []
+        return [_direction(one) for one in [*found, *away[:NORMALS]]]
+
+    def _unpressed(
+        self, part: int, others: int, directions: Iterable[Direction]
+    ) -> list[Direction]:
+        """Directions that press against no contact with a part of a set."""
+        other, normals = self._touching[part]
+        here = np.isin(other, members(others, len(self._geometry.mass)))
+        most = self._angle
+        return [d for d in directions if not (normals[here] @ np.array(d) > most).any()]
+
+    def _by_two_legs(
+        self, part: int, others: int, directions: list[Direction]
+    ) -> tuple[Leg, ...] | None:
+        rest = members(others, len(self._geometry.mass)).tolist()
+        for first in self._unpressed(part, others, directions):
+            for distance in self._places(part, rest, first):
+                start = distance * np.array(first)
+                if any(self.sweeps.pair_stops(part, q, first, distance=distance) for q in rest):
+                    break
+                for second in directions:
+                    if second in (first, _negative(first)):
+                        continue
+                    if not any(self.sweeps.pair_stops(part, q, second, start=start) for q in rest):
+                        return Leg(first, distance), Leg(second, float("inf"))
+        return None
+
+    def _places(self, part: int, others: list[int], direction: Direction) -> list[float]:
+        """Lengths of a first leg: where corners come level, and half way between, ascending."""
+        g, along = self._geometry, np.array(direction)
+        heights = [
+            np.unique((g.corners_of(k).reshape(-1, 3) @ along).round(9)) for k in (part, *others)
+        ]
+        if not others:
+            return []
+        level = np.unique(np.concatenate(heights[1:])[:, None] - heights[0][None])
+        level = level[level > min(self.sweeps.tolerance(part, q) for q in others)]
+        level = level[np.diff(level, prepend=0.0) > self.sweeps.tolerance(part, part)]
+        both = np.sort(np.concatenate([level, (level[1:] + level[:-1]) / 2]))
+        return [float(one) for one in both[:PLACES]]
+
+
+SUGGESTED = ("axes", "normals")
+"""Directions by name."""
+
+
+def _direction(vector: ArrayLike) -> Direction:
+    """A unit vector as a key: no minus zero."""
+    x, y, z = (unit(np.asarray(vector, dtype=np.float64), "direction") + 0.0).round(12) + 0.0
+    return float(x), float(y), float(z)
+
+
+def _negative(direction: Direction) -> Direction:
+    x, y, z = (0.0 - one for one in direction)
+    return x, y, z
+
+
+def _touching(contacts: ContactSet) -> list[tuple[Index, Array]]:
+    """Of each part, the other part of each of its contact points, and the normal towards it."""
+    a, b = contacts.patch_parts[contacts.point_patch].T
+    part, other = np.concatenate([a, b]), np.concatenate([b, a])
+    normal = np.concatenate([contacts.normals, -contacts.normals])
+    order = np.argsort(part, kind="stable")
+    bounds = np.searchsorted(part[order], np.arange(len(contacts.assembly) + 1))
+    return [
+        (other[order[bounds[k] : bounds[k + 1]]], normal[order[bounds[k] : bounds[k + 1]]])
+        for k in range(len(contacts.assembly))
+    ]

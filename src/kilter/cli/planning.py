@@ -1,0 +1,151 @@
+"""The command about orders of assembly: plan."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from kilter.cli.arguments import pair_of
+from kilter.cli.asked import Asked
+from kilter.cli.exit_codes import HOLDS, INTERRUPTED, LOWER, PLAN
+from kilter.cli.options import FORM, asks
+from kilter.cli.output import Progress, as_json, write_whole
+from kilter.errors import InputError
+
+__all__ = ["plan"]
+
+ORDER = "What an order may be"
+
+
+@asks(searches=True)
+def plan(
+    asked: Asked,
+    hold: Annotated[
+        int | None,
+        typer.Option(
+            "--hold",
+            metavar="K",
+            help="Most parts held at once, beside the one that moves; the fewest up to 2 where "
+            "not given.",
+            rich_help_panel=ORDER,
+            show_default=False,
+        ),
+    ] = None,
+    directions: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--directions",
+            metavar="axes|normals|X,Y,Z",
+            help="Along which parts move, in the order in which they are tried; repeatable. Axes "
+            "and normals of contacts where not given.",
+            rich_help_panel=ORDER,
+            show_default=False,
+        ),
+    ] = None,
+    before: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--before",
+            metavar="A B",
+            help="A is put in before B; repeatable, * and ? are globs.",
+            rich_help_panel=ORDER,
+            show_default=False,
+        ),
+    ] = None,
+    never_hold: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--never-hold",
+            metavar="NAME",
+            help="This part must not be held; repeatable, * and ? are globs.",
+            rich_help_panel=ORDER,
+            show_default=False,
+        ),
+    ] = None,
+    screws: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--screws",
+            metavar="BOLT NUT",
+            help="A bolt stays while its nut is on, and the nut comes off along its axis; "
+            "repeatable, * and ? are globs.",
+            rich_help_panel=ORDER,
+            show_default=False,
+        ),
+    ] = None,
+    require: Annotated[
+        str,
+        typer.Option(
+            "--require",
+            metavar="LEVEL",
+            help="What exit 0 asks of every step: equilibrium, settles or proved.",
+            rich_help_panel=FORM,
+        ),
+    ] = "equilibrium",
+    proof: Annotated[
+        Path | None,
+        typer.Option(
+            "--proof",
+            metavar="P.json",
+            help="Write the proofs here; 'kilter verify FILE P.json' rechecks them.",
+            rich_help_panel=FORM,
+            show_default=False,
+        ),
+    ] = None,
+) -> int:
+    """In which order can it be put together, part by part, and what must be held at each step?
+
+    What is grounded is there from the start. Every step is proved: forces hold what stands while
+    the next part comes in, along a straight way, or one of two pieces, that nothing stops. With
+    -o FILE.csv the steps are written as a table.
+
+    Exit 0 found, every step at the level of --require; 1 proved that there is none; 3 found, some
+    steps at a lower level; 4 none found, which proves nothing.
+    """
+    from kilter.analysis.planning.plan import plan as find
+
+    asked.apart(proof)
+    with Progress(asked.quiet) as progress:
+        assembly, contacts = asked.read(progress)
+        order = find(
+            assembly,
+            hold=hold,
+            directions=[_direction(one) for one in directions or ("axes", "normals")],
+            before=[pair_of("--before", words) for words in before or ()],
+            never_hold=never_hold or (),
+            screws=[pair_of("--screws", words) for words in screws or ()],
+            require=require,
+            effort=asked.effort,
+            time_limit=asked.time_limit,
+            contacts=contacts,
+            tolerance=asked.tolerance,
+            progress=progress,
+        )
+    after = ""
+    if proof is not None and order.verdict != "none-found":
+        write_whole(proof, as_json(order.proof(options=asked.reading.options())))
+        after = f"\nproof file  written to {proof}"
+    elif proof is not None:
+        after = "\nproof file  none to write"
+    if asked.output is not None and asked.output.suffix == ".csv":
+        write_whole(asked.output, order.table())
+    else:
+        asked.tell(order.to_dict(), after=after)
+    if order.interrupted:
+        return INTERRUPTED
+    return PLAN[order.verdict] if not order.found else HOLDS if order.holds else LOWER
+
+
+def _direction(word: str) -> str | list[float]:
+    """A direction by name, or as three numbers."""
+    if word in ("axes", "normals"):
+        return word
+    try:
+        x, y, z = (float(one) for one in word.split(","))
+    except ValueError:
+        raise InputError(
+            f"--directions has {word!r:.60}", hint="give axes, normals or X,Y,Z"
+        ) from None
+    return [x, y, z]

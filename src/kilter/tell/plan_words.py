@@ -1,0 +1,80 @@
+"""What a plan says: its sentence, its facts, its steps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from kilter.errors import some_names
+from kilter.tell.numbers import count, vector
+
+__all__ = ["order_facts", "order_sentence", "step_cells"]
+
+Answer = Mapping[str, Any]
+
+
+def order_sentence(answer: Answer) -> str:
+    """A plan in a sentence or two.
+
+    Parameters
+    ----------
+    answer : mapping
+        Data of a plan; the sentence itself is not needed.
+    """
+    fewer = _without_holds(answer)
+    if answer["found"]:
+        held = answer["held_steps"]
+        words = "with nothing held"
+        if held:
+            most = count(answer["holds_max"], "part")
+            words = f"with at most {most} held at once, in {count(held, 'step')}"
+        first = f"It can be put together in {count(len(answer['steps']), 'step')}, {words}."
+        return f"{first} {fewer}" if fewer else first
+    if answer["verdict"] == "impossible":
+        return fewer
+    why = "the effort was spent"
+    if answer["search"]["exhausted"]:
+        why = "none is left of the directions that were tried"
+    elif answer["interrupted"]:
+        why = "it was interrupted"
+    elif answer["time_limit"] is not None:
+        why = f"the time limit of {answer['time_limit']:g} s was met"
+    most = count(answer["search"]["hold"], "part")
+    first = f"No order was found with up to {most} held: {why}; that proves nothing."
+    return f"{first} {fewer}" if fewer else first
+
+
+def _without_holds(answer: Answer) -> str:
+    impossible = answer["impossible"]
+    if impossible is None:
+        return ""
+    return (
+        "With nothing held there is no order, whatever the paths: "
+        f"{some_names(impossible['parts'])} cannot stand on what can be reached."
+    )
+
+
+def order_facts(answer: Answer) -> list[tuple[str, str]]:
+    """Terms of a plan and what they are, in words."""
+    search, assumes = answer["search"], answer["assumes"]
+    tried = ", ".join(one if isinstance(one, str) else vector(one) for one in assumes["directions"])
+    found = [("base", some_names(answer["base"]))]
+    if answer["level"] is not None:
+        words = answer["level"]
+        if not answer["holds"]:
+            words += f" (asked for: {answer['require']})"
+        found.append(("level", f"{words}: the lowest of its steps"))
+    if answer["best"]:
+        found.append(("best so far", f"these can come last: {some_names(answer['best'], 8)}"))
+    found.append(("directions", tried))
+    if assumes["screws"]:
+        found.append(("screws", some_names([" in ".join(pair) for pair in assumes["screws"]], 4)))
+    sizes = ", ".join(count(search[f"{one}s"], one) for one in ("state", "program", "sweep"))
+    return [*found, ("search", sizes)]
+
+
+def step_cells(step: Answer) -> tuple[str, str, str, str]:
+    """Direction, held parts, what is gripped and let go, and the level of a step."""
+    held = f"hold {some_names(step['held'])}" if step["held"] else ""
+    freed = f"let go {some_names(step['releases'])}" if step["releases"] else ""
+    return f"along {vector(step['direction'], 3)}", held, freed, step["level"]

@@ -1,0 +1,74 @@
+"""`kilter plan`: exit codes, what is written, and that `verify` recomputes it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+import kilter
+from kilter.cli import main
+from kilter.scenes.arches import arch
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    path = tmp_path / "arch.kilter.json"
+    kilter.dump(arch(9, ratio=0.3, friction=0.6), path)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("options", "code"),
+    [
+        ([], 0),
+        (["--hold", "0"], 1),
+        (["--effort", "0"], 4),
+        (["--require", "proved", "--effort", "0.1"], 3),
+        (["--never-hold", "voussoir*"], 4),
+        (["--before", "voussoir-1", "voussoir-0", "--before", "voussoir-0", "voussoir-1"], 2),
+        (["--before", "voussoir-1", "nobody"], 2),
+        (["--directions", "up"], 2),
+        (["--screws", "voussoir-1"], 2),
+        (["--ground", "*"], 2),
+        (["--friction", "0.1"], 2),
+    ],
+)
+def test_exit_codes(file: Path, options: list[str], code: int) -> None:
+    assert main(["plan", str(file), *options]) == code
+
+
+def test_the_proof_is_verified_from_the_file(
+    file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    proof = tmp_path / "p.json"
+    assert main(["plan", str(file), "--proof", str(proof), "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert (answer["found"], answer["holds_max"], answer["impossible"]["kind"]) == (
+        True, 1, "closure",
+    )  # fmt: skip
+    assert main(["verify", str(file), str(proof)]) == 0
+    assert "The proof holds: plan." in capsys.readouterr().out
+    data = json.loads(proof.read_text())
+    step = next(one for one in data["proofs"] if one["about"] == "step" and one["change"]["held"])
+    step["proof"]["forces"][0][2] += 1e4
+    proof.write_text(json.dumps(data))
+    assert main(["verify", str(file), str(proof)]) == 1
+
+
+def test_steps_are_written_as_a_table(file: Path, tmp_path: Path) -> None:
+    table = tmp_path / "plan.csv"
+    assert main(["plan", str(file), "-o", str(table)]) == 0
+    lines = table.read_text().splitlines()
+    assert lines[0].startswith("step,part,held")
+    assert len(lines) == 10
+
+
+def test_what_falls_when_it_is_finished_is_named(
+    file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["plan", str(file), "--friction", "0.1"]) == 2
+    said = capsys.readouterr().err
+    assert "the finished assembly does not hold: 'voussoir-" in said
+    assert "kilter check" in said

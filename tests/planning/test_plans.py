@@ -1,0 +1,273 @@
+"""Plans: known answers, proofs that are judged again, and what is refused."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import kilter
+from kilter import Assembly, InputError, Order, Part, Pose
+from kilter.analysis.verification import verify_bundle
+from kilter.scenes import scene
+from kilter.scenes.arches import arch
+from kilter.scenes.pieces import block, floor
+
+DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
+
+
+def rechecked(order: Order) -> dict[str, Any]:
+    """The proof of a plan, through JSON, judged again without any solver."""
+    proof = json.loads(json.dumps(order.proof(), allow_nan=False))
+    assembly = order.states.assembly
+    answer = verify_bundle(assembly, kilter.contacts(assembly), proof)
+    assert answer.holds, answer.reasons
+    return proof
+
+
+def reasons(order: Order, proof: dict[str, Any]) -> str:
+    """Why a proof does not hold."""
+    answer = verify_bundle(order.states.assembly, order.states.contacts, proof)
+    assert not answer.holds
+    return "; ".join(answer.reasons)
+
+
+@pytest.mark.parametrize(
+    ("name", "held"),
+    [
+        ("tower", 0),
+        ("paper-figure-9", 1),
+        ("pit-wedges", 1),
+        ("diamond", 0),
+        pytest.param("box-pile", 0, marks=pytest.mark.slow),
+        pytest.param("wall", 0, marks=pytest.mark.slow),
+        pytest.param("laden-slab", 0, marks=pytest.mark.slow),
+    ],
+)
+def test_most_parts_held_at_once(name: str, held: int) -> None:
+    order = kilter.plan(scene(name))
+    assert (order.verdict, order.holds_max) == ("found", held)
+    assert order.held_steps <= 1
+    rechecked(order)
+
+
+def test_the_wedge_that_leaves_first_is_the_only_one_that_can() -> None:
+    assert kilter.plan(scene("pit-wedges")).steps[-1].part == "wedge-3"
+
+
+@pytest.mark.parametrize(("count", "ratio", "reached"), [(9, 0.3, 4), (20, 0.2, 8)])
+def test_an_arch_needs_one_part_held_and_that_is_proved(
+    count: int, ratio: float, reached: int
+) -> None:
+    made = arch(count, ratio=ratio, friction=0.6)
+    none = kilter.plan(made, hold=0)
+    assert (none.verdict, none.found) == ("impossible", False)
+    assert len(none.falling) == count - reached
+    proof = rechecked(none)
+    one = kilter.plan(made)
+    assert (one.verdict, one.holds_max) == ("found", 1)
+    assert one.held_steps >= count - reached - 1  # those that do not stand alone, less a keystone
+    if count == 9:
+        rechecked(one)
+        proof["proofs"][0]["change"]["held"].pop()
+        assert "does not fall alone" in reasons(none, proof)
+
+
+def test_an_arch_that_falls_when_it_is_finished_is_refused() -> None:
+    with pytest.raises(InputError, match="the finished assembly does not hold: 'voussoir-0'"):
+        kilter.plan(arch(20, ratio=0.2, friction=0.3))
+
+
+def test_two_steps_exchanged_are_refused() -> None:
+    order = kilter.plan(scene("tower"))
+    proof = rechecked(order)
+    steps = [k for k, one in enumerate(proof["proofs"]) if one["about"] == "step"]
+    first, second = (proof["proofs"][k] for k in steps[1:3])
+    first["part"], second["part"] = second["part"], first["part"]
+    why = reasons(order, proof)
+    assert "touches nothing that stands" in why
+    assert "its state is not what stands before it" in why
+
+
+def test_a_way_that_is_not_free_is_refused() -> None:
+    order = kilter.plan(scene("tower"))
+    proof = rechecked(order)
+    step = next(one for one in proof["proofs"] if one["about"] == "step")
+    step["legs"] = [[[0.0, 0.0, -1.0], None]]
+    assert "something is in the way" in reasons(order, proof)
+
+
+def key_in_a_slot() -> Assembly:
+    """A slab in a channel with a roof, and a key that bars its mouth and lifts out."""
+    walls = [
+        block("left", [-1, 0, 0], [0, 4, 2]),
+        block("right", [4, 0, 0], [5, 4, 2]),
+        block("back", [-1, 4, 0], [5, 5, 2]),
+        block("roof-left", [-1, 0, 1.001], [1, 4, 2]),
+    ]
+    held = [floor([-3, -3], [7, 7]), *walls[:3]]
+    return Assembly(
+        [
+            *(Part(p.name, p.shape, p.pose, grounded=True) for p in held),
+            block("bar", [0, 1, 1], [4, 4, 2]),
+            block("slab", [0, 1, 0], [4, 4, 1]),
+            block("key", [0, 0, 0], [4, 1, 2]),
+        ]
+    )
+
+
+def test_what_bars_the_way_leaves_first() -> None:
+    """The key lifts out, then what lies on the slab, then the slab: by upward ways alone."""
+    order = kilter.plan(key_in_a_slot(), directions=[[0, 0, 1]])
+    parts = [step.part for step in order.steps]
+    assert parts.index("slab") < parts.index("bar")
+    assert all(step.direction == (0.0, 0.0, -1.0) for step in order.steps)
+    sideways = kilter.plan(key_in_a_slot(), directions=[[0, -1, 0]])
+    assert [step.part for step in sideways.steps][-1] == "key"
+
+
+def test_a_locked_frame_has_no_order() -> None:
+    """A block in a closed box: no way out, which is no proof."""
+    sides = {
+        "west": ([-1, -1, -1], [0, 2, 2]), "east": ([1, -1, -1], [2, 2, 2]),
+        "south": ([0, -1, -1], [1, 0, 2]), "north": ([0, 1, -1], [1, 2, 2]),
+        "below": ([0, 0, -1], [1, 1, 0]), "above": ([0, 0, 1], [1, 1, 2]),
+    }  # fmt: skip
+    box = [block(name, *ends) for name, ends in sides.items()]
+    walls = [Part(p.name, p.shape, p.pose, grounded=True) for p in box]
+    order = kilter.plan(Assembly([*walls, block("inside", [0, 0, 0], [1, 1, 1])]))
+    assert (order.verdict, order.exhausted) == ("none-found", True)
+    with pytest.raises(InputError, match="nothing is proved"):
+        order.proof()
+    lid = kilter.plan(Assembly([*walls[:-1], block("inside", [0, 0, 0], [1, 1, 1])]))
+    assert lid.steps[0].direction == (0.0, 0.0, -1.0)
+
+
+def test_a_way_of_two_pieces() -> None:
+    """Under a lip: along x, then up."""
+    parts = [
+        floor([-3, -3], [5, 5]),
+        Part("lip", kilter.Box([1, 3, 1]), Pose([0.5, 0.5, 1.5]), grounded=True),
+        Part("wall", kilter.Box([1, 3, 2]), Pose([-0.5, 0.5, 1]), grounded=True),
+        Part("stop", kilter.Box([1, 3, 2]), Pose([2.5, 0.5, 1]), grounded=True),
+        Part("side", kilter.Box([4, 1, 2]), Pose([1, -0.5, 1]), grounded=True),
+        Part("other", kilter.Box([4, 1, 2]), Pose([1, 1.5, 1]), grounded=True),
+        block("inside", [0, 0, 0], [1, 1, 1]),
+    ]
+    order = kilter.plan(Assembly(parts))
+    [step] = order.steps
+    assert [leg.direction for leg in step.legs] == [(1.0, 0.0, 0.0), (0.0, 0.0, 1.0)]
+    assert step.legs[0].length == 1.0
+    assert step.path(10.0).tolist() == [[1, 0, 10], [1, 0, 0], [0, 0, 0]]
+    rechecked(order)
+
+
+def test_precedence_is_kept_to() -> None:
+    with pytest.raises(InputError, match="round in a circle"):
+        kilter.plan(scene("tower"), before=[("cube-1", "cube-2"), ("cube-2", "cube-1")])
+    table = Assembly([floor([-3, -3], [3, 3]), *(block(f"b{k}", [k, 0, 0], [k + 0.5, 1, 1])
+                                                for k in range(-2, 3))])  # fmt: skip
+    for pair in (("b-2", "b2"), ("b2", "b-2")):
+        order = [step.part for step in kilter.plan(table, before=[pair]).steps]
+        assert order.index(pair[0]) < order.index(pair[1])
+
+
+def test_parts_that_may_not_be_held() -> None:
+    made = arch(9, ratio=0.3, friction=0.6)
+    assert kilter.plan(made, never_hold="voussoir-*").verdict == "none-found"
+    left = kilter.plan(made, never_hold=["voussoir-[0-3]"])
+    assert not {name for step in left.steps for name in step.held} & {f"voussoir-{k}"
+                                                                    for k in range(4)}  # fmt: skip
+
+
+def test_out_of_effort_says_what_can_come_last() -> None:
+    order = kilter.plan(arch(20, ratio=0.2, friction=0.6), effort=0.02)
+    assert order.verdict == "none-found"
+    assert not order.exhausted
+    assert order.best
+    assert "effort was spent" in order.to_dict()["sentence"]
+
+
+def test_an_interruption_gives_the_best_so_far(monkeypatch: pytest.MonkeyPatch) -> None:
+    from kilter.analysis.planning.removal import Removal
+
+    asked = 0
+    way_out = Removal.way_out
+
+    def interrupted(self: Removal, *given: Any, **named: Any) -> Any:
+        nonlocal asked
+        asked += 1
+        if asked > 20:
+            raise KeyboardInterrupt
+        return way_out(self, *given, **named)
+
+    monkeypatch.setattr(Removal, "way_out", interrupted)
+    order = kilter.plan(scene("wall"))
+    assert (order.interrupted, order.verdict) == (True, "none-found")
+    assert order.best
+
+
+def test_the_table_of_steps_is_read_as_csv() -> None:
+    order = kilter.plan(arch(9, ratio=0.3, friction=0.6))
+    rows = list(csv.DictReader(io.StringIO(order.table())))
+    assert [row["part"] for row in rows] == [step.part for step in order.steps]
+    assert {row["held"] for row in rows} > {""}
+    answer = order.to_dict()
+    assert answer["holds_max"] == 1
+    assert [set(step) for step in answer["steps"]] == [
+        {"parts", "direction", "path", "touches", "rubs", "held", "grips", "releases", "down",
+         "verdict", "level"}
+    ] * 9  # fmt: skip
+
+
+def test_wrong_input() -> None:
+    tower = scene("tower")
+    with pytest.raises(InputError, match="no part is named"):
+        kilter.plan(tower, before=[("cube-1", "nobody")])
+    with pytest.raises(InputError, match="everything is held"):
+        kilter.plan(tower.with_grounded("*"))
+    with pytest.raises(InputError, match="hold is -1"):
+        kilter.plan(tower, hold=-1)
+    with pytest.raises(InputError, match="a direction is 'up'"):
+        kilter.plan(tower, directions=["up"])
+    with pytest.raises(InputError, match="no 'cube-2' is round the shaft"):
+        kilter.plan(tower, screws=[("cube-1", "cube-2")])
+    with pytest.raises(InputError, match="held from the start"):
+        kilter.plan(tower, before=[("cube-1", "base")])
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason="real assemblies are not here")
+def test_a_real_assembly_without_holds() -> None:
+    made = kilter.load(DATA / "learn2assemble" / "tetris-2", ground=["0"])
+    order = kilter.plan(made)
+    assert (order.holds_max, order.level, len(order.steps)) == (0, "proved", 16)
+    rechecked(order)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not DATA.is_dir(), reason="real assemblies are not here")
+def test_a_dome_needs_one_stone_held() -> None:
+    dome = kilter.load(DATA / "learn2assemble" / "dome", ground=["72"], friction=0.55)
+    none = kilter.plan(dome, hold=0)
+    assert (none.verdict, len(none.falling)) == ("impossible", 36)
+    rechecked(none)
+    order = kilter.plan(dome)
+    assert (order.verdict, order.holds_max) == ("found", 1)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not DATA.is_dir(), reason="real assemblies are not here")
+def test_nuts_come_after_their_bolts() -> None:
+    pytest.importorskip("OCP")
+    made = kilter.load(DATA / "cax-if" / "as1-oc-214.stp", ground=["plate"])
+    order = kilter.plan(made, screws=[("*bolt", "*nut"), ("rod", "nut_*")])
+    assert (order.verdict, order.holds_max) == ("found", 0)
+    place = {step.part: k for k, step in enumerate(order.steps)}
+    for bolt in [name for name in place if name.endswith("bolt")]:
+        assert place[bolt] < place[bolt.removesuffix("bolt") + "nut"]
+    assert place["rod"] < min(place["nut_1"], place["nut_2"])
+    rechecked(order)
