@@ -72,7 +72,7 @@ def test_one_patch_with_the_normals_of_the_face_whatever_the_tolerance(seed, tol
 def test_sliding_is_free_where_the_formula_says_so(seed):
     joint, assembly, kind = made(seed)
     found = kilter.contacts(assembly)
-    neutral = find_neutral(build_program(assembly, found))
+    neutral = find_neutral(build_program(assembly, found, fitted=True))
     exact = find_neutral(build_program(assembly, with_exact_normals(found, joint, Pose())))
     assert neutral == exact
     assert neutral.two_sided == (1 if joint.ruled else 0), kind

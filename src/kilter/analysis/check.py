@@ -199,11 +199,8 @@ def _decide(assembly: Assembly, contacts: ContactSet, work: Work) -> _Decision:
     program = build_program(assembly, contacts)
     smooth = program.frictionless
     judgement = judge(smooth, work=work)
-    fitted = bool(judgement.stable) and rests_on_fits(smooth, contacts, work)
-    if judgement.stable and not fitted:
+    if judgement.stable:
         return _Decision("stable", smooth, judgement)
-    if fitted and program is smooth:
-        return _Decision("undecided", program, judgement, why=(why_fits_leave_it_open(contacts),))
     if program is not smooth:
         work.stage("equilibrium with friction")
         judgement = judge(program, work=work)
@@ -211,7 +208,7 @@ def _decide(assembly: Assembly, contacts: ContactSet, work: Work) -> _Decision:
         reason = "the time limit was met" if work.cut else _figures(judgement)
         return _Decision("undecided", program, judgement, why=(reason,))
     if judgement.stable:
-        if rests_on_fits(program, contacts, work):
+        if rests_on_fits(program, assembly):
             return _on_fits(program, judgement, work)
         return _with_friction(assembly, contacts, program, judgement, work)
     outer = build_program(assembly, contacts, possible=True)
@@ -223,14 +220,14 @@ def _decide(assembly: Assembly, contacts: ContactSet, work: Work) -> _Decision:
     sharp = decide_degenerate(assembly, contacts)
     if sharp.program is not None and sharp.judgement is not None:
         return _Decision("unstable", sharp.program, sharp.judgement)
+    fits = why_fits_leave_it_open(assembly, contacts, program, work)
     work.stage("open pairs")
     question = ask_open(
         assembly, contacts, program, lambda other: _decide(other, contacts, work).verdict, work=work
     )
-    unclear = () if question is not None else (_unclear(contacts, work),)
-    return _Decision(
-        "undecided", program, judgement, why=(*unclear, *sharp.words), question=question
-    )
+    unclear = () if question is not None or fits else (_unclear(contacts, work),)
+    why = (*unclear, *fits, *sharp.words)
+    return _Decision("undecided", program, judgement, why=why, question=question)
 
 
 def _with_friction(

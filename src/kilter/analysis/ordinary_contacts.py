@@ -152,7 +152,7 @@ def with_ordinary_contacts(
 def _patches(contacts: ContactSet, rows: Index) -> dict[str, Any]:
     """Columns of some patches and of their points."""
     some = np.isin(contacts.point_patch, rows)
-    names = ("parts", "normal", "area", "gap", "mu", "kind", "accuracy")
+    names = ("parts", "normal", "area", "gap", "mu", "kind", "accuracy", "doubt")
     found = {f"patch_{name}": getattr(contacts, f"patch_{name}")[rows] for name in names}
     count = np.diff(contacts.patch_start)[rows]
     return {
@@ -177,6 +177,7 @@ def _pushes(contacts: ContactSet, edges: set[frozenset[int]]) -> dict[str, Any]:
         "patch_mu": friction_coefficients(contacts.assembly, parts),
         "patch_kind": np.full(len(rows), "edge-edge", dtype=contacts.patch_kind.dtype),
         "patch_accuracy": none,
+        "patch_doubt": none,
         "count": np.ones(len(rows), dtype=np.int64),
         "points": points.points,
         "normals": points.normals,

@@ -27,6 +27,7 @@ from kilter.assembly import Assembly
 from kilter.contact.contact_tolerances import MEAN_NORMAL
 from kilter.contact.fits.coaxial import Fit
 from kilter.contact.fits.copies import odd_copies
+from kilter.contact.friction_coefficients import certain_friction
 from kilter.contact.gaps import Rejected, Tolerance, nearest_gap
 from kilter.contact.left_out import INTERFERE, SAME_BODY, Overlap, PossibleContacts, Unsupported
 from kilter.contact.neighbours import Neighbour
@@ -167,7 +168,7 @@ class ContactSet:
     patch_gap : ndarray, shape (P, 2)
         Least and greatest gap over the patch [length unit]; negative = penetration.
     patch_mu : ndarray, shape (P,)
-        Friction coefficient [-].
+        Friction coefficient [-]; less `patch_doubt`, so that its forces are certain.
     patch_kind : ndarray of str, shape (P,)
         "plane", "edge-edge", "edge-face", "vertex-face", "cylinder", "sphere", "cone", "torus",
         "smooth" (fitted faces of meshes), or "given" for contacts listed in the file.
@@ -297,6 +298,10 @@ class ContactSet:
     def of(self, assembly: Assembly) -> ContactSet:
         """The same contacts of an assembly of the same parts, joined or held in another way."""
         return self if assembly is self.assembly else replace(self, assembly=assembly)
+
+    def with_friction(self, mu: float) -> ContactSet:
+        """The same contacts with one friction coefficient, less the doubt of their normals."""
+        return replace(self, patch_mu=certain_friction(mu, self.patch_doubt))
 
     @property
     def alone(self) -> Index:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from kilter.arrays import Array, Mask, starts
+from kilter.arrays import Mask, starts
 from kilter.assembly import Assembly, require_assembly
 from kilter.contact.contact_search import ContactSearch, begin_search
 from kilter.contact.contact_set import ContactSet, PossibleContacts
@@ -17,7 +17,7 @@ from kilter.contact.curved.curved_patches import without_repeats
 from kilter.contact.curved.rims import rim_contacts
 from kilter.contact.fits.coaxial import Fit, coaxial_fits
 from kilter.contact.fits.overlap import find_overlaps
-from kilter.contact.friction_coefficients import friction_coefficients
+from kilter.contact.friction_coefficients import certain_friction, friction_coefficients
 from kilter.contact.gaps import Tolerance, closed_by_clearance, gap_warnings
 from kilter.contact.neighbours import nearest_parts
 from kilter.contact.open_pairs import find_open_pairs, open_forces
@@ -111,7 +111,7 @@ def contacts(
         patch_normal=patches.normal,
         patch_area=patches.area,
         patch_gap=patches.gap,
-        patch_mu=_certain(friction_coefficients(assembly, patches.parts, own), doubt),
+        patch_mu=certain_friction(friction_coefficients(assembly, patches.parts, own), doubt),
         patch_kind=patches.kind,
         patch_accuracy=patches.accuracy,
         patch_doubt=doubt,
@@ -160,15 +160,6 @@ def _silent(search: ContactSearch, patches: Patches, others: list[tuple[int, int
         known = [frozenset(pair) in found for pair in search.pairs[rows].tolist()]
         silent[rows[known]] = False
     return silent
-
-
-def _certain(mu: Array, doubt: Array) -> Array:
-    """The friction that holds whatever the normals are within their doubt.
-
-    A force within mu - doubt of the fitted normal is within mu of the true one.
-    """
-    certain: Array = np.maximum(mu - doubt, 0.0)
-    return certain
 
 
 def _given(assembly: Assembly) -> tuple[Patches, list[float | None]]:

@@ -9,7 +9,7 @@ import numpy as np
 from kilter.arrays import Array, Index
 from kilter.assembly import Assembly
 
-__all__ = ["friction_coefficients"]
+__all__ = ["certain_friction", "friction_coefficients"]
 
 
 def friction_coefficients(
@@ -43,3 +43,17 @@ def friction_coefficients(
         if value is not None:
             mu[k] = value
     return mu
+
+
+def certain_friction(mu: Array | float, doubt: Array) -> Array:
+    """The friction that holds whatever the normals are within their doubt [-], shape (n,).
+
+    A force within mu - doubt of the fitted normal is within mu of the true one.
+
+    Examples
+    --------
+    >>> certain_friction(0.5, np.array([0.0, 0.125, 1.0]))
+    array([0.5  , 0.375, 0.   ])
+    """
+    certain: Array = np.maximum(mu - doubt, 0.0)
+    return certain

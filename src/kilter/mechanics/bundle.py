@@ -94,7 +94,7 @@ def changed(assembly: Assembly, contacts: ContactSet, change: Any) -> tuple[Asse
     if change.get("down") is not None:
         assembly = assembly.with_down(change["down"])
     if mu is not None:
-        contacts = dataclasses.replace(contacts, patch_mu=np.full(len(contacts.patch_mu), mu))
+        contacts = contacts.with_friction(mu)
     if change.get("loads") is not None:
         loads = [Load(**load) for load in change["loads"]]
         assembly = dataclasses.replace(assembly, loads=loads)

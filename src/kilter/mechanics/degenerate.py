@@ -21,7 +21,7 @@ from kilter.arrays import Array, Index, cross
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet, PossibleContacts
 from kilter.mechanics.mechanics_tolerances import NORMAL_ANGLE
-from kilter.mechanics.program import Program, build_program
+from kilter.mechanics.program import Program, bounding_program
 from kilter.mechanics.rows import POSSIBLE, ForceRows, pushing_rows
 
 __all__ = ["MOST", "allowed_program", "between", "openings", "with_pushes", "without_degenerate"]
@@ -38,7 +38,7 @@ def with_pushes(program: Program, pushes: PossibleContacts) -> Program:
 
 def without_degenerate(assembly: Assembly, contacts: ContactSet) -> Program:
     """Every force there may be but those at degenerate points that are so exactly."""
-    outer = build_program(assembly, contacts, possible=True, sticking=True).frictionless
+    outer = bounding_program(assembly, contacts)
     exact = np.append(contacts.degenerate.exact, False)[contacts.possible.degenerate]
     pushes = np.flatnonzero((outer.kind == POSSIBLE) & ~outer.two_sided)
     return outer.taking(np.delete(np.arange(len(outer.kind)), pushes[exact[outer.source[pushes]]]))

@@ -26,8 +26,10 @@ from kilter.arrays import Array, Index, Mask, cross
 from kilter.assembly import GROUND, Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.contact_set import ContactSet
+from kilter.contact.friction_coefficients import certain_friction
 from kilter.mechanics.mechanics_tolerances import BLUR, TOLERANCE
 from kilter.mechanics.rows import (
+    CONTACT,
     KINDS,
     ForceRows,
     contact_rows,
@@ -37,7 +39,7 @@ from kilter.mechanics.rows import (
 )
 from kilter.rigid import unit
 
-__all__ = ["Program", "build_program"]
+__all__ = ["Program", "bounding_program", "build_program"]
 
 
 ROW_FIELDS = ForceRows.__slots__
@@ -68,7 +70,7 @@ class Program:
         [m/s^2]
     applied : ndarray, shape (N, 6)
         Given loads: force [N] and torque about the centre of mass [N x length unit].
-    part_a, part_b, point, normal, kind, two_sided, angular, mu, source : ndarray
+    part_a, part_b, point, normal, kind, two_sided, angular, mu, source, doubt : ndarray
         Of the K rows, as `kilter.mechanics.rows.ForceRows` has them.
     tolerance : ndarray, shape (N,)
         Relative tolerance of a verdict about each part [-].
@@ -93,6 +95,7 @@ class Program:
     angular: Mask
     mu: Array
     source: Index
+    doubt: Array
     tolerance: Array
     planar: bool
     units: str
@@ -199,8 +202,19 @@ class Program:
 
     @property
     def frictionless(self) -> Program:
-        """The same with mu = 0 everywhere."""
-        return self.with_rows(mu=np.zeros(len(self.mu))) if self.mu.any() else self
+        """The same with mu = 0 everywhere, as far as that is certain (`with_friction`)."""
+        return self.with_friction(0.0) if self.mu.any() or self.doubt.any() else self
+
+    def with_friction(self, mu: float) -> Program:
+        """The program with one coefficient at every contact, less the doubt of its normal.
+
+        Contacts whose normals are in doubt by more than `mu` hold nothing for certain, and are
+        left out.
+        """
+        less = np.where(self.kind == CONTACT, certain_friction(mu, self.doubt), 0.0)
+        changed = self.with_rows(mu=less)
+        certain = changed.force_rows.certain
+        return changed if certain.all() else changed.taking(certain)
 
     def velocities(self, motion: Array) -> Array:
         """J dp: opening of each row, shape (K,), for a motion of all parts, shape (N, 6)."""
@@ -273,9 +287,17 @@ class Program:
 
 
 def build_program(
-    assembly: Assembly, contacts: ContactSet, *, possible: bool = False, sticking: bool = False
+    assembly: Assembly,
+    contacts: ContactSet,
+    *,
+    possible: bool = False,
+    sticking: bool = False,
+    fitted: bool = False,
 ) -> Program:
-    """The program of an assembly and its contacts.
+    """The program of an assembly and its certain contacts.
+
+    A contact whose normal a fit gave is certain only by friction above its doubt; else it is
+    left out here, for every question alike.
 
     Parameters
     ----------
@@ -287,9 +309,12 @@ def build_program(
     sticking : bool
         Also with tangential forces of any size at contacts where mu > 0, as rows of their
         own: a bound for questions that leave Coulomb's law out.
+    fitted : bool
+        Also the contacts that are not certain, along their fitted normals.
     """
     geometry = assembly.geometry
-    blocks = [contact_rows(contacts, geometry)]
+    touching = contact_rows(contacts, geometry)
+    blocks = [touching if fitted else touching.take(touching.certain)]
     if possible:
         blocks.append(possible_rows(contacts.possible, geometry))
     if sticking:
@@ -310,6 +335,12 @@ def build_program(
         units=assembly.units,
         **{name: getattr(rows, name) for name in ROW_FIELDS},
     )
+
+
+def bounding_program(assembly: Assembly, contacts: ContactSet) -> Program:
+    """Every force that there may be, as rows: a bound for questions without Coulomb's law."""
+    outer = build_program(assembly, contacts, possible=True, sticking=True)
+    return outer.with_rows(mu=np.zeros(len(outer.mu)))
 
 
 def _applied(assembly: Assembly, geometry: Geometry) -> Array:

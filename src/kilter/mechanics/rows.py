@@ -60,6 +60,8 @@ class ForceRows(Rows):
     mu : ndarray, shape (K,)
         Friction coefficient of each contact row [-]; 0 for the other kinds.
     source : ndarray of int, shape (K,)
+    doubt : ndarray, shape (K,)
+        How far the normal of a contact row may be off that a fit gave [rad]; else 0.
     """
 
     part_a: Index
@@ -71,6 +73,16 @@ class ForceRows(Rows):
     angular: Mask = columns()
     mu: Array = columns()
     source: Index = columns()
+    doubt: Array = columns()
+
+    @property
+    def certain(self) -> Mask:
+        """Rows that hold whatever the normals are within their doubt, shape (K,).
+
+        A contact whose normal is in doubt has such forces by friction only.
+        """
+        certain: Mask = (self.doubt == 0) | (self.mu > 0)
+        return certain
 
 
 def _of_kind(
@@ -79,7 +91,7 @@ def _of_kind(
     """Rows of forces without friction."""
     count, none = len(a), np.zeros(len(a))
     return ForceRows(
-        a, b, point, normal, np.full(count, kind), two_sided, none > 0, none, source
+        a, b, point, normal, np.full(count, kind), two_sided, none > 0, none, source, none
     )  # fmt: skip
 
 
@@ -93,7 +105,8 @@ def contact_rows(contacts: ContactSet, geometry: Geometry) -> ForceRows:
         CONTACT, a[live], b[live], contacts.points[live], contacts.normals[live], pushes,
         patch[live],
     )  # fmt: skip
-    return replace(rows, mu=contacts.patch_mu[patch[live]])
+    own = patch[live]
+    return replace(rows, mu=contacts.patch_mu[own], doubt=contacts.patch_doubt[own])
 
 
 def pushing_rows(pushes: PossibleContacts, number: Index | int = -1) -> ForceRows:

@@ -98,7 +98,7 @@ def find_least_friction(program: Program) -> LeastFriction | NoLimit:
     start: ForceProof | None = None
     lower, upper, mechanism, undecided = 0.0, LARGEST, smooth.motion, False
     for upper in TRIED:
-        judged = judge(_with(program, upper))
+        judged = judge(program.with_friction(upper))
         if judged.stable:
             start = judged.forces
             break
@@ -107,7 +107,7 @@ def find_least_friction(program: Program) -> LeastFriction | NoLimit:
     if start is None:
         return NoLimit("failed" if undecided else "none")
     best = start
-    upper = min(upper, _used(program, best))
+    upper = min(upper, _used(program.with_friction(upper), best))
     solved = 2
     open_from = open_to = upper  # between them it could not be decided
     undecided_left = UNDECIDED
@@ -119,11 +119,11 @@ def find_least_friction(program: Program) -> LeastFriction | NoLimit:
         if max(above, below) <= MU_AGREES * upper:
             break
         middle = _between(open_to, upper) if above > below else _between(lower, open_from)
-        judged = judge(_with(program, middle))
+        judged = judge(program.with_friction(middle))
         solved += 1
         if judged.stable and judged.forces is not None:
             best = judged.forces
-            upper = min(middle, _used(program, best))
+            upper = min(middle, _used(program.with_friction(middle), best))
         elif judged.stable is False and judged.motion is not None:
             mechanism, lower = judged.motion, middle
             open_from, open_to = max(open_from, lower), max(open_to, lower)
@@ -147,21 +147,17 @@ def _between(low: float, high: float) -> float:
     return float(np.sqrt(max(low, MU_NOTHING / 10) * high))
 
 
-def _with(program: Program, mu: float) -> Program:
-    """The program with one coefficient at every contact."""
-    return program.with_rows(mu=np.where(program.kind == CONTACT, mu, 0.0))
-
-
 def _sticks(program: Program) -> bool | None:
     """Whether forces balance where friction has no limit, not even without a push."""
-    wide = spread(_with(program, LARGEST)).problem.program
+    wide = spread(program.with_friction(LARGEST)).problem.program
     across = np.arange(len(wide.part_a)) >= len(program.part_a)
     return judge(wide.with_rows(two_sided=wide.two_sided | across)).stable
 
 
 def _used(program: Program, proof: ForceProof) -> float:
-    """The friction that forces use: the greatest |f_t| / f_n."""
+    """The friction that forces use: the greatest |f_t| / f_n, and what their normals may be off."""
     rows = np.flatnonzero(program.kind == CONTACT)
     along, across = proof.forces[rows], np.linalg.norm(proof.friction[rows], axis=1)
-    rubs = across > 0
-    return float((across[rubs] / along[rubs]).max(initial=0.0))
+    doubt = program.doubt[rows]
+    rubs = (across > 0) | ((doubt > 0) & (along > 0))
+    return float((across[rubs] / along[rubs] + doubt[rubs]).max(initial=0.0))

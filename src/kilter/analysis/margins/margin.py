@@ -16,6 +16,7 @@ import numpy as np
 
 from kilter.analysis.answers import joints_answer
 from kilter.analysis.check import check
+from kilter.analysis.fitted_normals import fits_left_out
 from kilter.analysis.margins.least_friction import LeastFriction, find_least_friction
 from kilter.analysis.margins.load_limit import (
     Limit,
@@ -268,12 +269,13 @@ def margin(
     if verdict.contacts.open_pairs:
         left_out = open_pair_names(assembly, verdict.contacts)
         warnings.append(f"open pairs are left out, with them margins may be larger: {left_out}")
+    warnings += fits_left_out(assembly, verdict.contacts, program)
     tell("tilt")
     missing: dict[str, Why] = {}
     tilt, degrees, down = _tilt(program, warnings, missing)
     turned = None if axis is None else tilt_about(program, axis)
     tell("friction" if degrees is None else f"tilt {degrees:.6g} deg; friction")
-    friction = find_least_friction(program)
+    friction = find_least_friction(build_program(assembly, verdict.contacts, fitted=True))
     least = "" if isinstance(friction, NoLimit) else f"friction {friction.value:.6g}; "
     tell(f"{least}load factor")
     factor = _load_factor(assembly, program, direction)

@@ -148,7 +148,8 @@ def _certified(
     motion: MotionProof | None,
     options: dict[str, Any],
 ) -> dict[str, Any] | None:
-    program = build_program(assembly, contacts)
+    # no force that was left out may stop a motion
+    program = build_program(assembly, contacts, possible=not held)
     proof: ForceProof | MotionProof | None = None
     if motion is not None:
         proof = check_motion(program, motion.motion)

@@ -40,6 +40,7 @@ from kilter.analysis.turning_tolerances import (
     UNLIMITED,
 )
 from kilter.arrays import Array, cross
+from kilter.contact.friction_coefficients import certain_friction
 from kilter.errors import InputError
 from kilter.mechanics.coulomb_cones import pyramid
 from kilter.mechanics.forms import scaled
@@ -169,9 +170,11 @@ class Uncertainty:
 def weakened(program: Program, ranges: Ranges) -> Program:
     """The program with the least friction, and cones that all normals have inside."""
     contact = program.kind == CONTACT
-    half = np.arctan(program.mu * ranges.mu[0]) - np.radians(ranges.normal_deg)
+    least = certain_friction((program.mu + program.doubt) * ranges.mu[0], program.doubt)
+    half = np.arctan(least) - np.radians(ranges.normal_deg)
     mu = np.where(contact, np.tan(np.maximum(half, 0.0)), 0.0)
-    return program.with_rows(mu=mu).taking(~contact | (half >= 0))
+    weak = program.with_rows(mu=mu)
+    return weak.taking(~contact | ((half >= 0) & weak.force_rows.certain))
 
 
 def corner(program: Program, factor: Array, shift: Array) -> Program:

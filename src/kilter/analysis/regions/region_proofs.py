@@ -21,7 +21,7 @@ from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
-from kilter.mechanics.program import Program, build_program
+from kilter.mechanics.program import Program, bounding_program, build_program
 from kilter.mechanics.proof import Evidence, make_proof
 
 __all__ = ["RegionProof", "common_proofs", "region_proof"]
@@ -74,7 +74,8 @@ def region_proof(
     """
     turned = assembly.with_down(proof.down)
     program = build_program(turned, contacts)
-    program = program if friction else program.frictionless
+    if isinstance(proof.certificate, ForceProof) and not friction:
+        program = program.frictionless
     certificate = _certified(program, turned, contacts, proof, friction)
     if not certificate.holds:
         return None
@@ -93,7 +94,7 @@ def _certified(
     if friction:
         return check_motion(program, given.motion)
     # no force that was left out may stop the motion
-    outer = build_program(turned, contacts, possible=True, sticking=True).frictionless
+    outer = bounding_program(turned, contacts)
     return check_motion(outer, given.motion)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from kilter.analysis.fitted_normals import fits_left_out
 from kilter.analysis.motion import find_motion
 from kilter.analysis.open_question import open_pair_names
 from kilter.analysis.regions.stable_cone import Proof, StableCone
@@ -41,6 +42,7 @@ def warnings_of(
     """
     rubs = bool(program.mu.any())
     warnings = [*remarks(assembly, contacts), *_inner(assembly, contacts, rubs)]
+    warnings += fits_left_out(assembly, contacts, program)
     alone = touching_nothing(assembly, contacts)
     if alone:
         warnings.append(
@@ -83,13 +85,6 @@ def _inner(assembly: Assembly, contacts: ContactSet, rubs: bool) -> list[str]:
     if not why:
         return []
     word = "held" if rubs else "stable"
-    doubt = float(contacts.patch_doubt.max(initial=0.0))
-    if doubt and not rubs:
-        return [
-            f"{' and '.join(why)} left out; the directions found rest on the fitted normals of "
-            f"curved faces, which are known to {np.degrees(doubt):.1g} degrees only: none of them "
-            "is certain without friction"
-        ]
     return [
         f"{' and '.join(why)} left out: every direction found is {word}, and more may be,"
         " since further forces can only help"

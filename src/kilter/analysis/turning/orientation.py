@@ -42,7 +42,7 @@ from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.errors import InputError
 from kilter.mechanics.certificate import check_motion
-from kilter.mechanics.program import Program, build_program
+from kilter.mechanics.program import Program, bounding_program, build_program
 from kilter.rigid import rotation_between
 from kilter.tell.html import html_of
 from kilter.tell.numbers import vector
@@ -344,7 +344,7 @@ def _open_questions(
             f"(best z = {best.z:.2g} of a mass of {float(program.mass[program.free].sum()):.2g} kg)"
         ]
     assembly = every.assemblies[0]
-    outer = build_program(assembly, contacts, possible=True, sticking=True).frictionless
+    outer = bounding_program(assembly, contacts)
     if len(outer.part_a) == len(program.part_a):
         return []
     if _none_is_stable(outer, joint(outer, every=True)):
