@@ -229,6 +229,16 @@ def test_what_is_left_out_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "'kilter orient' looks at every size" in page
 
 
+def test_a_table_takes_no_room_in_the_first_view() -> None:
+    """A held beam counts as far as the free parts reach and half as far again, a table not."""
+    block = Part("block", Box([2, 1, 1]), Pose([0, 0, 0.5]))
+    on_table = data_of(render(everything(Assembly([block]).with_floor()), "block"))
+    assert on_table["extent"] == pytest.approx([1.0, 0.5, 0.5])
+    beam = Part("beam", Box([40, 1, 1]), Pose([0, 0, -0.5]), grounded=True)
+    on_beam = data_of(render(everything(Assembly([block, beam])), "block"))
+    assert on_beam["extent"] == pytest.approx([2.0, 0.5, 1.0])
+
+
 def test_a_force_is_said_as_the_program_of_the_page_says_it() -> None:
     """`web/test` asks the page's own `force` for the same table."""
     table = json.loads((Path(__file__).parent / "forces.json").read_text(encoding="utf-8"))

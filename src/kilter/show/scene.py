@@ -66,11 +66,16 @@ def build_scene(answers: Everything) -> dict[str, Any]:
 
 
 def _view(answers: Everything) -> tuple[Array, Array]:
-    """Middle and half lengths of the box that the first view must hold [length unit]."""
+    """Middle and half lengths of the box that the first view must hold [length unit].
+
+    A table reaches out of it on every side.
+    """
     geometry = answers.assembly.geometry
+    table = np.array([part.table for part in answers.assembly.parts])
+    shown = ~table[geometry.vertex_part]
     free = ~geometry.grounded[geometry.vertex_part]
-    vertices = geometry.vertices
-    wanted = vertices[free] if free.any() else vertices
+    vertices = geometry.vertices[shown] if shown.any() else geometry.vertices
+    wanted = geometry.vertices[free] if free.any() else vertices
     low, high = wanted.min(axis=0), wanted.max(axis=0)
     reach = (HELD_IN_VIEW - 1) * float((high - low).max())
     low = np.maximum(vertices.min(axis=0), low - reach)

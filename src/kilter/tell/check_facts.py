@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from kilter.tell.numbers import counts, force, number, plain
+from kilter.tell.numbers import counts, force, number, percent, plain
 from kilter.tell.open_words import open_facts
 from kilter.tell.shared_facts import (
     Answer,
@@ -142,7 +142,7 @@ def forces_phrase(forces: Answer | None) -> str | None:
     rubs = [patch for patch in patches if patch["utilisation"]]
     if rubs:
         most = max(rubs, key=lambda patch: float(patch["utilisation"]))
-        words += f"; friction used up to {100 * most['utilisation']:.3g} %, {_pair(most)}"
+        words += f"; friction used up to {percent(most['utilisation'])}, {_pair(most)}"
     return words
 
 

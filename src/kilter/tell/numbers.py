@@ -12,6 +12,7 @@ __all__ = [
     "counts",
     "force",
     "number",
+    "percent",
     "plain",
     "shortened",
     "vector",
@@ -19,6 +20,8 @@ __all__ = [
 
 NO_ANGLE = 1e-9
 """An angle below this is what rounding leaves of none [deg]."""
+NO_SHARE = 1e-9
+"""A share below this is what rounding leaves of none [-]."""
 PREFIXES = ((1e6, "MN"), (1e3, "kN"), (1.0, "N"), (1e-3, "mN"))
 
 
@@ -56,6 +59,17 @@ def angle(degrees: float) -> str:
     ('45 deg', '0 deg')
     """
     return f"{number(0.0 if abs(degrees) < NO_ANGLE else degrees)} deg"
+
+
+def percent(share: float) -> str:
+    """A share in percent; what rounding leaves of none is none.
+
+    Examples
+    --------
+    >>> percent(0.5432), percent(1.0), percent(6e-14)
+    ('54.3 %', '100 %', '0 %')
+    """
+    return f"{number(0.0 if abs(share) < NO_SHARE else 100 * share, 3)} %"
 
 
 def vector(values: Iterable[float], digits: int = 6) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 
 from kilter.tell.contact_words import gap_words
 from kilter.tell.facts import kind_of
-from kilter.tell.numbers import count, counts, force, number, vector
+from kilter.tell.numbers import count, counts, force, number, percent, vector
 from kilter.tell.open_words import settling_options
 from kilter.tell.plan_words import step_cells
 from kilter.tell.shared_facts import Answer
@@ -207,7 +207,7 @@ def forces_table(answer: Answer) -> Table:
             force(size),
             vector(along, 3) if size else "-",
             "-" if patch["center"] is None else vector(patch["center"], 4),
-            "-" if used is None else f"{100 * used:.3g} %",
+            "-" if used is None else percent(used),
         )
 
     which = "least sum of squares" if found["least"] else "as the verdict's proof has them"
