@@ -13,7 +13,6 @@ from kilter.scenes import friction, rounds, stacks, wedges
 from kilter.scenes.arches import arch
 from kilter.scenes.pieces import block
 from kilter.scenes.walls import wall
-from sampled import sampled
 
 
 def guaranteed(verdict):
