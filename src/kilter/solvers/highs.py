@@ -392,16 +392,16 @@ def _highs(tolerance: float) -> Any:
 
 def _passed(highs: Any, program: LinearProgram) -> None:
     """Hand a program over; what HiGHS rejects it then has no answer for."""
-    lp = highspy.HighsLp()
-    lp.num_row_, lp.num_col_ = program.matrix.shape
-    lp.col_cost_ = program.cost
-    lp.col_lower_, lp.col_upper_ = program.lower, program.upper
-    lp.row_lower_, lp.row_upper_ = program.row_lower, program.row_upper
-    lp.a_matrix_.format_ = highspy.MatrixFormat.kColwise
-    lp.a_matrix_.start_ = program.matrix.indptr
-    lp.a_matrix_.index_ = program.matrix.indices
-    lp.a_matrix_.value_ = program.matrix.data
-    highs.passModel(lp)
+    rows, columns = program.matrix.shape
+    start, index, value = program.matrix.indptr, program.matrix.indices, program.matrix.data
+    colwise, least = int(highspy.MatrixFormat.kColwise), int(highspy.ObjSense.kMinimize)
+    none_integer = np.zeros(columns, dtype=np.int32)
+    # as arrays: a HighsLp takes them number by number, five times as long
+    highs.passModel(
+        columns, rows, len(value), colwise, least, 0.0,
+        program.cost, program.lower, program.upper, program.row_lower, program.row_upper,
+        start.astype(np.int32, copy=False), index.astype(np.int32, copy=False), value, none_integer,
+    )  # fmt: skip
 
 
 def _run(highs: Any, program: LinearProgram) -> None:
