@@ -35,8 +35,10 @@ WHY = {
     "refuted": "a motion obeys the contact law too",
     "jams": "it can jam, but does not come to rest in every try",
     "squeeze": "only squeeze holds it",
-    "not-found": "no seat was found, or not every try was made to its end",
+    "not-found": "neither a seat was found, nor that there is none",
 }
+UNDONE = "not every try was made to its end"
+"""Why, where a seat was found."""
 
 
 def check_facts(answer: Answer) -> list[Fact]:
@@ -56,7 +58,7 @@ def check_facts(answer: Answer) -> list[Fact]:
         found.append(("guarantee", _guarantee(answer["guarantee"], friction)))
     if answer["seated"] is not None:
         found.append(("seated", SEATED[answer["seated"]]))
-        found.append(("settles", _settles(**answer["tries"], asked=friction["settling"]["of"])))
+        found.append(("settles", _settles(answer["tries"], friction)))
     if answer["level"] is not None:
         found.append(("level", _level(answer)))
     forces = forces_phrase(answer["forces"])
@@ -73,14 +75,20 @@ def check_facts(answer: Answer) -> list[Fact]:
 def _level(answer: Answer) -> str:
     """The level reached, and what was asked for."""
     level, why = answer["level"], answer["why"]
-    words = level if why is None else f"{level}: {WHY[why]}"
+    seated = why == "not-found" and answer["seated"] == "yes"
+    words = level if why is None else f"{level}: {UNDONE if seated else WHY[why]}"
     return words if answer["holds"] else f"{words} (asked for: {answer['require']})"
 
 
-def _settles(passed: int, of: int, *, asked: int) -> str:
-    """How it came to rest when it was put down loosely."""
-    words = f"{passed} of {of} loose tries came to rest"
-    return words if of == asked else f"{words}; {asked} were to be made"
+def _settles(tries: Answer, friction: Answer) -> str:
+    """How it came to rest when it was put down loosely, and what makes the tries left undone."""
+    settling, more = friction["settling"], math.floor(max(friction["effort"], 1.0)) + 1
+    words = f"{tries['passed']} of {settling['of']} loose tries came to rest"
+    undone = settling["of"] - len(settling["ends"]) + settling["ends"].count("not-found")
+    if not undone:
+        return words
+    left = "one was" if undone == 1 else f"{undone} were"
+    return f"{words}; {left} not made to the end (--effort {more} may)"
 
 
 def _free_mass(parts: Iterable[Answer]) -> float:
