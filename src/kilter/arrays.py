@@ -27,6 +27,7 @@ __all__ = [
     "connected",
     "counted",
     "cross",
+    "distinct_rows",
     "ragged",
     "ratio",
     "read_only",
@@ -208,6 +209,26 @@ _KINDS: dict[Any, type | str] = {
 def columns(*shape: int) -> Any:
     """A field of `Rows` whose rows have this shape; `columns()`: one number."""
     return field(metadata={"row": shape})
+
+
+def distinct_rows(rows: NDArray[Any]) -> tuple[NDArray[Any], Index]:
+    """Each different row, once, in order, and which of them each row is.
+
+    As `numpy.unique` by rows, several times faster.
+
+    Examples
+    --------
+    >>> distinct_rows(np.array([[2, 1], [1, 3], [2, 1]]))
+    (array([[1, 3],
+           [2, 1]]), array([1, 0, 1]))
+    """
+    order = np.lexsort(rows.T[::-1])
+    ordered = rows[order]
+    fresh = np.ones(len(rows), dtype=bool)
+    fresh[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    inverse = np.empty(len(rows), dtype=np.int64)
+    inverse[order] = np.cumsum(fresh) - 1
+    return ordered[fresh], inverse
 
 
 class Rows:

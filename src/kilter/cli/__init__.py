@@ -11,7 +11,8 @@ import signal
 import sys
 import threading
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import Any
 
 from kilter.cli.exit_codes import FAULT, INTERRUPTED, USAGE, WRITTEN
@@ -51,7 +52,19 @@ def _interruptible() -> Iterator[None]:
         signal.signal(signal.SIGINT, inherited)
 
 
+def _read_ahead(words: list[str]) -> None:
+    """Have the first STEP file of a command read while the rest of kilter is loaded."""
+    from kilter.files.step_process import begin_early
+
+    named = [word for word in words if word.lower().endswith((".step", ".stp"))]
+    if named and Path(named[0]).is_file():
+        every = not any(word.startswith("--without") for word in words)
+        begin_early(Path(named[0]) if every else None)
+
+
 def _run(words: list[str]) -> int:
+    with suppress(OSError):
+        _read_ahead(words)
     import typer
 
     from kilter.cli.app import command

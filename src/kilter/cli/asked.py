@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 from kilter.cli.arguments import contact_tolerance, reading_of
 from kilter.cli.output import as_json, emit, keep_apart, tell_warnings
 from kilter.errors import InputError
-from kilter.files.formats import prepare
 from kilter.files.reading import LOWEST, Reading
 
 if TYPE_CHECKING:
@@ -89,7 +88,6 @@ class Asked:
             quiet=given["quiet"],
         )
         asked.apart()
-        prepare(Path(asked.file))
         return asked
 
     def of_file(self, file: str) -> Asked:

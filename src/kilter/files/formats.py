@@ -22,12 +22,12 @@ from kilter.files.naming import filled
 from kilter.files.obj import read_obj
 from kilter.files.placed import FileBodies
 from kilter.files.raw import read_bytes
-from kilter.files.step import begin_early, read_step
+from kilter.files.step import read_step
 from kilter.files.stl import read_stl
 from kilter.files.threemf import read_3mf
 from kilter.shape.primitives import Mesh
 
-__all__ = ["EXACT", "FORMATS", "MESHES", "load_bodies", "prepare", "read_bodies"]
+__all__ = ["EXACT", "FORMATS", "MESHES", "load_bodies", "read_bodies"]
 
 _Named = list[tuple[str | None, Mesh]]
 
@@ -69,12 +69,6 @@ EXACT = (".step", ".stp")
 """Endings of files whose faces are exact: what a part's `step` may name."""
 MESHES = tuple(ending for ending in FORMATS if ending not in EXACT)
 """Endings of mesh files: what a part's `mesh` may name."""
-
-
-def prepare(path: Path) -> None:
-    """Have what reads a file of this ending get ready while other work is done."""
-    if path.suffix.lower() in EXACT and path.is_file():
-        begin_early()
 
 
 def read_bodies(

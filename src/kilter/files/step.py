@@ -16,9 +16,9 @@ from pathlib import Path
 from kilter.errors import InputError
 from kilter.files.placed import FileBodies
 from kilter.files.raw import read_bytes
-from kilter.files.step_process import begin_early, read_apart
+from kilter.files.step_process import read_apart
 
-__all__ = ["begin_early", "read_step"]
+__all__ = ["read_step"]
 
 _TEXTS = re.compile(rb"'[^']*'|/\*.*?\*/", re.DOTALL)
 

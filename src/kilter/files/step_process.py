@@ -1,8 +1,9 @@
-"""OCCT in a process of its own, started when first needed and kept.
+"""OCCT in a process of its own, started as early as a STEP file is known of, and kept.
 
 Over a damaged file OCCT may end the process that it is in. Then the file is refused, or, where a
-solid was at work, the file is read once more with a stand-in for that solid. A process costs a
-tenth of a second once, and Python and OCCT start in it while kilter loads what it needs itself.
+solid was at work, the file is read once more with a stand-in for that solid. Python and OCCT start
+in it, and the file is read ahead, while kilter loads what it needs itself: so this module imports
+nothing that takes time.
 
 Requests and answers are pickled, each with its length before it. Only our own process writes them.
 """
@@ -10,22 +11,27 @@ Requests and answers are pickled, each with its length before it. Only our own p
 from __future__ import annotations
 
 import atexit
+import contextlib
+import gc
 import os
 import pickle
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, TYPE_CHECKING, Any
 
 from kilter.errors import InputError
-from kilter.files.placed import FileBodies
-from kilter.files.step_bodies import step_bodies
+
+if TYPE_CHECKING:
+    from kilter.files.placed import FileBodies
 
 __all__ = ["begin_early", "read_apart", "serve"]
 
 _SERVE = "import sys; sys.path[:] = {path!r}; from kilter.files.step_process import serve; serve()"
+Request = tuple[str, tuple[int, int], tuple[str, ...], set[int]]
+"""Path, when it was written and its size, names that are left out, solids that break OCCT down."""
 BREAKDOWNS = 50
 """Solids of one file over which OCCT may break down before the file is given up."""
 
@@ -38,8 +44,16 @@ class _Process:
         self.process = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
         )
+        self.ahead: Request | None = None
 
-    def ask(self, request: Any, tell: Callable[[str, int], None]) -> Any:
+    def ask_ahead(self, request: Request) -> None:
+        """Have what is likely to be asked next under way."""
+        assert self.process.stdin is not None
+        with contextlib.suppress(OSError):  # broken down: that is seen when it is asked
+            _send(self.process.stdin, request)
+        self.ahead = request
+
+    def ask(self, request: Request, tell: Callable[[str, int], None]) -> Any:
         """The answer to a request.
 
         Raises
@@ -51,7 +65,9 @@ class _Process:
         assert incoming is not None
         assert outgoing is not None
         try:
-            _send(outgoing, request)
+            if request != self.ahead:
+                _send(outgoing, request)
+            self.ahead = None
             while True:
                 kind, value = _receive(incoming)
                 if kind != "step":
@@ -72,11 +88,18 @@ class _Process:
 _kept: list[_Process] = []
 
 
-def begin_early() -> None:
-    """Start the process, so that OCCT is there when a file is read."""
+def begin_early(ahead: Path | None = None) -> None:
+    """Start the process, so that OCCT is there when a file is read, and read `ahead` at once."""
     if not _kept and _can_start():
         _kept.append(_Process())
         atexit.register(_end)
+        if ahead is not None:
+            _kept[0].ask_ahead(_request(ahead, (), set()))
+
+
+def _request(path: Path, without: tuple[str, ...], broken: set[int]) -> Request:
+    state = path.stat()
+    return str(path.absolute()), (state.st_mtime_ns, state.st_size), without, broken
 
 
 def _end() -> None:
@@ -98,6 +121,8 @@ def read_apart(path: Path, without: tuple[str, ...], progress: Callable[[str], N
         If the file is damaged.
     """
     if not _can_start():
+        from kilter.files.step_bodies import step_bodies
+
         return step_bodies(path, without, lambda stage, solid: progress(stage))
     broken: set[int] = set()
     at_work = -1
@@ -108,9 +133,12 @@ def read_apart(path: Path, without: tuple[str, ...], progress: Callable[[str], N
         progress(stage)
 
     while True:
+        request = _request(path, without, broken)
+        if _kept and _kept[0].ahead not in (None, request):
+            _end()  # another file is being read
         begin_early()
         try:
-            kind, value = _kept[0].ask((str(path.absolute()), without, broken), tell)
+            kind, value = _kept[0].ask(request, tell)
         except EOFError:
             _end()
             if at_work < 0 or at_work in broken or len(broken) >= BREAKDOWNS:
@@ -142,11 +170,14 @@ def serve() -> None:
     for stream in (0, 1):  # what OCCT prints goes nowhere
         os.dup2(nothing, stream)
     _end_with_parent()
-    import OCP.STEPCAFControl  # noqa: F401  loaded while nobody waits
+    with _uncollected():
+        import OCP.STEPCAFControl  # noqa: F401  loaded while nobody waits
+
+        from kilter.files.step_bodies import step_bodies
 
     while True:
         try:
-            path, without, broken = _receive(incoming)
+            path, _, without, broken = _receive(incoming)
         except EOFError:
             return
 
@@ -161,6 +192,17 @@ def serve() -> None:
         except Exception as error:
             answer = "fault", f"{type(error).__name__}: {error}"
         _send(outgoing, answer)
+
+
+@contextlib.contextmanager
+def _uncollected() -> Iterator[None]:
+    """No search for garbage among the many classes that are made while this lasts."""
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 def _end_with_parent() -> None:

@@ -21,7 +21,7 @@ from typing import Any
 import manifold3d
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask
+from kilter.arrays import Array, Index, Mask, distinct_rows
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.refined import refined
 from kilter.contact.triangle_distance import at_most, surface_distance
@@ -150,7 +150,7 @@ def _probes(corners: Array) -> Array:
     """Corners, middles of sides and of triangles, each once."""
     middles = (corners + np.roll(corners, -1, axis=1)) / 2
     points = np.concatenate([corners.reshape(-1, 3), middles.reshape(-1, 3), corners.mean(axis=1)])
-    return np.unique(points, axis=0)
+    return distinct_rows(points)[0]
 
 
 def _farthest(points: Array, known: Array, surface: Array, least: float) -> float:
