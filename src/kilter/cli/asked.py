@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from kilter.cli.arguments import contact_tolerance, reading_of
 from kilter.cli.output import as_json, emit, keep_apart, tell_warnings
 from kilter.errors import InputError
+from kilter.files.formats import EXACT
 from kilter.files.reading import LOWEST, Reading
 
 if TYPE_CHECKING:
@@ -105,6 +106,9 @@ class Asked:
         from kilter.contact.fits.fastening import fasten_as_read
 
         progress("reading")
+        if Path(self.file).suffix.lower() in EXACT:  # while OCCT reads, what contacts will need
+            import manifold3d  # noqa: F401
+            import shapely  # noqa: F401
         assembly = self.reading.read(self.file, progress=progress)
         return fasten_as_read(assembly, self.reading, tolerance=self.tolerance, progress=progress)
 
