@@ -13,7 +13,16 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 HOUSE = ROOT / "src" / "kilter"
-SLOW_TO_IMPORT = {"scipy", "highspy", "clarabel", "pydantic", "matplotlib", "OCP", "shapely"}
+SLOW_TO_IMPORT = {
+    "numpy",
+    "scipy",
+    "highspy",
+    "clarabel",
+    "pydantic",
+    "matplotlib",
+    "OCP",
+    "shapely",
+}
 """Packages for whose sake an import may wait inside a function: start-up."""
 
 
