@@ -29,6 +29,7 @@ from OCP.TopAbs import TopAbs_ShapeEnum
 from OCP.TopExp import TopExp_Explorer
 from step_maker import as_splines, compound, moved, placement, write_step
 
+from kilter.cli import main
 from kilter.errors import InputError
 from kilter.files import from_dict, load, to_dict
 from kilter.shape.closed import open_edges
@@ -378,3 +379,20 @@ def test_two_hundred_parts_take_seconds_and_instances_nearly_nothing(tmp_path: P
         seconds.append(time.process_time() - start)
     assert seconds[0] < 6.0  # 0.8 s for 40 on a free core: 4 s for 200
     assert seconds[1] < max(seconds[0], 1.0)
+
+
+def test_what_no_file_of_solids_says_is_told_where_nothing_holds(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    # an arm beside a post, as if screwed to it
+    arm = moved(box(20, 9, 9), placement([20, 5, 15]))
+    roots = [("post", box(20, 20, 30), None), ("arm", arm, None)]
+    path = str(write_step(tmp_path / "a.step", roots))
+    assert main(["check", path, "--floor"]) == 1
+    said = capsys.readouterr().out
+    assert "--fasten A B joins two parts" in said
+    assert "--friction 0.3 counts friction" in said
+    assert main(["check", path, "--floor", "--friction", "0.2"]) == 1
+    assert "counts friction" not in capsys.readouterr().out
+    assert main(["check", path, "--floor", "--fasten", "*", "*"]) == 0
+    assert "--fasten A B" not in capsys.readouterr().out

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -15,6 +15,9 @@ from kilter.cli.options import FORM, File, Json, Output, Quiet, asks
 from kilter.cli.output import Progress, as_json, emit, keep_apart, write_whole
 from kilter.errors import InputError
 from kilter.tell.levels import REQUIRE
+
+if TYPE_CHECKING:
+    from kilter.analysis.verdict import Verdict
 
 __all__ = ["check", "contacts", "example", "verify"]
 
@@ -78,7 +81,7 @@ def check(
     from kilter.analysis.check import check as decide
     from kilter.contact.fits.suggestions import suggest_joints
     from kilter.tell.tables import forces_table
-    from kilter.tell.text import suggestions_hint, suggestions_text
+    from kilter.tell.text import suggestions_text
 
     asked.apart(proof)
     with Progress(asked.quiet) as progress:
@@ -109,8 +112,7 @@ def check(
             caution = f"undecided: no proof to write, {proof} is left as it was"
             answer["warnings"].append(caution)
     if not suggest and verdict.verdict != "stable" and not asked.json:
-        looks = suggest_joints(verdict.assembly, verdict.contacts)
-        after = suggestions_hint([one.kind for one in looks if one.fixed]) + after
+        after = _hint(verdict) + after
     if suggest:
         listed = [one.to_dict() for one in suggest_joints(verdict.assembly, verdict.contacts)]
         answer["suggested_joints"] = listed
@@ -119,6 +121,20 @@ def check(
     if verdict.level is None:
         return VERDICT[verdict.verdict]
     return HOLDS if verdict.stable else LOWER
+
+
+def _hint(verdict: Verdict) -> str:
+    """What looks fastened; of unstable solids that nothing joins, what their file leaves out."""
+    from kilter.contact.fits.suggestions import suggest_joints
+    from kilter.shape.solid import Solid
+    from kilter.tell.text import solids_hint, suggestions_hint
+
+    looks = suggest_joints(verdict.assembly, verdict.contacts)
+    firm = [one.kind for one in looks if one.fixed]
+    solids = any(isinstance(part.shape, Solid) for part in verdict.assembly.parts)
+    if not firm and solids and verdict.verdict == "unstable" and not verdict.assembly.joints:
+        return solids_hint(friction=bool(verdict.contacts.patch_mu.any()))
+    return suggestions_hint(firm)
 
 
 @asks()

@@ -10,7 +10,15 @@ from kilter.tell.numbers import count, plain, shortened
 from kilter.tell.shared_facts import Answer
 from kilter.tell.tables import Name, Table, moving_table, sentences, tables
 
-__all__ = ["LISTED", "aligned", "listed", "suggestions_hint", "suggestions_text", "text_of"]
+__all__ = [
+    "LISTED",
+    "aligned",
+    "listed",
+    "solids_hint",
+    "suggestions_hint",
+    "suggestions_text",
+    "text_of",
+]
 
 LISTED = 20
 """Rows of a list that are shown; --json gives all."""
@@ -84,6 +92,22 @@ def suggestions_hint(kinds: Sequence[str]) -> str:
     return (
         f"\n\n{count(len(kinds), 'pair')} {verb} fastened ({counted}): --fasten-suggested joins "
         f"{them}, --suggest-joints lists {them}."
+    )
+
+
+def solids_hint(*, friction: bool) -> str:
+    """What solids of CAD leave out that an unstable verdict may hang on.
+
+    Examples
+    --------
+    >>> solids_hint(friction=True).strip()
+    "No file of solids says what is screwed or glued: --fasten A B joins two parts that touch, \
+--fasten '*' '*' all that do."
+    """
+    rubs = "" if friction else " None says how parts rub: --friction 0.3 counts friction."
+    return (
+        "\n\nNo file of solids says what is screwed or glued: --fasten A B joins two parts that "
+        f"touch, --fasten '*' '*' all that do.{rubs}"
     )
 
 
