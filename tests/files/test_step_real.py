@@ -14,6 +14,7 @@ pytest.importorskip("OCP")
 from kilter.assembly import Assembly
 from kilter.contact import detect
 from kilter.files import from_dict, load, to_dict
+from kilter.shape.closed import open_edges
 from kilter.shape.recognition import recognise
 from kilter.shape.solid import Solid
 
@@ -117,3 +118,26 @@ def test_shells_on_one_axis_do_not_interfere_and_what_overlaps_does() -> None:
     assert set(found) == set(OVERLAPS)
     for parts, volume in OVERLAPS.items():
         assert found[parts].volume == pytest.approx(volume, rel=0.02)
+    # both belong to one foot, whose copy is where it should be
+    asked = next(word for word in contacts.remarks() if "placed right" in word)
+    assert "is 'foot_2/footback' placed right?" in asked
+    assert "its copy 'foot_1/footfront' overlaps nothing" in asked
+
+
+CLIPS = FILE.parents[1] / "voron" / "SKR_3_Din_Mount.step"
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not CLIPS.is_file(), reason="real data is not here")
+def test_a_file_with_faces_that_the_mesher_leaves_out_is_read_whole() -> None:
+    assembly = load(CLIPS)
+    assert Counter(name[:-2] for name in assembly.names) == {"DIN Clips (3)": 2, "SKR Bracket": 2}
+    for part in assembly.parts:
+        shape = part.shape
+        assert isinstance(shape, Solid)
+        assert len(shape.holes) == 0
+        assert not shape.stand_in
+        assert len(open_edges(shape.vertices, shape.triangles)) == 0
+        corners = shape.vertices[shape.triangles]
+        cut = np.einsum("ni,ni->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6
+        assert shape.volume == pytest.approx(cut, rel=0.01)
