@@ -38,7 +38,10 @@ def rechecked(made: Made, capsys: pytest.CaptureFixture[str], slack: float) -> s
         return "refused"
     assembly = load(made.path)
     geometry = assembly.geometry
-    assert sorted(assembly.names) == sorted(made.volumes)
+    # a ball or a ring that lost its only face is nothing: it is named as left out
+    passed = [note for note in assembly.notes if "passed over" in note]
+    gone = {name for name in made.spoilt if any(f"{name}' (1 shell)" in note for note in passed)}
+    assert sorted(assembly.names) == sorted(set(made.volumes) - gone)
     for k, name in enumerate(assembly.names):
         doubted = any(repr(name) in note for note in assembly.notes)
         if name not in made.spoilt and not doubted:

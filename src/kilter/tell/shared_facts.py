@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from kilter.errors import some
-from kilter.tell.numbers import number, plain, vector
+from kilter.tell.numbers import number, plain, shortened, vector
 
 __all__ = [
     "Answer",
@@ -41,9 +41,10 @@ def joint_facts(answer: Answer) -> list[Fact]:
     """The joints, a row a kind."""
     found: list[Fact] = []
     joints = answer.get("joints", ())
+    short = shortened(dict.fromkeys(name for joint in joints for name in joint["parts"]))
     for kind in dict.fromkeys(joint["kind"] for joint in joints):
         pairs = [
-            " - ".join(plain(name) for name in joint["parts"])
+            " - ".join(short[name] for name in joint["parts"])
             for joint in joints
             if joint["kind"] == kind
         ]

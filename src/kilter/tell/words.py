@@ -33,6 +33,8 @@ SMALL = 1e-3
 """A component below this part of a motion is left out of the words."""
 ALONG = 1e-6
 """A direction this near to an axis, or to gravity, is called by its name."""
+LEVEL = 5e-4
+"""A direction that leans by less is level as it is shown, with three decimals."""
 NAMED = 2
 """Parts that `motion_summary` describes, the fastest."""
 SENTENCES = {
@@ -255,6 +257,8 @@ def motion_words(
     'slides +x at 0.4995 g'
     >>> motion_words(np.array([4.9, 0, -4.9, 0, 0, 0]), np.array([0.7064, 0]), down)
     'slides down along (0.707, 0, -0.707) at 0.7064 g'
+    >>> motion_words(np.array([0.6, 0.8, 1e-4, 0, 0, 0]), np.array([0.1, 0]), down)
+    'slides along (0.6, 0.8, 0) at 0.1 g'
     >>> tipping = np.array([0, 0, -3.0, 0, 6.0, 0])
     >>> motion_words(tipping, np.array([0.3058, 0.5]), down, center=np.array([0.5, 0, 1]))
     'tips about +y through (0, 0, 1) at 6 rad/s^2, its centre drops at 0.3058 g'
@@ -313,7 +317,7 @@ def _translation(linear: Array, size: float, down: Array) -> str:
     if level < ALONG:
         verb = "rises" if fall < 0 else "falls freely" if abs(size - 1) < 1e-9 else "drops"
         return f"{verb} at {size:.4g} g"
-    toward = "" if abs(fall) < ALONG else " down" if fall > 0 else " up"
+    toward = "" if abs(fall) < LEVEL else " down" if fall > 0 else " up"
     name = _direction(linear)
     along = name if name[0] in "+-" else f"along {name}"
     return f"slides{toward} {along} at {size:.4g} g"
