@@ -39,7 +39,7 @@ def bare(rng, parts, points, *, planar):
         free=np.arange(count) > 0, center=center, mass=rng.uniform(0.5, 2.0, count),
         inertia=inertia, radius=np.ones(count), gravity=np.array([0.0, 0, -9.81]),
         applied=np.zeros((count, 6)), part_a=ints, part_b=ints, point=empty, normal=empty,
-        kind=ints, two_sided=mask, angular=mask, mu=np.zeros(0), source=ints,
+        kind=ints, two_sided=mask, angular=mask, mu=np.zeros(0), source=ints, doubt=np.zeros(0),
         tolerance=np.full(count, 1e-9), planar=planar, units="m",
     )  # fmt: skip
 
@@ -92,6 +92,7 @@ def contacts(rng, program, patches, *, planar, corners):
     size = len(rows)
     return program.with_rows(
         part_a=a, part_b=b, point=x, normal=n, mu=mu, source=source,
+        doubt=np.zeros(len(mu)),
         kind=np.full(size, CONTACT), two_sided=np.zeros(size, dtype=bool),
         angular=np.zeros(size, dtype=bool),
     )  # fmt: skip
@@ -174,5 +175,6 @@ def jointed(program, a, b, at):
         kind=more(program.kind, np.full(6, JOINT)),
         two_sided=more(program.two_sided, np.ones(6, dtype=bool)),
         angular=more(program.angular, np.arange(6) >= 3),
-        mu=more(program.mu, np.zeros(6)), source=more(program.source, np.zeros(6, dtype=int)),
+        mu=more(program.mu, np.zeros(6)), doubt=more(program.doubt, np.zeros(6)),
+        source=more(program.source, np.zeros(6, dtype=int)),
     )  # fmt: skip
