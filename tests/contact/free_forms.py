@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 
 from kilter.assembly import Assembly
-from kilter.assembly.geometry import polyhedron_moments
+from kilter.assembly.polyhedra import polyhedron_moments
 from kilter.shape.primitives import Mesh
 from kilter.shape.solid import Solid, Surface
 
