@@ -142,20 +142,42 @@ def ragged(start: Index, which: Index) -> tuple[Index, Index]:
     return owner, np.arange(len(owner)) + np.repeat(first - (np.cumsum(count) - count), count)
 
 
+FEW = 50_000
+"""Pairs up to which `connected` needs no sparse matrices: they take longer to load than it does."""
+
+
 def connected(count: int, first: Index, second: Index) -> Index:
     """A number for each of `count` things, the same for those that pairs of them connect.
+
+    They are numbered by the first of each.
 
     Examples
     --------
     >>> connected(4, np.array([0, 3]), np.array([3, 2]))
     array([0, 1, 0, 0])
     """
+    if len(first) <= FEW:
+        return _joined_to_least(count, first, second)
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
     graph = coo_array((np.ones(len(first)), (first, second)), shape=(count, count))
     label: Index = connected_components(graph, directed=False)[1].astype(np.int64)
     return label
+
+
+def _joined_to_least(count: int, first: Index, second: Index) -> Index:
+    """`connected`, each group joined to the least that it meets until none meets another."""
+    least: Index = np.arange(count)
+    while True:
+        one, other = least[first], least[second]
+        apart = one != other
+        if not apart.any():
+            return np.unique(least, return_inverse=True)[1].reshape(-1).astype(np.int64)
+        first, second, one, other = first[apart], second[apart], one[apart], other[apart]
+        np.minimum.at(least, np.maximum(one, other), np.minimum(one, other))
+        while ((nearer := least[least]) != least).any():
+            least = nearer
 
 
 def read_only(arrays: Any) -> None:
