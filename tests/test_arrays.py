@@ -122,3 +122,14 @@ def test_connected_things_share_a_number(pairs: list[tuple[int, int]]) -> None:
         plain = [plain[a] if number == plain[b] else number for number in plain]
     same = [[label[a] == label[b] for a in range(8)] for b in range(8)]
     assert same == [[plain[a] == plain[b] for a in range(8)] for b in range(8)]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_few_and_many_pairs_are_numbered_alike(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(seed)
+    chain = rng.permutation(300)
+    for first, second in [rng.integers(0, 300, (2, 250)), (chain[:-1], chain[1:])]:
+        few = connected(300, first, second)
+        with monkeypatch.context() as patch:
+            patch.setattr("kilter.arrays.FEW", -1)
+            assert few.tolist() == connected(300, first, second).tolist()
