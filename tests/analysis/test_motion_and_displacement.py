@@ -168,3 +168,19 @@ def test_stable_assembly_has_no_motion_by_gauss_either():
         found = find_motion(program_of(scene(name)))
         assert found.instability < 1e-7
         assert not found.moves.any()
+
+
+def test_figures_that_no_solver_finishes_are_left_out_and_the_verdict_stands(monkeypatch):
+    from kilter import check, example
+    from kilter.solvers import highs
+
+    assembly = example("paper-figure-8")
+    verdict = check(assembly)
+    monkeypatch.setattr(highs, "FEW", 1)
+    monkeypatch.setattr(highs, "MANY", 0)
+    monkeypatch.setattr(highs, "INTERIOR_STEPS", 1)
+    answer = verdict.to_dict()
+    assert answer["verdict"] == "unstable"
+    assert answer["z"] is None
+    assert {part["displacement"] is None for part in answer["parts"]} == {True}
+    assert any("no solver finished LP (9)" in warning for warning in answer["warnings"])

@@ -29,19 +29,20 @@ LIMIT = 300
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Displacement:
-    """Optimum `z` of LP (9), and displacements, shape (N, 6), or None above the limit."""
+    """Optimum `z` of LP (9), and displacements, shape (N, 6), or None above the limit.
 
-    z: float
+    Both are None where no solver finished the program.
+    """
+
+    z: float | None
     displacement: Array | None
 
 
 def find_displacement(program: Program) -> Displacement:
     """Solve LP (9) of the paper.
 
-    Raises
-    ------
-    SolverError
-        If no solver finishes it: it has an optimum, so that is a breakdown.
+    Where no solver finishes it, z is None: it has an optimum, so that is a breakdown, and no
+    answer about the assembly.
 
     Examples
     --------
@@ -62,7 +63,8 @@ def find_displacement(program: Program) -> Displacement:
     size = max(float(np.abs(lp.cost).max(initial=0.0)), TINY)
     scaled = dataclasses.replace(lp, cost=lp.cost / size)
     answer = find_optimum(scaled, method="simplex" if count <= LIMIT else "interior")
-    answer.required("the displacements")
+    if not answer.optimal:
+        return Displacement(None, None)
     z = min(float(lp.cost @ answer.x), 0.0)
     if count > LIMIT:
         return Displacement(z, None)

@@ -340,10 +340,16 @@ class Verdict:
                 "verdict": self.tolerance,
                 "moves": MOVES,
             },
-            "warnings": [*self.warnings, *([self.barely] if self.barely else [])],
+            "warnings": [*self.warnings, *self._cautions()],
             "time_limit": self.time_limit,
             "seconds": dict(self.seconds),
         }
+
+    def _cautions(self) -> list[str]:
+        """Warnings that only the motions bring."""
+        failed = self.measured and self.displacement.z is None
+        unfinished = "no solver finished LP (9): z and displacements are left out"
+        return [*([self.barely] if self.barely else []), *([unfinished] if failed else [])]
 
     def _part(self, k: int) -> dict[str, Any]:
         """A part of the answer: its mass, and how it starts to move."""

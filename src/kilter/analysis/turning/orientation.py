@@ -76,7 +76,8 @@ class Orientation:
         Whether forces of friction were counted: what is found then has forces that hold it,
         and `check` tells what friction guarantees there.
     z : float
-        LP (9) at `down`, gravity of length 1 (2-norm, as in `check`) [kg x length unit].
+        LP (9) at `down`, gravity of length 1 (2-norm, as in `check`) [kg x length unit]; None
+        where no solver finished it.
     instability : float
         kappa at `down` [-].
     nearest : Nearest or None
@@ -99,7 +100,7 @@ class Orientation:
     rotation: Array
     tilt_margin_deg: float | None
     friction: bool
-    z: float
+    z: float | None
     instability: float
     nearest: Nearest | None
     method: Method
@@ -252,7 +253,8 @@ def _found(
     assembly, contacts = every.assemblies[0], every.contacts[0]
     down = direction / float(np.linalg.norm(direction)) + 0.0
     margin = _tilt_margin_deg(program, every, down)
-    z = instability = 0.0
+    z: float | None = 0.0
+    instability = 0.0
     if every.friction:
         verdict = check(assembly.with_down(down), contacts=contacts, effort=0.0)
         z, instability = verdict.displacement.z, verdict.motion.instability
