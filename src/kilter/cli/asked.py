@@ -106,9 +106,12 @@ class Asked:
         from kilter.contact.fits.fastening import fasten_as_read
 
         progress("reading")
-        if Path(self.file).suffix.lower() in EXACT:  # while OCCT reads, what contacts will need
+        if Path(self.file).suffix.lower() in EXACT:  # while OCCT reads, what is needed next
             import manifold3d  # noqa: F401
             import shapely  # noqa: F401
+
+            import kilter.analysis.check
+            import kilter.solvers.highs  # noqa: F401
         assembly = self.reading.read(self.file, progress=progress)
         return fasten_as_read(assembly, self.reading, tolerance=self.tolerance, progress=progress)
 

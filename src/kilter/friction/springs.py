@@ -109,8 +109,8 @@ def spring_system(law: CoulombLaw) -> SpringSystem:
         place, row, start = _stored(i, j, used, len(law.load))
         band = 0
     return SpringSystem(
-        law, law.matrix.T.tocsr(), lever, points, pair.reshape(-1), place.reshape(len(pairs), -1),
-        band, order, row, start, _weights(law),
+        law, law.matrix.T.tocsr(), lever, points, pair.reshape(-1),
+        place.reshape(len(pairs), 4 * per * per), band, order, row, start, _weights(law),
     )  # fmt: skip
 
 
