@@ -257,6 +257,8 @@ def test_a_dome_needs_one_stone_held() -> None:
     rechecked(none)
     order = kilter.plan(dome)
     assert (order.verdict, order.holds_max) == ("found", 1)
+    assert order.held_steps <= 5
+    rechecked(order)
 
 
 @pytest.mark.slow

@@ -8,8 +8,9 @@ From the whole assembly parts are taken away one by one. A part p may leave S fo
     T holds, at most K of its parts held                       `kilter.analysis.planning.states`
 
 What holds T is asked with p absent: along its way in contacts with p can only add forces, and once
-it is in place, T + p with p held too holds as well. First come parts that leave a T which needs no
-hold, the highest first and near the last one; then those that need holds; then ways of two legs.
+it is in place, T + p with p held too holds as well. The highest layer leaves first: of it, parts
+near the last one that leave a T which needs no hold, then those that need holds. (To dig a hold's
+part out from below instead keeps it held for many steps.) Ways of two legs come last.
 
 Sets from which no order leads on are kept, so that none is searched twice. The search is that of
 one K; K is raised where it fails, so that the first order found has the fewest parts held at once
@@ -18,8 +19,9 @@ among those that such ways allow.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from itertools import groupby
 
 import numpy as np
 
@@ -134,8 +136,21 @@ class OrderSearch:
     def _removals(self, present: int, last: int | None, hold: int) -> Iterator[Removed]:
         """What may leave a set of parts, the best first."""
         self.visited += 1
-        stuck, falling = [], []
-        for part in self._candidates(present, last):
+        stuck: list[int] = []
+        candidates = self._candidates(present, last)
+        for _, layer in groupby(candidates, key=lambda part: self._height[part]):
+            yield from self._of_layer(layer, present, hold, stuck)
+        for part in stuck:
+            legs = self._way_out(part, present, 2)
+            if legs is not None:
+                yield from self._held(part, legs, present, hold)
+
+    def _of_layer(
+        self, layer: Iterable[int], present: int, hold: int, stuck: list[int]
+    ) -> Iterator[Removed]:
+        """What may leave of one layer; those without a straight way are put to the stuck ones."""
+        falling = []
+        for part in layer:
             legs = self._way_out(part, present, 1)
             if legs is None:
                 stuck.append(part)
@@ -147,10 +162,6 @@ class OrderSearch:
                 falling.append((int(state.moves.sum()), part, legs))
         for _, part, legs in sorted(falling, key=lambda one: one[0]):
             yield from self._held(part, legs, present, hold)
-        for part in stuck:
-            legs = self._way_out(part, present, 2)
-            if legs is not None:
-                yield from self._held(part, legs, present, hold)
 
     def _candidates(self, present: int, last: int | None) -> list[int]:
         """Parts that may leave by precedence and touch, the highest and nearest first."""
