@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from kilter.analysis.margins.margin import Margin as Margin
     from kilter.analysis.margins.margin import margin as margin
     from kilter.analysis.planning.order import Order as Order
-    from kilter.analysis.planning.order import Step as Step
     from kilter.analysis.planning.plan import plan as plan
+    from kilter.analysis.planning.plan_step import Step as Step
     from kilter.analysis.planning.state import State as State
     from kilter.analysis.planning.states import States as States
     from kilter.analysis.planning.states import states as states
@@ -106,7 +106,7 @@ _HOMES = {
     "Report": "kilter.publish",
     "State": "kilter.analysis.planning.state",
     "States": "kilter.analysis.planning.states",
-    "Step": "kilter.analysis.planning.order",
+    "Step": "kilter.analysis.planning.plan_step",
     "Verdict": "kilter.analysis.verdict",
     "Verification": "kilter.analysis.verification",
     # and what they refuse

@@ -87,7 +87,7 @@ def test_two_steps_exchanged_are_refused() -> None:
     proof = rechecked(order)
     steps = [k for k, one in enumerate(proof["proofs"]) if one["about"] == "step"]
     first, second = (proof["proofs"][k] for k in steps[1:3])
-    first["part"], second["part"] = second["part"], first["part"]
+    first["parts"], second["parts"] = second["parts"], first["parts"]
     why = reasons(order, proof)
     assert "touches nothing that stands" in why
     assert "its state is not what stands before it" in why

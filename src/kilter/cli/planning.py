@@ -75,6 +75,24 @@ def plan(
             show_default=False,
         ),
     ] = None,
+    group: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--group",
+            metavar="PATTERN",
+            help="The parts that match move as one; repeatable, * and ? are globs.",
+            rich_help_panel=ORDER,
+            show_default=False,
+        ),
+    ] = None,
+    together: Annotated[
+        bool,
+        typer.Option(
+            "--together",
+            help="Parts that stop one another may move as one where none leaves alone.",
+            rich_help_panel=ORDER,
+        ),
+    ] = False,
     require: Annotated[
         str,
         typer.Option(
@@ -116,6 +134,8 @@ def plan(
             before=[pair_of("--before", words) for words in before or ()],
             never_hold=never_hold or (),
             screws=[pair_of("--screws", words) for words in screws or ()],
+            groups=group or (),
+            together=together,
             require=require,
             effort=asked.effort,
             time_limit=asked.time_limit,

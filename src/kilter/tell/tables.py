@@ -220,7 +220,7 @@ def _steps(answer: Answer) -> Table:
 
     def row(item: tuple[int, Answer]) -> Sequence[str]:
         number, step = item
-        return str(number), Name(step["parts"][0]), *step_cells(step)
+        return str(number), Name(", ".join(step["parts"])), *step_cells(step)
 
     return Table("Put in one after the other:", (), numbered, row)
 

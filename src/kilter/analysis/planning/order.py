@@ -1,27 +1,21 @@
 """Order: the answer of `plan`, its steps forwards, each with what proves it.
 
-A step puts one part in along its way, reversed: from far away to its seat. What stands then, the
-held parts held, holds with the moving part absent; once it is in place and held too, it holds as
-well. Between two steps some parts are gripped and some let go; in which succession the hands do so
-is not asked.
+Between two steps some parts are gripped and some let go; in which succession the hands do so is not
+asked.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from kilter.analysis.check import check
-from kilter.analysis.judge import judge
-from kilter.analysis.planning.removal import Direction, Leg, Screw
-from kilter.analysis.planning.search import OrderSearch, Removed
+from kilter.analysis.planning.plan_step import FAR, VERDICTS, Step, held_names
+from kilter.analysis.planning.removal import Screw
 from kilter.analysis.planning.state import State
 from kilter.analysis.planning.states import States
-from kilter.arrays import Array
-from kilter.contact.sub_contacts import contacts_among
 from kilter.errors import InputError
 from kilter.mechanics.bundle import make_bundle
 from kilter.tell.html import html_of
@@ -29,71 +23,7 @@ from kilter.tell.levels import holds
 from kilter.tell.numbers import count
 from kilter.tell.plan_words import order_sentence
 
-__all__ = ["Order", "Step", "steps_of"]
-
-FAR = 2.0
-"""How far away a part begins, over the size of the whole assembly."""
-VERDICTS = {"proved": "stable", "settles": "settles", "equilibrium": "potentially-stable"}
-"""Of a step by its level."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Step:
-    """A part that is put in.
-
-    Attributes
-    ----------
-    part : str
-    legs : tuple of Leg
-        Its way out; it comes in along it, reversed.
-    over : str or None
-        The bolt over whose thread it comes.
-    touches, rubs : tuple of str
-        What it touches once it is in place; what it slides along on the last piece of its way.
-    held, grips, releases : tuple of str
-        Parts held while it moves; of these, those that were not held before; parts that were.
-    state : State
-        What stands while it moves.
-    level : {"proved", "settles", "equilibrium"}
-        How surely that holds.
-    """
-
-    part: str
-    legs: tuple[Leg, ...]
-    over: str | None
-    touches: tuple[str, ...]
-    rubs: tuple[str, ...]
-    held: tuple[str, ...]
-    grips: tuple[str, ...]
-    releases: tuple[str, ...]
-    state: State
-    level: str
-
-    @property
-    def direction(self) -> Direction:
-        """The direction of the last piece of its way in (unit, world frame)."""
-        x, y, z = (0.0 - one for one in self.legs[0].direction)
-        return x, y, z
-
-    def path(self, far: float) -> Array:
-        """Its way in, as places relative to its seat, the seat last, shape (n, 3) [length unit].
-
-        Parameters
-        ----------
-        far : float
-            Length of the endless piece.
-        """
-        lengths = [leg.length if np.isfinite(leg.length) else far for leg in self.legs]
-        pieces = [
-            size * np.array(leg.direction) for size, leg in zip(lengths, self.legs, strict=True)
-        ]
-        places = np.cumsum([np.zeros(3), *pieces], axis=0)
-        back: Array = places[::-1] + 0.0
-        return back
-
-    def __repr__(self) -> str:
-        held = f", held: {', '.join(self.held)}" if self.held else ""
-        return f"<Step: {self.part}{held}>"
+__all__ = ["Order"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,6 +52,10 @@ class Order:
     directions : tuple
         That were tried.
     screws : tuple of Screw
+    moved_as_one : tuple of tuples of str
+        Groups that were asked for.
+    together : bool
+        Whether parts that stop one another might move as one.
     exhausted, interrupted : bool
         Whether the search came to its end; whether it was stopped from outside.
     time_limit : float or None
@@ -141,6 +75,8 @@ class Order:
     precedence: tuple[tuple[str, str], ...]
     directions: tuple[Any, ...]
     screws: tuple[Screw, ...]
+    moved_as_one: tuple[tuple[str, ...], ...]
+    together: bool
     exhausted: bool
     interrupted: bool
     time_limit: float | None
@@ -204,6 +140,8 @@ class Order:
                 "directions": [d if isinstance(d, str) else list(d) for d in self.directions],
                 "tolerance": self.states.contacts.tolerance.relative_gap,
                 "screws": [[assembly.names[s.bolt], assembly.names[s.nut]] for s in self.screws],
+                "groups": [list(group) for group in self.moved_as_one],
+                "together": self.together,
             },
             "interrupted": self.interrupted,
             "time_limit": self.time_limit,
@@ -215,7 +153,7 @@ class Order:
     def _step(self, step: Step) -> dict[str, Any]:
         far = FAR * float(np.ptp(self.states.assembly.geometry.vertices, axis=0).max())
         return {
-            "parts": [step.part],
+            "parts": list(step.parts),
             "direction": list(step.direction),
             "path": step.path(far).tolist(),
             "touches": list(step.touches),
@@ -256,7 +194,7 @@ class Order:
             joined = [_cell(";".join(one)) for one in cells]
             along = [f"{x:.12g}" for x in step.direction]
             rest = [_cell(";".join(step.touches)), step.level]
-            rows.append(",".join([str(k), _cell(step.part), *joined, *along, *rest]))
+            rows.append(",".join([str(k), _cell(";".join(step.parts)), *joined, *along, *rest]))
         return "\n".join(rows) + "\n"
 
     def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
@@ -282,7 +220,7 @@ class Order:
             (
                 {
                     "about": "step",
-                    "part": step.part,
+                    "parts": list(step.parts),
                     "legs": [
                         [list(leg.direction), leg.length if np.isfinite(leg.length) else None]
                         for leg in step.legs
@@ -300,15 +238,12 @@ class Order:
         for about, state in stated:
             change = {
                 "without": [n for n, here in zip(names, state.present, strict=True) if not here],
-                "held": self._held(state),
+                "held": held_names(self.states, state),
             }
             proofs.append(
                 ({**about, "change": change}, self.states.proof(state, options=options or {}))
             )
         return make_bundle("plan", proofs)
-
-    def _held(self, state: State) -> list[str]:
-        return _held_names(self.states, state)
 
     def _repr_html_(self) -> str:
         """What a notebook shows."""
@@ -329,56 +264,3 @@ def _cell(text: str) -> str:
     if any(sign in text for sign in ',"\n\r'):
         return '"' + text.replace('"', '""') + '"'
     return text
-
-
-def _held_names(states: States, state: State) -> list[str]:
-    """Parts of a state that are held, beside the grounded ones."""
-    grounded = states.assembly.geometry.grounded
-    held = state.present & ~state.free & ~grounded
-    return [name for name, one in zip(states.assembly.names, held, strict=True) if one]
-
-
-def steps_of(
-    search: OrderSearch, removed: Sequence[Removed], require: str, effort: float
-) -> list[Step]:
-    """The removals as steps forwards, each with the level that its state reaches."""
-    states, names = search.states, search.states.assembly.names
-    steps: list[Step] = []
-    before: set[str] = set()
-    for one in reversed(removed):
-        held = _held_names(states, one.state)
-        touches, rubs = search.removal.touching(one.part, one.state.present, one.legs[0].direction)
-        bolt = search.removal.over(one.part, one.state.present)
-        steps.append(
-            Step(
-                part=names[one.part],
-                legs=one.legs,
-                over=None if bolt is None else names[bolt],
-                touches=_names(names, touches),
-                rubs=_names(names, rubs),
-                held=tuple(held),
-                grips=tuple(name for name in held if name not in before),
-                releases=tuple(sorted(before - set(held), key=names.index)),
-                state=one.state,
-                level=_level(states, one.state, require, effort),
-            )
-        )
-        before = {*held, names[one.part]} if held else set()
-    return steps
-
-
-def _names(names: Sequence[str], parts: Iterable[int]) -> tuple[str, ...]:
-    return tuple(names[k] for k in parts)
-
-
-def _level(states: States, state: State, require: str, effort: float) -> str:
-    """How surely a state holds that forces can hold."""
-    if state.verdict is not None and state.verdict.level is not None:
-        return state.verdict.level
-    if judge(state.program.frictionless).stable:
-        return "proved"
-    if require == "equilibrium":
-        return "equilibrium"
-    assembly = states.sub_assembly(state)
-    contacts = contacts_among(states.contacts, assembly)
-    return check(assembly, contacts=contacts, require=require, effort=effort).level or "equilibrium"

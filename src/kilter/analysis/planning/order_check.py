@@ -17,7 +17,7 @@ from kilter.analysis.planning.part_sets import bits_of
 from kilter.analysis.planning.sweeps import Sweeps
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
-from kilter.errors import InputError
+from kilter.errors import InputError, some_names
 from kilter.rigid import unit
 
 __all__ = ["wrong_order"]
@@ -53,23 +53,37 @@ def _wrong_steps(assembly: Assembly, contacts: ContactSet, steps: Sequence[About
         frozenset((assembly.names[a], assembly.names[b])) for a, b in contacts.patch_parts.tolist()
     } | {frozenset(joint.parts) for joint in assembly.joints}
     for number, step in enumerate(steps, 1):
-        part, change = step["part"], step["change"]
-        if assembly.index_of(part) >= 0 and part in standing:
-            reasons.append(f"step {number}: {part!r} stands already")
+        parts, change = step["parts"], step["change"]
+        moved = [assembly.index_of(part) for part in parts]
+        said = some_names(parts)
+        if standing.intersection(parts) or len(set(parts)) < len(parts) or not parts:
+            reasons.append(f"step {number}: {said} stands already")
         if set(change["without"]) != set(assembly.names) - standing:
             reasons.append(f"step {number}: its state is not what stands before it")
-        if not any(frozenset((part, other)) in touching for other in standing):
-            reasons.append(f"step {number}: {part!r} touches nothing that stands")
+        if not _hang_on(standing, parts, touching):
+            reasons.append(f"step {number}: {said} touches nothing that stands")
         there = bits_of(np.array([name in standing for name in assembly.names], dtype=bool))
         if step["over"] is not None:
             there &= ~(1 << assembly.index_of(step["over"]))
-        if _stopped(assembly, sweeps, assembly.index_of(part), there, step["legs"]):
-            reasons.append(f"step {number}: something is in the way of {part!r}")
-        standing.add(part)
+        if any(_stopped(assembly, sweeps, part, there, step["legs"]) for part in moved):
+            reasons.append(f"step {number}: something is in the way of {said}")
+        standing.update(parts)
     missing = set(assembly.names) - standing
     if missing:
         reasons.append(f"{min(missing)!r} is never put in")
     return reasons
+
+
+def _hang_on(standing: set[str], parts: Sequence[str], touching: set[frozenset[str]]) -> bool:
+    """Whether all of some parts touch what stands, or one another of those that do."""
+    there, left = set(standing), set(parts)
+    while left:
+        near = {p for p in left if any(frozenset((p, other)) in touching for other in there)}
+        if not near:
+            return False
+        there |= near
+        left -= near
+    return True
 
 
 def _stopped(assembly: Assembly, sweeps: Sweeps, part: int, there: int, legs: Any) -> bool:

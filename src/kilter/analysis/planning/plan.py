@@ -16,13 +16,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.analysis.planning.closure import find_unreachable
-from kilter.analysis.planning.order import Order, steps_of
-from kilter.analysis.planning.part_sets import bits_of
+from kilter.analysis.planning.order import Order
+from kilter.analysis.planning.part_sets import bits_of, members
+from kilter.analysis.planning.plan_step import steps_of
 from kilter.analysis.planning.removal import Removal, Screw
 from kilter.analysis.planning.screws import find_screws
 from kilter.analysis.planning.search import OrderSearch, Removed
 from kilter.analysis.planning.state import State
 from kilter.analysis.planning.states import States, states
+from kilter.analysis.planning.together import units_of_groups
 from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance
 from kilter.errors import InputError, some_names
@@ -48,6 +50,8 @@ def plan(
     before: Iterable[tuple[str, str]] = (),
     never_hold: str | Iterable[str] = (),
     screws: Iterable[tuple[str, str]] = (),
+    groups: Iterable[str | Iterable[str]] = (),
+    together: bool = False,
     require: str = "equilibrium",
     effort: float = EFFORT,
     time_limit: float | None = None,
@@ -71,6 +75,11 @@ def plan(
         Parts that must not be held.
     screws : iterable of pairs of str
         Bolts and nuts: a bolt stays while its nut is on, a nut comes off along its axis.
+    groups : iterable of str or of iterables of str
+        Parts that match one of them move as one. What holds them to one another on their way is
+        not asked; once they are in place, each stands by itself.
+    together : bool
+        Whether parts that stop one another may move as one where none leaves alone.
     require : {"equilibrium", "settles", "proved"}
         The level that `Order.holds` asks of every step; the search is at "equilibrium".
     effort : float
@@ -83,7 +92,8 @@ def plan(
     ------
     InputError
         If nothing or everything is grounded, the whole does not hold, a name matches nothing,
-        the precedence goes round in a circle, or no thread joins the parts of a screw.
+        the precedence goes round in a circle, no thread joins the parts of a screw, or a part is
+        in two groups.
 
     Examples
     --------
@@ -98,10 +108,10 @@ def plan(
     most = MOST_HELD if hold is None else _whole_number(hold)
     if time_limit is not None:
         time_limit = number(time_limit, "time_limit", lowest=0)
-    units = SEARCH * units_of(number(effort, "effort", lowest=0))
-    work = Work(units, progress, time_limit=time_limit)
+    budget = SEARCH * units_of(number(effort, "effort", lowest=0))
+    work = Work(budget, progress, time_limit=time_limit)
     started = time.perf_counter()
-    after = _later(assembly, before)
+    after, units = _later(assembly, before), units_of_groups(assembly, groups)
     found = states(assembly, contacts=contacts, tolerance=tolerance, progress=progress)
     seconds = {"contacts": time.perf_counter() - started}
     between = time.perf_counter()
@@ -111,9 +121,11 @@ def plan(
     holdable = ~assembly.geometry.grounded
     if never_hold:
         holdable &= ~found.mask(never_hold)
-    search = OrderSearch(found, removal, after, holdable, work)
-    work.stage("what stands by itself")
-    _, falling = find_unreachable(found)
+    search = OrderSearch(found, removal, after, holdable, work, units, together)
+    falling: list[State] = []
+    if not together and not any(unit & (unit - 1) for unit in units):
+        work.stage("what stands by itself")
+        falling = find_unreachable(found)[1]
     removed, interrupted = _searched(search, 1 if falling else 0, most)
     seconds["search"] = time.perf_counter() - between
     work.stage("levels of the steps")
@@ -122,7 +134,7 @@ def plan(
     return Order(
         states=found,
         steps=tuple(steps),
-        best=tuple(assembly.names[one.part] for one in search.best) if removed is None else (),
+        best=() if removed else tuple(n for one in search.best for n in _names(assembly, one.set)),
         falling=tuple(falling),
         whole=whole,
         hold=most,
@@ -130,6 +142,8 @@ def plan(
         precedence=_pairs(assembly, after, turned),
         directions=tuple(one if isinstance(one, str) else tuple(one) for one in directions),  # type: ignore[arg-type]
         screws=tuple(turned),
+        moved_as_one=tuple(_names(assembly, unit) for unit in units if unit & (unit - 1)),
+        together=together,
         exhausted=search.exhausted,
         interrupted=interrupted,
         time_limit=time_limit if work.cut else None,
@@ -220,6 +234,10 @@ def _require_no_circle(assembly: Assembly, later: list[int]) -> None:
             f"the precedence goes round in a circle: {some_names(names)}",
             hint="leave one of the pairs out",
         )
+
+
+def _names(assembly: Assembly, parts: int) -> tuple[str, ...]:
+    return tuple(assembly.names[k] for k in members(parts, len(assembly)).tolist())
 
 
 def _pairs(

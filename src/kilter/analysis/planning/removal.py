@@ -1,13 +1,15 @@
-"""Ways out for a part: straight lines, or two of them, that nothing present stops.
+"""Ways out for parts that move as one: straight lines, or two, that nothing present stops.
 
 Directions are tried in one order: those that were asked for, the axes (upwards first), then for
 each part those that its contacts suggest: away from all that it touches, and along each of its
-normals. A direction that presses against a contact is left out before any sweep.
+normals. A direction that presses against a contact is left out before any sweep. Of several parts
+that move as one, contacts among themselves do not count, and any of them may be stopped.
 
 A way of two legs goes along d1 to where a corner comes level with another, or half way between
 two such places, and leaves along d2. (All places where what stops d2 changes are of that kind.)
 
-A bolt stays while its nut is on, and the nut comes off along its axis alone, over the thread.
+A bolt stays while its nut is on, and the nut comes off along its axis alone, over the thread; with
+other parts it does not turn.
 """
 
 from __future__ import annotations
@@ -92,105 +94,131 @@ class Removal:
         self._known: dict[int, list[Direction]] = {}
         self._screws = list(screws)
 
-    def way_out(self, part: int, present: int, *, legs: int = 1) -> tuple[Leg, ...] | None:
-        """A way out of a part past those of a set, of so many legs; None where none was found.
+    def way_out(self, moved: int, present: int, *, legs: int = 1) -> tuple[Leg, ...] | None:
+        """A way out of parts past those of a set, of so many legs; None where none was found.
 
         Parameters
         ----------
-        part : int
-        present : int
-            The set, as of `kilter.analysis.planning.part_sets`.
+        moved, present : int
+            Sets, as of `kilter.analysis.planning.part_sets`; what is moved moves as one.
         legs : {1, 2}
         """
-        others = present & ~(1 << part)
-        directions = self.directions(part)
+        others = present & ~moved
+        directions = self.directions(moved)
         for screw in self._screws:
-            if screw.bolt == part and others >> screw.nut & 1:
+            bolt, nut = 1 << screw.bolt, 1 << screw.nut
+            if (moved & bolt and others & nut) or (moved & nut and moved != nut and others & bolt):
                 return None
-            if screw.nut == part and others >> screw.bolt & 1:
+            if moved == nut and others & bolt:
                 back = _negative(screw.axis)
-                directions, others, legs = [screw.axis, back], others & ~(1 << screw.bolt), 1
+                directions, others, legs = [screw.axis, back], others & ~bolt, 1
         if legs == 1:
-            for direction in self._unpressed(part, others, directions):
-                if not self.sweeps.stops(part, others, direction):
+            parts = self._members(moved)
+            for direction in self._unpressed(moved, others, directions):
+                if not any(self.sweeps.stops(part, others, direction) for part in parts):
                     return (Leg(direction, float("inf")),)
             return None
-        return self._by_two_legs(part, others, directions)
+        return self._by_two_legs(moved, others, directions)
 
-    def over(self, part: int, present: Mask) -> int | None:
+    def stopping(self, moved: int, present: int, direction: Direction) -> int:
+        """All parts of a set that stop some parts along a direction."""
+        others = self._members(present & ~moved)
+        parts = self._members(moved)
+        stop = self.sweeps.stops
+        return sum(1 << k for k in others if any(stop(p, 1 << k, direction) for p in parts))
+
+    def over(self, moved: int, present: Mask) -> int | None:
         """The bolt that a nut comes off, of the parts present; None where it is on none."""
-        on = (one.bolt for one in self._screws if one.nut == part and present[one.bolt])
+        on = (one.bolt for one in self._screws if 1 << one.nut == moved and present[one.bolt])
         return next(on, None)
 
     def touching(
-        self, part: int, present: Mask, direction: Direction
+        self, moved: int, present: Mask, direction: Direction
     ) -> tuple[list[int], list[int]]:
-        """Present parts that a part touches, and those that it slides along in a direction."""
-        other, normals = self._touching[part]
+        """Present parts that some parts touch, and those that they slide along in a direction."""
+        other, normals = self._touched(moved)
         here = present[other]
         slides = here & (np.abs(normals @ np.array(direction)) <= self._angle)
         return np.unique(other[here]).tolist(), np.unique(other[slides]).tolist()
 
-    def directions(self, part: int) -> list[Direction]:
-        """Directions that are tried for a part, in their order."""
-        if part not in self._known:
+    def directions(self, moved: int) -> list[Direction]:
+        """Directions that are tried for parts that move as one, in their order."""
+        if moved not in self._known:
             found: list[Direction] = []
             for one in self._given:
                 if not isinstance(one, str):
                     found.append(one)
                 else:
-                    found += self._axes() if one == "axes" else self._normals(part)
-            self._known[part] = list(dict.fromkeys(found))
-        return self._known[part]
+                    found += self._axes() if one == "axes" else self._normals(moved)
+            self._known[moved] = list(dict.fromkeys(found))
+        return self._known[moved]
+
+    def _members(self, parts: int) -> list[int]:
+        found: list[int] = members(parts, len(self._touching)).tolist()
+        return found
+
+    def _touched(self, moved: int) -> tuple[Index, Array]:
+        """The part of each contact point of some parts with another, and the normal towards it."""
+        if not moved & (moved - 1):
+            return self._touching[moved.bit_length() - 1]
+        parts = self._members(moved)
+        other = np.concatenate([self._touching[part][0] for part in parts])
+        normals = np.concatenate([self._touching[part][1] for part in parts])
+        outside = ~np.isin(other, parts)
+        return other[outside], normals[outside]
 
     def _axes(self) -> list[Direction]:
         axes = [_direction(sign * axis) for sign in (1.0, -1.0) for axis in np.eye(3)]
         return sorted(axes, key=lambda d: -round(float(np.array(d) @ self._up), 9))
 
-    def _normals(self, part: int) -> list[Direction]:
-        """Away from all that it touches, then along each normal away from a part."""
-        away = -self._touching[part][1]
+    def _normals(self, moved: int) -> list[Direction]:
+        """Away from all that is touched, then along each normal away from a part."""
+        away = -self._touched(moved)[1]
         away = away[np.sort(np.unique(away.round(9), axis=0, return_index=True)[1])]
         mean = away.sum(axis=0)
         found = [mean] if np.linalg.norm(mean) > self._angle else []
         return [_direction(one) for one in [*found, *away[:NORMALS]]]
 
     def _unpressed(
-        self, part: int, others: int, directions: Iterable[Direction]
+        self, moved: int, others: int, directions: Iterable[Direction]
     ) -> list[Direction]:
         """Directions that press against no contact with a part of a set."""
-        other, normals = self._touching[part]
-        here = np.isin(other, members(others, len(self._geometry.mass)))
+        other, normals = self._touched(moved)
+        here = np.isin(other, self._members(others))
         most = self._angle
         return [d for d in directions if not (normals[here] @ np.array(d) > most).any()]
 
     def _by_two_legs(
-        self, part: int, others: int, directions: list[Direction]
+        self, moved: int, others: int, directions: list[Direction]
     ) -> tuple[Leg, ...] | None:
-        rest = members(others, len(self._geometry.mass)).tolist()
-        for first in self._unpressed(part, others, directions):
-            for distance in self._places(part, rest, first):
+        parts, rest = self._members(moved), self._members(others)
+        pairs = [(part, other) for part in parts for other in rest]
+        for first in self._unpressed(moved, others, directions):
+            for distance in self._places(parts, rest, first):
                 start = distance * np.array(first)
-                if any(self.sweeps.pair_stops(part, q, first, distance=distance) for q in rest):
+                if any(self.sweeps.pair_stops(*pair, first, distance=distance) for pair in pairs):
                     break
                 for second in directions:
                     if second in (first, _negative(first)):
                         continue
-                    if not any(self.sweeps.pair_stops(part, q, second, start=start) for q in rest):
+                    if not any(self.sweeps.pair_stops(*p, second, start=start) for p in pairs):
                         return Leg(first, distance), Leg(second, float("inf"))
         return None
 
-    def _places(self, part: int, others: list[int], direction: Direction) -> list[float]:
+    def _places(self, parts: list[int], others: list[int], direction: Direction) -> list[float]:
         """Lengths of a first leg: where corners come level, and half way between, ascending."""
-        g, along = self._geometry, np.array(direction)
-        heights = [
-            np.unique((g.corners_of(k).reshape(-1, 3) @ along).round(9)) for k in (part, *others)
-        ]
         if not others:
             return []
-        level = np.unique(np.concatenate(heights[1:])[:, None] - heights[0][None])
-        level = level[level > min(self.sweeps.tolerance(part, q) for q in others)]
-        level = level[np.diff(level, prepend=0.0) > self.sweeps.tolerance(part, part)]
+        g, along, sweeps = self._geometry, np.array(direction), self.sweeps
+
+        def heights(some: list[int]) -> Array:
+            corners = np.concatenate([g.corners_of(k).reshape(-1, 3) for k in some])
+            return np.unique((corners @ along).round(9))
+
+        level = np.unique(heights(others)[:, None] - heights(parts)[None])
+        level = level[level > min(sweeps.tolerance(p, q) for p in parts for q in others)]
+        least = min(sweeps.tolerance(part, part) for part in parts)
+        level = level[np.diff(level, prepend=0.0) > least]
         both = np.sort(np.concatenate([level, (level[1:] + level[:-1]) / 2]))
         return [float(one) for one in both[:PLACES]]
 

@@ -30,7 +30,8 @@ from kilter.analysis.planning.part_sets import bits_of, mask_of, members
 from kilter.analysis.planning.removal import Leg, Removal
 from kilter.analysis.planning.state import State
 from kilter.analysis.planning.states import States
-from kilter.arrays import TINY, Mask
+from kilter.analysis.planning.together import blocked_together
+from kilter.arrays import TINY, Array, Mask
 from kilter.work import Work
 
 __all__ = ["OrderSearch", "Removed", "neighbours_of"]
@@ -45,20 +46,30 @@ SWEEP = 400.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Removed:
-    """A part that leaves, and what must be held then.
+    """Parts that leave, one or several that move as one, and what must be held then.
 
     Attributes
     ----------
-    part : int
+    parts : tuple of int
     legs : tuple of Leg
-        Its way out.
+        Their way out.
     state : State
         Of the parts that stay, the held ones held: it holds.
     """
 
-    part: int
+    parts: tuple[int, ...]
     legs: tuple[Leg, ...]
     state: State
+
+    @property
+    def set(self) -> int:
+        """The parts as `kilter.analysis.planning.part_sets` has them."""
+        return sum(1 << part for part in self.parts)
+
+    @property
+    def held(self) -> int:
+        """How many parts are held, the grounded ones counted too."""
+        return int((self.state.present & ~self.state.free).sum())
 
 
 @dataclass(slots=True)
@@ -74,6 +85,10 @@ class OrderSearch:
     holdable : ndarray of bool, shape (N,)
         Parts that may be held.
     work : Work
+    units : list of int
+        Sets of parts that move as one; every part that is not grounded is in one of them.
+    together : bool
+        Whether others that stop one another may move as one too.
     best : list of Removed
         The longest order so far, in the order of removal.
     visited : int
@@ -87,36 +102,42 @@ class OrderSearch:
     after: list[int]
     holdable: Mask
     work: Work
+    units: list[int]
+    together: bool = False
     best: list[Removed] = field(default_factory=list)
     visited: int = 0
     exhausted: bool = False
+    base: int = field(init=False)
     _near: list[int] = field(init=False)
-    _base: int = field(init=False)
     _height: list[float] = field(init=False)
     _holds: dict[int, Holds[State]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         geometry = self.states.assembly.geometry
         self._near = neighbours_of(self.states)
-        self._base = bits_of(geometry.grounded)
+        self.base = bits_of(geometry.grounded)
         up = geometry.center @ -self.states.assembly.down
         wide = float(np.ptp(geometry.center, axis=0).max())
         self._height = (up / max(wide, TINY) / LAYER).round().tolist()
 
+    @property
+    def whole(self) -> int:
+        """The set of all parts."""
+        return (1 << len(self._near)) - 1
+
     def find(self, hold: int) -> list[Removed] | None:
         """The parts in the order in which they leave, at most `hold` held; None: none found."""
-        whole = bits_of(np.ones(len(self._near), dtype=bool))
         dead: set[int] = set()
         order: list[Removed] = []
         self.exhausted = False
-        waiting = [(whole, self._removals(whole, None, hold))]
+        waiting = [(self.whole, self.removals(self.whole, 0, hold))]
         while waiting:
             present, removals = waiting[-1]
-            if present == self._base:
+            if present == self.base:
                 return order
             if self.work.over:
                 return None
-            taken = next((one for one in removals if present & ~(1 << one.part) not in dead), None)
+            taken = next((one for one in removals if present & ~one.set not in dead), None)
             if taken is None:
                 dead.add(present)
                 waiting.pop()
@@ -124,74 +145,109 @@ class OrderSearch:
                     order.pop()
                 continue
             order.append(taken)
-            if len(order) > len(self.best):
-                self.best = order.copy()
-                left = (present & ~self._base).bit_count() - 1
-                self.work.tell(f"order: {left} parts to go, {hold} held")
-            rest = present & ~(1 << taken.part)
-            waiting.append((rest, self._removals(rest, taken.part, hold)))
+            self.note(order, hold)
+            rest = present & ~taken.set
+            waiting.append((rest, self.removals(rest, taken.set, hold)))
         self.exhausted = True
         return None
 
-    def _removals(self, present: int, last: int | None, hold: int) -> Iterator[Removed]:
-        """What may leave a set of parts, the best first."""
+    def note(self, order: list[Removed], hold: int) -> None:
+        """Keep the longest order so far, and tell it."""
+        if sum(len(one.parts) for one in order) > sum(len(one.parts) for one in self.best):
+            self.best = order.copy()
+            left = (order[-1].state.present & ~mask_of(self.base, len(self._near))).sum()
+            self.work.tell(f"order: {left} parts to go, {hold} held")
+
+    def removals(self, present: int, last: int, hold: int) -> Iterator[Removed]:
+        """What may leave a set of parts, the best first; `last` left before."""
         self.visited += 1
         stuck: list[int] = []
         candidates = self._candidates(present, last)
-        for _, layer in groupby(candidates, key=lambda part: self._height[part]):
+        for _, layer in groupby(candidates, key=self._top):
             yield from self._of_layer(layer, present, hold, stuck)
-        for part in stuck:
-            legs = self._way_out(part, present, 2)
+        for moved in stuck:
+            legs = self._way_out(moved, present, 2)
             if legs is not None:
-                yield from self._held(part, legs, present, hold)
+                yield from self._held(moved, legs, present, hold)
+        if self.together:
+            for moved, legs in self._several(present):
+                yield from self._held(moved, legs, present, hold)
 
     def _of_layer(
         self, layer: Iterable[int], present: int, hold: int, stuck: list[int]
     ) -> Iterator[Removed]:
-        """What may leave of one layer; those without a straight way are put to the stuck ones."""
+        """What may leave of one layer; what has no straight way is put to the stuck ones."""
         falling = []
-        for part in layer:
-            legs = self._way_out(part, present, 1)
+        for moved in layer:
+            legs = self._way_out(moved, present, 1)
             if legs is None:
-                stuck.append(part)
+                stuck.append(moved)
                 continue
-            state = self._state(present & ~(1 << part))
+            state = self._state(present & ~moved)
             if state.stable:
-                yield Removed(part, legs, state)
+                yield Removed(self._members(moved), legs, state)
             else:
-                falling.append((int(state.moves.sum()), part, legs))
-        for _, part, legs in sorted(falling, key=lambda one: one[0]):
-            yield from self._held(part, legs, present, hold)
+                falling.append((int(state.moves.sum()), moved, legs))
+        for _, moved, legs in sorted(falling, key=lambda one: one[0]):
+            yield from self._held(moved, legs, present, hold)
 
-    def _candidates(self, present: int, last: int | None) -> list[int]:
-        """Parts that may leave by precedence and touch, the highest and nearest first."""
-        center = self.states.assembly.geometry.center
-        found = [
-            part
-            for part in members(present & ~self._base, len(self._near)).tolist()
-            if not self.after[part] & present and self._hangs_together(present & ~(1 << part))
-        ]
+    def _members(self, parts: int) -> tuple[int, ...]:
+        return tuple(members(parts, len(self._near)).tolist())
 
-        def rank(part: int) -> tuple[float, float]:
-            away = 0.0 if last is None else float(np.linalg.norm(center[part] - center[last]))
-            return -self._height[part], round(away, 9)
+    def _top(self, moved: int) -> float:
+        """The layer of the highest of some parts."""
+        return max(self._height[part] for part in self._members(moved))
+
+    def _candidates(self, present: int, last: int) -> list[int]:
+        """Units that may leave by precedence and touch, the highest and nearest first."""
+        found = [one for one in self.units if one & present and self._may_leave(one, present)]
+        place = None if not last else self._middle(last)
+
+        def rank(moved: int) -> tuple[float, float]:
+            away = 0.0 if place is None else float(np.linalg.norm(self._middle(moved) - place))
+            return -self._top(moved), round(away, 9)
 
         return sorted(found, key=rank)
 
+    def _middle(self, parts: int) -> Array:
+        center = self.states.assembly.geometry.center[list(self._members(parts))]
+        middle: Array = center.mean(axis=0)
+        return middle
+
+    def _may_leave(self, moved: int, present: int) -> bool:
+        rest = present & ~moved
+        later = any(self.after[part] & rest for part in self._members(moved))
+        return not later and self._hangs_together(rest)
+
     def _hangs_together(self, present: int) -> bool:
         """Whether every part of a set is connected to a grounded one within it."""
-        seen = new = present & self._base
+        return self._connected(present & self.base, present) == present
+
+    def _connected(self, seen: int, among: int) -> int:
+        """Parts of a set that are connected, within it, to some of them."""
+        new = seen
         while new:
             part = (new & -new).bit_length() - 1
             new &= new - 1
-            more = self._near[part] & present & ~seen
+            more = self._near[part] & among & ~seen
             seen |= more
             new |= more
-        return seen == present
+        return seen
 
-    def _way_out(self, part: int, present: int, legs: int) -> tuple[Leg, ...] | None:
+    def _several(self, present: int) -> Iterator[tuple[int, tuple[Leg, ...]]]:
+        """Units that stop one another and leave as one, the fewest parts first."""
+        units = [one for one in self.units if one & present]
+        tests = self.removal.sweeps.tests
+        found = blocked_together(self.removal, units, present, self.base)
+        self.work.charge(SWEEP * (self.removal.sweeps.tests - tests))
+        for moved, direction in found:
+            one = self._connected(moved & -moved, moved) == moved
+            if one and self._may_leave(moved, present):
+                yield moved, (Leg(direction, float("inf")),)
+
+    def _way_out(self, moved: int, present: int, legs: int) -> tuple[Leg, ...] | None:
         before = self.removal.sweeps.tests
-        found = self.removal.way_out(part, present, legs=legs)
+        found = self.removal.way_out(moved, present, legs=legs)
         self.work.charge(SWEEP * (self.removal.sweeps.tests - before))
         return found
 
@@ -209,9 +265,11 @@ class OrderSearch:
         """Count the programs that were solved since."""
         self.work.charge(PROGRAM * (self._solved() - solved) * (FEW + present.bit_count()))
 
-    def _held(self, part: int, legs: tuple[Leg, ...], present: int, hold: int) -> Iterator[Removed]:
-        """The removal of a part with the fewest holds, where these are no more than `hold`."""
-        rest = present & ~(1 << part)
+    def _held(
+        self, moved: int, legs: tuple[Leg, ...], present: int, hold: int
+    ) -> Iterator[Removed]:
+        """A removal with the fewest holds, where these are no more than `hold`."""
+        rest = present & ~moved
         known = self._holds.get(rest)
         if known is None or (known.held is None and known.least <= hold):
             solved = self._solved()
@@ -219,7 +277,7 @@ class OrderSearch:
             self._charge(solved, rest)
             self._holds[rest] = known
         if known.state is not None and known.held is not None and known.held.sum() <= hold:
-            yield Removed(part, legs, known.state)
+            yield Removed(self._members(moved), legs, known.state)
 
 
 def neighbours_of(states: States) -> list[int]:

@@ -1,0 +1,147 @@
+"""Step: parts that are put in, what is held meanwhile, and how surely what stands holds.
+
+A step puts one part in, or several that move as one, along its way, reversed: from far away to its
+seat. What stands then, the held parts held, holds with what moves absent; once it is in place and
+held too, it holds as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from kilter.analysis.check import check
+from kilter.analysis.judge import judge
+from kilter.analysis.planning.removal import Direction, Leg
+from kilter.analysis.planning.search import OrderSearch, Removed
+from kilter.analysis.planning.state import State
+from kilter.analysis.planning.states import States
+from kilter.arrays import Array
+from kilter.contact.sub_contacts import contacts_among
+
+__all__ = ["FAR", "VERDICTS", "Step", "held_names", "steps_of"]
+
+FAR = 2.0
+"""How far away a part begins, over the size of the whole assembly."""
+VERDICTS = {"proved": "stable", "settles": "settles", "equilibrium": "potentially-stable"}
+"""Of a step by its level."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Step:
+    """Parts that are put in: one, or several that move as one.
+
+    Attributes
+    ----------
+    parts : tuple of str
+    legs : tuple of Leg
+        Their way out; they come in along it, reversed.
+    over : str or None
+        The bolt over whose thread a nut comes.
+    touches, rubs : tuple of str
+        What they touch once they are in place; what they slide along on the last piece.
+    held, grips, releases : tuple of str
+        Parts held while they move; of these, those that were not held before; parts that were.
+    state : State
+        What stands while they move.
+    level : {"proved", "settles", "equilibrium"}
+        How surely that holds.
+    """
+
+    parts: tuple[str, ...]
+    legs: tuple[Leg, ...]
+    over: str | None
+    touches: tuple[str, ...]
+    rubs: tuple[str, ...]
+    held: tuple[str, ...]
+    grips: tuple[str, ...]
+    releases: tuple[str, ...]
+    state: State
+    level: str
+
+    @property
+    def part(self) -> str:
+        """The part; the first of several."""
+        return self.parts[0]
+
+    @property
+    def direction(self) -> Direction:
+        """The direction of the last piece of its way in (unit, world frame)."""
+        x, y, z = (0.0 - one for one in self.legs[0].direction)
+        return x, y, z
+
+    def path(self, far: float) -> Array:
+        """Its way in, as places relative to its seat, the seat last, shape (n, 3) [length unit].
+
+        Parameters
+        ----------
+        far : float
+            Length of the endless piece.
+        """
+        lengths = [leg.length if np.isfinite(leg.length) else far for leg in self.legs]
+        pieces = [
+            size * np.array(leg.direction) for size, leg in zip(lengths, self.legs, strict=True)
+        ]
+        places = np.cumsum([np.zeros(3), *pieces], axis=0)
+        back: Array = places[::-1] + 0.0
+        return back
+
+    def __repr__(self) -> str:
+        held = f", held: {', '.join(self.held)}" if self.held else ""
+        return f"<Step: {', '.join(self.parts)}{held}>"
+
+
+def held_names(states: States, state: State) -> list[str]:
+    """Parts of a state that are held, beside the grounded ones."""
+    grounded = states.assembly.geometry.grounded
+    held = state.present & ~state.free & ~grounded
+    return [name for name, one in zip(states.assembly.names, held, strict=True) if one]
+
+
+def steps_of(
+    search: OrderSearch, removed: Sequence[Removed], require: str, effort: float
+) -> list[Step]:
+    """The removals as steps forwards, each with the level that its state reaches."""
+    states, names = search.states, search.states.assembly.names
+    steps: list[Step] = []
+    before: set[str] = set()
+    for one in reversed(removed):
+        held = held_names(states, one.state)
+        moved = tuple(names[k] for k in one.parts)
+        touches, rubs = search.removal.touching(one.set, one.state.present, one.legs[0].direction)
+        bolt = search.removal.over(one.set, one.state.present)
+        steps.append(
+            Step(
+                parts=moved,
+                legs=one.legs,
+                over=None if bolt is None else names[bolt],
+                touches=_names(names, touches),
+                rubs=_names(names, rubs),
+                held=tuple(held),
+                grips=tuple(name for name in held if name not in before),
+                releases=tuple(sorted(before - set(held), key=names.index)),
+                state=one.state,
+                level=_level(states, one.state, require, effort),
+            )
+        )
+        before = {*held, *moved} if held else set()
+    return steps
+
+
+def _names(names: Sequence[str], parts: Iterable[int]) -> tuple[str, ...]:
+    return tuple(names[k] for k in parts)
+
+
+def _level(states: States, state: State, require: str, effort: float) -> str:
+    """How surely a state holds that forces can hold."""
+    if state.verdict is not None and state.verdict.level is not None:
+        return state.verdict.level
+    if judge(state.program.frictionless).stable:
+        return "proved"
+    if require == "equilibrium":
+        return "equilibrium"
+    assembly = states.sub_assembly(state)
+    contacts = contacts_among(states.contacts, assembly)
+    return check(assembly, contacts=contacts, require=require, effort=effort).level or "equilibrium"
