@@ -22,6 +22,7 @@ SLOW_TO_IMPORT = {
     "matplotlib",
     "OCP",
     "shapely",
+    "kilter.friction",
 }
 """Packages for whose sake an import may wait inside a function: start-up."""
 
@@ -140,7 +141,7 @@ def test_the_longest_chain_of_rooms_is_short() -> None:
 
 
 def slow(modules: set[str]) -> set[str]:
-    return {m.split(".")[0] for m in modules} & SLOW_TO_IMPORT
+    return ({m.split(".")[0] for m in modules} | {room(m) for m in modules}) & SLOW_TO_IMPORT
 
 
 @cache

@@ -28,6 +28,7 @@ __all__ = [
     "counted",
     "cross",
     "distinct_rows",
+    "nearest",
     "ragged",
     "ratio",
     "read_only",
@@ -143,7 +144,36 @@ def ragged(start: Index, which: Index) -> tuple[Index, Index]:
 
 
 FEW = 50_000
-"""Pairs up to which `connected` needs no sparse matrices: they take longer to load than it does."""
+"""Pairs up to which neither sparse matrices nor trees are needed: they take longer to load."""
+
+
+def nearest(among: Array, points: Array, count: int = 1) -> tuple[Array, Index]:
+    """The `count` nearest of some points, of each point: distances and rows, the nearest first.
+
+    Parameters
+    ----------
+    among : ndarray, shape (m, d)
+        At least `count`.
+    points : ndarray, shape (n, d)
+    count : int
+
+    Returns
+    -------
+    distance, row : ndarray, shape (n, count)
+
+    Examples
+    --------
+    >>> nearest(np.array([[0.0, 0], [3, 0], [9, 0]]), np.array([[4.0, 0]]), 2)
+    (array([[1., 4.]]), array([[1, 0]]))
+    """
+    if len(points) * len(among) <= FEW:
+        off = np.linalg.norm(points[:, None] - among, axis=2)
+        row: Index = np.argsort(off, axis=1, kind="stable")[:, :count]
+        return np.take_along_axis(off, row, axis=1), row
+    from scipy.spatial import cKDTree
+
+    distance, row = cKDTree(among).query(points, k=np.arange(1, count + 1))
+    return distance, row
 
 
 def connected(count: int, first: Index, second: Index) -> Index:

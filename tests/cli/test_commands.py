@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -13,6 +14,7 @@ import pytest
 import kilter
 from kilter.cli import main
 from kilter.scenes import SCENES, scene
+from kilter.threads import VARIABLES
 
 SHARED = Path(__file__).resolve().parents[3] / "shared" / "data"
 EXIT = {"stable": 0, "settles": 0, "unstable": 1, "potentially-stable": 3, "undecided": 4}
@@ -218,6 +220,32 @@ def test_importing_kilter_loads_no_solver_and_no_reader() -> None:
         [sys.executable, "-c", code.replace("HEAVY", heavy)], capture_output=True, text=True
     )
     assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize("name", ["paper-figure-8", "tower"])
+def test_a_small_check_loads_only_what_it_needs(name: str) -> None:
+    """What takes as long to load as the check of a small assembly takes."""
+    heavy = ["scipy.spatial", "scipy.special", "scipy.optimize", "scipy.sparse.csgraph"]
+    heavy += ["kilter.friction", "matplotlib", "OCP", "rich"]
+    if name == "tower":  # nothing moves: no accelerations
+        heavy += ["scipy.linalg"]
+    code = (
+        f"import sys; from kilter.cli import main; sys.argv[1:] = ['check', {written(name)!r}]; "
+        f"main(); print([m for m in {heavy} if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.stdout.strip().endswith("\n[]")
+
+
+def test_the_program_makes_no_threads_for_linear_algebra() -> None:
+    code = (
+        "import sys; from kilter.cli import main; sys.argv[1:] = ['example', 'tower', '-o', '-']; "
+        "main(); import threadpoolctl; "
+        "print({one['num_threads'] for one in threadpoolctl.threadpool_info()})"
+    )
+    free = {name: value for name, value in os.environ.items() if name not in VARIABLES}
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=free)
+    assert done.stdout.strip().endswith("{1}")
 
 
 def test_verify_loads_no_solver() -> None:

@@ -14,6 +14,7 @@ import dataclasses
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from kilter.analysis.as_stated import explained_by_accuracy
 from kilter.analysis.degenerate_branches import decide_degenerate
@@ -35,7 +36,6 @@ from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.coincident import require_apart
 from kilter.contact.open_pairs import still_open
 from kilter.errors import InputError
-from kilter.friction.answer import FrictionAnswer, ask_friction
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program, build_program
 from kilter.tell.levels import REQUIRE, require_level
@@ -45,6 +45,9 @@ from kilter.tell.words import verdict_sentence
 from kilter.threads import on_one_thread
 from kilter.validate import number
 from kilter.work import EFFORT, Work, units_of
+
+if TYPE_CHECKING:
+    from kilter.friction.answer import FrictionAnswer
 
 __all__ = ["check"]
 
@@ -234,6 +237,8 @@ def _with_friction(
     assembly: Assembly, contacts: ContactSet, program: Program, judgement: Judgement, work: Work
 ) -> _Decision:
     """What friction guarantees, with the open pairs as ordinary contacts too."""
+    from kilter.friction.answer import ask_friction  # takes its time
+
     answer, trial = ask_friction(program, work=work), None
 
     def level(other: Program) -> int:
@@ -259,6 +264,8 @@ def _level(friction: FrictionAnswer) -> int:
 
 def _on_fits(program: Program, judgement: Judgement, work: Work) -> _Decision:
     """Equilibrium alone: with normals in doubt nothing is said of other motions."""
+    from kilter.friction.answer import ask_friction
+
     answer = ask_friction(program, work=work.beside(0.0))
     answer = dataclasses.replace(answer, guarantee="open", tries=())
     return _Decision("potentially-stable", program, judgement, answer)

@@ -26,7 +26,6 @@ import numpy as np
 from kilter.analysis.analysis_tolerances import MOTION_ENOUGH, MOTION_GOOD, MOVES, ZERO_MOTION
 from kilter.arrays import TINY, Array, Mask
 from kilter.errors import SolverError
-from kilter.friction.motion_search import find_coulomb_motion
 from kilter.mechanics.forms import scaled
 from kilter.mechanics.gauss import LeastConstraint, halved, least_constraint
 from kilter.mechanics.program import Program
@@ -128,6 +127,8 @@ def find_motion_with_friction(program: Program, effort: float) -> ImpendingMotio
     effort : float
         Of the search.
     """
+    from kilter.friction.motion_search import find_coulomb_motion  # takes its time
+
     found = find_coulomb_motion(program, work=effort, nearest=True)
     if found is None:
         return None

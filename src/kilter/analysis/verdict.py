@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -39,7 +39,6 @@ from kilter.analysis.verdict_answer import (
 from kilter.arrays import sealed
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
-from kilter.friction.answer import FrictionAnswer
 from kilter.mechanics.certificate import ForceProof, MotionProof
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program, build_program
@@ -51,6 +50,9 @@ from kilter.tell.words import NAMED, motion_summary, motion_words
 from kilter.threads import on_one_thread
 from kilter.units import metres_per_unit
 from kilter.work import EFFORT
+
+if TYPE_CHECKING:
+    from kilter.friction.answer import FrictionAnswer
 
 __all__ = ["Verdict", "Word"]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,9 +11,11 @@ from kilter.analysis.judge import Judgement
 from kilter.assembly import Assembly
 from kilter.assembly.masses import DEFAULT_DENSITY
 from kilter.contact import ContactSet
-from kilter.friction.answer import FrictionAnswer
 from kilter.mechanics.certificate import ForceProof, MotionProof
 from kilter.mechanics.program import Program
+
+if TYPE_CHECKING:
+    from kilter.friction.answer import FrictionAnswer
 
 __all__ = ["certificate_answer", "density_answer", "forces_answer", "friction_answer"]
 

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from kilter.cli.exit_codes import FAULT, INTERRUPTED, USAGE, WRITTEN
+from kilter.threads import make_no_threads
 
 __all__ = ["main"]
 
@@ -24,6 +25,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; the exit code is returned, and used by the console script."""
     import warnings
 
+    if arguments is None:  # a program of its own
+        make_no_threads()
     words = list(sys.argv[1:] if arguments is None else arguments)
     try:
         with warnings.catch_warnings(), _interruptible():

@@ -17,9 +17,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
-from kilter.arrays import Array, Index
+from kilter.arrays import Array, Index, nearest
 from kilter.assembly.geometry import Geometry
 from kilter.contact.fits.shared_body import PartSolids
 from kilter.contact.triangle_distance import surface_distance
@@ -98,7 +97,7 @@ def _gap(solids: PartSolids, a: int, b: int, most: float) -> float:
     """The gap between two parts, or `most` where it is no less."""
     geometry = solids.geometry
     corners = [_corners(geometry, part) for part in (a, b)]
-    bound = min(most, float(cKDTree(corners[0]).query(corners[1])[0].min()))
+    bound = min(most, float(nearest(corners[0], corners[1])[0].min()))
     one, other = solids.of(a), solids.of(b)
     if one is not None and other is not None:
         moved = other.translate(tuple((geometry.center[b] - geometry.center[a]).tolist()))

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kilter.arrays import Array, Mask, cross, ratio, unit_rows
+from kilter.arrays import Array, Mask, cross, nearest, ratio, unit_rows
 from kilter.contact.broad import joins
 from kilter.contact.contact_tolerances import FREE_PARALLEL
 from kilter.contact.sharp.edges import segment_distance
@@ -53,10 +53,8 @@ def surface_distance(points: Array, triangles: Array, most: Array | None = None)
 
 def at_most(points: Array, triangles: Array) -> Array:
     """Bounds on the distance of points from the nearest of triangles: that of some near ones."""
-    from scipy.spatial import cKDTree  # most assemblies need none, and it takes its time
-
     count = min(NEAR, len(triangles))
-    near = cKDTree(triangles.mean(axis=1)).query(points, k=count)[1].reshape(-1)
+    near = nearest(triangles.mean(axis=1), points, count)[1].reshape(-1)
     places = np.repeat(points, count, axis=0)
     off = np.linalg.norm(places - _foot(places, triangles[near]), axis=1)
     bound: Array = off.reshape(-1, count).min(axis=1)

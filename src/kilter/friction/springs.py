@@ -19,7 +19,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csc_array, csr_array
-from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from kilter.arrays import TINY, Array, Index
 from kilter.friction.law import CoulombLaw
@@ -134,6 +133,8 @@ def _levers(law: CoulombLaw, ends: Index, per: int) -> Array:
 
 def _ranks(pairs: Index, count: int) -> Index:
     """The place of each part, so that parts that touch are near each other."""
+    from scipy.sparse.csgraph import reverse_cuthill_mckee  # takes its time
+
     both = pairs[(pairs >= 0).all(axis=1)]
     ones = np.ones(2 * len(both))
     graph = csr_array((ones, (both.T.reshape(-1), both[:, ::-1].T.reshape(-1))), (count, count))

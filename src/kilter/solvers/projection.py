@@ -29,7 +29,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csc_array, csr_array, eye_array
-from scipy.sparse.linalg import splu
 
 from kilter.arrays import Array, Index, Mask
 from kilter.solvers.problem import ConeProjection
@@ -129,6 +128,8 @@ def _order(problem: ConeProjection) -> Index:
     graph = (pattern.T @ pattern).tocsc()
     strong = float(graph.sum(axis=0).max()) * 2 + 1
     matrix = csc_array(graph + strong * eye_array(number, format="csc"))
+    from scipy.sparse.linalg import splu  # takes its time
+
     factor = splu(
         matrix,
         permc_spec="MMD_AT_PLUS_A",
@@ -147,6 +148,8 @@ def _factorised(data: _Sorted, weights: Array) -> Callable[[Array], Array]:
         shape=rows.shape,
     )
     matrix = (data.turned @ scaled).tocsc() + eye_array(rows.shape[1], format="csc")
+    from scipy.sparse.linalg import splu
+
     factor = splu(
         csc_array(matrix),
         permc_spec="NATURAL",

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csc_array
 
-from kilter.arrays import TINY, Array, Mask
+from kilter.arrays import TINY, Array, Mask, nearest
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.contact_set import INTERFERE, SAME_BODY, Overlap
@@ -153,9 +153,7 @@ def _identical(geometry: Geometry, a: int, b: int) -> bool:
     close = SAME_PLACE * geometry.size[a] + geometry.accuracy[a] + geometry.accuracy[b]
     if np.abs(one.mean(axis=0) - other.mean(axis=0)).max() > close:
         return False
-    from scipy.spatial import cKDTree
-
-    return bool(cKDTree(one).query(other)[0].max() <= close)
+    return bool(nearest(one, other)[0].max() <= close)
 
 
 def _planes(geometry: Geometry, facets: Facets, part: int) -> tuple[Array, Array]:
