@@ -23,6 +23,7 @@ from kilter.files.reading import Reading, read_json
 from kilter.friction.exclusion_file import recheck_exclusion
 from kilter.mechanics.bundle import changed, differs, is_bundle, unbundled
 from kilter.mechanics.program import build_program
+from kilter.mechanics.proof import digest_of
 from kilter.mechanics.proof_form import require_form
 from kilter.mechanics.recheck import recheck
 
@@ -104,8 +105,8 @@ def verify(
         A file is read as it was for the proof: parts held, left out, direction of gravity.
         An assembly is taken as it is.
     proof : dict or path
-        What `Verdict.proof`, `Region.proof` or `Margin.proof` returned, or the file that
-        ``--proof`` of ``kilter check``, ``region`` or ``margin`` wrote.
+        What `Verdict.proof`, `Region.proof`, `Margin.proof` or `Order.proof` returned, or the
+        file that ``--proof`` of their commands wrote.
     progress : callable, optional
         Called with a word at each stage.
 
@@ -171,7 +172,7 @@ def proof_tolerance(proof: dict[str, Any]) -> Tolerance:
 
 
 def verify_bundle(assembly: Assembly, contacts: ContactSet, bundle: dict[str, Any]) -> Verification:
-    """Recompute every proof of a region or a margin.
+    """Recompute every proof of a region, a margin or a plan.
 
     Raises
     ------
@@ -179,18 +180,23 @@ def verify_bundle(assembly: Assembly, contacts: ContactSet, bundle: dict[str, An
         If a proof is not one.
     """
     reasons, residual, power, counts = [], [], [], Counter[str]()
+    if bundle.get("digest") != digest_of(bundle):
+        reasons.append("the file was changed after it was written (its digest does not fit)")
     proof: dict[str, Any] = {}
+    verdicts = []
     for about, proof in unbundled(bundle):
         what = str(about.get("about"))
         other, touching = changed(assembly, contacts, about.get("change"))
         found = verify_proof(other, touching, proof)
         wrong = [*found.reasons, *filter(None, [differs(about, proof)])]
-        reasons += [f"{what} {about.get('vector', about.get('value', ''))}: {one}" for one in wrong]
+        of = next((about[key] for key in ("part", "parts", "vector", "value") if key in about), "")
+        reasons += [f"{what} {of}: {one}" for one in wrong]
         counts[f"{what}: {'held by forces' if 'forces' in proof else 'a motion starts'}"] += 1
         residual += [] if found.residual is None else [found.residual]
         power += [] if found.power is None else [found.power]
+        verdicts.append(proof["verdict"])
     if bundle.get("kind") == "plan":
-        reasons += wrong_order(assembly, contacts, [about for about, _ in unbundled(bundle)])
+        reasons += wrong_order(assembly, contacts, bundle, verdicts)
     return Verification(
         not reasons,
         str(bundle.get("kind")),

@@ -8,6 +8,8 @@ each of `proofs` has the rest, and before it
     change           what of the file is another: `down`, `mu` of every contact, `loads`; parts
                      that it is `without`, parts `held`
 
+A plan has besides the `rules` that its order keeps to. `digest` is the hash of all of it.
+
 A ray is proved along itself, and the motion of a facet gains power beyond exactly that facet:
 the sum of mass times step is its outward normal. Both are checked beside each proof.
 """
@@ -25,6 +27,7 @@ from kilter.contact.contact_set import ContactSet
 from kilter.contact.sub_contacts import contacts_among
 from kilter.errors import InputError
 from kilter.mechanics.mechanics_tolerances import FOLLOWS
+from kilter.mechanics.proof import digest_of
 from kilter.mechanics.proof_form import FORMAT, require_form
 
 __all__ = ["changed", "differs", "is_bundle", "make_bundle", "unbundled"]
@@ -34,9 +37,17 @@ COMMON = ("kilter_proof", "units", "planar", "options", "tolerance", "parts", "p
 
 
 def make_bundle(
-    kind: str, proofs: Sequence[tuple[Mapping[str, Any], Mapping[str, Any]]]
+    kind: str, proofs: Sequence[tuple[Mapping[str, Any], Mapping[str, Any]]], **more: Any
 ) -> dict[str, Any]:
     """One file of proofs, each with what it is about.
+
+    Parameters
+    ----------
+    kind : str
+    proofs : sequence of pairs
+        What a proof is about, and the proof.
+    **more
+        What the file says besides.
 
     Raises
     ------
@@ -51,7 +62,8 @@ def make_bundle(
     for about, proof in proofs:
         own = {key: value for key, value in proof.items() if common.get(key, ...) != value}
         rest.append({**about, "proof": own})
-    return {"kilter_proofs": FORMAT, "kind": kind, "common": common, "proofs": rest}
+    bundle = {"kilter_proofs": FORMAT, "kind": kind, **more, "common": common, "proofs": rest}
+    return {**bundle, "digest": digest_of(bundle)}
 
 
 def is_bundle(data: Any) -> bool:

@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from kilter.analysis.planning.plan_step import FAR, VERDICTS, Step, held_names
+from kilter.analysis.planning.order_proof import order_proof
+from kilter.analysis.planning.plan_step import FAR, VERDICTS, Step
 from kilter.analysis.planning.removal import Screw
 from kilter.analysis.planning.state import State
 from kilter.analysis.planning.states import States
 from kilter.errors import InputError
-from kilter.mechanics.bundle import make_bundle
 from kilter.tell.html import html_of
 from kilter.tell.levels import holds
 from kilter.tell.numbers import count
@@ -49,6 +49,8 @@ class Order:
         The level that is asked of every step.
     precedence : tuple of pairs of str
         That the order keeps to, as asked for.
+    never_held : tuple of str
+        Parts that were not to be held.
     directions : tuple
         That were tried.
     screws : tuple of Screw
@@ -73,6 +75,7 @@ class Order:
     hold: int
     require: str
     precedence: tuple[tuple[str, str], ...]
+    never_held: tuple[str, ...]
     directions: tuple[Any, ...]
     screws: tuple[Screw, ...]
     moved_as_one: tuple[tuple[str, ...], ...]
@@ -212,38 +215,15 @@ class Order:
         """
         if self.verdict == "none-found":
             raise InputError("no order was found, and nothing is proved: there is no proof")
-        names, proofs = self.states.assembly.names, []
-        stated: list[tuple[dict[str, Any], State]] = []
-        if self.steps:
-            stated.append(({"about": "whole"}, self.whole))
-        stated += [
-            (
-                {
-                    "about": "step",
-                    "parts": list(step.parts),
-                    "legs": [
-                        [list(leg.direction), leg.length if np.isfinite(leg.length) else None]
-                        for leg in step.legs
-                    ],
-                    "over": step.over,
-                },
-                step.state,
-            )
-            for step in self.steps
-        ]
-        stated += [
-            ({"about": "falls alone", "part": names[int(np.flatnonzero(state.free)[0])]}, state)
-            for state in self.falling
-        ]
-        for about, state in stated:
-            change = {
-                "without": [n for n, here in zip(names, state.present, strict=True) if not here],
-                "held": held_names(self.states, state),
-            }
-            proofs.append(
-                ({**about, "change": change}, self.states.proof(state, options=options or {}))
-            )
-        return make_bundle("plan", proofs)
+        names = self.states.assembly.names
+        rules = {
+            "hold": self.hold,
+            "precedence": [list(pair) for pair in self.precedence],
+            "groups": [list(group) for group in self.moved_as_one],
+            "never_held": list(self.never_held),
+            "screws": [[names[one.bolt], names[one.nut], list(one.axis)] for one in self.screws],
+        }
+        return order_proof(self.states, self.whole, self.steps, self.falling, rules, options or {})
 
     def _repr_html_(self) -> str:
         """What a notebook shows."""

@@ -1,18 +1,28 @@
-"""A plan judged again from its file: its order and its ways, apart from the search.
+"""A plan judged again from its file: its order, its rules and its ways, apart from the search.
 
-That each state holds is judged with its forces (`kilter.analysis.verification`). Here: that the
-states follow one another, one part more each; that every part touches what stands; that nothing
-stops it on its way; and, where no order without holds exists, that the parts which fall alone are
-all that are not reached.
+That each state holds or falls is judged with its forces or its motion
+(`kilter.analysis.verification`). Here, that the proofs together are an order:
+
+- the states follow one another, one part more each, to the whole assembly, and each is proved by
+  forces under the gravity, friction and loads of the file;
+- every part touches what stands, and nothing is in its way: the sweeps are made anew;
+- no more parts are held than the rules say, none that must not be, all of them standing;
+- precedence is kept to, and groups move whole; a nut comes over its bolt along the axis of a thread
+  that is found anew;
+- where it says that fewer holds are not enough: no smaller set has a part of each of its motions;
+
+or that the parts which fall alone are all that no order without holds reaches.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
+from kilter.analysis.planning.holds import least_hitting_set
+from kilter.analysis.planning.order_rules import Rules
 from kilter.analysis.planning.part_sets import bits_of
 from kilter.analysis.planning.sweeps import Sweeps
 from kilter.assembly import Assembly
@@ -23,10 +33,23 @@ from kilter.rigid import unit
 __all__ = ["wrong_order"]
 
 About = Mapping[str, Any]
+CHANGES = {"without", "held"}
+"""What a state of a plan may have otherwise than the file."""
 
 
-def wrong_order(assembly: Assembly, contacts: ContactSet, entries: Sequence[About]) -> list[str]:
-    """Why what the proofs of a plan are about is no order, or no impossibility.
+def wrong_order(
+    assembly: Assembly, contacts: ContactSet, bundle: Mapping[str, Any], verdicts: Sequence[str]
+) -> list[str]:
+    """Why the proofs of a plan together are no order, or no impossibility.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    contacts : ContactSet
+    bundle : mapping
+        As `kilter.analysis.planning.order_proof` makes it.
+    verdicts : sequence of str
+        Of its proofs.
 
     Raises
     ------
@@ -34,51 +57,80 @@ def wrong_order(assembly: Assembly, contacts: ContactSet, entries: Sequence[Abou
         If an entry has not the form of one.
     """
     try:
-        steps = [one for one in entries if one.get("about") == "step"]
-        falling = [one for one in entries if one.get("about") == "falls alone"]
-        reasons = _wrong_steps(assembly, contacts, steps) if steps else []
-        if steps and not any(one.get("about") == "whole" for one in entries):
-            reasons.append("the finished assembly has no proof")
-        return reasons + (_wrong_closure(assembly, falling) if falling else [])
-    except (KeyError, TypeError, ValueError) as error:
+        return list(_reasons(assembly, contacts, bundle, verdicts))
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise InputError(
             f"a step of the plan is not of its form ({error})", hint="make it anew with --proof"
         ) from None
 
 
-def _wrong_steps(assembly: Assembly, contacts: ContactSet, steps: Sequence[About]) -> list[str]:
-    sweeps, reasons = Sweeps(contacts), []
+def _reasons(
+    assembly: Assembly, contacts: ContactSet, bundle: Mapping[str, Any], verdicts: Sequence[str]
+) -> Iterator[str]:
+    entries: dict[str, list[About]] = {kind: [] for kind in FALLS}
+    for entry, verdict in zip(bundle["proofs"], verdicts, strict=True):
+        kind, change = entry["about"], entry["change"]
+        if kind not in FALLS:
+            yield f"it is about {kind!r:.40}"
+            continue
+        entries[kind].append(entry)
+        if (verdict == "unstable") != FALLS[kind]:
+            yield f"{kind} {_of(entry)}: its state is {verdict}"
+        if set(change) - CHANGES:
+            yield f"{kind} {_of(entry)}: more of it is changed than its parts"
+    if not entries["step"] and not entries["falls alone"]:
+        yield "it has neither an order nor a proof that there is none"
+    if entries["step"]:
+        if [one["change"] for one in entries["whole"]] != [{"without": [], "held": []}]:
+            yield "the finished assembly has no proof"
+        rules = Rules.of(assembly, contacts, bundle["rules"])
+        yield from _wrong_steps(assembly, contacts, rules, entries["step"])
+        yield from _enough(assembly, rules, entries["step"], entries["not fewer"])
+    elif entries["whole"] or entries["not fewer"]:
+        yield "it speaks of an order but has no step"
+    yield from _wrong_closure(assembly, entries["falls alone"])
+
+
+FALLS = {"whole": False, "step": False, "not fewer": True, "falls alone": True}
+"""What a proof of a plan may be about, and whether its state falls."""
+
+
+def _of(entry: About) -> str:
+    """What an entry speaks of."""
+    return some_names([entry["part"]] if "part" in entry else entry.get("parts", []))
+
+
+def _wrong_steps(
+    assembly: Assembly, contacts: ContactSet, rules: Rules, steps: Sequence[About]
+) -> Iterator[str]:
+    sweeps = Sweeps(contacts)
     standing = {part.name for part in assembly if part.grounded}
-    touching = {
-        frozenset((assembly.names[a], assembly.names[b])) for a, b in contacts.patch_parts.tolist()
-    } | {frozenset(joint.parts) for joint in assembly.joints}
+    touching = _touching(assembly, contacts)
     for number, step in enumerate(steps, 1):
-        parts, change = step["parts"], step["change"]
+        parts, over = step["parts"], step["over"]
         moved = [assembly.index_of(part) for part in parts]
-        said = some_names(parts)
+        said, reasons = some_names(parts), [*rules.broken(step, standing)]
         if standing.intersection(parts) or len(set(parts)) < len(parts) or not parts:
-            reasons.append(f"step {number}: {said} stands already")
-        if set(change["without"]) != set(assembly.names) - standing:
-            reasons.append(f"step {number}: its state is not what stands before it")
+            reasons.append(f"{said} stands already")
+        if set(step["change"]["without"]) != set(assembly.names) - standing:
+            reasons.append("its state is not what stands before it")
         if not _hang_on(standing, parts, touching):
-            reasons.append(f"step {number}: {said} touches nothing that stands")
-        there = bits_of(np.array([name in standing for name in assembly.names], dtype=bool))
-        if step["over"] is not None:
-            there &= ~(1 << assembly.index_of(step["over"]))
-        if any(_stopped(assembly, sweeps, part, there, step["legs"]) for part in moved):
-            reasons.append(f"step {number}: something is in the way of {said}")
+            reasons.append(f"{said} touches nothing that stands")
+        there = np.array([name in standing and name != over for name in assembly.names])
+        if any(_stopped(assembly, sweeps, part, bits_of(there), step["legs"]) for part in moved):
+            reasons.append(f"something is in the way of {said}")
+        yield from (f"step {number}: {reason}" for reason in reasons)
         standing.update(parts)
     missing = set(assembly.names) - standing
     if missing:
-        reasons.append(f"{min(missing)!r} is never put in")
-    return reasons
+        yield f"{min(missing)!r} is never put in"
 
 
-def _hang_on(standing: set[str], parts: Sequence[str], touching: set[frozenset[str]]) -> bool:
+def _hang_on(standing: set[str], parts: Sequence[str], touching: dict[str, set[str]]) -> bool:
     """Whether all of some parts touch what stands, or one another of those that do."""
     there, left = set(standing), set(parts)
     while left:
-        near = {p for p in left if any(frozenset((p, other)) in touching for other in there)}
+        near = {part for part in left if touching[part] & there}
         if not near:
             return False
         there |= near
@@ -86,14 +138,25 @@ def _hang_on(standing: set[str], parts: Sequence[str], touching: set[frozenset[s
     return True
 
 
+def _touching(assembly: Assembly, contacts: ContactSet) -> dict[str, set[str]]:
+    """Of each part those that it touches or is joined to."""
+    found: dict[str, set[str]] = {name: set() for name in assembly.names}
+    pairs = [(assembly.names[a], assembly.names[b]) for a, b in contacts.patch_parts.tolist()]
+    for a, b in [*pairs, *(joint.parts for joint in assembly.joints)]:
+        for one, other in ((a, b), (b, a)):
+            if one in found:  # the ground is none
+                found[one].add(other)
+    return found
+
+
 def _stopped(assembly: Assembly, sweeps: Sweeps, part: int, there: int, legs: Any) -> bool:
-    """Whether any of a set of parts is in the way, piece by piece."""
+    """Whether any of a set of parts is in the way, piece by piece; a way that ends is none."""
     start = np.zeros(3)
     others = [k for k in range(len(assembly)) if there >> k & 1 and k != part]
     for vector, length in legs:
         x, y, z = (float(one) for one in unit(np.array(vector, dtype=float)).round(12))
         distance = np.inf if length is None else float(length)
-        if any(
+        if not distance > 0 or any(
             sweeps.pair_stops(part, other, (x, y, z), distance=distance, start=start)
             for other in others
         ):
@@ -104,7 +167,30 @@ def _stopped(assembly: Assembly, sweeps: Sweeps, part: int, there: int, legs: An
     return True
 
 
-def _wrong_closure(assembly: Assembly, falling: Sequence[About]) -> list[str]:
+def _enough(
+    assembly: Assembly, rules: Rules, steps: Sequence[About], cuts: Sequence[About]
+) -> Iterator[str]:
+    """Why the motions do not show that fewer holds are not enough."""
+    base = {part.name for part in assembly if part.grounded}
+    sets: dict[int, list[int]] = {}
+    for cut in cuts:
+        number, parts, change = cut["step"], set(cut["parts"]), cut["change"]
+        standing = set(assembly.names) - set(change["without"])
+        known = number in range(1, len(steps) + 1)
+        if not known or set(steps[number - 1]["change"]["without"]) != set(change["without"]):
+            yield f"not fewer than in step {number}: its state is another"
+        elif set(change["held"]) != standing - base - parts:
+            yield f"not fewer than in step {number}: other parts are free in it"
+        else:
+            may = np.array([name in parts - rules.never_held for name in assembly.names])
+            sets.setdefault(number, []).append(bits_of(may))
+    for number, found in sets.items():
+        held = len(steps[number - 1]["change"]["held"])
+        if least_hitting_set(found, held - 1) is not None:
+            yield f"step {number}: fewer than {held} held may be enough"
+
+
+def _wrong_closure(assembly: Assembly, falling: Sequence[About]) -> Iterator[str]:
     alone = {one["part"] for one in falling}
     base = {part.name for part in assembly if part.grounded}
     reached = set(assembly.names) - alone
@@ -112,5 +198,4 @@ def _wrong_closure(assembly: Assembly, falling: Sequence[About]) -> list[str]:
         change = one["change"]
         there = set(assembly.names) - set(change["without"])
         if there != reached | {one["part"]} or set(change["held"]) != reached - base:
-            return [f"{one['part']!r} does not fall alone on all that is reached"]
-    return []
+            yield f"{one['part']!r} does not fall alone on all that is reached"

@@ -118,9 +118,8 @@ def plan(
     whole = _require_whole(found)
     turned = find_screws(found.contacts, screws)
     removal = Removal(found.contacts, directions=directions, screws=turned)
-    holdable = ~assembly.geometry.grounded
-    if never_hold:
-        holdable &= ~found.mask(never_hold)
+    barred = found.mask(never_hold) if never_hold else np.zeros(len(assembly), dtype=bool)
+    holdable = ~assembly.geometry.grounded & ~barred
     search = OrderSearch(found, removal, after, holdable, work, units, together)
     falling: list[State] = []
     if not together and not any(unit & (unit - 1) for unit in units):
@@ -140,6 +139,7 @@ def plan(
         hold=most,
         require=level,
         precedence=_pairs(assembly, after, turned),
+        never_held=tuple(np.array(assembly.names)[barred].tolist()),
         directions=tuple(one if isinstance(one, str) else tuple(one) for one in directions),  # type: ignore[arg-type]
         screws=tuple(turned),
         moved_as_one=tuple(_names(assembly, unit) for unit in units if unit & (unit - 1)),

@@ -14,6 +14,7 @@ import numpy as np
 
 from kilter.analysis.check import check
 from kilter.analysis.judge import judge
+from kilter.analysis.planning.holds import Holds
 from kilter.analysis.planning.removal import Direction, Leg
 from kilter.analysis.planning.search import OrderSearch, Removed
 from kilter.analysis.planning.state import State
@@ -21,7 +22,7 @@ from kilter.analysis.planning.states import States
 from kilter.arrays import Array
 from kilter.contact.sub_contacts import contacts_among
 
-__all__ = ["FAR", "VERDICTS", "Step", "held_names", "steps_of"]
+__all__ = ["FAR", "VERDICTS", "Step", "steps_of"]
 
 FAR = 2.0
 """How far away a part begins, over the size of the whole assembly."""
@@ -48,6 +49,8 @@ class Step:
         What stands while they move.
     level : {"proved", "settles", "equilibrium"}
         How surely that holds.
+    needs : Holds or None
+        Where parts are held: the motions that say that fewer are not enough.
     """
 
     parts: tuple[str, ...]
@@ -60,6 +63,7 @@ class Step:
     releases: tuple[str, ...]
     state: State
     level: str
+    needs: Holds[State] | None = None
 
     @property
     def part(self) -> str:
@@ -93,13 +97,6 @@ class Step:
         return f"<Step: {', '.join(self.parts)}{held}>"
 
 
-def held_names(states: States, state: State) -> list[str]:
-    """Parts of a state that are held, beside the grounded ones."""
-    grounded = states.assembly.geometry.grounded
-    held = state.present & ~state.free & ~grounded
-    return [name for name, one in zip(states.assembly.names, held, strict=True) if one]
-
-
 def steps_of(
     search: OrderSearch, removed: Sequence[Removed], require: str, effort: float
 ) -> list[Step]:
@@ -108,7 +105,7 @@ def steps_of(
     steps: list[Step] = []
     before: set[str] = set()
     for one in reversed(removed):
-        held = held_names(states, one.state)
+        held = states.held_names(one.state)
         moved = tuple(names[k] for k in one.parts)
         touches, rubs = search.removal.touching(one.set, one.state.present, one.legs[0].direction)
         bolt = search.removal.over(one.set, one.state.present)
@@ -124,6 +121,7 @@ def steps_of(
                 releases=tuple(sorted(before - set(held), key=names.index)),
                 state=one.state,
                 level=_level(states, one.state, require, effort),
+                needs=one.needs,
             )
         )
         before = {*held, *moved} if held else set()

@@ -55,11 +55,14 @@ class Removed:
         Their way out.
     state : State
         Of the parts that stay, the held ones held: it holds.
+    needs : Holds or None
+        Where parts are held: why fewer are not enough.
     """
 
     parts: tuple[int, ...]
     legs: tuple[Leg, ...]
     state: State
+    needs: Holds[State] | None = None
 
     @property
     def set(self) -> int:
@@ -277,7 +280,7 @@ class OrderSearch:
             self._charge(solved, rest)
             self._holds[rest] = known
         if known.state is not None and known.held is not None and known.held.sum() <= hold:
-            yield Removed(self._members(moved), legs, known.state)
+            yield Removed(self._members(moved), legs, known.state, known)
 
 
 def neighbours_of(states: States) -> list[int]:

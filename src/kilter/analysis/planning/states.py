@@ -299,6 +299,11 @@ class States:
         held = names[state.present & ~state.free].tolist()
         return assembly.with_grounded(held) if held else assembly
 
+    def held_names(self, state: State) -> list[str]:
+        """Parts of a state that are held, beside the grounded ones."""
+        held = state.present & ~state.free & self._programs.free
+        return [name for name, one in zip(self.assembly.names, held, strict=True) if one]
+
     def proof(self, state: State, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
         """The proof of a state, for `kilter.verify` of `sub_assembly`, as JSON data.
 

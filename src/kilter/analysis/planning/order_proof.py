@@ -1,0 +1,91 @@
+"""The proof of a plan as data: its steps, why fewer holds are not enough, or an impossibility.
+
+Before the proofs stands, as `rules`, what the order keeps to: most parts held at once, precedence,
+groups, parts that are not held, screws. Each proof is of one state, and says what it is about
+
+    whole           the finished assembly holds
+    step            what stands while a part comes in, along its `legs` reversed, holds
+    not fewer       at a step with parts held: one of `parts` must be held, or they move
+    falls alone     a part that no order without holds reaches
+
+`kilter.analysis.planning.order_check` judges it again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from kilter.analysis.planning.plan_step import Step
+from kilter.analysis.planning.state import State
+from kilter.analysis.planning.states import States
+from kilter.mechanics.bundle import make_bundle
+
+__all__ = ["order_proof"]
+
+Stated = tuple[dict[str, Any], State]
+"""What a proof is about, and its state."""
+
+
+def order_proof(
+    states: States,
+    whole: State,
+    steps: Sequence[Step],
+    falling: Sequence[State],
+    rules: Mapping[str, Any],
+    options: Mapping[str, Any],
+) -> dict[str, Any]:
+    """The proofs of a plan in one file.
+
+    Parameters
+    ----------
+    states : States
+    whole : State
+        The finished assembly.
+    steps : sequence of Step
+        Empty where there is none.
+    falling : sequence of State
+        Each part that no order without holds reaches, alone free on all that are reached.
+    rules, options : mapping
+        What the order keeps to; how the file is read.
+    """
+    names, proofs = states.assembly.names, []
+    stated = _of_steps(states, whole, steps) if steps else []
+    stated += [
+        ({"about": "falls alone", "part": names[int(np.flatnonzero(one.free)[0])]}, one)
+        for one in falling
+    ]
+    for about, state in stated:
+        change = {
+            "without": [n for n, here in zip(names, state.present, strict=True) if not here],
+            "held": states.held_names(state),
+        }
+        proofs.append(({**about, "change": change}, states.proof(state, options=dict(options))))
+    return make_bundle("plan", proofs, rules=dict(rules))
+
+
+def _of_steps(states: States, whole: State, steps: Sequence[Step]) -> list[Stated]:
+    names = states.assembly.names
+    stated: list[Stated] = [({"about": "whole"}, whole)]
+    for number, step in enumerate(steps, 1):
+        stated.append((_step(step), step.state))
+        if step.needs is None or not step.needs.fewest:
+            continue
+        for cut in step.needs.cuts:
+            parts = [name for name, one in zip(names, cut.parts, strict=True) if one]
+            stated.append(({"about": "not fewer", "step": number, "parts": parts}, cut.state))
+    return stated
+
+
+def _step(step: Step) -> dict[str, Any]:
+    return {
+        "about": "step",
+        "parts": list(step.parts),
+        "legs": [
+            [list(leg.direction), leg.length if np.isfinite(leg.length) else None]
+            for leg in step.legs
+        ],
+        "over": step.over,
+    }

@@ -1,0 +1,238 @@
+"""Proofs of plans, judged again without a solver: whatever is changed in one is found.
+
+Each change is signed anew, as one who knows how files are signed would: what refuses it is not the
+digest.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import kilter
+from kilter import Assembly, Cylinder, InputError, Order, Part, Pose
+from kilter.analysis.verification import verify_bundle
+from kilter.mechanics.proof import digest_of
+from kilter.scenes import scene
+from kilter.scenes.arches import arch
+from kilter.scenes.pieces import block, floor, tube
+
+Proof = dict[str, Any]
+Change = Callable[[Proof], object]
+
+
+def screwed() -> Assembly:
+    """A post on a floor, and a ring round it."""
+    post = Part("post", Cylinder(1, 4), Pose([0, 0, 2]))
+    return Assembly([floor([-3, -3], [3, 3]), post, tube("ring", 1, 2, 1, [0, 0, 0.5])])
+
+
+def row() -> Assembly:
+    """Three blocks side by side on a floor."""
+    blocks = [block(f"b{k}", [2 * k, 0, 0], [2 * k + 1, 1, 1]) for k in range(3)]
+    return Assembly([floor([-1, -1], [6, 2]), *blocks])
+
+
+@cache
+def planned(name: str) -> Order:
+    made: dict[str, Callable[[], Order]] = {
+        "arch": lambda: kilter.plan(arch(5, ratio=0.3, friction=0.6), never_hold="voussoir-0"),
+        "no order": lambda: kilter.plan(arch(5, ratio=0.3, friction=0.6), hold=0),
+        "tower": lambda: kilter.plan(scene("tower")),
+        "screw": lambda: kilter.plan(screwed(), screws=[("post", "ring")]),
+        "row": lambda: kilter.plan(row(), before=[("b2", "b0")]),
+    }
+    return made[name]()
+
+
+def judged(name: str, change: Change, *, signed: bool = True) -> str:
+    """Why the proof of a plan does not hold once it is changed; empty where it holds."""
+    order = planned(name)
+    proof = json.loads(json.dumps(order.proof(), allow_nan=False))
+    change(proof)
+    for entry in proof["proofs"] if signed else ():
+        entry["proof"]["digest"] = digest_of({**proof["common"], **entry["proof"]})
+    if signed:
+        proof["digest"] = digest_of(proof)
+    answer = verify_bundle(order.states.assembly, order.states.contacts, proof)
+    assert answer.holds == (not answer.reasons)
+    return "; ".join(answer.reasons)
+
+
+def entries(proof: Proof, about: str) -> list[Proof]:
+    return [one for one in proof["proofs"] if one["about"] == about]
+
+
+def exchange(proof: Proof, first: int, second: int) -> None:
+    """Exchange two steps, each with its way and its part; the states stay as they were told."""
+    steps = entries(proof, "step")
+    one, other = steps[first], steps[second]
+    for key in ("parts", "legs", "over"):
+        one[key], other[key] = other[key], one[key]
+
+
+@pytest.mark.parametrize("name", ["arch", "no order", "tower", "screw", "row"])
+def test_what_was_not_changed_holds(name: str) -> None:
+    assert judged(name, lambda proof: None) == ""
+
+
+@pytest.mark.parametrize("name", ["arch", "tower", "screw", "row"])
+def test_steps_exchanged_with_their_states_are_refused(name: str) -> None:
+    """Whole entries exchanged: the states no longer follow one another."""
+
+    def change(proof: Proof) -> None:
+        where = [k for k, one in enumerate(proof["proofs"]) if one["about"] == "step"]
+        a, b = where[0], where[-1]
+        proof["proofs"][a], proof["proofs"][b] = proof["proofs"][b], proof["proofs"][a]
+
+    assert "its state is not what stands before it" in judged(name, change)
+
+
+@pytest.mark.parametrize(
+    ("name", "steps", "why"),
+    [
+        ("tower", (1, 2), "'cube-3' touches nothing that stands"),
+        ("screw", (0, 1), "the nut 'ring' is on before its bolt 'post'"),
+        ("row", (0, 2), "'b0' comes before 'b2'"),
+    ],
+)
+def test_parts_exchanged_are_refused(name: str, steps: tuple[int, int], why: str) -> None:
+    found = judged(name, lambda proof: exchange(proof, *steps))
+    assert why in found
+    assert "its state is not what stands before it" in found
+
+
+def held_step(proof: Proof) -> Proof:
+    return next(one for one in entries(proof, "step") if one["change"]["held"])
+
+
+def more_force(proof: Proof) -> None:
+    entries(proof, "step")[-1]["proof"]["forces"][0][2] += 1e-3
+
+
+def other_motion(proof: Proof) -> None:
+    motion = entries(proof, "falls alone")[0]["proof"]["motion"]
+    motion[next(iter(motion))][2] += 1e-3
+
+
+def one_more_held(proof: Proof) -> None:
+    held = entries(proof, "step")[-2]["change"]["held"]
+    held += [one["parts"][0] for one in entries(proof, "step")[:-2] if one["parts"][0] not in held][
+        :1
+    ]
+
+
+def falls_in_a_step(proof: Proof) -> None:
+    entry = entries(proof, "falls alone")[0]
+    entry.update(about="step", parts=[entry["part"]], legs=[], over=None)
+
+
+CHANGES: list[tuple[str, str, Change]] = [
+    ("arch", "its residual is not that of its forces", more_force),
+    ("no order", "its fastest part does not move by 1", other_motion),
+    (
+        "tower",
+        "something is in the way",
+        lambda p: entries(p, "step")[2].update(legs=[[[0.0, 0.0, -1.0], None]]),
+    ),
+    (
+        "tower",
+        "something is in the way",
+        lambda p: entries(p, "step")[2].update(legs=[[[0.0, 0.0, 1.0], 4.0]]),
+    ),
+    ("tower", "something is in the way", lambda p: entries(p, "step")[2].update(legs=[])),
+    ("arch", "1 parts are held, not 0", lambda p: p["rules"].update(hold=0)),
+    (
+        "arch",
+        "is held and must not be",
+        lambda p: p["rules"].update(never_held=held_step(p)["change"]["held"]),
+    ),
+    (
+        "row",
+        "comes before 'b0'",
+        lambda p: p["rules"]["precedence"].append([entries(p, "step")[1]["parts"][0], "b0"])
+        or p["rules"]["precedence"].append(["b0", entries(p, "step")[1]["parts"][0]]),
+    ),
+    ("screw", "which is no bolt of it", lambda p: entries(p, "step")[1].update(over=None)),
+    ("screw", "which is no bolt of it", lambda p: entries(p, "step")[0].update(over="ring")),
+    (
+        "screw",
+        "along the axis of its thread",
+        lambda p: entries(p, "step")[1].update(legs=[[[0.0, 0.6, 0.8], None]]),
+    ),
+    ("arch", "fewer than 2 held may be enough", one_more_held),
+    (
+        "arch",
+        "other parts are free in it",
+        lambda p: entries(p, "not fewer")[0]["change"]["held"].pop(),
+    ),
+    ("arch", "the finished assembly has no proof", lambda p: p["proofs"].pop(0)),
+    ("arch", "is never put in", lambda p: p["proofs"].remove(entries(p, "step")[-1])),
+    ("arch", "its state is unstable", falls_in_a_step),
+    (
+        "row",
+        "'b1' does not move with its group",
+        lambda p: p["rules"]["groups"].append(["b0", "b1"]),
+    ),
+    (
+        "arch",
+        "more of it is changed than its parts",
+        lambda p: entries(p, "step")[0]["change"].update(mu=5.0),
+    ),
+    ("arch", "it is about 'else'", lambda p: entries(p, "step")[0].update(about="else")),
+    ("no order", "does not fall alone", lambda p: entries(p, "falls alone")[0]["change"].update(
+        without=[])),
+    ("no order", "does not fall alone", lambda p: p["proofs"].pop()),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("name", "why", "change"), CHANGES, ids=[f"{one[0]}: {one[1]}" for one in CHANGES]
+)
+def test_a_change_is_refused(name: str, why: str, change: Change) -> None:
+    assert why in judged(name, change)
+
+
+def test_a_number_that_is_changed_without_a_signature_is_refused() -> None:
+    """A leg that is another, and free as well: only the digest knows."""
+
+    def change(proof: Proof) -> None:
+        entries(proof, "step")[0]["legs"] = [[[0.0, 0.6, 0.8], None]]
+
+    assert judged("tower", change) == ""
+    assert "digest does not fit" in judged("tower", change, signed=False)
+
+
+def test_neither_an_order_nor_an_impossibility_proves_nothing() -> None:
+    def change(proof: Proof) -> None:
+        proof["proofs"] = entries(proof, "whole")
+
+    assert "neither an order" in judged("tower", change)
+
+
+@pytest.mark.parametrize("key", ["parts", "legs", "change"])
+def test_an_entry_without_its_form_is_wrong_input(key: str) -> None:
+    with pytest.raises(InputError):
+        judged("tower", lambda proof: entries(proof, "step")[0].pop(key))
+
+
+def test_no_solver_is_loaded(tmp_path: Path) -> None:
+    """The arch's file and proof, where neither solver can be imported."""
+    order, proof, file = planned("arch"), tmp_path / "p.json", tmp_path / "arch.kilter.json"
+    proof.write_text(json.dumps(order.proof()))
+    kilter.dump(order.states.assembly, file)
+    code = (
+        "import sys; sys.modules['highspy'] = sys.modules['clarabel'] = None\n"
+        "import kilter; print(kilter.verify(*sys.argv[1:]))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(file), str(proof)], capture_output=True, text=True
+    )
+    assert done.stdout == "<Verification: plan, holds>\n", done.stderr
