@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 import io
 import json
+import math
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +14,8 @@ import pytest
 
 import kilter
 from kilter import Assembly, InputError, Order, Part, Pose
+from kilter.analysis.planning.part_sets import bits_of, mask_of
+from kilter.analysis.planning.removal import Removal
 from kilter.analysis.verification import verify_bundle
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
@@ -75,6 +79,59 @@ def test_an_arch_needs_one_part_held_and_that_is_proved(
         rechecked(one)
         proof["proofs"][0]["change"]["held"].pop()
         assert "does not fall alone" in reasons(none, proof)
+
+
+@pytest.mark.parametrize(
+    ("count", "ratio", "held"),
+    [(9, 0.3, 4), pytest.param(20, 0.2, 11, marks=pytest.mark.slow)],
+)
+def test_fewest_held_steps_of_an_arch(count: int, ratio: float, held: int) -> None:
+    """All voussoirs that do not stand alone, less the keystone: no order has fewer."""
+    for hold in (1, 2):
+        order = kilter.plan(arch(count, ratio=ratio, friction=0.6), fewest="held-steps", hold=hold)
+        assert (order.held_steps, order.least) == (held, "as-tried")
+
+
+def test_fewest_held_steps_are_those_of_all_orders() -> None:
+    """Against every order of seven voussoirs, set by set."""
+    made = arch(7, ratio=0.3, friction=0.6)
+    order = kilter.plan(made, fewest="held-steps", hold=1)
+    states = order.states
+    removal = Removal(states.contacts)
+    stones = [k for k, free in enumerate(~made.geometry.grounded) if free]
+    neighbours = [set(removal.touching(1 << k, states.mask("*"), (0, 0, 1))[0]) for k in stones]
+    base = bits_of(made.geometry.grounded)
+
+    @cache
+    def least(standing: int) -> float:
+        """Held steps of the best order of a set."""
+        if standing == base:
+            return 0
+        found = [math.inf]
+        for stone, near in zip(stones, neighbours, strict=True):
+            rest = standing & ~(1 << stone)
+            if rest == standing or not any(rest >> other & 1 for other in near):
+                continue
+            if any(removal.way_out(1 << stone, standing, legs=legs) for legs in (1, 2)):
+                held = states.holds_of(mask_of(rest, len(made)), states.mask("vou*"), most=1)
+                if held.state is not None:
+                    found.append(least(rest) + bool(held.parts))
+        return min(found)
+
+    assert order.held_steps == least(bits_of(states.mask("*")))
+    worst = kilter.plan(made, before=[(f"voussoir-{k}", f"voussoir-{k + 1}") for k in range(6)])
+    assert worst.held_steps > order.held_steps
+
+
+def test_what_is_said_of_fewer() -> None:
+    tower = kilter.plan(scene("tower"))
+    assert (tower.least, tower.to_dict()["sentence"]) == (
+        "always", "It can be put together in 5 steps, with nothing held."
+    )  # fmt: skip
+    made = arch(9, ratio=0.3, friction=0.6)
+    assert kilter.plan(made).least == "always"
+    words = kilter.plan(made, fewest="held-steps").to_dict()["sentence"]
+    assert words.endswith("Along the ways that were tried no order has fewer held steps.")
 
 
 def test_an_arch_that_falls_when_it_is_finished_is_refused() -> None:
@@ -232,6 +289,8 @@ def test_wrong_input() -> None:
         kilter.plan(tower.with_grounded("*"))
     with pytest.raises(InputError, match="hold is -1"):
         kilter.plan(tower, hold=-1)
+    with pytest.raises(InputError, match="fewest is 'parts'"):
+        kilter.plan(tower, fewest="parts")
     with pytest.raises(InputError, match="a direction is 'up'"):
         kilter.plan(tower, directions=["up"])
     with pytest.raises(InputError, match="no 'cube-2' is round the shaft"):

@@ -93,6 +93,15 @@ def plan(
             rich_help_panel=ORDER,
         ),
     ] = False,
+    fewest: Annotated[
+        str,
+        typer.Option(
+            "--fewest",
+            metavar="WHAT",
+            help="What there is to be least of: holds (parts held at once) or held-steps.",
+            rich_help_panel=ORDER,
+        ),
+    ] = "holds",
     require: Annotated[
         str,
         typer.Option(
@@ -136,6 +145,7 @@ def plan(
             screws=[pair_of("--screws", words) for words in screws or ()],
             groups=group or (),
             together=together,
+            fewest=fewest,
             require=require,
             effort=asked.effort,
             time_limit=asked.time_limit,

@@ -29,7 +29,7 @@ def order_sentence(answer: Answer) -> str:
             most = count(answer["holds_max"], "part")
             words = f"with at most {most} held at once, in {count(held, 'step')}"
         first = f"It can be put together in {count(len(answer['steps']), 'step')}, {words}."
-        return f"{first} {fewer}" if fewer else first
+        return " ".join(filter(None, [first, fewer, _least(answer)]))
     if answer["verdict"] == "impossible":
         return fewer
     why = "the effort was spent"
@@ -42,6 +42,19 @@ def order_sentence(answer: Answer) -> str:
     most = count(answer["search"]["hold"], "part")
     first = f"No order was found with up to {most} held: {why}; that proves nothing."
     return f"{first} {fewer}" if fewer else first
+
+
+def _least(answer: Answer) -> str:
+    """How surely nothing less is held, where it is more than nothing and that is not said yet."""
+    fewest, most = answer["fewest"], answer["holds_max"]
+    if not most or (fewest["what"] == "holds" and most == 1 and answer["impossible"]):
+        return ""
+    what = "parts at once" if fewest["what"] == "holds" else "held steps"
+    return {
+        "always": f"No order has fewer {what}.",
+        "as-tried": f"Along the ways that were tried no order has fewer {what}.",
+        None: f"Whether fewer {what} are enough was not found out.",
+    }[fewest["least"]]
 
 
 def _without_holds(answer: Answer) -> str:

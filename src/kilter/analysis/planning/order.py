@@ -58,6 +58,10 @@ class Order:
         Groups that were asked for.
     together : bool
         Whether parts that stop one another might move as one.
+    fewest : {"holds", "held-steps"}
+        What there was to be least of.
+    least : {"always", "as-tried"} or None
+        Whether no order at all has less of it; none along the ways that were tried; or open.
     exhausted, interrupted : bool
         Whether the search came to its end; whether it was stopped from outside.
     time_limit : float or None
@@ -80,6 +84,8 @@ class Order:
     screws: tuple[Screw, ...]
     moved_as_one: tuple[tuple[str, ...], ...]
     together: bool
+    fewest: str
+    least: str | None
     exhausted: bool
     interrupted: bool
     time_limit: float | None
@@ -138,6 +144,7 @@ class Order:
             "precedence": [list(pair) for pair in self.precedence],
             "impossible": self._impossible(),
             "best": list(self.best),
+            "fewest": {"what": self.fewest, "least": self.least},
             "search": {**self.counts, "exhausted": self.exhausted, "hold": self.hold},
             "assumes": {
                 "directions": [d if isinstance(d, str) else list(d) for d in self.directions],

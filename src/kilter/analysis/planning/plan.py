@@ -15,15 +15,17 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kilter.analysis.planning.cheapest import FEWEST, Searched, find_order
 from kilter.analysis.planning.closure import find_unreachable
 from kilter.analysis.planning.order import Order
-from kilter.analysis.planning.part_sets import bits_of, members
+from kilter.analysis.planning.part_sets import members
 from kilter.analysis.planning.plan_step import steps_of
-from kilter.analysis.planning.removal import Removal, Screw
+from kilter.analysis.planning.removal import Removal
 from kilter.analysis.planning.screws import find_screws
-from kilter.analysis.planning.search import OrderSearch, Removed
+from kilter.analysis.planning.search import OrderSearch
 from kilter.analysis.planning.state import State
 from kilter.analysis.planning.states import States, states
+from kilter.analysis.planning.succession import later_parts, precedence_pairs
 from kilter.analysis.planning.together import units_of_groups
 from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance
@@ -52,6 +54,7 @@ def plan(
     screws: Iterable[tuple[str, str]] = (),
     groups: Iterable[str | Iterable[str]] = (),
     together: bool = False,
+    fewest: str = "holds",
     require: str = "equilibrium",
     effort: float = EFFORT,
     time_limit: float | None = None,
@@ -80,6 +83,8 @@ def plan(
         not asked; once they are in place, each stands by itself.
     together : bool
         Whether parts that stop one another may move as one where none leaves alone.
+    fewest : {"holds", "held-steps"}
+        What there is to be least of: parts held at once, or steps during which a part is held.
     require : {"equilibrium", "settles", "proved"}
         The level that `Order.holds` asks of every step; the search is at "equilibrium".
     effort : float
@@ -105,13 +110,15 @@ def plan(
     require_assembly(assembly, "plan")
     assembly.require_grounded()
     level = require_level(require)
+    if fewest not in FEWEST:
+        raise InputError(f"fewest is {fewest!r:.40}", hint=f"give {' or '.join(FEWEST)}")
     most = MOST_HELD if hold is None else _whole_number(hold)
     if time_limit is not None:
         time_limit = number(time_limit, "time_limit", lowest=0)
     budget = SEARCH * units_of(number(effort, "effort", lowest=0))
     work = Work(budget, progress, time_limit=time_limit)
     started = time.perf_counter()
-    after, units = _later(assembly, before), units_of_groups(assembly, groups)
+    after, units = later_parts(assembly, before), units_of_groups(assembly, groups)
     found = states(assembly, contacts=contacts, tolerance=tolerance, progress=progress)
     seconds = {"contacts": time.perf_counter() - started}
     between = time.perf_counter()
@@ -125,27 +132,31 @@ def plan(
     if not together and not any(unit & (unit - 1) for unit in units):
         work.stage("what stands by itself")
         falling = find_unreachable(found)[1]
-    removed, interrupted = _searched(search, 1 if falling else 0, most)
+    searched = find_order(search, 1 if falling else 0, most, fewest)
     seconds["search"] = time.perf_counter() - between
     work.stage("levels of the steps")
-    steps = steps_of(search, removed or [], level, effort)
+    steps = steps_of(search, searched.order or [], level, effort)
     seconds["solve"] = time.perf_counter() - between
     return Order(
         states=found,
         steps=tuple(steps),
-        best=() if removed else tuple(n for one in search.best for n in _names(assembly, one.set)),
+        best=()
+        if searched.order
+        else tuple(n for one in search.best for n in _names(assembly, one.set)),
         falling=tuple(falling),
         whole=whole,
         hold=most,
         require=level,
-        precedence=_pairs(assembly, after, turned),
+        precedence=precedence_pairs(assembly, after, turned),
         never_held=tuple(np.array(assembly.names)[barred].tolist()),
         directions=tuple(one if isinstance(one, str) else tuple(one) for one in directions),  # type: ignore[arg-type]
         screws=tuple(turned),
         moved_as_one=tuple(_names(assembly, unit) for unit in units if unit & (unit - 1)),
         together=together,
         exhausted=search.exhausted,
-        interrupted=interrupted,
+        fewest=fewest,
+        least=_least(searched, len(falling)),
+        interrupted=searched.interrupted,
         time_limit=time_limit if work.cut else None,
         counts={
             "states": search.visited,
@@ -157,18 +168,13 @@ def plan(
     )
 
 
-def _searched(search: OrderSearch, least: int, most: int) -> tuple[list[Removed] | None, bool]:
-    """The removals of the fewest holds that were found, and whether it was interrupted."""
-    try:
-        for hold in range(least, most + 1):
-            search.work.stage(f"an order with {hold} held")
-            found = search.find(hold)
-            if found is not None or search.work.over:
-                return found, False
-    except KeyboardInterrupt:
-        search.exhausted = False
-        return None, True
-    return None, False
+def _least(searched: Searched, falling: int) -> str | None:
+    """How surely nothing has less than the order that was found."""
+    if searched.order is None:
+        return None
+    if searched.least == 0 or (searched.least == 1 and falling > 1):
+        return "always"
+    return "as-tried" if searched.proved else None
 
 
 def _whole_number(hold: int) -> int:
@@ -201,54 +207,6 @@ def _require_whole(found: States) -> State:
     return state
 
 
-def _later(assembly: Assembly, before: Iterable[tuple[str, str]]) -> list[int]:
-    """Of each part the set of those that come later, by the pairs that were asked for."""
-    later = [0] * len(assembly)
-    for pair in before:
-        if isinstance(pair, str) or len(pair) != 2:
-            raise InputError(f"before has {pair!r:.60}", hint="give pairs of names")
-        first, second = (sorted(assembly.matching(one)) for one in pair)
-        for name in first:
-            for other in second:
-                if assembly[other].grounded and not assembly[name].grounded:
-                    raise InputError(
-                        f"{name!r} is to come before {other!r}, which is held from the start",
-                        hint="leave that pair out",
-                    )
-                later[assembly.index[name]] |= 1 << assembly.index[other]
-    _require_no_circle(assembly, later)
-    return later
-
-
-def _require_no_circle(assembly: Assembly, later: list[int]) -> None:
-    left = bits_of(np.ones(len(later), dtype=bool))
-    while True:
-        last = [k for k in range(len(later)) if left >> k & 1 and not later[k] & left]
-        if not last:
-            break
-        for k in last:
-            left &= ~(1 << k)
-    if left:
-        names = [name for k, name in enumerate(assembly.names) if left >> k & 1]
-        raise InputError(
-            f"the precedence goes round in a circle: {some_names(names)}",
-            hint="leave one of the pairs out",
-        )
-
-
-def _names(assembly: Assembly, parts: int) -> tuple[str, ...]:
-    return tuple(assembly.names[k] for k in members(parts, len(assembly)).tolist())
-
-
-def _pairs(
-    assembly: Assembly, later: list[int], screws: Sequence[Screw]
-) -> tuple[tuple[str, str], ...]:
-    """The precedence that was asked for, pair by pair; of screws the bolt before its nut."""
-    names = assembly.names
-    asked = [
-        (names[k], names[other])
-        for k in range(len(names))
-        for other in range(len(names))
-        if later[k] >> other & 1
-    ]
-    return (*asked, *((names[one.bolt], names[one.nut]) for one in screws))
+def _names(assembly: Assembly, *sets: int) -> tuple[str, ...]:
+    """The parts of some sets, set by set."""
+    return tuple(assembly.names[k] for one in sets for k in members(one, len(assembly)).tolist())
