@@ -17,6 +17,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from kilter.analysis.check import check as check
+    from kilter.analysis.many.check_many import check_many as check_many
+    from kilter.analysis.many.verdicts import Verdicts as Verdicts
     from kilter.analysis.margins.margin import Margin as Margin
     from kilter.analysis.margins.margin import margin as margin
     from kilter.analysis.planning.order import Order as Order
@@ -34,6 +36,7 @@ if TYPE_CHECKING:
     from kilter.analysis.verification import Verification as Verification
     from kilter.analysis.verification import verify as verify
     from kilter.assembly.assembly import Assembly as Assembly
+    from kilter.assembly.assembly_arrays import AssemblyArrays as AssemblyArrays
     from kilter.assembly.interactions import FrictionPair as FrictionPair
     from kilter.assembly.interactions import GivenContact as GivenContact
     from kilter.assembly.interactions import Joint as Joint
@@ -79,11 +82,13 @@ _HOMES = {
     "verify": "kilter.analysis.verification",
     "view": "kilter.publish",
     # beside them
+    "check_many": "kilter.analysis.many.check_many",
     "common_region": "kilter.analysis.regions.region",
     "fastened": "kilter.contact.fits.fastening",
     "states": "kilter.analysis.planning.states",
     # what they take
     "Assembly": "kilter.assembly.assembly",
+    "AssemblyArrays": "kilter.assembly.assembly_arrays",
     "Box": "kilter.shape.primitives",
     "Cylinder": "kilter.shape.primitives",
     "FrictionPair": "kilter.assembly.interactions",
@@ -108,6 +113,7 @@ _HOMES = {
     "States": "kilter.analysis.planning.states",
     "Step": "kilter.analysis.planning.plan_step",
     "Verdict": "kilter.analysis.verdict",
+    "Verdicts": "kilter.analysis.many.verdicts",
     "Verification": "kilter.analysis.verification",
     # and what they refuse
     "InputError": "kilter.errors",

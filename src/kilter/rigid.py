@@ -14,13 +14,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kilter.arrays import Array
+from kilter.arrays import Array, Index
 from kilter.errors import InputError
 from kilter.validate import frozen
 
 __all__ = [
     "Pose",
     "common_frame",
+    "common_frames",
     "in_brackets",
     "matrix_to_quaternion",
     "quaternion_to_matrix",
@@ -257,6 +258,56 @@ def common_frame(normals: Array, areas: Array) -> Array:
     second = second - (second @ first) * first
     second /= np.linalg.norm(second)
     return np.array([first, second, np.cross(first, second)])
+
+
+def common_frames(normals: Array, areas: Array, start: Index) -> Array:
+    """The common frame of each of M runs of normals, shape (M, 3, 3).
+
+    Directions count as one where they agree to about five digits.
+
+    Parameters
+    ----------
+    normals : ndarray, shape (n, 3)
+    areas : ndarray, shape (n,)
+    start : ndarray of int, shape (M + 1,)
+        First row of each run.
+
+    Examples
+    --------
+    >>> common_frames(np.eye(3), np.array([1.0, 1.0, 2.0]), np.array([0, 1, 3]))[:, 0]
+    array([[1., 0., 0.],
+           [0., 0., 1.]])
+    """
+    count = len(start) - 1
+    run = np.repeat(np.arange(count), np.diff(start))
+    sound = np.linalg.norm(normals, axis=1) > 0.5
+    normals, areas, run = normals[sound], areas[sound], run[sound]
+    strongest = np.take_along_axis(normals, np.abs(normals).argmax(axis=1)[:, None], axis=1)
+    normals = normals * np.where(strongest < 0, -1.0, 1.0)
+    first = _most_common_of(normals, areas, run, np.tile([1.0, 0.0, 0.0], (count, 1)))
+    square = np.abs(np.einsum("ij,ij->i", normals, first[run])) < FRAME_SQUARE
+    other = np.eye(3)[np.abs(first).argmin(axis=1)]
+    second = _most_common_of(normals[square], areas[square], run[square], other)
+    second -= np.einsum("ij,ij->i", second, first)[:, None] * first
+    second /= np.linalg.norm(second, axis=1)[:, None]
+    return np.stack([first, second, np.cross(first, second)], axis=1)
+
+
+def _most_common_of(normals: Array, areas: Array, run: Index, default: Array) -> Array:
+    """The direction of the largest area of each run; `default`, shape (M, 3), where none is."""
+    grid = np.rint(normals * 1e5).astype(np.int64) + 100_001
+    key = (grid[:, 0] * 200_003 + grid[:, 1]) * 200_003 + grid[:, 2]
+    order = np.lexsort((key, run))
+    new = np.flatnonzero(np.diff(run[order], prepend=-1) | np.diff(key[order], prepend=-1))
+    chosen = default.copy()
+    if not len(new):
+        return chosen
+    total = np.add.reduceat(areas[order], new)
+    owner = run[order][new]
+    best = np.lexsort((-new, total, owner))  # the last of each run is its largest
+    last = np.flatnonzero(np.diff(owner[best], append=-1))
+    chosen[owner[best[last]]] = normals[order[new[best[last]]]]
+    return chosen
 
 
 def _most_common(normals: Array, areas: Array) -> Array:

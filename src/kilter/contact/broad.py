@@ -17,9 +17,9 @@ from kilter.arrays import TINY, Array, Index, Mask, counted, ragged
 from kilter.assembly.geometry import Geometry
 from kilter.contact.contact_tolerances import BOX_ROUNDING
 from kilter.contact.planar.facets import Facets
-from kilter.rigid import common_frame
+from kilter.rigid import common_frame, common_frames
 
-__all__ = ["Boxes", "facet_pairs", "facets_in", "joins", "make_boxes", "part_pairs"]
+__all__ = ["Boxes", "facet_pairs", "facets_in", "joins", "make_boxes", "pairs_apart", "part_pairs"]
 
 
 FEW = 64
@@ -36,7 +36,8 @@ BATCH = 2_000_000
 class Boxes:
     """Boxes of parts, shape (N, 3), and of facets, shape (F, 3), in a common frame.
 
-    `turned`: the vertices of the geometry in that frame, shape (V, 3).
+    `turned`: the vertices of the geometry in that frame, shape (V, 3). Of assemblies side by
+    side each has a frame of its own, and `frame`, shape (3, 3), says nothing.
     """
 
     frame: Array
@@ -47,10 +48,16 @@ class Boxes:
     facet_high: Array
 
 
-def make_boxes(geometry: Geometry, facets: Facets) -> Boxes:
-    """Boxes of all parts and facets."""
-    frame = common_frame(facets.normal, facets.area)
-    turned = geometry.vertices @ frame.T
+def make_boxes(geometry: Geometry, facets: Facets, start: Index | None = None) -> Boxes:
+    """Boxes of all parts and facets; `start`: of assemblies side by side, each one's first part."""
+    if start is None:
+        frame = common_frame(facets.normal, facets.area)
+        turned = geometry.vertices @ frame.T
+    else:
+        frame = np.eye(3)
+        frames = common_frames(facets.normal, facets.area, facets.start[start])
+        place = np.repeat(np.arange(len(frames)), np.diff(geometry.vertex_start[start]))
+        turned = np.einsum("vij,vj->vi", frames[place], geometry.vertices)
     corners = turned[facets.corners]
     part_low, part_high = _extremes(turned, geometry.vertex_start)
     facet_low, facet_high = _extremes(corners, facets.corner_start)
@@ -83,6 +90,35 @@ def part_pairs(boxes: Boxes, grounded: Mask, margin: Array) -> Index:
     keep = ((low[a] <= high[b]) & (low[b] <= high[a])).all(axis=1)
     keep &= ~(grounded[a] & grounded[b])
     return np.column_stack([a[keep], b[keep]]).astype(np.int64)
+
+
+def pairs_apart(boxes: Boxes, grounded: Mask, margin: Array, start: Index) -> Index:
+    """Such pairs within each of assemblies side by side, `start`: the first part of each."""
+    few = int(np.diff(start).max(initial=0)) <= FEW
+    if few:
+        blocks = [_all_pairs(start)]
+    else:
+        blocks = []
+        for first, last in zip(start[:-1].tolist(), start[1:].tolist(), strict=True):
+            own = slice(first, last)
+            mine = boxes.part_low[own] - margin[own, None], boxes.part_high[own] + margin[own, None]
+            blocks.append(np.column_stack(_tree_pairs(*mine)) + first)
+    a, b = np.concatenate(blocks).T
+    low, high = boxes.part_low - margin[:, None], boxes.part_high + margin[:, None]
+    keep = ~(grounded[a] & grounded[b])
+    for axis in range(3):
+        keep &= (low[a, axis] <= high[b, axis]) & (low[b, axis] <= high[a, axis])
+    return np.column_stack([a[keep], b[keep]]).astype(np.int64)
+
+
+def _all_pairs(start: Index) -> Index:
+    """Pairs a < b of the rows of each run, shape (n, 2), in order."""
+    count = np.diff(start)
+    run, row = counted(count)
+    after = count[run] - 1 - row
+    first, step = counted(after)
+    a = start[run[first]] + row[first]
+    return np.column_stack([a, a + 1 + step])
 
 
 def _tree_pairs(low: Array, high: Array) -> tuple[Index, Index]:

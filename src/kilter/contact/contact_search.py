@@ -10,7 +10,7 @@ import numpy as np
 from kilter.arrays import Array, Index, Mask
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
-from kilter.contact.broad import Boxes, make_boxes, part_pairs
+from kilter.contact.broad import Boxes, make_boxes, pairs_apart, part_pairs
 from kilter.contact.gaps import GapLimits, Tolerance, gap_limits, reach_of
 from kilter.contact.planar.facets import Facets, find_facets
 from kilter.contact.unknown import unknown_pairs
@@ -66,27 +66,40 @@ class ContactSearch:
 
 
 def begin_search(
-    assembly: Assembly, tolerance: Tolerance, progress: Callable[[str], None]
+    assembly: Assembly,
+    tolerance: Tolerance,
+    progress: Callable[[str], None],
+    *,
+    start: Index | None = None,
 ) -> ContactSearch:
-    """The pairs of parts that come near, with their limits."""
+    """The pairs of parts that come near, with their limits.
+
+    `start`, shape (M + 1,): of assemblies side by side, the first part of each; parts of two
+    of them are no pair.
+    """
     geometry = assembly.geometry
     progress("facets")
     facets = find_facets(geometry)
     progress("near pairs")
-    boxes = make_boxes(geometry, facets)
-    near = _pairs_to_detect(assembly, boxes, tolerance)
+    boxes = make_boxes(geometry, facets, start)
+    near = _pairs_to_detect(assembly, boxes, tolerance, start)
     pairs, unknown = unknown_pairs(geometry, near, reach_of(geometry, tolerance))
     limits = gap_limits(geometry, facets, pairs, tolerance)
     meshes = np.array([isinstance(part.shape, Mesh) for part in assembly.parts])
     return ContactSearch(geometry, facets, boxes, pairs, limits, tolerance.angle, unknown, meshes)
 
 
-def _pairs_to_detect(assembly: Assembly, boxes: Boxes, tolerance: Tolerance) -> Index:
+def _pairs_to_detect(
+    assembly: Assembly, boxes: Boxes, tolerance: Tolerance, start: Index | None
+) -> Index:
     """Pairs of parts that come near, without those whose contacts are given."""
     if not assembly.detect:
         return np.empty((0, 2), dtype=np.int64)
     geometry = assembly.geometry
-    pairs = part_pairs(boxes, geometry.grounded, reach_of(geometry, tolerance))
+    reach = reach_of(geometry, tolerance)
+    if start is not None:
+        return pairs_apart(boxes, geometry.grounded, reach, start)
+    pairs = part_pairs(boxes, geometry.grounded, reach)
     given = {
         frozenset(assembly.index_of(n) for n in contact.parts) for contact in assembly.contacts
     }

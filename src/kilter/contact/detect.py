@@ -9,6 +9,7 @@ import numpy as np
 
 from kilter.arrays import Mask, starts
 from kilter.assembly import Assembly, require_assembly
+from kilter.assembly.side_by_side import SideBySide
 from kilter.contact.contact_search import ContactSearch, begin_search
 from kilter.contact.contact_set import ContactSet, PossibleContacts
 from kilter.contact.contact_tolerances import FIT_PLAY, THREAD
@@ -30,7 +31,7 @@ from kilter.contact.touching import Touching
 from kilter.contact.unknown import unknown_contacts
 from kilter.errors import InputError
 
-__all__ = ["contacts"]
+__all__ = ["contacts", "contacts_side_by_side"]
 
 
 def contacts(
@@ -79,7 +80,32 @@ def contacts(
         )
     tolerance.require_sound()
     tell = progress or (lambda stage: None)
-    search = begin_search(assembly, tolerance, tell)
+    found = _in_search(assembly, begin_search(assembly, tolerance, tell), tolerance, tell)
+    tell("nearest parts")
+    return dataclasses.replace(found, neighbours=nearest_parts(assembly.geometry, found.alone))
+
+
+def contacts_side_by_side(apart: SideBySide, tolerance: Tolerance) -> ContactSet:
+    """What touches in each of several assemblies, by the parts of all; no neighbours, no warnings.
+
+    Raises
+    ------
+    InputError
+        If the tolerance is not above zero.
+    """
+    tolerance.require_sound()
+
+    def silent(stage: str) -> None:
+        return None
+
+    search = begin_search(apart.whole, tolerance, silent, start=apart.start)
+    return _in_search(apart.whole, search, tolerance, silent)
+
+
+def _in_search(
+    assembly: Assembly, search: ContactSearch, tolerance: Tolerance, tell: Callable[[str], None]
+) -> ContactSet:
+    """All that a search finds but the nearest parts of those that touch nothing."""
     gap = search.limits.gap
     tell("faces")
     curved = find_curved(search)
@@ -105,7 +131,7 @@ def contacts(
     possible = PossibleContacts.join([near.possible, rims, touching.curved.possible])
     tilted = smooth.possible(friction_coefficients(assembly, search.pairs))
     left_open = find_open_pairs(assembly, overlaps, rejected, unsupported)
-    found = ContactSet(
+    return ContactSet(
         assembly=assembly,
         patch_parts=patches.parts,
         patch_normal=patches.normal,
@@ -138,8 +164,6 @@ def contacts(
         open_pairs=left_open,
         fits=_fits(assembly, search, tolerance, {frozenset(one.parts) for one in overlaps}),
     )
-    tell("nearest parts")
-    return dataclasses.replace(found, neighbours=nearest_parts(search.geometry, found.alone))
 
 
 def _fits(

@@ -57,6 +57,7 @@ __all__ = [
     "find_optimum",
     "hipo_available",
     "near_its_bound",
+    "new_highs",
     "solve_linear",
 ]
 
@@ -109,7 +110,7 @@ def solve_linear(
     work : Work, optional
         Its time limit is kept.
     """
-    highs, solver = _highs(tolerance), "simplex"
+    highs, solver = new_highs(tolerance), "simplex"
     if method == "interior":
         solver = "hipo" if hipo_available() else "ipx"
         highs.setOptionValue("run_crossover", "off")
@@ -203,7 +204,7 @@ class KeptProgram:
         self._steps = 0
         self._based = False
         self._options: dict[str, float] = {}
-        self._highs = _highs(tolerance)
+        self._highs = new_highs(tolerance)
         self._highs.setOptionValue("solver", "simplex")
         self._highs.setOptionValue("presolve", "off")
         if program is not None:
@@ -378,7 +379,7 @@ def _with(values: Array, index: Index, new: Array) -> Array:
     return changed
 
 
-def _highs(tolerance: float) -> Any:
+def new_highs(tolerance: float) -> Any:
     """HiGHS with the options that every program here has; its class is not annotated."""
     highs = highspy.Highs()
     highs.setOptionValue("output_flag", False)

@@ -1,0 +1,1 @@
+"""Many assemblies at once: verdicts, and files of them."""

@@ -1,0 +1,180 @@
+"""The geometry of small closed meshes in arrays: that of `build_geometry`, without a look at each.
+
+Plain is a mesh that nothing has to be done to: every edge has a face on either side, run the
+other way; no two vertices in one place, none that no face names; no face of no area; wound
+outwards; and too few faces to stand for anything round.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kilter.arrays import Array, Index, Mask, cross
+from kilter.assembly.assembly_arrays import AssemblyArrays
+from kilter.assembly.assembly_tolerances import FLAT_PART, INSIDE_OUT, LARGEST
+from kilter.assembly.geometry import Geometry
+from kilter.assembly.hexahedra import box_orders
+from kilter.assembly.masses import DEFAULT_DENSITY
+from kilter.assembly.part import Part
+from kilter.assembly.polyhedra import polyhedron_moments
+from kilter.assembly.side_by_side import SideBySide, join_geometry
+from kilter.assembly.surfaces import FEWEST, join_surfaces
+from kilter.assembly.unknown_surfaces import UnknownSurfaces
+from kilter.shape.primitives import Mesh
+from kilter.shape.shape_tolerances import NO_AREA
+from kilter.units import metres_per_unit
+
+__all__ = ["arrays_side_by_side"]
+
+HUGE = 1e100
+"""Densities and gravity above this, or below its inverse, are read one by one, and refused."""
+SOME_MESH = Part("part", Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 1, 2]]))
+"""Stands for every part: of these only that they are meshes is asked."""
+
+
+def arrays_side_by_side(arrays: AssemblyArrays) -> tuple[SideBySide | None, Index]:
+    """The assemblies of plain meshes side by side, and which they are; None where none is."""
+    with np.errstate(all="ignore"):
+        which = np.flatnonzero(_usable(arrays))
+        while len(which):
+            chosen = arrays if len(which) == len(arrays) else arrays.among(which)
+            geometry, sound = _geometry(*_boxes_in_order(chosen))
+            sound = np.logical_and.reduceat(sound, chosen.part_start[:-1])
+            if sound.all():
+                parts = (SOME_MESH,) * len(chosen.held)
+                start, units = chosen.part_start, chosen.units
+                return join_geometry(parts, geometry, start, chosen.gravity, units=units), which
+            which = which[sound]
+    return None, which
+
+
+def _usable(arrays: AssemblyArrays) -> Mask:
+    """Assemblies of plain meshes, some held, in a gravity that is one, shape (M,)."""
+    size = np.abs(arrays.gravity).max(axis=1)
+    usable = (size > 1 / HUGE) & (size < HUGE)
+    usable &= np.logical_or.reduceat(arrays.held, arrays.part_start[:-1])
+    usable &= np.logical_and.reduceat(_plain(arrays), arrays.part_start[:-1])
+    result: Mask = usable
+    return result
+
+
+def _plain(arrays: AssemblyArrays) -> Mask:
+    """Parts whose mesh is plain, shape (N,)."""
+    vertices, faces = arrays.vertices, arrays.faces
+    part = np.repeat(np.arange(len(arrays.held)), np.diff(arrays.face_start))
+    low, high = arrays.vertex_start[part][:, None], arrays.vertex_start[part + 1][:, None]
+    inside = ((faces >= low) & (faces < high)).all(axis=1)
+    faces = np.where(inside[:, None], faces, low)
+    bad = part[~(inside & _has_area(vertices, faces) & _met(faces, len(vertices)))]
+    used = np.zeros(len(vertices), dtype=bool)
+    used[faces.ravel()] = True
+    fine = used & np.isfinite(vertices).all(axis=1) & _alone(vertices, arrays.vertex_start)
+    plain = np.logical_and.reduceat(fine, arrays.vertex_start[:-1])
+    plain &= np.diff(arrays.face_start) < FEWEST
+    plain[bad] = False
+    result: Mask = plain
+    return result
+
+
+def _met(faces: Index, count: int) -> Mask:
+    """Faces all of whose edges one other face runs the other way, shape (F,)."""
+    start, end = faces.ravel(), faces[:, [1, 2, 0]].ravel()
+    there, back = start * count + end, np.sort(end * count + start)
+    ordered = np.sort(there)
+    once = not len(ordered) or bool((np.diff(ordered) > 0).all())
+    if once and np.array_equal(ordered, back):
+        return np.ones(len(faces), dtype=bool)
+    runs = np.searchsorted(ordered, there, side="right") - np.searchsorted(ordered, there)
+    met = np.searchsorted(back, there, side="right") - np.searchsorted(back, there)
+    result: Mask = ((runs == 1) & (met == 1)).reshape(-1, 3).all(axis=1)
+    return result
+
+
+def _has_area(vertices: Array, faces: Index) -> Mask:
+    """Faces that are no slivers, shape (F,)."""
+    p, q, r = (vertices[faces[:, k]].astype(np.float64) for k in range(3))
+    twice = np.linalg.norm(cross(q - p, r - p), axis=1)
+    longest = np.maximum.reduce([((u - v) ** 2).sum(axis=1) for u, v in ((p, q), (q, r), (r, p))])
+    result: Mask = twice > NO_AREA * longest
+    return result
+
+
+def _alone(vertices: Array, start: Index) -> Mask:
+    """Vertices that no other one of their part shares its place with, shape (V,)."""
+    part = np.repeat(np.arange(len(start) - 1), np.diff(start))
+    order = np.lexsort((*(vertices + 0.0).T, part))
+    same = (vertices[order[1:]] == vertices[order[:-1]]).all(axis=1)
+    same &= part[order[1:]] == part[order[:-1]]
+    alone = np.ones(len(vertices), dtype=bool)
+    alone[order[1:][same]] = False
+    return alone
+
+
+def _boxes_in_order(arrays: AssemblyArrays) -> tuple[AssemblyArrays, Array, Index, Mask]:
+    """The arrays, their vertices and faces with the corners of boxes in order, which are boxes."""
+    vertices, faces = arrays.vertices.astype(np.float64), arrays.faces
+    first = arrays.vertex_start[:-1]
+    is_box = (np.diff(arrays.vertex_start) == 8) & (np.diff(arrays.face_start) == 12)
+    some = np.flatnonzero(is_box)
+    rows = first[some][:, None] + np.arange(8)
+    own = arrays.face_start[some][:, None] + np.arange(12)
+    local = faces[own] - first[some][:, None, None]
+    order, found = box_orders(vertices[rows], local, _accuracy(arrays)[some])
+    is_box[some] = found
+    source = np.arange(len(vertices))
+    source[rows[found]] = first[some[found]][:, None] + order[found]
+    place = np.empty_like(source)
+    place[source] = np.arange(len(source))
+    return arrays, vertices[source], place[faces], is_box
+
+
+def _accuracy(arrays: AssemblyArrays) -> Array:
+    """How far a coordinate of each part may be off, shape (N,) [length unit]."""
+    size = np.abs(arrays.vertices).max(axis=1).astype(np.float64)
+    single = arrays.vertices.dtype == np.float32
+    largest = np.maximum.reduceat(size, arrays.vertex_start[:-1])
+    accuracy: Array = largest * (2.0**-24 if single else 2.0**-52)
+    return accuracy
+
+
+def _geometry(
+    arrays: AssemblyArrays, vertices: Array, faces: Index, is_box: Mask
+) -> tuple[Geometry, Mask]:
+    """The geometry of plain meshes, and which of them are sound, shape (N,)."""
+    first, count = arrays.vertex_start[:-1], len(arrays.held)
+    owner = np.repeat(np.arange(count), np.diff(arrays.vertex_start))
+    volume, center, second, middle = polyhedron_moments(vertices, faces, arrays.face_start)
+    reach = np.maximum.reduceat(np.linalg.norm(vertices - middle[owner], axis=1), first)
+    spread = np.linalg.eigvalsh(np.where(np.isfinite(second), second, 0.0))
+    sound = (reach > 1 / LARGEST) & (reach < LARGEST) & (volume > FLAT_PART * reach**3)
+    sound &= spread[:, 0] >= -INSIDE_OUT * np.abs(spread).max(axis=1)
+    density = np.full(count, DEFAULT_DENSITY) if arrays.density is None else arrays.density
+    sound &= (density > 1 / HUGE) & (density < HUGE)
+    mass = density * (volume * metres_per_unit(arrays.units) ** 3)
+    second = second * (mass / volume)[:, None, None]
+    inertia = np.trace(second, axis1=1, axis2=2)[:, None, None] * np.eye(3) - second
+    accuracy = _accuracy(arrays)
+    poses = np.tile(np.eye(3), (count, 1, 1)), np.zeros((count, 3))
+    surfaces, label = join_surfaces({}, *poses, vertices, faces, arrays.face_start)
+    geometry = Geometry(
+        vertices=vertices,
+        vertex_start=arrays.vertex_start,
+        triangles=faces,
+        triangle_start=arrays.face_start,
+        grounded=arrays.held,
+        mass=mass,
+        center=center,
+        inertia=inertia,
+        volume=volume,
+        radius=np.maximum.reduceat(np.linalg.norm(vertices - center[owner], axis=1), first),
+        size=2 * reach,
+        accuracy=accuracy,
+        single=np.full(count, arrays.vertices.dtype == np.float32),
+        is_box=is_box,
+        surfaces=surfaces,
+        triangle_surface=label,
+        slack=np.zeros(count),
+        warnings=(),
+        unknown=UnknownSurfaces.none(),
+    )
+    return geometry, sound

@@ -1,0 +1,248 @@
+"""Programs of assemblies side by side: scaled, solved and judged in arrays, each by itself.
+
+The equations are those of `kilter.mechanics.forms` and the proofs those of
+`kilter.mechanics.certificate`, with the gravity, the common frame and the unit of force of each
+assembly. What holds here holds there: `ProgramBlocks.program` gives one back to be rechecked.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy.sparse import csc_array
+
+from kilter.arrays import TINY, Array, Index, Mask, starts
+from kilter.assembly.side_by_side import SideBySide
+from kilter.contact.contact_set import ContactSet
+from kilter.mechanics.certificate import part_sizes
+from kilter.mechanics.mechanics_tolerances import (
+    COARSE_POWER,
+    NO_EXCUSE,
+    RULED_OUT,
+    STILL,
+    TOLERANCE,
+    ZERO_ENTRY,
+)
+from kilter.mechanics.program import Program, build_program
+from kilter.rigid import common_frames
+from kilter.solvers.blocks import BlockAnswers, Blocks
+
+__all__ = ["BlockProofs", "ProgramBlocks", "program_blocks"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BlockProofs:
+    """Forces and a motion of each of M programs, judged.
+
+    Attributes
+    ----------
+    stable, unstable : ndarray of bool, shape (M,)
+        Exactly one proof holds: that of the forces, or that of the motion.
+    residual : ndarray, shape (M,)
+        Worst relative imbalance of the forces [-].
+    power, violation : ndarray, shape (M,)
+        Of the motion, as `MotionProof` has them [W at 1 m/s, -].
+    forces : ndarray, shape (K,)
+        [N]
+    motion : ndarray, shape (N, 6)
+        Where the part of each program that moves most moves by 1.
+    """
+
+    stable: Mask
+    unstable: Mask
+    residual: Array
+    power: Array
+    violation: Array
+    forces: Array
+    motion: Array
+
+
+@dataclass(frozen=True)
+class ProgramBlocks:
+    """M programs without friction and joints, side by side.
+
+    Attributes
+    ----------
+    whole : Program
+        Of all parts, its rows in order of the programs; its gravity says nothing.
+    start : ndarray of int, shape (M + 1,)
+        First part of each.
+    row_start : ndarray of int, shape (M + 1,)
+        First row of each.
+    gravity : ndarray, shape (M, 3)
+        [m/s^2]
+    """
+
+    whole: Program
+    start: Index
+    row_start: Index
+    gravity: Array
+
+    @cached_property
+    def owner(self) -> Index:
+        """The program of each part, shape (N,)."""
+        return np.repeat(np.arange(len(self.gravity)), np.diff(self.start))
+
+    @cached_property
+    def load(self) -> Array:
+        """Weight as a wrench on each part, shape (N, 6)."""
+        load = np.zeros((len(self.owner), 6))
+        load[:, :3] = self.whole.mass[:, None] * self.gravity[self.owner]
+        load[~self.whole.free] = 0.0
+        return load
+
+    @cached_property
+    def weight(self) -> Array:
+        """[N], shape (N,)."""
+        weight: Array = self.whole.mass * np.linalg.norm(self.gravity, axis=1)[self.owner]
+        return weight
+
+    @cached_property
+    def frames(self) -> Array:
+        """The common frame of each, shape (M, 3, 3)."""
+        if self.whole.planar:
+            return np.tile(np.eye(3), (len(self.gravity), 1, 1))
+        normal = self.whole.normal
+        return common_frames(normal, np.ones(len(normal)), self.row_start)
+
+    @cached_property
+    def unit(self) -> Array:
+        """The unit of force of each, the geometric mean of its weights [N], shape (M,)."""
+        free = self.whole.free
+        total = np.bincount(
+            self.owner[free], np.log(self.weight[free]), minlength=len(self.gravity)
+        )
+        count = np.bincount(self.owner[free], minlength=len(self.gravity))
+        unit: Array = np.exp(total / np.maximum(count, 1))
+        return unit
+
+    def program(self, k: int) -> Program:
+        """The program of assembly k."""
+        whole, parts = self.whole, slice(*self.start[k : k + 2])
+        rows = np.arange(*self.row_start[k : k + 2])
+        chosen = whole.taking(rows)
+        return chosen.with_rows(
+            **{
+                name: getattr(whole, name)[parts]
+                for name in (
+                    "names", "free", "center", "mass", "inertia", "radius", "applied", "tolerance",
+                )
+            },
+            part_a=np.maximum(chosen.part_a - self.start[k], -1),
+            part_b=np.maximum(chosen.part_b - self.start[k], -1),
+            gravity=self.gravity[k],
+        )  # fmt: skip
+
+    @cached_property
+    def scaled(self) -> Blocks:
+        """Scaled equilibria, as `kilter.mechanics.forms.scaled` has them."""
+        program = self.whole
+        per = len(program.freedoms)
+        column = np.full(len(program.names) + 1, -1)
+        column[:-1][program.free] = np.arange(int(program.free.sum()))
+        data = np.zeros((len(program.part_a), 2, per))
+        index = np.zeros((len(program.part_a), 2, per), dtype=np.int32)
+        for side, (part, sign) in enumerate(((program.part_a, -1.0), (program.part_b, 1.0))):
+            rows = np.flatnonzero(column[part] >= 0)
+            owner = part[rows]
+            entries = self._turned(program.lever(rows, owner), owner)
+            entries[np.abs(entries) < ZERO_ENTRY] = 0.0
+            scale = self.unit[self.owner[owner]] / self.weight[owner]
+            data[rows, side] = sign * entries * scale[:, None]
+            index[rows, side] = column[owner][:, None] * per + np.arange(per)
+        flat_data, flat_index = data.reshape(-1, 2 * per), index.reshape(-1, 2 * per)
+        used = flat_data != 0
+        number = int(program.free.sum())
+        matrix = csc_array(
+            (flat_data[used], flat_index[used], starts(used.sum(axis=1)).astype(np.int32)),
+            shape=(per * number, len(data)),
+        )
+        free = np.flatnonzero(program.free)
+        right = -self._turned(self.load[free], free) / self.weight[free][:, None]
+        row_start = per * np.searchsorted(free, self.start)
+        return Blocks(matrix, right.reshape(-1), program.two_sided, row_start, self.row_start)
+
+    def _turned(self, wrenches: Array, part: Index) -> Array:
+        """Wrenches on parts in the frame of their assembly, torques over radius, (k, freedoms)."""
+        frames = self.frames[self.owner[part]]
+        turned = np.einsum("kij,kaj->kai", frames, wrenches.reshape(-1, 2, 3))
+        turned[:, 1] /= self.whole.radius[part][:, None]
+        counted: Array = turned.reshape(-1, 6)[:, self.whole.freedoms]
+        return counted
+
+    def judged(self, found: BlockAnswers) -> BlockProofs:
+        """Forces and motions of solved blocks, judged as single ones are."""
+        whole = self.whole
+        row = np.repeat(np.arange(len(self.gravity)), np.diff(self.row_start))
+        forces = found.forces * self.unit[row]
+        forces = np.where(np.isfinite(forces), forces, 0.0)
+        forces = np.where(whole.two_sided, forces, np.maximum(forces, 0.0))
+        imbalance = part_sizes(whole, whole.wrenches(forces) + self.load, per_radius=True)
+        scale = np.maximum(self.weight, whole.force_sums(forces))
+        relative = np.where(whole.free, imbalance / np.maximum(scale, TINY), 0.0)
+        share = np.where(whole.free, imbalance / np.maximum(self.weight, TINY), 0.0)
+        most = np.maximum(whole.tolerance, NO_EXCUSE)
+        balanced = self._each(np.logical_and, (relative <= whole.tolerance) & (share <= most))
+        motion, power, violation, moves = self._judged_motion(found)
+        tried = found.factor > 0.5
+        return BlockProofs(
+            stable=balanced & tried,
+            unstable=moves & (found.factor < 0.5),
+            residual=self._each(np.maximum, relative),
+            power=power,
+            violation=violation,
+            forces=forces,
+            motion=motion,
+        )
+
+    def _judged_motion(self, found: BlockAnswers) -> tuple[Array, Array, Array, Mask]:
+        """Motions of multipliers with their power, violation, and whether they are proofs."""
+        whole, owner, per = self.whole, self.owner, len(self.whole.freedoms)
+        free = np.flatnonzero(whole.free)
+        columns = -found.multipliers.reshape(-1, per) / self.weight[free][:, None]
+        motion = np.zeros((len(owner), 6))
+        motion[np.ix_(free, whole.freedoms)] = np.where(np.isfinite(columns), columns, 0.0)
+        motion[:, 3:] /= whole.radius[:, None]
+        turned = np.einsum("nji,naj->nai", self.frames[owner], motion.reshape(-1, 2, 3))
+        motion = turned.reshape(-1, 6)
+        if whole.planar:
+            motion = motion * np.array([1.0, 0, 1, 0, 1, 0])
+        sizes = part_sizes(whole, motion, per_radius=False)
+        largest = self._each(np.maximum, sizes)
+        length = np.where(largest > 0, largest, 1.0)[owner]
+        motion, sizes = motion / length[:, None], sizes / length
+        power = self._each(np.add, (self.load * motion).sum(axis=1))
+        opening = whole.velocities(motion)
+        bad = np.where(whole.two_sided, np.abs(opening), np.maximum(-opening, 0.0))
+        violation = np.zeros(len(self.gravity))
+        np.maximum.at(violation, np.repeat(np.arange(len(violation)), np.diff(self.row_start)), bad)
+        moving = whole.free & (sizes > STILL)
+        weight = np.where(moving, self.weight, 0.0)
+        tolerance = np.maximum(TOLERANCE, COARSE_POWER * whole.tolerance)
+        needed = self._each(np.add, tolerance * weight)
+        force = RULED_OUT * np.maximum(violation * self._each(np.add, weight), TINY)
+        holds = (largest > 0) & (power > needed) & (power >= force)
+        return motion, power, violation, holds
+
+    def _each(self, reduce: np.ufunc, values: Array | Mask) -> Any:
+        """Values of parts reduced over each assembly, shape (M,)."""
+        return reduce.reduceat(values, self.start[:-1])
+
+
+def program_blocks(
+    apart: SideBySide, contacts: ContactSet, *, possible: bool = False
+) -> ProgramBlocks:
+    """The programs of assemblies side by side, without friction.
+
+    `possible`: also with every force that contacts that are not modelled might bring.
+    """
+    whole = build_program(apart.whole, contacts, possible=possible)
+    owner = apart.owner[np.maximum(whole.part_a, whole.part_b)]
+    if (np.diff(owner) < 0).any():
+        order = np.argsort(owner, kind="stable")
+        whole, owner = whole.taking(order), owner[order]
+    row_start = np.searchsorted(owner, np.arange(len(apart) + 1))
+    return ProgramBlocks(whole, apart.start, row_start, apart.gravity)

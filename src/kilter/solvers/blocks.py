@@ -1,0 +1,134 @@
+"""Many small equilibria, each with its own load factor, solved one after the other.
+
+    max lambda:  A f - lambda b = 0,  0 <= lambda <= 1,  f >= 0 but for two-sided columns
+
+for the blocks of a block-diagonal A. One object of HiGHS takes them in turn, which for a few
+dozen rows costs a third of making one each. It is not believed: forces and motions are judged by
+who asks.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import highspy
+import numpy as np
+from scipy.sparse import csc_array
+
+from kilter.arrays import Array, Index, Mask
+from kilter.solvers.highs import FEW, MANY, new_highs
+from kilter.solvers.solver_tolerances import FEASIBLE
+
+__all__ = ["BlockAnswers", "Blocks", "solve_blocks"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Blocks:
+    """Equilibria A f = b side by side.
+
+    Attributes
+    ----------
+    matrix : csc_array, shape (m, n)
+        Block-diagonal.
+    right : ndarray, shape (m,)
+    two_sided : ndarray of bool, shape (n,)
+        Columns whose force may have either sign.
+    row_start, column_start : ndarray of int, shape (M + 1,)
+        First row and column of each block.
+    """
+
+    matrix: csc_array
+    right: Array
+    two_sided: Mask
+    row_start: Index
+    column_start: Index
+
+    def __len__(self) -> int:
+        return len(self.row_start) - 1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BlockAnswers:
+    """What a solver found for each block.
+
+    Attributes
+    ----------
+    factor : ndarray, shape (M,)
+        Lambda; NaN where the solver failed, or was not asked.
+    forces : ndarray, shape (n,)
+        f, for the whole load where lambda is 1.
+    multipliers : ndarray, shape (m,)
+        y with A^T y >= 0 and b.y < 0 where lambda is 0: no f holds b.
+    """
+
+    factor: Array
+    forces: Array
+    multipliers: Array
+
+
+def solve_blocks(blocks: Blocks, which: Index) -> BlockAnswers:
+    """Solve some blocks, each by itself.
+
+    Parameters
+    ----------
+    blocks : Blocks
+    which : ndarray of int
+        The blocks that are asked.
+
+    Examples
+    --------
+    >>> matrix = csc_array(np.array([[-1.0, 0.0], [0.0, -1.0]]))
+    >>> one = np.arange(3)
+    >>> two = Blocks(matrix, np.array([-2.0, 2.0]), np.zeros(2, dtype=bool), one, one)
+    >>> found = solve_blocks(two, np.arange(2))
+    >>> found.factor.round().tolist() == [1, 0], found.forces.tolist()
+    (True, [2.0, 0.0])
+    """
+    count = len(blocks)
+    found = BlockAnswers(
+        np.full(count, np.nan), np.zeros(len(blocks.two_sided)), np.zeros(len(blocks.right))
+    )
+    highs = new_highs(FEASIBLE)
+    highs.setOptionValue("solver", "simplex")
+    highs.setOptionValue("presolve", "off")
+    for k in which.tolist():
+        rows = slice(*blocks.row_start[k : k + 2].tolist())
+        columns = slice(*blocks.column_start[k : k + 2].tolist())
+        if rows.start == rows.stop:  # nothing is free
+            found.factor[k] = 1.0
+            continue
+        _passed(highs, blocks, rows, columns)
+        highs.run()
+        if highs.getModelStatus() != highspy.HighsModelStatus.kOptimal:
+            continue
+        solution = highs.getSolution()
+        x = np.array(solution.col_value)
+        found.factor[k] = x[-1]
+        if x[-1] > 0.5:
+            found.forces[columns] = x[:-1] / x[-1]
+        else:
+            found.multipliers[rows] = solution.row_dual
+    return found
+
+
+def _passed(highs: Any, blocks: Blocks, rows: slice, columns: slice) -> None:
+    """Hand the load factor of one block over, as plain arrays."""
+    matrix, right = blocks.matrix, blocks.right[rows]
+    m, n = rows.stop - rows.start, columns.stop - columns.start
+    start = matrix.indptr[columns.start : columns.stop + 1]
+    own = slice(int(start[0]), int(start[-1]))
+    loaded = np.flatnonzero(right)
+    place = np.concatenate([matrix.indices[own] - rows.start, loaded])
+    value = np.concatenate([matrix.data[own], -right[loaded]])
+    cost, lower, upper = np.zeros(n + 1), np.zeros(n + 1), np.full(n + 1, np.inf)
+    cost[-1], upper[-1] = -1.0, 1.0
+    lower[:-1][blocks.two_sided[columns]] = -np.inf
+    zero, continuous = np.zeros(m), np.zeros(n + 1, dtype=np.int32)
+    colwise, least = int(highspy.MatrixFormat.kColwise), int(highspy.ObjSense.kMinimize)
+    highs.setOptionValue("simplex_iteration_limit", FEW + MANY * (m + n + 1))
+    highs.passModel(
+        n + 1, m, len(value), colwise, least, 0.0, cost, lower, upper, zero, zero,
+        (start - start[0]).astype(np.int32, copy=False), place.astype(np.int32, copy=False),
+        value, continuous,
+    )  # fmt: skip

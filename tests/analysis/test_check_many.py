@@ -1,0 +1,294 @@
+"""Many assemblies at once: the verdicts of `check`, one by one, and proofs that hold apart."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import kilter
+from kilter import (
+    Assembly,
+    AssemblyArrays,
+    Box,
+    Cylinder,
+    InputError,
+    Joint,
+    Load,
+    Mesh,
+    Part,
+    Pose,
+)
+from kilter.arrays import starts
+from kilter.assembly.hexahedra import box_orders
+from kilter.mechanics.certificate import check_forces
+from kilter.rigid import common_frame, common_frames
+from kilter.scenes import scene
+from kilter.scenes.packings import box_pile
+from kilter.shape.primitives import BOX_CORNERS, BOX_TRIANGLES, surface
+
+FLOOR = Part("floor", Box([10, 10, 1]), Pose([0, 0, -0.5]), grounded=True)
+
+
+def turned(assembly: Assembly, seed: int) -> Assembly:
+    """The assembly turned at random, gravity too."""
+    turn = Pose((0, 0, 0), np.random.default_rng(seed).normal(size=4))
+    parts = [
+        dataclasses.replace(part, pose=Pose(turn.apply([part.pose.position])[0], turn.rotation))
+        for part in assembly.parts
+    ]
+    return Assembly(parts, gravity=turn.apply([assembly.gravity])[0], friction=assembly.friction)
+
+
+def piles(seeds: range) -> list[Assembly]:
+    """Piles upright and turned, on level ground and anywhere."""
+    found = [box_pile(5 + s % 12, seed=s, cells=4, level=bool(s % 2)) for s in seeds]
+    return [turned(one, s) if s % 3 else one for s, one in zip(seeds, found, strict=True)]
+
+
+def overhanging(share: float, size: float = 1.0, gravity: float = 9.81) -> Assembly:
+    """A box whose centre is `share` of half the width of the one below beyond its middle."""
+    boxes = [
+        Part("lower", Box([size] * 3), Pose([0, 0, size / 2]), grounded=True),
+        Part("upper", Box([2 * size, size, size]), Pose([share * size / 2, 0, 1.5 * size])),
+    ]
+    return Assembly(boxes, gravity=[0, 0, -gravity])
+
+
+def arrays_of(assemblies: list[Assembly], **more: object) -> AssemblyArrays:
+    """The same as arrays of meshes."""
+    parts = [part for one in assemblies for part in one.parts]
+    surfaces = [surface(part.shape) for part in parts]
+    first = starts([len(vertices) for vertices, _ in surfaces])
+    given = {
+        "vertices": np.concatenate(
+            [part.pose.apply(v) for part, (v, _) in zip(parts, surfaces, strict=True)]
+        ),
+        "faces": np.concatenate(
+            [faces + k for (_, faces), k in zip(surfaces, first[:-1], strict=True)]
+        ),
+        "vertex_start": first,
+        "face_start": starts([len(faces) for _, faces in surfaces]),
+        "part_start": starts([len(one) for one in assemblies]),
+        "held": [part.grounded for part in parts],
+        "gravity": np.array([one.gravity for one in assemblies]),
+    }
+    return AssemblyArrays(**{**given, **more})
+
+
+def mixed() -> list[Assembly]:
+    """Every way in which an assembly may be asked, side by side or by itself."""
+    cube = Part("cube", Box([1, 1, 1]), Pose([0, 0, 0.5]))
+    slope = Pose((0, 0, 0), [np.cos(0.1), np.sin(0.1), 0, 0])
+    leaning = [
+        dataclasses.replace(p, pose=Pose(slope.apply([p.pose.position])[0], slope.rotation))
+        for p in (FLOOR, cube)
+    ]
+    return [
+        scene("tower"),
+        scene("paper-figure-8"),
+        Assembly([FLOOR, cube], units="mm"),
+        Assembly([FLOOR, cube], planar=True),
+        Assembly(leaning),
+        Assembly(leaning, friction=0.5),
+        Assembly(leaning, friction=0.1),
+        Assembly([FLOOR, cube], loads=[Load("cube", force=[0, 0, 2e4])]),
+        Assembly([FLOOR, dataclasses.replace(cube, pose=Pose([0, 0, 3]))],
+                 joints=[Joint(("floor", "cube"), "fixed")]),
+        Assembly([FLOOR, Part("can", Cylinder(1, 2), Pose([0, 0, 1]))]),
+        Assembly([FLOOR, dataclasses.replace(FLOOR, name="other")]),
+        Assembly([FLOOR]),
+        Assembly([cube]),
+        scene("tower").with_friction(0.3),
+    ]  # fmt: skip
+
+
+def alone(assembly: Assembly) -> str:
+    """The verdict of `check`, or "error"."""
+    try:
+        return kilter.check(assembly).verdict
+    except InputError:
+        return "error"
+
+
+def require_proved(found: kilter.Verdicts) -> None:
+    """Every proof that was kept, judged anew by the program of its own assembly, holds."""
+    for k, word in enumerate(found.verdict.tolist()):
+        kept = found.certificate(k)
+        assert (kept is None) == (word in ("undecided", "error")), k
+        assert kept is None or kept[1].holds, k
+
+
+def test_every_way_of_asking_gives_the_verdict_of_check() -> None:
+    given = mixed()
+    found = kilter.check_many(given, proofs=True)
+    assert found.verdict.tolist() == [alone(one) for one in given]
+    assert len(found.counts) >= 3
+    require_proved(found)
+
+
+def test_piles_turned_at_random_get_the_verdicts_of_check() -> None:
+    given = piles(range(24))
+    found = kilter.check_many(given, proofs=True)
+    assert found.verdict.tolist() == [alone(one) for one in given]
+    assert set(found.verdict.tolist()) >= {"stable", "unstable"}
+    require_proved(found)
+
+
+@pytest.mark.slow
+def test_thousand_piles_get_the_verdicts_of_check_from_assemblies_and_from_arrays() -> None:
+    given = piles(range(1000, 2000))
+    words = [alone(one) for one in given]
+    for many in (given, arrays_of(given)):
+        found = kilter.check_many(many, proofs=True)
+        assert found.verdict.tolist() == words
+        require_proved(found)
+
+
+def test_limits_have_both_sides_whatever_stands_beside() -> None:
+    shares = np.repeat([1 - 1e-6, 1 + 1e-6], 8)
+    sizes, gravities = np.tile([1e-3, 1.0, 40.0, 1e4], 4), np.tile([1e-3, 9.81, 1e4, 2.0, 80.0], 4)
+    given = [
+        turned(overhanging(share, size, gravity), seed)
+        for seed, (share, size, gravity) in enumerate(
+            zip(shares, sizes, gravities[: len(shares)], strict=True)
+        )
+    ]
+    expected = np.where(shares < 1, "stable", "unstable").tolist()
+    for many in (given, arrays_of(given)):
+        assert kilter.check_many(many).verdict.tolist() == expected
+
+
+def test_a_verdict_does_not_depend_on_what_stands_beside() -> None:
+    given = piles(range(8))
+    found = kilter.check_many(given, proofs=True)
+    reverse = kilter.check_many(given[::-1], proofs=True)
+    for k in range(len(given)):
+        one, other = found.certificate(k), reverse.certificate(len(given) - 1 - k)
+        assert one is not None
+        assert other is not None
+        assert type(one[1]) is type(other[1])
+        for name in ("forces", "motion"):
+            if hasattr(one[1], name):
+                np.testing.assert_array_equal(getattr(one[1], name), getattr(other[1], name))
+
+
+def test_words_are_those_of_check() -> None:
+    given = [scene("tower"), scene("paper-figure-8")]
+    found = kilter.check_many(given)
+    for k, one in enumerate(given):
+        many, single = found[k].to_dict(), kilter.check(one).to_dict()
+        assert {**many, "seconds": None} == {**single, "seconds": None}
+    assert [one.verdict for one in found] == [one.verdict for one in found[:]]
+
+
+def test_proofs_are_of_their_own_assembly() -> None:
+    found = kilter.check_many([overhanging(0.5), overhanging(0.5, gravity=1.0)], proofs=True)
+    program, proof = found.certificate(0) or (None, None)
+    other, _ = found.certificate(1) or (None, None)
+    assert program is not None
+    assert other is not None
+    assert check_forces(program, proof.forces).holds
+    assert not check_forces(other, proof.forces).holds
+
+
+def test_refusals_are_rows_with_their_reason() -> None:
+    cube = Part("cube", Box([1, 1, 1]), Pose([0, 0, 0.5]))
+    sheet = Part("sheet", Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]))
+    inside = dataclasses.replace(cube, name="inside", pose=Pose([0.1, 0, 0.5]))
+    bad = [Assembly([cube]), Assembly([FLOOR, sheet]), Assembly([FLOOR, cube, inside])]
+    good = Assembly([FLOOR, cube])
+    found = kilter.check_many([bad[0], good, *bad[1:]])
+    assert found.verdict.tolist() == ["error", "stable", "error", "error"]
+    assert sorted(found.errors) == [0, 2, 3]
+    for place, one in zip((0, 2, 3), bad, strict=True):
+        with pytest.raises(InputError) as refused:
+            kilter.check(one)
+        assert str(refused.value) == str(found.errors[place])
+        with pytest.raises(InputError):
+            found[place]
+    assert found.stable.tolist() == [False, True, False, False]
+
+
+def test_arrays_are_read_as_meshes_are() -> None:
+    given = piles(range(6))
+    arrays = arrays_of(given)
+    assert kilter.check_many(arrays).verdict.tolist() == [alone(one) for one in arrays]
+    assert kilter.check_many(given).verdict.tolist() == [alone(one) for one in arrays]
+    single = arrays_of(given, vertices=arrays.vertices.astype(np.float32))
+    assert kilter.check_many(single).verdict.tolist() == [alone(one) for one in single]
+    assert single.among(np.array([4, 1]))[0].geometry.single.all()
+
+
+def test_meshes_that_are_not_plain_are_read_one_by_one() -> None:
+    arrays = arrays_of([overhanging(0.5)] * 5)
+    faces, vertices = arrays.faces.copy(), arrays.vertices.copy()
+    faces[12:24] = faces[12:24, ::-1]  # inwards: turned, as a file's is
+    faces[30] = faces[31]  # a hole in what is held
+    vertices[5 * 16 - 1] = np.nan
+    faces[96:108] = faces[96:108, ::-1]
+    found = kilter.check_many(
+        AssemblyArrays(vertices, faces, arrays.vertex_start, arrays.face_start, arrays.part_start,
+                       arrays.held)
+    )  # fmt: skip
+    assert found.verdict.tolist() == ["stable", "stable", "stable", "stable", "error"]
+    loose = arrays_of([overhanging(0.5)] * 2, held=[False, False, True, False])
+    assert kilter.check_many(loose).verdict.tolist() == ["error", "stable"]
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"part_start": [0, 1]}, "part_start does not cut 2 rows"),
+        ({"vertex_start": [0, 8, 17]}, "vertex_start does not cut 16 rows in 2"),
+        ({"face_start": [0, 12, 12, 24]}, "face_start does not cut 24 rows in 2"),
+        ({"faces": [[0.5, 1, 2]]}, "faces is"),
+        ({"gravity": [0, 0]}, "gravity is no vector"),
+        ({"density": [1.0]}, "density has shape"),
+        ({"units": "yd"}, "yd"),
+    ],
+)
+def test_arrays_that_do_not_fit_are_refused(change: dict[str, object], said: str) -> None:
+    with pytest.raises(InputError, match=said.split(" (")[0]):
+        arrays_of([overhanging(0.5)], **change)
+
+
+def test_what_is_no_assembly_is_refused_and_progress_is_told() -> None:
+    with pytest.raises(InputError, match="assembly 1 is of type str"):
+        kilter.check_many([scene("tower"), "tower"])
+    with pytest.raises(InputError, match="no level"):
+        kilter.check_many([], require="always")
+    told: list[tuple[int, int]] = []
+    kilter.check_many([overhanging(0.5)] * 301, progress=lambda done, of: told.append((done, of)))
+    assert told == [(300, 301), (301, 301)]
+    assert len(kilter.check_many([])) == 0
+
+
+def test_the_frames_of_runs_are_those_of_each() -> None:
+    random = np.random.default_rng(4)
+    turns = [Pose((0, 0, 0), random.normal(size=4)).matrix for _ in range(5)]
+    normals = np.concatenate([np.vstack([turn.T, -turn.T]) for turn in turns])
+    areas = np.tile([3.0, 2.0, 1.0], 10)
+    frames = common_frames(normals, areas, np.arange(0, 31, 6))
+    for k, frame in enumerate(frames):
+        own = slice(6 * k, 6 * k + 6)
+        np.testing.assert_allclose(frame, common_frame(normals[own], areas[own]), atol=1e-9)
+
+
+def test_boxes_are_told_from_other_solids_of_eight_corners() -> None:
+    random = np.random.default_rng(5)
+    turn = Pose((1, 2, 3), random.normal(size=4))
+    mixed = random.permutation(8)
+    box = turn.apply(BOX_CORNERS * [1, 2, 3])[mixed]
+    faces = np.argsort(mixed)[BOX_TRIANGLES]
+    frustum = box + np.where(BOX_CORNERS[mixed, 2:] > 0, 1e-6, 0.0) * BOX_CORNERS[mixed]
+    crossed = faces.copy()
+    crossed[0] = np.argsort(mixed)[[0, 7, 1]]
+    order, is_box = box_orders(
+        np.stack([box, frustum, box]), np.stack([faces, faces, crossed]), np.full(3, 1e-15)
+    )
+    assert is_box.tolist() == [True, False, False]
+    quads = box[order[0]] - box.mean(axis=0)
+    edges = np.array([quads[1] - quads[0], quads[2] - quads[0], quads[4] - quads[0]])
+    assert np.linalg.det(edges) == pytest.approx(6.0)
