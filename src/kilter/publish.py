@@ -6,7 +6,6 @@ Every answer is asked for first (`kilter.analysis.everything`), then handed to w
 
 from __future__ import annotations
 
-import json
 import math
 import os
 import time
@@ -16,25 +15,26 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from kilter.errors import InputError
+from kilter.files.fingerprint import Stamp, fingerprint
 from kilter.work import EFFORT
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from kilter.analysis.planning.order import Order
     from kilter.analysis.regions.region import Region
     from kilter.analysis.verdict import Verdict
     from kilter.assembly import Assembly
     from kilter.contact import ContactSet, Tolerance
     from kilter.show.serve import PageServer
 
-__all__ = ["Report", "draw", "fingerprint", "report", "view"]
+__all__ = ["Report", "draw", "report", "view"]
 
 PAUSE = 0.4
 """Between two looks at a file [s]."""
 PAGES = (".html", ".htm")
 """Endings of pages: no input ends so, and a slip cannot write over one."""
 Tell = Callable[[str], None]
-Stamp = tuple[str, int, int]
 Given = tuple["Assembly", "ContactSet | None"]
 
 
@@ -45,8 +45,8 @@ class Report:
     Attributes
     ----------
     html : str
-    verdict : {"stable", "potentially-stable", "unstable", "undecided"}
-        Of gravity as given.
+    verdict : str
+        Of gravity as given, as of `kilter.Verdict`; of a plan, as of `kilter.Order`.
     """
 
     html: str
@@ -57,7 +57,7 @@ class Report:
 
 
 def report(
-    assembly: Assembly,
+    assembly: Assembly | Order,
     out: str | Path | None = None,
     *,
     title: str = "",
@@ -70,9 +70,12 @@ def report(
 ) -> Report:
     """One offline page: the assembly in space, its motion and forces, the gravity ball.
 
+    Of a plan: its steps as a film and as a strip of pictures, what is held and why.
+
     Parameters
     ----------
-    assembly : Assembly
+    assembly : Assembly or Order
+        What `kilter.plan` found is shown as it is; nothing is asked again.
     out : path, optional
         Where the page is written, ending in .html.
     title : str
@@ -95,7 +98,7 @@ def report(
     """
     if out is not None:
         require_ending(out, PAGES, "page")
-    made = _page(
+    made = _plan_page(assembly, title, command, progress) or _page(
         assembly,
         contacts,
         title=title,
@@ -113,8 +116,23 @@ def report(
     return made
 
 
+def _plan_page(subject: Any, title: str, command: str, progress: Tell | None) -> Report | None:
+    """The page of a plan; None of anything else."""
+    from kilter.analysis.planning.order import Order
+
+    if not isinstance(subject, Order):
+        return None
+    from kilter.analysis.planning.explained import explain
+    from kilter.show.page import render_plan
+
+    if progress is not None:
+        progress("page")
+    name = title or title_of(subject.states.assembly.source or "an assembly")
+    return Report(render_plan(subject, explain(subject), name, command=command), subject.verdict)
+
+
 def _page(
-    assembly: Assembly,
+    assembly: Any,
     contacts: ContactSet | None,
     *,
     title: str,
@@ -394,38 +412,3 @@ def title_of(source: str) -> str:
     if source == "-":
         return "standard input"
     return Path(source).resolve().name.removesuffix(".json").removesuffix(".kilter")
-
-
-def fingerprint(file: str) -> tuple[Stamp, ...]:
-    """Time and size of an assembly's files: of a folder all in it, of JSON the meshes it names.
-
-    What is missing is left out: a file that comes back is a change.
-    """
-    path = Path(file)
-    if path.is_dir():
-        files = sorted(p for p in path.iterdir() if p.is_file())
-    else:
-        files = [path, *_named_in(path)]
-    return tuple(stamp for one in files if (stamp := _stamp(one)) is not None)
-
-
-def _stamp(path: Path) -> Stamp | None:
-    try:
-        state = path.stat()
-    except OSError:
-        return None
-    return str(path), state.st_mtime_ns, state.st_size
-
-
-def _named_in(path: Path) -> list[Path]:
-    """Paths that the parts of a JSON file name as `mesh` or `step`."""
-    if path.suffix.lower() != ".json":
-        return []
-    try:
-        data: Any = json.loads(path.read_text(encoding="utf-8-sig"))
-    except (OSError, ValueError, RecursionError):  # missing, half written, or nested to break it
-        return []
-    parts = data.get("parts") if isinstance(data, dict) else None
-    listed = [part for part in parts if isinstance(part, dict)] if isinstance(parts, list) else []
-    named = {part.get(key) for part in listed for key in ("mesh", "step")}
-    return [path.parent / name for name in sorted(n for n in named if isinstance(n, str))]

@@ -72,3 +72,17 @@ def test_what_falls_when_it_is_finished_is_named(
     said = capsys.readouterr().err
     assert "the finished assembly does not hold: 'voussoir-" in said
     assert "kilter check" in said
+
+
+def test_a_page_is_written_that_says_how_it_was_made(
+    file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = tmp_path / "plan.html"
+    options = ["--hold", "1", "--before", "voussoir-8", "voussoir-0"]
+    assert main(["plan", str(file), *options, "-o", str(page)]) == 0
+    told = capsys.readouterr()
+    assert (told.out, told.err) == ("", f"{page}: found\n")
+    html = page.read_text(encoding="utf-8")
+    assert "--hold 1 --before voussoir-8 voussoir-0 -o" in html
+    assert main(["plan", str(file), "--hold", "0", "-o", str(page), "--quiet"]) == 1
+    assert "impossible" in page.read_text(encoding="utf-8")

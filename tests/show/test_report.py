@@ -19,7 +19,7 @@ import pytest
 import kilter
 from kilter.cli import main
 from kilter.errors import InputError
-from kilter.publish import fingerprint
+from kilter.files.fingerprint import fingerprint
 from kilter.scenes import scene
 from kilter.show.serve import PageServer
 

@@ -12,7 +12,7 @@ export function motionArrows(stage, motion, moving, long) {
   const { radius } = stage.page.parts;
   const scale = reachOf(motion, radius, long);
   for (const k of moving) {
-    if (!stage.parts.visible[k]) continue;
+    if (!stage.parts.shown(k)) continue;
     const m = motion.subarray(6 * k, 6 * k + 6);
     const at = stage.parts.centre(k);
     const far = scale * Math.hypot(m[0], m[1], m[2]);
@@ -41,7 +41,7 @@ export function forceArrows(stage, forces, long) {
   const straight = [];
   for (const k of order.slice(0, MANY)) {
     const second = parts[2 * k + 1];
-    if (!stage.parts.visible[second]) continue;
+    if (!stage.parts.shown(second)) continue;
     const rest = points.subarray(3 * k, 3 * k + 3);
     const at = stage.parts.carried(second, local(stage.page.parts, second, rest));
     const size = (long * sizes[k]) / most;
@@ -62,7 +62,7 @@ export function openMarks(stage) {
   const balls = [];
   for (let k = 0; k < parts.length / 2; k += 1) {
     const [first, second] = parts.subarray(2 * k, 2 * k + 2);
-    if (!stage.parts.visible[first] && !stage.parts.visible[second]) continue;
+    if (!stage.parts.shown(first) && !stage.parts.shown(second)) continue;
     const rest = at.subarray(3 * k, 3 * k + 3);
     const carried = stage.parts.carried(second, local(stage.page.parts, second, rest));
     balls.push({ at: carried, along: [0, 1, 0], size });
@@ -94,7 +94,7 @@ export class Names {
 
   place() {
     for (const [k, tag] of this.tags) {
-      const at = this.stage.parts.visible[k] && this.stage.onScreen(this.stage.parts.centre(k));
+      const at = this.stage.parts.shown(k) && this.stage.onScreen(this.stage.parts.centre(k));
       tag.hidden = !at;
       if (at) tag.style.transform = `translate(${at[0]}px, ${at[1]}px) translate(-50%, -50%)`;
     }

@@ -25,7 +25,7 @@ import {
   Vector3,
   Vector4,
 } from "three";
-import { local, posed } from "./pose.js";
+import { carried, local, posed } from "./pose.js";
 import {
   TEXELS,
   cap,
@@ -58,8 +58,11 @@ export class Parts {
       cutting: { value: false },
       dense: { value: 1 },
       accent: { value: new Color() },
+      grip: { value: new Color() },
     };
     this.visible = new Uint8Array(this.count).fill(1);
+    this.present = new Uint8Array(this.count).fill(1);
+    this.gripped = new Uint8Array(this.count);
     this.moving = new Uint8Array(this.count);
     this.selected = -1;
     this.group = new Group();
@@ -151,11 +154,28 @@ export class Parts {
     this.texture.needsUpdate = true;
   }
 
-  /** Hidden, moving and selected parts, as they now are. */
+  /** Move each part by a vector and a turn about its centre of mass: lists, null where none. */
+  carry(shifts, turns) {
+    for (let k = 0; k < this.count; k += 1) {
+      const [q, p] = carried(this.page.parts, k, shifts[k], turns[k]);
+      const at = 4 * TEXELS * k;
+      this.data.set(q, at);
+      this.data.set(p, at + 4);
+    }
+    this.texture.needsUpdate = true;
+  }
+
+  /** Whether a part is there and not hidden. */
+  shown(k) {
+    return Boolean(this.visible[k] && this.present[k]);
+  }
+
+  /** Hidden, moving, gripped and selected parts, as they now are. */
   states() {
     for (let k = 0; k < this.count; k += 1) {
-      this.put(k, 3, 0, this.visible[k]);
-      this.put(k, 3, 2, (k === this.selected ? 1 : 0) + (this.moving[k] ? 2 : 0));
+      this.put(k, 3, 0, this.shown(k) ? 1 : 0);
+      const moves = this.moving[k] ? 2 : this.gripped[k] ? 4 : 0;
+      this.put(k, 3, 2, (k === this.selected ? 1 : 0) + moves);
     }
     this.texture.needsUpdate = true;
   }
@@ -202,6 +222,7 @@ export class Parts {
   theme(style) {
     const set = (uniform, name) => uniform.value.set(style(name));
     set(this.shared.accent, "unstable");
+    set(this.shared.grip, "grip");
     set(this.material.face.uniforms.hatch, "hatch");
     set(this.material.edge.uniforms.ink, "edge");
     for (const name of ["patch", "through", "rim", "spot"]) set(this.material[name].uniforms.ink, "patch");

@@ -67,6 +67,22 @@ export function posed(parts, k, motion, amount, apart) {
   return [q, p];
 }
 
+/** Quaternion and position of a part moved by a vector, and turned about its centre of mass. */
+export function carried(parts, k, shift, rotation) {
+  const at = parts.position.subarray(3 * k, 3 * k + 3);
+  const [w, x, y, z] = parts.rotation.subarray(4 * k, 4 * k + 4);
+  let q = [x, y, z, w];
+  let p = [...at];
+  if (rotation) {
+    const center = parts.center.subarray(3 * k, 3 * k + 3);
+    const after = turned(rotation, [0, 1, 2].map((i) => at[i] - center[i]));
+    q = times(rotation, q);
+    p = after.map((c, i) => c + center[i]);
+  }
+  if (shift) p = p.map((c, i) => c + shift[i]);
+  return [q, p];
+}
+
 /** A point given in the world at rest, in the frame of a part's shape. */
 export function local(parts, k, point) {
   const [w, x, y, z] = parts.rotation.subarray(4 * k, 4 * k + 4);

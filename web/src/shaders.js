@@ -44,6 +44,7 @@ void main() { place(); }
 export const face = `precision highp float;
 ${CUT}
 uniform vec3 hatch;
+uniform vec3 grip;
 uniform float opacity;
 uniform float dense;
 flat in vec4 colour;
@@ -64,6 +65,7 @@ void main() {
   float key = max(dot(n, normalize(vec3(-0.35, 0.75, 0.55))), 0.0);
   float fill = max(dot(n, normalize(vec3(0.8, 0.1, 0.5))), 0.0);
   vec3 lit = min(base * (0.68 + 0.36 * key + 0.14 * fill), vec3(1.0));
+  if (state.z > 3.5) lit = mix(lit, grip, 0.18 + 0.62 * stripes(9.0));
   if (mod(state.z, 2.0) > 0.5) lit = mix(lit, vec3(1.0, 0.86, 0.0), 0.25 + 0.6 * stripes(7.0));
   result = vec4(lit, opacity);
 }
@@ -110,13 +112,15 @@ export const edge = `precision highp float;
 ${CUT}
 uniform vec3 ink;
 uniform vec3 accent;
+uniform vec3 grip;
 uniform float strength;
 flat in vec4 state;
 out vec4 result;
 void main() {
   if (cutAway()) discard;
-  bool moves = state.z > 1.5;
-  result = vec4(moves ? accent : ink, moves ? 1.0 : strength);
+  bool gripped = state.z > 3.5;
+  bool moves = state.z > 1.5 && !gripped;
+  result = vec4(gripped ? grip : moves ? accent : ink, gripped || moves ? 1.0 : strength);
 }
 `;
 

@@ -1,9 +1,13 @@
 // The picture: camera, light, and the assembly turned so that gravity points down.
 
 import {
+  BufferAttribute,
+  BufferGeometry,
   Color,
   ColorManagement,
   Group,
+  LineBasicMaterial,
+  LineSegments,
   LinearSRGBColorSpace,
   Matrix4,
   PerspectiveCamera,
@@ -43,12 +47,17 @@ export class Stage {
     this.forces = new Arrows();
     this.loads = new Arrows();
     this.open = new Arrows();
-    this.root.add(this.parts.group);
+    this.hands = new Arrows();
+    this.lines = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
+    this.lines.frustumCulled = false;
+    this.root.add(this.parts.group, this.lines);
     this.scene.add(this.root);
     // arrows lie over the parts: drawn after, with a depth of their own
     this.over = new Scene();
     this.overRoot = new Group();
-    this.overRoot.add(this.motion.group, this.forces.group, this.loads.group, this.open.group);
+    for (const one of [this.motion, this.forces, this.loads, this.open, this.hands]) {
+      this.overRoot.add(one.group);
+    }
     this.over.add(this.overRoot);
     this.renderer.autoClear = false;
     this.numbers = new WebGLRenderTarget(1, 1);
@@ -66,24 +75,29 @@ export class Stage {
   /** The first view: from the right, in front and above. */
   home() {
     this.controls.target.set(0, 0, 0);
-    const planar = this.page.planar;
-    const place = new Spherical(1, planar ? 1.35 : 1.22, planar ? 0.25 : 0.55);
-    this.camera.position.setFromSpherical(place);
-    this.camera.lookAt(0, 0, 0);
-    this.camera.position.setLength(this.reach());
+    this.frame(this.camera);
     this.controls.update();
     this.draw();
   }
 
-  /** How far the camera must be for the box around the parts to be seen, as it is turned now. */
-  reach() {
+  /** A camera at the first view, as far as it must be to see the box around the parts. */
+  frame(camera) {
+    const planar = this.page.planar;
+    const place = new Spherical(1, planar ? 1.35 : 1.22, planar ? 0.25 : 0.55);
+    camera.position.setFromSpherical(place);
+    camera.lookAt(0, 0, 0);
+    camera.position.setLength(this.reach(camera));
+  }
+
+  /** How far a camera must be for the box around the parts to be seen, as it is turned now. */
+  reach(camera) {
     const tangent = Math.tan(OPENING / 2);
-    const back = this.camera.quaternion.clone().invert();
+    const back = camera.quaternion.clone().invert();
     let far = (0.88 * this.page.radius) / Math.sin(OPENING / 2); // room to turn
     for (let k = 0; k < 8; k += 1) {
       const corner = new Vector3(...this.page.extent.map((e, i) => ((k >> i) & 1 ? e : -e)));
       corner.applyQuaternion(this.root.quaternion).applyQuaternion(back);
-      const wide = Math.abs(corner.x) / (tangent * (this.camera.aspect || 1));
+      const wide = Math.abs(corner.x) / (tangent * (camera.aspect || 1));
       far = Math.max(far, corner.z + 1.1 * Math.max(wide, Math.abs(corner.y) / tangent));
     }
     return far;
@@ -198,15 +212,64 @@ export class Stage {
     cancelAnimationFrame(this.waiting);
     this.waiting = 0;
     if (!this.size) return;
+    this.shoot(this.camera);
+    this.drawn();
+  }
+
+  shoot(camera) {
     this.scene.updateMatrixWorld();
     this.overRoot.quaternion.copy(this.root.quaternion);
     const { eye } = this.parts.material.cap.uniforms;
-    this.root.worldToLocal(eye.value.copy(this.camera.position));
+    this.root.worldToLocal(eye.value.copy(camera.position));
     this.renderer.clear();
-    this.renderer.render(this.scene, this.camera);
+    this.renderer.render(this.scene, camera);
     this.renderer.clearDepth();
-    this.renderer.render(this.over, this.camera);
-    this.drawn();
+    this.renderer.render(this.over, camera);
+  }
+
+  /** A small picture from the first view, as it now stands, put into a canvas. */
+  snap(canvas) {
+    const { width, height } = canvas;
+    const camera = new PerspectiveCamera(30, width / height, this.page.radius / 50, this.page.radius * 60);
+    this.frame(camera);
+    camera.updateMatrixWorld();
+    const target = new WebGLRenderTarget(width, height, { samples: 4, stencilBuffer: true });
+    const { dense } = this.parts.shared;
+    const was = dense.value;
+    dense.value = 1;
+    this.renderer.setRenderTarget(target);
+    this.shoot(camera);
+    const pixels = new Uint8Array(4 * width * height);
+    this.renderer.readRenderTargetPixels(target, 0, 0, width, height, pixels);
+    this.renderer.setRenderTarget(null);
+    target.dispose();
+    dense.value = was;
+    const picture = new ImageData(width, height);
+    for (let row = 0; row < height; row += 1) {
+      const from = 4 * width * (height - 1 - row);
+      picture.data.set(pixels.subarray(from, from + 4 * width), 4 * width * row);
+    }
+    canvas.getContext("2d").putImageData(picture, 0, 0);
+  }
+
+  /** Lines, pairs of points in the frame of the assembly. */
+  drawLines(points) {
+    this.lines.geometry.dispose();
+    this.lines.geometry = new BufferGeometry();
+    this.lines.geometry.setAttribute("position", new BufferAttribute(new Float32Array(points), 3));
+    this.lines.visible = points.length > 0;
+  }
+
+  /** Colours of the page's style. */
+  theme(style) {
+    this.parts.theme(style);
+    this.motion.theme(style("unstable"), style("surface"));
+    this.forces.theme(style("force"), style("surface"));
+    this.hands.theme(style("grip"), style("surface"));
+    this.loads.theme(style("ink"), style("surface"));
+    this.open.theme(style("open"), style("ink"));
+    this.lines.material.color.set(style("soft"));
+    this.draw();
   }
 }
 

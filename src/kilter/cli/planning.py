@@ -11,6 +11,7 @@ from kilter.cli.arguments import pair_of
 from kilter.cli.asked import Asked
 from kilter.cli.exit_codes import HOLDS, INTERRUPTED, LOWER, PLAN
 from kilter.cli.options import FORM, asks
+from kilter.cli.order_files import as_typed, written
 from kilter.cli.output import Progress, as_json, write_whole
 from kilter.errors import InputError
 
@@ -126,7 +127,7 @@ def plan(
 
     What is grounded is there from the start. Every step is proved: forces hold what stands while
     the next part comes in, along a straight way, or one of two pieces, that nothing stops. With
-    -o FILE.csv the steps are written as a table.
+    -o FILE.html a page is written that plays the steps, with -o FILE.csv a table of them.
 
     Exit 0 found, every step at the level of --require; 1 proved that there is none; 3 found, some
     steps at a lower level; 4 none found, which proves nothing.
@@ -134,6 +135,17 @@ def plan(
     from kilter.analysis.planning.plan import plan as find
 
     asked.apart(proof)
+    typed = as_typed(
+        hold=hold,
+        directions=directions,
+        before=before,
+        never_hold=never_hold,
+        screws=screws,
+        group=group,
+        together=together,
+        fewest=None if fewest == "holds" else fewest,
+        require=None if require == "equilibrium" else require,
+    )
     with Progress(asked.quiet) as progress:
         assembly, contacts = asked.read(progress)
         order = find(
@@ -159,9 +171,7 @@ def plan(
         after = f"\nproof file  written to {proof}"
     elif proof is not None:
         after = "\nproof file  none to write"
-    if asked.output is not None and asked.output.suffix == ".csv":
-        write_whole(asked.output, order.table())
-    else:
+    if asked.output is None or not written(order, asked, typed):
         asked.tell(order.to_dict(), after=after)
     if order.interrupted:
         return INTERRUPTED

@@ -14,14 +14,21 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING
 
 from kilter.show.packing import as_json, readable
+from kilter.show.plan_scene import build_plan_scene
+from kilter.show.plan_sections import plan_sections
 from kilter.show.scene import build_scene
 from kilter.show.sections import sections, text
 
 if TYPE_CHECKING:
     from kilter.analysis.everything import Everything
+    from kilter.analysis.planning.explained import Explained
+    from kilter.analysis.planning.order import Order
 
-__all__ = ["error_page", "render"]
+__all__ = ["error_page", "render", "render_plan"]
 
+REPORT = {"motion": "motion.html", "side": "ball.html"}
+PLAN = {"player": "player.html", "side": "step.html"}
+"""What stands at the places of the template in which pages differ."""
 PACKAGES = ("kilter", "numpy", "scipy", "highspy", "clarabel")
 
 
@@ -43,13 +50,34 @@ def render(answers: Everything, title: str, *, command: str = "", live: bool = F
     return _filled(title, body, data, live=live)
 
 
+def render_plan(order: Order, explained: Explained, title: str, *, command: str = "") -> str:
+    """The page of a plan: its steps as a film and a strip, and what each rests on.
+
+    Parameters
+    ----------
+    order : Order
+    explained : Explained
+        Of that order.
+    title : str
+        Shown above; usually the name of the file.
+    command : str
+        How to make the page again.
+    """
+    data = as_json({"title": readable(title), **build_plan_scene(order, explained)})
+    body = plan_sections(order, explained, command=command, versions=_versions())
+    return _filled(title, body, data, live=False, pieces=PLAN)
+
+
 def error_page(message: str, title: str) -> str:
     """What `kilter view` shows while the file cannot be judged; it waits for a change."""
     body = f'<p class="problem" role="alert">{text(message)}</p>'
     return _filled(title, body, "null", live=True)
 
 
-def _filled(title: str, body: str, data: str, *, live: bool) -> str:
+def _filled(
+    title: str, body: str, data: str, *, live: bool, pieces: dict[str, str] | None = None
+) -> str:
+    """The template, with `pieces`: the files of the parts in which pages differ."""
     style, program = _asset("page.css"), _asset("page.js")
     scripts = [program, _asset("reload.js")] if live else [program]
     policy = "; ".join(
@@ -62,7 +90,9 @@ def _filled(title: str, body: str, data: str, *, live: bool) -> str:
             *(["connect-src 'self'"] if live else []),
         ]
     )
+    chosen = {"motion": "", "player": "", "side": "", **(pieces or REPORT)}
     values = {
+        **{place: _asset(name) if name else "" for place, name in chosen.items()},
         "policy": policy,
         "title": text(title),
         "style": style,

@@ -22,8 +22,10 @@ from kilter.units import metres_per_unit
 
 if TYPE_CHECKING:
     from kilter.analysis.everything import Answered, Balance, Everything, MapMotions
+    from kilter.assembly import Assembly
+    from kilter.contact import ContactSet
 
-__all__ = ["build_scene"]
+__all__ = ["build_scene", "build_things"]
 
 
 HELD_IN_VIEW = 1.5
@@ -31,11 +33,23 @@ HELD_IN_VIEW = 1.5
 
 
 def build_scene(answers: Everything) -> dict[str, Any]:
-    """What the page draws, as JSON data."""
-    assembly = answers.assembly
-    center, extent = _view(answers)
-    names = [readable(name) for name in assembly.names]
-    recommended = answers.recommended
+    """What the page of an assembly draws, as JSON data."""
+    things = build_things(answers.assembly, answers.contacts)
+    center, recommended = np.array(things["center"]), answers.recommended
+    return {
+        **things,
+        "given": _orientation(answers, answers.given, center),
+        "recommended": None if recommended is None else _orientation(answers, recommended, center),
+        "region": _region(answers),
+        "rays": _rays(answers.rays, center),
+        "map": _map(answers.map),
+        "notes": list(answers.notes),
+    }
+
+
+def build_things(assembly: Assembly, contacts: ContactSet) -> dict[str, Any]:
+    """What every page draws of an assembly: shapes, parts, contact patches, loads."""
+    center, extent = _view(assembly)
     return {
         "words": VERDICTS,
         "units": assembly.units,
@@ -44,15 +58,10 @@ def build_scene(answers: Everything) -> dict[str, Any]:
         "center": center.tolist(),
         "extent": extent.tolist(),
         "radius": float(np.linalg.norm(extent)),
-        "shapes": _shapes(answers),
-        "parts": _parts(answers, center, names),
-        "patches": _patches(answers, center),
-        "open": _open_pairs(answers, center),
-        "given": _orientation(answers, answers.given, center),
-        "recommended": None if recommended is None else _orientation(answers, recommended, center),
-        "region": _region(answers),
-        "rays": _rays(answers.rays, center),
-        "map": _map(answers.map),
+        "shapes": _shapes(assembly),
+        "parts": _parts(assembly, center),
+        "patches": _patches(contacts, center),
+        "open": _open_pairs(contacts, center),
         "loads": [
             {
                 "part": assembly.index[load.part],
@@ -61,17 +70,16 @@ def build_scene(answers: Everything) -> dict[str, Any]:
             }
             for load in assembly.loads
         ],
-        "notes": list(answers.notes),
     }
 
 
-def _view(answers: Everything) -> tuple[Array, Array]:
+def _view(assembly: Assembly) -> tuple[Array, Array]:
     """Middle and half lengths of the box that the first view must hold [length unit].
 
     A table reaches out of it on every side.
     """
-    geometry = answers.assembly.geometry
-    table = np.array([part.table for part in answers.assembly.parts])
+    geometry = assembly.geometry
+    table = np.array([part.table for part in assembly.parts])
     shown = ~table[geometry.vertex_part]
     free = ~geometry.grounded[geometry.vertex_part]
     vertices = geometry.vertices[shown] if shown.any() else geometry.vertices
@@ -83,21 +91,21 @@ def _view(answers: Everything) -> tuple[Array, Array]:
     return (low + high) / 2, (high - low) / 2
 
 
-def _shapes(answers: Everything) -> list[dict[str, Any]]:
+def _shapes(assembly: Assembly) -> list[dict[str, Any]]:
     return [
         {
             "positions": pack(shape.positions),
             "triangles": pack(shape.triangles, "index"),
             "edges": pack(shape.edges, "index"),
         }
-        for shape in placed(answers.assembly).shapes
+        for shape in placed(assembly).shapes
     ]
 
 
-def _parts(answers: Everything, center: Array, names: list[str]) -> dict[str, Any]:
-    geometry, places = answers.assembly.geometry, placed(answers.assembly)
+def _parts(assembly: Assembly, center: Array) -> dict[str, Any]:
+    geometry, places = assembly.geometry, placed(assembly)
     return {
-        "names": names,
+        "names": [readable(name) for name in assembly.names],
         "shape": pack(places.shape, "index"),
         "rotation": pack(places.rotation),
         "position": pack(places.position - center),
@@ -110,8 +118,7 @@ def _parts(answers: Everything, center: Array, names: list[str]) -> dict[str, An
     }
 
 
-def _patches(answers: Everything, center: Array) -> dict[str, Any]:
-    contacts = answers.contacts
+def _patches(contacts: ContactSet, center: Array) -> dict[str, Any]:
     kinds, kind = np.unique(contacts.patch_kind, return_inverse=True)
     widest = np.abs(contacts.patch_gap).argmax(axis=1) if len(contacts) else np.zeros(0, int)
     return {
@@ -127,10 +134,10 @@ def _patches(answers: Everything, center: Array) -> dict[str, Any]:
     }
 
 
-def _open_pairs(answers: Everything, center: Array) -> dict[str, Any]:
+def _open_pairs(contacts: ContactSet, center: Array) -> dict[str, Any]:
     """Where the open pairs are: in the middle of what their boxes share, or between them."""
-    geometry = answers.assembly.geometry
-    parts = np.array([one.parts for one in answers.contacts.open_pairs], dtype=np.int64)
+    geometry = contacts.assembly.geometry
+    parts = np.array([one.parts for one in contacts.open_pairs], dtype=np.int64)
     low, high = geometry.part_boxes
     a, b = parts.reshape(-1, 2).T
     middle = (np.maximum(low[a], low[b]) + np.minimum(high[a], high[b])) / 2

@@ -20,7 +20,17 @@ from kilter.tell.words import VERDICTS
 if TYPE_CHECKING:
     from kilter.analysis.everything import Everything
 
-__all__ = ["LISTED", "named", "sections", "text"]
+__all__ = [
+    "LISTED",
+    "facts_html",
+    "made_section",
+    "named",
+    "rows_html",
+    "section",
+    "sections",
+    "text",
+    "warnings_section",
+]
 
 LISTED = 1000
 """Rows of a table; what is left out is counted, and `--json` gives all."""
@@ -52,11 +62,15 @@ def named(name: str) -> str:
 def sections(answers: Everything, *, command: str, versions: dict[str, str]) -> str:
     """The sections below the picture."""
     parts = [_verdict(answers), _left_open(answers), _parts(answers), _contacts(answers)]
-    parts.append(_warnings(answers))
-    return "\n".join(filter(None, [*parts, _made(command, versions)]))
+    warned = [*answers.given.check["warnings"], *(answers.region or {}).get("warnings", ())]
+    parts.append(warnings_section(warned))
+    return "\n".join(
+        filter(None, [*parts, made_section(command, versions, ("live answers", LIVE))])
+    )
 
 
-def _section(title: str, *body: str, rows: int = 0) -> str:
+def section(title: str, *body: str, rows: int = 0) -> str:
+    """A part of the page; one of many rows begins closed."""
     state = " open" if rows <= OPEN else ""
     inner = "\n".join(body)
     return f"<details{state}><summary><h2>{text(title)}</h2></summary>\n{inner}\n</details>"
@@ -65,14 +79,14 @@ def _section(title: str, *body: str, rows: int = 0) -> str:
 def _table(table: Table) -> str:
     """A list of an answer."""
     rows = table.rows(LISTED)
-    return _rows(table.head, [[_cell(cell) for cell in row] for row in rows], len(table.items))
+    return rows_html(table.head, [[_cell(cell) for cell in row] for row in rows], len(table.items))
 
 
 def _cell(cell: str) -> str:
     return named(cell) if isinstance(cell, Name) else text(cell)
 
 
-def _rows(head: Sequence[str], rows: Iterable[Sequence[str]], of: int) -> str:
+def rows_html(head: Sequence[str], rows: Iterable[Sequence[str]], of: int) -> str:
     """A table; cells are HTML, `of`: how many rows there would be."""
     lines = ["<tr>" + "".join(f"<td>{cell}</td>" for cell in row) + "</tr>" for row in rows]
     more = of - len(lines)
@@ -85,7 +99,7 @@ def _rows(head: Sequence[str], rows: Iterable[Sequence[str]], of: int) -> str:
     )
 
 
-def _facts(rows: Iterable[tuple[str, str]]) -> str:
+def facts_html(rows: Iterable[tuple[str, str]]) -> str:
     """Terms and what they are; the values are HTML."""
     return "<dl>" + "".join(f"<dt>{text(k)}</dt><dd>{v}</dd>" for k, v in rows) + "</dl>"
 
@@ -104,7 +118,7 @@ def _verdict(answers: Everything) -> str:
     rows += [("note", text(note)) for note in answers.notes]
     forces = forces_table(check)
     body = [f"<h3>{text(forces.title)}</h3>", _table(forces)] if forces.items else []
-    return _section("Verdict and proof", _facts(rows), *body)
+    return section("Verdict and proof", facts_html(rows), *body)
 
 
 def _parts(answers: Everything) -> str:
@@ -127,8 +141,8 @@ def _parts(answers: Everything) -> str:
 
     units = answers.assembly.units
     head = ["part", "state", "how it starts to move", "mass [kg]", f"centre [{units}]"]
-    body = _rows(head, [row(k) for k in order[:LISTED]], len(told))
-    return _section(f"Parts ({len(told)})", body, rows=len(told))
+    body = rows_html(head, [row(k) for k in order[:LISTED]], len(told))
+    return section(f"Parts ({len(told)})", body, rows=len(told))
 
 
 def _left_open(answers: Everything) -> str:
@@ -136,32 +150,33 @@ def _left_open(answers: Everything) -> str:
     table = open_table(answers.contacts.to_dict())
     if not len(table.items):
         return ""
-    return _section(f"Left open ({len(table.items)})", _table(table), rows=len(table.items))
+    return section(f"Left open ({len(table.items)})", _table(table), rows=len(table.items))
 
 
 def _contacts(answers: Everything) -> str:
     touching = answers.contacts.to_dict()
-    body = [_facts((term, text(words)) for term, words in facts(touching))]
+    body = [facts_html((term, text(words)) for term, words in facts(touching))]
     for table in tables(touching):
         if table.title == open_table(touching).title:
             continue  # it has a section of its own
         body += [f"<h3>{text(table.title.rstrip(':'))}</h3>", _table(table)]
     count = len(touching["patches"])
-    return _section(f"Contacts ({count})", *body, rows=count)
+    return section(f"Contacts ({count})", *body, rows=count)
 
 
-def _warnings(answers: Everything) -> str:
-    found = [*answers.given.check["warnings"], *(answers.region or {}).get("warnings", ())]
+def warnings_section(found: Iterable[str]) -> str:
+    """Warnings, each once."""
     listed = [f"<li>{text(warning)}</li>" for warning in dict.fromkeys(found)]
     body = f"<ul>{''.join(listed)}</ul>" if listed else "<p>None.</p>"
-    return _section(f"Warnings ({len(listed)})", body)
+    return section(f"Warnings ({len(listed)})", body)
 
 
-def _made(command: str, versions: dict[str, str]) -> str:
+def made_section(command: str, versions: dict[str, str], *more: tuple[str, str]) -> str:
+    """How to make the page again, with what, and what else is to know of it."""
     used = ", ".join(f"{text(k)} {text(v)}" for k, v in versions.items())
     rows = [
         ("command", f"<code>{text(command)}</code>"),
         ("versions", used),
-        ("live answers", LIVE),
+        *more,
     ]
-    return _section("How to reproduce", _facts(rows))
+    return section("How to reproduce", facts_html(rows))

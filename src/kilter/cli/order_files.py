@@ -1,0 +1,67 @@
+"""What a plan is written as, by the ending of the file: a page, a table."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING, Any
+
+from kilter.cli.arguments import PAIRS, pair_of
+from kilter.cli.output import tell_warnings, write_whole
+
+if TYPE_CHECKING:
+    from kilter.analysis.planning.order import Order
+    from kilter.cli.asked import Asked
+
+__all__ = ["as_typed", "written"]
+
+
+def written(order: Order, asked: Asked, typed: list[str]) -> bool:
+    """Write a plan; False where the ending of the file asks for its text or JSON.
+
+    Parameters
+    ----------
+    order : Order
+    asked : Asked
+        Has an output.
+    typed : list of str
+        The options of the plan, for the command that a page shows.
+    """
+    from kilter import publish
+
+    assert asked.output is not None
+    ending = asked.output.suffix.lower()
+    if ending == ".csv":
+        write_whole(asked.output, order.table())
+    elif ending in publish.PAGES:
+        publish.report(
+            order,
+            asked.output,
+            title=publish.title_of(asked.file),
+            command=asked.command("plan", *typed, "-o", str(asked.output)),
+        )
+    else:
+        return False
+    tell_warnings(order.to_dict()["warnings"], asked.quiet)
+    if not asked.quiet:
+        print(f"{asked.output}: {order.verdict}", file=sys.stderr)
+    return True
+
+
+def as_typed(**given: Any) -> list[str]:
+    """Options of a command as words; those that were not given are left out.
+
+    Examples
+    --------
+    >>> as_typed(hold=1, before=None, never_hold=["a", "b"])
+    ['--hold', '1', '--never-hold', 'a', '--never-hold', 'b']
+    """
+    words: list[str] = []
+    for name, value in given.items():
+        option = f"--{name.replace('_', '-')}"
+        if value is True:
+            words.append(option)
+        elif value is not None and value is not False:
+            for one in value if isinstance(value, list) else [value]:
+                two = pair_of(option, one) if option in PAIRS else (str(one),)
+                words += [option, *two]
+    return words

@@ -1,0 +1,47 @@
+"""Have the files of an assembly changed? Their times and sizes say."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+__all__ = ["Stamp", "fingerprint"]
+
+Stamp = tuple[str, int, int]
+"""Name, time of the last change [ns] and size [bytes] of a file."""
+
+
+def fingerprint(file: str) -> tuple[Stamp, ...]:
+    """Time and size of an assembly's files: of a folder all in it, of JSON the meshes it names.
+
+    What is missing is left out: a file that comes back is a change.
+    """
+    path = Path(file)
+    if path.is_dir():
+        files = sorted(p for p in path.iterdir() if p.is_file())
+    else:
+        files = [path, *_named_in(path)]
+    return tuple(stamp for one in files if (stamp := _stamp(one)) is not None)
+
+
+def _stamp(path: Path) -> Stamp | None:
+    try:
+        state = path.stat()
+    except OSError:
+        return None
+    return str(path), state.st_mtime_ns, state.st_size
+
+
+def _named_in(path: Path) -> list[Path]:
+    """Paths that the parts of a JSON file name as `mesh` or `step`."""
+    if path.suffix.lower() != ".json":
+        return []
+    try:
+        data: Any = json.loads(path.read_text(encoding="utf-8-sig"))
+    except (OSError, ValueError, RecursionError):  # missing, half written, or nested to break it
+        return []
+    parts = data.get("parts") if isinstance(data, dict) else None
+    listed = [part for part in parts if isinstance(part, dict)] if isinstance(parts, list) else []
+    named = {part.get(key) for part in listed for key in ("mesh", "step")}
+    return [path.parent / name for name in sorted(n for n in named if isinstance(n, str))]

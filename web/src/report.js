@@ -1,0 +1,212 @@
+// The page of a report: gravity, and what follows from it. Words from the data are set as text.
+
+import { answer } from "./answer.js";
+import { Ball } from "./ball.js";
+import { distance, isThin, nearest } from "./cone.js";
+import { Look, id, on } from "./look.js";
+import { deepest } from "./map.js";
+import { forceArrows, motionArrows } from "./overlay.js";
+import { keepPlace } from "./place.js";
+import { reachOf } from "./pose.js";
+import { angleBetween, unit } from "./vector.js";
+import { basis, degrees, direction, force, marginWords, movingWords, number, plainly } from "./words.js";
+
+const SIGNS = {
+  stable: "✓",
+  settles: "✓",
+  "potentially-stable": "≈",
+  unstable: "✕",
+  undecided: "?",
+  unknown: "?",
+};
+const TONES = {
+  stable: "stable",
+  settles: "stable",
+  "potentially-stable": "stable",
+  unstable: "unstable",
+  undecided: "undecided",
+};
+const SNAP = (3 * Math.PI) / 180; // a thin region draws the arrow in from so near
+const QUIET = 1200; // forces at more points are not shown from the start
+
+export class Report extends Look {
+  constructor(page) {
+    super(page);
+    this.down = page.given.down;
+    this.amount = 0;
+    this.ball = new Ball(id("ball"), page, (u, how, step) => this.pull(u, how, step));
+    this.look();
+    this.controls();
+    this.turn(this.down);
+    this.begin();
+    if (location.protocol === "http:") keepPlace(this);
+  }
+
+  // gravity ---------------------------------------------------------------------------
+
+  /** Gravity as the ball's arrow asks: drawn in by a region too thin to be hit by hand. */
+  pull(wanted, how, step = 0) {
+    const { region, planar } = this.page;
+    let u = unit(wanted);
+    if (region && region.dimension && isThin(region, planar)) {
+      const reach = how === "key" ? step / 2 : SNAP;
+      if (distance(region, u) < reach) u = nearest(region, u);
+    }
+    for (const known of [this.page.given, this.page.recommended]) {
+      if (known && angleBetween(known.down, u) < 1e-7) u = known.down;
+    }
+    this.turn(u, { follow: how === "key" });
+  }
+
+  /** Gravity along a direction: everything follows. */
+  turn(u, { exactly = false, follow = false } = {}) {
+    this.down = u;
+    this.found = answer(this.page, u);
+    this.ball.tone = TONES[this.found.verdict];
+    this.ball.set(u, follow);
+    if (this.stage) {
+      this.stage.turnTo(u, exactly);
+      this.stage.parts.moving.fill(0);
+      for (const k of this.found.moving || []) this.stage.parts.moving[k] = 1;
+      this.stage.parts.states();
+    }
+    this.repose();
+    this.tell();
+  }
+
+  /** Parts, arrows and names as the sliders have them. */
+  repose() {
+    if (!this.stage) return;
+    const { parts } = this.stage;
+    const { motion } = this.found;
+    // as far as the moving parts are large: more would say nothing
+    const sizes = (this.found.moving || []).map((k) => this.page.parts.radius[k]);
+    sizes.sort((a, b) => a - b);
+    const reach = 1.1 * (sizes[sizes.length >> 1] || 0);
+    const amount = motion ? this.amount * reachOf(motion, this.page.parts.radius, reach) : 0;
+    parts.pose(motion, amount, this.apart);
+    this.arrows();
+    this.names.place();
+    this.stage.draw();
+  }
+
+  arrows() {
+    const { stage, found } = this;
+    const moving = found.motion && id("show-motion").checked ? found.moving : [];
+    // many arrows are drawn shorter
+    const long = this.long * (moving.length > 20 ? 0.5 : 1);
+    stage.motion.set(moving.length ? motionArrows(stage, found.motion, moving, long) : {});
+    let label = found.forces ? "contact forces" : "contact forces: none to show here";
+    const forces = found.forces && id("show-forces").checked;
+    if (forces) {
+      const share = found.forces.points.length > 300 ? 0.3 : 0.5;
+      const size = share * this.page.radius * Number(id("force-size").value);
+      const { straight, most } = forceArrows(stage, found.forces, size);
+      stage.forces.set({ straight });
+      label = `contact forces ${found.forceWords || `at points up to ${force(most)}`}`;
+    } else stage.forces.set({});
+    id("force-label").textContent = label;
+    this.marks();
+  }
+
+  /** Verdict, margin and moving parts in words. */
+  tell() {
+    const { page, found } = this;
+    const banner = id("banner");
+    banner.dataset.verdict = found.verdict;
+    id("sign").textContent = SIGNS[found.verdict] || "?";
+    id("verdict").textContent = page.words[found.verdict] || found.verdict;
+    id("sentence").textContent = found.sentence
+      ? plainly(found.sentence, page.words[found.verdict])
+      : marginWords(page, found);
+    const lines = [movingWords(page, found)];
+    if (found.sentence) lines.unshift(marginWords(page, found));
+    id("moving").textContent = lines.filter(Boolean).join("; ");
+    id("basis").textContent = basis(page, found);
+    id("down").textContent = direction(this.down);
+    const away = angleBetween(this.down, page.given.down);
+    id("turned").textContent = away ? `turned by ${degrees(away)}` : "as given";
+    const figure = found.instability ?? null;
+    id("figure").title =
+      found.verdict === "undecided" ? "of the frictionless contacts that are modelled" : "";
+    id("figure").textContent =
+      figure !== null
+        ? `κ ${number(figure)}`
+        : found.z === undefined || found.z === null
+          ? ""
+          : `z ${number(found.z)}`;
+    const at = (name) => page[name] && angleBetween(page[name].down, this.down) < 1e-9;
+    id("go-given").setAttribute("aria-pressed", String(Boolean(at("given"))));
+    id("go-recommended").setAttribute("aria-pressed", String(Boolean(at("recommended"))));
+    const label = `gravity along ${direction(this.down, 2)}: ${page.words[found.verdict]}`;
+    this.ball.canvas.setAttribute("aria-valuetext", label);
+    this.ball.canvas.setAttribute("aria-valuenow", String(Math.round((away * 180) / Math.PI)));
+    id("motion").disabled = !found.motion;
+    id("play").disabled = !found.motion;
+    id("motion-label").textContent = found.motion ? "motion" : "motion: none";
+    if (this.selected >= 0) this.showPart(this.selected);
+  }
+
+  // controls --------------------------------------------------------------------------
+
+  controls() {
+    const { page } = this;
+    on("go-given", "click", () => this.turn(page.given.down, { exactly: true, follow: true }));
+    on("go-recommended", "click", () => this.turn(page.recommended.down, { follow: true }));
+    id("go-recommended").disabled = !page.recommended;
+    const held = page.recommended && ["stable", "settles", "potentially-stable"].includes(page.recommended.verdict);
+    if (page.recommended && !held) id("go-recommended").textContent = "Nearest to stable";
+    on("go-nearest", "click", () =>
+      this.turn(nearest(page.region, this.down), { follow: true }),
+    );
+    id("go-nearest").disabled = !page.region || !page.region.dimension;
+    const { region } = page;
+    const known = region && region.outside === "unstable";
+    id("no-map").hidden = Boolean(page.map) || !region || !region.equations.length + region.facets.length;
+    id("no-map").dataset.known = String(known);
+    id("no-map-words").textContent = known
+      ? "unstable; how much is not mapped at this size"
+      : "undecided: further forces may hold it";
+    id("ramp-words").textContent = known
+      ? "unstable, a little to much"
+      : "unstable by its frictionless contacts alone, a little to much";
+    id("ramp").hidden = !page.map || deepest(page.map) === 0;
+    id("stable-key").hidden = !page.region || page.region.kind === "none";
+    on("motion", "input", () => this.slide("amount", "motion"));
+    on("play", "click", () => this.play());
+    const points = page.given.forces ? page.given.forces.points.length / 3 : 0;
+    if (this.stage) id("show-forces").checked = points <= QUIET;
+  }
+
+  /** The motion once forth and back, or stopped. */
+  play() {
+    if (this.playing) {
+      this.playing = null;
+      id("play").textContent = "Play";
+      return;
+    }
+    const started = performance.now();
+    this.playing = started;
+    id("play").textContent = "Stop";
+    const step = (now) => {
+      if (this.playing !== started) return;
+      const t = (now - started) / 2600;
+      id("motion").value = String(0.5 - 0.5 * Math.cos(2 * Math.PI * Math.min(t, 1)));
+      this.slide("amount", "motion");
+      if (t < 1 && this.found.motion) requestAnimationFrame(step);
+      else this.play();
+    };
+    requestAnimationFrame(step);
+  }
+
+  theme() {
+    super.theme();
+    this.ball.draw();
+  }
+
+  /** Verdict and words for a direction, as the page shows them. */
+  ask(direction_) {
+    this.turn(unit(direction_));
+    return { verdict: id("verdict").textContent, margin: this.found.margin, moving: this.found.moving };
+  }
+}
