@@ -19,7 +19,7 @@ from kilter.analysis.planning.removal import Removal
 from kilter.analysis.verification import verify_bundle
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
-from kilter.scenes.pieces import block, floor
+from kilter.scenes.pieces import block, floor, tube
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
 
@@ -187,23 +187,6 @@ def test_what_bars_the_way_leaves_first() -> None:
     assert [step.part for step in sideways.steps][-1] == "key"
 
 
-def test_a_locked_frame_has_no_order() -> None:
-    """A block in a closed box: no way out, which is no proof."""
-    sides = {
-        "west": ([-1, -1, -1], [0, 2, 2]), "east": ([1, -1, -1], [2, 2, 2]),
-        "south": ([0, -1, -1], [1, 0, 2]), "north": ([0, 1, -1], [1, 2, 2]),
-        "below": ([0, 0, -1], [1, 1, 0]), "above": ([0, 0, 1], [1, 1, 2]),
-    }  # fmt: skip
-    box = [block(name, *ends) for name, ends in sides.items()]
-    walls = [Part(p.name, p.shape, p.pose, grounded=True) for p in box]
-    order = kilter.plan(Assembly([*walls, block("inside", [0, 0, 0], [1, 1, 1])]))
-    assert (order.verdict, order.exhausted) == ("none-found", True)
-    with pytest.raises(InputError, match="nothing is proved"):
-        order.proof()
-    lid = kilter.plan(Assembly([*walls[:-1], block("inside", [0, 0, 0], [1, 1, 1])]))
-    assert lid.steps[0].direction == (0.0, 0.0, -1.0)
-
-
 def test_a_way_of_two_pieces() -> None:
     """Under a lip: along x, then up."""
     parts = [
@@ -231,6 +214,23 @@ def test_precedence_is_kept_to() -> None:
     for pair in (("b-2", "b2"), ("b2", "b-2")):
         order = [step.part for step in kilter.plan(table, before=[pair]).steps]
         assert order.index(pair[0]) < order.index(pair[1])
+
+
+def test_none_found_is_no_proof() -> None:
+    """A peg in a closed round hole turns, so nothing locks it; nor does it leave."""
+    held = [
+        floor([-2, -2], [2, 2]),
+        tube("round", 1.0, 2.0, 1.0, [0, 0, 0.5]),
+        block("lid", [-2, -2, 1], [2, 2, 2]),
+    ]
+    walls = [Part(p.name, p.shape, p.pose, grounded=True) for p in held]
+    peg = Part("peg", kilter.Cylinder(1.0, 1.0), Pose([0, 0, 0.5]))
+    order = kilter.plan(Assembly([*walls, peg]))
+    assert (order.verdict, order.exhausted, order.locked) == ("none-found", True, ())
+    assert "that proves nothing" in order.to_dict()["sentence"]
+    with pytest.raises(InputError, match="nothing is proved"):
+        order.proof()
+    assert kilter.plan(Assembly([*walls[:-1], peg])).found
 
 
 def test_parts_that_may_not_be_held() -> None:

@@ -5,6 +5,7 @@ Accelerations are in units of g, everything else is relative [-].
     MOTION_GOOD < MOTION_ENOUGH < MOVES < STATED_MOST      what moves, what rounding moves
     ZERO_MOTION < MOTION_GOOD
     ALONG < the angle of contacts                    faces along a path stop nothing
+    RANK < LOCKS                                     what locks is far from being singular
     ENTERS, RANK, PRESSES >= mechanics' TOLERANCE    nothing is told finer than it is judged
 """
 
@@ -14,6 +15,7 @@ __all__ = [
     "ALONG",
     "ENTERS",
     "LEAST_IS_OPTIMAL",
+    "LOCKS",
     "MOTION_ENOUGH",
     "MOTION_GOOD",
     "MOVES",
@@ -47,3 +49,6 @@ ENTERS = 1e-9
 """Openings below minus this, at unit speed, enter."""
 STATED_MOST = 1e-2
 """Accelerations above this are no matter of the accuracy that a file states [g]."""
+LOCKS = 1e-4
+"""Least opening of a locked part at unit speed, as its multipliers bound it: more than normals are
+off by, so that a wedge that nearly slips out does not lock."""

@@ -61,6 +61,14 @@ def _without_holds(answer: Answer) -> str:
     impossible = answer["impossible"]
     if impossible is None:
         return ""
+    if impossible["kind"] == "locking":
+        return (
+            "There is no order, whatever the paths and whatever is held: of "
+            f"{some_names(impossible['parts'])} none can move before another one has left."
+            if len(impossible["parts"]) > 1
+            else "There is no order, whatever the paths and whatever is held: "
+            f"{some_names(impossible['parts'])} cannot move."
+        )
     return (
         "With nothing held there is no order, whatever the paths: "
         f"{some_names(impossible['parts'])} cannot stand on what can be reached."

@@ -1,7 +1,8 @@
 """Problem 1 for many small assemblies: the verdicts of `check`, ten times as many a second.
 
 Hundreds are laid side by side: contacts are found of all parts at once, the programs solved one
-after the other by one kept solver, the proofs judged in arrays (`kilter.analysis.many.decided_together`).
+after the other by one kept solver, the proofs judged in arrays
+(`kilter.analysis.many.decided_together`).
 What friction, joints, loads, round faces or open pairs make harder is for `check`, one by one.
 """
 

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from kilter.analysis.planning.locking import Locked
 from kilter.analysis.planning.order_proof import order_proof
 from kilter.analysis.planning.plan_step import FAR, VERDICTS, Step
 from kilter.analysis.planning.removal import Screw
@@ -41,6 +42,8 @@ class Order:
     falling : tuple of State
         Where no order without holds exists: each part that cannot be reached by one, with the
         motion of it alone on all that can.
+    locked : tuple of Locked
+        Where no order exists, whatever is held: parts that lock one another.
     whole : State
         The finished assembly.
     hold : int
@@ -75,6 +78,7 @@ class Order:
     steps: tuple[Step, ...]
     best: tuple[str, ...]
     falling: tuple[State, ...]
+    locked: tuple[Locked, ...]
     whole: State
     hold: int
     require: str
@@ -97,7 +101,8 @@ class Order:
         """One of "found", "impossible" (no order exists, that is proved) and "none-found"."""
         if self.steps:
             return "found"
-        return "impossible" if self.falling and self.hold == 0 else "none-found"
+        none = self.locked or (self.falling and self.hold == 0)
+        return "impossible" if none else "none-found"
 
     @property
     def found(self) -> bool:
@@ -177,7 +182,10 @@ class Order:
         }
 
     def _impossible(self) -> dict[str, Any] | None:
-        """Why there is no order without holds."""
+        """Why there is no order, or none without holds."""
+        if self.locked:
+            parts = [self.states.assembly.names[one.part] for one in self.locked]
+            return {"kind": "locking", "holds": None, "parts": parts, "motions": None}
         if not self.falling:
             return None
         names = self.states.assembly.names
@@ -230,7 +238,9 @@ class Order:
             "never_held": list(self.never_held),
             "screws": [[names[one.bolt], names[one.nut], list(one.axis)] for one in self.screws],
         }
-        return order_proof(self.states, self.whole, self.steps, self.falling, rules, options or {})
+        return order_proof(
+            self.states, self.whole, self.steps, self.falling, self.locked, rules, options or {}
+        )
 
     def _repr_html_(self) -> str:
         """What a notebook shows."""

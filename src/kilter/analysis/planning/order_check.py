@@ -11,7 +11,8 @@ That each state holds or falls is judged with its forces or its motion
   that is found anew;
 - where it says that fewer holds are not enough: no smaller set has a part of each of its motions;
 
-or that the parts which fall alone are all that no order without holds reaches.
+or that the parts which fall alone are all that no order without holds reaches; or that each of the
+locked parts is locked by the others and the base, by its multipliers.
 """
 
 from __future__ import annotations
@@ -22,8 +23,10 @@ from typing import Any
 import numpy as np
 
 from kilter.analysis.planning.holds import least_hitting_set
+from kilter.analysis.planning.locking import holding_rows, opening, shuts
 from kilter.analysis.planning.order_rules import Rules
 from kilter.analysis.planning.part_sets import bits_of
+from kilter.analysis.planning.state_programs import build_state_programs
 from kilter.analysis.planning.sweeps import Sweeps
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
@@ -78,7 +81,7 @@ def _reasons(
             yield f"{kind} {_of(entry)}: its state is {verdict}"
         if set(change) - CHANGES:
             yield f"{kind} {_of(entry)}: more of it is changed than its parts"
-    if not entries["step"] and not entries["falls alone"]:
+    if not entries["step"] and not entries["falls alone"] and not entries["locked"]:
         yield "it has neither an order nor a proof that there is none"
     if entries["step"]:
         if [one["change"] for one in entries["whole"]] != [{"without": [], "held": []}]:
@@ -89,9 +92,12 @@ def _reasons(
     elif entries["whole"] or entries["not fewer"]:
         yield "it speaks of an order but has no step"
     yield from _wrong_closure(assembly, entries["falls alone"])
+    if entries["locked"]:
+        threads = bundle["rules"]["screws"]
+        yield from _wrong_locking(assembly, contacts, threads, entries["locked"])
 
 
-FALLS = {"whole": False, "step": False, "not fewer": True, "falls alone": True}
+FALLS = {"whole": False, "step": False, "not fewer": True, "falls alone": True, "locked": False}
 """What a proof of a plan may be about, and whether its state falls."""
 
 
@@ -199,3 +205,30 @@ def _wrong_closure(assembly: Assembly, falling: Sequence[About]) -> Iterator[str
         there = set(assembly.names) - set(change["without"])
         if there != reached | {one["part"]} or set(change["held"]) != reached - base:
             yield f"{one['part']!r} does not fall alone on all that is reached"
+
+
+def _wrong_locking(
+    assembly: Assembly, contacts: ContactSet, threads: Any, locked: Sequence[About]
+) -> Iterator[str]:
+    """Why parts are not locked by one another and the base."""
+    base = {part.name for part in assembly if part.grounded}
+    core = {one["part"] for one in locked}
+    screws = frozenset(
+        (assembly.index_of(bolt), assembly.index_of(nut)) for bolt, nut, _ in threads
+    )
+    states = build_state_programs(assembly, contacts)
+    for one in locked:
+        name, change = one["part"], one["change"]
+        there = set(assembly.names) - set(change["without"])
+        if name in base or there != core | base or set(change["held"]) != core - {name}:
+            yield f"{name!r} is not locked by the others of the proof and the base"
+            continue
+        present = np.array([other in there for other in assembly.names])
+        held = present & (np.array(assembly.names) != name)
+        program, part = states.of(present, held), assembly.index_of(name)
+        multipliers = np.array(one["multipliers"], dtype=float)
+        rows = holding_rows(program, part, screws)
+        if multipliers.shape != rows.shape or not shuts(
+            opening(program, part, rows), multipliers[rows]
+        ):
+            yield f"{name!r} is not locked: its multipliers do not prove it"

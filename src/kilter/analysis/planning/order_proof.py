@@ -7,6 +7,7 @@ groups, parts that are not held, screws. Each proof is of one state, and says wh
     step            what stands while a part comes in, along its `legs` reversed, holds
     not fewer       at a step with parts held: one of `parts` must be held, or they move
     falls alone     a part that no order without holds reaches
+    locked          a part that those present let move nowhere, by its `multipliers`
 
 `kilter.analysis.planning.order_check` judges it again.
 """
@@ -18,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from kilter.analysis.planning.locking import Locked
 from kilter.analysis.planning.plan_step import Step
 from kilter.analysis.planning.state import State
 from kilter.analysis.planning.states import States
@@ -34,6 +36,7 @@ def order_proof(
     whole: State,
     steps: Sequence[Step],
     falling: Sequence[State],
+    locked: Sequence[Locked],
     rules: Mapping[str, Any],
     options: Mapping[str, Any],
 ) -> dict[str, Any]:
@@ -48,6 +51,8 @@ def order_proof(
         Empty where there is none.
     falling : sequence of State
         Each part that no order without holds reaches, alone free on all that are reached.
+    locked : sequence of Locked
+        Parts that lock one another.
     rules, options : mapping
         What the order keeps to; how the file is read.
     """
@@ -56,6 +61,13 @@ def order_proof(
     stated += [
         ({"about": "falls alone", "part": names[int(np.flatnonzero(one.free)[0])]}, one)
         for one in falling
+    ]
+    stated += [
+        (
+            {"about": "locked", "part": names[one.part], "multipliers": one.multipliers.tolist()},
+            one.state,
+        )
+        for one in locked
     ]
     for about, state in stated:
         change = {

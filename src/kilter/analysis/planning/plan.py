@@ -3,8 +3,9 @@
 An order is found backwards (`kilter.analysis.planning.search`); each of its steps is a state with
 forces that hold it while the next part comes in (`kilter.analysis.planning.states`), and a way in
 that nothing stops (`kilter.analysis.planning.removal`). With nothing held, that there is no order
-along any paths may be proved (`kilter.analysis.planning.closure`). Else "none found" says what
-was tried, and proves nothing.
+along any paths may be proved (`kilter.analysis.planning.closure`); with any number held, where
+parts lock one another (`kilter.analysis.planning.locking`). Else "none found" says what was tried,
+and proves nothing.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from kilter.analysis.planning.cheapest import FEWEST, Searched, find_order
 from kilter.analysis.planning.closure import find_unreachable
+from kilter.analysis.planning.locking import Locked, find_locked
 from kilter.analysis.planning.order import Order
 from kilter.analysis.planning.part_sets import members
 from kilter.analysis.planning.plan_step import steps_of
@@ -129,10 +131,13 @@ def plan(
     holdable = ~assembly.geometry.grounded & ~barred
     search = OrderSearch(found, removal, after, holdable, work, units, together)
     falling: list[State] = []
+    locked: list[Locked] = []
     if not together and not any(unit & (unit - 1) for unit in units):
+        work.stage("what is locked")
+        locked = find_locked(found, removal)
         work.stage("what stands by itself")
-        falling = find_unreachable(found)[1]
-    searched = find_order(search, 1 if falling else 0, most, fewest)
+        falling = [] if locked else find_unreachable(found)[1]
+    searched = Searched(None) if locked else find_order(search, 1 if falling else 0, most, fewest)
     seconds["search"] = time.perf_counter() - between
     work.stage("levels of the steps")
     steps = steps_of(search, searched.order or [], level, effort)
@@ -144,6 +149,7 @@ def plan(
         if searched.order
         else tuple(n for one in search.best for n in _names(assembly, one.set)),
         falling=tuple(falling),
+        locked=tuple(locked),
         whole=whole,
         hold=most,
         require=level,

@@ -65,6 +65,7 @@ class Removal:
     Attributes
     ----------
     sweeps : Sweeps
+    screws : list of Screw
 
     Raises
     ------
@@ -92,7 +93,7 @@ class Removal:
                 hint="give axes, normals or x,y,z",
             )
         self._known: dict[int, list[Direction]] = {}
-        self._screws = list(screws)
+        self.screws = list(screws)
 
     def way_out(self, moved: int, present: int, *, legs: int = 1) -> tuple[Leg, ...] | None:
         """A way out of parts past those of a set, of so many legs; None where none was found.
@@ -105,7 +106,7 @@ class Removal:
         """
         others = present & ~moved
         directions = self.directions(moved)
-        for screw in self._screws:
+        for screw in self.screws:
             bolt, nut = 1 << screw.bolt, 1 << screw.nut
             if (moved & bolt and others & nut) or (moved & nut and moved != nut and others & bolt):
                 return None
@@ -127,9 +128,20 @@ class Removal:
         stop = self.sweeps.stops
         return sum(1 << k for k in others if any(stop(p, 1 << k, direction) for p in parts))
 
+    def lets_go(self, moved: int, present: int) -> bool:
+        """Whether no contact presses along one of the directions that are tried."""
+        others = present & ~moved
+        over = any(1 << s.nut == moved and others >> s.bolt & 1 for s in self.screws)
+        return over or bool(self._unpressed(moved, others, self.directions(moved)))
+
+    @property
+    def threads(self) -> frozenset[tuple[int, int]]:
+        """Bolts and nuts, by position."""
+        return frozenset((one.bolt, one.nut) for one in self.screws)
+
     def over(self, moved: int, present: Mask) -> int | None:
         """The bolt that a nut comes off, of the parts present; None where it is on none."""
-        on = (one.bolt for one in self._screws if 1 << one.nut == moved and present[one.bolt])
+        on = (one.bolt for one in self.screws if 1 << one.nut == moved and present[one.bolt])
         return next(on, None)
 
     def touching(

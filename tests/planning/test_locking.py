@@ -1,0 +1,148 @@
+"""Parts that lock one another: no order, whatever the paths and whatever is held."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+
+import kilter
+from kilter import Assembly, Part
+from kilter.analysis.planning.locking import find_locked, multipliers_of, opening, shuts
+from kilter.analysis.planning.removal import Removal
+from kilter.analysis.planning.states import states
+from kilter.analysis.verification import verify_bundle
+from kilter.rigid import quaternion_to_matrix
+from kilter.scenes import scene
+from kilter.scenes.pieces import block, cells, floor, turned_parts
+
+
+def boxed(*, above: float = 1.0) -> Assembly:
+    """A cube in a box whose lid is at a height."""
+    walls = [
+        block("west", [-1, -1, -1], [0, 2, 2]), block("east", [1, -1, -1], [2, 2, 2]),
+        block("south", [0, -1, -1], [1, 0, 2]), block("north", [0, 1, -1], [1, 2, 2]),
+        block("below", [0, 0, -1], [1, 1, 0]), block("above", [0, 0, above], [1, 1, 2]),
+    ]  # fmt: skip
+    held = [Part(p.name, p.shape, p.pose, grounded=True) for p in walls]
+    return Assembly([*held, block("inside", [0, 0, 0], [1, 1, 1])])
+
+
+def proof_of(order: kilter.Order) -> dict[str, Any]:
+    proof: dict[str, Any] = json.loads(json.dumps(order.proof(), allow_nan=False))
+    return proof
+
+
+def reasons(order: kilter.Order, proof: dict[str, Any]) -> str:
+    made = order.states
+    return "; ".join(verify_bundle(made.assembly, made.contacts, proof).reasons)
+
+
+@pytest.mark.parametrize("name", ["closed-frame", "boxed"])
+def test_a_closed_box_locks(name: str) -> None:
+    made = boxed() if name == "boxed" else scene(name)
+    order = kilter.plan(made)
+    assert (order.verdict, order.found) == ("impossible", False)
+    answer = order.to_dict()
+    assert answer["impossible"] == {
+        "kind": "locking", "holds": None, "parts": [made.names[-1]], "motions": None
+    }  # fmt: skip
+    assert "cannot move" in answer["sentence"]
+    assert not reasons(order, proof_of(order))
+
+
+def test_a_lid_a_little_off_locks_nothing() -> None:
+    order = kilter.plan(boxed(above=1.01))
+    assert (order.verdict, order.locked) == ("none-found", ())
+
+
+def test_each_is_locked_by_the_other() -> None:
+    """Two plates that hook into each other leave only as one; what lies above them is no part."""
+    tongue = np.zeros((4, 4, 1), dtype=bool)
+    tongue[:2], tongue[2, 1] = True, True
+    grid = np.arange(5.0)
+    walls = [
+        block("west", [-1, 0, 0], [0, 4, 1]), block("east", [4, 0, 0], [5, 4, 1]),
+        block("back", [-1, -1, 0], [5, 0, 1]),
+        block("ledge-w", [-1, 0, 1], [1, 4, 2]), block("ledge-e", [3, 0, 1], [5, 4, 2]),
+    ]  # fmt: skip
+    parts = [
+        floor([-3, -3], [7, 7]),
+        *(Part(p.name, p.shape, p.pose, grounded=True) for p in walls),
+        Part("A", cells(grid, grid, [0, 1], tongue)),
+        Part("B", cells(grid, grid, [0, 1], ~tongue)),
+        block("loose", [-1, 1, 2], [0, 2, 3]),
+    ]
+    order = kilter.plan(Assembly(parts))
+    assert [one.part for one in order.locked] == [6, 7]
+    proof = proof_of(order)
+    assert not reasons(order, proof)
+    assert "none can move before another" in order.to_dict()["sentence"]
+    assert kilter.plan(Assembly(parts), together=True).found
+    del proof["proofs"][0]
+    assert "'B' is not locked by the others" in reasons(order, proof)
+
+
+@pytest.mark.parametrize("change", ["zero", "fewer", "other"])
+def test_other_multipliers_are_refused(change: str) -> None:
+    order = kilter.plan(boxed())
+    proof = proof_of(order)
+    [entry] = proof["proofs"]
+    values = entry["multipliers"]
+    entry["multipliers"] = {
+        "zero": [0.0 if k < 4 else one for k, one in enumerate(values)],
+        "fewer": values[:-1],
+        "other": [2.0 * values[0], *values[1:]],
+    }[change]
+    assert "its multipliers do not prove it" in reasons(order, proof)
+
+
+def test_locked_wherever_it_is() -> None:
+    moved = turned_parts(list(boxed()), quaternion_to_matrix([0.8, 0.36, -0.48, 0.0]))
+    assert kilter.plan(Assembly(moved)).verdict == "impossible"
+
+
+def test_multipliers_exist_where_no_motion_opens() -> None:
+    """Against linear programs that seek a motion, on random rows."""
+    random = np.random.default_rng(7)
+    seen = set()
+    for _ in range(60):
+        rows = random.normal(size=(int(random.integers(7, 20)), 6))
+        sides = np.zeros(len(rows))
+        found = linprog(-rows.sum(axis=0), A_ub=-rows, b_ub=sides, bounds=[(-1, 1)] * 6)
+        moves = found.fun < -1e-9
+        seen.add(moves)
+        multipliers = multipliers_of(rows)
+        assert (multipliers is None) == moves
+        if multipliers is not None:
+            assert shuts(rows, multipliers)
+            other = multipliers.copy()
+            other[0] *= 2
+            assert not shuts(rows, other)
+    assert seen == {True, False}
+
+
+def test_a_flat_cone_of_normals_locks_within_its_angle() -> None:
+    """Rows that let y slip out but for a lean: they lock while the lean shows, in closed form."""
+    axes = np.vstack([np.eye(6)[1:], -np.eye(6)[1:]])
+    for lean, locks in ((1e-1, True), (1e-3, True), (1e-5, False), (0.0, False)):
+        pair = np.array([[lean, 1, 0, 0, 0, 0], [-lean, 1, 0, 0, 0, 0]])
+        assert (multipliers_of(np.vstack([axes, pair, -pair])) is not None) == locks
+
+
+def test_nothing_is_locked_where_there_is_an_order() -> None:
+    for name in ("tower", "pit-wedges", "paper-figure-9", "diamond"):
+        made = states(scene(name))
+        assert not find_locked(made, Removal(made.contacts))
+
+
+def test_rows_open_as_a_part_moves_away() -> None:
+    made = states(boxed())
+    program = made.of().program
+    part = len(made.assembly) - 1
+    rows = opening(program, part, np.ones(len(program.part_a), dtype=bool))
+    away = program.normal * np.where(program.part_b == part, 1, -1)[:, None]
+    assert np.allclose(rows[:, :3], away)
