@@ -10,7 +10,7 @@ import numpy as np
 from kilter.arrays import Array, Index, Mask, read_only, starts
 from kilter.assembly.assembly_tolerances import FLAT_PART, INSIDE_OUT, LARGEST
 from kilter.assembly.masses import box_sizes, part_masses, part_moments
-from kilter.assembly.mesh_surface import MeshSurface, mesh_surface
+from kilter.assembly.mesh_surface import MeshSurface, mesh_surfaces
 from kilter.assembly.part import Part
 from kilter.assembly.polyhedra import closed_moments
 from kilter.assembly.surfaces import Surfaces, join_surfaces, surfaces_of
@@ -133,11 +133,7 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
     """
     boxes = np.array([isinstance(part.shape, Box) for part in parts])
     warnings: list[str] = []
-    meshes = {
-        k: mesh_surface(part, part.shape, warnings)
-        for k, part in enumerate(parts)
-        if isinstance(part.shape, Mesh)
-    }
+    meshes = mesh_surfaces(parts, warnings)
     local = _local_surfaces(parts, boxes, meshes)
     vertices, vertex_start, triangles, triangle_start = local
 

@@ -11,6 +11,7 @@ together is joined to one point. What the missing faces look like stays unknown.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,8 +22,9 @@ from kilter.assembly.part import Part
 from kilter.errors import InputError
 from kilter.shape.closed import open_edges, turned_alike, welded, wound_both_ways
 from kilter.shape.primitives import Mesh
+from kilter.shape.sound import welded_if_sound
 
-__all__ = ["MeshSurface", "closed_in_thought", "mesh_surface"]
+__all__ = ["MeshSurface", "closed_in_thought", "mesh_surface", "mesh_surfaces"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,6 +48,29 @@ class MeshSurface:
     caps: Array
     holes: tuple[tuple[Array, Array], ...] = ()
     small: bool = True
+
+
+def mesh_surfaces(parts: Sequence[Part], warnings: list[str]) -> dict[int, MeshSurface]:
+    """`MeshSurface` of each part that is a mesh, by the place of the part.
+
+    A mesh that several parts share is looked at once.
+
+    Raises
+    ------
+    InputError
+        If one has no faces, or is open where that is not enough.
+    """
+    shapes = {k: part.shape for k, part in enumerate(parts) if isinstance(part.shape, Mesh)}
+    distinct = {id(mesh): mesh for mesh in shapes.values() if len(mesh.triangles)}
+    corners = [(mesh.vertices, mesh.triangles) for mesh in distinct.values()]
+    sound = dict(zip(distinct, welded_if_sound(corners), strict=True))
+    none = np.empty((0, 3, 3))
+    return {
+        k: MeshSurface(*ready, none)
+        if (ready := sound.get(id(mesh))) is not None
+        else mesh_surface(parts[k], mesh, warnings)
+        for k, mesh in shapes.items()
+    }
 
 
 def mesh_surface(part: Part, mesh: Mesh, warnings: list[str]) -> MeshSurface:

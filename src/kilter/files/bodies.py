@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, connected
+from kilter.arrays import Array, Index, Mask, connected, cross, distinct_rows, unit_rows
 from kilter.files.file_tolerances import SAME_ANGLE
 from kilter.shape.closed import contains
 from kilter.shape.primitives import Mesh
@@ -29,8 +29,8 @@ def split_bodies(mesh: Mesh) -> list[Mesh]:
     >>> [len(body.triangles) for body in split_bodies(stacked)]
     [12, 12]
     """
-    places, inverse = np.unique(mesh.vertices + 0.0, axis=0, return_inverse=True)
-    faces: Index = inverse.reshape(-1)[mesh.triangles].astype(np.int64)
+    places, inverse = distinct_rows(mesh.vertices + 0.0)
+    faces: Index = inverse[mesh.triangles]
     proper = (faces != np.roll(faces, 1, axis=1)).all(axis=1)
     if not proper.any():
         return [mesh]
@@ -42,8 +42,15 @@ def split_bodies(mesh: Mesh) -> list[Mesh]:
         if label.max() == 0:
             return [mesh]
         label = _with_holes(places, faces, label)
-    _, first = np.unique(label, return_index=True)
-    return [_piece(mesh, mesh.triangles[label == label[k]]) for k in np.sort(first)]
+    _, rows = _by_label(label)
+    return [_piece(mesh, mesh.triangles[own]) for own in sorted(rows, key=lambda own: int(own[0]))]
+
+
+def _by_label(label: Index) -> tuple[Index, list[Index]]:
+    """The labels that there are, in order, and the rows of each."""
+    order = np.argsort(label, kind="stable")
+    first = np.flatnonzero(np.diff(label[order], prepend=-1))
+    return label[order[first]], np.split(order, first[1:])
 
 
 def _piece(mesh: Mesh, triangles: Index) -> Mesh:
@@ -64,11 +71,13 @@ def _labels(places: Array, faces: Index) -> Index:
     rank = np.arange(len(order)) - np.repeat(first, count)
     chained = np.flatnonzero((rank > 0) & np.repeat(simple, count))
     pairs = [np.column_stack([face[order[chained]], face[order[chained - 1]]])]
-    for start, size in zip(first[~simple], count[~simple], strict=True):
-        rows = order[start : start + size]
-        edge = (places[low[rows[0]]], places[high[rows[0]]])
-        opposite = places[_third(faces[face[rows]], low[rows[0]], high[rows[0]])]
-        pairs.append(face[rows][_around(edge, opposite, sign * turn[rows])])
+    for size in np.unique(count[~simple]):  # those of as many faces in one go
+        rows = order[first[~simple & (count == size)][:, None] + np.arange(size)]
+        ends = low[rows[:, :1]], high[rows[:, :1]]
+        opposite = places[_third(faces[face[rows]], *ends)]
+        edge = places[ends[0][:, 0]], places[ends[1][:, 0]]
+        group, one, other = _around(edge, opposite, sign * turn[rows])
+        pairs.append(np.column_stack([face[rows[group, one]], face[rows[group, other]]]))
     label = connected(len(faces), *np.concatenate(pairs).T)
     loose = np.unique(face[order[np.repeat(~balanced, count)]])
     if len(loose):
@@ -87,39 +96,67 @@ def _edges(faces: Index) -> tuple[Index, Index, Index, tuple[Index, Index]]:
     return face, low * (int(faces.max()) + 1) + high, turn, (low, high)
 
 
-def _third(faces: Index, low: int, high: int) -> Index:
-    """The corner of each face that is not on the edge (its first one, of a face of no area)."""
-    off = (faces != low) & (faces != high)
-    third: Index = faces[np.arange(len(faces)), off.argmax(axis=1)]
+def _third(faces: Index, low: Index, high: Index) -> Index:
+    """The corner of each face that is not on the edge (its first one, of a face of no area).
+
+    Faces of shape (n, s, 3) about n edges, whose ends have shape (n, 1).
+    """
+    off = (faces != low[:, :, None]) & (faces != high[:, :, None])
+    third: Index = np.take_along_axis(faces, off.argmax(axis=2)[:, :, None], axis=2)[:, :, 0]
     return third
 
 
-def _around(edge: tuple[Array, Array], opposite: Array, turn: Index) -> Index:
-    """Pairs (opening face, closing face) with material between, going around an edge.
+def _around(edge: tuple[Array, Array], opposite: Array, turn: Index) -> tuple[Index, Index, Index]:
+    """Pairs of an opening and a closing face with material between, going around edges.
 
     A face that runs along the edge has its outside at larger angles: it closes material;
     one that runs against it opens. Of faces that lie on each other the closing come first.
+
+    Parameters
+    ----------
+    edge : (ndarray, ndarray), shape (n, 3)
+        Ends.
+    opposite : ndarray, shape (n, s, 3)
+        The other corner of each of the s faces at an edge.
+    turn : ndarray of int, shape (n, s)
+        1 of a face that runs along the edge, -1 of one against it.
+
+    Returns
+    -------
+    edge, opening, closing : ndarray of int, shape (m,)
+        Places among the n edges and the s faces of each.
     """
     axis = edge[1] - edge[0]
-    arm = opposite - edge[0]
-    arm = arm - np.outer(arm @ axis, axis) / (axis @ axis)
-    u = arm[0] / (np.linalg.norm(arm[0]) or 1.0)
-    v = np.cross(axis, u) / np.linalg.norm(axis)
-    angle = np.mod(np.arctan2(arm @ v, arm @ u) + SAME_ANGLE, 2 * np.pi)
-    by_angle = np.argsort(angle, kind="stable")
-    step = np.diff(angle[by_angle]) > SAME_ANGLE
-    cluster = np.empty(len(angle), dtype=np.int64)
-    cluster[by_angle] = np.concatenate([[0], np.cumsum(step)])
-    order = np.lexsort((-turn, cluster)).tolist()
-    pairs, waiting = [], []
-    for k in [*order, *order]:  # twice around: material may lie across the start
-        if turn[k] < 0:
-            waiting.append(k)
-        elif waiting:
-            pairs.append((waiting.pop(), k))
-        if len(pairs) == len(order):
-            break
-    return np.array(pairs, dtype=np.int64).reshape(-1, 2)
+    arm = opposite - edge[0][:, None]
+    along = np.einsum("nsi,ni->ns", arm, axis) / np.einsum("ni,ni->n", axis, axis)[:, None]
+    arm = arm - along[:, :, None] * axis[:, None]
+    u = unit_rows(arm[:, 0])
+    v = unit_rows(cross(axis, u))
+    angle = np.arctan2(np.einsum("nsi,ni->ns", arm, v), np.einsum("nsi,ni->ns", arm, u))
+    angle = np.mod(angle + SAME_ANGLE, 2 * np.pi)
+    by_angle = np.argsort(angle, axis=1, kind="stable")
+    step = np.diff(np.take_along_axis(angle, by_angle, axis=1), axis=1) > SAME_ANGLE
+    cluster = np.zeros(angle.shape, dtype=np.int64)
+    np.put_along_axis(cluster, by_angle[:, 1:], np.cumsum(step, axis=1), axis=1)
+    return _bracketed(np.argsort(4 * cluster - turn, axis=1, kind="stable"), turn)
+
+
+def _bracketed(order: Index, turn: Index) -> tuple[Index, Index, Index]:
+    """Each closing face with the last opening one that still waits, for n edges in step."""
+    every, size = np.arange(len(order)), order.shape[1]
+    waiting, height = np.empty((len(order), 2 * size), dtype=np.int64), np.zeros_like(every)
+    found = np.zeros_like(every)
+    pairs = []
+    for k in (*order.T, *order.T):  # twice around: material may lie across the start
+        opens = turn[every, k] < 0
+        closes = np.flatnonzero(~opens & (height > 0) & (found < size))
+        height[closes] -= 1
+        found[closes] += 1
+        pairs.append((closes, waiting[closes, height[closes]], k[closes]))
+        waiting[opens, height[opens]] = k[opens]
+        height[opens] += 1
+    edge, one, other = (np.concatenate([pair[k] for pair in pairs]) for k in range(3))
+    return edge, one, other
 
 
 def _joined_at_corners(faces: Index, label: Index, chosen: Mask) -> Index:
@@ -134,21 +171,25 @@ def _joined_at_corners(faces: Index, label: Index, chosen: Mask) -> Index:
 
 def _with_holes(places: Array, faces: Index, label: Index) -> Index:
     """Labels after each shell that is turned inwards is given to the body around it."""
-    names = np.unique(label)
-    shells = {int(k): faces[label == k] for k in names}
-    volume = {k: _volume(places, shell) for k, shell in shells.items()}
-    sign = 1 if sum(volume.values()) >= 0 else -1
+    names, rows = _by_label(label)
+    volume = np.array([_volume(places, faces[own]) for own in rows])
+    sign = 1 if volume.sum() >= 0 else -1
+    inwards = np.flatnonzero(sign * volume < 0)
+    if not len(inwards):
+        return label
+    bodies = np.flatnonzero(sign * volume > 0)
+    bodies = bodies[np.argsort(np.abs(volume[bodies]), kind="stable")]
+    corners = [places[faces[rows[k]]].reshape(-1, 3) for k in bodies]
+    low, high = (np.array([side(own, axis=0) for own in corners]) for side in (np.min, np.max))
     label = label.copy()
-    bodies = sorted((k for k in shells if sign * volume[k] > 0), key=lambda k: abs(volume[k]))
-    for k, shell in shells.items():
-        if sign * volume[k] >= 0:
-            continue
-        point = places[shell[0, 0]]
-        around = (b for b in bodies if contains(places, shells[b], point))
-        label[label == k] = next(around, k)
+    for k in inwards:
+        point = places[faces[rows[k][0], 0]]
+        near = bodies[((low <= point) & (point <= high)).all(axis=1)]
+        around = (names[b] for b in near if contains(places, faces[rows[b]], point))
+        label[rows[k]] = next(around, names[k])
     return label
 
 
 def _volume(places: Array, faces: Index) -> float:
     p, q, r = (places[faces[:, k]] - places[faces[0, 0]] for k in range(3))
-    return float(np.einsum("ij,ij->", p, np.cross(q, r)) / 6)
+    return float(np.einsum("ij,ij->", p, cross(q, r)) / 6)

@@ -11,10 +11,18 @@ from itertools import pairwise
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, connected, distinct_rows
+from kilter.arrays import Array, Index, Mask, connected, cross, distinct_rows
 from kilter.shape.shape_tolerances import EDGE_END, NO_AREA, WELD
 
-__all__ = ["contains", "open_edges", "shared_edges", "turned_alike", "welded", "wound_both_ways"]
+__all__ = [
+    "contains",
+    "flat_faces",
+    "open_edges",
+    "shared_edges",
+    "turned_alike",
+    "welded",
+    "wound_both_ways",
+]
 
 
 def welded(
@@ -123,7 +131,7 @@ def contains(vertices: Array, triangles: Index, point: Array) -> bool:
     """The point is inside the closed shell: its solid angle is not zero."""
     p, q, r = (vertices[triangles[:, k]] - point for k in range(3))
     a, b, c = (np.linalg.norm(x, axis=1) for x in (p, q, r))
-    top = np.einsum("ij,ij->i", p, np.cross(q, r))
+    top = np.einsum("ij,ij->i", p, cross(q, r))
     low = a * b * c + (p * q).sum(1) * c + (q * r).sum(1) * a + (r * p).sum(1) * b
     return bool(abs(np.arctan2(top, low).sum()) > np.pi)
 
@@ -154,7 +162,7 @@ def _two_sided(triangles: Index) -> Index | None:
 
 def _signed_volume(vertices: Array, triangles: Index) -> float:
     p, q, r = (vertices[triangles[:, k]] - vertices[triangles[0, 0]] for k in range(3))
-    return float(np.einsum("ij,ij->", p, np.cross(q, r)) / 6)
+    return float(np.einsum("ij,ij->", p, cross(q, r)) / 6)
 
 
 def _edges(triangles: Index) -> Index:
@@ -200,13 +208,25 @@ def _merged_close(vertices: Array, distance: float) -> Index:
     return first[label]
 
 
-def _no_area(vertices: Array, triangles: Index) -> Mask:
+def _of_one_place(triangles: Index) -> Mask:
+    """Triangles of which two corners are one."""
     a, b, c = triangles.T
-    same = (a == b) | (b == c) | (c == a)
-    p, q, r = (vertices[k] for k in (a, b, c))
-    twice = np.linalg.norm(np.cross(q - p, r - p), axis=1)
+    same: Mask = (a == b) | (b == c) | (c == a)
+    return same
+
+
+def flat_faces(vertices: Array, triangles: Index) -> Mask:
+    """Triangles whose corners lie on one line, within rounding, or in one place."""
+    p, q, r = (vertices[corner] for corner in triangles.T)
+    twice = np.linalg.norm(cross(q - p, r - p), axis=1)
     longest = np.maximum.reduce([((u - v) ** 2).sum(axis=1) for u, v in ((p, q), (q, r), (r, p))])
-    flat: Mask = same | (twice <= NO_AREA * longest)
+    flat: Mask = _of_one_place(triangles) | (twice <= NO_AREA * longest)
+    return flat
+
+
+def _no_area(vertices: Array, triangles: Index) -> Mask:
+    flat = flat_faces(vertices, triangles)
+    same = _of_one_place(triangles)
     # a sliver that is all that closes an edge stays: dropping it would open the surface
     if flat.any() and not same[flat].all():
         thin = flat & ~same

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, across
+from kilter.arrays import Array, Index, Mask, across, cross
 from kilter.errors import InputError
 from kilter.rigid import in_brackets
 from kilter.shape.shape_tolerances import CUT_AREA, POLYGON_AREA, WHOLE_TURN
@@ -314,10 +314,11 @@ def _cut_alike(vertices: Array, faces: Index, number: Index) -> list[Index]:
 
 def _convex_in_space(polygons: Array) -> Mask:
     """Which polygons, shape (m, n, 3), are convex about their mean normal."""
-    step = np.roll(polygons, -1, axis=1) - polygons
-    turn = np.cross(step, np.roll(step, -1, axis=1))
+    following = np.arange(1, polygons.shape[1] + 1) % polygons.shape[1]
+    step = polygons[:, following] - polygons
+    turn = cross(step, step[:, following])
     local = polygons - polygons[:, :1]
-    normal = np.cross(local, np.roll(local, -1, axis=1)).sum(axis=1)
+    normal = cross(local, local[:, following]).sum(axis=1)
     along = np.einsum("mnk,mk->mn", turn, normal)
     # three or four corners that never turn back are convex; more could wind twice
     convex: Mask = (along > 0).all(axis=1)
