@@ -13,7 +13,8 @@ Then `undecided`, with the two figures. With friction an order of its own:
 1. planar: the cone has two rays, so the program is linear and is judged as one;
 2. large: an inner pyramid, linear, whose forces are forces of equilibrium;
 3. the load factor in exact cones, by interior point;
-4. pyramids of more and more sides, some where friction points in the solutions before; the
+4. the least cohesion, which decides nearer to the limit;
+5. pyramids of more and more sides, some where friction points in the solutions before; the
    inner ones for forces, the outer ones for a motion:
    by simplex, which is exact where the set of equilibria has no inside.
 """
@@ -26,6 +27,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypedDict, Unpack
 
 import numpy as np
 
+from kilter.analysis.cohesion import find_cohesion
 from kilter.arrays import Array
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
 from kilter.mechanics.coulomb_cones import (
@@ -43,6 +45,7 @@ from kilter.mechanics.forms import (
     load_factor,
     scaled,
 )
+from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import LinearProgram
 from kilter.work import Work
@@ -223,9 +226,12 @@ def _in_cones(program: Program, work: Work) -> Iterator[_Candidate]:
     large = int(program.free.sum()) * len(program.freedoms) > LARGE
     if large:
         yield _by_pyramid(program, SIDES[0], work)
-    candidate = _by_cones(spread(program), work)
-    yield candidate
-    fitted = _angles(program, candidate)
+    wide = spread(program)
+    fitted: list[Array] = []
+    for in_cones in (_by_cones, _by_cohesion):
+        candidate = in_cones(wide, work)
+        yield candidate
+        fitted += _angles(program, candidate)
     for sides in SIDES:
         if (sides + len(fitted)) * len(program.rough) > LARGEST_PYRAMID:
             return
@@ -290,3 +296,13 @@ def _by_cones(wide: Spread, work: Work) -> _Candidate:
         return _Candidate(word, forces, friction)
     motion = problem.motion(problem.over_weight(answer.multipliers[: len(problem.right)]))
     return _Candidate(word, motion=motion)
+
+
+def _by_cohesion(wide: Spread, work: Work) -> _Candidate:
+    """The least cohesion in exact cones: forces below 0, above it a motion, made admissible."""
+    found = find_cohesion(wide, work=work)
+    if found is None:
+        return _Candidate("least cohesion: clarabel, failed")
+    if found.value <= 0.0:
+        return _Candidate(found.word, found.forces, found.friction)
+    return _Candidate(found.word, motion=Opening(wide).mended(found.motion))

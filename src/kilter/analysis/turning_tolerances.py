@@ -35,6 +35,7 @@ __all__ = [
     "MU_AGREES",
     "MU_CLOSE",
     "MU_NOTHING",
+    "MU_SQUEEZED",
     "NEARLY",
     "NOT_HELD",
     "NO_DIRECTION",
@@ -107,6 +108,8 @@ NO_SHARE = 1e-12
 """A largest share of a load nearer to 0 than this is 0 [-]."""
 MU_NOTHING = 1e-7
 """Coefficients of friction below this count as zero: any friction holds [-]."""
+MU_SQUEEZED = (MU_NOTHING, 1e-6, 1e-5, 1e-4, 1e-3)
+"""Coefficients for which forces of a squeeze are asked to hold, in turn [-]."""
 NO_GAIN = 1e-6
 """Gains below this, in degrees or weights, are none."""
 BALANCED = 1e-8

@@ -9,6 +9,7 @@ unknowns, the same load.
     largest load       max t:  A f = b + t d,  t <= T,  f in K
     nearest load       min 1/2 |t - t0|^2:  A f = D t,  f in K
     least forces       min 1/2 |f|^2:  A f = b,  f in K          unique, inside the cones
+    least cohesion     min c:  A f = b,  |f_t| <= mu f_n + c w,  c >= -1     sign tells: held or not
 
 A pyramid replaces each cone by rays, so that the program is linear: with rays on the cone it
 is inner (its equilibrium is one), with sides that touch the cone it is outer (what moves in
@@ -26,12 +27,15 @@ from kilter.arrays import Array, Index, across, cross
 from kilter.mechanics.forms import Scaled, scaled
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import ConicProgram
+from kilter.solvers.solution import Solution
 
 __all__ = [
     "Spread",
     "angles_across",
+    "cohesion_slope",
     "gathered",
     "largest_load",
+    "least_cohesion",
     "least_forces",
     "load_factor_in_cones",
     "nearest_load",
@@ -62,7 +66,10 @@ class Spread:
 
     def decoded(self, columns: Array) -> tuple[Array, Array]:
         """Forces along the rows, shape (K,), and across them, (K, 3) [N], of scaled unknowns."""
-        values = self.problem.forces(columns)
+        return self.gathered(self.problem.forces(columns))
+
+    def gathered(self, values: Array) -> tuple[Array, Array]:
+        """The same of forces of the spread rows [N]."""
         count, rough = len(self.program.part_a), len(self.rough)
         friction = np.zeros((count, 3))
         for k in range(self.directions.shape[1]):
@@ -198,6 +205,44 @@ def least_forces(wide: Spread) -> ConicProgram:
         csc_array(eye_array(total)), np.zeros(total), matrix, bound,
         len(problem.right), positive, sizes,
     )  # fmt: skip
+
+
+def least_cohesion(wide: Spread) -> ConicProgram:
+    """The least cohesion c with which contacts balance: |f_t| <= mu f_n + c w. x = (f, c).
+
+    w is the weight of the lighter part that a contact touches. Below 0 there are forces within
+    the cones, by so much that rounding does not count; above 0 the multipliers of the first rows
+    give a motion in the dual cones. Near a limit both stay well posed where the load factor,
+    which jumps from 0 to 1 there, does not.
+    """
+    problem, rough = wide.problem, wide.rough
+    program, total = wide.program, problem.matrix.shape[1]
+    cone, positive, sizes = wide.cone_rows()
+    weight = np.append(np.where(program.free, program.weight, np.inf), np.inf)
+    lighter = np.minimum(weight[program.part_a[rough]], weight[program.part_b[rough]])
+    coheres = np.zeros(cone.shape[0])
+    coheres[_heads(positive, sizes)] = -lighter / problem.unit
+    balance = hstack([problem.matrix, csc_array((len(problem.right), 1))])
+    end = csc_array((np.array([-1.0]), ([0], [total])), shape=(1, total + 1))
+    inside = hstack([-cone, csc_array(coheres[:, None])])
+    matrix = vstack([balance, end, inside], format="csc")
+    bound = np.concatenate([problem.right, [1.0], np.zeros(cone.shape[0])])
+    cost = np.append(np.zeros(total), 1.0)
+    nothing = csc_array((total + 1, total + 1))
+    return ConicProgram(nothing, cost, matrix, bound, len(problem.right), positive + 1, sizes)
+
+
+def cohesion_slope(wide: Spread, answer: Solution) -> float:
+    """By how much the least cohesion falls where every coefficient rises, to first order."""
+    program = answer.problem
+    assert isinstance(program, ConicProgram)
+    heads = program.equal + _heads(program.positive, program.cones)
+    return float(answer.multipliers[heads] @ answer.x[wide.rough])
+
+
+def _heads(positive: int, sizes: Index) -> Index:
+    """Rows of the first entry of each cone, after `positive` rows."""
+    return positive + np.cumsum(sizes) - sizes
 
 
 def pyramid(

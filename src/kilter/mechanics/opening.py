@@ -80,6 +80,12 @@ class Opening:
         other.__dict__["m0"] = self.m0
         return other
 
+    def narrowed(self, wide: Spread) -> Opening:
+        """The same of cones within these: what opens every contact of these opens theirs."""
+        other = Opening(wide)
+        other.__dict__["m0"] = self.m0
+        return other
+
     def mended(self, motion: Array) -> Array:
         """The motion made admissible; itself where that cannot be."""
         worst = -_least_opening(self.program, motion)

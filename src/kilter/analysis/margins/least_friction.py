@@ -2,8 +2,10 @@
 
 Equilibrium with mu implies equilibrium with more, so the least one is enclosed from both sides:
 forces in the cones of `upper`, a motion in the dual cones of `lower`; forces found also say
-how much friction they use. Where the least is approached but not attained (a block squeezed
-between two walls), it tends to zero as forces grow without bound.
+how much friction they use. The least cohesion (`kilter.analysis.cohesion`) gives both, and by its
+slope where to ask next, so that a dozen conic programs do. Where the least is approached but not
+attained (a block squeezed between two walls), it is zero, with forces that grow without bound
+(`kilter.analysis.margins.squeeze`).
 """
 
 from __future__ import annotations
@@ -13,15 +15,18 @@ from typing import Any
 
 import numpy as np
 
+from kilter.analysis.cohesion import find_cohesion
 from kilter.analysis.judge import judge
 from kilter.analysis.margins.load_limit import NoLimit, starting
+from kilter.analysis.margins.squeeze import held_by_squeeze
 from kilter.analysis.turning_tolerances import (
     MU_AGREES,
     MU_CLOSE,
     MU_NOTHING,
 )
-from kilter.mechanics.certificate import ForceProof, MotionProof
+from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
 from kilter.mechanics.coulomb_cones import spread
+from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
 
@@ -33,6 +38,10 @@ TRIED = (1.0, 30.0, 1e3)
 LARGEST = TRIED[-1]
 """Coefficients above this count as none that holds."""
 STEPS = 80
+ASIDE = 0.01
+"""How far beside the limit, as it is expected, it is asked, over the way to it."""
+PATIENT = 3
+"""Steps after which what is left has to be halved, or else is."""
 UNDECIDED = 3
 """Coefficients that may be left undecided, at many times the cost of others."""
 
@@ -95,49 +104,117 @@ def find_least_friction(program: Program) -> LeastFriction | NoLimit:
     sticks = _sticks(program)
     if not sticks:
         return NoLimit("failed" if sticks is None else "none")
-    start: ForceProof | None = None
-    lower, upper, mechanism, undecided = 0.0, LARGEST, smooth.motion, False
-    for upper in TRIED:
-        judged = judge(program.with_friction(upper))
-        if judged.stable:
-            start = judged.forces
+    squeezed = held_by_squeeze(program)
+    if squeezed is not None:
+        return LeastFriction(0.0, 0.0, False, squeezed, smooth.motion, 4)
+    sides = _Sides(program, smooth.motion)
+    for mu in TRIED:
+        sides.ask(mu, surely=True)
+        if sides.forces is not None:
             break
-        undecided = undecided or judged.stable is None
-        lower = lower if undecided else upper
-    if start is None:
-        return NoLimit("failed" if undecided else "none")
-    best = start
-    upper = min(upper, _used(program.with_friction(upper), best))
-    solved = 2
-    open_from = open_to = upper  # between them it could not be decided
-    undecided_left = UNDECIDED
-    for _ in range(STEPS):
-        if upper <= MU_NOTHING:
-            return LeastFriction(0.0, 0.0, False, best, mechanism, solved)
-        open_from, open_to = min(open_from, upper), min(open_to, upper)
-        above, below = upper - open_to, open_from - lower
-        if max(above, below) <= MU_AGREES * upper:
-            break
-        middle = _between(open_to, upper) if above > below else _between(lower, open_from)
-        judged = judge(program.with_friction(middle))
-        solved += 1
-        if judged.stable and judged.forces is not None:
-            best = judged.forces
-            upper = min(middle, _used(program.with_friction(middle), best))
-        elif judged.stable is False and judged.motion is not None:
-            mechanism, lower = judged.motion, middle
-            open_from, open_to = max(open_from, lower), max(open_to, lower)
-        elif upper - lower <= MU_CLOSE * upper:
-            break
-        elif open_from == upper:  # the first
-            open_from = open_to = middle
-            undecided_left -= 1
-        elif undecided_left == 0:
-            break
+    if sides.forces is None:
+        return NoLimit("none" if sides.lower == LARGEST else "failed")
+    sides.narrow(surely=False)
+    if not sides.near(MU_CLOSE):
+        sides.narrow(surely=True)
+    return LeastFriction(sides.upper, sides.lower, True, sides.forces, sides.motion, sides.programs)
+
+
+class _Sides:
+    """A coefficient that is proved to hold and one that is proved not to, brought together.
+
+    The sign of the least cohesion decides most, and its slope says where it is 0: next to that,
+    on the side that is farther off, is asked next. Nearest to the limit neither proof may hold:
+    from the one end of `open` to the other it could not be decided.
+    """
+
+    def __init__(self, program: Program, motion: MotionProof | None) -> None:
+        self.program = program
+        self.lower, self.upper = 0.0, LARGEST
+        self.motion = motion
+        self.forces: ForceProof | None = None
+        self.programs = 4
+        self._open: tuple[float, float] | None = None
+        self._root, self._off = np.nan, np.inf
+        self._opening: Opening | None = None
+
+    def near(self, agree: float) -> bool:
+        """Whether both sides agree."""
+        return self.upper - self.lower <= agree * self.upper
+
+    def narrow(self, *, surely: bool) -> None:
+        """Ask of one coefficient after another until both sides, or both and what is open, agree.
+
+        `surely`: where the cohesion does not decide, by every other way, but only a few times.
+        """
+        self._open = None
+        widths, undecided = [np.inf] * PATIENT, 0
+        for _ in range(STEPS):
+            low, high = self._open or (self.upper, self.upper)
+            left = max(self.upper - high, low - self.lower)
+            if self.near(MU_AGREES) or left <= MU_AGREES * self.upper or undecided > UNDECIDED:
+                return
+            middle = self._next(by_root=left <= 0.5 * widths[-PATIENT])
+            widths.append(left)
+            decided = self.ask(middle, surely=surely)
+            undecided += surely and not decided
+
+    def _next(self, *, by_root: bool) -> float:
+        """The coefficient that is asked of next."""
+        least = MU_AGREES / 3 * self.upper
+        if self._open is not None:  # out of what is open, twice as far each time
+            low, high = self._open
+            wide = max(high - low, least)
+            if self.upper - high > low - self.lower:
+                return min(high + wide, _between(high, self.upper))
+            return max(low - wide, _between(self.lower, low))
+        aside = max(ASIDE * self._off, least)
+        above = self.upper - self._root > self._root - self.lower
+        aim = self._root + (aside if above else -aside)
+        if by_root and self.lower < aim < self.upper:
+            return aim
+        return _between(self.lower, self.upper)
+
+    def ask(self, mu: float, *, surely: bool) -> bool:
+        """Whether it could be decided of a coefficient, and what follows."""
+        program = self.program.with_friction(mu)
+        forces, motion = self._by_cohesion(program, mu)
+        if forces is None and motion is None and surely:
+            judged = judge(program)
+            forces = judged.forces if judged.stable else None
+            motion = judged.motion if judged.stable is False else None
+        self.programs += 1
+        if forces is not None:
+            self.upper, self.forces = min(mu, _used(program, forces)), forces
+            self.lower = min(self.lower, self.upper)  # forces of a million weights are both
+        elif motion is not None:
+            self.lower, self.motion = mu, motion
         else:
-            undecided_left -= 1
-            open_from, open_to = min(open_from, middle), max(open_to, middle)
-    return LeastFriction(upper, lower, True, best, mechanism, solved)
+            low, high = self._open or (mu, mu)
+            self._open = min(low, mu), max(high, mu)
+        if self._open is not None:
+            low, high = self._open
+            self._open = min(max(low, self.lower), self.upper), min(high, self.upper)
+        return forces is not None or motion is not None
+
+    def _by_cohesion(
+        self, program: Program, mu: float
+    ) -> tuple[ForceProof | None, MotionProof | None]:
+        """One of the two proofs, as far as the least cohesion gives it."""
+        wide = spread(program)
+        found = find_cohesion(wide)
+        if found is None:
+            return None, None
+        if abs(found.rise) < self._off:
+            self._root, self._off = mu + found.rise, abs(found.rise)
+        forces = check_forces(program, found.forces, found.friction)
+        if forces.holds or found.value <= 0.0:
+            return (forces if forces.holds else None), None
+        motion = check_motion(program, found.motion)
+        if not motion.holds:
+            self._opening = self._opening or Opening(spread(self.program.with_friction(self.upper)))
+            motion = check_motion(program, self._opening.narrowed(wide).mended(found.motion))
+        return None, (motion if motion.holds else None)
 
 
 def _between(low: float, high: float) -> float:

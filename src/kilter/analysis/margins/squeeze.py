@@ -1,0 +1,124 @@
+"""Whether any friction, however little, is enough: parts that are squeezed can be squeezed harder.
+
+    max sum u:  A_n s = 0,  s >= u,  0 <= u <= 1            what forces without a load may press
+    A f = b:    f free where u = 1, along and across it;  f_n >= 0, f_t = 0 elsewhere
+
+Contacts that press one another without a load press as hard as one likes, so that with any mu
+above 0 they hold forces of any direction. With those, further contacts may press one another,
+and so on. Where all of them and the smooth contacts carry the load, s and f make forces for
+every mu > 0: f + k s, with k of the order of 1 / mu, or of its powers.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import hstack
+
+from kilter.analysis.judge import judge
+from kilter.analysis.turning_tolerances import MU_SQUEEZED
+from kilter.arrays import Array, Mask
+from kilter.mechanics.certificate import ForceProof, check_forces
+from kilter.mechanics.coulomb_cones import Spread, spread
+from kilter.mechanics.forms import scaled
+from kilter.mechanics.program import Program
+from kilter.solvers.problem import LinearProgram
+
+__all__ = ["held_by_squeeze", "squeeze"]
+
+
+def squeeze(program: Program) -> Array:
+    """Forces along the rows that balance without a load and press all that can be, (K,) [N].
+
+    Each is at least the geometric mean of the weights, or 0: without friction.
+
+    Examples
+    --------
+    >>> from kilter.scenes import friction, stacks
+    >>> from kilter.contact import contacts
+    >>> from kilter.mechanics.program import build_program
+    >>> def pressed(assembly):
+    ...     return int((squeeze(build_program(assembly, contacts(assembly))) > 0).sum())
+    >>> pressed(friction.h_block()), pressed(stacks.tower(2))
+    (8, 0)
+    """
+    from kilter.solvers.highs import find_optimum
+
+    problem = scaled(program)
+    count, free = len(program.part_a), program.two_sided
+    matrix = hstack([problem.matrix, problem.matrix], format="csc")
+    zero, none = np.zeros(len(problem.right)), np.zeros(count)
+    pressed = np.where(free, 0.0, 1.0)
+    answer = find_optimum(
+        LinearProgram(
+            np.concatenate([-pressed, none]),
+            matrix,
+            zero,
+            zero,
+            np.concatenate([none, np.where(free, -np.inf, 0.0)]),
+            np.concatenate([pressed, np.full(count, np.inf)]),
+        )
+    )
+    if not answer.optimal:
+        return none
+    first, more = answer.x[:count], answer.x[count:]
+    return problem.forces(np.where((first > 0.5) | free, first + more, 0.0))
+
+
+def held_by_squeeze(program: Program) -> ForceProof | None:
+    """Forces for hardly any friction, where any friction is enough; None where that is not shown.
+
+    Parameters
+    ----------
+    program : Program
+        Whatever its friction: contacts whose normals are in doubt hold nothing.
+    """
+    smooth = program.frictionless
+    wide, stuck = _sticking(smooth, np.zeros(len(smooth.part_a), dtype=bool))
+    levels: list[_Level] = []
+    while True:
+        press = squeeze(stuck)
+        pressed = (press > 0) & ~stuck.two_sided & ~stuck.angular
+        if not pressed.any():
+            break
+        rows = pressed[: len(smooth.part_a)]
+        levels.append(_Level(rows, *wide.gathered(press)))
+        wide, stuck = _sticking(smooth, np.any([one.rows for one in levels], axis=0))
+    judged = judge(stuck) if levels else None
+    if judged is None or not judged.stable or judged.forces is None:
+        return None
+    carried = wide.gathered(judged.forces.forces)
+    for mu in MU_SQUEEZED:
+        along, aside = carried
+        for level in reversed(levels):
+            harder = level.needed(mu, along, aside)
+            along, aside = along + harder * level.along, aside + harder * level.aside
+        proof = check_forces(smooth.with_friction(mu), along, aside)
+        if proof.holds:
+            return proof
+    return None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Level:
+    """Forces without a load, along rows and across them, and the rows that they press anew."""
+
+    rows: Mask
+    along: Array
+    aside: Array
+
+    def needed(self, mu: float, along: Array, aside: Array) -> float:
+        """How hard it has to press for these forces to be within the cones of its rows."""
+        rubs = np.linalg.norm(aside[self.rows], axis=1)
+        missing = (rubs / mu - along[self.rows]) / self.along[self.rows]
+        return float(missing.max(initial=0.0))
+
+
+def _sticking(smooth: Program, rows: Mask) -> tuple[Spread, Program]:
+    """The program with forces of any size along and across some contacts."""
+    wide = spread(smooth.with_rows(mu=np.where(rows, 1.0, 0.0)))
+    spread_rows = wide.problem.program
+    count = len(smooth.part_a)
+    free = np.concatenate([rows, np.ones(len(spread_rows.part_a) - count, dtype=bool)])
+    return wide, spread_rows.with_rows(two_sided=spread_rows.two_sided | free)

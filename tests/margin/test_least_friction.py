@@ -1,0 +1,77 @@
+"""The least friction: closed forms, few programs, proofs of both sides, what a squeeze holds."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from margins import program_of
+
+from kilter.analysis.cohesion import find_cohesion
+from kilter.analysis.judge import judge
+from kilter.analysis.margins.least_friction import find_least_friction
+from kilter.analysis.margins.squeeze import held_by_squeeze, squeeze
+from kilter.mechanics.certificate import check_forces, check_motion
+from kilter.mechanics.coulomb_cones import spread
+from kilter.scenes import friction, scene, stacks
+
+FEW = 40
+"""Programs that are enough; bisection of undecided ones took minutes for each of some."""
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["tilted-wall", "wall-with-opening", "wall-on-short-base", "inverted-triangle", "arch"],
+)
+def test_few_programs_close_in_on_it_and_both_sides_are_proved(name):
+    program = program_of(scene(name))
+    found = find_least_friction(program)
+    assert found.programs <= FEW
+    assert found.lower < found.value <= found.lower * (1 + 1e-6)
+    held, beyond = (
+        program.with_friction(found.value * (1 + 1e-8)),
+        program.with_friction(found.lower),
+    )
+    assert check_forces(held, found.forces.forces, found.forces.friction).holds
+    assert check_motion(beyond, found.mechanism.motion).holds
+
+
+def test_a_wall_over_an_opening_needs_a_fifth():
+    """Its closed form, and the verdict a millionth beside it."""
+    opening = scene("wall-with-opening")
+    assert find_least_friction(program_of(opening)).value == pytest.approx(0.2, rel=1e-7)
+    for share, holds in ((1 + 1e-6, True), (1 - 1e-6, False)):
+        program = program_of(opening).with_friction(0.2 * share)
+        cohesion = find_cohesion(spread(program))
+        assert (cohesion.value < 0) is holds
+        assert check_forces(program, cohesion.forces, cohesion.friction).holds is holds
+
+
+@pytest.mark.parametrize("degrees", [5.0, 20.0, 40.0])
+def test_the_cohesion_of_a_block_on_a_slope(degrees):
+    """Its four contacts share what its weight needs along the slope beyond mu of that across."""
+    angle, mu = np.radians(degrees), 0.3
+    found = find_cohesion(spread(program_of(stacks.block_on_slope(degrees, friction=mu))))
+    needed = (np.sin(angle) - mu * np.cos(angle)) / 4
+    assert found.value == pytest.approx(needed, abs=1e-8)
+    assert found.slope == pytest.approx(np.cos(angle) / 4, abs=1e-6)
+    assert mu + found.rise == pytest.approx(np.tan(angle), abs=1e-7)
+
+
+def test_any_friction_holds_what_is_squeezed_however_indirectly():
+    """The plate that presses the books slides in guides: they jam it first, then it presses."""
+    books = program_of(friction.books())
+    pressed = squeeze(books.frictionless) > 0
+    guides = {"guide-below", "guide-above", "guide-front", "guide-back"}
+    for row in np.flatnonzero(pressed):
+        assert books.names[books.part_a[row]] in guides or books.names[books.part_b[row]] in guides
+    found = find_least_friction(books)
+    assert (found.value, found.attained) == (0.0, False)
+    assert found.forces.holds
+    assert all(judge(books.with_friction(mu)).stable for mu in (1e-3, 1e-2, 0.1))
+
+
+def test_no_squeeze_holds_what_gravity_takes_out_of_it():
+    """A block between plates that lean by an angle slips out below its tangent."""
+    leaning = program_of(friction.a_block(10.0))
+    assert held_by_squeeze(leaning) is None
+    assert find_least_friction(leaning).value == pytest.approx(np.tan(np.radians(10.0)), abs=1e-6)
