@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from kilter.analysis.many.verdicts import Verdicts as Verdicts
     from kilter.analysis.margins.margin import Margin as Margin
     from kilter.analysis.margins.margin import margin as margin
+    from kilter.analysis.planning.fixture import Fixture as Fixture
+    from kilter.analysis.planning.hold import hold as hold
     from kilter.analysis.planning.order import Order as Order
     from kilter.analysis.planning.plan import plan as plan
     from kilter.analysis.planning.plan_step import Step as Step
@@ -46,6 +48,7 @@ if TYPE_CHECKING:
     from kilter.contact.detect import contacts as contacts
     from kilter.contact.fits.fastening import fastened as fastened
     from kilter.contact.gaps import Tolerance as Tolerance
+    from kilter.contact.supports import Support as Support
     from kilter.errors import InputError as InputError
     from kilter.errors import KilterError as KilterError
     from kilter.errors import SolverError as SolverError
@@ -73,6 +76,7 @@ _HOMES = {
     "draw": "kilter.publish",
     "dump": "kilter.files.writing",
     "example": "kilter.scenes",
+    "hold": "kilter.analysis.planning.hold",
     "load": "kilter.files.reading",
     "margin": "kilter.analysis.margins.margin",
     "orient": "kilter.analysis.turning.orientation",
@@ -100,10 +104,12 @@ _HOMES = {
     "Pose": "kilter.rigid",
     "Prism": "kilter.shape.primitives",
     "Sphere": "kilter.shape.primitives",
+    "Support": "kilter.contact.supports",
     "Tolerance": "kilter.contact.gaps",
     # what they answer
     "ContactSet": "kilter.contact.contact_set",
     "Example": "kilter.scenes.registry",
+    "Fixture": "kilter.analysis.planning.fixture",
     "Margin": "kilter.analysis.margins.margin",
     "Order": "kilter.analysis.planning.order",
     "Orientation": "kilter.analysis.turning.orientation",

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from kilter.analysis.planning.hold_check import wrong_hold
 from kilter.analysis.planning.order_check import wrong_order
 from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance, contacts
@@ -105,8 +106,8 @@ def verify(
         A file is read as it was for the proof: parts held, left out, direction of gravity.
         An assembly is taken as it is.
     proof : dict or path
-        What `Verdict.proof`, `Region.proof`, `Margin.proof` or `Order.proof` returned, or the
-        file that ``--proof`` of their commands wrote.
+        What `Verdict.proof`, `Region.proof`, `Margin.proof`, `Order.proof` or
+        `Fixture.proof` returned, or the file that ``--proof`` of their commands wrote.
     progress : callable, optional
         Called with a word at each stage.
 
@@ -172,7 +173,7 @@ def proof_tolerance(proof: dict[str, Any]) -> Tolerance:
 
 
 def verify_bundle(assembly: Assembly, contacts: ContactSet, bundle: dict[str, Any]) -> Verification:
-    """Recompute every proof of a region, a margin or a plan.
+    """Recompute every proof of a region, a margin, a plan or a fixture.
 
     Raises
     ------
@@ -195,8 +196,9 @@ def verify_bundle(assembly: Assembly, contacts: ContactSet, bundle: dict[str, An
         residual += [] if found.residual is None else [found.residual]
         power += [] if found.power is None else [found.power]
         verdicts.append(proof["verdict"])
-    if bundle.get("kind") == "plan":
-        reasons += wrong_order(assembly, contacts, bundle, verdicts)
+    judges = {"plan": wrong_order, "hold": wrong_hold}
+    if bundle.get("kind") in judges:
+        reasons += judges[bundle["kind"]](assembly, contacts, bundle, verdicts)
     return Verification(
         not reasons,
         str(bundle.get("kind")),

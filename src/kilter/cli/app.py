@@ -7,13 +7,15 @@ from typing import Annotated, Any
 import typer
 
 from kilter.cli.directions import margin, orient, region
+from kilter.cli.holding import hold
 from kilter.cli.judging import check, contacts, example, verify
 from kilter.cli.pages import draw, report, view
 from kilter.cli.planning import plan
 
 __all__ = ["command"]
 
-COMMANDS = (check, orient, region, margin, plan, report, view, draw, contacts, verify, example)
+JUDGING = (check, orient, region, margin, plan, hold)
+COMMANDS = (*JUDGING, report, view, draw, contacts, verify, example)
 
 app = typer.Typer(
     name="kilter",

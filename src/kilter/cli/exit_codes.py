@@ -4,6 +4,7 @@ from __future__ import annotations
 
 __all__ = [
     "FAULT",
+    "HOLD",
     "HOLDS",
     "INTERRUPTED",
     "LOWER",
@@ -26,6 +27,7 @@ PLAN = {"impossible": 1, "none-found": 4}
 """Of `plan` where there is no order."""
 VERIFY = {True: 0, False: 1}
 """Of whether a proof holds."""
+HOLD = {"held": 0, "impossible": 1, "undecided": 4}
 USAGE = 2
 """Wrong usage or input."""
 FAULT = 70

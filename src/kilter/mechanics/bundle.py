@@ -6,9 +6,10 @@ each of `proofs` has the rest, and before it
     about, value     what it is about: a ray, a facet; a tilt, and the angle at which it is proved
     vector           the ray, line or normal
     change           what of the file is another: `down`, `mu` of every contact, `loads`; parts
-                     that it is `without`, parts `held`
+                     that it is `without`, parts `held`, `supports` from outside
 
-A plan has besides the `rules` that its order keeps to. `digest` is the hash of all of it.
+A plan has besides the `rules` that its order keeps to, a fixture the candidates.
+`digest` is the hash of all of it.
 
 A ray is proved along itself, and the motion of a facet gains power beyond exactly that facet:
 the sum of mass times step is its outward normal. Both are checked beside each proof.
@@ -25,6 +26,7 @@ import numpy as np
 from kilter.assembly import Assembly, Load
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.sub_contacts import contacts_among
+from kilter.contact.supports import Support, with_supports
 from kilter.errors import InputError
 from kilter.mechanics.mechanics_tolerances import FOLLOWS
 from kilter.mechanics.proof import digest_of
@@ -116,6 +118,9 @@ def changed(assembly: Assembly, contacts: ContactSet, change: Any) -> tuple[Asse
         if change.get("held"):
             assembly = assembly.with_grounded(change["held"])
         contacts = contacts_among(contacts, assembly)
+    if change.get("supports") is not None:
+        supports = [Support.from_dict(one) for one in change["supports"]]
+        return with_supports(assembly, contacts, supports)
     return assembly, contacts
 
 

@@ -12,6 +12,7 @@ from typing import Any
 
 from kilter.errors import some
 from kilter.tell.check_facts import check_facts
+from kilter.tell.hold_words import hold_facts
 from kilter.tell.margin_facts import margin_facts
 from kilter.tell.numbers import number, plain, vector
 from kilter.tell.plan_words import order_facts
@@ -30,6 +31,7 @@ __all__ = ["facts", "kind_of"]
 
 TELLING = {
     "held_steps": "plan",
+    "candidates": "hold",
     "kilter": "assembly",
     "rotation": "orient",
     "facets": "region",
@@ -42,7 +44,7 @@ TELLING = {
 
 
 def kind_of(answer: Answer) -> str:
-    """Which answer it is: check, contacts, orient, region, margin, plan, verify or assembly.
+    """Which answer it is, as the commands are called; or an assembly.
 
     Raises
     ------
@@ -127,6 +129,7 @@ _TELLERS: dict[str, Callable[[Answer], list[Fact]]] = {
     "assembly": _assembly,
     "check": check_facts,
     "contacts": _contacts,
+    "hold": hold_facts,
     "margin": margin_facts,
     "orient": orient_facts,
     "plan": order_facts,

@@ -9,6 +9,7 @@ from typing import Any
 
 from kilter.tell.contact_words import gap_words
 from kilter.tell.facts import kind_of
+from kilter.tell.hold_words import support_cells
 from kilter.tell.numbers import count, counts, force, number, percent, vector
 from kilter.tell.open_words import settling_options
 from kilter.tell.plan_words import step_cells
@@ -133,6 +134,8 @@ def tables(answer: Answer) -> list[Table]:
         return [_pushes(answer)]
     if kind == "plan" and answer["steps"]:
         return [_steps(answer)]
+    if kind == "hold" and answer["supports"]:
+        return [_supports(answer)]
     if kind == "check":
         return [table for table in [fastened_table(answer)] if len(table.items)]
     if kind == "contacts":
@@ -223,6 +226,16 @@ def _steps(answer: Answer) -> Table:
         return str(number), Name(", ".join(step["parts"])), *step_cells(step)
 
     return Table("Put in one after the other:", (), numbered, row)
+
+
+def _supports(answer: Answer) -> Table:
+    """The supports of a fixture."""
+
+    def row(support: Answer) -> Sequence[str]:
+        kind, part, *rest = support_cells(support, answer["units"])
+        return kind, Name(part), *rest
+
+    return Table("Hold it by:", (), answer["supports"], row)
 
 
 def _pushes(answer: Answer) -> Table:

@@ -56,13 +56,14 @@ class StatePrograms:
 
     def of(self, present: Mask, held: Mask) -> Program:
         """The program of a state; masks of shape (N,)."""
-        return self._taken(self.whole, present, held)
+        return self.taken(self.whole, present, held)
 
     def outer_of(self, present: Mask, held: Mask) -> Program:
         """The same with the forces that are not modelled."""
-        return self._taken(self.outer, present, held)
+        return self.taken(self.outer, present, held)
 
-    def _taken(self, program: Program, present: Mask, held: Mask) -> Program:
+    def taken(self, program: Program, present: Mask, held: Mask) -> Program:
+        """Of a program of all parts, or of some of its rows, what a state has."""
         free = self.free & present & ~held
         rows = np.flatnonzero(rows_of_state(program, present, free))
         tolerance = np.full(len(free), TOLERANCE)

@@ -27,11 +27,11 @@ from kilter.mechanics.program import Program
 from kilter.solvers.highs import KeptProgram
 from kilter.solvers.problem import LinearProgram
 
-__all__ = ["Support", "UnitProgram", "VirtualWork", "facets_of_diamond", "unit_program"]
+__all__ = ["Optimum", "UnitProgram", "VirtualWork", "facets_of_diamond", "unit_program"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Support:
+class Optimum:
     """What one direction gave: `z` over the mass, the point `q` (3,) over the mass, and `x`."""
 
     z: float
@@ -123,12 +123,12 @@ class VirtualWork:
         """LPs solved so far."""
         return self._model.solves
 
-    def solve(self, gravity: Array) -> Support:
+    def solve(self, gravity: Array) -> Optimum:
         """z(g) and a vertex of A that reaches it; g of any length, shape (3,)."""
         cost = -(gravity @ self.unit.pull)
         x = self._model.solve(cost).required("the virtual work").x
         q = self.unit.pull @ x
-        return Support(min(-float(q @ gravity), 0.0), q, x)
+        return Optimum(min(-float(q @ gravity), 0.0), q, x)
 
     def partition(self) -> Array:
         """The last basis stays optimal where ``partition @ g >= 0``; unit rows, (k, 3).

@@ -34,7 +34,7 @@ import numpy as np
 from scipy.sparse import csc_array, hstack, vstack
 
 from kilter.analysis.turning.virtual_work import (
-    Support,
+    Optimum,
     UnitProgram,
     VirtualWork,
     facets_of_diamond,
@@ -260,7 +260,7 @@ def _one_walk(work: VirtualWork, trail: _Trail, start: Array) -> None:
 
 
 def _summit(
-    work: VirtualWork, trail: _Trail, found: Support, partition: Array, here: Array
+    work: VirtualWork, trail: _Trail, found: Optimum, partition: Array, here: Array
 ) -> Array:
     """The g of facet and partition with the greatest z = -q.g; `here` if none is greater."""
     axes, signs = work.unit.axes, trail.signs[work.unit.axes]

@@ -1,0 +1,70 @@
+"""Covers: which supports can stop the motions that were found, each to the share that it takes.
+
+A motion y gains the power p while nothing of some supports P stops it, P present. Of any other
+support c let a_c be 1 where it may stop y, and of a vacuum or magnet that y pulls off, opening by
+u, its share F u / p. A set of supports holds no more than P and those of its members:
+
+    sum of a_c over the set  <  1   =>   y goes on: it does not hold
+
+So the fewest supports that hold are no fewer than those of the least set whose shares reach 1 for
+every motion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+__all__ = ["Shares", "least_cover"]
+
+Shares = Mapping[int, float]
+"""Of each support that may stop a motion its share, up to 1."""
+ENOUGH = 1 - 1e-3
+"""Shares that reach this may be enough: what is left of the power proves nothing then."""
+
+
+def least_cover(motions: Sequence[Shares], most: int) -> frozenset[int] | None:
+    """A least set of supports whose shares may be enough for every motion.
+
+    Parameters
+    ----------
+    motions : sequence of mappings
+    most : int
+        Supports it may have; None where more are needed, or all together are not enough.
+
+    Examples
+    --------
+    >>> sorted(least_cover([{0: 1.0, 1: 1.0}, {1: 1.0, 2: 1.0}], 2))
+    [1]
+    >>> sorted(least_cover([{k: 0.4 for k in range(5)}], 5))
+    [0, 1, 2]
+    >>> least_cover([{k: 0.4 for k in range(5)}], 2) is None, least_cover([{}], 3) is None
+    (True, True)
+    """
+    for size in range(most + 1):
+        found = _cover(motions, size, frozenset(), frozenset())
+        if found is not None:
+            return found
+    return None
+
+
+def _cover(
+    motions: Sequence[Shares], size: int, chosen: frozenset[int], barred: frozenset[int]
+) -> frozenset[int] | None:
+    """The set with at most so many members more, none of the barred ones."""
+    left = [(one, sum(one.get(k, 0.0) for k in sorted(chosen))) for one in motions]
+    left = [(one, share) for one, share in left if share < ENOUGH]
+    if not left:
+        return chosen
+    branches = []
+    for one, share in left:
+        open_to = sorted((-a, k) for k, a in one.items() if k not in barred and k not in chosen)
+        if share - sum(a for a, _ in open_to[:size]) < ENOUGH:
+            return None
+        branches.append([k for _, k in open_to])
+    closed = barred
+    for member in min(branches, key=lambda one: (len(one), one)):
+        found = _cover(motions, size - 1, chosen | {member}, closed)
+        if found is not None:
+            return found
+        closed = closed | {member}
+    return None

@@ -1,0 +1,140 @@
+"""Supports that a word asks for: every part gripped, props under every part, fingers on faces.
+
+grips     each free part may be gripped
+props     a prop under the centre of mass of each free part, from the part below it or else
+from the ground, where there is room for one
+fingers   a finger at the centre of each flat face of a free part, with the friction of the
+assembly, where nothing is as near as `ROOM` of the part's size
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+
+from kilter.arrays import TINY, Array, cross, unit_rows
+from kilter.assembly import Assembly
+from kilter.contact import ContactSet
+from kilter.contact.supports import Support
+from kilter.errors import InputError
+
+__all__ = ["WORDS", "candidates_of"]
+
+ROOM = 0.1
+"""Room that a finger needs before a face, over the size of its part."""
+LEAST_FACE = 0.05
+"""Faces smaller than this get no finger, over the surface of their part."""
+SAME_FACE = 6
+"""Digits of normals and heights that triangles of one face share."""
+
+
+def candidates_of(
+    assembly: Assembly, contacts: ContactSet, asked: Iterable[str | Support]
+) -> list[Support]:
+    """The supports that words and supports ask for, in their order.
+
+    Raises
+    ------
+    InputError
+        If nothing is asked for, a word is unknown, or a support does not fit the assembly.
+    """
+    found: list[Support] = []
+    words = list(asked)
+    if not words:
+        raise InputError("there is nothing that may hold it", hint=f"give {', '.join(WORDS)}")
+    for one in words:
+        if isinstance(one, Support):
+            one.require_of(assembly)
+            found.append(one)
+        elif one in WORDS:
+            found += WORDS[one](assembly, contacts)
+        else:
+            raise InputError(f"a candidate is {one!r:.60}", hint=f"give {', '.join(WORDS)}")
+    return found
+
+
+def _grips(assembly: Assembly, contacts: ContactSet) -> Iterator[Support]:
+    for part in assembly:
+        if not part.grounded:
+            yield Support("grip", part.name)
+
+
+def _props(assembly: Assembly, contacts: ContactSet) -> Iterator[Support]:
+    geometry, down = assembly.geometry, assembly.down
+    for k, part in enumerate(assembly):
+        if part.grounded:
+            continue
+        along, owner = _hits(assembly, geometry.center[k], down)
+        own = along[owner == k]
+        if not len(own):
+            continue  # its centre of mass is not above any of it
+        foot, below = own.max(), (owner != k) & (along > 0)
+        gap = float(contacts.tolerance.gap_of(geometry.size[[k]])[0])
+        below &= along > foot - gap
+        if not below.any():
+            on = None
+        else:
+            nearest = np.flatnonzero(below)[along[below].argmin()]
+            if along[nearest] <= foot + gap:
+                continue  # no room
+            under = assembly[int(owner[nearest])]
+            on = None if under.grounded else under.name
+        yield Support("prop", part.name, geometry.center[k] + foot * down, on=on)
+
+
+def _fingers(assembly: Assembly, contacts: ContactSet) -> Iterator[Support]:
+    geometry = assembly.geometry
+    for k, part in enumerate(assembly):
+        if part.grounded:
+            continue
+        for number, (point, outward) in enumerate(_faces(geometry.corners_of(k)), 1):
+            if assembly.planar and abs(outward[1]) > 0:
+                continue
+            along, owner = _hits(assembly, point, outward)
+            away = float(ROOM * geometry.size[k])
+            gap = float(contacts.tolerance.gap_of(geometry.size[[k]])[0])
+            if ((owner != k) & (along > -gap) & (along < away)).any():
+                continue
+            name = f"finger {number} on {part.name}"
+            yield Support("finger", part.name, point, -outward, mu=assembly.friction, name=name)
+
+
+WORDS = {"grips": _grips, "props": _props, "fingers": _fingers}
+
+
+def _faces(corners: Array) -> Iterator[tuple[Array, Array]]:
+    """Centroid and outward normal of each larger flat face of triangles, shape (m, 3, 3)."""
+    normal = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area, normal = np.linalg.norm(normal, axis=1) / 2, unit_rows(normal)
+    middle = corners.mean(axis=1)
+    size = float(np.ptp(corners.reshape(-1, 3), axis=0).max())
+    height = np.einsum("ij,ij->i", middle, normal) / max(size, TINY)
+    keys = np.column_stack([normal, height]).round(SAME_FACE) + 0.0
+    _, first, face = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    total = np.bincount(face.reshape(-1), area)
+    center = np.stack(
+        [np.bincount(face.reshape(-1), area * middle[:, axis]) for axis in range(3)], axis=1
+    )
+    for one in np.flatnonzero(total > LEAST_FACE * area.sum()):
+        yield center[one] / total[one], normal[first[one]]
+
+
+def _hits(assembly: Assembly, point: Array, direction: Array) -> tuple[Array, Array]:
+    """Where a line enters or leaves parts: distances along it, and the part of each."""
+    g = assembly.geometry
+    count = len(assembly)
+    corners = [g.corners_of(k) for k in range(count)]
+    owner = np.repeat(np.arange(count), [len(one) for one in corners])
+    a, b, c = np.concatenate(corners).transpose(1, 0, 2)
+    side = cross(np.broadcast_to(direction, c.shape), c - a)
+    det = np.einsum("ij,ij->i", b - a, side)
+    flat = np.abs(det) <= TINY
+    scale = 1 / np.where(flat, 1.0, det)
+    off = point - a
+    u = np.einsum("ij,ij->i", off, side) * scale
+    q = cross(off, b - a)
+    v = (q @ direction) * scale
+    along = np.einsum("ij,ij->i", c - a, q) * scale
+    hit = ~flat & (u >= 0) & (v >= 0) & (u + v <= 1)
+    return along[hit], owner[hit]

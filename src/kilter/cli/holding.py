@@ -1,0 +1,109 @@
+"""The command about supports: hold."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from kilter.cli.asked import Asked
+from kilter.cli.exit_codes import HOLD, INTERRUPTED
+from kilter.cli.options import FORM, asks
+from kilter.cli.output import Progress, as_json, write_whole
+from kilter.errors import InputError
+
+if TYPE_CHECKING:
+    from kilter.contact.supports import Support
+
+__all__ = ["hold"]
+
+MAY = "What may hold it"
+
+
+@asks(searches=True)
+def hold(
+    asked: Asked,
+    candidates: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--candidates",
+            metavar="grips|props|fingers|FILE.json",
+            help="What may hold it: every part gripped, a prop under every part, a finger on every "
+            "flat face that is free, or a list of supports (kind, part, point, direction, mu, "
+            "capacity, on); repeatable. Grips where not given.",
+            rich_help_panel=MAY,
+            show_default=False,
+        ),
+    ] = None,
+    most: Annotated[
+        int | None,
+        typer.Option(
+            "--most",
+            metavar="K",
+            help="More supports than these are not asked for.",
+            rich_help_panel=MAY,
+            show_default=False,
+        ),
+    ] = None,
+    proof: Annotated[
+        Path | None,
+        typer.Option(
+            "--proof",
+            metavar="P.json",
+            help="Write the proofs here; 'kilter verify FILE P.json' rechecks them.",
+            rich_help_panel=FORM,
+            show_default=False,
+        ),
+    ] = None,
+) -> int:
+    """What is the least that must be held so that it stays, and where?
+
+    Asked of the assembly as it stands; --without leaves out what is not there yet. With the fewest
+    supports stands the proof that fewer are not enough.
+
+    Exit 0 found; 1 proved that not even all candidates are enough; 4 undecided.
+    """
+    from kilter.analysis.planning.hold import hold as find
+
+    asked.apart(proof)
+    with Progress(asked.quiet) as progress:
+        assembly, contacts = asked.read(progress)
+        fixture = find(
+            assembly,
+            candidates=[one for word in candidates or ("grips",) for one in _candidates(word)],
+            most=most,
+            effort=asked.effort,
+            time_limit=asked.time_limit,
+            contacts=contacts,
+            tolerance=asked.tolerance,
+            progress=progress,
+        )
+    after = ""
+    if proof is not None and fixture.verdict != "undecided":
+        write_whole(proof, as_json(fixture.proof(options=asked.reading.options())))
+        after = f"\nproof file  written to {proof}"
+    elif proof is not None:
+        after = "\nproof file  none to write"
+    asked.tell(fixture.to_dict(), after=after)
+    return INTERRUPTED if fixture.interrupted else HOLD[fixture.verdict]
+
+
+def _candidates(word: str) -> list[str | Support]:
+    """What a word or a file asks for."""
+    from kilter.analysis.planning.support_candidates import WORDS
+    from kilter.contact.supports import Support
+    from kilter.files.reading import read_json
+
+    if word in WORDS:
+        return [word]
+    if not word.endswith(".json"):
+        hint = f"give {', '.join(WORDS)} or a file of supports (.json)"
+        raise InputError(f"--candidates has {word!r:.60}", hint=hint)
+    data = read_json(Path(word))
+    if not isinstance(data, list):
+        raise InputError("it has no list of supports", file=word, hint="give a list")
+    try:
+        return [Support.from_dict(one) for one in data]
+    except InputError as error:
+        raise error.located(file=word) from None

@@ -1,0 +1,238 @@
+"""Support: what may hold a part from outside, or prop it on another; supports as contacts.
+
+A support at the point x of a part pushes it along the unit vector n, f n with f >= 0, and across
+n by friction, |f_t| <= mu f:
+
+    finger          from outside
+    prop            upwards where not told otherwise, from outside or from another part, which
+                    carries it then
+    vacuum, magnet  as a finger, and besides it pulls with up to F, so that
+                    f >= -F,  |f_t| <= mu (f + F)
+    grip            holds the part: it does not move at all
+
+With f' = f + F a vacuum or magnet is a contact with the force f' and a load -F n. So supports are
+contact points and loads, and what judges these judges supports as well: from outside they press
+against one held part, which stands for the outside world.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from kilter.arrays import Array, starts
+from kilter.assembly import Assembly, Load, Part
+from kilter.contact.contact_set import ContactSet
+from kilter.errors import InputError, nearest_name
+from kilter.rigid import Pose, unit
+from kilter.shape.primitives import Box
+from kilter.validate import finite, number
+
+__all__ = ["KINDS", "Support", "with_supports"]
+
+KINDS = ("grip", "finger", "prop", "vacuum", "magnet")
+PULLING = ("vacuum", "magnet")
+"""Kinds that pull as well, up to their capacity."""
+OUTSIDE = "outside"
+"""Name of the held part that stands for the outside world."""
+NEAR = 1e-3
+"""How far from a part's box a point may be that is said to be on it, over the part's size."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Support:
+    """What may hold a part; world frame, length unit of the assembly.
+
+    Attributes
+    ----------
+    kind : {"grip", "finger", "prop", "vacuum", "magnet"}
+    part : str
+    point : ndarray, shape (3,), or None
+        Where it acts; None of a grip.
+    direction : ndarray, shape (3,), or None
+        Unit vector along which it pushes the part; of a prop upwards where not given, None of a
+        grip.
+    mu : float
+        Friction coefficient across that direction [-].
+    capacity : float
+        Most that a vacuum or magnet pulls [N].
+    on : str or None
+        The part that a prop stands on; None: the ground.
+    name : str
+        Of its kind and part where not given.
+
+    Raises
+    ------
+    InputError
+        If the kind is none, or what it needs is missing or is not asked of it.
+
+    Examples
+    --------
+    >>> Support("finger", "cube-1", [0, 0, 1], [0, 0, -1])
+    <Support: finger on cube-1>
+    """
+
+    kind: str
+    part: str
+    point: Any = None
+    direction: Any = None
+    mu: float = 0.0
+    capacity: float = 0.0
+    on: str | None = None
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        if self.kind not in KINDS:
+            raise InputError(f"a support is a {self.kind!r:.40}", hint=f"give {', '.join(KINDS)}")
+        where = f"{self.kind} on {self.part!r:.60}"
+        if not isinstance(self.part, str):
+            raise InputError(f"{where}: a part is named", hint="give its name")
+        put = object.__setattr__
+        put(self, "name", self.name or f"{self.kind} on {self.part}")
+        put(self, "mu", number(self.mu, f"{where}: mu", lowest=0))
+        put(self, "capacity", number(self.capacity, f"{where}: capacity", lowest=0))
+        self._require_fitting(where)
+        if self.point is not None:
+            put(self, "point", finite(self.point, (3,), f"{where}: point"))
+        if self.direction is not None:
+            put(self, "direction", unit(finite(self.direction, (3,), f"{where}: direction")))
+
+    def _require_fitting(self, where: str) -> None:
+        if self.kind == "grip":
+            if self.point is not None or self.direction is not None or self.mu:
+                raise InputError(f"{where}: it has a point", hint="a grip holds the whole part")
+        elif self.point is None:
+            raise InputError(f"{where}: it has no point", hint="say where it acts")
+        elif self.direction is None and self.kind != "prop":
+            raise InputError(f"{where}: it has no direction", hint="say along what it pushes")
+        if (self.capacity > 0) != (self.kind in PULLING):
+            word = "no capacity" if self.kind in PULLING else "a capacity"
+            raise InputError(f"{where}: it has {word}", hint="vacuum and magnet pull, up to it")
+        if self.on is not None and (self.kind != "prop" or self.on == self.part):
+            raise InputError(
+                f"{where}: it stands on {self.on!r:.60}", hint="a prop stands on a part"
+            )
+
+    @classmethod
+    def from_dict(cls, data: Any) -> Support:
+        """From JSON data, keys as the attributes.
+
+        Raises
+        ------
+        InputError
+            If a key is unknown or missing, or a value makes no sense.
+        """
+        known = [field.name for field in dataclasses.fields(cls)]
+        if not isinstance(data, Mapping) or not {"kind", "part"} <= set(data):
+            raise InputError(f"a support is {data!r:.60}", hint="give its kind and its part")
+        for key in data:
+            if key not in known:
+                near = nearest_name(key, known)
+                hint = f"did you mean {near!r}?" if near else f"there are: {', '.join(known)}"
+                raise InputError(f"a support has the key {key!r:.40}", hint=hint)
+        return cls(**data)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As JSON data."""
+        return {
+            "kind": self.kind,
+            "part": self.part,
+            "point": None if self.point is None else self.point.tolist(),
+            "direction": None if self.direction is None else self.direction.tolist(),
+            "mu": self.mu,
+            "capacity": self.capacity,
+            "on": self.on,
+            "name": self.name,
+        }
+
+    def pushing(self, assembly: Assembly) -> Array:
+        """Unit vector along which it pushes the part; upwards where none was given."""
+        along: Array = -assembly.down if self.direction is None else self.direction
+        return along
+
+    def require_of(self, assembly: Assembly) -> None:
+        """Refuse a support that does not fit an assembly.
+
+        Raises
+        ------
+        InputError
+            If the part is none of its parts, or held; if the point is not on it.
+        """
+        k = assembly.index_of(self.part)
+        if assembly[k].grounded:
+            raise InputError("it is held already: a support does nothing", part=self.part)
+        if self.on is not None:
+            assembly.index_of(self.on)
+        if self.point is None:
+            return
+        low, high = (one[k] for one in assembly.geometry.part_boxes)
+        reach = NEAR * float(assembly.geometry.size[k])
+        if (self.point < low - reach).any() or (self.point > high + reach).any():
+            raise InputError(
+                f"the {self.kind} at {self.point.tolist()} is not on the part",
+                part=self.part,
+                hint="give a point of its surface, in the world frame",
+            )
+        if assembly.planar and self.pushing(assembly)[1]:
+            raise InputError(
+                f"the {self.kind} leaves the x-z plane of a planar assembly", part=self.part
+            )
+
+    def __repr__(self) -> str:
+        return f"<Support: {self.kind} on {self.part}>"
+
+
+def with_supports(
+    assembly: Assembly, contacts: ContactSet, supports: Sequence[Support]
+) -> tuple[Assembly, ContactSet]:
+    """An assembly and its contacts with some supports, none of them a grip, acting on it.
+
+    The supports are the last patches, one point each, in their order.
+    """
+    name = OUTSIDE
+    while name in assembly.index:
+        name += "_"
+    at, size = assembly.geometry.center.mean(axis=0), float(assembly.geometry.size.max())
+    outside = Part(name, Box([size, size, size]), Pose(at), grounded=True, density=1.0)
+    free = {part.name for part in assembly if not part.grounded}
+    loads = [
+        Load(one.part, point=one.point, force=-one.capacity * one.pushing(assembly))
+        for one in supports
+        if one.capacity and one.part in free
+    ]
+    loaded = dataclasses.replace(
+        assembly, parts=[*assembly.parts, outside], loads=[*assembly.loads, *loads]
+    )
+    return loaded, _with_points(contacts.of(loaded), supports, name)
+
+
+def _with_points(contacts: ContactSet, supports: Sequence[Support], outside: str) -> ContactSet:
+    """Contacts with a patch of one point for each support."""
+    assembly, count = contacts.assembly, len(supports)
+    place = [
+        (assembly.index_of(one.on or outside), assembly.index_of(one.part)) for one in supports
+    ]
+    points = np.array([one.point for one in supports], dtype=float).reshape(-1, 3)
+    normals = np.array([one.pushing(assembly) for one in supports]).reshape(-1, 3)
+    none = np.zeros(count)
+    lengths = np.append(np.diff(contacts.patch_start), np.ones(count, dtype=np.int64))
+    more: dict[str, Any] = {
+        "patch_parts": np.array(place, dtype=np.int64).reshape(-1, 2),
+        "patch_normal": normals,
+        "patch_area": none,
+        "patch_gap": np.zeros((count, 2)),
+        "patch_mu": np.array([one.mu for one in supports], dtype=float),
+        "patch_kind": np.full(count, "given"),
+        "patch_accuracy": none,
+        "patch_doubt": none,
+        "points": points,
+        "normals": normals,
+    }
+    joined: dict[str, Any] = {
+        key: np.concatenate([getattr(contacts, key), one]) for key, one in more.items()
+    }
+    return dataclasses.replace(contacts, patch_start=starts(lengths), **joined)

@@ -1,0 +1,415 @@
+"""Fewest supports: closed forms, known arches, enumeration; their proofs, and what is refused."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+import pytest
+
+import kilter
+from kilter import Assembly, Fixture, InputError, Support
+from kilter.analysis.planning.covers import least_cover
+from kilter.analysis.verification import verify_bundle
+from kilter.cli import main
+from kilter.mechanics.proof import digest_of
+from kilter.scenes import scene
+from kilter.scenes.arches import arch
+from kilter.scenes.pieces import block, floor
+from kilter.work import Work
+
+Proof = dict[str, Any]
+
+
+def rechecked(found: Fixture, change: Callable[[Proof], object] | None = None) -> str:
+    """Why the proof, changed and signed anew, does not hold; empty where it does."""
+    proof = json.loads(json.dumps(found.proof(), allow_nan=False))
+    if change is not None:
+        change(proof)
+        for entry in proof["proofs"]:
+            entry["proof"]["digest"] = digest_of({**proof["common"], **entry["proof"]})
+        proof["digest"] = digest_of(proof)
+    given = found.supported
+    answer = verify_bundle(given.assembly, kilter.contacts(given.assembly), proof)
+    assert answer.holds == (not answer.reasons)
+    return "; ".join(answer.reasons)
+
+
+def part_of_an_arch(count: int, standing: int, *, sides: str) -> Assembly:
+    """The first voussoirs from the left, or from both sides in turn."""
+    made, order = arch(count, ratio=0.2, friction=0.6), list(range(count))
+    if sides == "both":
+        order.sort(key=lambda k: min(k, count - 1 - k))
+    return made.without([f"voussoir-{k}" for k in order[standing:]]) if standing < count else made
+
+
+def under(made: Assembly, kind: str) -> list[Support]:
+    """A prop under each centre of mass, or a finger that pushes away from the arch's centre."""
+    center = {part.name: made.geometry.center[k] for k, part in enumerate(made)}
+    free = [part.name for part in made if not part.grounded]
+    if kind == "prop":
+        return [Support("prop", name, center[name]) for name in free]
+    return [Support("finger", name, center[name], center[name] * [1, 0, 1]) for name in free]
+
+
+LEFT_PROPS = [0, 0, 0, 0, *range(1, 16)]
+BOTH_FINGERS = [0] * 8 + [1, 2, 2, 2, 2, 2, 3, 4, 5, 6, 7]
+
+
+@pytest.mark.parametrize(
+    ("kind", "sides", "standing", "least"),
+    [
+        ("prop", "left", 7, LEFT_PROPS[6]),
+        ("finger", "both", 14, BOTH_FINGERS[13]),
+        ("finger", "both", 16, BOTH_FINGERS[15]),
+        *(
+            pytest.param("prop", "left", k, LEFT_PROPS[k - 1], marks=pytest.mark.slow)
+            for k in range(1, 20)
+        ),
+        *(
+            pytest.param("finger", "both", k, BOTH_FINGERS[k - 1], marks=pytest.mark.slow)
+            for k in range(1, 20)
+        ),
+    ],
+)
+def test_props_and_fingers_of_an_arch_of_twenty(
+    kind: str, sides: str, standing: int, least: int
+) -> None:
+    made = part_of_an_arch(20, standing, sides=sides)
+    found = kilter.hold(made, candidates=under(made, kind))
+    assert (found.verdict, found.least, found.fewest) == ("held", least, True)
+    assert rechecked(found) == ""
+
+
+def test_fingers_cannot_hold_more_than_ten_voussoirs_from_one_side() -> None:
+    ten, eleven = (part_of_an_arch(20, k, sides="left") for k in (10, 11))
+    assert kilter.hold(ten, candidates=under(ten, "finger")).least == 4
+    none = kilter.hold(eleven, candidates=under(eleven, "finger"))
+    assert (none.verdict, none.supports) == ("impossible", None)
+    assert rechecked(none) == ""
+    assert "all 11 candidates are enough" in none.to_dict()["sentence"]
+
+
+def test_grips_are_the_fewest_holds_of_states() -> None:
+    made = arch(9, ratio=0.3, friction=0.6).without("voussoir-4")
+    found = kilter.hold(made)
+    assert found.least == kilter.states(made).fewest_holds().least == 2
+    assert rechecked(found) == ""
+
+
+def hanging(mu: float = 0.5) -> tuple[Assembly, float]:
+    """A cube of 10 N beside a held wall, and nothing under it."""
+    made = Assembly(
+        [
+            kilter.Part("wall", kilter.Box([1, 3, 3]), kilter.Pose([-0.5, 0, 0]), grounded=True),
+            kilter.Part("cube", kilter.Box([1, 1, 1]), kilter.Pose([0.5, 0, 0]), mass=1.0),
+        ],
+        friction=mu,
+    ).with_down([0, 0, -1])
+    return made, float(np.linalg.norm(made.gravity))
+
+
+def magnets(count: int, capacity: float, mu: float = 0.0) -> list[Support]:
+    """Magnets over the cube, at its centre: they push it down and pull it up."""
+    top = [0.5, 0, 0.5]
+    return [
+        Support("magnet", "cube", top, [0, 0, -1], mu=mu, capacity=capacity, name=f"m{k}")
+        for k in range(count)
+    ]
+
+
+@pytest.mark.parametrize(("share", "least"), [(1.01, 1), (0.99, 2), (0.251, 4), (0.249, 5)])
+def test_magnets_carry_a_weight_together(share: float, least: int) -> None:
+    """N magnets of F hold the weight W where n F >= W; six of them are there."""
+    made, weight = hanging(0.0)
+    found = kilter.hold(made, candidates=magnets(6, share * weight))
+    assert (found.verdict, found.least, found.fewest) == ("held", least, True)
+    pull = sum(push[2] for push in found.forces() if push is not None)
+    assert pull == pytest.approx(weight, rel=1e-6)
+    assert rechecked(found) == ""
+
+
+@pytest.mark.parametrize(("share", "verdict"), [(0.17, "held"), (0.16, "impossible")])
+def test_magnets_of_which_all_together_are_too_weak(share: float, verdict: str) -> None:
+    made, weight = hanging(0.0)
+    found = kilter.hold(made, candidates=magnets(6, share * weight))
+    assert found.verdict == verdict
+    assert rechecked(found) == ""
+
+
+@pytest.mark.parametrize(("mu", "verdict"), [(0.33, "held"), (0.32, "impossible")])
+def test_a_vacuum_carries_across_by_its_friction(mu: float, verdict: str) -> None:
+    """F = 2 W, gravity off by 20 degrees: mu (F - W cos 20) = W sin 20 at mu = .3226."""
+    made, weight = hanging(0.0)
+    angle = np.radians(20)
+    leaning = made.with_down([0, np.sin(angle), -np.cos(angle)])
+    center = [0.5, 0, 0]
+    cup = Support("vacuum", "cube", center, [0, 0, -1], mu=mu, capacity=2 * weight)
+    found = kilter.hold(leaning, candidates=[cup])
+    assert found.verdict == verdict
+    assert rechecked(found) == ""
+
+
+@pytest.mark.parametrize(("friction", "verdict"), [(0.01, "held"), (0.0, "impossible")])
+def test_a_finger_presses_against_a_wall(friction: float, verdict: str) -> None:
+    """A finger without friction: what presses hard enough holds if the wall has any."""
+    smooth = Support("finger", "cube", [1, 0, 0], [-1, 0, 0])
+    found = kilter.hold(hanging(friction)[0], candidates=[smooth])
+    assert found.verdict == verdict
+    assert rechecked(found) == ""
+
+
+@pytest.mark.parametrize(("mu", "held"), [(0.35, False), (0.37, True)])
+def test_a_finger_holds_within_its_cone(mu: float, held: bool) -> None:
+    """One finger under a sphere's centre, off the vertical by 20 degrees: tan 20 = .364."""
+    ball = kilter.Part("ball", kilter.Sphere(1), kilter.Pose([0, 0, 5]), mass=1.0)
+    made = Assembly([floor([-3, -3], [3, 3]), ball])
+    angle = np.radians(20)
+    lean = np.array([-np.sin(angle), 0, np.cos(angle)])
+    point = np.array([0, 0, 5]) - np.array([0, 0, 1.0])
+    found = kilter.hold(made, candidates=[Support("finger", "ball", point, lean, mu=mu)])
+    assert found.verdict == ("held" if held else "impossible")
+    assert rechecked(found) == ""
+
+
+@pytest.mark.parametrize(("weight", "least"), [(1.9, 1), (2.1, 2)])
+def test_a_prop_on_a_part_loads_that_part(weight: float, least: int) -> None:
+    """A plank over an edge, tipped by a cube propped on its end: weight w at 1 against 2 at 1."""
+    parts = [
+        block("table", [-2, 0, -1], [0, 1, 0], grounded=True),
+        block("plank", [-2, 0, 0], [2, 1, 0.1], mass=1e-3),
+        block("stone", [-2, 0, 0.1], [0, 1, 1], mass=2.0),
+        block("cube", [0.5, 0, 2], [1.5, 1, 3], mass=weight),
+    ]
+    made = Assembly(parts)
+    props = [
+        Support("prop", "cube", [1, 0.5, 2], on="plank", name="on the plank"),
+        Support("prop", "plank", [1, 0.5, 0], name="under the plank"),
+    ]
+    found = kilter.hold(made, candidates=props)
+    assert (found.verdict, found.least) == ("held", least)
+    assert rechecked(found) == ""
+
+
+def test_props_are_found_where_there_is_room() -> None:
+    """Two cubes one above the other with room between, and one that lies on the lower."""
+    made = Assembly(
+        [
+            floor([-3, -3], [3, 3]),
+            block("low", [0, 0, 1], [1, 1, 2]),
+            block("on it", [0, 0, 2], [1, 1, 3]),
+            block("high", [0, 0, 4], [1, 1, 5]),
+        ]
+    )
+    found = kilter.hold(made, candidates=["props"])
+    assert [(one.part, one.on, one.point.tolist()) for one in found.candidates] == [
+        ("low", None, [0.5, 0.5, 1.0]),
+        ("high", "on it", [0.5, 0.5, 4.0]),
+    ]
+    assert found.least == 2
+    assert rechecked(found) == ""
+
+
+def test_fingers_are_found_on_faces_that_are_free() -> None:
+    made = Assembly([floor([-3, -3], [3, 3]), block("a", [0, 0, 0], [1, 1, 1]),
+                     block("b", [1, 0, 0], [2, 1, 1])])  # fmt: skip
+    found = kilter.hold(made, candidates="fingers")
+    places = {(one.part, *one.direction.tolist()) for one in found.candidates}
+    assert ("a", 1.0, 0.0, 0.0) in places
+    assert not {("a", -1.0, 0.0, 0.0), ("a", 0.0, 0.0, 1.0), ("b", 1.0, 0.0, 0.0)} & places
+    assert len(places) == 8
+    assert (found.least, found.supports) == (0, [])
+
+
+def random_supports(random: np.random.Generator, made: Assembly) -> list[Support]:
+    """Up to seven supports of every kind but grips, at random corners of parts."""
+    geometry, found = made.geometry, []
+    free = [k for k, part in enumerate(made) if not part.grounded]
+    for number in range(int(random.integers(3, 8))):
+        k = int(random.choice(free))
+        corners = geometry.corners_of(k).reshape(-1, 3)
+        point = corners[random.integers(len(corners))]
+        inwards = geometry.center[k] - point + 0.3 * random.normal(size=3)
+        inwards[1] *= not made.planar
+        kind = str(random.choice(["finger", "prop", "magnet", "vacuum", "grip"]))
+        name = f"{kind} {number}"
+        weight = float(geometry.mass[k]) * 9.81
+        if kind == "grip":
+            found.append(Support(kind, made.names[k], name=name))
+        elif kind == "prop":
+            found.append(Support(kind, made.names[k], point, name=name))
+        else:
+            pull = weight * float(random.uniform(0.2, 2)) if kind != "finger" else 0.0
+            found.append(
+                Support(kind, made.names[k], point, inwards, mu=0.3, capacity=pull, name=name)
+            )
+    return found
+
+
+def enumerated(found: Fixture) -> int | None:
+    """The fewest supports by trying every set; None where one is undecided."""
+    count = len(found.candidates)
+    for size in range(count + 1):
+        for chosen in combinations(range(count), size):
+            stable = found.supported.judge(chosen, Work()).stable
+            if stable is None:
+                return None
+            if stable:
+                return size
+    return count + 1
+
+
+def agree(seeds: range) -> list[tuple[str, int]]:
+    answers = []
+    made = [arch(7, ratio=0.3, friction=0.6), scene("paper-figure-9").with_friction(0.1),
+            arch(6, ratio=0.2, friction=0.3)]  # fmt: skip
+    for seed in seeds:
+        random = np.random.default_rng(seed)
+        whole = made[seed % len(made)]
+        free = [part.name for part in whole if not part.grounded]
+        gone = random.choice(free, size=int(random.integers(1, len(free) - 1)), replace=False)
+        state = whole.without(gone.tolist())
+        found = kilter.hold(state, candidates=random_supports(random, state))
+        expected = enumerated(found)
+        if expected is None or found.verdict == "undecided":
+            continue
+        answers.append((found.verdict, found.least))
+        assert found.least == expected, seed
+        assert rechecked(found) == "", seed
+    return answers
+
+
+def test_fewest_supports_are_those_of_enumeration() -> None:
+    assert len({verdict for verdict, _ in agree(range(8))}) == 2
+
+
+@pytest.mark.slow
+def test_fewest_supports_of_many_are_those_of_enumeration() -> None:
+    answers = agree(range(200))
+    assert len(answers) > 180
+    held = [least for verdict, least in answers if verdict == "held"]
+    assert min(held.count(k) for k in (0, 1, 2)) > 10
+    assert len(answers) - len(held) > 20
+
+
+@pytest.mark.parametrize(
+    ("why", "change"),
+    [
+        ("fewer than 2 supports may be enough", lambda p: p["proofs"].pop()),
+        ("are not the candidates that it names", lambda p: p["proofs"][0]["supports"].pop()),
+        (
+            "are not the candidates that it names",
+            lambda p: p["rules"]["candidates"][2].update(part="voussoir-0"),
+        ),
+        ("it says 'not fewer' of what is", lambda p: p["proofs"][0].update(about="not fewer")),
+        ("it does not hold with fewest supports", lambda p: p["rules"].update(least=3)),
+    ],
+)
+def test_a_change_is_refused(why: str, change: Callable[[Proof], object]) -> None:
+    made = arch(9, ratio=0.3, friction=0.6).without("voussoir-4")
+    assert why in rechecked(kilter.hold(made), change)
+
+
+def test_out_of_effort_a_bound_is_told() -> None:
+    made = part_of_an_arch(20, 14, sides="left")
+    found = kilter.hold(made, candidates=under(made, "prop"), effort=0.0001)
+    assert (found.verdict, found.exhausted, found.fewest) == ("undecided", False, False)
+    assert "effort was spent" in found.to_dict()["sentence"]
+    with pytest.raises(InputError, match="nothing is proved"):
+        found.proof()
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_least_covers_by_brute_force(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    motions = [
+        {int(k): float(random.choice([0.3, 0.5, 1.0])) for k in
+         random.choice(7, size=int(random.integers(1, 6)), replace=False)}
+        for _ in range(int(random.integers(1, 6)))
+    ]  # fmt: skip
+
+    def enough(chosen: tuple[int, ...]) -> bool:
+        return all(sum(one.get(k, 0) for k in chosen) > 0.999 for one in motions)
+
+    sets = [c for size in range(8) for c in combinations(range(7), size) if enough(c)]
+    found = least_cover(motions, 7)
+    assert (found is None) == (not sets)
+    if found is not None:
+        assert enough(tuple(found))
+        assert len(found) == len(sets[0])
+        assert least_cover(motions, len(sets[0]) - 1) is None
+
+
+CUBE = {"kind": "finger", "part": "cube-1", "point": [0, 0, 1], "direction": [0, 0, -1]}
+
+
+@pytest.mark.parametrize(
+    ("data", "why"),
+    [
+        ({**CUBE, "kind": "hand"}, "a support is a 'hand'"),
+        ({**CUBE, "where": 1}, "a support has the key 'where'"),
+        ({**CUBE, "poit": [0, 0, 1]}, "did you mean 'point'"),
+        ({"kind": "finger"}, "give its kind and its part"),
+        ({**CUBE, "point": None}, "it has no point"),
+        ({**CUBE, "direction": None}, "it has no direction"),
+        ({**CUBE, "direction": [0, 0]}, "direction: expected 3 numbers"),
+        ({**CUBE, "mu": -1}, "mu is -1"),
+        ({**CUBE, "kind": "magnet"}, "it has no capacity"),
+        ({**CUBE, "capacity": 3}, "it has a capacity"),
+        ({**CUBE, "on": "base"}, "it stands on 'base'"),
+        ({"kind": "grip", "part": "cube-1", "mu": 0.3}, "a grip holds the whole part"),
+        ({**CUBE, "part": "nobody"}, "no part is named"),
+        ({**CUBE, "part": "base"}, "it is held already"),
+        ({**CUBE, "point": [0, 0, 900]}, "is not on the part"),
+    ],
+)
+def test_supports_that_make_no_sense_are_one_sentence(data: dict[str, Any], why: str) -> None:
+    with pytest.raises(InputError, match=why) as caught:
+        kilter.hold(scene("tower"), candidates=[Support.from_dict(data)])
+    assert "\n" not in str(caught.value)
+
+
+def test_wrong_candidates() -> None:
+    with pytest.raises(InputError, match="a candidate is 'hands'"):
+        kilter.hold(scene("tower"), candidates=["hands"])
+    with pytest.raises(InputError, match="nothing that may hold it"):
+        kilter.hold(scene("tower"), candidates=[])
+    with pytest.raises(InputError, match="most is -1"):
+        kilter.hold(scene("tower"), most=-1)
+
+
+@pytest.mark.parametrize(
+    ("options", "code"),
+    [
+        (["--without", "voussoir-4"], 0),
+        (["--without", "voussoir-4", "--most", "1"], 4),
+        (["--candidates", "hands"], 2),
+        (["--candidates", "missing.json"], 2),
+    ],
+)
+def test_exit_codes_and_proofs(tmp_path: Any, options: list[str], code: int) -> None:
+    path, proof = tmp_path / "arch.kilter.json", tmp_path / "p.json"
+    kilter.dump(arch(9, ratio=0.3, friction=0.6), path)
+    assert main(["hold", str(path), *options, "--proof", str(proof)]) == code
+    if code == 0:
+        assert main(["verify", str(path), str(proof)]) == 0
+
+
+def test_a_file_of_supports(tmp_path: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    path, supports = tmp_path / "a.kilter.json", tmp_path / "s.json"
+    kilter.dump(hanging(0.0)[0], path)
+    supports.write_text(json.dumps([one.to_dict() for one in magnets(3, 6.0)]))
+    assert main(["hold", str(path), "--candidates", str(supports), "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert (answer["verdict"], answer["least"], len(answer["supports"])) == ("held", 2, 2)
+    assert main(["hold", str(path), "--candidates", str(supports)]) == 0
+    assert "2 supports of 3 candidates" in capsys.readouterr().out
+    supports.write_text(json.dumps([one.to_dict() for one in magnets(1, 6.0)]))
+    proof = str(tmp_path / "p.json")
+    assert main(["hold", str(path), "--candidates", str(supports), "--proof", proof]) == 1
+    assert main(["verify", str(path), proof]) == 0
+    supports.write_text("{}")
+    assert main(["hold", str(path), "--candidates", str(supports)]) == 2
