@@ -14,7 +14,7 @@ from kilter.cli.app import command
 
 ROOT = Path(__file__).resolve().parents[1]
 HOMES = kilter._HOMES
-BESIDE = {"check_many", "common_region", "fastened", "dump", "load", "states"}
+BESIDE = {"animate", "check_many", "common_region", "fastened", "dump", "load", "states"}
 """Functions that are no command: what they do is an option of one, or its reading."""
 
 

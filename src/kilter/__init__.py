@@ -55,6 +55,7 @@ if TYPE_CHECKING:
     from kilter.files.reading import load as load
     from kilter.files.writing import dump as dump
     from kilter.publish import Report as Report
+    from kilter.publish import animate as animate
     from kilter.publish import draw as draw
     from kilter.publish import report as report
     from kilter.publish import view as view
@@ -86,6 +87,7 @@ _HOMES = {
     "verify": "kilter.analysis.verification",
     "view": "kilter.publish",
     # beside them
+    "animate": "kilter.publish",
     "check_many": "kilter.analysis.many.check_many",
     "common_region": "kilter.analysis.regions.region",
     "fastened": "kilter.contact.fits.fastening",

@@ -28,12 +28,14 @@ if TYPE_CHECKING:
     from kilter.contact import ContactSet, Tolerance
     from kilter.show.serve import PageServer
 
-__all__ = ["Report", "draw", "report", "view"]
+__all__ = ["Report", "animate", "draw", "report", "view"]
 
 PAUSE = 0.4
 """Between two looks at a file [s]."""
 PAGES = (".html", ".htm")
 """Endings of pages: no input ends so, and a slip cannot write over one."""
+FILMS = (".glb",)
+"""Endings of what is played by others."""
 Tell = Callable[[str], None]
 Given = tuple["Assembly", "ContactSet | None"]
 
@@ -275,8 +277,50 @@ def _kept(
     return now
 
 
+def animate(order: Order, out: str | Path | None = None) -> bytes:
+    """A plan as an animated GLB: each part comes in along its way, held parts are marked.
+
+    Lengths in metres, y up, as glTF has it; at rest all is put together.
+
+    Parameters
+    ----------
+    order : Order
+        What `kilter.plan` found.
+    out : path, optional
+        Where the film is written, ending in .glb.
+
+    Raises
+    ------
+    InputError
+        If no order was found, or the file cannot be written.
+
+    Examples
+    --------
+    >>> from kilter.analysis.planning.plan import plan
+    >>> from kilter.scenes import scene
+    >>> animate(plan(scene("tower")))[:4]
+    b'glTF'
+    """
+    from kilter.show.plan_film import film_of
+
+    if out is not None:
+        require_ending(out, FILMS, "film")
+    _require_steps(order)
+    film = film_of(order.states.assembly, order.to_dict())
+    if out is not None:
+        from kilter.files import write_bytes
+
+        write_bytes(Path(out), film)
+    return film
+
+
+def _require_steps(order: Order) -> None:
+    if not order.found:
+        raise InputError("no order was found: there are no steps to show")
+
+
 def draw(
-    subject: Assembly | Verdict | Region,
+    subject: Assembly | Verdict | Region | Order,
     out: str | Path | None = None,
     *,
     what: Literal["assembly", "region"] = "assembly",
@@ -290,9 +334,11 @@ def draw(
 ) -> Figure:
     """A figure: the parts with their motion or forces, or the stable region on the sphere.
 
+    Of a plan: a sheet with a picture a step.
+
     Parameters
     ----------
-    subject : Assembly, Verdict or Region
+    subject : Assembly, Verdict, Region or Order
         An answer is drawn as it is; of an assembly `what` is asked first.
     out : path, optional
         Where the figure is written: .svg, .png or .pdf.
@@ -324,9 +370,11 @@ def draw(
     >>> draw(scene("tower"), what="region").get_size_inches().tolist()
     [7.0, 4.3]
     """
+    from kilter.analysis.planning.order import Order
     from kilter.analysis.regions.region import Region
     from kilter.show.canvas import rendered
     from kilter.show.figures import draw_assembly
+    from kilter.show.plan_figure import draw_plan
     from kilter.show.sphere import draw_region
 
     require_figure(out, view)
@@ -343,6 +391,9 @@ def draw(
     )
     if isinstance(answer, Region):
         figure = draw_region(answer)
+    elif isinstance(answer, Order):
+        _require_steps(answer)
+        figure = draw_plan(answer.states.assembly, answer.to_dict(), view=view)
     else:
         figure = draw_assembly(answer, view=view, names=names, contacts=shown)
     if out is not None:
@@ -353,7 +404,7 @@ def draw(
 
 
 def answer_to_draw(
-    subject: Assembly | Verdict | Region,
+    subject: Any,
     what: str,
     *,
     contacts: ContactSet | None = None,
@@ -361,14 +412,15 @@ def answer_to_draw(
     effort: float = EFFORT,
     time_limit: float | None = None,
     progress: Tell | None = None,
-) -> Verdict | Region:
-    """What a figure shows: of an assembly its verdict or its region."""
+) -> Verdict | Region | Order:
+    """What a figure shows: of an assembly its verdict or its region; an answer as it is."""
     from kilter.analysis.check import check
+    from kilter.analysis.planning.order import Order
     from kilter.analysis.regions.region import Region, region
     from kilter.analysis.verdict import Verdict
     from kilter.assembly.assembly import require_assembly
 
-    if isinstance(subject, Verdict | Region):
+    if isinstance(subject, Verdict | Region | Order):
         return subject
     require_assembly(subject, "draw")
     if what == "region":

@@ -86,3 +86,27 @@ def test_a_page_is_written_that_says_how_it_was_made(
     assert "--hold 1 --before voussoir-8 voussoir-0 -o" in html
     assert main(["plan", str(file), "--hold", "0", "-o", str(page), "--quiet"]) == 1
     assert "impossible" in page.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("name", "begins"),
+    [
+        ("plan.glb", b"glTF"),
+        ("plan.svg", b"<?xml"),
+        ("plan.png", b"\x89PNG"),
+        ("plan.pdf", b"%PDF"),
+    ],
+)
+def test_films_and_figures_are_written_where_there_are_steps(
+    name: str, begins: bytes, file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    made = tmp_path / name
+    assert main(["plan", str(file), "-o", str(made)]) == 0
+    assert made.read_bytes().startswith(begins)
+    made.unlink()
+    capsys.readouterr()
+    assert main(["plan", str(file), "--hold", "0", "-o", str(made)]) == 1
+    told = capsys.readouterr()
+    assert "With nothing held there is no order" in told.out
+    assert "not written: there are no steps to show" in told.err
+    assert not made.exists()

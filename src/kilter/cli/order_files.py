@@ -1,8 +1,9 @@
-"""What a plan is written as, by the ending of the file: a page, a table."""
+"""What a plan is written as, by the ending of the file: a page, a film, a figure, a table."""
 
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from kilter.cli.arguments import PAIRS, pair_of
@@ -27,6 +28,7 @@ def written(order: Order, asked: Asked, typed: list[str]) -> bool:
         The options of the plan, for the command that a page shows.
     """
     from kilter import publish
+    from kilter.show.canvas import SUFFIXES
 
     assert asked.output is not None
     ending = asked.output.suffix.lower()
@@ -39,11 +41,24 @@ def written(order: Order, asked: Asked, typed: list[str]) -> bool:
             title=publish.title_of(asked.file),
             command=asked.command("plan", *typed, "-o", str(asked.output)),
         )
+    elif ending in (*publish.FILMS, *SUFFIXES):
+        if not order.found:
+            replace(asked, output=None).tell(order.to_dict())
+            return _told(asked, "not written: there are no steps to show")
+        if ending in publish.FILMS:
+            publish.animate(order, asked.output)
+        else:
+            publish.draw(order, asked.output)
     else:
         return False
     tell_warnings(order.to_dict()["warnings"], asked.quiet)
+    return _told(asked, order.verdict)
+
+
+def _told(asked: Asked, words: str) -> bool:
+    """What became of the file, on the error stream."""
     if not asked.quiet:
-        print(f"{asked.output}: {order.verdict}", file=sys.stderr)
+        print(f"{asked.output}: {words}", file=sys.stderr)
     return True
 
 

@@ -127,7 +127,8 @@ def plan(
 
     What is grounded is there from the start. Every step is proved: forces hold what stands while
     the next part comes in, along a straight way, or one of two pieces, that nothing stops. With
-    -o FILE.html a page is written that plays the steps, with -o FILE.csv a table of them.
+    -o FILE.html a page is written that plays the steps, with -o FILE.glb a film for other programs,
+    with -o FILE.svg, .png or .pdf a sheet of pictures, with -o FILE.csv a table for a robot.
 
     Exit 0 found, every step at the level of --require; 1 proved that there is none; 3 found, some
     steps at a lower level; 4 none found, which proves nothing.

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from kilter.analysis.verdict import Verdict
     from kilter.assembly import Assembly
 
-__all__ = ["VIEW", "draw_assembly", "draw_region"]
+__all__ = ["VIEW", "camera_of", "draw_assembly", "draw_region"]
 
 
 VIEW = (-32.0, 22.0)
@@ -82,7 +82,7 @@ def draw_assembly(
     figure = blank(WIDTH, HEIGHT)
     axes = figure.add_axes((0.09, 0.11, *SPACE))
     axes.set_axis_off()
-    camera = _camera(assembly, view)
+    camera = camera_of(assembly, view)
     low, high = _limits(assembly, camera, figure)
     size = float((high - low).max())
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
@@ -103,7 +103,7 @@ def draw_assembly(
     return figure
 
 
-def _camera(assembly: Assembly, view: tuple[float, float] | None) -> Camera:
+def camera_of(assembly: Assembly, view: tuple[float, float] | None) -> Camera:
     """The eye; the assembly is turned so that gravity points down on the page."""
     azimuth, elevation = view or (FRONT if assembly.planar else VIEW)
     turn = quaternion_to_matrix(rotation_between(assembly.down, [0.0, 0.0, -1.0]))

@@ -43,10 +43,8 @@ def build_plan_scene(order: Order, explained: Explained) -> dict[str, Any]:
     things = build_things(assembly, states.contacts)
     center = np.array(things["center"])
     steps = [
-        _step(assembly, told, over, support, center)
-        for told, over, support in zip(
-            answer["steps"], [one.over for one in order.steps], explained.supports, strict=True
-        )
+        _step(assembly, told, support, center)
+        for told, support in zip(answer["steps"], explained.supports, strict=True)
     ]
     sentence = answer["sentence"]
     return {
@@ -68,9 +66,9 @@ def build_plan_scene(order: Order, explained: Explained) -> dict[str, Any]:
 
 
 def _step(
-    assembly: Assembly, told: dict[str, Any], over: str | None, support: StepForces, center: Array
+    assembly: Assembly, told: dict[str, Any], support: StepForces, center: Array
 ) -> dict[str, Any]:
-    index, metres = assembly.index, metres_per_unit(assembly.units)
+    index, metres, over = assembly.index, metres_per_unit(assembly.units), told["over"]
     hands = [
         {
             "part": hand.part,
@@ -90,7 +88,7 @@ def _step(
         "held": [index[name] for name in told["held"]],
         "over": None if over is None else index[over],
         "thread": 0.0 if over is None else _thread(assembly, told, over),
-        "facts": [[readable(k), readable(v)] for k, v in step_facts(told, hands, over)],
+        "facts": [[readable(k), readable(v)] for k, v in step_facts(told, hands)],
         "hands": [_hand(assembly, hand) for hand in support.hands],
         "support": {
             "points": pack(support.points - center),

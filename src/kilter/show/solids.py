@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kilter.arrays import Array
 from kilter.rigid import quaternion_to_matrix
@@ -17,7 +19,7 @@ if TYPE_CHECKING:
 
     from kilter.assembly import Assembly
 
-__all__ = ["draw_parts"]
+__all__ = ["GRIP", "draw_parts"]
 
 Colour = tuple[float, float, float, float]
 
@@ -27,6 +29,8 @@ DARK = 0.70
 """Brightness of a face that the light does not meet [-]."""
 EDGE: Colour = (0.15, 0.18, 0.23, 1.0)
 STRIPE: Colour = (0.42, 0.45, 0.50, 0.55)
+GRIP: Colour = (0.0, 0.447, 0.698, 0.85)
+"""Of parts that a hand holds."""
 STRIPES = 0.018
 """Between the stripes of held parts [size of the picture]."""
 HELD = 400
@@ -35,9 +39,28 @@ CLEAR: Colour = (0.0, 0.0, 0.0, 0.0)
 
 
 def draw_parts(
-    axes: Axes, assembly: Assembly, camera: Camera, size: float
+    axes: Axes,
+    assembly: Assembly,
+    camera: Camera,
+    size: float,
+    *,
+    colours: NDArray[np.uint8] | None = None,
+    gripped: Collection[int] = (),
+    line_width: float = 0.8,
 ) -> tuple[list[tuple[Any, str]], list[tuple[int, Array]]]:
     """Draw the parts.
+
+    Parameters
+    ----------
+    axes, assembly, camera
+    size : float
+        Of the picture [length unit].
+    colours : ndarray, shape (N, 3), optional
+        Of the parts, from 0 to 255; where not given, as every picture has them.
+    gripped : collection of int
+        Parts that a hand holds.
+    line_width : float
+        Of edges [pt].
 
     Returns
     -------
@@ -51,7 +74,9 @@ def draw_parts(
 
     ordered = back_to_front(_polygons(assembly), camera)
     grounded = np.array([part.grounded for part in assembly.parts])
-    base = part_colours(placed(assembly).shape, grounded) / 255.0
+    if colours is None:
+        colours = part_colours(placed(assembly).shape, grounded)
+    base = colours / 255.0
     striped = int(sum(grounded[polygon.part] for polygon in ordered)) <= HELD
     light = LIGHT / np.linalg.norm(LIGHT) @ np.stack([camera.right, -camera.towards, camera.up])
     outlines: list[Array] = []
@@ -79,9 +104,12 @@ def draw_parts(
         if striped and grounded[polygon.part]:
             for ends in _stripes(flat, STRIPES * size):
                 line(ends, STRIPE, 0.5)
+        held = polygon.part in gripped
+        for ends in _stripes(flat, STRIPES * size) if held else []:
+            line(ends, GRIP, 1.1 * line_width)
         after = np.roll(flat, -1, axis=0)
         for k in np.flatnonzero(polygon.drawn):
-            line(np.array([flat[k], after[k]]), EDGE, 0.8)
+            line(np.array([flat[k], after[k]]), GRIP if held else EDGE, line_width)
     if outlines:
         style: dict[str, Any] = {"capstyle": "round", "joinstyle": "round", "zorder": 1}
         axes.add_collection(

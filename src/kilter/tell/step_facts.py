@@ -23,7 +23,7 @@ NO_SHARE = 1e-6
 """A force below this part of the weight of a part is what rounding leaves of none [-]."""
 
 
-def step_facts(step: Answer, hands: Sequence[Answer], over: str | None) -> list[tuple[str, str]]:
+def step_facts(step: Answer, hands: Sequence[Answer]) -> list[tuple[str, str]]:
     """Terms of a step and what they are, in words.
 
     Parameters
@@ -32,15 +32,13 @@ def step_facts(step: Answer, hands: Sequence[Answer], over: str | None) -> list[
         An entry of `steps` of a plan.
     hands : sequence of mapping
         ``part``, ``force`` [N] and ``torque`` [N m] or None, ``weight`` [N], ``falls``.
-    over : str or None
-        The bolt over whose thread the part comes.
     """
     way = f"along {vector(step['direction'], 3)}"
     pieces = len(step["path"]) - 1
     if pieces > 1:
         way += f", the last of {count(pieces, 'straight piece')}"
-    if over is not None:
-        way += f", over the thread of {some_names([over])}"
+    if step["over"] is not None:
+        way += f", over the thread of {some_names([step['over']])}"
     found = [("comes in", way), ("touches", some_names(step["touches"], LISTED))]
     if step["rubs"]:
         found.append(("slides along", some_names(step["rubs"], LISTED)))

@@ -171,6 +171,7 @@ class Order:
             "parts": list(step.parts),
             "direction": list(step.direction),
             "path": step.path(far).tolist(),
+            "over": step.over,
             "touches": list(step.touches),
             "rubs": list(step.rubs),
             "held": list(step.held),
@@ -204,15 +205,24 @@ class Order:
     def table(self) -> str:
         """The steps as CSV text: a line each, what is in one cell joined by ``;``.
 
-        Columns: step, part, held, grips, releases, the direction of insertion, touches, level.
+        Columns: step, part, held, grips, releases, the direction of insertion (x, y, z), touches,
+        level, the place of the part's own frame in the world once it is in (px, py, pz [length
+        unit], quaternion qw, qx, qy, qz), and its path: places relative to that, the last zero.
         """
-        rows = ["step,part,held,grips,releases,x,y,z,touches,level"]
-        for k, step in enumerate(self.steps, 1):
-            cells = [step.held, step.grips, step.releases]
-            joined = [_cell(";".join(one)) for one in cells]
-            along = [f"{x:.12g}" for x in step.direction]
-            rest = [_cell(";".join(step.touches)), step.level]
-            rows.append(",".join([str(k), _cell(";".join(step.parts)), *joined, *along, *rest]))
+        rows = ["step,part,held,grips,releases,x,y,z,touches,level,px,py,pz,qw,qx,qy,qz,path"]
+        for k, step in enumerate(self.to_dict()["steps"], 1):
+            pose = self.states.assembly[step["parts"][0]].pose
+            path = [" ".join(f"{x:.12g}" for x in place) for place in step["path"]]
+            cells = [
+                str(k),
+                *(";".join(step[key]) for key in ("parts", "held", "grips", "releases")),
+                *(f"{x:.12g}" for x in step["direction"]),
+                ";".join(step["touches"]),
+                step["level"],
+                *(f"{x:.12g}" for x in (*pose.position, *pose.rotation)),
+                ";".join(path),
+            ]
+            rows.append(",".join(map(_cell, cells)))
         return "\n".join(rows) + "\n"
 
     def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
