@@ -1,0 +1,133 @@
+"""Second-order cones x_0 >= |x_1..|, many at once, and the scaling of Nesterov and Todd.
+
+Points are columns: shape (d, K), of K cones in d dimensions; with d = 1 they are half lines, and
+the same formulas hold. The scaling W of a pair x, s of inner points is the symmetric map with
+
+    W s = W^-1 x = lambda,    W = eta V,  V^2 = 2 w w^T - J,  J = diag(1, -1, .., -1)
+
+References
+----------
+Y. Nesterov, M. Todd, Self-scaled barriers and interior-point methods for convex programming,
+1997. L. Vandenberghe, The CVXOPT linear and quadratic cone program solvers, 2010.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kilter.arrays import TINY, Array
+
+__all__ = ["Scaling", "depth", "divided", "product", "reach"]
+
+
+def depth(x: Array) -> Array:
+    """How far within its cone each point is, x_0 - |x_1..|, shape (K,)."""
+    within: Array = x[0] - np.sqrt((x[1:] ** 2).sum(axis=0))
+    return within
+
+
+def _determinant(x: Array) -> Array:
+    aside = np.sqrt((x[1:] ** 2).sum(axis=0))
+    determinant: Array = np.maximum((x[0] - aside) * (x[0] + aside), TINY)
+    return determinant
+
+
+def product(x: Array, y: Array) -> Array:
+    """The Jordan product: (x.y, x_0 y_1.. + y_0 x_1..)."""
+    result: Array = x[0] * y + y[0] * x
+    result[0] = (x * y).sum(axis=0)
+    return result
+
+
+def divided(x: Array, y: Array) -> Array:
+    """The z with product(x, z) = y.
+
+    Examples
+    --------
+    >>> x, z = np.array([[3.0], [1.0], [2.0]]), np.array([[1.0], [-1.0], [4.0]])
+    >>> divided(x, product(x, z)).ravel()
+    array([ 1., -1.,  4.])
+    """
+    result = np.empty_like(y)
+    result[0] = (x[0] * y[0] - (x[1:] * y[1:]).sum(axis=0)) / _determinant(x)
+    result[1:] = (y[1:] - x[1:] * result[0]) / x[0]
+    return result
+
+
+def reach(x: Array, step: Array) -> float:
+    """The largest t up to which every x + t step stays in its cone, from inner points x.
+
+    Examples
+    --------
+    >>> reach(np.array([[2.0], [0.0]]), np.array([[0.0], [1.0]]))
+    2.0
+    """
+    a = step[0] ** 2 - (step[1:] ** 2).sum(axis=0)
+    b = x[0] * step[0] - (x[1:] * step[1:]).sum(axis=0)
+    c = _determinant(x)
+    inside = b * b - a * c
+    with np.errstate(divide="ignore", invalid="ignore"):
+        root = c / (np.sqrt(np.maximum(inside, 0.0)) - b)
+        leaves = (inside >= 0) & ((b < 0) | (a < 0)) & (root > 0)
+        first = np.where(step[0] < 0, -x[0] / step[0], np.inf)
+    return float(min(root[leaves].min(initial=np.inf), first.min(initial=np.inf)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scaling:
+    """The scaling of pairs of inner points.
+
+    Attributes
+    ----------
+    w : ndarray, shape (d, K)
+    eta : ndarray, shape (K,)
+
+    Examples
+    --------
+    >>> x, s = np.array([[3.0], [1.0], [2.0]]), np.array([[2.0], [-1.0], [1.0]])
+    >>> scaling = Scaling.of(x, s)
+    >>> bool(np.allclose(scaling.times(s), scaling.over(x)))
+    True
+    >>> bool(np.allclose(scaling.twice(s), x))
+    True
+    """
+
+    w: Array
+    eta: Array
+
+    @classmethod
+    def of(cls, x: Array, s: Array) -> Scaling:
+        """The scaling of inner points x and s, shape (d, K) each."""
+        size, other = np.sqrt(_determinant(x)), np.sqrt(_determinant(s))
+        a, b = x / size, s / other
+        half = np.sqrt((1 + (a * b).sum(axis=0)) / 2)
+        w = a - b
+        w[0] = a[0] + b[0]
+        return cls(w / (2 * half), np.sqrt(size / other))
+
+    def times(self, x: Array) -> Array:
+        """W x."""
+        return _boosted(self.w, x) * self.eta
+
+    def over(self, x: Array) -> Array:
+        """W^-1 x."""
+        w = -self.w
+        w[0] = self.w[0]
+        return _boosted(w, x) / self.eta
+
+    def twice(self, x: Array) -> Array:
+        """W^2 x."""
+        result = 2 * (self.w * x).sum(axis=0) * self.w + x
+        result[0] -= 2 * x[0]
+        scaled: Array = result * self.eta**2
+        return scaled
+
+
+def _boosted(w: Array, x: Array) -> Array:
+    """V x."""
+    aside = (w[1:] * x[1:]).sum(axis=0)
+    result: Array = x + (x[0] + aside / (1 + w[0])) * w
+    result[0] = w[0] * x[0] + aside
+    return result
