@@ -17,6 +17,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from kilter.analysis.check import check as check
+    from kilter.analysis.many.batch import Batch as Batch
+    from kilter.analysis.many.batch import batch as batch
     from kilter.analysis.many.check_many import check_many as check_many
     from kilter.analysis.many.verdicts import Verdicts as Verdicts
     from kilter.analysis.margins.margin import Margin as Margin
@@ -72,6 +74,7 @@ __version__ = "0.1.0"
 
 _HOMES = {
     # verbs: the commands
+    "batch": "kilter.analysis.many.batch",
     "check": "kilter.analysis.check",
     "contacts": "kilter.contact.detect",
     "draw": "kilter.publish",
@@ -109,6 +112,7 @@ _HOMES = {
     "Support": "kilter.contact.supports",
     "Tolerance": "kilter.contact.gaps",
     # what they answer
+    "Batch": "kilter.analysis.many.batch",
     "ContactSet": "kilter.contact.contact_set",
     "Example": "kilter.scenes.registry",
     "Fixture": "kilter.analysis.planning.fixture",

@@ -6,6 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
+from kilter.cli.batches import batch
 from kilter.cli.directions import margin, orient, region
 from kilter.cli.holding import hold
 from kilter.cli.judging import check, contacts, example, verify
@@ -15,7 +16,7 @@ from kilter.cli.planning import plan
 __all__ = ["command"]
 
 JUDGING = (check, orient, region, margin, plan, hold)
-COMMANDS = (*JUDGING, report, view, draw, contacts, verify, example)
+COMMANDS = (*JUDGING, report, view, draw, contacts, verify, batch, example)
 
 app = typer.Typer(
     name="kilter",

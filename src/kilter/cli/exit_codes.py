@@ -10,6 +10,7 @@ __all__ = [
     "LOWER",
     "ORIENT",
     "PLAN",
+    "SOME_ERRORS",
     "USAGE",
     "VERDICT",
     "VERIFY",
@@ -28,6 +29,8 @@ PLAN = {"impossible": 1, "none-found": 4}
 VERIFY = {True: 0, False: 1}
 """Of whether a proof holds."""
 HOLD = {"held": 0, "impossible": 1, "undecided": 4}
+SOME_ERRORS = 1
+"""Of `batch`: all rows are written, and some say why there is no verdict."""
 USAGE = 2
 """Wrong usage or input."""
 FAULT = 70

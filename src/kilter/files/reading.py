@@ -25,7 +25,7 @@ from kilter.files.strict_json import parse_json
 from kilter.units import metres_per_unit
 from kilter.validate import finite, number
 
-__all__ = ["LOWEST", "Reading", "load", "read_json"]
+__all__ = ["LOWEST", "Reading", "load", "read_json", "reading_for"]
 
 STANDARD_INPUT = "-"
 LOWEST = "lowest"
@@ -183,22 +183,45 @@ def load(
     InputError
         If it cannot be read; it says what is wrong, where, and what to do.
     """
+    return reading_for(
+        units=units,
+        density=density,
+        ground=ground,
+        floor=floor,
+        without=without,
+        down=down,
+        up=up,
+        friction=friction,
+        contacts=contacts,
+    ).read(source)
+
+
+def reading_for(
+    *,
+    ground: str | Iterable[str] = (),
+    floor: bool | float | None = None,
+    without: str | Iterable[str] = (),
+    down: ArrayLike | None = None,
+    **others: Any,
+) -> Reading:
+    """The reading that the options of `load` ask for.
+
+    Raises
+    ------
+    InputError
+        If one of them makes no sense.
+    """
     height: float | str | None = LOWEST if floor is True else None
     if floor is not None and not isinstance(floor, bool):
         height = number(floor, "height of the floor")
     x, y, z = (0.0, 0.0, 0.0) if down is None else finite(down, (3,), "down").tolist()
-    reading = Reading(
+    return Reading(
         ground=_names(ground),
         floor=height,
         without=_names(without),
         down=None if down is None else (x, y, z),
-        friction=friction,
-        units=units,
-        density=density,
-        up=up,
-        contacts=contacts,
+        **others,
     )
-    return reading.read(source)
 
 
 def _names(patterns: str | Iterable[str]) -> tuple[str, ...]:

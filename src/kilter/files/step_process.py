@@ -14,15 +14,15 @@ import atexit
 import contextlib
 import gc
 import os
-import pickle
 import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any
 
 from kilter.errors import InputError
+from kilter.files.pipes import end_with_parent, receive, send
 
 if TYPE_CHECKING:
     from kilter.files.placed import FileBodies
@@ -50,7 +50,7 @@ class _Process:
         """Have what is likely to be asked next under way."""
         assert self.process.stdin is not None
         with contextlib.suppress(OSError):  # broken down: that is seen when it is asked
-            _send(self.process.stdin, request)
+            send(self.process.stdin, request)
         self.ahead = request
 
     def ask(self, request: Request, tell: Callable[[str, int], None]) -> Any:
@@ -66,10 +66,10 @@ class _Process:
         assert outgoing is not None
         try:
             if request != self.ahead:
-                _send(outgoing, request)
+                send(outgoing, request)
             self.ahead = None
             while True:
-                kind, value = _receive(incoming)
+                kind, value = receive(incoming)
                 if kind != "step":
                     return kind, value
                 tell(*value)
@@ -169,7 +169,7 @@ def serve() -> None:
     nothing = os.open(os.devnull, os.O_RDWR)
     for stream in (0, 1):  # what OCCT prints goes nowhere
         os.dup2(nothing, stream)
-    _end_with_parent()
+    end_with_parent()
     with _uncollected():
         import OCP.STEPCAFControl  # noqa: F401  loaded while nobody waits
 
@@ -177,12 +177,12 @@ def serve() -> None:
 
     while True:
         try:
-            path, _, without, broken = _receive(incoming)
+            path, _, without, broken = receive(incoming)
         except EOFError:
             return
 
         def tell(stage: str, solid: int) -> None:
-            _send(outgoing, ("step", (stage, solid)))
+            send(outgoing, ("step", (stage, solid)))
 
         answer: Any
         try:
@@ -191,7 +191,7 @@ def serve() -> None:
             answer = "refused", (error.what, error.part, error.hint)
         except Exception as error:
             answer = "fault", f"{type(error).__name__}: {error}"
-        _send(outgoing, answer)
+        send(outgoing, answer)
 
 
 @contextlib.contextmanager
@@ -203,29 +203,3 @@ def _uncollected() -> Iterator[None]:
     finally:
         gc.freeze()
         gc.enable()
-
-
-def _end_with_parent() -> None:
-    """Have Linux end this process with the one that started it, also where that is killed."""
-    if sys.platform != "linux":
-        return
-    import ctypes
-
-    ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG
-
-
-def _send(stream: IO[bytes], value: Any) -> None:
-    data = pickle.dumps(value, protocol=pickle.HIGHEST_PROTOCOL)
-    stream.write(len(data).to_bytes(8, "little") + data)
-    stream.flush()
-
-
-def _receive(stream: IO[bytes]) -> Any:
-    head = stream.read(8)
-    if len(head) < 8:
-        raise EOFError
-    length = int.from_bytes(head, "little")
-    data = stream.read(length)
-    if len(data) < length:
-        raise EOFError
-    return pickle.loads(data)

@@ -1,0 +1,228 @@
+"""Verdicts of many files, chunk by chunk, by processes that may die.
+
+Rows are judged by workers and written by this process alone, so that no row is lost or doubled
+whatever is killed. A task whose worker died is tried once more, then halved, until the assembly
+that kills is alone: its row says so.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from collections import Counter, deque
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from kilter.analysis.many.batch_cluster import ClusterWorkers
+from kilter.analysis.many.batch_folder import BatchFolder, open_folder
+from kilter.analysis.many.batch_list import listed_files
+from kilter.analysis.many.batch_rows import BatchQuestion, BatchRow, error_row
+from kilter.analysis.many.batch_workers import LocalWorkers, Task, Workers
+from kilter.contact import Tolerance
+from kilter.errors import InputError
+from kilter.files.reading import reading_for
+from kilter.tell.levels import REQUIRE, require_level
+from kilter.work import EFFORT
+
+__all__ = ["CHUNK", "Batch", "batch", "run_batch"]
+
+CHUNK = 1000
+"""Rows of one file."""
+TRIES = 2
+"""How often a task is tried before it is halved, or its one assembly is blamed."""
+KILLED = "ended the process that judged it, whenever it was tried"
+TOLD = 1000
+"""Errors that an answer lists."""
+
+
+@dataclass(slots=True, eq=False)
+class Batch:
+    """What a batch found.
+
+    Attributes
+    ----------
+    folder : Path
+        Where its rows are, `files` in order of the chunks.
+    rows : int
+    counts : dict from str to int
+        How many there are of each verdict, "error" among them.
+    errors : list of (str, str)
+        Files without a verdict, and why; the first thousand.
+    found_there : int
+        Rows that an earlier run had written.
+    """
+
+    folder: Path
+    files: list[Path] = field(default_factory=list)
+    rows: int = 0
+    counts: Counter[str] = field(default_factory=Counter)
+    errors: list[tuple[str, str]] = field(default_factory=list)
+    found_there: int = 0
+
+    def add(self, rows: Sequence[BatchRow]) -> None:
+        """Count the rows of a chunk."""
+        self.rows += len(rows)
+        self.counts.update(row["verdict"] for row in rows)
+        wrong = [(row["file"], row["error"] or "") for row in rows if row["verdict"] == "error"]
+        self.errors += wrong[: TOLD - len(self.errors)]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The answer of ``kilter batch --json``."""
+        return {
+            "folder": str(self.folder),
+            "files": [path.name for path in self.files],
+            "rows": self.rows,
+            "counts": dict(self.counts.most_common()),
+            "errors": [{"file": file, "error": error} for file, error in self.errors],
+            "found_there": self.found_there,
+        }
+
+
+def batch(
+    source: str | Path,
+    output: str | Path,
+    *,
+    processes: int | None = None,
+    chunk: int = CHUNK,
+    cluster: str | None = None,
+    tolerance: Tolerance | None = None,
+    require: str = REQUIRE,
+    effort: float = EFFORT,
+    time_limit: float | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    **reading: Any,
+) -> Batch:
+    """Verdicts of many files, written to a folder as tables.
+
+    Run again after an interruption, whatever it was, it goes on with what is not there yet.
+
+    Parameters
+    ----------
+    source : path
+        A folder of assemblies, or a text file with a path a line.
+    output : path
+        A folder; ``part-000000.parquet`` and so on, CSV where pyarrow is not installed.
+    processes : int, optional
+        Of this machine; one a core where not given.
+    chunk : int
+        Rows of one file.
+    cluster : str, optional
+        Address of a scheduler of Dask, in place of processes of this machine. The files are
+        read where its workers run.
+    tolerance, require, effort, time_limit
+        As of `kilter.check`.
+    progress : callable, optional
+        Called with how many rows are written, and of how many.
+    **reading
+        How every file is read, as of `kilter.load`: `ground`, `floor`, `friction` and so on.
+
+    Raises
+    ------
+    InputError
+        If nothing can be read or written, another run is at work in the folder, or it has
+        another batch.
+    """
+    allowed = Tolerance() if tolerance is None else tolerance
+    allowed.require_sound()
+    question = BatchQuestion(
+        reading_for(**reading), allowed, require_level(require), effort, time_limit
+    )
+    return run_batch(
+        source, output, question,
+        processes=processes, chunk=chunk, cluster=cluster, progress=progress,
+    )  # fmt: skip
+
+
+def run_batch(
+    source: str | Path,
+    output: str | Path,
+    question: BatchQuestion,
+    *,
+    processes: int | None = None,
+    chunk: int = CHUNK,
+    cluster: str | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Batch:
+    """The same for a question whose options are read already."""
+    size = _whole(chunk, "chunk")
+    count = _whole(_cores() if processes is None else processes, "processes")
+    base, files = listed_files(source)
+    if Path(output).resolve() == base and Path(source).is_dir():
+        raise InputError(
+            "rows would lie among what is judged", file=str(output), hint="give another folder"
+        )
+    question = dataclasses.replace(question, base=base)
+    with open_folder(Path(output), files, question, size=size) as folder:
+        found = Batch(folder.path, [folder.file(k) for k in range(folder.chunks)])
+        left = []
+        for k in range(folder.chunks):
+            rows = folder.read(k)
+            if rows is None:
+                left.append(k)
+            else:
+                found.add(rows)
+        found.found_there = found.rows
+        workers = _workers(cluster, min(count, max(len(left), 1)), question)
+        try:
+            _run(workers, folder, files, left, found, progress or (lambda done, of: None))
+        finally:
+            workers.end()
+    found.errors.sort()
+    return found
+
+
+def _workers(cluster: str | None, count: int, question: BatchQuestion) -> Workers:
+    if cluster is None:
+        return LocalWorkers(count, question)
+    return ClusterWorkers(cluster, question)
+
+
+def _run(
+    workers: Workers,
+    folder: BatchFolder,
+    files: Sequence[str],
+    left: Sequence[int],
+    found: Batch,
+    progress: Callable[[int, int], None],
+) -> None:
+    """Have the chunks that are left judged, and write them."""
+    waiting = deque(Task(k, tuple((n, files[n]) for n in folder.places(k))) for k in left)
+    rows: dict[int, dict[int, BatchRow]] = {k: {} for k in left}
+    progress(found.rows, folder.count)
+    while rows:
+        while waiting and workers.free:
+            workers.take(waiting.popleft())
+        for task, judged in workers.finished(0.2):
+            if judged is None:
+                judged, again = _died(task)
+                waiting.extendleft(reversed(again))
+            own = rows[task.chunk]
+            own |= {row["index"]: row for row in judged}
+            if len(own) == len(folder.places(task.chunk)):
+                whole = [own[n] for n in folder.places(task.chunk)]
+                folder.write(task.chunk, whole)
+                del rows[task.chunk]
+                found.add(whole)
+        progress(found.rows, folder.count)
+
+
+def _died(task: Task) -> tuple[list[BatchRow], list[Task]]:
+    """Rows, and tasks to try, in place of one whose worker died."""
+    if task.tries + 1 < TRIES:
+        return [], [Task(task.chunk, task.files, task.tries + 1)]
+    if len(task.files) == 1:
+        return [error_row(*task.files[0], KILLED)], []
+    half = len(task.files) // 2
+    return [], [Task(task.chunk, some) for some in (task.files[:half], task.files[half:])]
+
+
+def _whole(value: int, what: str) -> int:
+    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+        raise InputError(f"{what} is {value!r:.40}", hint="give a whole number from 1 on")
+    return value
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

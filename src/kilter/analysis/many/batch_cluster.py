@@ -1,0 +1,70 @@
+"""The rows of a batch judged by the workers of a Dask cluster (extra `kilter[cluster]`).
+
+The scheduler hands the tasks of a worker that died to others; one that has killed several it
+gives up, and it comes back as died.
+"""
+
+from __future__ import annotations
+
+import queue
+from typing import Any
+
+from kilter.analysis.many.batch_rows import BatchQuestion, BatchRow, judged_rows
+from kilter.analysis.many.batch_workers import Task
+from kilter.errors import InputError
+
+__all__ = ["ClusterWorkers"]
+
+AHEAD = 2
+"""Tasks that are handed over for each thread of a worker."""
+
+
+class ClusterWorkers:
+    """The workers of a scheduler at an address."""
+
+    def __init__(self, address: str, question: BatchQuestion) -> None:
+        try:
+            import distributed
+        except ImportError:
+            raise InputError(
+                "a cluster needs Dask, which is not installed", hint="pip install 'kilter[cluster]'"
+            ) from None
+        try:
+            self._client: Any = distributed.Client(address, timeout=20)
+        except (OSError, ValueError, TimeoutError):
+            raise InputError(
+                f"no scheduler answers at {address!r:.80}", hint="give it as tcp://HOST:8786"
+            ) from None
+        self._question, self._killed = question, distributed.KilledWorker
+        self._tasks: dict[Any, Task] = {}
+        self._done: queue.SimpleQueue[Any] = queue.SimpleQueue()
+
+    @property
+    def free(self) -> int:
+        """How many more tasks can be taken."""
+        threads: int = sum(self._client.nthreads().values())
+        return max(AHEAD * threads, 1) - len(self._tasks)
+
+    def take(self, task: Task) -> None:
+        """Begin a task."""
+        future = self._client.submit(judged_rows, task.files, self._question, pure=False)
+        self._tasks[future] = task
+        future.add_done_callback(self._done.put)
+
+    def finished(self, seconds: float) -> list[tuple[Task, list[BatchRow] | None]]:
+        """Tasks that came to an end within some seconds, None where their workers died."""
+        try:
+            future = self._done.get(timeout=seconds)
+        except queue.Empty:
+            return []
+        task = self._tasks.pop(future)
+        try:
+            return [(task, future.result())]
+        except self._killed:
+            return [(task, None)]
+
+    def end(self) -> None:
+        """Let all go."""
+        for future in self._tasks:
+            future.cancel()
+        self._client.close()

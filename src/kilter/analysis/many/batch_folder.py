@@ -1,0 +1,240 @@
+"""The folder of a batch: one file a chunk of rows, each whole or not there.
+
+A chunk is written beside its place, flushed to the disk and renamed, so that who lists the folder
+knows what is done: nothing else is kept of how far a batch has come. `batch.json` says of what it
+is one; a lock that ends with its process keeps a second run out.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import csv
+import hashlib
+import importlib.util
+import io
+import json
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from kilter.analysis.many.batch_rows import COLUMNS, BatchQuestion, BatchRow
+from kilter.errors import InputError
+from kilter.files.writing import write_bytes, write_text
+
+__all__ = ["BatchFolder", "open_folder"]
+
+FORMAT = 1
+MANIFEST, LOCK = "batch.json", ".batch.lock"
+
+
+@dataclass(frozen=True, slots=True)
+class BatchFolder:
+    """Where the rows of a batch go: `count` rows in chunks of `size`."""
+
+    path: Path
+    count: int
+    size: int
+    form: str
+
+    @property
+    def chunks(self) -> int:
+        """How many there are."""
+        return -(-self.count // self.size)
+
+    def places(self, chunk: int) -> range:
+        """The places of the rows of a chunk."""
+        return range(chunk * self.size, min((chunk + 1) * self.size, self.count))
+
+    def file(self, chunk: int) -> Path:
+        """Where a chunk is written."""
+        return self.path / f"part-{chunk:06d}.{self.form}"
+
+    def write(self, chunk: int, rows: Sequence[BatchRow]) -> None:
+        """A chunk, in full or not at all.
+
+        Raises
+        ------
+        InputError
+            If it cannot be written.
+        """
+        data = _parquet(rows) if self.form == "parquet" else _csv(rows)
+        write_bytes(self.file(chunk), data)
+        _flush(self.path)
+
+    def read(self, chunk: int) -> list[BatchRow] | None:
+        """The rows of a chunk; None where it is not there.
+
+        Raises
+        ------
+        InputError
+            If it is damaged.
+        """
+        path = self.file(chunk)
+        if not path.exists():
+            return None
+        try:
+            rows = _from_parquet(path) if self.form == "parquet" else _from_csv(path)
+            if [row["index"] for row in rows] == list(self.places(chunk)):
+                return rows
+        except (OSError, ValueError, KeyError):
+            pass
+        raise InputError("holds other rows", file=str(path), hint="remove it, and run again")
+
+
+@contextlib.contextmanager
+def open_folder(
+    path: Path, files: Sequence[str], question: BatchQuestion, *, size: int
+) -> Iterator[BatchFolder]:
+    """The folder of a batch while it is at work, no other run beside.
+
+    Raises
+    ------
+    InputError
+        If it cannot be made, another run is at work in it, or it has another batch.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"cannot be made: {error.strerror}", file=str(path), hint="give another folder"
+        ) from None
+    with _alone(path):
+        for left in path.glob(".part-*"):  # of a run that was killed
+            left.unlink()
+        asked = {
+            "kilter_batch": FORMAT,
+            "files": len(files),
+            "listed": hashlib.sha256("\n".join(files).encode()).hexdigest(),
+            "question": _as_data(question),
+        }
+        manifest = path / MANIFEST
+        if manifest.exists():
+            form, size = _same(manifest, asked)
+        else:
+            if any(path.glob("part-*")):
+                raise InputError(
+                    "has parts, but no batch.json", file=str(path), hint="give another folder"
+                )
+            form = "parquet" if importlib.util.find_spec("pyarrow") else "csv"
+            write_text(manifest, json.dumps({**asked, "rows": size, "form": form}, indent=2) + "\n")
+        yield BatchFolder(path, len(files), size, form)
+
+
+def _same(manifest: Path, asked: dict[str, Any]) -> tuple[str, int]:
+    """Form and size of the chunks of the batch that a folder has, where it is this one."""
+    try:
+        there = json.loads(manifest.read_text(encoding="utf-8"))
+        form, size = str(there.pop("form")), int(there.pop("rows"))
+    except (OSError, ValueError, KeyError, AttributeError):
+        there, form, size = None, "", 0
+    if there != asked:
+        raise InputError(
+            "has another batch: other files, or other options",
+            file=str(manifest.parent),
+            hint="give another folder",
+        )
+    if form == "parquet" and importlib.util.find_spec("pyarrow") is None:
+        raise InputError(
+            "has parquet files, and pyarrow is not installed",
+            file=str(manifest.parent),
+            hint="pip install 'kilter[batch]'",
+        )
+    return form, size
+
+
+def _as_data(question: BatchQuestion) -> dict[str, Any]:
+    tolerance = question.tolerance
+    return {
+        "reading": question.reading.options(),
+        "tolerance": [tolerance.gap, tolerance.relative_gap, tolerance.angle, tolerance.clearance],
+        "require": question.require,
+        "effort": question.effort,
+        "time_limit": question.time_limit,
+    }
+
+
+@contextlib.contextmanager
+def _alone(path: Path) -> Iterator[None]:
+    """No other run in the folder while this lasts; a run that is killed leaves it free."""
+    handle = os.open(path / LOCK, os.O_RDWR | os.O_CREAT, 0o666)
+    try:
+        try:
+            _lock(handle)
+        except OSError:
+            raise InputError(
+                "another run is at work in it", file=str(path), hint="wait, or give another folder"
+            ) from None
+        yield
+    finally:
+        os.close(handle)
+
+
+def _lock(handle: int) -> None:
+    if os.name == "nt":
+        import msvcrt
+
+        msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)  # type: ignore[attr-defined,unused-ignore]
+    else:
+        import fcntl
+
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+def _flush(folder: Path) -> None:
+    """The new name of a file, also if the machine stops."""
+    if os.name == "nt":
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+# forms ----------------------------------------------------------------------------------------
+
+
+def _csv(rows: Sequence[BatchRow]) -> bytes:
+    text = io.StringIO()
+    writer = csv.DictWriter(text, list(COLUMNS), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return text.getvalue().encode("utf-8", "surrogateescape")
+
+
+def _from_csv(path: Path) -> list[BatchRow]:
+    with open(path, encoding="utf-8", errors="surrogateescape", newline="") as stream:
+        return [
+            {name: _value(kind, row[name]) for name, kind in COLUMNS.items()}
+            for row in csv.DictReader(stream)
+        ]
+
+
+def _value(kind: type, text: str) -> Any:
+    if text == "":
+        return None
+    return text == "True" if kind is bool else kind(text)
+
+
+def _parquet(rows: Sequence[BatchRow]) -> bytes:
+    import pyarrow
+    import pyarrow.parquet
+
+    kinds = {
+        int: pyarrow.int64(), str: pyarrow.string(), bool: pyarrow.bool_(), float: pyarrow.float64()
+    }  # fmt: skip
+    schema = pyarrow.schema([(name, kinds[kind]) for name, kind in COLUMNS.items()])
+    stream = pyarrow.BufferOutputStream()
+    pyarrow.parquet.write_table(pyarrow.Table.from_pylist(list(rows), schema=schema), stream)
+    data: bytes = stream.getvalue().to_pybytes()
+    return data
+
+
+def _from_parquet(path: Path) -> list[BatchRow]:
+    import pyarrow.parquet
+
+    with open(path, "rb") as stream:
+        rows: list[BatchRow] = pyarrow.parquet.read_table(stream).to_pylist()
+    return rows

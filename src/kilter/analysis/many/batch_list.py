@@ -1,0 +1,51 @@
+"""What a batch judges: the files that a list names, or that a folder holds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from kilter.errors import InputError
+from kilter.files.formats import FORMATS
+from kilter.files.naming import natural_key
+
+__all__ = ["listed_files"]
+
+
+def listed_files(source: str | Path) -> tuple[Path, list[str]]:
+    """The folder that paths start from, and the path of each assembly.
+
+    Parameters
+    ----------
+    source : path
+        A folder: every file in it of a format that `kilter.load` reads, in the order in which
+        people count. A file: a path a line, relative to the list; lines that are empty or begin
+        with # are passed over.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, or names nothing.
+    """
+    path = Path(source)
+    try:
+        if path.is_dir():
+            chosen = [e for e in path.iterdir() if _is_assembly(e)]
+            base, found = path, sorted((e.name for e in chosen), key=natural_key)
+        else:
+            lines = path.read_text(encoding="utf-8").splitlines()
+            words = [line.strip() for line in lines]
+            base, found = path.parent, [w for w in words if w and not w.startswith("#")]
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(
+            f"cannot be read: {getattr(error, 'strerror', None) or 'it is no text'}",
+            file=str(path),
+            hint="give a folder of assemblies, or a text file with a path a line",
+        ) from None
+    if not found:
+        raise InputError("no assembly in it", file=str(path), hint="name one file a line")
+    return base.resolve(), found
+
+
+def _is_assembly(entry: Path) -> bool:
+    readable = entry.suffix.lower() in (*FORMATS, ".json")
+    return readable and not entry.name.startswith(".") and entry.is_file()

@@ -1,0 +1,133 @@
+"""Rows of a batch: one an assembly, judged in any process, the same whichever it is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from kilter.analysis.many.check_many import check_many
+from kilter.analysis.many.verdicts import Verdicts
+from kilter.assembly import Assembly
+from kilter.contact import Tolerance
+from kilter.contact.fits.fastening import fasten_as_read
+from kilter.errors import InputError, KilterError
+from kilter.files.reading import Reading
+from kilter.tell.levels import REQUIRE
+from kilter.work import EFFORT
+
+__all__ = ["COLUMNS", "BatchQuestion", "error_row", "judged_rows"]
+
+COLUMNS: dict[str, type] = {
+    "index": int,
+    "file": str,
+    "verdict": str,
+    "level": str,
+    "stable": bool,
+    "parts": int,
+    "residual": float,
+    "power": float,
+    "violation": float,
+    "error": str,
+}
+"""Columns of a row and what they hold; None where there is nothing to say."""
+BatchRow = dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class BatchQuestion:
+    """What is asked of every assembly of a batch, and how their files are read.
+
+    `base`: the folder that their paths start from.
+    """
+
+    reading: Reading = field(default_factory=Reading)
+    tolerance: Tolerance = field(default_factory=Tolerance)
+    require: str = REQUIRE
+    effort: float = EFFORT
+    time_limit: float | None = None
+    base: Path = field(default_factory=Path)
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """Of `check`."""
+        return {
+            "tolerance": self.tolerance,
+            "require": self.require,
+            "effort": self.effort,
+            "time_limit": self.time_limit,
+        }
+
+
+def judged_rows(files: Sequence[tuple[int, str]], question: BatchQuestion) -> list[BatchRow]:
+    """The rows of some files, given with their places in the batch."""
+    rows: dict[int, BatchRow] = {}
+    read: dict[int, Assembly] = {}
+    for index, file in files:
+        try:
+            read[index] = _read(file, question)
+        except Exception as error:
+            rows[index] = error_row(index, file, _words(error))
+    given, names = list(read.values()), dict(files)
+    try:
+        found = [check_many(given, **question.options)]
+    except Exception:  # a fault over one must not cost the others
+        found = []
+    for place, index in enumerate(read):
+        if found:
+            rows[index] = _row(index, names[index], given[place], found[0], place)
+            continue
+        try:
+            one = check_many([given[place]], **question.options)
+            rows[index] = _row(index, names[index], given[place], one, 0)
+        except Exception as error:
+            rows[index] = error_row(index, names[index], _words(error))
+    return [rows[index] for index, _ in files]
+
+
+def _read(file: str, question: BatchQuestion) -> Assembly:
+    assembly = question.reading.read(question.base / file)
+    if not question.reading.fastens:
+        return assembly
+    return fasten_as_read(assembly, question.reading, tolerance=question.tolerance)[0]
+
+
+def _row(index: int, file: str, assembly: Assembly, found: Verdicts, k: int) -> BatchRow:
+    if k in found.errors:
+        return error_row(index, file, _words(found.errors[k]), parts=len(assembly))
+    return {
+        "index": index,
+        "file": file,
+        "verdict": str(found.verdict[k]),
+        "level": found.level[k],
+        "stable": bool(found.stable[k]),
+        "parts": len(assembly),
+        "residual": _number(found.residual[k]),
+        "power": _number(found.power[k]),
+        "violation": _number(found.violation[k]),
+        "error": None,
+    }
+
+
+def error_row(index: int, file: str, error: str, *, parts: int | None = None) -> BatchRow:
+    """The row of a file without a verdict."""
+    row = dict.fromkeys(COLUMNS)
+    return row | {
+        "index": index, "file": file, "verdict": "error", "stable": False, "parts": parts,
+        "error": error,
+    }  # fmt: skip
+
+
+def _number(value: float) -> float | None:
+    return None if math.isnan(value) else float(value)
+
+
+def _words(error: Exception) -> str:
+    if isinstance(error, InputError):  # the file has a column of its own
+        where = {"part": error.part, "hint": error.hint, "option": error.option}
+        return InputError(error.what, **where).for_command
+    if isinstance(error, KilterError):
+        return str(error)
+    return f"a fault of kilter itself: {type(error).__name__}: {error}"

@@ -1,0 +1,138 @@
+"""Who judges the rows of a batch: processes of this machine, each with one task at a time.
+
+A worker that dies, whatever killed it, is replaced, and its task handed back as died.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import selectors
+import signal
+import subprocess
+import sys
+from dataclasses import dataclass
+from typing import Protocol
+
+from kilter.analysis.many.batch_rows import BatchQuestion, BatchRow, judged_rows
+from kilter.files.pipes import end_with_parent, receive, send
+
+__all__ = ["LocalWorkers", "Task", "Workers", "serve"]
+
+_SERVE = (
+    "import sys; sys.path[:] = {path!r}; from kilter.analysis.many.batch_workers import serve; "
+    "serve()"
+)
+Files = tuple[tuple[int, str], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """Files of one chunk, with their places in the batch, and how often they were tried."""
+
+    chunk: int
+    files: Files
+    tries: int = 0
+
+
+class Workers(Protocol):
+    """Who takes tasks and gives rows back."""
+
+    @property
+    def free(self) -> int:
+        """How many more tasks can be taken."""
+
+    def take(self, task: Task) -> None:
+        """Begin a task."""
+
+    def finished(self, seconds: float) -> list[tuple[Task, list[BatchRow] | None]]:
+        """Tasks that came to an end within some seconds, None where their worker died."""
+
+    def end(self) -> None:
+        """Let all go."""
+
+
+class LocalWorkers:
+    """So many processes of this machine."""
+
+    def __init__(self, count: int, question: BatchQuestion) -> None:
+        self._count, self._question = count, question
+        self._busy: dict[subprocess.Popen[bytes], Task] = {}
+        self._idle: list[subprocess.Popen[bytes]] = []
+        self._ready = selectors.DefaultSelector()
+
+    @property
+    def free(self) -> int:
+        """How many more tasks can be taken."""
+        return self._count - len(self._busy)
+
+    def take(self, task: Task) -> None:
+        """Begin a task."""
+        worker = self._idle.pop() if self._idle else self._started()
+        assert worker.stdin is not None
+        self._busy[worker] = task
+        with contextlib.suppress(OSError):  # it died: that is seen where it is waited for
+            send(worker.stdin, task.files)
+
+    def _started(self) -> subprocess.Popen[bytes]:
+        command = [sys.executable, "-c", _SERVE.format(path=sys.path)]
+        worker = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
+        )
+        assert worker.stdin is not None
+        assert worker.stdout is not None
+        self._ready.register(worker.stdout, selectors.EVENT_READ, worker)
+        with contextlib.suppress(OSError):
+            send(worker.stdin, self._question)
+        return worker
+
+    def finished(self, seconds: float) -> list[tuple[Task, list[BatchRow] | None]]:
+        """Tasks that came to an end within some seconds, None where their worker died."""
+        found = []
+        for key, _ in self._ready.select(seconds):
+            worker: subprocess.Popen[bytes] = key.data
+            assert worker.stdout is not None
+            try:
+                rows = receive(worker.stdout)
+            except (EOFError, OSError):
+                rows = None
+                self._ready.unregister(worker.stdout)
+                _ended(worker)
+            task = self._busy.pop(worker, None)
+            if rows is not None:
+                self._idle.append(worker)
+            elif worker in self._idle:
+                self._idle.remove(worker)
+            if task is not None:
+                found.append((task, rows))
+        return found
+
+    def end(self) -> None:
+        """Let all go, whatever they are at."""
+        for worker in [*self._busy, *self._idle]:
+            _ended(worker)
+        self._ready.close()
+
+
+def _ended(worker: subprocess.Popen[bytes]) -> None:
+    worker.kill()
+    for stream in (worker.stdin, worker.stdout):
+        with contextlib.suppress(OSError):
+            if stream is not None:
+                stream.close()
+    worker.wait()
+
+
+def serve() -> None:
+    """Judge tasks as they come, until nobody asks any more."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    incoming = os.fdopen(os.dup(0), "rb")
+    outgoing = os.fdopen(os.dup(1), "wb")
+    nothing = os.open(os.devnull, os.O_RDWR)
+    for stream in (0, 1):
+        os.dup2(nothing, stream)
+    end_with_parent()
+    with contextlib.suppress(EOFError, BrokenPipeError):
+        question = receive(incoming)
+        while True:
+            send(outgoing, judged_rows(receive(incoming), question))
