@@ -15,7 +15,6 @@ from kilter.analysis.planning.locking import find_locked, multipliers_of, openin
 from kilter.analysis.planning.removal import Removal
 from kilter.analysis.planning.states import states
 from kilter.analysis.verification import verify_bundle
-from kilter.rigid import quaternion_to_matrix
 from kilter.scenes import scene
 from kilter.scenes.pieces import block, cells, floor, turned_parts
 
@@ -101,7 +100,7 @@ def test_other_multipliers_are_refused(change: str) -> None:
 
 
 def test_locked_wherever_it_is() -> None:
-    moved = turned_parts(list(boxed()), quaternion_to_matrix([0.8, 0.36, -0.48, 0.0]))
+    moved = turned_parts(list(boxed()), [0.8, 0.36, -0.48, 0.0])
     assert kilter.plan(Assembly(moved)).verdict == "impossible"
 
 

@@ -14,6 +14,7 @@ from kilter.cli.options import FORM, asks
 from kilter.cli.order_files import as_typed, written
 from kilter.cli.output import Progress, as_json, write_whole
 from kilter.errors import InputError
+from kilter.files.sequence import read_sequence
 
 __all__ = ["plan"]
 
@@ -103,6 +104,16 @@ def plan(
             rich_help_panel=ORDER,
         ),
     ] = "holds",
+    sequence: Annotated[
+        Path | None,
+        typer.Option(
+            "--sequence",
+            metavar="FILE",
+            help="Judge this order: a name a line, .csv with a column part, or .json.",
+            rich_help_panel=ORDER,
+            show_default=False,
+        ),
+    ] = None,
     require: Annotated[
         str,
         typer.Option(
@@ -130,8 +141,9 @@ def plan(
     -o FILE.html a page is written that plays the steps, with -o FILE.glb a film for other programs,
     with -o FILE.svg, .png or .pdf a sheet of pictures, with -o FILE.csv a table for a robot.
 
-    Exit 0 found, every step at the level of --require; 1 proved that there is none; 3 found, some
-    steps at a lower level; 4 none found, which proves nothing.
+    Exit 0 found, every step at the level of --require; 1 proved that there is none, or that the
+    order of --sequence fails; 3 found, some steps at a lower level; 4 none found, which proves
+    nothing.
     """
     from kilter.analysis.planning.plan import plan as find
 
@@ -145,6 +157,7 @@ def plan(
         group=group,
         together=together,
         fewest=None if fewest == "holds" else fewest,
+        sequence=sequence,
         require=None if require == "equilibrium" else require,
     )
     with Progress(asked.quiet) as progress:
@@ -159,6 +172,7 @@ def plan(
             groups=group or (),
             together=together,
             fewest=fewest,
+            sequence=None if sequence is None else read_sequence(sequence),
             require=require,
             effort=asked.effort,
             time_limit=asked.time_limit,
@@ -167,7 +181,7 @@ def plan(
             progress=progress,
         )
     after = ""
-    if proof is not None and order.verdict != "none-found":
+    if proof is not None and order.verdict in ("found", "impossible"):
         write_whole(proof, as_json(order.proof(options=asked.reading.options())))
         after = f"\nproof file  written to {proof}"
     elif proof is not None:

@@ -28,10 +28,14 @@ def order_sentence(answer: Answer) -> str:
         if held:
             most = count(answer["holds_max"], "part")
             words = f"with at most {most} held at once, in {count(held, 'step')}"
-        first = f"It can be put together in {count(len(answer['steps']), 'step')}, {words}."
+        given = "in this order, " if answer["given"] else ""
+        steps = count(len(answer["steps"]), "step")
+        first = f"It can be put together {given}in {steps}, {words}."
         return " ".join(filter(None, [first, fewer, _least(answer)]))
     if answer["verdict"] == "impossible":
         return fewer
+    if answer["given"]:
+        return _failing(answer)
     why = "the effort was spent"
     if answer["search"]["exhausted"]:
         why = "none is left of the directions that were tried"
@@ -44,10 +48,21 @@ def order_sentence(answer: Answer) -> str:
     return f"{first} {fewer}" if fewer else first
 
 
+def _failing(answer: Answer) -> str:
+    """What fails in an order that was given: its first step that does, and how many more."""
+    failing = [(k, step) for k, step in enumerate(answer["steps"], 1) if step["fails"]]
+    number, step = failing[0]
+    why = "; ".join(step["fails"])
+    more = f" {count(len(failing) - 1, 'further step')} fail." if len(failing) > 1 else ""
+    sure = "cannot be kept to" if answer["verdict"] == "fails" else "was not confirmed"
+    return f"This order {sure}: step {number}, {some_names(step['parts'])}: {why}.{more}"
+
+
 def _least(answer: Answer) -> str:
     """How surely nothing less is held, where it is more than nothing and that is not said yet."""
     fewest, most = answer["fewest"], answer["holds_max"]
-    if not most or (fewest["what"] == "holds" and most == 1 and answer["impossible"]):
+    said = fewest["what"] == "holds" and most == 1 and answer["impossible"]
+    if answer["given"] or said or not most:
         return ""
     what = "parts at once" if fewest["what"] == "holds" else "held steps"
     return {
@@ -82,7 +97,7 @@ def order_facts(answer: Answer) -> list[tuple[str, str]]:
     found = [("base", some_names(answer["base"]))]
     if answer["level"] is not None:
         words = answer["level"]
-        if not answer["holds"]:
+        if answer["found"] and not answer["holds"]:
             words += f" (asked for: {answer['require']})"
         found.append(("level", f"{words}: the lowest of its steps"))
     if answer["best"]:
@@ -98,4 +113,5 @@ def step_cells(step: Answer) -> tuple[str, str, str, str]:
     """Direction, held parts, what is gripped and let go, and the level of a step."""
     held = f"hold {some_names(step['held'])}" if step["held"] else ""
     freed = f"let go {some_names(step['releases'])}" if step["releases"] else ""
-    return f"along {vector(step['direction'], 3)}", held, freed, step["level"]
+    along = "" if step["direction"] is None else f"along {vector(step['direction'], 3)}"
+    return along, held, freed, "; ".join(step["fails"]) or step["level"]

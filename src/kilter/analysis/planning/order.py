@@ -6,6 +6,7 @@ asked.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -36,7 +37,7 @@ class Order:
     states : States
         Of the assembly.
     steps : tuple of Step
-        In the order of assembly; empty where none was found.
+        In the order of assembly; empty where none was found. Of a given order all of them.
     best : tuple of str
         Where none was found: the parts that could be put in last, the last first.
     falling : tuple of State
@@ -61,6 +62,8 @@ class Order:
         Groups that were asked for.
     together : bool
         Whether parts that stop one another might move as one.
+    given : bool
+        Whether the order was given and judged, not searched.
     fewest : {"holds", "held-steps"}
         What there was to be least of.
     least : {"always", "as-tried"} or None
@@ -88,6 +91,7 @@ class Order:
     screws: tuple[Screw, ...]
     moved_as_one: tuple[tuple[str, ...], ...]
     together: bool
+    given: bool
     fewest: str
     least: str | None
     exhausted: bool
@@ -98,21 +102,28 @@ class Order:
 
     @property
     def verdict(self) -> str:
-        """One of "found", "impossible" (no order exists, that is proved) and "none-found"."""
-        if self.steps:
+        """What came of it.
+
+        "found"; "impossible": no order exists, that is proved; "none-found"; of a given order
+        "fails": parts would fall, touch nothing, or come too early, whatever the ways.
+        """
+        fails = [step for step in self.steps if step.fails]
+        if self.steps and not fails:
             return "found"
+        if fails:
+            return "fails" if any(step.broken for step in fails) else "none-found"
         none = self.locked or (self.falling and self.hold == 0)
         return "impossible" if none else "none-found"
 
     @property
     def found(self) -> bool:
-        """Whether there is an order."""
-        return bool(self.steps)
+        """Whether there is an order, or the given one is one."""
+        return self.verdict == "found"
 
     @property
     def level(self) -> str | None:
         """The lowest level of its steps; None where there is none."""
-        levels = [step.level for step in self.steps]
+        levels = [step.level for step in self.steps if step.level is not None]
         order = list(VERDICTS)
         return max(levels, key=order.index, default=None)
 
@@ -149,6 +160,7 @@ class Order:
             "precedence": [list(pair) for pair in self.precedence],
             "impossible": self._impossible(),
             "best": list(self.best),
+            "given": self.given,
             "fewest": {"what": self.fewest, "least": self.least},
             "search": {**self.counts, "exhausted": self.exhausted, "hold": self.hold},
             "assumes": {
@@ -169,7 +181,7 @@ class Order:
         far = FAR * float(np.ptp(self.states.assembly.geometry.vertices, axis=0).max())
         return {
             "parts": list(step.parts),
-            "direction": list(step.direction),
+            "direction": None if step.direction is None else list(step.direction),
             "path": step.path(far).tolist(),
             "over": step.over,
             "touches": list(step.touches),
@@ -178,8 +190,9 @@ class Order:
             "grips": list(step.grips),
             "releases": list(step.releases),
             "down": self.states.assembly.down.tolist(),
-            "verdict": VERDICTS[step.level],
+            "verdict": "unstable" if step.level is None else VERDICTS[step.level],
             "level": step.level,
+            "fails": list(step.fails),
         }
 
     def _impossible(self) -> dict[str, Any] | None:
@@ -216,9 +229,9 @@ class Order:
             cells = [
                 str(k),
                 *(";".join(step[key]) for key in ("parts", "held", "grips", "releases")),
-                *(f"{x:.12g}" for x in step["direction"]),
+                *(f"{x:.12g}" for x in step["direction"] or [math.nan] * 3),
                 ";".join(step["touches"]),
-                step["level"],
+                step["level"] or "",
                 *(f"{x:.12g}" for x in (*pose.position, *pose.rotation)),
                 ";".join(path),
             ]
@@ -238,7 +251,7 @@ class Order:
         InputError
             If nothing was found and nothing is proved.
         """
-        if self.verdict == "none-found":
+        if self.verdict in ("none-found", "fails"):
             raise InputError("no order was found, and nothing is proved: there is no proof")
         names = self.states.assembly.names
         rules = {

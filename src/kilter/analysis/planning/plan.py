@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from kilter.analysis.planning.cheapest import FEWEST, Searched, find_order
 from kilter.analysis.planning.closure import find_unreachable
+from kilter.analysis.planning.given_order import judge_order, sets_of_order
 from kilter.analysis.planning.locking import Locked, find_locked
 from kilter.analysis.planning.order import Order
 from kilter.analysis.planning.part_sets import members
@@ -57,6 +58,7 @@ def plan(
     groups: Iterable[str | Iterable[str]] = (),
     together: bool = False,
     fewest: str = "holds",
+    sequence: Iterable[str | Iterable[str]] | None = None,
     require: str = "equilibrium",
     effort: float = EFFORT,
     time_limit: float | None = None,
@@ -87,6 +89,8 @@ def plan(
         Whether parts that stop one another may move as one where none leaves alone.
     fewest : {"holds", "held-steps"}
         What there is to be least of: parts held at once, or steps during which a part is held.
+    sequence : iterable of str or of iterables of str, optional
+        An order to judge step by step, in place of a search; several names at once move as one.
     require : {"equilibrium", "settles", "proved"}
         The level that `Order.holds` asks of every step; the search is at "equilibrium".
     effort : float
@@ -99,8 +103,8 @@ def plan(
     ------
     InputError
         If nothing or everything is grounded, the whole does not hold, a name matches nothing,
-        the precedence goes round in a circle, no thread joins the parts of a screw, or a part is
-        in two groups.
+        the precedence goes round in a circle, no thread joins the parts of a screw, a part is in
+        two groups, or the sequence does not name each part once.
 
     Examples
     --------
@@ -121,6 +125,8 @@ def plan(
     work = Work(budget, progress, time_limit=time_limit)
     started = time.perf_counter()
     after, units = later_parts(assembly, before), units_of_groups(assembly, groups)
+    if sequence is not None:
+        units = sets_of_order(assembly, sequence)
     found = states(assembly, contacts=contacts, tolerance=tolerance, progress=progress)
     seconds = {"contacts": time.perf_counter() - started}
     between = time.perf_counter()
@@ -132,12 +138,18 @@ def plan(
     search = OrderSearch(found, removal, after, holdable, work, units, together)
     falling: list[State] = []
     locked: list[Locked] = []
-    if not together and not any(unit & (unit - 1) for unit in units):
+    if sequence is None and not together and not any(unit & (unit - 1) for unit in units):
         work.stage("what is locked")
         locked = find_locked(found, removal)
         work.stage("what stands by itself")
         falling = [] if locked else find_unreachable(found)[1]
-    searched = Searched(None) if locked else find_order(search, 1 if falling else 0, most, fewest)
+    if sequence is not None:
+        work.stage("the sequence")
+        searched = Searched(judge_order(search, units, most), most)
+    elif locked:
+        searched = Searched(None)
+    else:
+        searched = find_order(search, 1 if falling else 0, most, fewest)
     seconds["search"] = time.perf_counter() - between
     work.stage("levels of the steps")
     steps = steps_of(search, searched.order or [], level, effort)
@@ -160,6 +172,7 @@ def plan(
         moved_as_one=tuple(_names(assembly, unit) for unit in units if unit & (unit - 1)),
         together=together,
         exhausted=search.exhausted,
+        given=sequence is not None,
         fewest=fewest,
         least=_least(searched, len(falling)),
         interrupted=searched.interrupted,

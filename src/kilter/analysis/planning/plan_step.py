@@ -22,12 +22,15 @@ from kilter.analysis.planning.states import States
 from kilter.arrays import Array
 from kilter.contact.sub_contacts import contacts_among
 
-__all__ = ["FAR", "VERDICTS", "Step", "steps_of"]
+__all__ = ["FAR", "NO_WAY", "UNDECIDED", "VERDICTS", "Step", "steps_of"]
 
 FAR = 2.0
 """How far away a part begins, over the size of the whole assembly."""
 VERDICTS = {"proved": "stable", "settles": "settles", "equilibrium": "potentially-stable"}
 """Of a step by its level."""
+NO_WAY = "no way in was found along the directions that were tried"
+UNDECIDED = "whether what stands before it holds is undecided"
+"""Why a step of a given order fails, so far as is known."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,10 +50,13 @@ class Step:
         Parts held while they move; of these, those that were not held before; parts that were.
     state : State
         What stands while they move.
-    level : {"proved", "settles", "equilibrium"}
-        How surely that holds.
+    level : {"proved", "settles", "equilibrium"} or None
+        How surely that holds; None where it does not.
     needs : Holds or None
         Where parts are held: the motions that say that fewer are not enough.
+    fails : tuple of str
+        Of a given order: why this step cannot be made; then what is said of its way, or of its
+        holds, may be empty.
     """
 
     parts: tuple[str, ...]
@@ -62,8 +68,9 @@ class Step:
     grips: tuple[str, ...]
     releases: tuple[str, ...]
     state: State
-    level: str
+    level: str | None
     needs: Holds[State] | None = None
+    fails: tuple[str, ...] = ()
 
     @property
     def part(self) -> str:
@@ -71,8 +78,15 @@ class Step:
         return self.parts[0]
 
     @property
-    def direction(self) -> Direction:
-        """The direction of the last piece of its way in (unit, world frame)."""
+    def broken(self) -> bool:
+        """Whether it fails whatever the ways."""
+        return any(reason not in (NO_WAY, UNDECIDED) for reason in self.fails)
+
+    @property
+    def direction(self) -> Direction | None:
+        """The direction of the last piece of its way in (unit, world frame); None without one."""
+        if not self.legs:
+            return None
         x, y, z = (0.0 - one for one in self.legs[0].direction)
         return x, y, z
 
@@ -107,7 +121,8 @@ def steps_of(
     for one in reversed(removed):
         held = states.held_names(one.state)
         moved = tuple(names[k] for k in one.parts)
-        touches, rubs = search.removal.touching(one.set, one.state.present, one.legs[0].direction)
+        along = one.legs[0].direction if one.legs else (0.0, 0.0, 0.0)
+        touches, rubs = search.removal.touching(one.set, one.state.present, along)
         bolt = search.removal.over(one.set, one.state.present)
         steps.append(
             Step(
@@ -115,13 +130,14 @@ def steps_of(
                 legs=one.legs,
                 over=None if bolt is None else names[bolt],
                 touches=_names(names, touches),
-                rubs=_names(names, rubs),
+                rubs=_names(names, rubs) if one.legs else (),
                 held=tuple(held),
                 grips=tuple(name for name in held if name not in before),
                 releases=tuple(sorted(before - set(held), key=names.index)),
                 state=one.state,
                 level=_level(states, one.state, require, effort),
-                needs=one.needs,
+                needs=one.needs if one.state.stable else None,
+                fails=one.fails,
             )
         )
         before = {*held, *moved} if held else set()
@@ -132,8 +148,10 @@ def _names(names: Sequence[str], parts: Iterable[int]) -> tuple[str, ...]:
     return tuple(names[k] for k in parts)
 
 
-def _level(states: States, state: State, require: str, effort: float) -> str:
-    """How surely a state holds that forces can hold."""
+def _level(states: States, state: State, require: str, effort: float) -> str | None:
+    """How surely a state holds; None where no forces can hold it."""
+    if not state.stable:
+        return None
     if state.verdict is not None and state.verdict.level is not None:
         return state.verdict.level
     if judge(state.program.frictionless).stable:

@@ -20,7 +20,7 @@ among those that such ways allow.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import groupby
 
 import numpy as np
@@ -57,12 +57,15 @@ class Removed:
         Of the parts that stay, the held ones held: it holds.
     needs : Holds or None
         Where parts are held: why fewer are not enough.
+    fails : tuple of str
+        Of a given order: why these cannot leave.
     """
 
     parts: tuple[int, ...]
     legs: tuple[Leg, ...]
     state: State
     needs: Holds[State] | None = None
+    fails: tuple[str, ...] = ()
 
     @property
     def set(self) -> int:
@@ -169,7 +172,7 @@ class OrderSearch:
         for _, layer in groupby(candidates, key=self._top):
             yield from self._of_layer(layer, present, hold, stuck)
         for moved in stuck:
-            legs = self._way_out(moved, present, 2)
+            legs = self.way_out(moved, present, 2)
             if legs is not None:
                 yield from self._held(moved, legs, present, hold)
         if self.together:
@@ -182,11 +185,11 @@ class OrderSearch:
         """What may leave of one layer; what has no straight way is put to the stuck ones."""
         falling = []
         for moved in layer:
-            legs = self._way_out(moved, present, 1)
+            legs = self.way_out(moved, present, 1)
             if legs is None:
                 stuck.append(moved)
                 continue
-            state = self._state(present & ~moved)
+            state = self.state(present & ~moved)
             if state.stable:
                 yield Removed(self._members(moved), legs, state)
             else:
@@ -219,8 +222,18 @@ class OrderSearch:
 
     def _may_leave(self, moved: int, present: int) -> bool:
         rest = present & ~moved
-        later = any(self.after[part] & rest for part in self._members(moved))
-        return not later and self._hangs_together(rest)
+        return not self.later_of(moved) & rest and self._hangs_together(rest)
+
+    def later_of(self, moved: int) -> int:
+        """Parts that are to come after some, others than these."""
+        later = 0
+        for part in self._members(moved):
+            later |= self.after[part]
+        return later & ~moved
+
+    def hangs_on(self, moved: int, standing: int) -> bool:
+        """Whether all of some parts touch what stands, or one another of those that do."""
+        return self._connected(standing, standing | moved) == standing | moved
 
     def _hangs_together(self, present: int) -> bool:
         """Whether every part of a set is connected to a grounded one within it."""
@@ -248,13 +261,15 @@ class OrderSearch:
             if one and self._may_leave(moved, present):
                 yield moved, (Leg(direction, float("inf")),)
 
-    def _way_out(self, moved: int, present: int, legs: int) -> tuple[Leg, ...] | None:
+    def way_out(self, moved: int, present: int, legs: int) -> tuple[Leg, ...] | None:
+        """A way out of parts past those of a set, of so many legs."""
         before = self.removal.sweeps.tests
         found = self.removal.way_out(moved, present, legs=legs)
         self.work.charge(SWEEP * (self.removal.sweeps.tests - before))
         return found
 
-    def _state(self, present: int) -> State:
+    def state(self, present: int) -> State:
+        """The state of a set with nothing held."""
         count = len(self._near)
         solved = self._solved()
         state = self.states.judge(mask_of(present, count), np.zeros(count, dtype=bool))
@@ -272,15 +287,21 @@ class OrderSearch:
         self, moved: int, legs: tuple[Leg, ...], present: int, hold: int
     ) -> Iterator[Removed]:
         """A removal with the fewest holds, where these are no more than `hold`."""
-        rest = present & ~moved
+        known = self.needs(present & ~moved, hold)
+        if known.state is not None:
+            yield Removed(self._members(moved), legs, known.state, known)
+
+    def needs(self, rest: int, hold: int) -> Holds[State]:
+        """The fewest holds of a set, none where these are more than `hold`."""
         known = self._holds.get(rest)
         if known is None or (known.held is None and known.least <= hold):
             solved = self._solved()
             known = self.states.holds_of(mask_of(rest, len(self._near)), self.holdable, most=hold)
             self._charge(solved, rest)
             self._holds[rest] = known
-        if known.state is not None and known.held is not None and known.held.sum() <= hold:
-            yield Removed(self._members(moved), legs, known.state, known)
+        if known.held is not None and known.held.sum() > hold:
+            return replace(known, held=None, state=None)
+        return known
 
 
 def neighbours_of(states: States) -> list[int]:
