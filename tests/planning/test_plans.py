@@ -277,7 +277,7 @@ def test_the_table_of_steps_is_read_as_csv() -> None:
     assert answer["holds_max"] == 1
     assert [set(step) for step in answer["steps"]] == [
         {"parts", "direction", "path", "touches", "rubs", "held", "grips", "releases", "down",
-         "verdict", "level", "fails"}
+         "verdict", "level", "fails", "over"}
     ] * 9  # fmt: skip
 
 
