@@ -79,6 +79,59 @@ def test_many_states_of_irregular_assemblies_agree_with_check() -> None:
     assert min(verdicts.count(True), verdicts.count(False)) > 50
 
 
+def agree_under(seed: int, count: int) -> list[bool | None]:
+    """Verdicts under random gravity and friction, each held against `check` of a new assembly."""
+    random = np.random.default_rng(seed)
+    found = kilter.states(irregular(seed))
+    down, verdicts = found.assembly.down, []
+    for k in range(count):
+        turned = (down + 0.3 * random.normal(size=3)) * [1, not found.assembly.planar, 1]
+        mu = None if k % 2 else float(random.uniform(0, 0.8))
+        under = found.under(down=turned, friction=mu)
+        state = random_state(random, under)
+        if not state.free.any():
+            continue
+        names = np.array(found.assembly.names)
+        held = names[state.present & ~state.free]
+        assert found.of(names[state.present], held, down=turned, friction=mu) is state
+        sub = found.assembly.without(names[~state.present].tolist()) if (
+            not state.present.all()) else found.assembly  # fmt: skip
+        sub = (sub.with_grounded(held.tolist()) if len(held) else sub).with_down(turned)
+        touching = kilter.contacts(sub)
+        touching = touching if mu is None else touching.with_friction(mu)
+        told = kilter.check(sub, contacts=touching, require="equilibrium", effort=0)
+        assert state.stable == (None if told.verdict == "undecided" else told.stable), (seed, k)
+        verdicts.append(state.stable)
+    return verdicts
+
+
+def test_states_under_other_gravity_and_friction_agree_with_check() -> None:
+    verdicts = [one for seed in range(4) for one in agree_under(seed, 4)]
+    assert {True, False} <= set(verdicts)
+
+
+@pytest.mark.slow
+def test_many_states_under_other_gravity_and_friction_agree_with_check() -> None:
+    verdicts = [one for seed in range(30) for one in agree_under(seed, 8)]
+    assert min(verdicts.count(True), verdicts.count(False)) > 30
+
+
+@pytest.mark.parametrize(("degrees", "stable"), [(21.7, True), (21.9, False)])
+def test_a_direction_and_a_coefficient_are_asked_of_contacts_that_were_found_once(
+    degrees: float, stable: bool
+) -> None:
+    """A block on a plane: tan 21.80 = .4."""
+    found, angle = kilter.states(block_on_slope(0.0)), np.radians(degrees)
+    down = [np.sin(angle), 0, -np.cos(angle)]
+    assert found.of(down=down, friction=0.4).stable == stable
+    assert found.of(down=down).stable is False
+    assert found.of(friction=0.4).stable
+    with pytest.raises(InputError, match="friction is -1"):
+        found.of(friction=-1)
+    with pytest.raises(InputError, match="down"):
+        found.of(down=[0, 0, 0])
+
+
 def test_known_proofs_answer_for_other_states_and_hold_there() -> None:
     """Every state of an arch that lacks voussoirs at random: most need no program of their own."""
     found, random = kilter.states(arch(9, ratio=0.3, friction=0.6)), np.random.default_rng(0)

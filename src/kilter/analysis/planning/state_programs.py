@@ -54,6 +54,11 @@ class StatePrograms:
         """Whether forces that are not modelled may act."""
         return self.outer is not self.whole
 
+    def turned(self, down: Array) -> StatePrograms:
+        """The same under gravity along `down`, shape (3,), of any length."""
+        whole = self.whole.turned(down)
+        return replace(self, whole=whole, outer=self.outer.turned(down) if self.open else whole)
+
     def of(self, present: Mask, held: Mask) -> Program:
         """The program of a state; masks of shape (N,)."""
         return self.taken(self.whole, present, held)

@@ -21,6 +21,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from kilter.analysis.as_stated import explained_by_accuracy
 from kilter.analysis.check import check
@@ -54,7 +55,9 @@ from kilter.mechanics.certificate import (
 )
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import Evidence, make_proof
+from kilter.rigid import unit
 from kilter.threads import on_one_thread
+from kilter.validate import number
 
 __all__ = ["States", "states"]
 
@@ -80,15 +83,18 @@ class States:
     states : makes one from an assembly.
     """
 
-    def __init__(self, assembly: Assembly, contacts: ContactSet) -> None:
+    def __init__(
+        self, assembly: Assembly, contacts: ContactSet, *, programs: StatePrograms | None = None
+    ) -> None:
         self.assembly = assembly
         self.contacts = contacts
         self.counts = {"asked": 0, "known": 0, "programs": 0, "cones": 0, "checks": 0}
-        self._programs: StatePrograms = build_state_programs(assembly, contacts)
+        self._programs: StatePrograms = programs or build_state_programs(assembly, contacts)
         self._pyramid: PyramidProgram | None = None
         self._forces: list[KnownForces] = []
         self._motions: list[KnownMotion] = []
         self._found: dict[tuple[int, int], State] = {}
+        self._under: dict[tuple[float, ...], States] = {}
 
     def __len__(self) -> int:
         return len(self._found)
@@ -96,7 +102,14 @@ class States:
     def __repr__(self) -> str:
         return f"<States: of {len(self.assembly)} parts, {len(self)} known>"
 
-    def of(self, present: str | Iterable[str] = "*", held: str | Iterable[str] = ()) -> State:
+    def of(
+        self,
+        present: str | Iterable[str] = "*",
+        held: str | Iterable[str] = (),
+        *,
+        down: ArrayLike | None = None,
+        friction: float | None = None,
+    ) -> State:
         """The state with some parts present, and some of these held.
 
         Parameters
@@ -105,11 +118,14 @@ class States:
             Names; ``*`` and ``?`` are globs. Grounded parts that are not named are absent.
         held : str or iterable of str
             Beside the grounded ones.
+        down, friction
+            As of `under`.
 
         Raises
         ------
         InputError
-            If a name matches no part, or a held part is not present.
+            If a name matches no part, a held part is not present, or `down` or `friction` make
+            no sense.
 
         Examples
         --------
@@ -119,12 +135,41 @@ class States:
         (<State: 6 parts, 5 free, holds>, <State: 2 parts, 1 free, falls>)
         >>> tower.of(["base", "cube-2"], held="cube-2").stable
         True
+        >>> tower.of(down=[0.1, 0, -1]).stable, tower.of(down=[0.1, 0, -1], friction=0.2).stable
+        (False, True)
         """
         there, kept = self.mask(present), self.mask(held)
         if (kept & ~there).any():
             name = self.assembly.names[int(np.flatnonzero(kept & ~there)[0])]
             raise InputError("is held but not present", part=name, hint="name it in both")
-        return self.judge(there, kept)
+        return self.under(down=down, friction=friction).judge(there, kept)
+
+    def under(self, *, down: ArrayLike | None = None, friction: float | None = None) -> States:
+        """The states of the same parts and contacts under another gravity or friction.
+
+        Parameters
+        ----------
+        down : array_like, shape (3,), optional
+            Direction of gravity, world frame.
+        friction : float, optional
+            Coefficient of every contact [-].
+
+        Raises
+        ------
+        InputError
+            If the direction has no length, or the coefficient is negative.
+        """
+        if down is None and friction is None:
+            return self
+        along = self.assembly.down if down is None else unit(np.asarray(down, float), "down")
+        mu = -1.0 if friction is None else number(friction, "friction", lowest=0)
+        key = (*along.tolist(), mu)
+        if key not in self._under:
+            assembly = self.assembly if down is None else self.assembly.with_down(along)
+            contacts = self.contacts if friction is None else self.contacts.with_friction(mu)
+            rows = None if friction is not None else self._programs.turned(along)
+            self._under[key] = States(assembly, contacts.of(assembly), programs=rows)
+        return self._under[key]
 
     @on_one_thread
     def fewest_holds(
