@@ -49,13 +49,17 @@ class PyramidProgram:
         program = load_factor(self._problem)
         self._kept = KeptProgram(program, warm="dual", goal="point")
         self._lower, self._upper = program.lower[:-1], program.upper[:-1]
-        self._free = whole.free.copy()
+        self._free, self._present = whole.free.copy(), np.ones(len(whole.free), dtype=bool)
         self._on = np.ones(len(self._upper), dtype=bool)
 
     @property
     def solves(self) -> int:
         """How many programs were solved."""
         return self._kept.solves
+
+    def far(self, present: Mask, free: Mask) -> int:
+        """In how many parts a state differs from the last that was solved."""
+        return int(((present != self._present) | (free != self._free)).sum())
 
     def solve(self, present: Mask, free: Mask) -> tuple[Array, Array] | Array | None:
         """Forces along and across the rows of the whole program, or a motion, or neither.
@@ -98,4 +102,4 @@ class PyramidProgram:
             rows = (changed[:, None] * per + np.arange(per)).reshape(-1)
             side = np.where(np.repeat(free[movable[changed]], per), 0.0, np.inf)
             self._kept.change_sides(rows, -side, side)
-            self._free = free.copy()
+        self._present, self._free = present.copy(), free.copy()

@@ -5,8 +5,9 @@ contact forces that hold the others (the level "equilibrium" of `kilter.check`)?
 ends with the first certificate that is judged to hold in the state itself:
 
 1. forces or a motion of a state before (`kilter.analysis.planning.known_proofs`);
-2. a kept linear program with pyramids of friction, which goes on from the state before;
-3. exact cones, since what a pyramid does not hold they may;
+2. a kept linear program with pyramids of friction, which goes on from the state before, where
+   the state is near that one or small;
+3. exact cones, which need no state before, and may hold what a pyramid does not;
 4. `kilter.check` of the state, where open pairs, fitted normals or the accuracy that a file
    states of itself leave it open.
 
@@ -60,6 +61,10 @@ from kilter.threads import on_one_thread
 from kilter.validate import number
 
 __all__ = ["States", "states"]
+
+SMALL, NEAR = 20, 4
+"""States of up to so many free parts, or that differ in so few from the last, ask the linear
+program first."""
 
 
 class States:
@@ -245,7 +250,10 @@ class States:
         state = State(self.assembly.names, present, free, None, program)
         proof = self._by_known(state, outer, key)
         if proof is None:
-            proof = self._by_pyramid(state, outer) or self._by_cones(program, outer)
+            ways = [self._by_pyramid, self._by_cones]
+            if self._far(state):
+                ways.reverse()
+            proof = ways[0](state, outer) or ways[1](state, outer)
             if isinstance(proof, MotionProof):
                 proof = self._learned_motion(outer, proof)
             elif proof is not None:
@@ -276,6 +284,13 @@ class States:
                     return forces
         return None
 
+    def _far(self, state: State) -> bool:
+        """Whether the linear program has more to go than exact cones from the start."""
+        free = int(state.free.sum())
+        if free <= SMALL or not state.program.mu.any():
+            return False
+        return self._pyramid is None or self._pyramid.far(state.present, state.free) > NEAR
+
     def _by_pyramid(self, state: State, outer: Program) -> ForceProof | MotionProof | None:
         if not state.free.any():
             return check_forces(state.program, np.zeros(len(state.program.part_a)))
@@ -290,8 +305,9 @@ class States:
         motion = None if offered is None else check_motion(outer, offered)
         return motion if motion is not None and motion.holds else None
 
-    def _by_cones(self, program: Program, outer: Program) -> ForceProof | MotionProof | None:
+    def _by_cones(self, state: State, outer: Program) -> ForceProof | MotionProof | None:
         self.counts["cones"] += 1
+        program = state.program
         judgement = judge(program)
         if judgement.stable is False and outer is not program:
             judgement = judge(outer)
