@@ -232,3 +232,11 @@ def test_states_of_real_assemblies_agree_with_check(name: str, base: str) -> Non
         state = random_state(random, found)
         told = kilter.check(found.sub_assembly(state), require="equilibrium", effort=0)
         assert state.stable == (None if told.verdict == "undecided" else told.stable)
+
+
+def test_what_falls_is_named_where_check_decided() -> None:
+    verdict = kilter.check(scene("paper-figure-8"))
+    program = verdict.program
+    present = np.ones(len(program.names), dtype=bool)
+    state = kilter.State(program.names, present, program.free, False, program, verdict=verdict)
+    assert state.moving == verdict.moving == ["C2", "C3"]

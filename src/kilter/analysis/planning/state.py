@@ -55,7 +55,8 @@ class State:
     def moves(self) -> Mask:
         """The same as a mask, shape (N,)."""
         if self.motion is None:
-            named = set(self.verdict.moving) if self.verdict and self.stable is False else set()
+            told = None if self.stable is not False else self.verdict
+            named = set() if told is None else set(told.moving)
             return np.array([name in named for name in self.names], dtype=bool)
         sizes = part_sizes(self.program, self.motion.motion, per_radius=False)
         moves: Mask = sizes > STILL * sizes.max(initial=0.0)
