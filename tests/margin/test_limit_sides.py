@@ -74,3 +74,16 @@ def test_a_mended_motion_is_admissible(family: str, seed: int) -> None:
     mended = opening.mended(noise)
     assert check_motion(program, mended).violation < 1e-15
     assert (opening.mended(mended) == mended).all()
+
+
+def test_a_share_that_is_held_whole_takes_no_linear_program(monkeypatch):
+    """The most that is looked at is proved by one conic program; the limit beyond it is not."""
+
+    def unasked(*_: object) -> None:
+        raise AssertionError("linear programs were asked")
+
+    monkeypatch.setattr("kilter.analysis.margins.load_limit.limit_sides", unasked)
+    program = program_of(stacks.block_on_slope(0.0, friction=0.5))
+    aside = gravity_wrench(program, np.array([0.28, 0.96, 0.0]))
+    for most, value in ((0.4, np.inf), (1.0, pytest.approx(0.5, abs=1e-8))):
+        assert find_limit(program, aside, most=most).value == value

@@ -182,7 +182,8 @@ def find_limit(
             return near
     conic = _in_cones(program, opening, wrench, most)
     enough = conic.sides.gap <= SIDES_NEAR and len(program.part_a) > EXACT
-    if conic.sides.closed or conic.sides.none or enough:
+    whole = conic.sides.held >= most * (1 - NEARLY)
+    if conic.sides.closed or conic.sides.none or enough or whole:
         return _limit(conic.sides, most)
     sides = conic.sides.better(limit_sides(program, wrench, most, conic.across))
     if not sides.none and sides.gap > SIDES_APART:
