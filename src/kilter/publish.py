@@ -36,6 +36,8 @@ PAGES = (".html", ".htm")
 """Endings of pages: no input ends so, and a slip cannot write over one."""
 FILMS = (".glb",)
 """Endings of what is played by others."""
+MOST = 50_000
+"""Parts on a page: it takes a kilobyte for each, and seconds to open."""
 Tell = Callable[[str], None]
 Given = tuple["Assembly", "ContactSet | None"]
 
@@ -90,7 +92,8 @@ def report(
     Raises
     ------
     InputError
-        If nothing is held, the geometry is not usable, or the page cannot be written.
+        If nothing is held, the geometry is not usable, there are more than 50,000 parts, or the
+        page cannot be written.
 
     Examples
     --------
@@ -146,8 +149,17 @@ def _page(
     progress: Tell | None,
 ) -> Report:
     from kilter.analysis.everything import everything
+    from kilter.assembly.assembly import require_assembly
     from kilter.show.page import render
 
+    require_assembly(assembly, "report")
+    if len(assembly) > MOST:
+        raise InputError(
+            f"a page of {len(assembly)} parts is too much for a browser, up to {MOST} are shown",
+            file=assembly.source or None,
+            hint="leave parts out with assembly.without(...), or ask kilter.check",
+            option="leave parts out with --without NAME, or ask 'kilter check'",
+        )
     answers = everything(
         assembly,
         contacts=contacts,

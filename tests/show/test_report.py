@@ -17,10 +17,12 @@ from pathlib import Path
 import pytest
 
 import kilter
+from kilter import publish
 from kilter.cli import main
 from kilter.errors import InputError
 from kilter.files.fingerprint import fingerprint
 from kilter.scenes import scene
+from kilter.scenes.walls import wall_of
 from kilter.show.serve import PageServer
 
 
@@ -47,6 +49,27 @@ def test_report_exits_with_0_whatever_the_verdict_and_may_be_quiet(
     kilter.dump(scene("hanging-brick"), "h.json")
     assert main(["report", "h.json", "-o", "h.html", "--quiet"]) == 0
     assert capsys.readouterr() == ("", "")
+
+
+def test_more_parts_than_a_browser_can_show_are_refused_before_anything_is_asked(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    tower = scene("tower")
+    monkeypatch.setattr(publish, "MOST", len(tower))
+    assert kilter.report(tower).verdict == "stable"
+    monkeypatch.setattr(publish, "MOST", len(tower) - 1)
+    with pytest.raises(InputError, match=r"a page of 6 parts .* up to 5 .* assembly\.without"):
+        kilter.report(tower)
+    assert main(["report", "tower.kilter.json", "-o", "out.html"]) == 2
+    assert "--without NAME" in capsys.readouterr().err
+    assert not Path("out.html").exists()
+
+
+@pytest.mark.slow
+def test_a_page_grows_by_a_kilobyte_a_part() -> None:
+    walls = [wall_of(bricks) for bricks in (4000, 5000)]  # where tables are at their longest
+    small, large = (len(kilter.report(wall).html) for wall in walls)
+    assert 200 < (large - small) / (len(walls[1]) - len(walls[0])) < 1024
 
 
 def test_the_command_on_the_page_makes_the_page_again() -> None:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import dataclasses
 import fnmatch
 import os
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -117,7 +118,8 @@ class Assembly:
         if not self.parts:
             raise InputError("no parts", hint="give at least one part")
         if len(self.index) < len(self.parts):
-            twice = next(name for name in self.names if self.names.count(name) > 1)
+            count = Counter(self.names)
+            twice = next(name for name in self.names if count[name] > 1)
             raise InputError(f"two parts are named {twice!r}", hint="give each its own name")
 
     def _validate_gravity(self) -> None:
@@ -150,7 +152,8 @@ class Assembly:
             joint.require_planar()
         pairs = [frozenset(entry.parts) for entry in self.friction_pairs]
         if len(set(pairs)) < len(pairs):
-            both = next(pair for pair in pairs if pairs.count(pair) > 1)
+            times = Counter(pairs)
+            both = next(pair for pair in pairs if times[pair] > 1)
             raise InputError(
                 f"two friction pairs name {some_names(sorted(both))}", hint="leave one out"
             )
@@ -215,7 +218,7 @@ class Assembly:
         """Position of each part by name."""
         return {part.name: k for k, part in enumerate(self.parts)}
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of the parts, in order."""
         return tuple(part.name for part in self.parts)

@@ -40,7 +40,7 @@ def report(
     The page asks for nothing: it can be mailed, kept, and opened without a network. Exit 0 when
     written, whatever the verdict.
 
-    Drawn in full up to some thousand parts; the ball is coloured up to 40 free parts.
+    For up to 50,000 parts; the ball is coloured up to 40 free parts.
     """
     from kilter import publish
 
