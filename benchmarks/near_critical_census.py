@@ -78,6 +78,8 @@ def main() -> None:
                 continue
             turned = program.turned(program.down + share * aside)
             says, steps = own(turned)
+            if says is not None and says is not held:
+                print(f"wrong at {share:.9g}, limit {limit.value:.9g}, gap {limit.gap:.1e}")
             row["none" if says is None else "right" if says is held else "WRONG"] += 1
             row["steps"] += steps
             row["judged"] += judge(turned).stable is held

@@ -13,6 +13,10 @@ import pytest
 
 from kilter.analysis import judge as judging
 from kilter.analysis.judge import judge
+from kilter.analysis.margins import load_limit
+from kilter.analysis.margins.limit_sides import LimitSides
+from kilter.analysis.margins.load_limit import find_limit, gravity_wrench
+from kilter.analysis.turning_tolerances import LIMIT_AGREES
 from kilter.assembly import Joint
 from kilter.contact import detect
 from kilter.mechanics.balance_in_cones import load_share
@@ -185,6 +189,34 @@ class TestProofs:
     def test_a_part_that_nothing_touches_falls(self):
         assert proved(program_of(walls.hanging_brick(4, 4))) is False
         assert proved(program_of(walls.hanging_brick(4, 4).with_friction(0.6))) is False
+
+    @pytest.mark.parametrize("angle", [0.0, 0.8, 1.6])
+    def test_limits_as_clarabel_has_them(self, angle, monkeypatch):
+        program = program_of(walls.wall(7, 8, friction=0.6))
+        wrench = gravity_wrench(program, np.array([np.cos(angle), np.sin(angle), 0.0]))
+        own = find_limit(program, wrench)
+        with monkeypatch.context() as without:
+            without.setattr(load_limit, "_by_own_cones", lambda *question: LimitSides())
+            other = find_limit(program, wrench)
+        assert len(program.part_a) > load_limit.EXACT
+        assert own.gap <= LIMIT_AGREES
+        # what one proves to be held the other does not prove to be beyond
+        assert own.value <= other.value + max(other.gap, 1e-9)
+        assert other.value <= own.value + own.gap
+
+    def test_a_tower_tilts_as_far_as_its_width_over_its_height(self):
+        program = program_of(stacks.tower(140).with_friction(0.6))
+        assert len(program.part_a) > load_limit.EXACT
+        limit = find_limit(program, gravity_wrench(program, np.array([1.0, 0.0, 0.0])))
+        assert limit.value == pytest.approx(1.0 / 140, rel=1e-6)
+
+    def test_what_is_not_held_has_the_limit_that_it_had(self):
+        # leaning too far: only shares that turn gravity back are held
+        program = program_of(walls.wall(7, 8, friction=0.6)).turned(np.array([0.0, 0.9, -1.0]))
+        own = load_limit._by_own_cones(program, gravity_wrench(program, np.eye(3)[1]), 10.0)
+        assert own.forces is None
+        limit = find_limit(program, gravity_wrench(program, np.eye(3)[1]))
+        assert limit.value < 0
 
     def test_a_joint_pulls(self, monkeypatch):
         program = pinned_and_rough()

@@ -37,13 +37,15 @@ INSIDE = 1e-10
 OPENED = 1e-7
 """By how much a motion may leave its cones, over its gain, and be worth a proof."""
 SHORT_OF = 0.99
-"""Part of the way to the boundary that a step goes."""
+"""Part of the way to the boundary that a step goes: with more, steps near a limit stick."""
 REGULAR = 1e-13, 1e-9
 """Added to the diagonal of a block over its mean entry: at first, and where that is not enough."""
 WHOLE = 10.0
 """Weight of a free column over the largest of the cones'."""
 REFINED = 2
 """Corrections of a projection onto balance."""
+DONE = 1e-16
+"""Mean product of x and s below which steps lead nowhere."""
 LEAST_CENTRE = 1e-8
 """Of the mean product that the next step aims at, over this one's."""
 
@@ -80,6 +82,12 @@ class Iterate:
         """The t of this step."""
         return float(self.ends[0])
 
+    @property
+    def bound(self) -> float:
+        """No share above it is balanced, where -A^T y lies in the cones; inf without one."""
+        gain = float((self.problem.along * self.y).sum())
+        return -float((self.problem.right * self.y).sum()) / gain if gain > 0.0 else np.inf
+
     def balanced(self) -> Array | None:
         """The x nearest in the metric of the step that balances at its share, shape (d, K).
 
@@ -107,8 +115,15 @@ class Iterate:
         return self.y if out.max(initial=0.0) <= OPENED * gain else None
 
 
-def iterates(problem: LinkedCones) -> Iterator[Iterate]:
-    """The steps from the middle of the cones on, as far as rounding lets them go."""
+def iterates(problem: LinkedCones, short_of: float = SHORT_OF) -> Iterator[Iterate]:
+    """The steps from the middle of the cones on, as far as rounding lets them go.
+
+    Parameters
+    ----------
+    problem : LinkedCones
+    short_of : float
+        Part of the way to the boundary that a step goes.
+    """
     columns, free = problem.columns, problem.free
     x = np.zeros(columns.shape[1:])
     x[0, ~free] = 1.0
@@ -120,8 +135,10 @@ def iterates(problem: LinkedCones) -> Iterator[Iterate]:
     for number in range(1, STEPS + 1):
         try:
             with np.errstate(over="raise", divide="raise", invalid="raise"):
-                _stepped(now)
+                _stepped(now, short_of)
         except (NotPositive, FloatingPointError):
+            return
+        if now.mean < DONE:
             return
         now.number = number
         yield now
@@ -186,7 +203,7 @@ def _factorised(problem: LinkedCones, scaling: Scaling) -> None:
             return
 
 
-def _stepped(now: Iterate) -> None:
+def _stepped(now: Iterate, short_of: float) -> None:
     """One step: predictor, corrector, as far as the cones let it."""
     problem = now.problem
     cones = ~problem.free
@@ -217,7 +234,7 @@ def _stepped(now: Iterate) -> None:
     change = -square - bent
     change[0] += goal
     step = solve(change, goal - flat - step.ends * step.slacks)
-    a, b = (min(1.0, SHORT_OF * far) for far in lengths(step))
+    a, b = (min(1.0, short_of * far) for far in lengths(step))
     now.x = now.x + a * step.x
     now.ends = now.ends + a * step.ends
     now.s = now.s + b * step.s
@@ -243,15 +260,23 @@ def _direction(now: Iterate, rests: _Rests, middle: Array) -> Callable[[Array, A
     problem, scaling, free = now.problem, now.scaling, now.problem.free
     weight = now.ends / now.slacks
     along = problem.along
-    answer = problem.factor.solve(along)  # of the blocks to t
-    stiff = 1 + weight[0] / weight[1] + weight[0] * float((along * answer).sum())
+    answers: list[Array] = []  # of the blocks to t
+
+    def solved(right: Array) -> Array:
+        if answers:
+            return problem.factor.solve(right)
+        both = problem.factor.solve(np.stack([right, along], axis=-1))
+        answers.append(both[..., 1])
+        return both[..., 0]
 
     def solve(change: Array, flat: Array) -> _Step:
         change[:, free] = 0.0
         aimed = scaling.times(divided(middle, change))
         ends = flat / now.slacks - weight * rests.ends
         right = rests.x - problem.balance(aimed - scaling.twice(rests.s))
-        y = problem.factor.solve(right)
+        y = solved(right)
+        answer = answers[0]
+        stiff = 1 + weight[0] / weight[1] + weight[0] * float((along * answer).sum())
         rest = (rests.span - ends[1]) / weight[1]
         dt = (ends[0] + weight[0] * (rest - float((along * y).sum()))) / stiff
         y = y + dt * answer

@@ -41,10 +41,12 @@ from kilter.analysis.turning_tolerances import (
     UNLIMITED,
 )
 from kilter.arrays import Array
+from kilter.mechanics.balance_in_cones import balance_in_cones
 from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
 from kilter.mechanics.coulomb_cones import largest_load, spread
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
+from kilter.solvers.cone_interior_point import iterates
 from kilter.solvers.solver_tolerances import CONIC
 
 __all__ = [
@@ -63,6 +65,11 @@ MENDED = 2000
 EXACT = 500
 """Rows up to which linear programs make exact what a conic one nearly closes: where there are
 more, they take two hundred times as long and bring little."""
+BOLD = 0.999
+"""Part of the way to the boundary that a step to an optimum goes: fewer steps than with less."""
+NEAR, CLOSE = 1e-6, 1e-9
+"""Distance of a share from what a motion bounds it by, over 1 and it, from which on both are worth
+being judged, and that ends the steps where their proofs meet."""
 MODEST = 10.0
 """Shares up to which it is asked first."""
 
@@ -176,6 +183,10 @@ def find_limit(
     0.5
     """
     opening = opening or Opening(spread(program))
+    if most <= MODEST and not program.planar and len(program.part_a) > EXACT:
+        own = _by_own_cones(program, wrench, most)
+        if own.closed or own.held >= most * (1 - NEARLY):
+            return _limit(own, most)
     if most > MODEST:  # fewer steps of the solver, and an interval of numbers near 1
         near = find_limit(program, wrench, opening=opening, most=MODEST)
         if not (isinstance(near, Limit) and np.isinf(near.value)):
@@ -198,6 +209,27 @@ class _Conic:
 
     sides: LimitSides
     across: list[Array]
+
+
+def _by_own_cones(program: Program, wrench: Array, most: float) -> LimitSides:
+    """Both sides by kilter's own interior point, where a share of 0 is held; as far as it goes."""
+    balance = balance_in_cones(program, program.load, wrench, most)
+    best = LimitSides()
+    for step in iterates(balance.cones, BOLD):
+        size = max(step.share, 1.0)
+        if step.bound < -NEAR * size and step.y_rest <= NEAR * size:
+            break  # not held as it is
+        apart = min(abs(step.bound - step.share), most - step.share)
+        if apart > NEAR * size:
+            continue
+        x, motion = step.balanced(), balance.motion(-step.y)
+        if x is not None:
+            best = best.better(held_at(program, wrench, step.share, *balance.decoded(x)))
+        best = best.better(beyond_at(program, wrench, step.share, motion))
+        closed = best.closed or best.held >= most * (1 - NEARLY)
+        if closed and apart <= CLOSE * size:
+            break
+    return best
 
 
 def _in_cones(
