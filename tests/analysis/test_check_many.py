@@ -21,6 +21,7 @@ from kilter import (
     Pose,
 )
 from kilter.arrays import starts
+from kilter.assembly.array_geometry import arrays_side_by_side
 from kilter.assembly.hexahedra import box_orders
 from kilter.mechanics.certificate import check_forces
 from kilter.rigid import common_frame, common_frames
@@ -292,3 +293,26 @@ def test_boxes_are_told_from_other_solids_of_eight_corners() -> None:
     quads = box[order[0]] - box.mean(axis=0)
     edges = np.array([quads[1] - quads[0], quads[2] - quads[0], quads[4] - quads[0]])
     assert np.linalg.det(edges) == pytest.approx(6.0)
+
+
+def test_geometry_in_arrays_is_that_of_the_meshes() -> None:
+    corners = [[0, 0, 0], [2, 0, 0], [0, 1, 0], [0, 0, 3]]
+    faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
+    wedge = Part("wedge", Mesh(corners, faces), Pose([1, 2, 0]))
+    given = [*piles(range(4)), Assembly([FLOOR, wedge]), turned(Assembly([FLOOR, wedge]), 3)]
+    density = np.linspace(500.0, 2000.0, sum(len(one) for one in given))
+    arrays = arrays_of(given, density=density, units="mm")
+    apart, which = arrays_side_by_side(arrays)
+    assert apart is not None
+    assert which.tolist() == list(range(len(given)))
+    found = apart.whole.geometry
+    assert found.is_box.sum() == len(density) - 2
+    for k, one in enumerate(arrays):
+        own, wanted = slice(*apart.start[k : k + 2]), one.geometry
+        for name in ("mass", "center", "volume", "radius", "size", "accuracy"):
+            np.testing.assert_allclose(
+                getattr(found, name)[own], getattr(wanted, name), rtol=1e-12, atol=1e-13
+            )
+        scale = wanted.mass * wanted.size**2
+        off = np.abs(found.inertia[own] - wanted.inertia).max(axis=(1, 2)) / scale
+        assert off.max() < 1e-14

@@ -188,6 +188,16 @@ def test_a_killed_worker_costs_no_row_and_blames_none(piles: Path, tmp_path: Pat
 
 
 @pytest.mark.slow
+def test_tables_are_the_same_bytes_with_any_number_of_processes(
+    piles: Path, tmp_path: Path
+) -> None:
+    for count in (1, 3):
+        kilter.batch(piles, tmp_path / str(count), chunk=5, processes=count)
+    for part in sorted((tmp_path / "1").glob("part-*")):
+        assert part.read_bytes() == (tmp_path / "3" / part.name).read_bytes()
+
+
+@pytest.mark.slow
 def test_a_run_that_is_killed_twenty_times_at_random_ends_whole(
     piles: Path, tmp_path: Path
 ) -> None:

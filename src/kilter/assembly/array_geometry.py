@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross
+from kilter.arrays import Array, Index, Mask, cross, ragged, starts
 from kilter.assembly.assembly_arrays import AssemblyArrays
 from kilter.assembly.assembly_tolerances import FLAT_PART, INSIDE_OUT, LARGEST
 from kilter.assembly.geometry import Geometry
-from kilter.assembly.hexahedra import box_orders
+from kilter.assembly.hexahedra import box_moments, box_orders
 from kilter.assembly.masses import DEFAULT_DENSITY
 from kilter.assembly.part import Part
 from kilter.assembly.polyhedra import polyhedron_moments
@@ -128,6 +128,28 @@ def _boxes_in_order(arrays: AssemblyArrays) -> tuple[AssemblyArrays, Array, Inde
     return arrays, vertices[source], place[faces], is_box
 
 
+def _moments(
+    arrays: AssemblyArrays, vertices: Array, faces: Index, is_box: Mask
+) -> tuple[Array, Array, Array, Array]:
+    """Volume, centroid, second moment and centroid of the surface, as `polyhedron_moments`."""
+    count = len(is_box)
+    volume, center, second = np.empty(count), np.empty((count, 3)), np.empty((count, 3, 3))
+    corners = vertices[arrays.vertex_start[:-1][is_box][:, None] + np.arange(8)]
+    volume[is_box], center[is_box], second[is_box] = box_moments(corners)
+    middle, others = center.copy(), np.flatnonzero(~is_box)
+    if len(others):
+        _, rows = ragged(arrays.face_start, others)
+        start = starts(np.diff(arrays.face_start)[others])
+        found = polyhedron_moments(vertices, faces[rows], start)
+        volume[others], center[others], second[others], middle[others] = found
+    # a box whose faces are wound inwards holds as much, with the other sign
+    first = faces[arrays.face_start[:-1][is_box]]
+    p, q, r = (vertices[first[:, k]] for k in range(3))
+    inwards = np.einsum("ni,ni->n", cross(q - p, r - p), p - center[is_box]) < 0
+    volume[np.flatnonzero(is_box)[inwards]] *= -1
+    return volume, center, second, middle
+
+
 def _accuracy(arrays: AssemblyArrays) -> Array:
     """How far a coordinate of each part may be off, shape (N,) [length unit]."""
     size = np.abs(arrays.vertices).max(axis=1).astype(np.float64)
@@ -143,11 +165,12 @@ def _geometry(
     """The geometry of plain meshes, and which of them are sound, shape (N,)."""
     first, count = arrays.vertex_start[:-1], len(arrays.held)
     owner = np.repeat(np.arange(count), np.diff(arrays.vertex_start))
-    volume, center, second, middle = polyhedron_moments(vertices, faces, arrays.face_start)
+    volume, center, second, middle = _moments(arrays, vertices, faces, is_box)
     reach = np.maximum.reduceat(np.linalg.norm(vertices - middle[owner], axis=1), first)
-    spread = np.linalg.eigvalsh(np.where(np.isfinite(second), second, 0.0))
     sound = (reach > 1 / LARGEST) & (reach < LARGEST) & (volume > FLAT_PART * reach**3)
-    sound &= spread[:, 0] >= -INSIDE_OUT * np.abs(spread).max(axis=1)
+    others = np.flatnonzero(~is_box)
+    spread = np.linalg.eigvalsh(np.where(np.isfinite(second), second, 0.0)[others])
+    sound[others] &= spread[:, 0] >= -INSIDE_OUT * np.abs(spread).max(axis=1, initial=0.0)
     density = np.full(count, DEFAULT_DENSITY) if arrays.density is None else arrays.density
     sound &= (density > 1 / HUGE) & (density < HUGE)
     mass = density * (volume * metres_per_unit(arrays.units) ** 3)

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask
-from kilter.shape.primitives import BOX_CORNERS
+from kilter.arrays import Array, Index, Mask, cross
 
-__all__ = ["box_orders"]
+__all__ = ["box_moments", "box_orders"]
 
-BITS: Array = BOX_CORNERS + 0.5
+PLACES: Index = np.array([1, 2, 4])
+"""What an edge adds to the place of a corner."""
+TURNED: Index = np.array([1, 0, 2])
+"""Two edges changed: the order of those whose corners turn the other way."""
 ROUNDINGS = 8.0
 """Corners are where the edges say to so many times the accuracy of the coordinates."""
 
@@ -39,7 +41,7 @@ def box_orders(corners: Array, faces: Index, accuracy: Array) -> tuple[Index, Ma
 
     Examples
     --------
-    >>> from kilter.shape.primitives import BOX_TRIANGLES
+    >>> from kilter.shape.primitives import BOX_CORNERS, BOX_TRIANGLES
     >>> mixed = np.array([3, 1, 4, 0, 5, 2, 6, 7])
     >>> faces = np.argsort(mixed)[BOX_TRIANGLES]
     >>> order, is_box = box_orders(BOX_CORNERS[mixed][None], faces[None], np.array([1e-15]))
@@ -48,18 +50,41 @@ def box_orders(corners: Array, faces: Index, accuracy: Array) -> tuple[Index, Ma
     """
     count = np.arange(len(corners))
     apart = corners - corners[:, :1]
-    near = np.argsort((apart**2).sum(axis=2), axis=1)
+    near = np.argsort(np.einsum("nci,nci->nc", apart, apart), axis=1)
     u, v = apart[count, near[:, 1]], apart[count, near[:, 2]]
     w = apart[count, near[:, 7]] - u - v
-    left = np.einsum("ij,ij->i", np.cross(u, v), w) < 0
-    u[left], v[left] = v[left], u[left].copy()
-    wanted = np.einsum("cb,nbi->nci", BITS, np.stack([u, v, w], axis=1))
-    off = np.linalg.norm(wanted[:, :, None] - apart[:, None], axis=3)
-    order = off.argmin(axis=2)
-    is_box = off.min(axis=2).max(axis=1) <= ROUNDINGS * accuracy
-    is_box &= (np.sort(order, axis=1) == np.arange(8)).all(axis=1)
-    place = np.argsort(order, axis=1)[count[:, None, None], faces]
-    spread = (place[..., 0] ^ place[..., 1]) | (place[..., 1] ^ place[..., 2])
+    across = np.stack([cross(v, w), cross(w, u), cross(u, v)], axis=1)
+    volume = np.einsum("ni,ni->n", u, across[:, 0])
+    mirrored = volume < 0
+    edges = np.stack([u, v, w], axis=1)
+    edges[mirrored], across[mirrored] = edges[mirrored][:, TURNED], across[mirrored][:, TURNED]
+    bits = apart @ across.transpose(0, 2, 1) > (volume / 2)[:, None, None]
+    bits[mirrored] = ~bits[mirrored]
+    place = bits @ PLACES
+    off = np.abs(bits.astype(np.float64) @ edges - apart).max(axis=(1, 2))
+    is_box = off <= ROUNDINGS * accuracy
+    order = np.argsort(place, axis=1)
+    is_box &= (place[count[:, None], order] == np.arange(8)).all(axis=1)
+    at = place[count[:, None, None], faces]
+    spread = (at[..., 0] ^ at[..., 1]) | (at[..., 1] ^ at[..., 2])
     is_box &= (spread < 7).all(axis=1)  # every face lies in a side of the box
     result: Mask = is_box
     return order, result
+
+
+def box_moments(corners: Array) -> tuple[Array, Array, Array]:
+    """Volume, centre and second moment about it of boxes, shape (n, 8, 3), corners in order.
+
+    With edges u, v, w the integral of x x^T is V (u u^T + v v^T + w w^T) / 12.
+
+    Examples
+    --------
+    >>> from kilter.shape.primitives import BOX_CORNERS
+    >>> volume, center, second = box_moments((BOX_CORNERS * [1, 2, 3])[None])
+    >>> volume, np.diag(second[0]) / volume * 12
+    (array([6.]), array([1., 4., 9.]))
+    """
+    edges = corners[:, [1, 2, 4]] - corners[:, :1]
+    volume = np.einsum("ni,ni->n", edges[:, 0], cross(edges[:, 1], edges[:, 2]))
+    second = (volume / 12)[:, None, None] * (edges.transpose(0, 2, 1) @ edges)
+    return volume, corners.mean(axis=1), second
