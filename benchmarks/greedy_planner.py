@@ -1,0 +1,172 @@
+"""A greedy planner that asks `kilter.check` for each state, beside `kilter.plan`: the same plans?
+
+    python benchmarks/greedy_planner.py                       scenes of kilter
+    python benchmarks/greedy_planner.py FOLDER:base[:mu] ...  assemblies, what is held, friction
+
+What one would write without `kilter.states`: from the whole, take away the first part that has a
+way out, leaves every other part connected to the base, and leaves what `check` finds in
+equilibrium; the highest layer first, near the part before; where each part of a layer needs it,
+one part that moves is held. No step back. It tests ways as `plan` does, so that only the states
+differ. A line a case: CPU seconds of both, contacts that are found once left out of both; steps,
+most parts held and held steps of both; whether the orders are the same, part by part.
+"""
+
+from __future__ import annotations
+
+import itertools
+import sys
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+
+import kilter
+from kilter.analysis.planning.part_sets import bits_of
+from kilter.analysis.planning.removal import Removal
+from kilter.contact.sub_contacts import contacts_among
+from kilter.scenes import scene
+from kilter.scenes.arches import arch
+
+LAYER = 0.01
+"""Parts whose heights are nearer than this lie in one layer, over the width of the whole."""
+CASES: dict[str, Callable[[], kilter.Assembly]] = {
+    "tower": lambda: scene("tower"),
+    "wall": lambda: scene("wall"),
+    "paper-figure-9": lambda: scene("paper-figure-9"),
+    "arch of 9": lambda: arch(9, ratio=0.3, friction=0.6),
+    "arch of 20": lambda: arch(20, ratio=0.2, friction=0.6),
+    "laden-slab": lambda: scene("laden-slab"),
+}
+
+
+class Greedy:
+    """The planner: parts of one assembly taken away one by one."""
+
+    def __init__(self, assembly: kilter.Assembly, contacts: kilter.ContactSet) -> None:
+        self.assembly, self.contacts = assembly, contacts
+        self.removal = Removal(contacts)
+        self.checks = 0
+        geometry = assembly.geometry
+        wide = float(np.ptp(geometry.center, axis=0).max())
+        self.height = (geometry.center @ -assembly.down / wide / LAYER).round()
+        self.touching = [set[int]() for _ in assembly]
+        for a, b in contacts.patch_parts.tolist():
+            self.touching[a].add(b)
+            self.touching[b].add(a)
+
+    def order(self, hold: int) -> list[tuple[int, list[str]]] | None:
+        """Parts as they leave, each with what is held then; None where it gets stuck."""
+        present = np.ones(len(self.assembly), dtype=bool)
+        found: list[tuple[int, list[str]]] = []
+        while not (present == self.assembly.geometry.grounded).all():
+            step = self.next(present, found[-1][0] if found else None, hold)
+            if step is None:
+                return None
+            found.append(step)
+            present[step[0]] = False
+        return found
+
+    def next(
+        self, present: np.ndarray, last: int | None, hold: int
+    ) -> tuple[int, list[str]] | None:
+        """The next part, layer by layer, and what is held."""
+        center = self.assembly.geometry.center
+        parts = [k for k in np.flatnonzero(present) if not self.assembly[int(k)].grounded]
+        away = {k: 0.0 if last is None else np.linalg.norm(center[k] - center[last]) for k in parts}
+        parts.sort(key=lambda k: (-self.height[k], round(away[k], 9)))
+        for _, layer in itertools.groupby(parts, key=lambda k: self.height[k]):
+            falling = []
+            for part in map(int, layer):
+                rest = present.copy()
+                rest[part] = False
+                if not self.connected(rest) or not self.way_out(part, present):
+                    continue
+                moving = self.moving(rest, [])
+                if not moving:
+                    return part, []
+                falling.append((len(moving), part, moving))
+            for _, part, moving in sorted(falling):
+                rest = present.copy()
+                rest[part] = False
+                for held in self.some(moving, hold):
+                    if not self.moving(rest, held):
+                        return part, held
+        return None
+
+    @staticmethod
+    def some(moving: list[str], most: int) -> Iterator[list[str]]:
+        """One, two, ... of the parts that move."""
+        for size in range(1, most + 1):
+            yield from map(list, itertools.combinations(moving, size))
+
+    def way_out(self, part: int, present: np.ndarray) -> bool:
+        return self.removal.way_out(1 << part, bits_of(present)) is not None
+
+    def connected(self, rest: np.ndarray) -> bool:
+        """Whether every part hangs together with a grounded one."""
+        there = set(np.flatnonzero(rest).tolist())
+        seen = new = {k for k in there if self.assembly[k].grounded}
+        while new:
+            new = set().union(*(self.touching[k] for k in new)) & there - seen
+            seen = seen | new
+        return seen == there
+
+    def moving(self, rest: np.ndarray, held: list[str]) -> list[str]:
+        """Parts that `check` says move; none where there is an equilibrium."""
+        self.checks += 1
+        names = np.array(self.assembly.names)
+        state = self.assembly.without(names[~rest].tolist())
+        state = state.with_grounded(held) if held else state
+        contacts = contacts_among(self.contacts, state)
+        verdict = kilter.check(state, contacts=contacts, require="equilibrium", effort=0)
+        return [] if verdict.stable else verdict.moving or ["undecided"]
+
+
+def timed(work: Callable[[], Any]) -> tuple[Any, float]:
+    started = time.process_time()
+    return work(), time.process_time() - started
+
+
+def compared(name: str, assembly: kilter.Assembly) -> str:
+    """A line of the table."""
+    contacts = kilter.contacts(assembly)
+    plan, first = timed(lambda: kilter.plan(assembly, contacts=contacts))
+    greedy = Greedy(assembly, contacts)
+    found, second = timed(
+        lambda: next(filter(None, (greedy.order(hold) for hold in range(3))), None)
+    )
+    steps = [(step.part, len(step.held)) for step in plan.steps]
+    other = [(assembly.names[part], len(held)) for part, held in reversed(found or [])]
+    holds = [
+        f"{max((n for _, n in one), default=0)} in {sum(n > 0 for _, n in one)}"
+        for one in (steps, other)
+    ]
+    same = [part for part, _ in steps] == [part for part, _ in other]
+    words = [name, len(steps), len(other), *holds, "yes" if same else "no"]
+    cells = [*map(str, words), f"{first:.2f}", f"{second:.2f}", f"{second / first:.1f}"]
+    return row([*cells, str(greedy.checks)])
+
+
+def row(cells: list[str]) -> str:
+    widths = (16, 6, 6, 8, 8, 6, 8, 8, 7, 7)
+    return "".join(cell.ljust(width) for cell, width in zip(cells, widths, strict=True))
+
+
+def main(given: list[str]) -> None:
+    made = dict(CASES)
+    if given:
+        made = {}
+    for word in given:
+        path, base, *mu = word.split(":")
+        made[path.rstrip("/").rsplit("/", 1)[-1]] = lambda p=path, b=base, m=mu: kilter.load(
+            p, ground=[b], friction=float(m[0]) if m else None
+        )
+    head = ["case", "steps", "", "held", "", "same", "plan s", "greedy s", "ratio", "checks"]
+    print(row(head))
+    for name, make in made.items():
+        print(compared(name, make()), flush=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
