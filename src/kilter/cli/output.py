@@ -14,6 +14,9 @@ from kilter.errors import InputError
 
 __all__ = ["Progress", "as_json", "emit", "keep_apart", "tell_warnings", "write_whole"]
 
+EACH = 1.0
+"""Between two words of progress [s]."""
+
 
 def as_json(data: Any) -> str:
     """JSON text with numbers exact to the last digit."""
@@ -71,40 +74,33 @@ def tell_warnings(warnings: Sequence[str], quiet: bool, limit: int = 20) -> None
 
 
 class Progress:
-    """Names the step at work on the error stream once it takes over a second.
+    """Names the step at work on the error stream, and how long all took, second by second.
 
-    Only on a terminal, and not where `quiet`.
+    From the first second on, only on a terminal, and not where `quiet`.
     """
 
     def __init__(self, quiet: bool) -> None:
         self._on = not quiet and sys.stderr.isatty()
-        self._timer: threading.Timer | None = None
         self._started = time.perf_counter()
-        self._shown = False
+        self._step = ""
+        self._ended = threading.Event()
+        self._clock: threading.Thread | None = None
 
     def __call__(self, stage: str) -> None:
         """Begin a step."""
-        if not self._on:
-            return
-        self._stop()
-        self._timer = threading.Timer(1.0, self._show, (stage,))
-        self._timer.daemon = True
-        self._timer.start()
+        self._step = stage
+        if self._on and self._clock is None:
+            self._clock = threading.Thread(target=self._tell, daemon=True)
+            self._clock.start()
 
-    def _show(self, stage: str) -> None:
-        self._shown = True
-        elapsed = time.perf_counter() - self._started
-        print(
-            f"\r\x1b[Kkilter: {stage} ... ({elapsed:.0f} s so far)",
-            end="",
-            file=sys.stderr,
-            flush=True,
-        )
-
-    def _stop(self) -> None:
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
+    def _tell(self) -> None:
+        shown = False
+        while not self._ended.wait(EACH):
+            elapsed, shown = time.perf_counter() - self._started, True
+            line = f"kilter: {self._step} ... ({elapsed:.0f} s so far)"
+            print(f"\r\x1b[K{line}", end="", file=sys.stderr, flush=True)
+        if shown:
+            print("\r\x1b[K", end="", file=sys.stderr, flush=True)
 
     def __enter__(self) -> Progress:
         return self
@@ -114,7 +110,7 @@ class Progress:
 
     def done(self) -> None:
         """Nothing is at work."""
-        self._stop()
-        if self._shown:
-            print("\r\x1b[K", end="", file=sys.stderr, flush=True)
-            self._shown = False
+        if self._clock is not None:
+            self._ended.set()
+            self._clock.join()
+            self._ended, self._clock = threading.Event(), None
