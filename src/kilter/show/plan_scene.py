@@ -76,6 +76,7 @@ def _step(
             "torque": None if hand.torque is None else float(np.linalg.norm(hand.torque)) * metres,
             "weight": float(assembly.geometry.mass[index[hand.part]])
             * float(np.linalg.norm(assembly.gravity)),
+            "radius": float(assembly.geometry.radius[index[hand.part]]) * metres,
             "falls": list(hand.falls),
         }
         for hand in support.hands

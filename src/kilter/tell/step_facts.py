@@ -31,7 +31,8 @@ def step_facts(step: Answer, hands: Sequence[Answer]) -> list[tuple[str, str]]:
     step : mapping
         An entry of `steps` of a plan.
     hands : sequence of mapping
-        ``part``, ``force`` [N] and ``torque`` [N m] or None, ``weight`` [N], ``falls``.
+        ``part``, ``force`` [N] and ``torque`` [N m] or None, ``weight`` [N] and ``radius`` [m] of
+        the part, ``falls``.
     """
     way = f"along {vector(step['direction'], 3)}"
     pieces = len(step["path"]) - 1
@@ -55,14 +56,16 @@ def hand_phrase(hand: Answer) -> str:
 
     Examples
     --------
-    >>> hand_phrase({"force": None, "torque": None, "weight": 1.0, "falls": ["b", "a"]})
-    "without it 2 parts would move: 'b' and 'a'"
+    >>> hand_phrase({"force": None, "falls": ["b", "a"]})
+    "without it 2 parts would move: 'b', 'a'"
+    >>> hand_phrase({"force": 2.0, "torque": 1e-9, "weight": 1.0, "radius": 0.1, "falls": []})
+    'it may carry 2 N'
     """
     said = []
     if hand["force"] is not None:
         least = NO_SHARE * hand["weight"]
         carried = force(hand["force"]) if hand["force"] > least else "next to nothing"
-        if hand["torque"]:
+        if hand["torque"] > least * hand["radius"]:
             carried += f" and {force(hand['torque'])} m"
         said.append(f"it may carry {carried}")
     falls = hand["falls"]
