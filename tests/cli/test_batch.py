@@ -23,7 +23,7 @@ from kilter.analysis.many.batch_folder import open_folder
 from kilter.analysis.many.batch_list import listed_files
 from kilter.analysis.many.batch_rows import COLUMNS, BatchQuestion, error_row, judged_rows
 from kilter.cli import main
-from kilter.errors import InputError
+from kilter.errors import InputError, KilterError
 from kilter.scenes.packings import box_pile
 
 FILES = 24
@@ -177,6 +177,15 @@ def test_an_assembly_that_kills_is_found_and_has_a_row(
     assert [row["file"] for row in rows if row["verdict"] == "error"] == [
         "pile-5.kilter.json", "wrong.json",
     ]  # fmt: skip
+
+
+def test_workers_that_do_not_come_up_blame_no_assembly(
+    piles: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(batch_workers, "_SERVE", "raise SystemExit({path!r})")
+    with pytest.raises(KilterError, match="no process that judges comes up"):
+        kilter.batch(piles, tmp_path, processes=2)
+    assert not list(tmp_path.glob("*part-*"))
 
 
 def test_a_killed_worker_costs_no_row_and_blames_none(piles: Path, tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from kilter.analysis.many.batch_rows import BatchQuestion, BatchRow, judged_rows
+from kilter.errors import KilterError
 from kilter.files.pipes import end_with_parent, receive, send
 
 __all__ = ["LocalWorkers", "Task", "Workers", "serve"]
@@ -23,6 +24,10 @@ _SERVE = (
     "import sys; sys.path[:] = {path!r}; from kilter.analysis.many.batch_workers import serve; "
     "serve()"
 )
+STARTED = "started"
+"""What a worker says first."""
+STILLBORN = 10
+"""Workers that die one after the other, none of them heard, after which the batch is given up."""
 Files = tuple[tuple[int, str], ...]
 
 
@@ -60,6 +65,7 @@ class LocalWorkers:
         self._busy: dict[subprocess.Popen[bytes], Task] = {}
         self._idle: list[subprocess.Popen[bytes]] = []
         self._ready = selectors.DefaultSelector()
+        self._stillborn = 0
 
     @property
     def free(self) -> int:
@@ -94,10 +100,16 @@ class LocalWorkers:
             assert worker.stdout is not None
             try:
                 rows = receive(worker.stdout)
+                self._stillborn = 0
             except (EOFError, OSError):
                 rows = None
                 self._ready.unregister(worker.stdout)
                 _ended(worker)
+                self._stillborn += 1
+                if self._stillborn == STILLBORN:
+                    raise KilterError("no process that judges comes up") from None
+            if rows == STARTED:
+                continue
             task = self._busy.pop(worker, None)
             if rows is not None:
                 self._idle.append(worker)
@@ -134,5 +146,6 @@ def serve() -> None:
     end_with_parent()
     with contextlib.suppress(EOFError, BrokenPipeError):
         question = receive(incoming)
+        send(outgoing, STARTED)
         while True:
             send(outgoing, judged_rows(receive(incoming), question))
