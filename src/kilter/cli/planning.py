@@ -114,6 +114,16 @@ def plan(
             show_default=False,
         ),
     ] = None,
+    press: Annotated[
+        float,
+        typer.Option(
+            "--press",
+            metavar="N",
+            help="Each part, in place, is pressed along its way with this force [N], and held by "
+            "what stands.",
+            rich_help_panel=ORDER,
+        ),
+    ] = 0.0,
     require: Annotated[
         str,
         typer.Option(
@@ -158,6 +168,7 @@ def plan(
         together=together,
         fewest=None if fewest == "holds" else fewest,
         sequence=sequence,
+        press=press or None,
         require=None if require == "equilibrium" else require,
     )
     with Progress(asked.quiet) as progress:
@@ -173,6 +184,7 @@ def plan(
             together=together,
             fewest=fewest,
             sequence=None if sequence is None else read_sequence(sequence),
+            press=press,
             require=require,
             effort=asked.effort,
             time_limit=asked.time_limit,

@@ -93,4 +93,9 @@ def _judged(search: OrderSearch, moved: int, present: int, hold: int) -> Removed
             fails.append(UNDECIDED)
         else:
             fails.append(f"{some_names(state.moving)} would fall before it{held}")
+    if search.pressing is not None and legs and not fails:
+        pressed = next(search.pressed(search.pressing, moved, legs, present, hold), None)
+        if pressed is not None:
+            return pressed
+        fails.append("it cannot be pressed in with that force")
     return Removed(parts, legs or (), state, needs, tuple(fails))

@@ -62,6 +62,8 @@ class Order:
         Groups that were asked for.
     together : bool
         Whether parts that stop one another might move as one.
+    press : float
+        Force with which parts are pressed in [N].
     given : bool
         Whether the order was given and judged, not searched.
     fewest : {"holds", "held-steps"}
@@ -91,6 +93,7 @@ class Order:
     screws: tuple[Screw, ...]
     moved_as_one: tuple[tuple[str, ...], ...]
     together: bool
+    press: float
     given: bool
     fewest: str
     least: str | None
@@ -169,6 +172,7 @@ class Order:
                 "screws": [[assembly.names[s.bolt], assembly.names[s.nut]] for s in self.screws],
                 "groups": [list(group) for group in self.moved_as_one],
                 "together": self.together,
+                "press": self.press,
             },
             "interrupted": self.interrupted,
             "time_limit": self.time_limit,
@@ -256,6 +260,7 @@ class Order:
         names = self.states.assembly.names
         rules = {
             "hold": self.hold,
+            "press": self.press,
             "precedence": [list(pair) for pair in self.precedence],
             "groups": [list(group) for group in self.moved_as_one],
             "never_held": list(self.never_held),

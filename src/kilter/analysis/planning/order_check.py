@@ -26,6 +26,7 @@ from kilter.analysis.planning.holds import least_hitting_set
 from kilter.analysis.planning.locking import holding_rows, opening, shuts
 from kilter.analysis.planning.order_rules import Rules
 from kilter.analysis.planning.part_sets import bits_of
+from kilter.analysis.planning.pressing import press_loads
 from kilter.analysis.planning.state_programs import build_state_programs
 from kilter.analysis.planning.sweeps import Sweeps
 from kilter.assembly import Assembly
@@ -79,7 +80,7 @@ def _reasons(
         entries[kind].append(entry)
         if (verdict == "unstable") != FALLS[kind]:
             yield f"{kind} {_of(entry)}: its state is {verdict}"
-        if set(change) - CHANGES:
+        if set(change) - (CHANGES | {"loads"} if kind == "pressed" else CHANGES):
             yield f"{kind} {_of(entry)}: more of it is changed than its parts"
     if not entries["step"] and not entries["falls alone"] and not entries["locked"]:
         yield "it has neither an order nor a proof that there is none"
@@ -89,7 +90,9 @@ def _reasons(
         rules = Rules.of(assembly, contacts, bundle["rules"])
         yield from _wrong_steps(assembly, contacts, rules, entries["step"])
         yield from _enough(assembly, rules, entries["step"], entries["not fewer"])
-    elif entries["whole"] or entries["not fewer"]:
+        press = float(bundle["rules"]["press"])
+        yield from _wrong_pressing(assembly, press, entries["step"], entries["pressed"])
+    elif entries["whole"] or entries["not fewer"] or entries["pressed"]:
         yield "it speaks of an order but has no step"
     yield from _wrong_closure(assembly, entries["falls alone"])
     if entries["locked"]:
@@ -97,7 +100,14 @@ def _reasons(
         yield from _wrong_locking(assembly, contacts, threads, entries["locked"])
 
 
-FALLS = {"whole": False, "step": False, "not fewer": True, "falls alone": True, "locked": False}
+FALLS = {
+    "whole": False,
+    "step": False,
+    "not fewer": True,
+    "falls alone": True,
+    "locked": False,
+    "pressed": False,
+}
 """What a proof of a plan may be about, and whether its state falls."""
 
 
@@ -232,3 +242,42 @@ def _wrong_locking(
             opening(program, part, rows), multipliers[rows]
         ):
             yield f"{name!r} is not locked: its multipliers do not prove it"
+
+
+def _wrong_pressing(
+    assembly: Assembly, force: float, steps: Sequence[About], pressed: Sequence[About]
+) -> Iterator[str]:
+    """Why not every step is proved under the force that presses its parts in."""
+    if sorted(one["step"] for one in pressed) != (list(range(1, len(steps) + 1)) if force else []):
+        yield "not every step is proved under the force that presses its parts in"
+        return
+    mass = dict(zip(assembly.names, assembly.geometry.mass.tolist(), strict=True))
+    own = [(load.part, load.force, load.torque, load.point) for load in assembly.loads]
+    for one in pressed:
+        step = steps[one["step"] - 1]
+        change, parts = one["change"], step["parts"]
+        x, y, z = (-float(value) for value in unit(np.array(step["legs"][0][0], dtype=float)))
+        press = press_loads(parts, [mass[name] for name in parts], (x, y, z), force)
+        wanted = own + [(load["part"], load["force"], load["torque"], None) for load in press]
+        given = [tuple(load[key] for key in LOAD) for load in change["loads"]]
+        standing = set(step["change"]["without"]) - set(parts)
+        if set(change["without"]) != standing or change["held"] != step["change"]["held"]:
+            yield f"step {one['step']}: other parts are pressed"
+        elif len(given) != len(wanted) or not all(map(_same_load, given, wanted)):
+            yield f"step {one['step']}: it is pressed otherwise"
+
+
+LOAD = ("part", "force", "torque", "point")
+"""Keys of a load."""
+
+
+def _same_load(one: Sequence[Any], other: Sequence[Any]) -> bool:
+    """Whether two loads are the same, but for rounding."""
+    if one[0] != other[0] or (one[3] is None) != (other[3] is None):
+        return False
+    pairs = [(a, b) for a, b in zip(one[1:], other[1:], strict=True) if a is not None]
+    return all(np.allclose(a, b, rtol=SAME_LOAD, atol=0) for a, b in pairs)
+
+
+SAME_LOAD = 1e-9
+"""Relative rounding of a load, as a file has it."""

@@ -5,6 +5,7 @@ groups, parts that are not held, screws. Each proof is of one state, and says wh
 
     whole           the finished assembly holds
     step            what stands while a part comes in, along its `legs` reversed, holds
+    pressed         the same with the part in place, under the force that presses it in
     not fewer       at a step with parts held: one of `parts` must be held, or they move
     falls alone     a part that no order without holds reaches
     locked          a part that those present let move nowhere, by its `multipliers`
@@ -27,8 +28,8 @@ from kilter.mechanics.bundle import make_bundle
 
 __all__ = ["order_proof"]
 
-Stated = tuple[dict[str, Any], State]
-"""What a proof is about, and its state."""
+Stated = tuple[dict[str, Any], State, States]
+"""What a proof is about, its state, and the states that it is one of."""
 
 
 def order_proof(
@@ -59,35 +60,43 @@ def order_proof(
     names, proofs = states.assembly.names, []
     stated = _of_steps(states, whole, steps) if steps else []
     stated += [
-        ({"about": "falls alone", "part": names[int(np.flatnonzero(one.free)[0])]}, one)
+        ({"about": "falls alone", "part": names[int(np.flatnonzero(one.free)[0])]}, one, states)
         for one in falling
     ]
     stated += [
         (
             {"about": "locked", "part": names[one.part], "multipliers": one.multipliers.tolist()},
             one.state,
+            states,
         )
         for one in locked
     ]
-    for about, state in stated:
-        change = {
+    for about, state, of in stated:
+        change: dict[str, Any] = {
             "without": [n for n, here in zip(names, state.present, strict=True) if not here],
             "held": states.held_names(state),
         }
-        proofs.append(({**about, "change": change}, states.proof(state, options=dict(options))))
+        proof = of.proof(state, options=dict(options))
+        if of is not states:
+            change["loads"] = proof["loads"]
+        proofs.append(({**about, "change": change}, proof))
     return make_bundle("plan", proofs, rules=dict(rules))
 
 
 def _of_steps(states: States, whole: State, steps: Sequence[Step]) -> list[Stated]:
     names = states.assembly.names
-    stated: list[Stated] = [({"about": "whole"}, whole)]
+    stated: list[Stated] = [({"about": "whole"}, whole, states)]
     for number, step in enumerate(steps, 1):
-        stated.append((_step(step), step.state))
+        stated.append((_step(step), step.state, states))
+        if step.pressed is not None and step.under is not None:
+            stated.append(({"about": "pressed", "step": number}, step.pressed, step.under))
         if step.needs is None or not step.needs.fewest:
             continue
         for cut in step.needs.cuts:
             parts = [name for name, one in zip(names, cut.parts, strict=True) if one]
-            stated.append(({"about": "not fewer", "step": number, "parts": parts}, cut.state))
+            stated.append(
+                ({"about": "not fewer", "step": number, "parts": parts}, cut.state, states)
+            )
     return stated
 
 

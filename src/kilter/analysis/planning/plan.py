@@ -23,6 +23,7 @@ from kilter.analysis.planning.locking import Locked, find_locked
 from kilter.analysis.planning.order import Order
 from kilter.analysis.planning.part_sets import members
 from kilter.analysis.planning.plan_step import steps_of
+from kilter.analysis.planning.pressing import Pressing
 from kilter.analysis.planning.removal import Removal
 from kilter.analysis.planning.screws import find_screws
 from kilter.analysis.planning.search import OrderSearch
@@ -59,6 +60,7 @@ def plan(
     together: bool = False,
     fewest: str = "holds",
     sequence: Iterable[str | Iterable[str]] | None = None,
+    press: float = 0.0,
     require: str = "equilibrium",
     effort: float = EFFORT,
     time_limit: float | None = None,
@@ -91,6 +93,8 @@ def plan(
         What there is to be least of: parts held at once, or steps during which a part is held.
     sequence : iterable of str or of iterables of str, optional
         An order to judge step by step, in place of a search; several names at once move as one.
+    press : float
+        Force with which each part is pressed along the last piece of its way, once in place [N].
     require : {"equilibrium", "settles", "proved"}
         The level that `Order.holds` asks of every step; the search is at "equilibrium".
     effort : float
@@ -119,6 +123,7 @@ def plan(
     if fewest not in FEWEST:
         raise InputError(f"fewest is {fewest!r:.40}", hint=f"give {' or '.join(FEWEST)}")
     most = MOST_HELD if hold is None else _whole_number(hold)
+    press = number(press, "press", lowest=0)
     if time_limit is not None:
         time_limit = number(time_limit, "time_limit", lowest=0)
     budget = SEARCH * units_of(number(effort, "effort", lowest=0))
@@ -135,7 +140,8 @@ def plan(
     removal = Removal(found.contacts, directions=directions, screws=turned)
     barred = found.mask(never_hold) if never_hold else np.zeros(len(assembly), dtype=bool)
     holdable = ~assembly.geometry.grounded & ~barred
-    search = OrderSearch(found, removal, after, holdable, work, units, together)
+    pressing = Pressing(found, press) if press else None
+    search = OrderSearch(found, removal, after, holdable, work, units, together, pressing)
     falling: list[State] = []
     locked: list[Locked] = []
     if sequence is None and not together and not any(unit & (unit - 1) for unit in units):
@@ -172,6 +178,7 @@ def plan(
         moved_as_one=tuple(_names(assembly, unit) for unit in units if unit & (unit - 1)),
         together=together,
         exhausted=search.exhausted,
+        press=press,
         given=sequence is not None,
         fewest=fewest,
         least=_least(searched, len(falling)),

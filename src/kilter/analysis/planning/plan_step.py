@@ -57,6 +57,10 @@ class Step:
     fails : tuple of str
         Of a given order: why this step cannot be made; then what is said of its way, or of its
         holds, may be empty.
+    pressed : State or None
+        What stands and these in place, pressed along their way, where that was asked.
+    under : States or None
+        The states of that force.
     """
 
     parts: tuple[str, ...]
@@ -71,6 +75,8 @@ class Step:
     level: str | None
     needs: Holds[State] | None = None
     fails: tuple[str, ...] = ()
+    pressed: State | None = None
+    under: States | None = None
 
     @property
     def part(self) -> str:
@@ -87,8 +93,7 @@ class Step:
         """The direction of the last piece of its way in (unit, world frame); None without one."""
         if not self.legs:
             return None
-        x, y, z = (0.0 - one for one in self.legs[0].direction)
-        return x, y, z
+        return _back(self.legs)
 
     def path(self, far: float) -> Array:
         """Its way in, as places relative to its seat, the seat last, shape (n, 3) [length unit].
@@ -123,6 +128,11 @@ def steps_of(
         moved = tuple(names[k] for k in one.parts)
         along = one.legs[0].direction if one.legs else (0.0, 0.0, 0.0)
         touches, rubs = search.removal.touching(one.set, one.state.present, along)
+        under = None
+        level = _level(states, one.state, require, effort)
+        if one.pressed is not None and search.pressing is not None:
+            under = search.pressing.states_of(one.set, _back(one.legs))
+            level = _lower(level, _level(under, one.pressed, require, effort))
         bolt = search.removal.over(one.set, one.state.present)
         steps.append(
             Step(
@@ -135,13 +145,28 @@ def steps_of(
                 grips=tuple(name for name in held if name not in before),
                 releases=tuple(sorted(before - set(held), key=names.index)),
                 state=one.state,
-                level=_level(states, one.state, require, effort),
+                level=level,
                 needs=one.needs if one.state.stable else None,
                 fails=one.fails,
+                pressed=one.pressed,
+                under=under,
             )
         )
         before = {*held, *moved} if held else set()
     return steps
+
+
+def _back(legs: tuple[Leg, ...]) -> Direction:
+    """The direction of the last piece of a way in (unit)."""
+    x, y, z = (0.0 - one for one in legs[0].direction)
+    return x, y, z
+
+
+def _lower(one: str | None, other: str | None) -> str | None:
+    """The lower of two levels."""
+    if one is None or other is None:
+        return None
+    return max(one, other, key=list(VERDICTS).index)
 
 
 def _names(names: Sequence[str], parts: Iterable[int]) -> tuple[str, ...]:

@@ -25,8 +25,9 @@ from itertools import groupby
 
 import numpy as np
 
-from kilter.analysis.planning.holds import Holds
+from kilter.analysis.planning.holds import Holds, find_fewest_holds
 from kilter.analysis.planning.part_sets import bits_of, mask_of, members
+from kilter.analysis.planning.pressing import Pressing
 from kilter.analysis.planning.removal import Leg, Removal
 from kilter.analysis.planning.state import State
 from kilter.analysis.planning.states import States
@@ -59,6 +60,8 @@ class Removed:
         Where parts are held: why fewer are not enough.
     fails : tuple of str
         Of a given order: why these cannot leave.
+    pressed : State or None
+        With these in place and pressed, where that is asked.
     """
 
     parts: tuple[int, ...]
@@ -66,6 +69,7 @@ class Removed:
     state: State
     needs: Holds[State] | None = None
     fails: tuple[str, ...] = ()
+    pressed: State | None = None
 
     @property
     def set(self) -> int:
@@ -95,6 +99,8 @@ class OrderSearch:
         Sets of parts that move as one; every part that is not grounded is in one of them.
     together : bool
         Whether others that stop one another may move as one too.
+    pressing : Pressing or None
+        The force with which parts are pressed in, where that is asked.
     best : list of Removed
         The longest order so far, in the order of removal.
     visited : int
@@ -110,6 +116,7 @@ class OrderSearch:
     work: Work
     units: list[int]
     together: bool = False
+    pressing: Pressing | None = None
     best: list[Removed] = field(default_factory=list)
     visited: int = 0
     exhausted: bool = False
@@ -190,7 +197,9 @@ class OrderSearch:
                 stuck.append(moved)
                 continue
             state = self.state(present & ~moved)
-            if state.stable:
+            if state.stable and self.pressing is not None:
+                yield from self._held(moved, legs, present, hold)
+            elif state.stable:
                 yield Removed(self._members(moved), legs, state)
             else:
                 falling.append((int(state.moves.sum()), moved, legs))
@@ -287,9 +296,27 @@ class OrderSearch:
         self, moved: int, legs: tuple[Leg, ...], present: int, hold: int
     ) -> Iterator[Removed]:
         """A removal with the fewest holds, where these are no more than `hold`."""
+        if self.pressing is not None:
+            yield from self.pressed(self.pressing, moved, legs, present, hold)
+            return
         known = self.needs(present & ~moved, hold)
         if known.state is not None:
             yield Removed(self._members(moved), legs, known.state, known)
+
+    def pressed(
+        self, pressing: Pressing, moved: int, legs: tuple[Leg, ...], present: int, hold: int
+    ) -> Iterator[Removed]:
+        """A removal with the fewest holds with which parts may be pressed in again."""
+        x, y, z = legs[0].direction
+        solved, judge = self._solved(), pressing.judge_of(moved, (-x, -y, -z))
+        rest = mask_of(present & ~moved, len(self._near))
+        names = self.states.assembly.names
+        known = find_fewest_holds(judge, names, rest, self.holdable & rest, most=hold)
+        self._charge(solved, present)
+        self.work.charge(PROGRAM * (FEW + present.bit_count()))
+        both = known.state
+        if both is not None:
+            yield Removed(self._members(moved), legs, both.standing, pressed=both.pressed)
 
     def needs(self, rest: int, hold: int) -> Holds[State]:
         """The fewest holds of a set, none where these are more than `hold`."""
