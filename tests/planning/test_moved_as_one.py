@@ -48,7 +48,7 @@ def hooked(*, lid: bool = True) -> Assembly:
 def test_two_that_leave_only_as_one() -> None:
     made = hooked()
     alone = kilter.plan(made)
-    assert (alone.verdict, alone.exhausted) == ("none-found", True)
+    assert alone.verdict == "impossible"
     order = kilter.plan(made, together=True)
     [step] = order.steps
     assert (step.parts, step.direction) == (("A", "B"), (0.0, -1.0, 0.0))

@@ -20,6 +20,7 @@ from kilter.analysis.verification import verify_bundle
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
 from kilter.scenes.pieces import block, floor, tube
+from kilter.scenes.walls import wall_of
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
 
@@ -57,6 +58,13 @@ def test_most_parts_held_at_once(name: str, held: int) -> None:
     assert (order.verdict, order.holds_max) == ("found", held)
     assert order.held_steps <= 1
     rechecked(order)
+
+
+@pytest.mark.slow
+def test_a_wall_of_five_hundred_bricks() -> None:
+    """Within the usual effort."""
+    order = kilter.plan(wall_of(500))
+    assert (order.holds_max, order.level, len(order.steps)) == (0, "proved", 517)
 
 
 def test_the_wedge_that_leaves_first_is_the_only_one_that_can() -> None:

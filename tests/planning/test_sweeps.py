@@ -200,3 +200,18 @@ def test_a_set_of_parts_stops_what_one_of_them_stops() -> None:
         assert sweeps.stops(part, bits_of(present), up) == any(each)
     assert members(bits_of(present), count).tolist() == np.flatnonzero(present).tolist()
     assert (mask_of(bits_of(present), count) == present).all()
+
+
+@pytest.mark.parametrize("name", ["box-pile", "diamond", "pit-wedges"])
+def test_parts_aside_are_left_out_for_good(name: str) -> None:
+    """What stops a part is what any pair says, though boxes leave most of them out."""
+    contacts = kilter.contacts(scene(name))
+    count = len(contacts.assembly)
+    quick, slow = Sweeps(contacts), Sweeps(contacts)
+    directions = [(0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 0.6, 0.8), (0.48, -0.6, 0.64)]
+    for part in range(0, count, 3):
+        for d in directions:
+            pairs = [other for other in range(count) if other != part]
+            stops = any(slow.pair_stops(part, other, d) for other in pairs)
+            assert quick.stops(part, (1 << count) - 1, d) == stops
+    assert 2 * quick.tests < slow.tests

@@ -179,6 +179,8 @@ def _level(states: States, state: State, require: str, effort: float) -> str | N
         return None
     if state.verdict is not None and state.verdict.level is not None:
         return state.verdict.level
+    if state.forces is not None and not state.forces.friction.any():
+        return "proved"
     if judge(state.program.frictionless).stable:
         return "proved"
     if require == "equilibrium":

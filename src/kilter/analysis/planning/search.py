@@ -37,7 +37,7 @@ from kilter.work import Work
 
 __all__ = ["OrderSearch", "Removed", "neighbours_of"]
 
-PROGRAM, FEW = 500.0, 4
+PROGRAM, FEW = 150.0, 4
 """Units of work of a program of a state, for each part that is present and so many more."""
 LAYER = 0.01
 """Parts whose heights are nearer than this lie in one layer, over the width of the whole."""
@@ -122,7 +122,7 @@ class OrderSearch:
     exhausted: bool = False
     base: int = field(init=False)
     _near: list[int] = field(init=False)
-    _height: list[float] = field(init=False)
+    _seat: dict[int, tuple[float, Array]] = field(init=False)
     _holds: dict[int, Holds[State]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -131,7 +131,11 @@ class OrderSearch:
         self.base = bits_of(geometry.grounded)
         up = geometry.center @ -self.states.assembly.down
         wide = float(np.ptp(geometry.center, axis=0).max())
-        self._height = (up / max(wide, TINY) / LAYER).round().tolist()
+        layer = (up / max(wide, TINY) / LAYER).round()
+        self._seat = {}
+        for unit in self.units:
+            parts = list(self._members(unit))
+            self._seat[unit] = float(layer[parts].max()), geometry.center[parts].mean(axis=0)
 
     @property
     def whole(self) -> int:
@@ -176,7 +180,7 @@ class OrderSearch:
         self.visited += 1
         stuck: list[int] = []
         candidates = self._candidates(present, last)
-        for _, layer in groupby(candidates, key=self._top):
+        for _, layer in groupby(candidates, key=lambda unit: self._seat[unit][0]):
             yield from self._of_layer(layer, present, hold, stuck)
         for moved in stuck:
             legs = self.way_out(moved, present, 2)
@@ -192,6 +196,8 @@ class OrderSearch:
         """What may leave of one layer; what has no straight way is put to the stuck ones."""
         falling = []
         for moved in layer:
+            if not self._may_leave(moved, present):
+                continue
             legs = self.way_out(moved, present, 1)
             if legs is None:
                 stuck.append(moved)
@@ -209,25 +215,17 @@ class OrderSearch:
     def _members(self, parts: int) -> tuple[int, ...]:
         return tuple(members(parts, len(self._near)).tolist())
 
-    def _top(self, moved: int) -> float:
-        """The layer of the highest of some parts."""
-        return max(self._height[part] for part in self._members(moved))
-
     def _candidates(self, present: int, last: int) -> list[int]:
-        """Units that may leave by precedence and touch, the highest and nearest first."""
-        found = [one for one in self.units if one & present and self._may_leave(one, present)]
-        place = None if not last else self._middle(last)
-
-        def rank(moved: int) -> tuple[float, float]:
-            away = 0.0 if place is None else float(np.linalg.norm(self._middle(moved) - place))
-            return -self._top(moved), round(away, 9)
-
-        return sorted(found, key=rank)
-
-    def _middle(self, parts: int) -> Array:
-        center = self.states.assembly.geometry.center[list(self._members(parts))]
-        middle: Array = center.mean(axis=0)
-        return middle
+        """Units of a set, those of the highest layers first, of a layer those near the last."""
+        found = [one for one in self.units if one & present]
+        if not found:
+            return []
+        layer = np.array([self._seat[one][0] for one in found])
+        middle = np.array([self._seat[one][1] for one in found])
+        parts = list(self._members(last))
+        place = self.states.assembly.geometry.center[parts].mean(axis=0) if last else middle
+        away = np.linalg.norm(middle - place, axis=1).round(9)
+        return [found[k] for k in np.lexsort((away, -layer)).tolist()]
 
     def _may_leave(self, moved: int, present: int) -> bool:
         rest = present & ~moved

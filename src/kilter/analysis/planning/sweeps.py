@@ -24,7 +24,7 @@ import numpy as np
 import shapely
 
 from kilter.analysis.analysis_tolerances import ALONG
-from kilter.analysis.planning.part_sets import members
+from kilter.analysis.planning.part_sets import bits_of, members
 from kilter.arrays import Array, Index, across, cross, unit_rows
 from kilter.contact import ContactSet
 
@@ -83,6 +83,8 @@ class Sweeps:
         self._depth = {frozenset(one.parts): one.depth for one in contacts.overlaps}
         self._shadows: dict[tuple[int, Direction], _Shadow] = {}
         self._endless: dict[tuple[int, Direction], tuple[int, int]] = {}
+        self._before: dict[tuple[int, Direction], int] = {}
+        self._box: dict[Direction, tuple[Array, Array]] = {}
         self.tests = 0
 
     def tolerance(self, p: int, q: int) -> float:
@@ -105,7 +107,7 @@ class Sweeps:
         direction : tuple of float
             Unit, world frame.
         """
-        others = present & ~(1 << part)
+        others = present & ~(1 << part) & self._ahead(part, direction)
         stopping, free = self._endless.get((part, direction), (0, 0))
         if stopping & others:
             return True
@@ -116,6 +118,29 @@ class Sweeps:
             free |= 1 << other
             self._endless[part, direction] = (stopping, free)
         return False
+
+    def _ahead(self, part: int, direction: Direction) -> int:
+        """Parts whose boxes, seen along a direction, meet that of a part and reach as far."""
+        key = part, direction
+        if key not in self._before:
+            low, high = self._boxes(direction)
+            meets = (low[:, :2] < high[part, :2]) & (high[:, :2] > low[part, :2])
+            near = np.flatnonzero(meets.all(axis=1)).tolist()
+            most = max(self.tolerance(part, other) for other in near)
+            self._before[key] = bits_of(meets.all(axis=1) & (high[:, 2] >= low[part, 2] - most))
+        return self._before[key]
+
+    def _boxes(self, direction: Direction) -> tuple[Array, Array]:
+        """Lowest and highest places of the parts across and along a direction, shape (N, 3)."""
+        if direction not in self._box:
+            g = self._geometry
+            seen = g.vertices @ _basis(np.array(direction)).T
+            start = g.vertex_start[:-1]
+            self._box[direction] = (
+                np.minimum.reduceat(seen, start, axis=0),
+                np.maximum.reduceat(seen, start, axis=0),
+            )
+        return self._box[direction]
 
     def pair_stops(
         self,
