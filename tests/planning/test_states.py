@@ -15,11 +15,14 @@ from kilter.analysis.planning.states import States
 from kilter.analysis.verification import verify_proof
 from kilter.contact.sub_contacts import contacts_among
 from kilter.mechanics.certificate import check_forces, check_motion
+from kilter.mechanics.coulomb_cones import load_factor_in_cones, spread
+from kilter.mechanics.program import Program
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
 from kilter.scenes.random_friction import random_assembly
 from kilter.scenes.random_turned import random_turned
 from kilter.scenes.stacks import block_on_slope
+from kilter.solvers.clarabel import solve_conic
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
 
@@ -240,3 +243,53 @@ def test_what_falls_is_named_where_check_decided() -> None:
     present = np.ones(len(program.names), dtype=bool)
     state = kilter.State(program.names, present, program.free, False, program, verdict=verdict)
     assert state.moving == verdict.moving == ["C2", "C3"]
+
+
+def by_clarabel(program: Program) -> bool | None:
+    """Whether forces in exact cones hold it, by Clarabel alone; None where it has no proof."""
+    wide = spread(program)
+    answer = solve_conic(load_factor_in_cones(wide))
+    factor = float(answer.x[-1])
+    if factor > 0.5:
+        forces = check_forces(program, *wide.decoded(answer.x[:-1] / factor))
+        return True if forces.holds else None
+    over = answer.multipliers[: len(wide.problem.right)]
+    motion = check_motion(program, wide.problem.motion(wide.problem.over_weight(over)))
+    return False if motion.holds else None
+
+
+def layers(found: States, random: np.random.Generator) -> np.ndarray:
+    """Parts from the bottom up, as many as may be, those of a layer in any order."""
+    geometry = found.assembly.geometry
+    free = np.flatnonzero(~geometry.grounded)
+    height = geometry.center[free] @ -found.assembly.down
+    height = height + 0.02 * np.ptp(height) * random.normal(size=len(free))
+    count = int(random.integers(4, len(free) + 1))
+    present = geometry.grounded.copy()
+    present[free[np.argsort(height)[:count]]] = True
+    return present
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not DATA.is_dir(), reason="real assemblies are not here")
+def test_states_of_a_dome_are_those_of_another_solver_in_exact_cones() -> None:
+    dome = kilter.load(DATA / "learn2assemble" / "dome", ground=["72"], friction=0.55)
+    found, random, answers = kilter.states(dome), np.random.default_rng(0), []
+    nothing = np.zeros(len(dome), dtype=bool)
+    for _ in range(180):
+        state = found.judge(layers(found, random), nothing)
+        assert state.stable == by_clarabel(state.program)
+        answers.append(state.stable)
+    assert min(answers.count(True), answers.count(False)) > 50
+
+
+def test_large_states_are_judged_in_cones_and_small_ones_by_the_kept_program() -> None:
+    """A wall with friction: from nothing, then its lowest bricks, which no forces known hold."""
+    found = kilter.states(scene("wall").with_friction(0.3))
+    whole = np.ones(len(found.assembly), dtype=bool)
+    assert found.judge(whole, ~whole).stable
+    assert (found.counts["cones"], found.counts["programs"]) == (1, 0)
+    low = whole.copy()
+    low[np.flatnonzero(~found.assembly.geometry.grounded)[12:]] = False
+    assert found.judge(low, ~whole).stable
+    assert (found.counts["cones"], found.counts["programs"]) == (1, 1)
