@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from kilter.arrays import Array, Index
 from kilter.errors import InputError
-from kilter.validate import frozen
+from kilter.validate import frozen, in_range
 
 __all__ = [
     "Pose",
@@ -188,6 +188,8 @@ class Pose:
         position, rotation = frozen(self.position, (3,)), frozen(self.rotation, (4,))
         if not math.isfinite(sum(position.tolist()) + sum(rotation.tolist())):
             raise InputError("pose has a number that is not finite", hint="give finite numbers")
+        in_range(position, "position of the pose", tiny=True)
+        in_range(rotation, "rotation of the pose")
         if not rotation.any():
             raise InputError("rotation is the zero quaternion", hint="no turn is [1, 0, 0, 0]")
         object.__setattr__(self, "position", position)

@@ -38,16 +38,23 @@ def number(value: Any, what: str, *, lowest: float = -np.inf, above: bool = Fals
     return result
 
 
-def in_range(values: Any, what: str) -> None:
+def in_range(values: Any, what: str, *, tiny: bool = False) -> None:
     """Refuse numbers so large or small that no digit of an answer would be right.
+
+    Parameters
+    ----------
+    values : array_like
+    what : str
+    tiny : bool
+        However small they may be: places, where the size is asked of the differences.
 
     Raises
     ------
     InputError
         If a number is not zero and its size is above 1e100 or below 1e-100.
     """
-    size = float(np.abs(values).max())
-    if size > LARGEST or 0 < size < 1 / LARGEST:
+    size = float(np.abs(values).max(initial=0.0))
+    if size > LARGEST or (0 < size < 1 / LARGEST and not tiny):
         raise InputError(
             f"{what} is of size {size:g}, out of range",
             hint="check its unit: sizes from 1e-100 to 1e100 are read",

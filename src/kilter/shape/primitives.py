@@ -19,7 +19,7 @@ from kilter.errors import InputError
 from kilter.rigid import in_brackets
 from kilter.shape.shape_tolerances import CUT_AREA, POLYGON_AREA, WHOLE_TURN
 from kilter.shape.solid import Solid
-from kilter.validate import frozen, number
+from kilter.validate import frozen, in_range, number
 
 __all__ = ["Box", "Cylinder", "Mesh", "Prism", "Shape", "Sphere", "surface"]
 
@@ -58,6 +58,7 @@ class Box:
         size = frozen(self.size, (3,))
         if not (np.isfinite(size).all() and (size > 0).all()):
             raise InputError(f"box is {size.tolist()}", hint="give three lengths above zero")
+        in_range(size, "box")
         object.__setattr__(self, "size", size)
 
     def __repr__(self) -> str:
@@ -110,6 +111,7 @@ class Prism:
             raise InputError("polygon has fewer than 3 corners", hint="list 3 or more")
         if not np.isfinite(polygon).all():
             raise InputError("polygon has a number that is not finite", hint="give finite numbers")
+        in_range(polygon, "polygon", tiny=True)
         area = _signed_area(polygon)
         if abs(area) <= POLYGON_AREA * float(np.ptp(polygon, axis=0).max()) ** 2:
             raise InputError("polygon has no area", hint="list its corners around its edge")
@@ -165,6 +167,7 @@ class Mesh:
                 f"vertex {bad[0]} is {self.vertices[bad[0]].tolist()}",
                 hint="give finite coordinates",
             )
+        in_range(self.vertices, "a vertex", tiny=True)
         self.triangles = _triangles(self.vertices, faces)
         self.triangles.flags.writeable = False
         largest = float(np.abs(self.vertices).max(initial=0.0))
@@ -348,10 +351,14 @@ def _cut(polygon: Array) -> Index:
     import shapely
 
     # corners given back by their coordinates, so two corners in one place are not lost
-    pieces = shapely.get_parts(shapely.constrained_delaunay_triangles(shapely.Polygon(polygon)))
+    try:
+        pieces = shapely.get_parts(shapely.constrained_delaunay_triangles(shapely.Polygon(polygon)))
+    except shapely.errors.GEOSException:
+        raise InputError("crosses or touches itself", hint="cut it into triangles") from None
     corners = shapely.get_coordinates(pieces).reshape(-1, 4, 2)[:, :3]
     where = {tuple(p): k for k, p in enumerate(polygon.tolist())}
-    cut = np.array([[where[tuple(p)] for p in piece] for piece in corners.tolist()], dtype=np.int64)
+    rows = [[where[tuple(p)] for p in piece] for piece in corners.tolist()]
+    cut = np.array(rows, dtype=np.int64).reshape(-1, 3)  # of a polygon of no area none
     areas = np.array([_signed_area(polygon[t]) for t in cut])
     whole = _signed_area(polygon)
     # an outline that rounding lets touch itself is cut all the same, if its area comes out
