@@ -12,7 +12,7 @@ from kilter.mechanics.forms import equilibrium, load_factor, scaled
 from kilter.mechanics.program import build_program
 from kilter.scenes import walls
 from kilter.scenes.transform import moved
-from kilter.solvers import cone_interior_point, highs
+from kilter.solvers import highs
 
 TURN = np.array([0.3, -0.5, 0.7, 0.4])
 
@@ -41,31 +41,17 @@ def test_large_walls_are_judged_either_way(build, verdict, turned):
     assert judged(assembly).verdict == verdict
 
 
-def test_a_large_program_goes_to_kilters_own_interior_point_first():
+def test_a_large_program_goes_to_hipo_first():
     judgement = judge(large(walls.wall(17, 17)))
     assert judgement.stable
-    assert judgement.solvers[0].startswith("load factor in cones: kilter")
-
-
-def without_a_proof(monkeypatch):
-    """As near the limit, where its own has none."""
-    monkeypatch.setattr(cone_interior_point, "STEPS", 0)
-
-
-def test_then_to_hipo(monkeypatch):
-    without_a_proof(monkeypatch)
-    judgement = judge(large(walls.wall(17, 17)))
-    assert judgement.stable
-    assert "no proof" in judgement.solvers[0]
-    assert judgement.solvers[1].startswith("equilibrium: hipo")
+    assert judgement.solvers[0].startswith("equilibrium: hipo")
 
 
 def test_without_its_extra_package_another_solver_is_named_and_judged(monkeypatch):
-    without_a_proof(monkeypatch)
     monkeypatch.setattr(highs, "hipo_available", lambda: False)
     judgement = judge(large(walls.wall(17, 17)))
     assert judgement.stable
-    assert judgement.solvers[1].startswith("equilibrium: ipx")
+    assert judgement.solvers[0].startswith("equilibrium: ipx")
 
 
 def test_the_extra_package_that_hipo_needs_is_installed():

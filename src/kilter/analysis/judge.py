@@ -3,8 +3,7 @@
 Without friction an equilibrium is all that stability needs. An order that ends where exactly
 one certificate passes:
 
-1. the load factor by simplex (small), or by kilter's own interior point (large), which ends
-   as soon as its forces or its motion are a proof; equilibrium by HiGHS' where that has none;
+1. the load factor by simplex (small), or equilibrium by interior point (large);
 2. the load factor by the other method;
 3. the least imbalance, which gives the strongest of both proofs, where the data are coarse;
 4. tighter, without presolve.
@@ -176,7 +175,6 @@ def _without_friction(program: Program, work: Work) -> Iterator[_Candidate]:
             yield from _by_least_imbalance(problem, method="simplex", presolve=presolve, work=work)
         yield from _by_load_factor(problem, method="interior", work=work)
         return
-    yield from _by_own_cones(program, work)
     yield from _by_equilibrium(problem, work)
     yield from _by_load_factor(problem, method="interior", work=work)
     yield from _by_least_imbalance(problem, method="interior", work=work)
