@@ -121,3 +121,21 @@ def test_the_page_of_a_plan_is_written_by_report(tmp_path: object) -> None:
     assert made.verdict == "found"
     assert 'id="strip"' in made.html
     assert 'id="ball"' not in made.html
+
+
+def test_a_given_order_that_fails_says_where() -> None:
+    names = [f"cube-{k}" for k in (2, 1, 3, 4, 5)]
+    order = kilter.plan(scene("tower"), sequence=names)
+    assert order.verdict == "fails"
+    data = data_of(page_of(order))["plan"]
+    assert (data["word"], len(data["steps"]), data["falls"]) == ("This order fails", 5, [])
+    for step, told in zip(data["steps"], order.to_dict()["steps"], strict=True):
+        last = step["facts"][-1]
+        assert last == (["fails", "; ".join(told["fails"])] if told["fails"] else last)
+        assert len(step["path"]) >= 2
+    assert any(step["facts"][-1][0] == "fails" for step in data["steps"])
+
+
+def test_parts_that_lock_one_another_have_a_page() -> None:
+    order = kilter.plan(scene("closed-frame"))
+    assert (order.verdict, data_of(page_of(order))["plan"]["steps"]) == ("impossible", [])

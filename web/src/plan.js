@@ -9,7 +9,8 @@ import { force } from "./words.js";
 
 const PACE = 1250; // milliseconds a step
 const REACH = 1.9; // from how far a part comes in, over the radius of the picture
-const SIGNS = { found: "✓", impossible: "✕", "none-found": "?" };
+const SIGNS = { found: "✓", impossible: "✕", fails: "✕", "none-found": "?" };
+const TONES = { found: "stable", impossible: "unstable", fails: "unstable" };
 
 export class Plan extends Look {
   constructor(page) {
@@ -31,7 +32,7 @@ export class Plan extends Look {
   /** What the plan says as a whole. */
   tell() {
     const { plan } = this.page;
-    id("banner").dataset.verdict = { found: "stable", impossible: "unstable" }[plan.verdict] || "undecided";
+    id("banner").dataset.verdict = TONES[plan.verdict] || "undecided";
     id("sign").textContent = SIGNS[plan.verdict] || "?";
     id("verdict").textContent = plan.word;
     id("sentence").textContent = plan.sentence;

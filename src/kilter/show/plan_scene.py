@@ -28,7 +28,12 @@ if TYPE_CHECKING:
 
 __all__ = ["build_plan_scene", "pulled_apart"]
 
-WORDS = {"found": "There is an order", "impossible": "Impossible", "none-found": "None found"}
+WORDS = {
+    "found": "There is an order",
+    "impossible": "Impossible",
+    "none-found": "None found",
+    "fails": "This order fails",
+}
 """Of a plan by its verdict."""
 GAP = 0.85
 """Between a part and what it was put on, pulled apart [extent of the part along its way]."""
@@ -83,8 +88,9 @@ def _step(
     ]
     return {
         "parts": [index[name] for name in told["parts"]],
-        "path": told["path"],
-        "direction": told["direction"],
+        # without a way a part is there at once
+        "path": told["path"] if told["direction"] else 2 * told["path"],
+        "direction": told["direction"] or told["down"],
         "down": told["down"],
         "held": [index[name] for name in told["held"]],
         "over": None if over is None else index[over],
@@ -111,7 +117,7 @@ def _hand(assembly: Assembly, hand: Hand) -> dict[str, Any]:
 
 def _falls(order: Order) -> list[dict[str, Any]]:
     """Parts that nothing that can be reached holds, where no order was found, and how they fall."""
-    if order.found:
+    if order.steps:
         return []
     found = []
     for state in order.falling:
@@ -149,6 +155,8 @@ def pulled_apart(assembly: Assembly, steps: list[dict[str, Any]]) -> Array:
     index, geometry = assembly.index, assembly.geometry
     apart = np.zeros((len(assembly), 3))
     for step in steps:
+        if step["direction"] is None:
+            continue
         group = [index[name] for name in step["parts"]]
         along = np.array(step["direction"])
         seats = [index[name] for name in step["touches"] if name not in step["rubs"]]

@@ -34,7 +34,9 @@ def step_facts(step: Answer, hands: Sequence[Answer]) -> list[tuple[str, str]]:
         ``part``, ``force`` [N] and ``torque`` [N m] or None, ``weight`` [N] and ``radius`` [m] of
         the part, ``falls``.
     """
-    way = f"along {vector(step['direction'], 3)}"
+    way = "no way was found"
+    if step["direction"] is not None:
+        way = f"along {vector(step['direction'], 3)}"
     pieces = len(step["path"]) - 1
     if pieces > 1:
         way += f", the last of {count(pieces, 'straight piece')}"
@@ -48,6 +50,8 @@ def step_facts(step: Answer, hands: Sequence[Answer]) -> list[tuple[str, str]]:
     if step["releases"]:
         found.append(("then let go", some_names(step["releases"], LISTED)))
     found += [(f"hold {some_names([hand['part']])}", hand_phrase(hand)) for hand in hands]
+    if step["fails"]:
+        return [*found, ("fails", "; ".join(step["fails"]))]
     return [*found, ("what stands", f"{LEVELS[step['level']]} ({step['level']})")]
 
 
