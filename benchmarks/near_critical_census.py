@@ -6,7 +6,8 @@
 Gravity is turned to shares 1 - d and 1 + d of the tangent at which an assembly's forces end, as
 `find_limit` proves it from both sides; d from 1e-2 to 1e-6. A row counts what its proofs say:
 right, wrong (there must be none), and none, where HiGHS and Clarabel decide; `both`, where the
-mechanism of the limit is a proof as well: a certificate allows 1e-9 of the forces; `steps` is the mean, `judged` counts the verdicts of `judge`, which asks them, that are right.
+mechanism of the limit is a proof as well: a certificate allows 1e-9 of the forces. `steps` is the
+mean, `judged` counts the verdicts of `judge`, which asks them, that are right.
 """
 
 from __future__ import annotations
