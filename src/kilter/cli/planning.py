@@ -124,6 +124,14 @@ def plan(
             rich_help_panel=ORDER,
         ),
     ] = 0.0,
+    turn: Annotated[
+        bool,
+        typer.Option(
+            "--turn",
+            help="What stands may be turned between two steps, the base and all.",
+            rich_help_panel=ORDER,
+        ),
+    ] = False,
     require: Annotated[
         str,
         typer.Option(
@@ -169,6 +177,7 @@ def plan(
         fewest=None if fewest == "holds" else fewest,
         sequence=sequence,
         press=press or None,
+        turn=turn or None,
         require=None if require == "equilibrium" else require,
     )
     with Progress(asked.quiet) as progress:
@@ -185,6 +194,7 @@ def plan(
             fewest=fewest,
             sequence=None if sequence is None else read_sequence(sequence),
             press=press,
+            turn=turn,
             require=require,
             effort=asked.effort,
             time_limit=asked.time_limit,

@@ -28,6 +28,9 @@ def order_sentence(answer: Answer) -> str:
         if held:
             most = count(answer["holds_max"], "part")
             words = f"with at most {most} held at once, in {count(held, 'step')}"
+        if answer["turns"]:
+            times = {1: "once", 2: "twice"}.get(answer["turns"], f"{answer['turns']} times")
+            words += f", turned {times}"
         given = "in this order, " if answer["given"] else ""
         steps = count(len(answer["steps"]), "step")
         first = f"It can be put together {given}in {steps}, {words}."

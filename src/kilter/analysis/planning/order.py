@@ -64,6 +64,8 @@ class Order:
         Whether parts that stop one another might move as one.
     press : float
         Force with which parts are pressed in [N].
+    turn : bool
+        Whether what stands might be turned.
     given : bool
         Whether the order was given and judged, not searched.
     fewest : {"holds", "held-steps"}
@@ -94,6 +96,7 @@ class Order:
     moved_as_one: tuple[tuple[str, ...], ...]
     together: bool
     press: float
+    turn: bool
     given: bool
     fewest: str
     least: str | None
@@ -141,6 +144,11 @@ class Order:
         return max((len(step.held) for step in self.steps), default=0)
 
     @property
+    def turns(self) -> int:
+        """How often all that stands is turned."""
+        return sum(step.between is not None for step in self.steps)
+
+    @property
     def held_steps(self) -> int:
         """Steps during which a part is held."""
         return sum(bool(step.held) for step in self.steps)
@@ -156,7 +164,7 @@ class Order:
             "require": self.require,
             "holds_max": self.holds_max,
             "held_steps": self.held_steps,
-            "turns": 0,
+            "turns": self.turns,
             "units": assembly.units,
             "base": [part.name for part in assembly if part.grounded],
             "steps": [self._step(step) for step in self.steps],
@@ -173,6 +181,7 @@ class Order:
                 "groups": [list(group) for group in self.moved_as_one],
                 "together": self.together,
                 "press": self.press,
+                "turn": self.turn,
             },
             "interrupted": self.interrupted,
             "time_limit": self.time_limit,
@@ -193,7 +202,7 @@ class Order:
             "held": list(step.held),
             "grips": list(step.grips),
             "releases": list(step.releases),
-            "down": self.states.assembly.down.tolist(),
+            "down": (self.states if step.turned is None else step.turned).assembly.down.tolist(),
             "verdict": "unstable" if step.level is None else VERDICTS[step.level],
             "level": step.level,
             "fails": list(step.fails),
@@ -261,6 +270,7 @@ class Order:
         rules = {
             "hold": self.hold,
             "press": self.press,
+            "turn": self.turn,
             "precedence": [list(pair) for pair in self.precedence],
             "groups": [list(group) for group in self.moved_as_one],
             "never_held": list(self.never_held),

@@ -29,6 +29,7 @@ from kilter.analysis.planning.part_sets import bits_of
 from kilter.analysis.planning.pressing import press_loads
 from kilter.analysis.planning.state_programs import build_state_programs
 from kilter.analysis.planning.sweeps import Sweeps
+from kilter.analysis.planning.turning import OPPOSITE
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.errors import InputError, some_names
@@ -38,6 +39,7 @@ __all__ = ["wrong_order"]
 
 About = Mapping[str, Any]
 CHANGES = {"without", "held"}
+MORE = {"pressed": {"loads"}, "step": {"down"}, "turned": {"down"}}
 """What a state of a plan may have otherwise than the file."""
 
 
@@ -80,7 +82,7 @@ def _reasons(
         entries[kind].append(entry)
         if (verdict == "unstable") != FALLS[kind]:
             yield f"{kind} {_of(entry)}: its state is {verdict}"
-        if set(change) - (CHANGES | {"loads"} if kind == "pressed" else CHANGES):
+        if set(change) - CHANGES - MORE.get(kind, set()):
             yield f"{kind} {_of(entry)}: more of it is changed than its parts"
     if not entries["step"] and not entries["falls alone"] and not entries["locked"]:
         yield "it has neither an order nor a proof that there is none"
@@ -92,7 +94,10 @@ def _reasons(
         yield from _enough(assembly, rules, entries["step"], entries["not fewer"])
         press = float(bundle["rules"]["press"])
         yield from _wrong_pressing(assembly, press, entries["step"], entries["pressed"])
-    elif entries["whole"] or entries["not fewer"] or entries["pressed"]:
+        yield from _wrong_turns(
+            assembly, bool(bundle["rules"]["turn"]), entries["step"], entries["turned"]
+        )
+    elif entries["whole"] or entries["not fewer"] or entries["pressed"] or entries["turned"]:
         yield "it speaks of an order but has no step"
     yield from _wrong_closure(assembly, entries["falls alone"])
     if entries["locked"]:
@@ -107,6 +112,7 @@ FALLS = {
     "falls alone": True,
     "locked": False,
     "pressed": False,
+    "turned": False,
 }
 """What a proof of a plan may be about, and whether its state falls."""
 
@@ -281,3 +287,28 @@ def _same_load(one: Sequence[Any], other: Sequence[Any]) -> bool:
 
 SAME_LOAD = 1e-9
 """Relative rounding of a load, as a file has it."""
+
+
+def _wrong_turns(
+    assembly: Assembly, may: bool, steps: Sequence[About], turned: Sequence[About]
+) -> Iterator[str]:
+    """Why what stands cannot be turned from the direction of each step to that of the next."""
+    own = assembly.down
+    downs = [unit(np.array(one["change"].get("down", own), dtype=float)) for one in steps] + [own]
+    following = [one["change"] for one in steps[1:]] + [{"without": [], "held": []}]
+    between = {one["step"]: one["change"] for one in turned}
+    if turned and not may:
+        yield "it is turned, though it must not be"
+    for number, after in enumerate(following, 1):
+        before, then = downs[number - 1 : number + 1]
+        change = between.pop(number, None)
+        if np.array_equal(before, then):
+            continue
+        if change is None or any(change[key] != after[key] for key in CHANGES):
+            yield f"after step {number}: what is turned is not proved to hold before it"
+        elif not np.array_equal(unit(np.array(change["down"], dtype=float)), before):
+            yield f"after step {number}: it is turned from another direction"
+        elif np.linalg.norm(before + then) < OPPOSITE:
+            yield f"after step {number}: it is turned right over, and no arc is shortest"
+    if between:
+        yield "it is turned after a step that is none, or to where it is"

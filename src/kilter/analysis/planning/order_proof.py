@@ -6,6 +6,7 @@ groups, parts that are not held, screws. Each proof is of one state, and says wh
     whole           the finished assembly holds
     step            what stands while a part comes in, along its `legs` reversed, holds
     pressed         the same with the part in place, under the force that presses it in
+    turned          what stands after a step, still as it was during it: then all is turned
     not fewer       at a step with parts held: one of `parts` must be held, or they move
     falls alone     a part that no order without holds reaches
     locked          a part that those present let move nowhere, by its `multipliers`
@@ -77,8 +78,10 @@ def order_proof(
             "held": states.held_names(state),
         }
         proof = of.proof(state, options=dict(options))
-        if of is not states:
+        if about["about"] == "pressed":
             change["loads"] = proof["loads"]
+        elif of is not states:
+            change["down"] = of.assembly.down.tolist()
         proofs.append(({**about, "change": change}, proof))
     return make_bundle("plan", proofs, rules=dict(rules))
 
@@ -87,7 +90,10 @@ def _of_steps(states: States, whole: State, steps: Sequence[Step]) -> list[State
     names = states.assembly.names
     stated: list[Stated] = [({"about": "whole"}, whole, states)]
     for number, step in enumerate(steps, 1):
-        stated.append((_step(step), step.state, states))
+        of = states if step.turned is None else step.turned
+        stated.append((_step(step), step.state, of))
+        if step.between is not None:
+            stated.append(({"about": "turned", "step": number}, step.between, of))
         if step.pressed is not None and step.under is not None:
             stated.append(({"about": "pressed", "step": number}, step.pressed, step.under))
         if step.needs is None or not step.needs.fewest:

@@ -31,6 +31,7 @@ from kilter.analysis.planning.state import State
 from kilter.analysis.planning.states import States, states
 from kilter.analysis.planning.succession import later_parts, precedence_pairs
 from kilter.analysis.planning.together import units_of_groups
+from kilter.analysis.planning.turning import find_with_turns
 from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance
 from kilter.errors import InputError, some_names
@@ -61,6 +62,7 @@ def plan(
     fewest: str = "holds",
     sequence: Iterable[str | Iterable[str]] | None = None,
     press: float = 0.0,
+    turn: bool = False,
     require: str = "equilibrium",
     effort: float = EFFORT,
     time_limit: float | None = None,
@@ -95,6 +97,9 @@ def plan(
         An order to judge step by step, in place of a search; several names at once move as one.
     press : float
         Force with which each part is pressed along the last piece of its way, once in place [N].
+    turn : bool
+        Whether what stands may be turned between two steps, the base and all. Not together with
+        `press`, `together`, a `sequence` or `fewest`.
     require : {"equilibrium", "settles", "proved"}
         The level that `Order.holds` asks of every step; the search is at "equilibrium".
     effort : float
@@ -124,6 +129,11 @@ def plan(
         raise InputError(f"fewest is {fewest!r:.40}", hint=f"give {' or '.join(FEWEST)}")
     most = MOST_HELD if hold is None else _whole_number(hold)
     press = number(press, "press", lowest=0)
+    if turn and (press or together or sequence is not None or fewest != "holds" or assembly.loads):
+        raise InputError(
+            "turns are not sought with press, together, a sequence, fewest or loads",
+            hint="leave one of them out",
+        )
     if time_limit is not None:
         time_limit = number(time_limit, "time_limit", lowest=0)
     budget = SEARCH * units_of(number(effort, "effort", lowest=0))
@@ -148,10 +158,12 @@ def plan(
         work.stage("what is locked")
         locked = find_locked(found, removal)
         work.stage("what stands by itself")
-        falling = [] if locked else find_unreachable(found)[1]
+        falling = [] if locked or turn else find_unreachable(found)[1]
     if sequence is not None:
         work.stage("the sequence")
         searched = Searched(judge_order(search, units, most), most)
+    elif turn and not locked:
+        searched = find_with_turns(search, most)
     elif locked:
         searched = Searched(None)
     else:
@@ -179,6 +191,7 @@ def plan(
         together=together,
         exhausted=search.exhausted,
         press=press,
+        turn=turn,
         given=sequence is not None,
         fewest=fewest,
         least=_least(searched, len(falling)),

@@ -61,6 +61,10 @@ class Step:
         What stands and these in place, pressed along their way, where that was asked.
     under : States or None
         The states of that force.
+    turned : States or None
+        The states under the direction of gravity of this step, where that is not the file's.
+    between : State or None
+        Where all is turned after it: what stands then, before it is turned.
     """
 
     parts: tuple[str, ...]
@@ -77,6 +81,8 @@ class Step:
     fails: tuple[str, ...] = ()
     pressed: State | None = None
     under: States | None = None
+    turned: States | None = None
+    between: State | None = None
 
     @property
     def part(self) -> str:
@@ -129,7 +135,7 @@ def steps_of(
         along = one.legs[0].direction if one.legs else (0.0, 0.0, 0.0)
         touches, rubs = search.removal.touching(one.set, one.state.present, along)
         under = None
-        level = _level(states, one.state, require, effort)
+        level = _level(states if one.turned is None else one.turned, one.state, require, effort)
         if one.pressed is not None and search.pressing is not None:
             under = search.pressing.states_of(one.set, _back(one.legs))
             level = _lower(level, _level(under, one.pressed, require, effort))
@@ -150,6 +156,8 @@ def steps_of(
                 fails=one.fails,
                 pressed=one.pressed,
                 under=under,
+                turned=one.turned,
+                between=one.between,
             )
         )
         before = {*held, *moved} if held else set()

@@ -35,7 +35,7 @@ from kilter.analysis.planning.together import blocked_together
 from kilter.arrays import TINY, Array, Mask
 from kilter.work import Work
 
-__all__ = ["OrderSearch", "Removed", "neighbours_of"]
+__all__ = ["FEW", "PROGRAM", "OrderSearch", "Removed", "neighbours_of"]
 
 PROGRAM, FEW = 150.0, 4
 """Units of work of a program of a state, for each part that is present and so many more."""
@@ -62,6 +62,10 @@ class Removed:
         Of a given order: why these cannot leave.
     pressed : State or None
         With these in place and pressed, where that is asked.
+    turned : States or None
+        Under what direction of gravity, where that is not the file's.
+    between : State or None
+        Where all is turned after this step: what stands then, before it is turned.
     """
 
     parts: tuple[int, ...]
@@ -70,6 +74,8 @@ class Removed:
     needs: Holds[State] | None = None
     fails: tuple[str, ...] = ()
     pressed: State | None = None
+    turned: States | None = None
+    between: State | None = None
 
     @property
     def set(self) -> int:
@@ -230,6 +236,14 @@ class OrderSearch:
     def _may_leave(self, moved: int, present: int) -> bool:
         rest = present & ~moved
         return not self.later_of(moved) & rest and self._hangs_together(rest)
+
+    def ways(self, present: int) -> Iterator[tuple[int, tuple[Leg, ...]]]:
+        """What may leave a set of parts by its way, the highest first."""
+        for moved in self._candidates(present, 0):
+            if self._may_leave(moved, present):
+                legs = self.way_out(moved, present, 1) or self.way_out(moved, present, 2)
+                if legs is not None:
+                    yield moved, legs
 
     def later_of(self, moved: int) -> int:
         """Parts that are to come after some, others than these."""

@@ -1,0 +1,128 @@
+"""Orders in which what stands is turned: fewest turns, proved at both ends of each."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+
+import kilter
+from kilter import Assembly, InputError
+from kilter.analysis.planning.states import states
+from kilter.analysis.planning.turning import common_down
+from kilter.analysis.verification import verify_bundle
+from kilter.scenes import scene
+from kilter.scenes.pieces import block
+
+FIRST = [("A", "B")]
+"""What leans comes before what it leans on."""
+
+
+def leaning(degrees: float, friction: float = 0.0) -> Assembly:
+    """On a bed, A leans on B and B on a stop, as gravity leans by an angle towards the stop."""
+    angle = np.radians(degrees)
+    return Assembly(
+        [
+            block("bed", [-3, -2, -1], [6, 3, 0], grounded=True),
+            block("stop", [2, 0, 0], [3, 1, 1], grounded=True),
+            block("A", [0, 0, 0], [1, 1, 1]),
+            block("B", [1, 0, 0], [2, 1, 1]),
+        ],
+        gravity=9.81 * np.array([np.sin(angle), 0.0, -np.cos(angle)]),
+        friction=friction,
+    )
+
+
+def proof_of(order: kilter.Order) -> dict[str, Any]:
+    proof: dict[str, Any] = json.loads(json.dumps(order.proof(), allow_nan=False))
+    return proof
+
+
+def reasons(order: kilter.Order, proof: dict[str, Any]) -> str:
+    made = order.states
+    return "; ".join(verify_bundle(made.assembly, made.contacts, proof).reasons)
+
+
+def test_turned_once_where_it_would_slide() -> None:
+    """A alone slides off; level it stands, and with B in it is turned back."""
+    made = leaning(30.0)
+    assert kilter.plan(made, before=FIRST, hold=0).verdict == "none-found"
+    order = kilter.plan(made, before=FIRST, turn=True)
+    assert (order.verdict, order.turns, order.holds_max) == ("found", 1, 0)
+    assert [step.part for step in order.steps] == ["A", "B"]
+    downs = [step["down"] for step in order.to_dict()["steps"]]
+    assert np.allclose(downs[1], [0, 0, -1])
+    proof = proof_of(order)
+    assert not reasons(order, proof)
+    assert "with nothing held, turned once." in order.to_dict()["sentence"]
+
+
+@pytest.mark.parametrize(("share", "turns"), [(1.01, 0), (0.99, 1)])
+def test_no_turn_where_friction_holds(share: float, turns: int) -> None:
+    made = leaning(30.0, share * np.tan(np.radians(30.0)))
+    order = kilter.plan(made, before=FIRST, turn=True)
+    assert (order.turns, order.holds_max) == (turns, 0)
+    assert not reasons(order, proof_of(order))
+
+
+@pytest.mark.parametrize("change", ["left out", "elsewhere", "forbidden"])
+def test_turns_that_are_not_proved_are_refused(change: str) -> None:
+    order = kilter.plan(leaning(30.0), before=FIRST, turn=True)
+    proof = proof_of(order)
+    [turned] = [one for one in proof["proofs"] if one["about"] == "turned"]
+    if change == "left out":
+        proof["proofs"].remove(turned)
+        why = "what is turned is not proved to hold before it"
+    elif change == "elsewhere":
+        turned["change"]["down"] = [0.0, 0.1, -1.0]
+        why = "it is turned from another direction"
+    else:
+        proof["rules"]["turn"] = False
+        why = "it is turned, though it must not be"
+    assert why in reasons(order, proof)
+
+
+def test_a_run_takes_another_direction_for_what_comes_before() -> None:
+    """One pair leans on a stop along x, one along y, each by a wall: turned level but once."""
+    made = Assembly(
+        [
+            block("bed", [-3, -12, -1], [6, 4, 0], grounded=True),
+            block("stop-x", [2, 0, 0], [3, 1, 1], grounded=True),
+            block("wall-x", [0, 1, 0], [2, 2, 1], grounded=True),
+            block("A", [0, 0, 0], [1, 1, 1]),
+            block("B", [1, 0, 0], [2, 1, 1]),
+            block("stop-y", [0, -8, 0], [1, -7, 1], grounded=True),
+            block("wall-y", [1, -10, 0], [2, -8, 1], grounded=True),
+            block("C", [0, -10, 0], [1, -9, 1]),
+            block("D", [0, -9, 0], [1, -8, 1]),
+        ],
+        gravity=[4.0, 4.0, -8.0],
+    )
+    order = kilter.plan(made, before=[*FIRST, ("C", "D")], turn=True)
+    assert (order.turns, order.holds_max) == (1, 0)
+    assert not reasons(order, proof_of(order))
+    level = [step.part for step in order.steps if step.turned is not None]
+    assert {"B", "D"} <= set(level)
+
+
+def test_a_common_direction_of_two_slopes() -> None:
+    """A slides by any lean; the two together by one away from the stop."""
+    made = states(leaning(30.0))
+    whole = made.of().program
+    alone = made.of(["bed", "stop", "A"]).program
+    down = common_down([whole, alone])
+    assert down is not None
+    assert np.allclose(down, [0, 0, -1], atol=1e-9)
+    assert common_down([whole]) is not None
+
+
+def test_what_needs_no_turn_has_none() -> None:
+    order = kilter.plan(scene("tower"), turn=True)
+    assert (order.turns, len(order.steps)) == (0, 5)
+
+
+def test_what_goes_not_with_turns() -> None:
+    with pytest.raises(InputError, match="turns are not sought with"):
+        kilter.plan(scene("tower"), turn=True, press=1.0)
