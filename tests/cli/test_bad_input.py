@@ -12,7 +12,8 @@ from pathlib import Path
 import pytest
 
 import kilter
-from kilter.cli import _interruptible, main
+from kilter.cli import main
+from kilter.cli.interruption import interruptible
 from kilter.scenes import scene
 
 OPEN = {"vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], "faces": [[0, 2, 1], [0, 1, 3]]}
@@ -252,12 +253,13 @@ def test_a_mesh_of_a_million_faces_works(capsys: pytest.CaptureFixture[str]) -> 
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
-def test_a_command_started_with_the_interrupt_ignored_is_interrupted_all_the_same() -> None:
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_command_started_with_the_signal_ignored_is_interrupted_all_the_same(number) -> None:
     """As a script starts it in the background; what was inherited is given back at the end."""
-    inherited = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    inherited = signal.signal(number, signal.SIG_IGN)
     try:
-        with _interruptible(), pytest.raises(KeyboardInterrupt):
-            signal.raise_signal(signal.SIGINT)
-        assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+        with interruptible(alone=False), pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(number)
+        assert signal.getsignal(number) is signal.SIG_IGN
     finally:
-        signal.signal(signal.SIGINT, inherited)
+        signal.signal(number, inherited)

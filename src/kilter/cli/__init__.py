@@ -7,15 +7,14 @@ see `kilter.cli.exit_codes`.
 from __future__ import annotations
 
 import re
-import signal
 import sys
-import threading
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from kilter.cli.exit_codes import FAULT, INTERRUPTED, USAGE, WRITTEN
+from kilter.cli.interruption import end_interrupted, interruptible
 from kilter.threads import make_no_threads
 
 __all__ = ["main"]
@@ -28,31 +27,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if arguments is None:  # a program of its own
         make_no_threads()
     words = list(sys.argv[1:] if arguments is None else arguments)
+    alone = arguments is None
     try:
-        with warnings.catch_warnings(), _interruptible():
+        with warnings.catch_warnings(), interruptible(alone=alone):
             warnings.simplefilter("ignore")
-            return _run(words)
-    except KeyboardInterrupt:
-        _say("interrupted")
-        return INTERRUPTED
+            try:
+                return _run(words)
+            except KeyboardInterrupt:
+                if alone:
+                    end_interrupted()
+                _say("interrupted")
+                return INTERRUPTED
     except BrokenPipeError:
         # the reader of a pipe has seen enough; nothing is left to tell it
         sys.stdout = None
         return WRITTEN
-
-
-@contextmanager
-def _interruptible() -> Iterator[None]:
-    """Ctrl-C ends a command, also one that a script started with SIGINT ignored."""
-    inherited = signal.getsignal(signal.SIGINT)
-    if inherited is not signal.SIG_IGN or threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    signal.signal(signal.SIGINT, signal.default_int_handler)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, inherited)
 
 
 def _read_ahead(words: list[str]) -> None:
@@ -79,13 +68,12 @@ def _run(words: list[str]) -> int:
         result = command()(given, prog_name="kilter", standalone_mode=False)
         sys.stdout.flush()
         if result == INTERRUPTED:  # the parser of options turns an interruption into its code
-            _say("interrupted")
+            raise KeyboardInterrupt
         return int(result or 0)
     except typer.Exit as ended:
         return int(ended.exit_code)
     except (typer.Abort, EOFError):
-        _say("interrupted")
-        return INTERRUPTED
+        raise KeyboardInterrupt from None
     except InputError as error:
         _say(error.for_command)
         return USAGE

@@ -1,0 +1,90 @@
+"""Ctrl-C and a request to end, at any moment: one line, code 130, soon, no file half written."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kilter
+from kilter.scenes import walls
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+
+SOON = 3.0
+"""Within a second on a machine that has nothing else to do [s]."""
+ANSWERED = (0, 1, 3, 4)
+"""How commands end that had their answer before."""
+DEAF = """
+import sys, numpy, kilter.cli
+def deaf(words):
+    many = numpy.ones((5000, 5000))
+    print("begun", flush=True)
+    return (many @ many).size  # one step of Python, half a minute of one core
+kilter.cli._run = deaf
+sys.exit(kilter.cli.main())
+"""
+
+
+def ended(process: subprocess.Popen[str], number: signal.Signals) -> tuple[int, str, float]:
+    """How a process ends that is sent a signal, what it says, and how long that took [s]."""
+    started = time.perf_counter()
+    process.send_signal(number)
+    try:
+        _, errors = process.communicate(timeout=60)
+    finally:
+        process.kill()
+    return process.returncode, errors, time.perf_counter() - started
+
+
+def begun(*command: str) -> subprocess.Popen[str]:
+    pipe = subprocess.PIPE
+    return subprocess.Popen([sys.executable, *command], stdout=pipe, stderr=pipe, text=True)
+
+
+def listens(process: subprocess.Popen[str]) -> None:
+    """Wait until the process has begun to listen; before, the system ends it by itself."""
+    status = Path(f"/proc/{process.pid}/status")
+    caught = 0
+    while status.exists() and process.poll() is None and not caught >> signal.SIGTERM - 1 & 1:
+        time.sleep(0.01)
+        line = next(row for row in status.read_text().splitlines() if row.startswith("SigCgt"))
+        caught = int(line.split()[1], 16)
+    time.sleep(0.0 if caught else 1.0)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_process_that_is_deaf_is_ended(number: signal.Signals) -> None:
+    process = begun("-c", DEAF)
+    assert process.stdout is not None
+    assert process.stdout.readline() == "begun\n"
+    code, errors, seconds = ended(process, number)
+    assert (code, errors) == (130, "kilter: interrupted\n")
+    assert seconds < SOON
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("command", ["check", "margin", "region", "orient", "plan"])
+@pytest.mark.parametrize("seed", range(10))
+def test_a_command_is_ended_at_any_moment(tmp_path: Path, command: str, seed: int) -> None:
+    random = np.random.default_rng([seed, len(command)])
+    wall = walls.wall_of(600, friction=0.6).with_down([0.0, 0.02, -1.0])
+    kilter.dump(wall, tmp_path / "wall.kilter.json")
+    proof = ["--proof", str(tmp_path / "proof.json")]
+    answer = proof if command in ("check", "margin", "region") else []
+    process = begun("-m", "kilter", command, str(tmp_path / "wall.kilter.json"), *answer)
+    listens(process)
+    time.sleep(random.uniform(0.0, 2.5))
+    number = signal.Signals(random.choice([signal.SIGINT, signal.SIGTERM]))
+    code, errors, seconds = ended(process, number)
+    assert seconds < SOON
+    if code not in ANSWERED:
+        assert (code, errors.splitlines()[-1:]) == (130, ["kilter: interrupted"])
+        left = {path.name for path in tmp_path.iterdir()}
+        assert left == {"wall.kilter.json"}
