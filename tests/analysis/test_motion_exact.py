@@ -235,3 +235,20 @@ def test_summary_names_the_fastest_first():
     assert check(walls.wall(3, 3)).summary == "nothing moves"
     fall = check(walls.short_base(3, 4, held=2.25))
     assert fall.summary.endswith(f" and {len(fall.moving) - 2} more")
+
+
+def test_a_motion_whose_projection_is_singular_is_found_by_the_other_method(monkeypatch) -> None:
+    program = program_of(scene("hanging-brick"))
+    expected = find_motion(program)
+    asked = []
+
+    def singular(*_: object, **__: object) -> None:
+        asked.append(True)
+        raise RuntimeError("singular")
+
+    monkeypatch.setattr("kilter.analysis.motion.SMALL", 0)
+    monkeypatch.setattr("kilter.analysis.motion.solve_projection", singular)
+    found = find_motion(program)
+    assert asked
+    assert found.residual < 1e-6
+    assert np.allclose(found.acceleration, expected.acceleration, atol=1e-6)

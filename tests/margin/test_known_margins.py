@@ -312,6 +312,18 @@ def test_a_first_failure_is_asked_again(monkeypatch, at):
     assert limit.value == pytest.approx(0.5, abs=1e-7)
 
 
+def test_a_nearest_direction_that_fails_is_asked_again(monkeypatch):
+    program = program_of(stacks.block_on_slope(20.0))
+    for fails, found in ((lambda call: call == 1, True), (lambda call: True, False)):
+        with monkeypatch.context() as patch:
+            failing(patch, fails)
+            nearest = find_nearest_held(program)
+        if found:
+            assert np.degrees(nearest[0]) == pytest.approx(20.0, abs=1e-5)
+        else:
+            assert nearest == NoLimit("failed")
+
+
 def test_linear_programs_take_over_where_the_conic_one_fails(monkeypatch):
     program = program_of(stacks.block_on_slope(0.0, friction=0.5))
     failing(monkeypatch, lambda call: True)

@@ -168,8 +168,11 @@ def _least_constrained(program: Program) -> tuple[Array, float]:
         good = MOTION_ENOUGH if many else MOTION_GOOD
         if tried(one, solution.unknowns, solution.multipliers) <= good:
             return found[-1]
-    if not found:
-        raise SolverError("no solver finished the motion", status="singular")
+    if not found:  # singular, whole and halved: the other method, whatever the size
+        answer = solve_quadratic(whole.cone.conic)
+        if not answer.found:
+            raise SolverError("no solver finished the motion", status="singular")
+        tried(whole, answer.x, answer.multipliers)
     return min(found, key=lambda pair: pair[1])
 
 

@@ -27,6 +27,7 @@ from kilter.analysis.margins.load_limit import (
 )
 from kilter.analysis.regions.enclose import SupportPoint, nearest_face
 from kilter.analysis.turning_tolerances import (
+    CONIC_SHARP,
     NO_PROJECTION,
     NOT_HELD,
     STEEPEST,
@@ -177,13 +178,17 @@ def _boundary(program: Program, basis: Array, direction: Array, limit: Limit) ->
 def find_nearest_held(program: Program) -> tuple[float, Array] | NoLimit:
     """The least turn of gravity [rad] to a direction that is held, and that direction.
 
-    A convex projection: one conic program. No limit: none is held within a right angle.
+    A convex projection: one conic program, asked again where it fails. No limit: none is held
+    within a right angle, or both failed.
     """
     from kilter.solvers.clarabel import solve_conic
 
     axes = np.eye(3)[[0, 2]] if program.planar else np.eye(3)
     wrenches = np.array([gravity_wrench(program, axis) for axis in axes])
-    answer = solve_conic(nearest_load(spread(program), wrenches, axes @ program.down))
+    nearest = nearest_load(spread(program), wrenches, axes @ program.down)
+    answer = solve_conic(nearest)
+    if not answer.optimal:
+        answer = solve_conic(nearest, tolerance=CONIC_SHARP)
     if not answer.optimal:
         return NoLimit("failed")
     found = answer.x[-len(axes) :] @ axes
