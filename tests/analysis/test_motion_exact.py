@@ -1,5 +1,7 @@
 """Accelerations to 1e-9 g: against Baraff's forces, closed forms, and both own ways of solving."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from independent import baraff, kinetic
@@ -14,6 +16,7 @@ from kilter.scenes import arches, packings, scene, stacks, walls, wedges
 from kilter.scenes.accelerations import wedge_on_wedge
 from kilter.scenes.pieces import block, floor
 from kilter.scenes.transform import moved, scaled, tilted
+from kilter.solvers import clarabel
 from kilter.solvers.projection import solve_projection
 from kilter.tell.words import motion_summary, motion_words
 from sampled import sampled
@@ -252,3 +255,18 @@ def test_a_motion_whose_projection_is_singular_is_found_by_the_other_method(monk
     assert asked
     assert found.residual < 1e-6
     assert np.allclose(found.acceleration, expected.acceleration, atol=1e-6)
+
+
+def test_a_motion_of_few_parts_survives_a_conic_solver_that_fails(monkeypatch) -> None:
+    program = program_of(scene("paper-figure-8"))
+    expected = find_motion(program)
+    real = clarabel.solve_conic
+
+    def failed(problem, **options):
+        answer = real(problem, **options)
+        return replace(answer, outcome="failed", x=np.empty(0), multipliers=np.empty(0))
+
+    monkeypatch.setattr(clarabel, "solve_conic", failed)
+    found = find_motion(program)
+    assert found.residual < 1e-9
+    assert np.allclose(found.acceleration, expected.acceleration, atol=1e-8)

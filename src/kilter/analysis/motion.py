@@ -156,7 +156,7 @@ def _least_constrained(program: Program) -> tuple[Array, float]:
 
     if len(whole.cone.load) <= SMALL:
         answer = solve_quadratic(whole.cone.conic)
-        if tried(whole, answer.x, answer.multipliers) <= MOTION_GOOD:
+        if answer.found and tried(whole, answer.x, answer.multipliers) <= MOTION_GOOD:
             return found[-1]
     many = len(whole.cone.load) > MANY
     smaller = halved(whole, problem)
