@@ -1,0 +1,156 @@
+"""kilter beside its peers, in one run: who is right, how soon, with how much memory.
+
+    pip install -e '.[peers]'
+    python benchmarks/peers                            all, into results/here.csv
+    python benchmarks/peers --only walls -t kilter     some cases or families, some tools
+    python benchmarks/peers --page                     docs/benchmarks.md, from the results
+
+Each wall is a process of its own, on one thread, with limits of processor time and memory;
+tools take turns, wall by wall. The small cases near limits share a process a tool; one that
+ends it has its row, and the rest goes on in another. A tool that is not installed is left out,
+and said so. Rows that a file has are kept, and only what is missing is run, so that a long row
+needs one run; `--again` measures anew.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import page
+import results
+from cases import CASES, Case
+from tools import TOOLS, Row, Tool, answered, truth
+
+LIMITS = {"seconds": 120.0, "gib": 8.0}
+"""Of the processor, and of memory, a process."""
+QUIET = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+WAIT = 10.0
+"""Seconds of the clock that a second of the processor may take on a busy machine."""
+
+
+def measured(cases: list[Case], tool: Tool, seconds: float, gib: float) -> list[Row]:
+    """Rows of one process with limits, one at least; the last may say why it ended early."""
+    names = [case.name for case in cases]
+    words = [sys.executable, str(Path(__file__).parent), "--row", tool.name, *names]
+
+    def limit() -> None:
+        resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds) + 5))
+        resource.setrlimit(resource.RLIMIT_AS, (int(gib * 2**30),) * 2)
+
+    with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as err:
+        process = subprocess.Popen(
+            words, stdout=out, stderr=err, preexec_fn=limit, env=os.environ | QUIET
+        )
+        try:
+            code = process.wait(WAIT * seconds)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            code = -signal.SIGKILL
+        out.seek(0)
+        err.seek(0)
+        rows = [Row(**json.loads(line)) for line in out if line.startswith("{")]
+        said = err.read().strip()
+    late = -code in (signal.SIGXCPU, signal.SIGKILL)
+    if len(rows) == len(cases) or (rows and late):  # the next has the whole time for itself
+        return rows
+    case, last = cases[len(rows)], (said.splitlines() or ["nothing said"])[-1]
+    word = "memory" if "MemoryError" in said or "bad_alloc" in said else "crashed"
+    if late:
+        word, last = "time", ""
+    spent = seconds if word == "time" else 0.0
+    blank = Row(
+        case.family, case.name, tool.name, 0, 0, truth(case), word, spent, 1, 0.0, last[:80]
+    )
+    return [*rows, blank]
+
+
+def too_large(case: Case, tool: Tool, rows: dict[tuple[str, str], Row]) -> bool:
+    """Did the tool already give up on a smaller wall?"""
+    walls = [other.name for other in CASES.values() if other.family == "walls"]
+    if case.family != "walls":
+        return False
+    smaller = walls[: walls.index(case.name)]
+    met = (rows.get((name, tool.name)) for name in smaller)
+    return any(row is not None and row.answer in ("time", "memory") for row in met)
+
+
+def main() -> None:
+    """Run what is asked for, one process an answer."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("-o", type=Path, default=results.FOLDER / "here.csv")
+    parser.add_argument("--only", nargs="*", default=[], help="families or cases")
+    parser.add_argument("-t", "--tools", nargs="*", choices=list(TOOLS), default=list(TOOLS))
+    parser.add_argument("--seconds", type=float, default=LIMITS["seconds"])
+    parser.add_argument("--gib", type=float, default=LIMITS["gib"])
+    parser.add_argument("--again", action="store_true", help="measure what is there anew")
+    parser.add_argument("--page", action="store_true", help="write the page, run nothing")
+    parser.add_argument("--row", nargs="+", metavar="TOOL CASE", help=argparse.SUPPRESS)
+    chosen = parser.parse_args()
+    if chosen.row:
+        tool, *names = chosen.row
+        for name in names:
+            print(json.dumps(answered(CASES[name], TOOLS[tool]).to_dict()), flush=True)
+        return
+    if not chosen.page:
+        run(chosen)
+    page.write()
+
+
+def run(chosen: argparse.Namespace) -> None:
+    """Measure, and keep the file after each process."""
+    there = results.read(chosen.o)[1] if chosen.o.exists() else []
+    rows = {(row.case, row.tool): row for row in there}
+    tools = [TOOLS[name] for name in chosen.tools]
+    for tool in tools:
+        if not tool.installed:
+            print(f"{tool.name}: {tool.package} is not installed, left out")
+    for group in groups(set(chosen.only)):
+        for tool in tools:
+            left = [
+                case
+                for case in group
+                if chosen.again or (case.name, tool.name) not in rows
+                if tool.installed and not too_large(case, tool, rows)
+            ]
+            while left:
+                found = measured(left, tool, chosen.seconds, chosen.gib)
+                left = left[len(found) :]
+                rows |= {(row.case, row.tool): row for row in found}
+                print(*(told(row) for row in found), sep="\n", flush=True)
+                keep(chosen.o, rows)
+
+
+def groups(only: set[str]) -> Iterator[list[Case]]:
+    """Cases that may share a process: each wall alone, all others by family."""
+    chosen = [case for case in CASES.values() if not only or {case.name, case.family} & only]
+    for family in dict.fromkeys(case.family for case in chosen):
+        members = [case for case in chosen if case.family == family]
+        yield from ([case] for case in members) if family == "walls" else [members]
+
+
+def keep(path: Path, rows: dict[tuple[str, str], Row]) -> None:
+    """All rows into the file, in the order of cases and tools."""
+    order = {key: k for k, key in enumerate((case, tool) for case in CASES for tool in TOOLS)}
+    known = [row for key, row in rows.items() if key in order]
+    results.write(path, results.about(), sorted(known, key=lambda r: order[r.case, r.tool]))
+
+
+def told(row: Row) -> str:
+    """A row as a line."""
+    return (
+        f"{row.case:28s} {row.tool:22s} {row.truth:6s} {row.answer:8s}"
+        f" {row.seconds:10.4f} s {row.peak:8.1f} MiB  {row.note}"
+    )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,57 @@
+"""Question: one assembly with its contacts and its program, as every tool is handed it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+import kilter
+from kilter.arrays import Array
+from kilter.assembly import Assembly
+from kilter.contact.contact_set import ContactSet
+from kilter.mechanics.program import Program, build_program
+from kilter.rigid import quaternion_to_matrix, rotation_between
+
+__all__ = ["Question"]
+
+
+@dataclass(frozen=True)
+class Question:
+    """Does it stay? With what kilter found: where the parts touch.
+
+    Attributes
+    ----------
+    assembly : Assembly
+        Without joints and loads, with one coefficient of friction.
+    """
+
+    assembly: Assembly
+
+    @cached_property
+    def contacts(self) -> ContactSet:
+        """Patches and points."""
+        return kilter.contacts(self.assembly)
+
+    @cached_property
+    def program(self) -> Program:
+        """Equilibrium of the free parts under contact forces."""
+        return build_program(self.assembly, self.contacts)
+
+    @cached_property
+    def upright(self) -> Array:
+        """Turns the frame so that gravity points along -z, shape (3, 3)."""
+        return quaternion_to_matrix(rotation_between(self.assembly.down, [0, 0, -1]))
+
+    @cached_property
+    def length(self) -> float:
+        """Mean size of the free parts [m]: what a user would make one."""
+        geometry = self.assembly.geometry
+        return float(np.mean(geometry.size[~geometry.grounded])) / 3**0.5
+
+    @cached_property
+    def weight(self) -> float:
+        """Mean mass of the free parts [kg]."""
+        geometry = self.assembly.geometry
+        return float(np.mean(geometry.mass[~geometry.grounded]))

@@ -1,0 +1,186 @@
+"""The tools that are asked, and one answer of one of them, measured.
+
+A tool is made ready from a question, untimed: its own assembly, matrix or model. What is
+timed starts from known contacts (MuJoCo: from the compiled model) and ends with the answer.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import resource
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from cases import CASES, Case
+from question import Question
+
+__all__ = ["TOOLS", "Row", "Tool", "answered"]
+
+LONG = 0.4
+"""An answer is repeated until so much time has passed, many ticks of the clock [s]."""
+REPEATED = 200
+"""At most so often."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tool:
+    """Who is asked.
+
+    Attributes
+    ----------
+    name : str
+    package : str
+        What must be installed.
+    asked : str
+        Module and function that make it ready.
+    words : str
+        What it does.
+    """
+
+    name: str
+    package: str
+    asked: str
+    words: str
+
+    @property
+    def installed(self) -> bool:
+        """Can it be asked here?"""
+        return importlib.util.find_spec(self.package) is not None
+
+    @property
+    def version(self) -> str:
+        """Of its package."""
+        return version(self.package)
+
+    def ready(self, question: Question) -> Callable[[], tuple[str, str]]:
+        """What answers: "holds", "falls", "open", and a note."""
+        module, function = self.asked.split(".")
+        made: Callable[[], tuple[str, str]] = getattr(importlib.import_module(module), function)(
+            question
+        )
+        return made
+
+
+TOOLS = {
+    tool.name: tool
+    for tool in (
+        Tool("kilter", "kilter", "ask_kilter.verdict", "check: the whole verdict"),
+        Tool(
+            "kilter, equilibrium", "kilter", "ask_kilter.equilibrium",
+            "equilibrium in Coulomb's cones, certified",
+        ),
+        Tool("HiGHS", "highspy", "ask_programs.highs", "the linear program, inner pyramids"),
+        Tool("linprog", "scipy", "ask_programs.linprog", "the same through scipy"),
+        Tool(
+            "compas_cra RBE", "compas_cra", "ask_compas_cra.rbe",
+            "equilibrium with pulls that cost",
+        ),
+        Tool(
+            "compas_cra CRA", "compas_cra", "ask_compas_cra.cra",
+            "forces and displacements that agree",
+        ),
+        Tool(
+            "compas_cra CRA, tuned", "compas_cra", "ask_compas_cra.cra_tuned",
+            "the same in the units that suit it best",
+        ),
+        Tool("MuJoCo", "mujoco", "ask_mujoco.settle", "simulated: did it move?"),
+        Tool(
+            "factorisation", "scipy", "ask_programs.factorisation",
+            "one sparse factorisation: the floor",
+        ),
+    )
+}  # fmt: skip
+"""By name."""
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """What one tool said of one case.
+
+    Attributes
+    ----------
+    family, case, tool : str
+    bricks, points : int
+        Free parts, and points of contact; 0 where the run did not get that far.
+    truth, answer : str
+        "holds", "falls"; of `answer` also "open", "refused", "time", "memory", "crashed", and
+        nothing where a tool gives none.
+    seconds : float
+        Of the processor, mean of the runs.
+    runs : int
+    peak : float
+        Of memory, over what the process held before [MiB].
+    note : str
+    """
+
+    family: str
+    case: str
+    tool: str
+    bricks: int
+    points: int
+    truth: str
+    answer: str
+    seconds: float
+    runs: int
+    peak: float
+    note: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """As data."""
+        return asdict(self)
+
+
+def truth(case: Case) -> str:
+    """In the words of answers."""
+    return "holds" if case.holds else "falls"
+
+
+def answered(case: Case, tool: Tool) -> Row:
+    """One row, in this process."""
+    question = Question(case.build())
+    bricks, points = int(question.program.free.sum()), len(question.contacts.points)
+    warm = Question(CASES["slides toward 0, 0.98"].build())
+    tool.ready(warm)()
+    try:
+        run = tool.ready(question)
+    except ValueError as error:
+        said = (str(error).splitlines() or [""])[0]
+        return Row(
+            case.family, case.name, tool.name, bricks, points, truth(case), "refused", 0.0, 0, 0.0,
+            said,
+        )  # fmt: skip
+    before = restarted_peak()
+    started = time.process_time()
+    answer, note = run()
+    peak, runs = held("VmHWM") - before, 1
+    while runs < REPEATED and time.process_time() - started < LONG:
+        run()
+        runs += 1
+    seconds = (time.process_time() - started) / runs
+    return Row(
+        case.family, case.name, tool.name, bricks, points, truth(case), answer,
+        seconds, runs, max(peak, 0.0), note,
+    )  # fmt: skip
+
+
+def restarted_peak() -> float:
+    """Memory held now [MiB]; where the system allows it, the peak is counted from here."""
+    try:
+        Path("/proc/self/clear_refs").write_text("5")
+        return held("VmRSS")
+    except OSError:
+        return held("VmHWM")
+
+
+def held(what: str) -> float:
+    """Memory of this process [MiB]."""
+    status = Path("/proc/self/status")
+    if not status.exists():
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10
+    [line] = [one for one in status.read_text().splitlines() if one.startswith(what)]
+    return int(line.split()[1]) / 2**10
