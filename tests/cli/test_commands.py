@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -13,6 +14,7 @@ import pytest
 
 import kilter
 from kilter.cli import main
+from kilter.cli.app import command
 from kilter.scenes import SCENES, scene
 from kilter.threads import VARIABLES
 
@@ -204,6 +206,14 @@ def test_help_and_version_answer_with_zero(capsys: pytest.CaptureFixture[str]) -
         assert main(words) == 0
     assert main(["--version"]) == 0
     assert kilter.__version__ in capsys.readouterr().out
+
+
+def test_no_word_of_a_help_is_taken_for_markup() -> None:
+    """What stands in square brackets would be left out of the help: "the extra kilter[figures]"."""
+    for name, one in command().commands.items():
+        texts = [one.help, *(getattr(option, "help", None) for option in one.params)]
+        for text in filter(None, texts):
+            assert not re.search(r"\[[a-z]+\]", text), f"{name}: {text}"
 
 
 def test_the_module_runs_as_a_program() -> None:

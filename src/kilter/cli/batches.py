@@ -68,8 +68,8 @@ def batch(
     """Verdicts of many assemblies, written to a folder as tables, resumable.
 
     FILE is a folder of assemblies, or a text file with a path a line. The tables are Parquet with
-    kilter[batch], else CSV. Run again, it goes on with what is not there yet; an assembly that
-    cannot be judged is a row with its error.
+    kilter's extra "batch", else CSV. Run again, it goes on with what is not there yet; an
+    assembly that cannot be judged is a row with its error.
 
     Exit 0 all rows are written, whatever the verdicts; 1 some are errors.
     """
