@@ -3,7 +3,7 @@
 It is handed the patches that kilter found, so that both see the same contacts, turned upright,
 since its gravity points along -z. Its tolerances are absolute, so length and density matter:
 CRA is asked twice, as its examples are made (`EXAMPLES`), and with the pair that was fastest
-on leaning walls among lengths of 0.3 to 5 and densities of 0.05 and 1 (`TUNED`), ten to thirty
+on leaning walls among lengths of 0.3 to 1.7 and densities of 0.05 and 1 (`TUNED`), ten to thirty
 times so. Its other options are its own.
 
 RBE always answers, with pulls where pushes cannot balance, at 10^6 times the price: it is

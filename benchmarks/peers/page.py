@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import cos, pi
 from pathlib import Path
 
 import ask_compas_cra
@@ -38,6 +39,8 @@ def made(folder: Path = results.FOLDER) -> dict[str, str]:
         tools="\n".join(f"| {tool.name} | {tool.words} |" for tool in TOOLS.values()),
         machines="\n\n".join(sections),
         sides=ask_programs.SIDES,
+        short=1 - cos(pi / ask_programs.SIDES),
+        long=1 / cos(pi / 8),
         pull=ask_compas_cra.PULL,
         step=ask_mujoco.STEP,
         time=ask_mujoco.SECONDS,
