@@ -46,6 +46,7 @@ def measured(cases: list[Case], tool: Tool, seconds: float, gib: float) -> list[
         resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds) + 5))
         resource.setrlimit(resource.RLIMIT_AS, (int(gib * 2**30),) * 2)
 
+    before = spent()
     with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as err:
         process = subprocess.Popen(
             words, stdout=out, stderr=err, preexec_fn=limit, env=os.environ | QUIET
@@ -54,7 +55,7 @@ def measured(cases: list[Case], tool: Tool, seconds: float, gib: float) -> list[
             code = process.wait(WAIT * seconds)
         except subprocess.TimeoutExpired:
             process.kill()
-            code = -signal.SIGKILL
+            code = process.wait()
         out.seek(0)
         err.seek(0)
         rows = [Row(**json.loads(line)) for line in out if line.startswith("{")]
@@ -66,11 +67,15 @@ def measured(cases: list[Case], tool: Tool, seconds: float, gib: float) -> list[
     word = "memory" if "MemoryError" in said or "bad_alloc" in said else "crashed"
     if late:
         word, last = "time", ""
-    spent = seconds if word == "time" else 0.0
-    blank = Row(
-        case.family, case.name, tool.name, 0, 0, truth(case), word, spent, 1, 0.0, last[:80]
-    )
+    used = spent() - before
+    blank = Row(case.family, case.name, tool.name, 0, 0, truth(case), word, used, 1, 0.0, last[:80])
     return [*rows, blank]
+
+
+def spent() -> float:
+    """Processor time of all processes that ended, with their imports [s]."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def too_large(case: Case, tool: Tool, rows: dict[tuple[str, str], Row]) -> bool:

@@ -92,7 +92,8 @@ def test_an_answer_over_its_time_is_ended(peers):
     """The limit is processor time, so that a busy machine changes nothing."""
     case, tool = peers.cases.CASES["wall-10000"], peers.tools.TOOLS[OWN[0]]
     [row] = peers.main.measured([case], tool, seconds=1.0, gib=8.0)
-    assert (row.answer, row.seconds) == ("time", 1.0)
+    assert row.answer == "time"
+    assert 0.9 <= row.seconds < 3.0
     assert peers.main.too_large(case, tool, {}) is False
     smaller = peers.tools.Row("walls", "wall-1000", tool.name, 0, 0, "holds", "time", 1, 1, 0, "")
     assert peers.main.too_large(case, tool, {("wall-1000", tool.name): smaller}) is True
