@@ -129,7 +129,7 @@ def compared(rows: Sequence[Row]) -> list[str]:
 
 
 def lines(rows: Sequence[Row]) -> list[Line]:
-    """Seconds by bricks of each tool, of the walls it answered."""
+    """Seconds by bricks of each tool, of the walls it came to an end with."""
     made = []
     for name in TOOLS:
         points = [
