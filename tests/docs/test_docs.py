@@ -67,14 +67,6 @@ def test_shell_of_a_page_runs_and_says_what_is_shown(
                 assert main(shlex.split(line)[1:]) in (0, 1, 3, 4), capsys.readouterr().err
 
 
-def test_every_page_is_named_on_the_first_one_and_in_the_site() -> None:
-    first = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
-    site = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
-    for page in sorted((ROOT / "docs").glob("*.md")):
-        assert page.name == "index.md" or f"({page.name})" in first, page.name
-        assert f": {page.name}\n" in site, page.name
-
-
 SERVES = {"view"}
 """Commands that do not end by themselves; `tests/show` runs them."""
 
