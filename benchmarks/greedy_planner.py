@@ -1,14 +1,16 @@
 """A greedy planner that asks `kilter.check` for each state, beside `kilter.plan`: the same plans?
 
-    python benchmarks/greedy_planner.py                       scenes of kilter
-    python benchmarks/greedy_planner.py FOLDER:base[:mu] ...  assemblies, what is held, friction
+    python benchmarks/greedy_planner.py           scenes of kilter
+    python benchmarks/greedy_planner.py PATH:base[:mu[:BOLT,NUT]...] ...
+                                                  assemblies, what is held, friction, screws
 
 What one would write without `kilter.states`: from the whole, take away the first part that has a
 way out, leaves every other part connected to the base, and leaves what `check` finds in
 equilibrium; the highest layer first, near the part before; where each part of a layer needs it,
-one part that moves is held. No step back. It tests ways as `plan` does, so that only the states
-differ. A line a case: CPU seconds of both, contacts that are found once left out of both; steps,
-most parts held and held steps of both; whether the orders are the same, part by part.
+the first of them with which holding one part that moves is enough. No step back. It tests ways as
+`plan` does, so that only the states differ. A line a case: CPU seconds of both, contacts that are
+found once left out of both; steps, most parts held and held steps of both; whether the orders are
+the same, part by part.
 """
 
 from __future__ import annotations
@@ -16,7 +18,8 @@ from __future__ import annotations
 import itertools
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -24,10 +27,12 @@ import numpy as np
 import kilter
 from kilter.analysis.planning.part_sets import bits_of
 from kilter.analysis.planning.removal import Removal
+from kilter.analysis.planning.screws import find_screws
 from kilter.contact.sub_contacts import contacts_among
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
 
+Pairs = Sequence[tuple[str, str]]
 LAYER = 0.01
 """Parts whose heights are nearer than this lie in one layer, over the width of the whole."""
 CASES: dict[str, Callable[[], kilter.Assembly]] = {
@@ -43,9 +48,11 @@ CASES: dict[str, Callable[[], kilter.Assembly]] = {
 class Greedy:
     """The planner: parts of one assembly taken away one by one."""
 
-    def __init__(self, assembly: kilter.Assembly, contacts: kilter.ContactSet) -> None:
+    def __init__(
+        self, assembly: kilter.Assembly, contacts: kilter.ContactSet, named: Pairs
+    ) -> None:
         self.assembly, self.contacts = assembly, contacts
-        self.removal = Removal(contacts)
+        self.removal = Removal(contacts, screws=find_screws(contacts, named))
         self.checks = 0
         geometry = assembly.geometry
         wide = float(np.ptp(geometry.center, axis=0).max())
@@ -85,8 +92,8 @@ class Greedy:
                 moving = self.moving(rest, [])
                 if not moving:
                     return part, []
-                falling.append((len(moving), part, moving))
-            for _, part, moving in sorted(falling):
+                falling.append((part, moving))
+            for part, moving in falling:
                 rest = present.copy()
                 rest[part] = False
                 for held in self.some(moving, hold):
@@ -128,11 +135,11 @@ def timed(work: Callable[[], Any]) -> tuple[Any, float]:
     return work(), time.process_time() - started
 
 
-def compared(name: str, assembly: kilter.Assembly) -> str:
+def compared(name: str, assembly: kilter.Assembly, screws: Pairs) -> str:
     """A line of the table."""
     contacts = kilter.contacts(assembly)
-    plan, first = timed(lambda: kilter.plan(assembly, contacts=contacts))
-    greedy = Greedy(assembly, contacts)
+    plan, first = timed(lambda: kilter.plan(assembly, contacts=contacts, screws=screws))
+    greedy = Greedy(assembly, contacts, screws)
     found, second = timed(
         lambda: next(filter(None, (greedy.order(hold) for hold in range(3))), None)
     )
@@ -153,19 +160,20 @@ def row(cells: list[str]) -> str:
     return "".join(cell.ljust(width) for cell, width in zip(cells, widths, strict=True))
 
 
+def read(word: str) -> tuple[str, kilter.Assembly, Pairs]:
+    """An assembly as the command line has it, and its screws."""
+    path, base, *more = word.split(":")
+    made = kilter.load(path, ground=[base], friction=float(more[0]) if more else None)
+    pairs = (pair.split(",") for pair in more[1:])
+    return Path(path).name, made, [(bolt, nut) for bolt, nut in pairs]
+
+
 def main(given: list[str]) -> None:
-    made = dict(CASES)
-    if given:
-        made = {}
-    for word in given:
-        path, base, *mu = word.split(":")
-        made[path.rstrip("/").rsplit("/", 1)[-1]] = lambda p=path, b=base, m=mu: kilter.load(
-            p, ground=[b], friction=float(m[0]) if m else None
-        )
     head = ["case", "steps", "", "held", "", "same", "plan s", "greedy s", "ratio", "checks"]
     print(row(head))
-    for name, make in made.items():
-        print(compared(name, make()), flush=True)
+    made = map(read, given) if given else ((name, make(), ()) for name, make in CASES.items())
+    for case in made:
+        print(compared(*case), flush=True)
 
 
 if __name__ == "__main__":

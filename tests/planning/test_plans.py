@@ -307,6 +307,12 @@ def test_wrong_input() -> None:
         kilter.plan(tower, before=[("cube-1", "base")])
 
 
+def test_of_two_that_are_alike_the_first_leaves_first() -> None:
+    """The flanks of an arch fall alike once its crown is out, whatever motion is found for each."""
+    order = kilter.plan(arch(9, ratio=0.3, friction=0.6))
+    assert [step.part for step in order.steps[::-1][:2]] == ["voussoir-2", "voussoir-3"]
+
+
 @pytest.mark.skipif(not DATA.is_dir(), reason="real assemblies are not here")
 def test_a_real_assembly_without_holds() -> None:
     made = kilter.load(DATA / "learn2assemble" / "tetris-2", ground=["0"])

@@ -9,8 +9,9 @@ From the whole assembly parts are taken away one by one. A part p may leave S fo
 
 What holds T is asked with p absent: along its way in contacts with p can only add forces, and once
 it is in place, T + p with p held too holds as well. The highest layer leaves first: of it, parts
-near the last one that leave a T which needs no hold, then those that need holds. (To dig a hold's
-part out from below instead keeps it held for many steps.) Ways of two legs come last.
+near the last one that leave a T which needs no hold, then those that need holds, each in the order
+of their distance, whatever motion shows that T falls. (To dig a hold's part out from below instead
+keeps it held for many steps.) Ways of two legs come last.
 
 Sets from which no order leads on are kept, so that none is searched twice. The search is that of
 one K; K is raised where it fails, so that the first order found has the fewest parts held at once
@@ -214,8 +215,8 @@ class OrderSearch:
             elif state.stable:
                 yield Removed(self._members(moved), legs, state)
             else:
-                falling.append((int(state.moves.sum()), moved, legs))
-        for _, moved, legs in sorted(falling, key=lambda one: one[0]):
+                falling.append((moved, legs))
+        for moved, legs in falling:
             yield from self._held(moved, legs, present, hold)
 
     def _members(self, parts: int) -> tuple[int, ...]:
