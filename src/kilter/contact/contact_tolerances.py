@@ -188,3 +188,8 @@ SMOOTH_LEAST = 1e-4
 """Fitted normals are never known better than this [rad]."""
 ONE_DIRECTION = 1e-5
 """Straight edges whose directions differ by less have one direction [rad]."""
+
+# supports ------------------------------------------------------------------------------------
+
+SUPPORT_BESIDE = 1e-3
+"""A point that is said to be on a part lies off its box by at most this, over its size [-]."""

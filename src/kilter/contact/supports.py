@@ -27,6 +27,7 @@ import numpy as np
 from kilter.arrays import Array, starts
 from kilter.assembly import Assembly, Load, Part
 from kilter.contact.contact_set import ContactSet
+from kilter.contact.contact_tolerances import SUPPORT_BESIDE
 from kilter.errors import InputError, nearest_name
 from kilter.rigid import Pose, unit
 from kilter.shape.primitives import Box
@@ -39,8 +40,6 @@ PULLING = ("vacuum", "magnet")
 """Kinds that pull as well, up to their capacity."""
 OUTSIDE = "outside"
 """Name of the held part that stands for the outside world."""
-NEAR = 1e-3
-"""How far from a part's box a point may be that is said to be on it, over the part's size."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -170,7 +169,7 @@ class Support:
         if self.point is None:
             return
         low, high = (one[k] for one in assembly.geometry.part_boxes)
-        reach = NEAR * float(assembly.geometry.size[k])
+        reach = SUPPORT_BESIDE * float(assembly.geometry.size[k])
         if (self.point < low - reach).any() or (self.point > high + reach).any():
             raise InputError(
                 f"the {self.kind} at {self.point.tolist()} is not on the part",
