@@ -27,7 +27,7 @@ from pathlib import Path
 
 import page
 import results
-from cases import CASES, Case
+from closed_forms import CASES, Case
 from tools import TOOLS, Row, Tool, answered, truth
 
 LIMITS = {"seconds": 120.0, "gib": 8.0}

@@ -10,7 +10,7 @@ import ask_compas_cra
 import ask_mujoco
 import ask_programs
 import results
-from cases import CASES
+from closed_forms import CASES
 from plot import Line, plotted
 from tools import TOOLS, Row
 

@@ -16,7 +16,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from cases import CASES, Case
+from closed_forms import CASES, Case
 from question import Question
 
 __all__ = ["TOOLS", "Row", "Tool", "answered"]

@@ -19,7 +19,7 @@ from kilter.analysis.judge import judge
 
 FOLDER = Path(__file__).resolve().parents[2] / "benchmarks" / "peers"
 DOCS = FOLDER.parents[1] / "docs"
-MODULES = ("cases", "question", "tools", "results", "page", "plot")
+MODULES = ("closed_forms", "question", "tools", "results", "page", "plot")
 OWN = ("kilter, equilibrium", "HiGHS", "linprog", "factorisation")
 """Tools that need nothing that kilter does not."""
 
@@ -45,7 +45,7 @@ def peers() -> Iterator[SimpleNamespace]:
 @pytest.mark.parametrize("family", ["limits", "angles", "masses", "sizes"])
 def test_what_closed_forms_say_is_proved(peers, family):
     """Each limit has a case on both sides, and the certificate agrees with the closed form."""
-    cases = [case for case in peers.cases.CASES.values() if case.family == family]
+    cases = [case for case in peers.closed_forms.CASES.values() if case.family == family]
     assert {case.holds for case in cases} == {True, False}
     for case in cases:
         found = judge(peers.question.Question(case.build()).program)
@@ -54,7 +54,7 @@ def test_what_closed_forms_say_is_proved(peers, family):
 
 @pytest.mark.parametrize("tool", OWN)
 def test_an_answer_is_measured(peers, tool):
-    case = peers.cases.CASES["side 1e-2, 1.02"]
+    case = peers.closed_forms.CASES["side 1e-2, 1.02"]
     row = peers.tools.answered(case, peers.tools.TOOLS[tool])
     assert row.answer in ("falls", "")
     assert row.truth == "falls"
@@ -90,7 +90,7 @@ def test_what_is_missing_is_left_out_and_said(peers, tmp_path, monkeypatch, caps
 
 def test_an_answer_over_its_time_is_ended(peers):
     """The limit is processor time, so that a busy machine changes nothing."""
-    case, tool = peers.cases.CASES["wall-10000"], peers.tools.TOOLS[OWN[0]]
+    case, tool = peers.closed_forms.CASES["wall-10000"], peers.tools.TOOLS[OWN[0]]
     [row] = peers.main.measured([case], tool, seconds=1.0, gib=8.0)
     assert row.answer == "time"
     assert 0.9 <= row.seconds < 3.0
