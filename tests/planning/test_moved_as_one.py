@@ -6,6 +6,7 @@ import json
 
 import numpy as np
 import pytest
+from interlocked import hooked
 
 import kilter
 from kilter import Assembly, InputError, Order, Part
@@ -14,35 +15,13 @@ from kilter.analysis.planning.removal import Removal
 from kilter.analysis.planning.together import blocked_together, units_of_groups
 from kilter.analysis.verification import verify_bundle
 from kilter.scenes import scene
-from kilter.scenes.pieces import block, cells, floor
-
-TONGUE = np.zeros((4, 4, 1), dtype=bool)
-"""Cells of a plate that reaches by a tongue into a notch of the other."""
-TONGUE[:2], TONGUE[2, 1] = True, True
+from kilter.scenes.pieces import block, floor
 
 
 def rechecked(order: Order) -> None:
     proof = json.loads(json.dumps(order.proof(), allow_nan=False))
     answer = verify_bundle(order.states.assembly, order.states.contacts, proof)
     assert answer.holds, answer.reasons
-
-
-def hooked(*, lid: bool = True) -> Assembly:
-    """Two plates that hook into each other sideways, in a channel with ledges over their rims."""
-    ledges = [block("ledge-w", [-1, 0, 1], [1, 4, 2]), block("ledge-e", [3, 0, 1], [5, 4, 2])]
-    walls = [
-        block("west", [-1, 0, 0], [0, 4, 1]), block("east", [4, 0, 0], [5, 4, 1]),
-        block("back", [-1, -1, 0], [5, 0, 1]), *(ledges if lid else []),
-    ]  # fmt: skip
-    grid = np.arange(5.0)
-    return Assembly(
-        [
-            floor([-3, -3], [7, 7]),
-            *(Part(p.name, p.shape, p.pose, grounded=True) for p in walls),
-            Part("A", cells(grid, grid, [0, 1], TONGUE)),
-            Part("B", cells(grid, grid, [0, 1], ~TONGUE)),
-        ]
-    )
 
 
 def test_two_that_leave_only_as_one() -> None:
