@@ -10,6 +10,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import kilter
@@ -319,6 +320,22 @@ def test_a_real_assembly_without_holds() -> None:
     order = kilter.plan(made)
     assert (order.holds_max, order.level, len(order.steps)) == (0, "proved", 16)
     rechecked(order)
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason="real assemblies are not here")
+def test_a_real_bridge_without_holds_that_needs_two_by_height() -> None:
+    file = DATA / "compas_cra" / "bridge.json"
+    bridge = kilter.load(file, ground=["0", "1"], friction=0.6)
+    order = kilter.plan(bridge)
+    assert (order.verdict, order.holds_max, len(order.steps)) == ("found", 0, 14)
+    rechecked(order)
+    free = np.flatnonzero(~bridge.geometry.grounded)
+    height = bridge.geometry.center[free, 2].round(6)
+    upwards = [bridge.names[k] for k in free[np.argsort(height, kind="stable")]]
+    held = kilter.plan(bridge, sequence=upwards)
+    assert (held.verdict, held.holds_max) == ("found", 2)
+    rechecked(held)
+    assert kilter.plan(bridge, sequence=upwards, hold=1).verdict == "fails"
 
 
 @pytest.mark.slow
