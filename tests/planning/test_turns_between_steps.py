@@ -123,6 +123,65 @@ def test_what_needs_no_turn_has_none() -> None:
     assert (order.turns, len(order.steps)) == (0, 5)
 
 
+def test_turns_of_two_orders() -> None:
+    """B leans on the stop by itself: an order that begins with it needs no turn."""
+    free = kilter.plan(leaning(30.0), fewest="turns", hold=0)
+    assert ([step.part for step in free.steps], free.turns, free.least) == (["B", "A"], 0, "always")
+    bound = kilter.plan(leaning(30.0), fewest="turns", hold=0, before=FIRST)
+    assert ([step.part for step in bound.steps], bound.turns) == (["A", "B"], 1)
+    assert bound.least == "as-tried"
+    words = "Along the ways that were tried no order has fewer turns with nothing held."
+    assert words in bound.to_dict()["sentence"]
+    assert not reasons(bound, proof_of(bound))
+
+
+@pytest.mark.parametrize(("fewest", "turns", "held"), [("holds", 1, 0), ("turns", 0, 1)])
+def test_a_hold_in_place_of_a_turn(fewest: str, turns: int, held: int) -> None:
+    order = kilter.plan(leaning(30.0), before=FIRST, turn=True, fewest=fewest)
+    assert (order.turns, order.holds_max, order.least) == (turns, held, "always")
+    assert not reasons(order, proof_of(order))
+
+
+@pytest.mark.parametrize(("degrees", "turns"), [(29.9, 0), (30.1, 1)])
+def test_a_turn_from_the_angle_of_friction_on(degrees: float, turns: int) -> None:
+    """On a slope a block slides where its angle is more than arctan mu."""
+    made = leaning(degrees, np.tan(np.radians(30.0)))
+    order = kilter.plan(made, before=FIRST, fewest="turns", hold=0)
+    assert (order.turns, order.least) == (turns, "as-tried" if turns else "always")
+
+
+def test_of_two_turns_it_is_open_whether_they_are_the_fewest() -> None:
+    """A asks for no lean along x; C for one of more than .4, and none along y; the whole for both.
+
+    C lies with its middle .2 left of a pillar and leans on a wall up to .5 above its middle.
+    """
+    made = Assembly(
+        [
+            block("bed", [-3, -2, -1], [6, 4, 0], grounded=True),
+            block("stop-x", [2, 0, 0], [3, 1, 1], grounded=True),
+            block("wall-x", [0, 1, 0], [2, 2, 1], grounded=True),
+            block("A", [0, 0, 0], [1, 1, 1]),
+            block("B", [1, 0, 0], [2, 1, 1]),
+            block("pillar", [0.7, -10, -1], [1, -8, 0], grounded=True),
+            block("stop-y", [0, -8, 0], [1, -7, 1], grounded=True),
+            block("wall-y", [1, -10, 0], [2, -8, 1], grounded=True),
+            block("C", [0, -10, 0], [1, -9, 1]),
+            block("D", [0, -9, 0], [1, -8, 1]),
+        ],
+        gravity=[4.0, 4.0, -8.0],
+    )
+    chain = [*FIRST, ("B", "C"), ("C", "D")]
+    order = kilter.plan(made, before=chain, fewest="turns", hold=0)
+    assert (order.turns, order.least) == (2, None)
+    downs = [step["down"] for step in order.to_dict()["steps"]]
+    assert downs[0][0] == pytest.approx(0, abs=1e-9)
+    assert downs[3][0] > -0.4 * downs[3][2]
+    assert downs[3][1] == pytest.approx(0, abs=1e-9)
+    assert not reasons(order, proof_of(order))
+
+
 def test_what_goes_not_with_turns() -> None:
     with pytest.raises(InputError, match="turns are not sought with"):
         kilter.plan(scene("tower"), turn=True, press=1.0)
+    with pytest.raises(InputError, match="turns are not sought with"):
+        kilter.plan(scene("tower"), fewest="turns", press=1.0)

@@ -100,7 +100,8 @@ def plan(
         typer.Option(
             "--fewest",
             metavar="WHAT",
-            help="What there is to be least of: holds (parts held at once) or held-steps.",
+            help="What there is to be least of: holds (parts held at once), held-steps "
+            "or turns (implies --turn).",
             rich_help_panel=ORDER,
         ),
     ] = "holds",

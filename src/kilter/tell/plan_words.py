@@ -62,12 +62,18 @@ def _failing(answer: Answer) -> str:
 
 
 def _least(answer: Answer) -> str:
-    """How surely nothing less is held, where it is more than nothing and that is not said yet."""
+    """How surely nothing has less, where it is more than nothing and that is not said yet."""
     fewest, most = answer["fewest"], answer["holds_max"]
     said = fewest["what"] == "holds" and most == 1 and answer["impossible"]
-    if answer["given"] or said or not most:
+    if answer["given"] or said or not (answer["turns"] if fewest["what"] == "turns" else most):
         return ""
-    what = "parts at once" if fewest["what"] == "holds" else "held steps"
+    allowed = answer["search"]["hold"]
+    held = f"up to {count(allowed, 'part')}" if allowed else "nothing"
+    what = {
+        "holds": "parts at once",
+        "held-steps": "held steps",
+        "turns": f"turns with {held} held",
+    }[fewest["what"]]
     return {
         "always": f"No order has fewer {what}.",
         "as-tried": f"Along the ways that were tried no order has fewer {what}.",

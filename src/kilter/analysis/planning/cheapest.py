@@ -21,7 +21,7 @@ from kilter.analysis.planning.search import OrderSearch, Removed
 
 __all__ = ["FEWEST", "Searched", "find_fewest_held_steps", "find_order", "held_steps_of"]
 
-FEWEST = ("holds", "held-steps")
+FEWEST = ("holds", "held-steps", "turns")
 """What there may be least of."""
 
 

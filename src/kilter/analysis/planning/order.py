@@ -68,7 +68,7 @@ class Order:
         Whether what stands might be turned.
     given : bool
         Whether the order was given and judged, not searched.
-    fewest : {"holds", "held-steps"}
+    fewest : {"holds", "held-steps", "turns"}
         What there was to be least of.
     least : {"always", "as-tried"} or None
         Whether no order at all has less of it; none along the ways that were tried; or open.

@@ -91,15 +91,16 @@ def plan(
         not asked; once they are in place, each stands by itself.
     together : bool
         Whether parts that stop one another may move as one where none leaves alone.
-    fewest : {"holds", "held-steps"}
-        What there is to be least of: parts held at once, or steps during which a part is held.
+    fewest : {"holds", "held-steps", "turns"}
+        What there is to be least of: parts held at once, steps during which a part is held, or
+        turns between steps; the last implies `turn`.
     sequence : iterable of str or of iterables of str, optional
         An order to judge step by step, in place of a search; several names at once move as one.
     press : float
         Force with which each part is pressed along the last piece of its way, once in place [N].
     turn : bool
         Whether what stands may be turned between two steps, the base and all. Not together with
-        `press`, `together`, a `sequence` or `fewest`.
+        `press`, `together`, a `sequence` or the fewest held steps.
     require : {"equilibrium", "settles", "proved"}
         The level that `Order.holds` asks of every step; the search is at "equilibrium".
     effort : float
@@ -129,9 +130,11 @@ def plan(
         raise InputError(f"fewest is {fewest!r:.40}", hint=f"give {' or '.join(FEWEST)}")
     most = MOST_HELD if hold is None else _whole_number(hold)
     press = number(press, "press", lowest=0)
-    if turn and (press or together or sequence is not None or fewest != "holds" or assembly.loads):
+    turn = turn or fewest == "turns"
+    held_steps = fewest == "held-steps"
+    if turn and (press or together or sequence is not None or held_steps or assembly.loads):
         raise InputError(
-            "turns are not sought with press, together, a sequence, fewest or loads",
+            "turns are not sought with press, together, a sequence, held-steps or loads",
             hint="leave one of them out",
         )
     if time_limit is not None:
@@ -163,7 +166,7 @@ def plan(
         work.stage("the sequence")
         searched = Searched(judge_order(search, units, most), most)
     elif turn and not locked:
-        searched = find_with_turns(search, most)
+        searched = find_with_turns(search, most, fewest)
     elif locked:
         searched = Searched(None)
     else:

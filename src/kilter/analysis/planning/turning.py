@@ -13,14 +13,17 @@ states have a g in common, friction by inner pyramids: its unknowns are g and th
 The search goes backwards, as that of `kilter.analysis.planning.search`. The finished assembly, and
 the run before it, have the file's direction. A part leaves, in this order: what stays holds as it
 is; the run, but for the first, has another g in common with it; or a new run begins with a turn.
-Holds and turns allowed are raised one by one, turns first, so the order found has the fewest turns
-that this search finds with that many held: that none has fewer is not proved.
+Holds and turns allowed are raised one by one: turns first for the fewest holds, holds first for
+the fewest turns. Without a turn every state has the file's direction, so that search leaves out no
+order along the ways tried: where it ends with none, one turn is the fewest. With turns only one
+direction is tried of the many that a run may have: whether two or more are the fewest is open.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import product
 
 import numpy as np
 from scipy.sparse import block_diag, csc_array, hstack
@@ -87,14 +90,16 @@ class TurningSearch:
             self._states[down] = own if down == self._own() else turned
         return self._states[down]
 
-    def find(self, most: int) -> list[Removed] | None:
+    def find(self, most: int, fewest: str) -> list[Removed] | None:
         """The removals of an order, the last step first; None where none was found."""
-        for hold in range(most + 1):
-            for turns in range(MOST_TURNS + 1):
-                self.search.work.stage(f"an order with {hold} held, {turns} turns")
-                found = self._find(hold, turns)
-                if found is not None or self.search.work.over:
-                    return found
+        allowed = list(product(range(most + 1), range(MOST_TURNS + 1)))
+        if fewest == "turns":
+            allowed.sort(key=lambda one: one[1])
+        for hold, turns in allowed:
+            self.search.work.stage(f"an order with {hold} held, {turns} turns")
+            found = self._find(hold, turns)
+            if found is not None or self.search.work.over:
+                return found
         return None
 
     def _own(self) -> Direction:
@@ -273,13 +278,25 @@ def common_down(programs: Sequence[Program]) -> Direction | None:
     return x, y, z
 
 
-def find_with_turns(search: OrderSearch, most: int) -> Searched:
-    """The order with the fewest holds, and for these the fewest turns, that was found."""
+def find_with_turns(search: OrderSearch, most: int, fewest: str) -> Searched:
+    """The order with the fewest holds and for these the fewest turns, or the other way round.
+
+    Parameters
+    ----------
+    search : OrderSearch
+    most : int
+        Most parts held at once.
+    fewest : {"holds", "turns"}
+        What there is to be least of first.
+    """
     try:
-        order = TurningSearch(search).find(most)
+        order = TurningSearch(search).find(most, fewest)
     except KeyboardInterrupt:
         search.exhausted = False
         return Searched(None, interrupted=True)
     if order is None:
         return Searched(None)
+    if fewest == "turns":
+        turns = sum(one.between is not None for one in order)
+        return Searched(order, turns, proved=turns <= 1)
     return Searched(order, max(one.held for one in order) - search.base.bit_count())
