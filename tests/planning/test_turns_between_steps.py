@@ -48,7 +48,7 @@ def reasons(order: kilter.Order, proof: dict[str, Any]) -> str:
 def test_turned_once_where_it_would_slide() -> None:
     """A alone slides off; level it stands, and with B in it is turned back."""
     made = leaning(30.0)
-    assert kilter.plan(made, before=FIRST, hold=0).verdict == "none-found"
+    assert kilter.plan(made, before=FIRST, hold=0).verdict == "impossible"
     order = kilter.plan(made, before=FIRST, turn=True)
     assert (order.verdict, order.turns, order.holds_max) == ("found", 1, 0)
     assert [step.part for step in order.steps] == ["A", "B"]

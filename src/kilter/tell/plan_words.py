@@ -93,6 +93,13 @@ def _without_holds(answer: Answer) -> str:
             else "There is no order, whatever the paths and whatever is held: "
             f"{some_names(impossible['parts'])} cannot move."
         )
+    if impossible["kind"] == "exhaustion":
+        most = impossible["holds"]
+        held = f"up to {count(most, 'part')}" if most else "nothing"
+        return (
+            f"With {held} held there is no order, whatever the paths: each has a step that "
+            f"needs more, else {some_names(impossible['parts'])} would move."
+        )
     return (
         "With nothing held there is no order, whatever the paths: "
         f"{some_names(impossible['parts'])} cannot stand on what can be reached."

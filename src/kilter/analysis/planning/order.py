@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from kilter.analysis.planning.holds import Holds
 from kilter.analysis.planning.locking import Locked
 from kilter.analysis.planning.order_proof import order_proof
 from kilter.analysis.planning.plan_step import FAR, VERDICTS, Step
@@ -45,6 +46,9 @@ class Order:
         motion of it alone on all that can.
     locked : tuple of Locked
         Where no order exists, whatever is held: parts that lock one another.
+    refused : tuple of Holds
+        Where no order exists with up to `hold` held, whatever the paths: the states that bar them
+        all, each with the motions for which more must be held.
     whole : State
         The finished assembly.
     hold : int
@@ -86,6 +90,7 @@ class Order:
     best: tuple[str, ...]
     falling: tuple[State, ...]
     locked: tuple[Locked, ...]
+    refused: tuple[Holds[State], ...]
     whole: State
     hold: int
     require: str
@@ -118,7 +123,7 @@ class Order:
             return "found"
         if fails:
             return "fails" if any(step.broken for step in fails) else "none-found"
-        none = self.locked or (self.falling and self.hold == 0)
+        none = self.locked or self.refused or (self.falling and self.hold == 0)
         return "impossible" if none else "none-found"
 
     @property
@@ -213,9 +218,13 @@ class Order:
         if self.locked:
             parts = [self.states.assembly.names[one.part] for one in self.locked]
             return {"kind": "locking", "holds": None, "parts": parts, "motions": None}
+        names = self.states.assembly.names
+        if self.refused:
+            bars = np.any([cut.parts for known in self.refused for cut in known.cuts], axis=0)
+            parts = np.array(names)[bars].tolist()
+            return {"kind": "exhaustion", "holds": self.hold, "parts": parts, "motions": None}
         if not self.falling:
             return None
-        names = self.states.assembly.names
         alone = [names[int(np.flatnonzero(state.free)[0])] for state in self.falling]
         return {
             "kind": "closure",
@@ -277,7 +286,14 @@ class Order:
             "screws": [[names[one.bolt], names[one.nut], list(one.axis)] for one in self.screws],
         }
         return order_proof(
-            self.states, self.whole, self.steps, self.falling, self.locked, rules, options or {}
+            self.states,
+            self.whole,
+            self.steps,
+            self.falling,
+            self.locked,
+            self.refused,
+            rules,
+            options or {},
         )
 
     def _repr_html_(self) -> str:

@@ -11,6 +11,7 @@ That each state holds or falls is judged with its forces or its motion
   that is found anew;
 - where it says that fewer holds are not enough: no smaller set has a part of each of its motions;
 
+or that the sets which need more held than may be bar every order, whatever the ways;
 or that the parts which fall alone are all that no order without holds reaches; or that each of the
 locked parts is locked by the others and the base, by its multipliers.
 """
@@ -22,6 +23,7 @@ from typing import Any
 
 import numpy as np
 
+from kilter.analysis.planning.exhaustion import leads_nowhere
 from kilter.analysis.planning.holds import least_hitting_set
 from kilter.analysis.planning.locking import holding_rows, opening, shuts
 from kilter.analysis.planning.order_rules import Rules
@@ -84,7 +86,7 @@ def _reasons(
             yield f"{kind} {_of(entry)}: its state is {verdict}"
         if set(change) - CHANGES - MORE.get(kind, set()):
             yield f"{kind} {_of(entry)}: more of it is changed than its parts"
-    if not entries["step"] and not entries["falls alone"] and not entries["locked"]:
+    if not any(entries[kind] for kind in ("step", "falls alone", "locked", "refused")):
         yield "it has neither an order nor a proof that there is none"
     if entries["step"]:
         if [one["change"] for one in entries["whole"]] != [{"without": [], "held": []}]:
@@ -100,6 +102,9 @@ def _reasons(
     elif entries["whole"] or entries["not fewer"] or entries["pressed"] or entries["turned"]:
         yield "it speaks of an order but has no step"
     yield from _wrong_closure(assembly, entries["falls alone"])
+    if entries["refused"]:
+        rules = Rules.of(assembly, contacts, bundle["rules"])
+        yield from _wrong_exhaustion(assembly, contacts, rules, entries["refused"])
     if entries["locked"]:
         threads = bundle["rules"]["screws"]
         yield from _wrong_locking(assembly, contacts, threads, entries["locked"])
@@ -110,6 +115,7 @@ FALLS = {
     "step": False,
     "not fewer": True,
     "falls alone": True,
+    "refused": True,
     "locked": False,
     "pressed": False,
     "turned": False,
@@ -221,6 +227,37 @@ def _wrong_closure(assembly: Assembly, falling: Sequence[About]) -> Iterator[str
         there = set(assembly.names) - set(change["without"])
         if there != reached | {one["part"]} or set(change["held"]) != reached - base:
             yield f"{one['part']!r} does not fall alone on all that is reached"
+
+
+def _wrong_exhaustion(
+    assembly: Assembly, contacts: ContactSet, rules: Rules, cuts: Sequence[About]
+) -> Iterator[str]:
+    """Why the motions do not bar every order, whatever the ways."""
+    names, grounded = assembly.names, assembly.geometry.grounded
+    base = {part.name for part in assembly if part.grounded}
+    motions: dict[int, list[int]] = {}
+    for cut in cuts:
+        parts, change = set(cut["parts"]), cut["change"]
+        standing = set(names) - set(change["without"])
+        if set(change["held"]) != standing - base - parts:
+            yield f"refused {_of(cut)}: other parts are free in it"
+            return
+        there = bits_of(np.array([name in standing for name in names]))
+        may = bits_of(np.array([name in parts - rules.never_held for name in names]))
+        motions.setdefault(there, []).append(may)
+    touching = _touching(assembly, contacts)
+
+    def goes_on(part: int, rest: int) -> bool:
+        there = {name for k, name in enumerate(names) if rest >> k & 1}
+        one = names[part.bit_length() - 1]
+        early = any(first == one and second in there for first, second in rules.precedence)
+        if early or not _hang_on(base, sorted(there - base), touching):
+            return False
+        return least_hitting_set(motions.get(rest, []), rules.hold) is not None
+
+    whole = bits_of(np.ones(len(names), dtype=bool))
+    if not leads_nowhere(whole, bits_of(grounded), goes_on):
+        yield "the motions do not bar every order"
 
 
 def _wrong_locking(

@@ -8,6 +8,7 @@ groups, parts that are not held, screws. Each proof is of one state, and says wh
     pressed         the same with the part in place, under the force that presses it in
     turned          what stands after a step, still as it was during it: then all is turned
     not fewer       at a step with parts held: one of `parts` must be held, or they move
+    refused         of a set that bars every order: one of `parts` must be held, or they move
     falls alone     a part that no order without holds reaches
     locked          a part that those present let move nowhere, by its `multipliers`
 
@@ -21,6 +22,7 @@ from typing import Any
 
 import numpy as np
 
+from kilter.analysis.planning.holds import Cut, Holds
 from kilter.analysis.planning.locking import Locked
 from kilter.analysis.planning.plan_step import Step
 from kilter.analysis.planning.state import State
@@ -39,6 +41,7 @@ def order_proof(
     steps: Sequence[Step],
     falling: Sequence[State],
     locked: Sequence[Locked],
+    refused: Sequence[Holds[State]],
     rules: Mapping[str, Any],
     options: Mapping[str, Any],
 ) -> dict[str, Any]:
@@ -55,6 +58,8 @@ def order_proof(
         Each part that no order without holds reaches, alone free on all that are reached.
     locked : sequence of Locked
         Parts that lock one another.
+    refused : sequence of Holds
+        Sets that need more held than may be, and bar every order.
     rules, options : mapping
         What the order keeps to; how the file is read.
     """
@@ -71,6 +76,11 @@ def order_proof(
             states,
         )
         for one in locked
+    ]
+    stated += [
+        ({"about": "refused", "parts": _names(names, cut)}, cut.state, states)
+        for known in refused
+        for cut in known.cuts
     ]
     for about, state, of in stated:
         change: dict[str, Any] = {
@@ -99,11 +109,13 @@ def _of_steps(states: States, whole: State, steps: Sequence[Step]) -> list[State
         if step.needs is None or not step.needs.fewest:
             continue
         for cut in step.needs.cuts:
-            parts = [name for name, one in zip(names, cut.parts, strict=True) if one]
-            stated.append(
-                ({"about": "not fewer", "step": number, "parts": parts}, cut.state, states)
-            )
+            about = {"about": "not fewer", "step": number, "parts": _names(names, cut)}
+            stated.append((about, cut.state, states))
     return stated
+
+
+def _names(names: Sequence[str], cut: Cut[State]) -> list[str]:
+    return [name for name, one in zip(names, cut.parts, strict=True) if one]
 
 
 def _step(step: Step) -> dict[str, Any]:

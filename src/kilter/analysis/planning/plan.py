@@ -4,8 +4,9 @@ An order is found backwards (`kilter.analysis.planning.search`); each of its ste
 forces that hold it while the next part comes in (`kilter.analysis.planning.states`), and a way in
 that nothing stops (`kilter.analysis.planning.removal`). With nothing held, that there is no order
 along any paths may be proved (`kilter.analysis.planning.closure`); with any number held, where
-parts lock one another (`kilter.analysis.planning.locking`). Else "none found" says what was tried,
-and proves nothing.
+parts lock one another (`kilter.analysis.planning.locking`); with so many held, where states that
+need more bar every order (`kilter.analysis.planning.exhaustion`). Else "none found" says what was
+tried, and proves nothing.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from kilter.analysis.planning.cheapest import FEWEST, Searched, find_order
 from kilter.analysis.planning.closure import find_unreachable
+from kilter.analysis.planning.exhaustion import find_refused
 from kilter.analysis.planning.given_order import judge_order, sets_of_order
 from kilter.analysis.planning.locking import Locked, find_locked
 from kilter.analysis.planning.order import Order
@@ -157,7 +159,9 @@ def plan(
     search = OrderSearch(found, removal, after, holdable, work, units, together, pressing)
     falling: list[State] = []
     locked: list[Locked] = []
-    if sequence is None and not together and not any(unit & (unit - 1) for unit in units):
+    one_by_one = sequence is None and not together
+    one_by_one = one_by_one and not any(unit & (unit - 1) for unit in units)
+    if one_by_one:
         work.stage("what is locked")
         locked = find_locked(found, removal)
         work.stage("what stands by itself")
@@ -171,6 +175,12 @@ def plan(
         searched = Searched(None)
     else:
         searched = find_order(search, 1 if falling else 0, most, fewest)
+    refused = []
+    if search.exhausted and searched.order is None and one_by_one and not (turn or press):
+        try:
+            refused = [] if falling and most == 0 else find_refused(search, most)
+        except KeyboardInterrupt:
+            searched = Searched(None, interrupted=True)
     seconds["search"] = time.perf_counter() - between
     work.stage("levels of the steps")
     steps = steps_of(search, searched.order or [], level, effort)
@@ -183,6 +193,7 @@ def plan(
         else tuple(n for one in search.best for n in _names(assembly, one.set)),
         falling=tuple(falling),
         locked=tuple(locked),
+        refused=tuple(refused),
         whole=whole,
         hold=most,
         require=level,

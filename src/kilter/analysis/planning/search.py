@@ -203,7 +203,7 @@ class OrderSearch:
         """What may leave of one layer; what has no straight way is put to the stuck ones."""
         falling = []
         for moved in layer:
-            if not self._may_leave(moved, present):
+            if not self.may_leave(moved, present):
                 continue
             legs = self.way_out(moved, present, 1)
             if legs is None:
@@ -234,14 +234,15 @@ class OrderSearch:
         away = np.linalg.norm(middle - place, axis=1).round(9)
         return [found[k] for k in np.lexsort((away, -layer)).tolist()]
 
-    def _may_leave(self, moved: int, present: int) -> bool:
+    def may_leave(self, moved: int, present: int) -> bool:
+        """Whether what is left keeps the precedence and hangs together with the base."""
         rest = present & ~moved
         return not self.later_of(moved) & rest and self._hangs_together(rest)
 
     def ways(self, present: int) -> Iterator[tuple[int, tuple[Leg, ...]]]:
         """What may leave a set of parts by its way, the highest first."""
         for moved in self._candidates(present, 0):
-            if self._may_leave(moved, present):
+            if self.may_leave(moved, present):
                 legs = self.way_out(moved, present, 1) or self.way_out(moved, present, 2)
                 if legs is not None:
                     yield moved, legs
@@ -280,7 +281,7 @@ class OrderSearch:
         self.work.charge(SWEEP * (self.removal.sweeps.tests - tests))
         for moved, direction in found:
             one = self._connected(moved & -moved, moved) == moved
-            if one and self._may_leave(moved, present):
+            if one and self.may_leave(moved, present):
                 yield moved, (Leg(direction, float("inf")),)
 
     def way_out(self, moved: int, present: int, legs: int) -> tuple[Leg, ...] | None:

@@ -1,0 +1,106 @@
+"""No order whatever the paths, by the states that every one would have to pass."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+
+import kilter
+from kilter import Assembly, Order
+from kilter.analysis.planning.exhaustion import MOST_SETS, leads_nowhere
+from kilter.analysis.verification import verify_bundle
+from kilter.mechanics.proof import digest_of
+from kilter.scenes.arches import arch
+from kilter.scenes.pieces import block
+
+Proof = dict[str, Any]
+
+
+def reasons(order: Order, change: Callable[[Proof], object] = lambda proof: None) -> str:
+    """Why the proof does not hold once it is changed and signed anew."""
+    proof = json.loads(json.dumps(order.proof(), allow_nan=False))
+    change(proof)
+    proof["digest"] = digest_of(proof)
+    return "; ".join(verify_bundle(order.states.assembly, order.states.contacts, proof).reasons)
+
+
+def from_both_sides(hold: int) -> Order:
+    """An arch of nine of which left and right take turns: at most two must be held."""
+    order = sorted(range(9), key=lambda k: min(k, 8 - k))
+    chain = [(f"voussoir-{a}", f"voussoir-{b}") for a, b in pairwise(order)]
+    return kilter.plan(arch(9, ratio=0.3, friction=0.6), before=chain, hold=hold)
+
+
+def leaning(degrees: float) -> Assembly:
+    """A would lean on B and B on a stop, on a slope with friction of 30 degrees."""
+    angle = np.radians(degrees)
+    return Assembly(
+        [
+            block("bed", [-3, -2, -1], [6, 3, 0], grounded=True),
+            block("stop", [2, 0, 0], [3, 1, 1], grounded=True),
+            block("A", [0, 0, 0], [1, 1, 1]),
+            block("B", [1, 0, 0], [2, 1, 1]),
+        ],
+        gravity=9.81 * np.array([np.sin(angle), 0.0, -np.cos(angle)]),
+        friction=float(np.tan(np.radians(30.0))),
+    )
+
+
+def test_an_arch_from_both_sides_needs_two() -> None:
+    one = from_both_sides(1)
+    assert (one.verdict, one.to_dict()["impossible"]["kind"]) == ("impossible", "exhaustion")
+    assert not reasons(one)
+    assert "With up to 1 part held there is no order" in one.to_dict()["sentence"]
+    assert from_both_sides(2).verdict == "found"
+
+
+@pytest.mark.parametrize(("degrees", "verdict"), [(29.9, "found"), (30.1, "impossible")])
+def test_what_comes_first_slides_above_the_angle_of_friction(degrees: float, verdict: str) -> None:
+    order = kilter.plan(leaning(degrees), before=[("A", "B")], hold=0)
+    assert order.verdict == verdict
+    assert not reasons(order)
+
+
+def test_none_is_proved_where_a_path_was_asked() -> None:
+    """A box in a closed one of two grounded halves stands: only the walls are in its way."""
+    sides = [
+        block(f"wall-{axis}-{sign}", low, high, grounded=True)
+        for axis, sign, low, high in [
+            ("x", "-", [-1, -2, -1], [0, 3, 3]),
+            ("x", "+", [1.5, -2, -1], [3, 3, 3]),
+            ("y", "-", [0, -2, -1], [1.5, 0, 3]),
+            ("y", "+", [0, 1.5, -1], [1.5, 3, 3]),
+            ("z", "-", [0, 0, -1], [1.5, 1.5, 0]),
+            ("z", "+", [0, 0, 2], [1.5, 1.5, 3]),
+        ]
+    ]
+    order = kilter.plan(Assembly([*sides, block("box", [0.2, 0.2, 0], [1.2, 1.2, 1])]))
+    assert order.verdict == "none-found"
+
+
+def test_of_too_many_sets_nothing_is_said() -> None:
+    most = MOST_SETS.bit_length() - 1
+    assert leads_nowhere((1 << most) - 1, 0, lambda _, rest: rest != 0)
+    assert not leads_nowhere((2 << most) - 1, 0, lambda _, rest: rest != 0)
+    assert not leads_nowhere(0b11, 0, lambda _, rest: rest != 0b10)
+
+
+@pytest.mark.parametrize("change", ["left out", "free", "held more", "precedence"])
+def test_a_proof_that_is_changed_is_refused(change: str) -> None:
+    def changed(proof: Proof) -> None:
+        if change == "left out":
+            proof["proofs"].pop()
+        elif change == "free":
+            next(one for one in proof["proofs"] if one["about"] == "refused")["parts"] = []
+        elif change == "held more":
+            proof["rules"]["hold"] = 2
+        else:
+            proof["rules"]["precedence"] = []
+
+    why = "other parts are free in it" if change == "free" else "do not bar every order"
+    assert why in reasons(from_both_sides(1), changed)
