@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from itertools import pairwise
+from itertools import pairwise, permutations
 from typing import Any
 
 import numpy as np
@@ -90,7 +90,20 @@ def test_of_too_many_sets_nothing_is_said() -> None:
     assert not leads_nowhere(0b11, 0, lambda _, rest: rest != 0b10)
 
 
-@pytest.mark.parametrize("change", ["left out", "free", "held more", "precedence"])
+@pytest.mark.parametrize("seed", range(20))
+def test_chains_by_all_permutations(seed: int) -> None:
+    count, whole = 5, 0b11111
+    random = np.random.default_rng(seed)
+    may = random.random(1 << count) < random.uniform(0.2, 0.7)
+    may[0] = True
+    chains = (
+        all(may[whole & ~sum(1 << k for k in order[: n + 1])] for n in range(count))
+        for order in permutations(range(count))
+    )
+    assert leads_nowhere(whole, 0, lambda _, rest: bool(may[rest])) != any(chains)
+
+
+@pytest.mark.parametrize("change", ["left out", "free", "held more", "precedence", "turn"])
 def test_a_proof_that_is_changed_is_refused(change: str) -> None:
     def changed(proof: Proof) -> None:
         if change == "left out":
@@ -99,8 +112,10 @@ def test_a_proof_that_is_changed_is_refused(change: str) -> None:
             next(one for one in proof["proofs"] if one["about"] == "refused")["parts"] = []
         elif change == "held more":
             proof["rules"]["hold"] = 2
+        elif change == "turn":
+            proof["rules"]["turn"] = True
         else:
             proof["rules"]["precedence"] = []
 
-    why = "other parts are free in it" if change == "free" else "do not bar every order"
-    assert why in reasons(from_both_sides(1), changed)
+    why = {"free": "other parts are free in it", "turn": "single parts under one gravity"}
+    assert why.get(change, "do not bar every order") in reasons(from_both_sides(1), changed)

@@ -324,6 +324,29 @@ def test_a_real_assembly_without_holds() -> None:
     rechecked(order)
 
 
+def test_a_bridge_of_levers_has_its_weights_first() -> None:
+    """Each arm tips about its pier unless a weight is on its tail; the weights stand alone."""
+    parts = []
+    for side, x in (("left", lambda x: x), ("right", lambda x: 10 - x)):
+        for name, start, end, low, high, grounded in [
+            ("pier", 0.0, 1.5, 0.0, 1.0, True),
+            ("tower", -3.0, -0.5, 0.0, 1.3, True),
+            ("arm", 0.0, 4.0, 1.0, 1.3, False),
+            ("weight", -3.0, 0.5, 1.3, 2.3, False),
+        ]:
+            xs = sorted([x(start), x(end)])
+            low_corner, high_corner = [xs[0], 0.0, low], [xs[1], 1.0, high]
+            parts.append(block(f"{name}-{side}", low_corner, high_corner, grounded=grounded))
+    bridge = Assembly([*parts, block("deck", [3.5, 0, 1.3], [6.5, 1, 1.6])], friction=0.6)
+    order = kilter.plan(bridge)
+    assert (order.verdict, order.holds_max, len(order.steps)) == ("found", 0, 5)
+    rechecked(order)
+    upwards = ["arm-left", "arm-right", "deck", "weight-left", "weight-right"]
+    held = kilter.plan(bridge, sequence=upwards)
+    assert (held.verdict, held.holds_max) == ("found", 2)
+    assert kilter.plan(bridge, sequence=upwards, hold=1).verdict == "fails"
+
+
 @pytest.mark.skipif(not DATA.is_dir(), reason="real assemblies are not here")
 def test_a_real_bridge_without_holds_that_needs_two_by_height() -> None:
     file = DATA / "compas_cra" / "bridge.json"

@@ -101,6 +101,10 @@ def _reasons(
         )
     elif entries["whole"] or entries["not fewer"] or entries["pressed"] or entries["turned"]:
         yield "it speaks of an order but has no step"
+    if (entries["falls alone"] or entries["refused"]) and (
+        bundle["rules"]["groups"] or bundle["rules"]["turn"]
+    ):
+        yield "that there is no order speaks of single parts under one gravity"
     yield from _wrong_closure(assembly, entries["falls alone"])
     if entries["refused"]:
         rules = Rules.of(assembly, contacts, bundle["rules"])
