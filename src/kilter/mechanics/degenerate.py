@@ -14,6 +14,7 @@ it is enough to ask where two of them are equal.
 from __future__ import annotations
 
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 
@@ -75,12 +76,47 @@ def between(program: Program, contacts: ContactSet, motion: Array) -> list[Possi
     motion : ndarray, shape (N, 6)
         Displacements, or accelerations, of all parts: (dr, dtheta).
     """
+    lines = _lines(contacts)
+    if not lines:
+        return []
+    sizes = [len(line.normals) for line in lines]
+    normals = np.concatenate([line.normals for line in lines])
+    parts = np.repeat([line.pair for line in lines], sizes, axis=0)
+    opening = [
+        np.split(
+            openings(program, _at(parts.T, np.repeat(ends, sizes, axis=0), normals), motion),
+            np.cumsum(sizes)[:-1],
+        )
+        for ends in ([line.here for line in lines], [line.end for line in lines])
+    ]
+    found: list[PossibleContacts] = []
+    for line, here, end in zip(lines, *opening, strict=True):
+        for k, m in combinations(range(len(here)), 2):
+            apart = here[k] - here[m], end[k] - end[m]
+            if apart[0] * apart[1] < 0:
+                share = apart[0] / (apart[0] - apart[1])
+                point = line.here + share * (line.end - line.here)
+                found.append(_at(line.pair, point, line.normals))
+    return found
+
+
+class _Line(NamedTuple):
+    """A line of contact from one degenerate point, and the normals of both its ends."""
+
+    pair: Index
+    here: Array
+    end: Array
+    normals: Array
+
+
+def _lines(contacts: ContactSet) -> list[_Line]:
+    """Where two points of a pair lie across all normals of one of them."""
     points = contacts.degenerate
     own = np.column_stack([points.part_a, points.part_b])
     pairs = np.concatenate([own[points.owner], points.held_parts])
     ends = np.concatenate([points.points[points.owner], points.held_points])
     normals = np.concatenate([points.normals, points.held_normals])
-    found: list[PossibleContacts] = []
+    found = []
     for k in np.flatnonzero(points.exact).tolist():
         here, mine = points.points[k], points.normals[points.start[k] : points.start[k + 1]]
         along = ends - here
@@ -89,28 +125,15 @@ def between(program: Program, contacts: ContactSet, motion: Array) -> list[Possi
         level &= (pairs == own[k]).all(axis=1) & (length > 0)
         for end in np.unique(ends[level], axis=0):
             there = normals[level & (ends == end).all(axis=1)]
-            found += _where_equal(program, own[k], (here, end), np.vstack([mine, there]), motion)
-    return found
-
-
-def _where_equal(
-    program: Program, pair: Index, ends: tuple[Array, Array], normals: Array, motion: Array
-) -> list[PossibleContacts]:
-    """Points of a line where a motion opens as much along one normal as along another."""
-    opening = [openings(program, _at(pair, end, normals), motion) for end in ends]
-    found = []
-    for k, m in combinations(range(len(normals)), 2):
-        apart = opening[0][k] - opening[0][m], opening[1][k] - opening[1][m]
-        if apart[0] * apart[1] < 0:
-            share = apart[0] / (apart[0] - apart[1])
-            found.append(_at(pair, ends[0] + share * (ends[1] - ends[0]), normals))
+            found.append(_Line(own[k], here, end, np.vstack([mine, there])))
     return found
 
 
 def _at(pair: Index, point: Array, normals: Array) -> PossibleContacts:
+    """Pushes along each of some normals: of one pair at one point, or of one of each a push."""
     count = len(normals)
     none = np.zeros(count)
-    where = np.tile(point, (count, 1))
+    where = np.array(np.broadcast_to(point, (count, 3)))
     return PossibleContacts(
         np.full(count, pair[0]), np.full(count, pair[1]), where, normals, none > 0, none,
         np.full(count, -1),

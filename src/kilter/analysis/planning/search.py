@@ -40,6 +40,8 @@ __all__ = ["FEW", "PROGRAM", "OrderSearch", "Removed", "neighbours_of"]
 
 PROGRAM, FEW = 150.0, 4
 """Units of work of a program of a state, for each part that is present and so many more."""
+CHECK = 10
+"""Programs that stand for a state that is left open, or that `kilter.check` is asked of."""
 LAYER = 0.01
 """Parts whose heights are nearer than this lie in one layer, over the width of the whole."""
 SWEEP = 400.0
@@ -300,7 +302,9 @@ class OrderSearch:
         return state
 
     def _solved(self) -> int:
-        return self.states.counts["programs"] + self.states.counts["cones"]
+        counts = self.states.counts
+        several = counts["open"] + counts["checks"]
+        return counts["programs"] + counts["cones"] + CHECK * several
 
     def _charge(self, solved: int, present: int) -> None:
         """Count the programs that were solved since."""

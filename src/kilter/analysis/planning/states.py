@@ -8,8 +8,10 @@ ends with the first certificate that is judged to hold in the state itself:
 2. a kept linear program with pyramids of friction, which goes on from the state before, where
    the state is near that one or small;
 3. exact cones, which need no state before, and may hold what a pyramid does not;
-4. `kilter.check` of the state, where open pairs, fitted normals or the accuracy that a file
-   states of itself leave it open.
+4. of what falls by its certain contacts and holds with all possible ones: the choices of normals
+   at edges and corners, and where these leave it open it is undecided;
+5. `kilter.check` of the state, where fitted normals, the accuracy that a file states of itself
+   or the numbers leave it open.
 
 Holding more never hurts: what holds with H held, holds with more of its parts held. Neither more
 parts present nor fewer need hold: an arch does before its keystone is out, and after.
@@ -26,7 +28,8 @@ from numpy.typing import ArrayLike
 
 from kilter.analysis.as_stated import explained_by_accuracy
 from kilter.analysis.check import check
-from kilter.analysis.judge import judge
+from kilter.analysis.degenerate_branches import decide_degenerate
+from kilter.analysis.judge import Judgement, judge
 from kilter.analysis.planning.holds import Holds, find_fewest_holds
 from kilter.analysis.planning.known_proofs import (
     KnownForces,
@@ -66,6 +69,8 @@ SMALL, NEAR = 20, 4
 """States of up to so many free parts, or that differ in so few from the last, ask the linear
 program first."""
 
+_Found = ForceProof | MotionProof | Judgement | None
+
 
 class States:
     """The states of an assembly: which parts are present, and which of them held.
@@ -81,7 +86,7 @@ class States:
     assembly, contacts
     counts : dict
         How many states were `asked`, decided by a proof that was `known`, by linear programs
-        (`programs`), by exact `cones`, by a `check`.
+        (`programs`), by exact `cones`, left `open` by possible contacts, decided by a `check`.
 
     See Also
     --------
@@ -93,7 +98,7 @@ class States:
     ) -> None:
         self.assembly = assembly
         self.contacts = contacts
-        self.counts = {"asked": 0, "known": 0, "programs": 0, "cones": 0, "checks": 0}
+        self.counts = {"asked": 0, "known": 0, "programs": 0, "cones": 0, "open": 0, "checks": 0}
         self._programs: StatePrograms = programs or build_state_programs(assembly, contacts)
         self._pyramid: PyramidProgram | None = None
         self._forces: list[KnownForces] = []
@@ -248,12 +253,14 @@ class States:
         program = self._programs.of(present, held)
         outer = self._programs.outer_of(present, held) if self._programs.open else program
         state = State(self.assembly.names, present, free, None, program)
-        proof = self._by_known(state, outer, key)
+        proof: _Found = self._by_known(state, outer, key)
         if proof is None:
             ways = [self._by_pyramid, self._by_cones]
             if self._far(state):
                 ways.reverse()
             proof = ways[0](state, outer) or ways[1](state, outer)
+            if isinstance(proof, Judgement):
+                return self._hanging(state)
             if isinstance(proof, MotionProof):
                 proof = self._learned_motion(outer, proof)
             elif proof is not None:
@@ -291,7 +298,7 @@ class States:
             return False
         return self._pyramid is None or self._pyramid.far(state.present, state.free) > NEAR
 
-    def _by_pyramid(self, state: State, outer: Program) -> ForceProof | MotionProof | None:
+    def _by_pyramid(self, state: State, outer: Program) -> _Found:
         if not state.free.any():
             return check_forces(state.program, np.zeros(len(state.program.part_a)))
         if self._pyramid is None:
@@ -305,14 +312,15 @@ class States:
         motion = None if offered is None else check_motion(outer, offered)
         return motion if motion is not None and motion.holds else None
 
-    def _by_cones(self, state: State, outer: Program) -> ForceProof | MotionProof | None:
+    def _by_cones(self, state: State, outer: Program) -> _Found:
+        """A proof; the forces of possible contacts that hold it where certain ones do not."""
         self.counts["cones"] += 1
         program = state.program
         judgement = judge(program)
         if judgement.stable is False and outer is not program:
             judgement = judge(outer)
             if judgement.stable:
-                return None
+                return judgement
         if judgement.stable is None:
             return None
         return judgement.forces if judgement.stable else judgement.motion
@@ -341,6 +349,17 @@ class States:
                 self._motions.append(new)
         strongest = check_motion(outer, found[0].motion)
         return strongest if strongest.holds else proof
+
+    def _hanging(self, state: State) -> State:
+        """A state that falls by its certain contacts and holds with every possible one.
+
+        Only a choice of normals at edges and corners may still prove that it falls; what else
+        `kilter.check` asks of it are words about what is undecided.
+        """
+        self.counts["open"] += 1
+        assembly = self.sub_assembly(state)
+        sharp = decide_degenerate(assembly, contacts_among(self.contacts, assembly))
+        return state if sharp.program is None else self._checked(state)
 
     def _checked(self, state: State) -> State:
         """The state as `kilter.check` finds it."""
@@ -379,6 +398,8 @@ class States:
         InputError
             If the state is undecided.
         """
+        if state.stable is None and state.verdict is None:
+            state = self._checked(state)
         if state.verdict is not None:
             return state.verdict.proof(options=options or {})
         assembly = self.sub_assembly(state)
