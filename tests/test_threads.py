@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import threading
-
 import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
@@ -43,29 +41,4 @@ def test_threads_come_back_after_a_call_that_failed() -> None:
         before = threads()
         with pytest.raises(ZeroDivisionError):
             fails()
-        assert threads() == before
-
-
-def test_the_first_of_two_to_end_does_not_take_it_from_the_other() -> None:
-    inside, ended = threading.Event(), threading.Event()
-    seen: list[set[int]] = []
-
-    @on_one_thread
-    def long() -> None:
-        inside.set()
-        ended.wait(10)
-        seen.append(threads())
-
-    @on_one_thread
-    def first() -> None:
-        other.start()
-        inside.wait(10)
-
-    other = threading.Thread(target=long)
-    with threadpool_limits(limits=2):
-        before = threads()
-        first()
-        ended.set()
-        other.join(10)
-        assert seen == [{1}]
         assert threads() == before

@@ -10,7 +10,6 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable
-from contextlib import AbstractContextManager
 from functools import cache, wraps
 from typing import TYPE_CHECKING, ParamSpec, TypeVar
 
@@ -45,41 +44,27 @@ def make_no_threads() -> None:
 def on_one_thread(function: Callable[Given, Result]) -> Callable[Given, Result]:
     """The function, with one thread for linear algebra while it runs; as before afterwards.
 
-    The number of threads is the whole process's: the first call that is on its way sets it, the
-    last one to end puts it back, and those between, or within another, cost nothing.
+    A call within another one, on the same thread, finds it set and costs nothing.
     """
 
     @wraps(function)
     def limited(*given: Given.args, **named: Given.kwargs) -> Result:
-        _running.enter()
-        try:
+        if _running.inside:
             return function(*given, **named)
+        _running.inside = True
+        try:
+            with _libraries().limit(limits=1):
+                return function(*given, **named)
         finally:
-            _running.leave()
+            _running.inside = False
 
     return limited
 
 
-class _Running:
-    """Calls on their way that need one thread, of all threads of the process."""
+class _Running(threading.local):
+    """Whether this thread is inside a call that needs one thread."""
 
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._count = 0
-        self._limit: AbstractContextManager[object] | None = None
-
-    def enter(self) -> None:
-        with self._lock:
-            if self._count == 0:
-                self._limit = _libraries().limit(limits=1)
-            self._count += 1
-
-    def leave(self) -> None:
-        with self._lock:
-            self._count -= 1
-            if self._count == 0 and self._limit is not None:
-                self._limit.__exit__(None, None, None)
-                self._limit = None
+    inside = False
 
 
 _running = _Running()
