@@ -310,8 +310,8 @@ def table(rows: list[dict[str, Any]]) -> None:
             print(f"  seed {row['seed']}: {row['wrong'][:3]}")
 
 
-def main() -> int:
-    """Ask them all."""
+def main(answered: Answered = turned, told: Callable[[list[dict[str, Any]]], None] = table) -> int:
+    """Ask them all, and tell the counts."""
     parser = argparse.ArgumentParser()
     parser.add_argument("family", nargs="?")
     parser.add_argument("count", nargs="?", type=int, default=10)
@@ -323,7 +323,7 @@ def main() -> int:
     given = parser.parse_args()
     if given.table:
         with open(given.table) as lines:
-            table([json.loads(line) for line in lines])
+            told([json.loads(line) for line in lines])
         return 0
     done = set()
     if given.o and os.path.exists(given.o):
@@ -334,12 +334,12 @@ def main() -> int:
     for seed in given.seeds or range(given.first, given.first + given.count):
         if (given.family, seed) in done:
             continue
-        row = run(given.family, seed, given.directions)
+        row = run(given.family, seed, given.directions, answered)
         rows.append(row)
         if given.o:
             with open(given.o, "a") as file:
                 file.write(json.dumps(row) + "\n")
-    table(rows)
+    told(rows)
     return int(any("fault" in row or row.get("wrong") for row in rows))
 
 

@@ -1,0 +1,249 @@
+"""Orders of irregular assemblies: are they what `check` and all permutations say, and how fast?
+
+    python benchmarks/plan_census.py arch 40 -o plans.jsonl     seeds 0 to 39; goes on where it was
+    python benchmarks/plan_census.py --table plans.jsonl
+
+Families: arch, pile, wedge (`kilter.scenes.random_turned`), and wall: few courses of bricks of
+random widths, with gaps, on a random base. What falls as it stands is counted as refused, and has
+to fall by `check`. The others are planned with up to 0, 1 and 2 parts held, in a process of its
+own; a fault where one takes a minute of the processor. Then
+
+- every proof is read by `verify_bundle`, from its JSON text;
+- every state of an order found is asked of `check`, built apart, its contacts found anew;
+- what is found with K held has to be found with more held, with the same fewest;
+- of up to `BRUTE` free parts all orders are gone through, each state asked of `check` with any of
+  its parts held: none has fewer held than the one found, none is there that is said to be
+  impossible, even with the ways left out unless parts lock, or that was not found along these ways.
+"""
+
+from __future__ import annotations
+
+import collections
+import json
+import resource
+import signal
+import time
+from collections.abc import Callable, Iterable, Sequence
+from functools import cache
+from itertools import combinations, pairwise, permutations
+from typing import Any
+
+import numpy as np
+from region_census import LIMIT, main
+
+import kilter
+from kilter.analysis.planning.part_sets import bits_of, mask_of, members
+from kilter.analysis.planning.removal import Removal
+from kilter.analysis.verification import verify_bundle
+from kilter.arrays import connected
+from kilter.contact.sub_contacts import contacts_among
+from kilter.scenes.random_turned import random_turned
+from kilter.scenes.walls import wall_from_courses
+
+MOST = 2
+"""Parts held at once, up to which it is asked."""
+BRUTE = 6
+"""Free parts up to which all orders are gone through."""
+
+Tally = collections.Counter[str]
+Cost = Callable[[int, int], int]
+"""Parts to hold once a part has left a set; `MOST` + 1: more, or it cannot leave."""
+
+
+def random_wall(seed: int) -> kilter.Assembly:
+    """Two to four courses, each of up to three bricks and its own start; gravity leans a little."""
+    random = np.random.default_rng(seed)
+    courses = []
+    for _ in range(int(random.integers(2, 5))):
+        widths = random.uniform(0.5, 1.6, random.integers(1, 4))
+        if len(widths) == 3 and random.random() < 0.5:
+            widths[1] *= -0.6
+        courses.append([-float(random.uniform(0.01, 0.5)), *widths.tolist()])
+    size = random.uniform([0.15, 0.08, 0.05], [0.3, 0.2, 0.2])
+    reach = sum(map(abs, courses[0])) * float(size[0] * random.uniform(0.8, 1.1))
+    mu, lean = random.uniform([0.1, -0.05], [1.0, 0.05])
+    made = wall_from_courses(courses, size=size.tolist(), base=(0.0, reach), friction=float(mu))
+    return made.with_down([lean, 0.0, -1.0])
+
+
+def answered(family: str, seed: int, directions: int) -> Any:
+    """The row of a case, by parts."""
+
+    def stop(*_: object) -> None:
+        raise TimeoutError(f"more than {LIMIT:g} s of the processor")
+
+    signal.signal(signal.SIGXCPU, stop)
+    resource.setrlimit(resource.RLIMIT_CPU, (int(LIMIT), int(LIMIT) + 5))
+    assembly = random_wall(seed) if family == "wall" else random_turned(family, seed)
+    free = sum(not part.grounded for part in assembly)
+    orders, cpu = [], []
+    for hold in range(MOST + 1):
+        used = time.process_time()
+        try:
+            orders.append(kilter.plan(assembly, hold=hold))
+        except kilter.InputError as error:
+            yield refused(assembly, str(error))
+            return
+        cpu.append(round(time.process_time() - used, 3))
+    yield {"kind": kind_of(orders[-1]), "free": free, "cpu": cpu}
+    tally: Tally = collections.Counter()
+    wrong = [*proofs_wrong(assembly, orders, tally), *holds_wrong(orders)]
+    for fewest in [one for one in orders if one.found][:1]:
+        wrong += states_wrong(assembly, fewest, tally)
+    if free <= BRUTE:
+        wrong += brute_wrong(assembly, orders, tally)
+    yield {"tally": dict(tally), "wrong": wrong}
+
+
+def kind_of(order: kilter.Order) -> str:
+    """The verdict; of an order found with how many held."""
+    return f"found, {order.holds_max} held" if order.found else order.verdict
+
+
+def refused(assembly: kilter.Assembly, why: str) -> dict[str, Any]:
+    """The row of what is not planned: `check` has to say the same; another reason is a fault."""
+    told = {"does not hold": ("falls", False), "holds is undecided": ("undecided", None)}
+    kind, expected = next((told[words] for words in told if words in why), ("", None))
+    stable = stands(assembly)
+    wrong = [] if stable is expected else [f"refused: {kind}, but check says {stable}"]
+    return {"kind": f"refused: {kind}", "wrong": wrong} if kind else {"fault": why}
+
+
+def stands(assembly: kilter.Assembly, contacts: kilter.ContactSet | None = None) -> bool | None:
+    """Whether forces hold it, by `check`; None: undecided."""
+    verdict = kilter.check(assembly, contacts=contacts, require="equilibrium", effort=0)
+    return None if verdict.verdict == "undecided" else verdict.stable
+
+
+def built(assembly: kilter.Assembly, absent: Any, held: Any) -> kilter.Assembly:
+    """A state as an assembly of its own, of the names of parts."""
+    rest = assembly.without(list(absent)) if len(absent) else assembly
+    return rest.with_grounded(list(held)) if len(held) else rest
+
+
+def proofs_wrong(assembly: kilter.Assembly, orders: Iterable[kilter.Order], tally: Tally) -> Any:
+    """What a reader of the proofs refuses."""
+    for hold, order in enumerate(orders):
+        tally[f"{order.verdict} with {hold}"] += 1
+        if order.verdict != "none-found":
+            proof = json.loads(json.dumps(order.proof(), allow_nan=False))
+            again = verify_bundle(assembly, kilter.contacts(assembly), proof)
+            tally["proofs"] += 1
+            if not again.holds:
+                yield f"proof with {hold} held: {'; '.join(again.reasons)[:200]}"
+
+
+def holds_wrong(orders: Sequence[kilter.Order]) -> Any:
+    """What the answers with more and more held have against one another."""
+    for hold, (less, more) in enumerate(pairwise(orders)):
+        if less.found and kind_of(more) != kind_of(less):
+            yield f"{kind_of(less)}, but {kind_of(more)} with up to {hold + 1}"
+        if more.verdict == "impossible" and less.verdict != "impossible":
+            yield f"impossible with {hold + 1}, but {less.verdict} with {hold}"
+    if any(order.found and order.holds_max > hold for hold, order in enumerate(orders)):
+        yield "more held than may be"
+
+
+def states_wrong(assembly: kilter.Assembly, order: kilter.Order, tally: Tally) -> Any:
+    """What `check` says against the states of an order, and whether each part is put in once."""
+    names, there = np.array(assembly.names), assembly.geometry.grounded.copy()
+    for step in order.steps:
+        present, new = step.state.present, np.isin(names, step.parts)
+        if (present != there).any() or (present & new).any() or set(step.held) & set(names[~there]):
+            yield f"{step}: other parts are there than were put in"
+        there |= new
+        if step.state.free.any():
+            stable = stands(built(assembly, names[~present], step.held))
+            tally["states" if stable is not None else "states open"] += 1
+            if stable is False:
+                yield f"{step}: falls by check"
+    if not there.all():
+        yield "parts are left out of the order"
+
+
+def brute_wrong(assembly: kilter.Assembly, orders: Sequence[kilter.Order], tally: Tally) -> Any:
+    """What all permutations of the parts say against the answers."""
+    tally["by all orders"] += 1
+    asked = Permuted(assembly)
+    low, high = (asked.fewest(lambda *of, k=k: asked.cost(*of)[k]) for k in (0, 1))
+    anyhow = asked.fewest(lambda part, there: asked.needs(there & ~(1 << part))[0])
+    for hold, order in enumerate(orders):
+        if order.found and not low <= order.holds_max <= high:
+            yield f"{kind_of(order)}, by all orders {low} to {high}"
+        if order.verdict == "none-found" and order.exhausted and high <= hold:
+            yield f"none found with {hold}, by all orders {high} are enough"
+        least = (MOST if low > MOST else -1) if order.locked else anyhow - 1
+        if order.verdict == "impossible" and least < hold:
+            yield f"impossible with {hold}, by all orders {anyhow}, along ways {low}"
+
+
+class Permuted:
+    """All orders of an assembly, their states asked of `check`, their ways of the sweeps."""
+
+    def __init__(self, assembly: kilter.Assembly) -> None:
+        self.assembly, self.contacts = assembly, kilter.contacts(assembly)
+        self.grounded = assembly.geometry.grounded
+        self.removal = Removal(self.contacts)
+        self.needs, self.cost = cache(self._needs), cache(self._cost)
+
+    def fewest(self, cost: Cost) -> int:
+        """The fewest parts held at once over all orders; `MOST` + 1: more, or there is none."""
+        best = MOST + 1
+        for order in permutations(np.flatnonzero(~self.grounded).tolist()):
+            present, most = (1 << len(self.assembly)) - 1, 0
+            for part in order:
+                most = max(most, cost(part, present))
+                if most >= best:
+                    break
+                present &= ~(1 << part)
+            else:
+                best = most
+        return best
+
+    def _cost(self, part: int, present: int) -> tuple[int, int]:
+        """`_needs` once a part has left by a way of one leg or two."""
+        out = any(self.removal.way_out(1 << part, present, legs=legs) for legs in (1, 2))
+        return self.needs(present & ~(1 << part)) if out else (MOST + 1, MOST + 1)
+
+    def _needs(self, present: int) -> tuple[int, int]:
+        """The fewest parts with which a set may hold, and does, in so far as `check` decides."""
+        count, names = len(self.assembly), np.array(self.assembly.names)
+        there = mask_of(present, count)
+        pairs = self.contacts.patch_parts
+        label = connected(count, *pairs[there[pairs].all(axis=1)].T)
+        if not np.isin(label[there], label[self.grounded]).all():
+            return MOST + 1, MOST + 1
+        free, least = members(present & ~bits_of(self.grounded), count).tolist(), MOST + 1
+        for size in range(min(MOST, len(free)) + 1):
+            for held in combinations(free, size):
+                state = built(self.assembly, names[~there], names[list(held)])
+                among = contacts_among(self.contacts, state)
+                stable = size == len(free) or stands(state, among)
+                least = least if stable is False else min(least, size)
+                if stable:
+                    return least, size
+        return least, MOST + 1
+
+
+def table(rows: list[dict[str, Any]]) -> None:
+    """Counts and worst times of each family."""
+    for family in sorted({row["family"] for row in rows}):
+        own = [row for row in rows if row["family"] == family]
+        faults = [row for row in own if "fault" in row]
+        wrong = [row for row in own if row.get("wrong")]
+        kinds = collections.Counter(row.get("kind", "?") for row in own)
+        tally: Tally = collections.Counter()
+        for row in own:
+            tally.update(row.get("tally", {}))
+        worst, seed = max((max(row.get("cpu", [0.0])), row["seed"]) for row in own)
+        print(
+            f"{family}: {len(own)} assemblies, {len(faults)} faults, {len(wrong)} with"
+            f" contradictions; {dict(sorted(kinds.items()))}; asked {dict(tally)};"
+            f" worst {worst} CPU seconds (seed {seed})"
+        )
+        for row in faults + wrong:
+            print(f"  seed {row['seed']}: {row.get('fault', row.get('wrong'))}")
+
+
+if __name__ == "__main__":
+    raise SystemExit(main(answered, table))
