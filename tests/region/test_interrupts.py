@@ -98,3 +98,16 @@ def test_it_is_the_same_beside(monkeypatch: pytest.MonkeyPatch, solver: str) -> 
     after = solved()
     assert after.outcome == before.outcome == "optimal"
     assert (after.x == before.x).all()
+
+
+def test_a_kept_program_asks_for_an_interruption_once_however_often_it_is_solved(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    linear = LinearProgram(
+        -np.ones(2), csc_array([[1.0, 2.0]]), np.zeros(1), np.ones(1), np.zeros(2), np.ones(2)
+    )
+    monkeypatch.setattr("kilter.solvers.highs.LONG", 0)
+    kept = highs.KeptProgram(linear)
+    for cost in (1.0, 2.0, 3.0):
+        assert kept.solve(-cost * np.ones(2)).outcome == "optimal"
+    assert len(kept._highs.cbSimplexInterrupt.callbacks) == 1

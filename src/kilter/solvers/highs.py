@@ -410,7 +410,8 @@ def _run(highs: Any, program: LinearProgram) -> None:
     if program.matrix.nnz < LONG:
         highs.run()
         return
-    highs.HandleUserInterrupt = True
+    if not highs.HandleUserInterrupt:  # each time that it is set, one more is asked at every step
+        highs.HandleUserInterrupt = True
     run_aside(highs.run, highs.cancelSolve)
 
 
