@@ -208,6 +208,8 @@ def _stepped(now: Iterate, short_of: float) -> None:
     problem = now.problem
     cones = ~problem.free
     count = int(cones.sum())
+    # all of them as a view: a mask copies
+    held = slice(None) if count == cones.size else cones
     rests = _rests(now)
     now.mean = mean = _mean(now.x, now.s, now.ends, now.slacks, count)
     now.scaling = scaling = _scaled(now)
@@ -218,8 +220,8 @@ def _stepped(now: Iterate, short_of: float) -> None:
 
     def lengths(step: _Step) -> tuple[float, float]:
         return (
-            min(reach(now.x[:, cones], step.x[:, cones]), _reach(now.ends, step.ends)),
-            min(reach(now.s[:, cones], step.s[:, cones]), _reach(now.slacks, step.slacks)),
+            min(reach(now.x[:, held], step.x[:, held]), _reach(now.ends, step.ends)),
+            min(reach(now.s[:, held], step.s[:, held]), _reach(now.slacks, step.slacks)),
         )
 
     square, flat = product(middle, middle), now.ends * now.slacks
