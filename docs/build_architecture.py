@@ -13,18 +13,23 @@ import tomllib
 from html import escape
 from pathlib import Path
 
+from kilter.tell.palette import RAMP, ROLES
+
 ROOT = Path(__file__).resolve().parents[1]
 PICTURE = ROOT / "docs" / "images" / "architecture.svg"
 WIDTH, ROW, LEFT, GAP = 860, 50, 20, 10
 WAY = ("file", "assembly", "contacts", "program", "verdict", "facts", "words")
 HOMES = ("files", "assembly", "contact", "mechanics", "analysis", "tell", "tell, show")
-STYLE = """
-  text { font-family: system-ui, sans-serif; fill: #24313c }
-  .box { fill: #eef4f4; stroke: #3b7a7a; stroke-width: 1.2 }
-  .name { font-size: 15px; font-weight: 600 }
-  .line { font-size: 11.5px; fill: #4a5a66 }
-  .step { fill: #fff6e5; stroke: #b07a1e; stroke-width: 1.2 }
-  .arrow { stroke: #4a5a66; stroke-width: 1.5; fill: none; marker-end: url(#tip) }
+INK, SOFT, PAPER, PALE, BOX, STEP = (
+    ROLES[name].light for name in ("ink", "soft", "surface", "page", "stable", "unstable")
+)
+STYLE = f"""
+  text {{ font-family: system-ui, sans-serif; fill: {INK} }}
+  .box {{ fill: {PALE}; stroke: {BOX}; stroke-width: 1.2 }}
+  .name {{ font-size: 15px; font-weight: 600 }}
+  .line {{ font-size: 11.5px; fill: {SOFT} }}
+  .step {{ fill: {RAMP[0]}; stroke: {STEP}; stroke-width: 1.2 }}
+  .arrow {{ stroke: {SOFT}; stroke-width: 1.5; fill: none; marker-end: url(#tip) }}
 """
 
 
@@ -79,14 +84,15 @@ def drawing() -> str:
             rows.append(f'<path class="arrow" d="M{x - 21:g} {y + 21:g} h15"/>')
     tip = (
         '<marker id="tip" viewBox="0 0 8 8" refX="6" refY="4" markerWidth="6" markerHeight="6" '
-        'orient="auto"><path d="M0 0 8 4 0 8z" fill="#4a5a66"/></marker>'
+        'orient="auto"><path d="M0 0 8 4 0 8z" '
+        f'fill="{SOFT}"/></marker>'
     )
     height = y + ROW + 8
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height:g}" role="img" '
         'aria-label="The layers of kilter, the highest first, and the way of the data">'
     )
-    paper = f'<rect width="{WIDTH}" height="{height:g}" fill="#ffffff"/>'
+    paper = f'<rect width="{WIDTH}" height="{height:g}" fill="{PAPER}"/>'
     return "\n".join([head, f"<style>{STYLE}</style><defs>{tip}</defs>", paper, *rows, "</svg>\n"])
 
 

@@ -9,8 +9,9 @@ from kilter import Assembly, Box, Cylinder, Mesh, Part, Pose
 from kilter.rigid import quaternion_to_matrix
 from kilter.scenes import SCENES, scene
 from kilter.shape.primitives import surface
-from kilter.show.colours import PALETTE, part_colours
+from kilter.show.colours import part_colours
 from kilter.show.shapes import drawn, feature_edges, placed
+from kilter.tell.palette import PALETTE
 
 CUBE = surface(Box([1, 1, 1]))
 

@@ -2,7 +2,7 @@
 // The ball lies in the frame of the assembly; the arrow shows where gravity pulls.
 
 import { along, arcs, contains, isThin } from "./cone.js";
-import { ramp, rgb, themeOf } from "./colours.js";
+import { ramp, rampOf, rgb, themeOf } from "./colours.js";
 import { deepest, farthest } from "./map.js";
 import { eyeFor, inPlane, onDisc, sphereView, underPoint } from "./sphere.js";
 import { angleBetween, cross, dot, norm, scaled, turnedAbout, unit, without } from "./vector.js";
@@ -195,7 +195,7 @@ export class Ball {
   /** The colour of a direction; `pixel`: its size as an angle, for smooth edges. */
   painter(style, pixel) {
     const { region, map, planar } = this.page;
-    const stable = rgb(style("stable-fill"));
+    const [stable, table] = [rgb(style("stable-fill")), rampOf(style)];
     // without a map it is known that it moves, but not how much
     const plain = region && region.outside === "unstable" ? "unstable-fill" : "blank";
     const blank = rgb(style(plain));
@@ -212,7 +212,7 @@ export class Ball {
     return (n) => {
       let base = blank;
       if (planar && region && contains(region, n)) base = stable;
-      else if (map) base = ramp(farthest(map.vertices, n)[1] / map.mass / this.most);
+      else if (map) base = ramp(farthest(map.vertices, n)[1] / map.mass / this.most, table);
       const middle = outer.length ? cover(outer, n) : 0;
       const inner = solid ? cover(facets, n) : 0;
       for (let k = 0; k < 3; k += 1) {

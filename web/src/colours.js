@@ -1,19 +1,14 @@
 // Colours: instability from pale to dark (never by hue alone), and the style of the page.
 
-const RAMP = [
-  [255, 246, 222],
-  [253, 214, 140],
-  [243, 161, 75],
-  [213, 94, 0],
-  [140, 48, 6],
-];
-
-/** The colour of an instability from 0 to 1: light to dark, yellow to brown. */
-export function ramp(share) {
-  const at = Math.max(0, Math.min(1, share)) * (RAMP.length - 1);
-  const k = Math.min(RAMP.length - 2, Math.floor(at));
-  return RAMP[k].map((c, i) => c + (at - k) * (RAMP[k + 1][i] - c));
+/** The colour of an instability from 0 to 1 in a table of colours from light to dark. */
+export function ramp(share, table) {
+  const at = Math.max(0, Math.min(1, share)) * (table.length - 1);
+  const k = Math.min(table.length - 2, Math.floor(at));
+  return table[k].map((c, i) => c + (at - k) * (table[k + 1][i] - c));
 }
+
+/** The table of the page's style. */
+export const rampOf = (style) => style("ramp").split(",").map((text) => rgb(text.trim()));
 
 /** The colours of the page's style, by their names there. */
 export function themeOf(element) {

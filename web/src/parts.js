@@ -106,7 +106,7 @@ export class Parts {
       face: make(
         vertex,
         face,
-        { hatch: colour(), opacity: { value: 1 } },
+        { hatch: colour(), picked: colour(), opacity: { value: 1 } },
         { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 },
       ),
       edge: make(
@@ -223,7 +223,7 @@ export class Parts {
     const set = (uniform, name) => uniform.value.set(style(name));
     set(this.shared.accent, "unstable");
     set(this.shared.grip, "grip");
-    set(this.material.face.uniforms.hatch, "hatch");
+    for (const name of ["hatch", "picked"]) set(this.material.face.uniforms[name], name);
     set(this.material.edge.uniforms.ink, "edge");
     for (const name of ["patch", "through", "rim", "spot"]) set(this.material[name].uniforms.ink, "patch");
   }

@@ -45,6 +45,7 @@ export const face = `precision highp float;
 ${CUT}
 uniform vec3 hatch;
 uniform vec3 grip;
+uniform vec3 picked;
 uniform float opacity;
 uniform float dense;
 flat in vec4 colour;
@@ -66,7 +67,7 @@ void main() {
   float fill = max(dot(n, normalize(vec3(0.8, 0.1, 0.5))), 0.0);
   vec3 lit = min(base * (0.68 + 0.36 * key + 0.14 * fill), vec3(1.0));
   if (state.z > 3.5) lit = mix(lit, grip, 0.18 + 0.62 * stripes(9.0));
-  if (mod(state.z, 2.0) > 0.5) lit = mix(lit, vec3(1.0, 0.86, 0.0), 0.25 + 0.6 * stripes(7.0));
+  if (mod(state.z, 2.0) > 0.5) lit = mix(lit, picked, 0.25 + 0.6 * stripes(7.0));
   result = vec4(lit, opacity);
 }
 `;

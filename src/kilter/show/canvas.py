@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from kilter.errors import InputError
 from kilter.show.packing import readable
+from kilter.tell.palette import ROLES, ink_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,15 +30,8 @@ LINE = 72
 LINES = 3
 DOTS = 200
 """Of a PNG, an inch."""
-INK = "#1F2937"
-COLOURS = {
-    "stable": "#00694E",
-    "settles": "#3F6B00",
-    "potentially-stable": "#8A5A00",
-    "unstable": "#B3261E",
-    "undecided": "#4B5563",
-}
-"""Of the title, by verdict; the word says it too."""
+INK = ROLES["ink"].light
+PAPER = ROLES["surface"].light
 
 
 def require() -> None:
@@ -64,7 +58,7 @@ def blank(width: float, height: float) -> Figure:
         def _repr_png_(self) -> bytes:
             return rendered(self, ".png")
 
-    figure = Picture(figsize=(width, height), facecolor="white")
+    figure = Picture(figsize=(width, height), facecolor=PAPER)
     FigureCanvasAgg(figure)
     return figure
 
@@ -122,7 +116,7 @@ def title(figure: Figure, sentence: str, verdict: str = "") -> None:
         0.03,
         1 - 0.18 / figure.get_figheight(),
         "\n".join(lines),
-        color=COLOURS.get(verdict, INK),
+        color=ink_of(verdict) if verdict else INK,
         fontsize=11,
         fontweight="bold",
         va="top",

@@ -12,10 +12,11 @@ import numpy as np
 
 from kilter.arrays import Array
 from kilter.rigid import quaternion_to_matrix
-from kilter.show.canvas import INK, label
+from kilter.show.canvas import INK, PAPER, label
 from kilter.show.painter import Camera
 from kilter.show.shapes import placed
 from kilter.tell.numbers import force
+from kilter.tell.palette import ROLES
 from kilter.units import metres_per_unit
 
 if TYPE_CHECKING:
@@ -27,9 +28,8 @@ if TYPE_CHECKING:
 __all__ = ["draw_forces", "draw_gravity", "draw_motion", "draw_names", "draw_patches"]
 
 
-MOTION, FORCE, PATCH, GRAVITY = "#C2410C", "#1D4ED8", "#0F766E", "#374151"
-PATCH_FILL = (0.06, 0.46, 0.43, 0.15)
-PATCH_EDGE = (0.06, 0.46, 0.43, 0.7)
+MOTION, FORCE, PATCH = (ROLES[name].light for name in ("unstable", "force", "patch"))
+PATCH_FILL, PATCH_EDGE = (PATCH, 0.15), (PATCH, 0.7)
 SHOWN = 0.02
 """Arrows shorter than this part of the longest are left out [-]."""
 ARROWS = 400
@@ -42,8 +42,8 @@ GRAVITY_AT = (0.052, 0.80)
 """Where the arrow of gravity begins [size of the figure]."""
 FRAME_AT, FRAME = (30.0, 42.0), 24.0
 """Where the axes of the frame meet, and their length [pt]."""
-PALE = "#6B7280"
-PLATE = (1.0, 1.0, 1.0, 0.68)
+PALE = ROLES["soft"].light
+PLATE = (PAPER, 0.68)
 """Behind a name."""
 HEAD = "-|>,head_width={},head_length={}"
 CANDIDATES = 12
@@ -155,10 +155,10 @@ def draw_forces(
     order = np.argsort(-sizes[shown], kind="stable")[:ARROWS]
     lines = list(camera.flat(np.stack([middle - half, middle + half], axis=1)[order]))
     style: dict[str, Any] = {"capstyle": "round"}
-    halo = LineCollection(lines, colors="white", linewidths=1.9 + HALO, zorder=4, **style)
+    halo = LineCollection(lines, colors=PAPER, linewidths=1.9 + HALO, zorder=4, **style)
     axes.add_collection(halo)
     axes.add_collection(LineCollection(lines, colors=FORCE, linewidths=1.9, zorder=5, **style))
-    dot: dict[str, Any] = {"marker": "o", "markersize": 5.2, "markeredgecolor": "white"}
+    dot: dict[str, Any] = {"marker": "o", "markersize": 5.2, "markeredgecolor": PAPER}
     x, y = camera.flat(middle[order]).T
     axes.plot(x, y, linestyle="none", color=FORCE, zorder=5, **dot)
     words = f"contact force, one possible set: greatest {force(most)}"
@@ -223,8 +223,8 @@ def draw_gravity(axes: Axes, camera: Camera) -> None:
     x, y = GRAVITY_AT
     place: dict[str, Any] = {"xycoords": "figure fraction", "textcoords": "figure fraction"}
     bold: dict[str, Any] = {"arrowstyle": HEAD.format(0.22, 0.5), "lw": 1.6, "shrinkA": 0}
-    axes.annotate("", (x, y - 0.11), (x, y), arrowprops={**bold, "color": GRAVITY}, **place)
-    axes.annotate("g", (x + 0.022, y - 0.09), color=GRAVITY, **place)
+    axes.annotate("", (x, y - 0.11), (x, y), arrowprops={**bold, "color": INK}, **place)
+    axes.annotate("g", (x + 0.022, y - 0.09), color=INK, **place)
     points: dict[str, Any] = {"xycoords": "figure points", "textcoords": "figure points"}
     thin: dict[str, Any] = {"arrowstyle": HEAD.format(0.12, 0.3), "lw": 0.9, "shrinkA": 0}
     style: dict[str, Any] = {"fontsize": 8, "color": PALE, "ha": "center", "va": "center"}
@@ -254,7 +254,7 @@ def _arrow(axes: Axes, ends: Array, colour: str, share: float) -> None:
             linewidth=1.9,
             color=colour,
             zorder=5,
-            path_effects=[withStroke(linewidth=1.9 + HALO, foreground="white"), Normal()],
+            path_effects=[withStroke(linewidth=1.9 + HALO, foreground=PAPER), Normal()],
         )
     )
 
@@ -281,7 +281,7 @@ def _turn(axes: Axes, camera: Camera, center: Array, angular: Array, radius: flo
             color=MOTION,
             fill=False,
             zorder=5,
-            path_effects=[withStroke(linewidth=1.4 + HALO, foreground="white"), Normal()],
+            path_effects=[withStroke(linewidth=1.4 + HALO, foreground=PAPER), Normal()],
         )
     )
 

@@ -18,6 +18,7 @@ from kilter.show.plan_scene import build_plan_scene
 from kilter.show.plan_sections import plan_sections
 from kilter.show.scene import build_scene
 from kilter.show.sections import sections, text
+from kilter.tell.palette import as_css
 
 if TYPE_CHECKING:
     from kilter.analysis.everything import Everything
@@ -78,7 +79,7 @@ def _filled(
     title: str, body: str, data: str, *, live: bool, pieces: dict[str, str] | None = None
 ) -> str:
     """The template, with `pieces`: the files of the parts in which pages differ."""
-    style, program = _asset("page.css"), _asset("page.js")
+    style, program = as_css() + _asset("page.css"), _asset("page.js")
     scripts = [program, _asset("reload.js")] if live else [program]
     policy = "; ".join(
         [

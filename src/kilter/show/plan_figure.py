@@ -15,7 +15,7 @@ import numpy as np
 
 from kilter.arrays import Array
 from kilter.rigid import Pose
-from kilter.show.canvas import INK, blank, label, legend, title
+from kilter.show.canvas import INK, PAPER, blank, label, legend, title
 from kilter.show.colours import part_colours
 from kilter.show.figures import camera_of
 from kilter.show.overlay import MOTION
@@ -171,7 +171,7 @@ def _words(axes: Axes, k: int, step: Mapping[str, Any]) -> None:
         (f"{k + 1}  {label(', '.join(step['parts']), 20)}", INK, "bold")
     ]
     if step["held"]:
-        lines.append((f"hold {label(', '.join(step['held']), 20)}", GRIP[:3], "normal"))
+        lines.append((f"hold {label(', '.join(step['held']), 20)}", GRIP, "normal"))
     for row, (words, colour, weight) in enumerate(lines):
         axes.annotate(
             words,
@@ -195,6 +195,6 @@ def _signs(entries: list[tuple[Any, str]], steps: list[Any]) -> list[tuple[Any, 
     arrow = Line2D([0, 1], [0, 0], color=MOTION, linewidth=1.3, marker=">", markevery=[1])
     signs = [*((sign, "held from the start") for sign, _ in entries), (arrow, "comes in")]
     if any(step["held"] for step in steps):
-        sign = Patch(facecolor="white", edgecolor=GRIP, hatch="/////", linewidth=0.8)
+        sign = Patch(facecolor=PAPER, edgecolor=GRIP, hatch="/////", linewidth=0.8)
         signs.append((sign, "held by a hand"))
     return signs

@@ -24,6 +24,7 @@ from kilter.rigid import matrix_to_quaternion, quaternion_to_matrix, rotation_be
 from kilter.show.colours import part_colours
 from kilter.show.packing import readable
 from kilter.show.shapes import placed
+from kilter.tell.palette import ROLES, rgb
 from kilter.units import metres_per_unit
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ NEAR = 1.2
 """How far away a part begins at most [size of the assembly]."""
 TURNS = 3
 """Of a nut on its thread, for the picture alone."""
-HELD = (0.0, 0.447, 0.698)
+HELD = rgb(ROLES["grip"].light)
 """Colour of what marks a held part, sRGB."""
 MARK = 0.28
 """Its size [bounding radius of the part]."""
@@ -197,7 +198,7 @@ def _meshes(
         [0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2],
         [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5],
     ]  # fmt: skip
-    materials.append(_material(np.array(HELD)))
+    materials.append(_material(np.array(HELD) / 255.0))
     mark = (
         binary.put(corners, "VEC3", VERTICES),
         binary.put(np.array(faces).reshape(-1), "SCALAR", CORNERS),

@@ -13,6 +13,7 @@ from kilter.rigid import quaternion_to_matrix
 from kilter.show.colours import part_colours
 from kilter.show.painter import Camera, Polygon, back_to_front, visible_triangles
 from kilter.show.shapes import placed
+from kilter.tell.palette import ROLES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,21 +22,21 @@ if TYPE_CHECKING:
 
 __all__ = ["GRIP", "draw_parts"]
 
-Colour = tuple[float, float, float, float]
+Colour = str | tuple[str, float] | tuple[float, float, float, float]
 
 LIGHT = np.array([0.22, -0.66, 0.72])
 """Where the light comes from, on the page (right, away from the eye, up)."""
 DARK = 0.70
 """Brightness of a face that the light does not meet [-]."""
-EDGE: Colour = (0.15, 0.18, 0.23, 1.0)
-STRIPE: Colour = (0.42, 0.45, 0.50, 0.55)
-GRIP: Colour = (0.0, 0.447, 0.698, 0.85)
+EDGE: Colour = ROLES["edge"].light
+STRIPE: Colour = (ROLES["hatch"].light, 0.9)
+GRIP: Colour = ROLES["grip"].light
 """Of parts that a hand holds."""
 STRIPES = 0.018
 """Between the stripes of held parts [size of the picture]."""
 HELD = 400
 """Held polygons up to which they are striped."""
-CLEAR: Colour = (0.0, 0.0, 0.0, 0.0)
+CLEAR: Colour = "none"
 
 
 def draw_parts(

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kilter.arrays import Array, Mask
-from kilter.show.canvas import INK, blank, legend, title
+from kilter.show.canvas import INK, PAPER, blank, legend, title
 from kilter.show.painter import Camera
 from kilter.tell.numbers import angle as angle_words
+from kilter.tell.palette import ROLES
 from kilter.tell.tables import region_sentence
 
 if TYPE_CHECKING:
@@ -25,8 +26,9 @@ if TYPE_CHECKING:
 __all__ = ["draw_region"]
 
 
-FILL, BORDER = "#7CC4A8", "#00694E"
-BALL, GRID, GIVEN = "#F3F4F6", "#D1D5DB", "#B3261E"
+FILL, BORDER = ROLES["stable-fill"].light, ROLES["stable"].light
+BALL, GRID, GIVEN = (ROLES[name].light for name in ("page", "line", "ink"))
+PALE = ROLES["soft"].light
 SAMPLES = 241
 """Of the fill, across a half: its border is drawn apart, and exactly."""
 AROUND = np.linspace(0.0, 2 * np.pi, 721)
@@ -65,7 +67,7 @@ def draw_region(region: Region) -> Figure:
         entries |= _border(axes, region, camera)
         entries |= _marks(axes, region, camera, given)
         _axes_of_frame(axes, camera)
-        axes.text(0, -1.24, words, ha="center", va="top", fontsize=8.5, color="#6B7280")
+        axes.text(0, -1.24, words, ha="center", va="top", fontsize=8.5, color=PALE)
     said, wide = region_sentence(region.kind, friction=region.friction), ""
     if region.half_angle_deg not in (None, 0.0, 180.0):
         wide = f" At best it bears a tilt of {angle_words(region.half_angle_deg)}."
@@ -91,7 +93,7 @@ def _halves(middle: Array) -> list[tuple[Camera, str]]:
 def _ball(axes: Axes, camera: Camera) -> None:
     from matplotlib.patches import Circle
 
-    axes.add_patch(Circle((0, 0), 1.0, facecolor=BALL, edgecolor="#9CA3AF", linewidth=0.9))
+    axes.add_patch(Circle((0, 0), 1.0, facecolor=BALL, edgecolor=PALE, linewidth=0.9))
     circle = np.stack([np.cos(AROUND), np.sin(AROUND), 0 * AROUND], axis=-1)
     for angle in np.radians([-60, -30, 0, 30, 60]):
         _line(axes, circle * np.cos(angle) + [0, 0, np.sin(angle)], camera, GRID, 0.5)
@@ -183,7 +185,7 @@ def _dots(axes: Axes, points: Array, camera: Camera, sign: str, colour: str, siz
         "marker": sign,
         "color": colour,
         "markersize": size,
-        "markeredgecolor": "white",
+        "markeredgecolor": PAPER,
         "markeredgewidth": 0.9,
         "linestyle": "none",
     }
@@ -200,7 +202,7 @@ def _axes_of_frame(axes: Axes, camera: Camera) -> None:
             if point @ camera.towards < -ON:
                 continue
             x, y = camera.flat(point)
-            axes.plot(x, y, ".", color="#6B7280", markersize=4, zorder=3)
+            axes.plot(x, y, ".", color=PALE, markersize=4, zorder=3)
             style: dict[str, Any] = {"fontsize": 8.5, "color": INK, "ha": "center", "va": "center"}
             size = float(np.hypot(x, y))
             aside = np.array([x, y]) / size if size > 0.2 else np.array([0.0, 1.0])

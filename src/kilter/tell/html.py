@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 
 from kilter.tell.facts import facts
+from kilter.tell.palette import ink_of
 from kilter.tell.shared_facts import Answer
 from kilter.tell.tables import moving_table, sentences
 
@@ -14,16 +15,6 @@ ROWS = 12
 """Parts that are listed, the fastest first."""
 LONG = 80
 """Characters of a name that are shown."""
-COLOURS = {
-    "stable": "#00694E",
-    "found": "#00694E",
-    "settles": "#3F6B00",
-    "potentially-stable": "#8A5A00",
-    "unstable": "#B3261E",
-    "none": "#B3261E",
-    "undecided": "#4B5563",
-}
-"""Of the sentence; the word says it too."""
 
 
 def html_of(answer: Answer) -> str:
@@ -48,7 +39,7 @@ def html_of(answer: Answer) -> str:
     warnings = answer.get("warnings", ())
     told = "".join(f"<li>{_text(warning, 400)}</li>" for warning in warnings[:ROWS])
     word = str(answer.get("verdict", "none" if answer.get("kind") == "none" else "stable"))
-    style = f"color:{COLOURS.get(word, COLOURS['undecided'])};font-weight:bold"
+    style = f"color:{ink_of(word)};font-weight:bold"
     said = "".join(f'<p style="{style}">{_text(line, 1000)}</p>' for line in sentences(answer))
     return (
         f'<div class="kilter">{said}<table><tbody>{body}</tbody></table>'

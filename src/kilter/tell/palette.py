@@ -1,0 +1,129 @@
+"""The one grammar of colour: what each colour says, in light and dark.
+
+Pages, figures, sheets, films, notebooks and docs take their colours from here and nowhere else.
+Signs keep apart for eyes that see no red, no green or no blue, and words have the contrast that
+they need; no colour says what a word or a shape does not say too. Figures are light.
+
+References
+----------
+M. Okabe, K. Ito, Color universal design, 2008.
+W3C, Web Content Accessibility Guidelines 2.2, 1.4.3 and 1.4.11.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["GROUND", "PALETTE", "RAMP", "ROLES", "VERDICT_ROLE", "Role", "as_css", "ink_of", "rgb"]
+
+
+@dataclass(frozen=True, slots=True)
+class Role:
+    """What a colour says: `light` and `dark` as #rrggbb; `use` is sign, word, fill or ground."""
+
+    light: str
+    dark: str
+    use: str
+    says: str
+
+
+ROLES = {
+    "stable": Role("#0066b4", "#4fa8f0", "sign", "stable: a verdict, a region and its boundary"),
+    "unstable": Role("#c24e00", "#ff8a3d", "sign", "unstable, and motion: arrows, edges, ghosts"),
+    "force": Role("#006b50", "#4fdcab", "sign", "contact force, line of thrust"),
+    "limit": Role("#6a0018", "#fff3b0", "sign", "contact force that uses up its friction"),
+    "patch": Role("#a3307f", "#e070b8", "sign", "contact patch"),
+    "open": Role(
+        "#f5b800", "#e8b400", "sign", "open pair: the geometry does not say how it touches"
+    ),
+    "ink": Role("#1b2530", "#e8edf2", "sign", "text, gravity, loads"),
+    "undecided": Role("#5b6673", "#8d99ad", "word", "undecided, unknown"),
+    "grip": Role("#0066b4", "#4fa8f0", "word", "held by a hand, in stripes"),
+    "link": Role("#005a8d", "#7cc8f7", "word", "link"),
+    "soft": Role("#5b6673", "#a3afbb", "word", "text of less weight"),
+    "focus": Role("#0066b4", "#7cc8f7", "fill", "what has the keyboard"),
+    "picked": Role("#ffdb00", "#ffdb00", "fill", "the part that was picked, in stripes"),
+    "stable-fill": Role("#4aa3dc", "#3b9bd8", "fill", "stable directions of the ball"),
+    "stable-edge": Role("#ffffff", "#0b1620", "fill", "rim of the boundary of the region"),
+    "unstable-fill": Role(
+        "#f3c19b", "#b5754a", "fill", "unstable directions, how much is not known"
+    ),
+    "undecided-fill": Role("#f0e4a0", "#b39a2f", "fill", "undecided directions"),
+    "blank": Role("#cfd5dc", "#56616d", "fill", "directions that are not mapped"),
+    "edge": Role("#22303c", "#0a0f14", "fill", "edges of parts"),
+    "hatch": Role("#8f969e", "#565e67", "fill", "stripes of what is held"),
+    "line": Role("#d8dde3", "#35404b", "ground", "rules and frames"),
+    "surface": Role("#ffffff", "#1c232b", "ground", "cards, rims of arrows"),
+    "page": Role("#f3f4f6", "#12171d", "ground", "the page"),
+    "stage-top": Role("#fbfcfd", "#2a333d", "ground", "behind the picture, above"),
+    "stage-bottom": Role("#dfe5ec", "#171d24", "ground", "behind the picture, below"),
+}
+"""By name; in CSS each is a property of that name."""
+GROUND = "#c3c8ce"
+"""Of held parts, striped; the same in light and dark, as all parts."""
+PALETTE = (
+    "#7fb2d9",
+    "#e8c268",
+    "#7cc4a8",
+    "#d9a3c0",
+    "#a8c6e8",
+    "#c9b38c",
+    "#9fa8da",
+    "#b7d17a",
+)
+"""Of free parts, in the order they are given out: pale, so that signs stand out."""
+RAMP = ("#fff6de", "#fdd68c", "#f3a14b", "#d55e00", "#8c3006")
+"""Instability from none to the most: from light to dark, so that no hue is needed to read it."""
+VERDICT_ROLE = {
+    "stable": "stable",
+    "found": "stable",
+    "settles": "stable",
+    "potentially-stable": "stable",
+    "unstable": "unstable",
+    "impossible": "unstable",
+    "fails": "unstable",
+    "none": "unstable",
+}
+"""The role of a verdict; of any other, undecided."""
+
+
+def ink_of(verdict: str) -> str:
+    """The colour of a verdict's words on white.
+
+    Examples
+    --------
+    >>> ink_of("settles") == ROLES["stable"].light, ink_of("?") == ROLES["undecided"].light
+    (True, True)
+    """
+    return ROLES[VERDICT_ROLE.get(verdict, "undecided")].light
+
+
+def rgb(text: str) -> tuple[int, int, int]:
+    """A colour as numbers from 0 to 255.
+
+    Examples
+    --------
+    >>> rgb("#ff8000")
+    (255, 128, 0)
+    """
+    red, green, blue = (int(text[k : k + 2], 16) for k in (1, 3, 5))
+    return red, green, blue
+
+
+def as_css() -> str:
+    """The roles as properties of a style: light, dark where the reader's system or choice is."""
+    light, dark = (_properties([getattr(one, of) for one in ROLES.values()]) for of in _THEMES)
+    ramp = f"--ramp: {', '.join(RAMP)};"
+    return (
+        f":root {{ color-scheme: light; {light} {ramp} }}\n"
+        "@media (prefers-color-scheme: dark) "
+        f'{{ :root:not([data-theme="light"]) {{ color-scheme: dark; {dark} }} }}\n'
+        f':root[data-theme="dark"] {{ color-scheme: dark; {dark} }}\n'
+    )
+
+
+_THEMES = ("light", "dark")
+
+
+def _properties(colours: list[str]) -> str:
+    return " ".join(f"--{name}: {one};" for name, one in zip(ROLES, colours, strict=True))
