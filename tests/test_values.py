@@ -186,10 +186,10 @@ VERBS = (
     ("given", "hint"),
     [
         ("arch.stl", r"kilter\.load\('arch\.stl'\)"),
-        (Trimesh(), r"kilter\.Mesh\(mesh\.vertices, mesh\.faces\)"),
+        (Trimesh(), r"kilter\.load\(mesh\)"),
         (CUBE, r"kilter\.Assembly\(\[part"),
-        ([CUBE], r"kilter\.load\(path\)"),
-        (None, r"kilter\.load\(path\)"),
+        ([CUBE], r"kilter\.load\(path or object\)"),
+        (None, r"kilter\.load\(path or object\)"),
     ],
     ids=["path", "trimesh", "part", "list", "None"],
 )

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import fnmatch
+import importlib
 import os
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
@@ -257,6 +258,37 @@ class Assembly:
         """Unit direction of gravity, shape (3,)."""
         return unit(self.gravity, "gravity")
 
+    # other libraries -----------------------------------------------------------------
+
+    @classmethod
+    def of(cls, value: Any, **options: Any) -> Assembly:
+        """The assembly that an object of another library is; the same as `kilter.load`.
+
+        Raises
+        ------
+        InputError
+            If it is nothing that `kilter.load` takes.
+
+        Examples
+        --------
+        >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+        >>> faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
+        >>> Assembly.of({"tip": (corners, faces)}, units="mm", ground="tip")
+        <Assembly: 1 parts, 1 held, in mm>
+        """
+        found: Assembly = _above("kilter.files.reading").load(value, **options)
+        return found
+
+    def to_trimesh(self) -> Any:
+        """A `trimesh.Scene` with a node a part, under its name, in the units of the assembly.
+
+        Raises
+        ------
+        InputError
+            If trimesh is not installed.
+        """
+        return _above("kilter.files.objects.trimesh_objects").scene_of(self)
+
     # changed copies ------------------------------------------------------------------
 
     def with_down(self, down: ArrayLike) -> Assembly:
@@ -375,6 +407,11 @@ class Assembly:
         return dataclasses.replace(self, **changes)
 
 
+def _above(module: str) -> Any:
+    """A module that knows assemblies: it is asked for here by name alone, for who reads code."""
+    return importlib.import_module(module)
+
+
 def _entries(name: str, given: Any, kind: type) -> tuple[Any, ...]:
     """A sequence of one kind of value, as a tuple."""
     try:
@@ -416,12 +453,9 @@ def require_assembly(value: object, verb: str) -> None:
             f"{verb} wants an assembly, got a path",
             hint=f"read it: kilter.load({os.fspath(value)!r:.60})",
         )
-    hint = "make one: kilter.Assembly([kilter.Part(...), ...]), or read one with kilter.load(path)"
+    hint = "make one: kilter.Assembly([kilter.Part(...), ...]), or kilter.load(path or object)"
     if hasattr(value, "vertices") and hasattr(value, "faces"):
-        hint = (
-            "save it to a file for kilter.load, or make parts of it: "
-            "kilter.Part(name, kilter.Mesh(mesh.vertices, mesh.faces))"
-        )
+        hint = "make one of it: kilter.load(mesh)"
     elif isinstance(value, Part):
         hint = "put it into one: kilter.Assembly([part, ...])"
     raise InputError(f"{verb} wants an assembly, got {type(value).__name__}", hint=hint)

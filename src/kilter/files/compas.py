@@ -69,7 +69,7 @@ def from_compas(
         defaults = _dict(graph.get("default_node_attributes") or graph.get("node_attributes"))
         keys = sorted(nodes, key=natural_key)
         blocks = {key: _block(key, nodes[key]) for key in keys}
-        names = _names(blocks)
+        names = _names(blocks, {key: _own_name(nodes[key]) for key in keys})
         corners = {key: _vertices(names[key], blocks[key]) for key in keys}
         accuracy = text_accuracy(np.concatenate([_rows(corners[key]) for key in keys]))
         parts = {
@@ -140,10 +140,15 @@ def _block(key: str, node: Any) -> dict[str, Any]:
     return block
 
 
-def _names(blocks: dict[str, dict[str, Any]]) -> dict[str, str]:
+def _own_name(node: dict[str, Any]) -> Any:
+    """The name beside the data of a block: since COMPAS 2 it is not among its attributes."""
+    return _dict(node.get("block")).get("name")
+
+
+def _names(blocks: dict[str, dict[str, Any]], own: dict[str, Any]) -> dict[str, str]:
     given = {}
     for key, block in blocks.items():
-        name = _dict(block.get("attributes")).get("name")
+        name = _dict(block.get("attributes")).get("name") or own[key]
         given[key] = name.strip() if isinstance(name, str) and name.strip() else key
     count = Counter(given.values())
     return {key: name if count[name] == 1 else key for key, name in given.items()}

@@ -26,8 +26,17 @@ from kilter.files.step import read_step
 from kilter.files.stl import read_stl
 from kilter.files.threemf import read_3mf
 from kilter.shape.primitives import Mesh
+from kilter.units import metres_per_unit
 
-__all__ = ["EXACT", "FORMATS", "MESHES", "load_bodies", "read_bodies"]
+__all__ = [
+    "EXACT",
+    "FORMATS",
+    "MESHES",
+    "agreed_units",
+    "assembly_of",
+    "load_bodies",
+    "read_bodies",
+]
 
 _Named = list[tuple[str | None, Mesh]]
 
@@ -121,25 +130,59 @@ def load_bodies(
         As `read_bodies`; and if `units` differ from those that the file states.
     """
     found = read_bodies(path, without=without, progress=progress)
+    try:
+        return assembly_of(found, units=units, stem=path.stem, source=str(path)), found.left_out
+    except InputError as error:
+        raise error.located(file=str(path)) from None
+
+
+def assembly_of(
+    found: FileBodies, *, units: str | None = None, stem: str = "part", source: str = ""
+) -> Assembly:
+    """An assembly of bodies; those without a name are named by the stem, one that is several cut.
+
+    Raises
+    ------
+    InputError
+        If none is left, or `units` differ from those that are stated.
+    """
     if not found.shapes:
-        raise InputError("no part is left", file=str(path), hint="leave fewer parts out")
+        raise InputError("no part is left", hint="leave fewer parts out")
     notes = list(found.notes)
-    if found.units and units and units != found.units:
-        if not found.by_standard:
-            raise InputError(
-                f"the file is in {found.units}, {units} were asked for",
-                file=str(path),
-                hint="leave the units out",
-            )
-        notes.append(f"this format is in {found.units} by its standard; read as {units} as asked")
+    what = "the file" if source else "the object"
+    agreed = agreed_units(found.units, units, notes if found.by_standard else None, what=what)
     alone = found.shapes[0]
     if found.names == (None,) and isinstance(alone, Mesh):
         apart = tuple(split_bodies(alone))
         found = replace(found, names=(None,) * len(apart), shapes=apart)
-    rows = zip(filled(found.names, path.stem), found.shapes, found.places, strict=True)
-    try:
-        parts = [Part(name, shape, pose) for name, shape, pose in rows]
-    except InputError as error:
-        raise error.located(file=str(path)) from None
-    assembly = Assembly(parts, units=units or found.units or "m", source=str(path), notes=notes)
-    return assembly, found.left_out
+    rows = zip(filled(found.names, stem), found.shapes, found.places, strict=True)
+    parts = [Part(name, shape, pose) for name, shape, pose in rows]
+    return Assembly(parts, units=agreed, source=source, notes=notes)
+
+
+def agreed_units(
+    stated: str | None,
+    asked: str | None,
+    notes: list[str] | None = None,
+    *,
+    what: str = "the object",
+) -> str:
+    """The units to read in: those that are stated, else those asked for, else metres.
+
+    Of a format that is in its units by its standard others may be asked for: `notes` says so.
+
+    Raises
+    ------
+    InputError
+        If they differ.
+    """
+    if asked is not None:
+        metres_per_unit(asked)
+    if stated and asked and stated != asked:
+        if notes is None:
+            raise InputError(
+                f"{what} is in {stated}, {asked} were asked for", hint="leave the units out"
+            )
+        notes.append(f"this format is in {stated} by its standard; read as {asked} as asked")
+        return asked
+    return stated or asked or "m"

@@ -15,11 +15,13 @@ from numpy.typing import ArrayLike
 
 from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
+from kilter.files.choices import Choices
 from kilter.files.compas import from_compas, is_compas
 from kilter.files.folder import load_folder
 from kilter.files.formats import FORMATS, load_bodies
 from kilter.files.kilter_json import from_dict
 from kilter.files.lying import UP, note_on_up
+from kilter.files.objects.known_objects import read_object
 from kilter.files.raw import read_bytes
 from kilter.files.strict_json import parse_json
 from kilter.units import metres_per_unit
@@ -75,6 +77,9 @@ class Reading:
         """Something is to be joined, which takes the contacts."""
         return bool(self.fasten) or self.fasten_suggested or self.fasten_overlaps
 
+    def _choices(self) -> Choices:
+        return Choices(self.units, self.contacts)
+
     def options(self) -> dict[str, Any]:
         """The options that are set, as JSON data."""
         return {
@@ -104,15 +109,16 @@ class Reading:
         except (TypeError, ValueError):
             raise InputError("the proof's options cannot be read", hint="make it anew") from None
 
-    def read(
-        self, source: str | Path, *, progress: Callable[[str], None] | None = None
-    ) -> Assembly:
-        """The assembly of a file; what is to be fastened is left as it is."""
+    def read(self, source: Any, *, progress: Callable[[str], None] | None = None) -> Assembly:
+        """The assembly of a file or an object; what is to be fastened is left as it is."""
         if self.units is not None:
             metres_per_unit(self.units)
-        if not isinstance(source, str | os.PathLike) or not os.fspath(source):
+        if not isinstance(source, str | os.PathLike):
+            read = _Read(read_object(source, self._choices()))
+        elif not os.fspath(source):
             raise InputError(f"a file's path is {source!r:.60}", hint="give a path, or '-'")
-        read = _read(source, self, progress)
+        else:
+            read = _read(source, self, progress)
         assembly = _with_contacts(self, read.assembly)
         if self.density is not None:
             assembly = _with_density(assembly, self.density)
@@ -137,7 +143,7 @@ class Reading:
 
 
 def load(
-    source: str | Path,
+    source: Any,
     *,
     units: str | None = None,
     density: float | None = None,
@@ -149,16 +155,18 @@ def load(
     friction: float | None = None,
     contacts: str | None = None,
 ) -> Assembly:
-    """The assembly that a file, a folder, or standard input (``-``) describes.
+    """The assembly that a file, a folder, standard input (``-``) or an object describes.
 
     The options are those of every command, applied in the order `without`, `friction`,
     `down`, `ground`, `floor`.
 
     Parameters
     ----------
-    source : path
+    source : path or object
         A kilter file or COMPAS assembly (.json), a mesh file (.obj, .stl, .3mf, .glb), a
         STEP file (.step, .stp), a folder of them, or ``-`` for JSON on standard input.
+        Or an object: a trimesh Trimesh or Scene, a pair of arrays (vertices, faces), a
+        COMPAS Assembly, Block or Mesh; a list of such, or a dict of them by name.
     units : {"m", "cm", "mm", "in"}, optional
         For formats without units; metres where it is not given.
     density : float, optional
@@ -245,7 +253,9 @@ class _Read(NamedTuple):
     left_out: tuple[str, ...] = ()
 
 
-def _read(source: str | Path, reading: Reading, progress: Callable[[str], None] | None) -> _Read:
+def _read(
+    source: str | os.PathLike[str], reading: Reading, progress: Callable[[str], None] | None
+) -> _Read:
     if os.fspath(source) == STANDARD_INPUT:
         return _from_json(sys.stdin.buffer.read(), Path(), "standard input", reading)
     path, units = Path(source), reading.units

@@ -1,0 +1,38 @@
+"""Objects of COMPAS: assemblies of blocks, blocks and meshes, read as their files are.
+
+The library writes the object as it writes files, and that text is read.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from kilter.assembly import Assembly
+from kilter.errors import InputError
+from kilter.files.choices import Choices
+from kilter.files.compas import from_compas
+from kilter.files.strict_json import parse_json
+
+__all__ = ["read"]
+
+
+def read(value: Any, choices: Choices) -> Assembly:
+    """The assembly of a compas_assembly Assembly, Block, or compas Mesh.
+
+    Raises
+    ------
+    InputError
+        If it is neither.
+    """
+    import compas
+
+    text = compas.json_dumps(value)
+    try:
+        return from_compas(
+            parse_json(text.encode("utf-8")), units=choices.units, contacts=choices.contacts
+        )
+    except InputError as error:
+        if error.part is not None:
+            raise
+        hint = "give a compas_assembly Assembly or Block, or a compas Mesh (Mesh.from_shape)"
+        raise InputError(error.what, hint=hint) from None

@@ -1,0 +1,119 @@
+"""Objects of trimesh: meshes, scenes, primitives; and an assembly as a scene.
+
+The nodes of a scene are the parts, under their names. A box, cylinder or sphere of
+`trimesh.primitives` keeps its exact faces. trimesh keeps float64 whatever it has read: where
+every coordinate is a float32 number, that is taken for the accuracy of the mesh.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from kilter.arrays import Array
+from kilter.assembly import Assembly, Part
+from kilter.errors import InputError
+from kilter.files.choices import Choices
+from kilter.files.formats import agreed_units, assembly_of
+from kilter.files.naming import distinct, filled
+from kilter.files.placed import FileBodies, placed
+from kilter.rigid import Pose
+from kilter.shape.primitives import Box, Cylinder, Mesh, Shape, Sphere, surface
+
+__all__ = ["read", "scene_of"]
+
+_UNITS = {
+    **dict.fromkeys(("m", "meter", "meters", "metre", "metres"), "m"),
+    **dict.fromkeys(("cm", "centimeter", "centimeters", "centimetre"), "cm"),
+    **dict.fromkeys(("mm", "millimeter", "millimeters", "millimetre"), "mm"),
+    **dict.fromkeys(("in", "inch", "inches"), "in"),
+}
+_TAKEN = "give a trimesh.Trimesh or a trimesh.Scene of meshes"
+
+
+def read(value: Any, choices: Choices) -> Assembly:
+    """The assembly of a Trimesh or a Scene.
+
+    Raises
+    ------
+    InputError
+        If it is neither, holds no mesh, or is in other units than those asked for.
+    """
+    if hasattr(value, "geometry") and hasattr(value, "graph"):
+        rows = [
+            (str(node), value.geometry[name], np.asarray(place, dtype=np.float64))
+            for node in value.graph.nodes_geometry
+            for place, name in [value.graph[node]]
+        ]
+    elif hasattr(value, "vertices") and hasattr(value, "faces"):
+        rows = [(_name(value), value, np.eye(4))]
+    else:
+        raise InputError(f"a trimesh {type(value).__name__} is no solid", hint=_TAKEN)
+    solid = [row for row in rows if len(getattr(row[1], "faces", ()))]
+    if not solid:
+        raise InputError(f"a trimesh {type(value).__name__} without faces", hint=_TAKEN)
+    stated = _UNITS.get(str(value.units or "").lower())
+    notes = [f"passed over, no faces: {len(rows) - len(solid)}"] if len(solid) < len(rows) else []
+    shapes = [_shape(mesh, place) for _, mesh, place in solid]
+    if len(shapes) == 1 and isinstance(shapes[0][0], Mesh):
+        bodies = FileBodies((solid[0][0] or None,), (shapes[0][0],), units=stated)
+        return assembly_of(bodies, units=choices.units)
+    names = filled(distinct([name for name, _, _ in solid]), "part")
+    parts = [Part(name, shape, pose) for name, (shape, pose) in zip(names, shapes, strict=True)]
+    return Assembly(parts, units=agreed_units(stated, choices.units), notes=notes)
+
+
+def _name(mesh: Any) -> str:
+    return str(mesh.metadata.get("name") or "")
+
+
+def _shape(mesh: Any, place: Array) -> tuple[Shape, Pose]:
+    """The shape of a geometry, and where it is."""
+    exact = _primitive(mesh)
+    if exact is not None:
+        try:
+            return exact, Pose.of(place @ np.asarray(mesh.primitive.transform))
+        except InputError:  # scaled or mirrored in the scene: its triangles are
+            pass
+    corners = np.asarray(mesh.vertices, dtype=np.float64)
+    with np.errstate(over="ignore"):
+        single = corners.astype(np.float32)
+    found = Mesh(single if np.array_equal(single, corners) else corners, np.asarray(mesh.faces))
+    return placed(found, place), Pose()
+
+
+def _primitive(mesh: Any) -> Shape | None:
+    kinds = [kind.__name__ for kind in type(mesh).__mro__ if "primitives" in kind.__module__]
+    own: Any = getattr(mesh, "primitive", None)
+    if "Box" in kinds:
+        return Box(own.extents)
+    if "Cylinder" in kinds:
+        return Cylinder(float(own.radius), float(own.height))
+    if "Sphere" in kinds:
+        return Sphere(float(own.radius))
+    return None
+
+
+def scene_of(assembly: Assembly) -> Any:
+    """A `trimesh.Scene` with a node a part, under its name, in the units of the assembly.
+
+    Raises
+    ------
+    InputError
+        If trimesh is not installed.
+    """
+    try:
+        import trimesh
+    except ImportError:
+        raise InputError("trimesh is not installed", hint="pip install 'kilter[trimesh]'") from None
+    scene = trimesh.Scene()
+    for part in assembly.parts:
+        vertices, triangles = surface(part.shape)
+        place = np.eye(4)
+        place[:3, :3], place[:3, 3] = part.pose.matrix, part.pose.position
+        mesh = trimesh.Trimesh(vertices, triangles, process=False)
+        mesh.metadata["name"] = part.name
+        scene.add_geometry(mesh, node_name=part.name, geom_name=part.name, transform=place)
+    scene.units = assembly.units
+    return scene

@@ -1,0 +1,89 @@
+"""Objects of COMPAS: the same answer as through the file that COMPAS writes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+import kilter
+from kilter import InputError
+
+pytest.importorskip("compas")
+pytest.importorskip("compas_assembly")
+
+import compas
+from compas.datastructures import Mesh
+from compas.geometry import Box, Frame
+from compas_assembly.datastructures import Assembly, Block, Interface
+
+Agree = Callable[..., kilter.Assembly]
+
+
+def block(size: tuple[float, float, float], at: tuple[float, float, float], name: str = "") -> Any:
+    shape = Box(*size, frame=Frame(at, [1, 0, 0], [0, 1, 0]))
+    made = Block.from_shape(shape)
+    if name:
+        made.name = name
+    return made
+
+
+def assembled(*blocks: tuple[Any, bool]) -> Any:
+    made = Assembly()
+    for one, support in blocks:
+        made.add_block(one)
+        if support:
+            made.graph.node_attribute(list(made.graph.nodes())[-1], "is_support", True)
+    return made
+
+
+def write(value: Any) -> Callable[..., None]:
+    return lambda path: compas.json_dump(value, str(path))
+
+
+def test_a_tower_stands(agree: Agree) -> None:
+    made = assembled((block((1, 1, 1), (0, 0, 0)), True), (block((1, 1, 1), (0, 0, 1)), False))
+    assert agree(made, write(made), "tower.json", "stable").names == ("0", "1")
+
+
+@pytest.mark.parametrize(("reach", "verdict"), [(0.49, "stable"), (0.51, "unstable")])
+def test_a_block_tips_where_its_centre_passes_the_edge(
+    agree: Agree, reach: float, verdict: str
+) -> None:
+    made = assembled((block((1, 1, 1), (0, 0, 0)), True), (block((1, 1, 1), (reach, 0, 1)), False))
+    agree(made, write(made), "block.json", verdict)
+
+
+def test_blocks_keep_their_names_and_densities(agree: Agree) -> None:
+    low, high = block((1, 1, 1), (0, 0, 0), "low"), block((1, 1, 1), (0.2, 0, 1), "high")
+    high.attributes["density"] = 2400.0
+    made = assembled((low, True), (high, False))
+    found = agree(made, write(made), "named.json", "stable")
+    assert found.names == ("low", "high")
+    assert found["high"].density == 2400
+
+
+def test_one_block_stands_on_a_floor_and_a_list_of_meshes_is_named_apart(agree: Agree) -> None:
+    one = block((2, 1, 1), (0, 0, 0))
+    agree(one, write(one), "block.json", "stable", floor=True)
+    two = [Mesh.from_shape(Box(1)), Mesh.from_shape(Box(1).translated([0, 0, 1]))]
+    found = kilter.load(two, ground="Box")
+    assert found.names == ("Box", "Box_2")
+    assert kilter.check(found).stable
+
+
+def test_interfaces_are_the_contacts_where_that_is_asked() -> None:
+    made = assembled((block((1, 1, 1), (0, 0, 0)), True), (block((1, 1, 1), (0, 0, 1)), False))
+    points = [[-0.5, -0.5, 0.5], [0.5, -0.5, 0.5], [0.5, 0.5, 0.5], [-0.5, 0.5, 0.5]]
+    frame = Frame([0, 0, 0.5], [1, 0, 0], [0, 1, 0])
+    made.graph.add_edge(0, 1, interfaces=[Interface(size=1.0, points=points, frame=frame)])
+    found = kilter.load(made, contacts="file")
+    assert len(found.contacts) == 1
+    assert not found.detect
+    assert kilter.check(found).stable
+
+
+def test_a_shape_of_its_geometry_is_told_what_is_taken() -> None:
+    with pytest.raises(InputError, match=r"without blocks; give a compas_assembly Assembly or"):
+        kilter.load(Box(1))
