@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from kilter.arrays import Array
 from kilter.errors import InputError
 
-__all__ = ["finite", "frozen", "in_range", "number"]
+__all__ = ["LARGEST", "finite", "frozen", "in_range", "number"]
 
 LARGEST = 1e100
 """Numbers above this, or below its inverse, are taken for mistakes."""
@@ -30,7 +30,7 @@ def number(value: Any, what: str, *, lowest: float = -np.inf, above: bool = Fals
         raise InputError(f"{what} is {value!r}", hint=hint)
     try:
         result = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"{what} is {repr(value)[:80]}", hint=hint) from None
     if not np.isfinite(result) or result < lowest or (above and result == lowest):
         raise InputError(f"{what} is {result:g}", hint=hint)
@@ -72,7 +72,7 @@ def frozen(values: ArrayLike, shape: tuple[int, ...] | None = None, what: str = 
     name = f"{what}: " if what else ""
     try:
         array = np.array(values, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(
             f"{name}expected numbers, got {repr(values)[:80]}", hint="give a list of numbers"
         ) from None

@@ -9,13 +9,11 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from kilter.analysis.planning.hold_check import wrong_hold
-from kilter.analysis.planning.order_check import wrong_order
 from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance, contacts
 from kilter.contact.fits.fastening import fasten_as_read
@@ -186,8 +184,8 @@ def verify_bundle(assembly: Assembly, contacts: ContactSet, bundle: dict[str, An
     proof: dict[str, Any] = {}
     verdicts = []
     for about, proof in unbundled(bundle):
-        what = str(about.get("about"))
-        other, touching = changed(assembly, contacts, about.get("change"))
+        what = about["about"]
+        other, touching = changed(assembly, contacts, about["change"])
         found = verify_proof(other, touching, proof)
         wrong = [*found.reasons, *filter(None, [differs(about, proof)])]
         of = next((about[key] for key in ("part", "parts", "vector", "value") if key in about), "")
@@ -196,12 +194,10 @@ def verify_bundle(assembly: Assembly, contacts: ContactSet, bundle: dict[str, An
         residual += [] if found.residual is None else [found.residual]
         power += [] if found.power is None else [found.power]
         verdicts.append(proof["verdict"])
-    judges = {"plan": wrong_order, "hold": wrong_hold}
-    if bundle.get("kind") in judges:
-        reasons += judges[bundle["kind"]](assembly, contacts, bundle, verdicts)
+    reasons += _wrong_together(assembly, contacts, bundle, verdicts)
     return Verification(
         not reasons,
-        str(bundle.get("kind")),
+        bundle["kind"],
         tuple(reasons),
         max(residual, default=None),
         min(power, default=None),
@@ -212,6 +208,31 @@ def verify_bundle(assembly: Assembly, contacts: ContactSet, bundle: dict[str, An
         options=proof["options"],
         tolerance=proof["tolerance"],
     )
+
+
+def _wrong_together(
+    assembly: Assembly, contacts: ContactSet, bundle: Mapping[str, Any], verdicts: Sequence[str]
+) -> list[str]:
+    """Why proofs that hold one by one are together no plan, or no fixture.
+
+    Raises
+    ------
+    InputError
+        If what they say of themselves has not the form of one.
+    """
+    if bundle["kind"] == "plan":
+        from kilter.analysis.planning.order_check import wrong_order as judge
+    elif bundle["kind"] == "hold":
+        from kilter.analysis.planning.hold_check import wrong_hold as judge
+    else:
+        return []
+    try:
+        return list(judge(assembly, contacts, bundle, verdicts))
+    except (KeyError, IndexError, TypeError, ValueError, OverflowError, AttributeError) as error:
+        raise InputError(
+            f"the proof of a {bundle['kind']} is not of its form ({error})",
+            hint="make it anew with --proof",
+        ) from None
 
 
 def verify_proof(assembly: Assembly, contacts: ContactSet, proof: dict[str, Any]) -> Verification:

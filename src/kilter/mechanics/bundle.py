@@ -30,12 +30,16 @@ from kilter.contact.supports import Support, with_supports
 from kilter.errors import InputError
 from kilter.mechanics.mechanics_tolerances import FOLLOWS
 from kilter.mechanics.proof import digest_of
-from kilter.mechanics.proof_form import FORMAT, require_form
+from kilter.mechanics.proof_form import FORMAT, require_bundle_form, require_form
 
 __all__ = ["changed", "differs", "is_bundle", "make_bundle", "unbundled"]
 
 COMMON = ("kilter_proof", "units", "planar", "options", "tolerance", "parts", "points")
 """What all proofs of a file say alike."""
+
+
+LOAD = ("part", "force", "torque", "point")
+"""What a load is made of."""
 
 
 def make_bundle(
@@ -81,36 +85,37 @@ def unbundled(bundle: Any) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
     InputError
         If it has not the form of one.
     """
-    entries, common = bundle.get("proofs"), bundle.get("common")
-    if bundle["kilter_proofs"] != FORMAT or not isinstance(common, dict):
-        raise InputError("this is no file of kilter proofs", hint="make it anew with --proof")
-    if not isinstance(entries, list) or not entries:
-        raise InputError("the file has no proofs", hint="make it anew with --proof")
-    for entry in entries:
-        if not isinstance(entry, dict) or not isinstance(entry.get("proof"), dict):
-            raise InputError(f"a proof is {entry!r:.40}", hint="make it anew with --proof")
-        proof = {**common, **entry["proof"]}
+    require_bundle_form(bundle)
+    for entry in bundle["proofs"]:
+        proof = {**bundle["common"], **entry["proof"]}
         require_form(proof)
         yield {key: value for key, value in entry.items() if key != "proof"}, proof
 
 
-def changed(assembly: Assembly, contacts: ContactSet, change: Any) -> tuple[Assembly, ContactSet]:
+def changed(
+    assembly: Assembly, contacts: ContactSet, change: Mapping[str, Any]
+) -> tuple[Assembly, ContactSet]:
     """The assembly and its contacts as a proof speaks of them.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    contacts : ContactSet
+    change : mapping
+        Of the form that `unbundled` asks for.
 
     Raises
     ------
     InputError
         If the change makes no sense.
     """
-    if not isinstance(change, dict):
-        raise InputError(f"a change is {change!r:.40}", hint="make it anew with --proof")
     mu = change.get("mu")
     if change.get("down") is not None:
         assembly = assembly.with_down(change["down"])
     if mu is not None:
         contacts = contacts.with_friction(mu)
     if change.get("loads") is not None:
-        loads = [Load(**load) for load in change["loads"]]
+        loads = [Load(**{key: load[key] for key in LOAD}) for load in change["loads"]]
         assembly = dataclasses.replace(assembly, loads=loads)
     if change.get("without") or change.get("held"):
         if change.get("without"):
@@ -129,7 +134,7 @@ def differs(about: Mapping[str, Any], proof: Mapping[str, Any]) -> str:
     vector = about.get("vector")
     if vector is None:
         return ""
-    given = np.asarray(vector, dtype=float)
+    given = np.array(vector, dtype=float)
     if "forces" in proof:
         down = np.asarray(proof["down"])
         near = min(np.linalg.norm(down - given), np.linalg.norm(down + given))

@@ -1,7 +1,7 @@
-"""The form of a proof file: which keys it has, and of what kind each is.
+"""The form of a proof file, of one proof or several: which keys it has, and of what kind each is.
 
 What has this form can be recomputed without further questions: every key that is read is
-there, and every number is one.
+there, and every number is one, and so are its square and its product with another.
 """
 
 from __future__ import annotations
@@ -11,8 +11,9 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from kilter.errors import InputError
+from kilter.validate import LARGEST
 
-__all__ = ["FORMAT", "require_form"]
+__all__ = ["FORMAT", "require_bundle_form", "require_form"]
 
 FORMAT = 1
 
@@ -27,6 +28,11 @@ def _is(*kinds: type) -> Form:
         return "" if fits else f"{place} is {value!r:.40}"
 
     return fault
+
+
+def _number(value: Any, place: str) -> str:
+    fits = isinstance(value, float | int) and not isinstance(value, bool)
+    return "" if fits and abs(value) <= LARGEST else f"{place} is {value!r:.40}"
 
 
 def _list(form: Form, length: int | None = None) -> Form:
@@ -64,12 +70,32 @@ def _maybe(form: Form) -> Form:
     return lambda value, place: "" if value is None else form(value, place)
 
 
+def _each(*forms: Form) -> Form:
+    return lambda value, place: _first(form(value, place) for form in forms)
+
+
+def _if_there(**forms: Form) -> Form:
+    """Keys that may be missing, or null."""
+
+    def fault(value: Any, place: str) -> str:
+        known = value if isinstance(value, dict) else {}
+        there = {key: form for key, form in forms.items() if known.get(key) is not None}
+        return _keys(**there)(value, place)
+
+    return fault
+
+
+def _one_of(*words: str) -> Form:
+    return lambda value, place: "" if value in words else f"{place} is {value!r:.40}"
+
+
 def _first(faults: Iterable[str]) -> str:
     return next(filter(None, faults), "")
 
 
-NUMBER, WORD, FLAG, COUNT = _is(float, int), _is(str), _is(bool), _is(int)
+NUMBER, WORD, FLAG, COUNT = _number, _is(str), _is(bool), _is(int)
 VECTOR, SIX, PAIR = _list(NUMBER, 3), _list(NUMBER, 6), _list(WORD, 2)
+LOADS = _list(_keys(part=WORD, point=_maybe(VECTOR), force=VECTOR, torque=VECTOR))
 
 PROOF = _keys(
     verdict=WORD,
@@ -82,7 +108,7 @@ PROOF = _keys(
     tolerance=_keys(gap=_maybe(NUMBER), relative_gap=NUMBER, angle=NUMBER),
     parts=_list(_keys(name=WORD, grounded=FLAG, mass=NUMBER, center=VECTOR)),
     points=_list(_keys(parts=PAIR, x=VECTOR, normal=VECTOR, mu=NUMBER)),
-    loads=_list(_keys(part=WORD, point=_maybe(VECTOR), force=VECTOR, torque=VECTOR)),
+    loads=LOADS,
     joints=_list(_keys(parts=PAIR, kind=WORD, point=VECTOR, axis=_maybe(VECTOR))),
 )
 """What every proof has."""
@@ -124,6 +150,26 @@ FRICTION = _keys(
     ),
 )
 """What `friction` is, where the verdict rests on it."""
+CHANGE = _if_there(
+    down=VECTOR,
+    mu=NUMBER,
+    loads=LOADS,
+    without=_list(WORD),
+    held=_list(WORD),
+    supports=_list(_keys(kind=WORD, part=WORD)),
+)
+"""What of the file is another for one proof of several."""
+BUNDLE = _keys(
+    kind=_one_of("region", "margin", "plan", "hold"),
+    common=_keys(),
+    proofs=_list(
+        _each(
+            _keys(about=WORD, change=CHANGE, proof=_keys()),
+            _if_there(vector=VECTOR),
+        )
+    ),
+)
+"""What a file of several proofs has beside them."""
 
 
 def require_form(proof: Any) -> None:
@@ -155,6 +201,31 @@ def require_form(proof: Any) -> None:
     fault = PROOF(proof, "") or evidence(proof, "")
     if not fault and proof.get("friction") is not None:
         fault = FRICTION(proof["friction"], "friction")
+    if fault:
+        raise _unreadable(fault)
+
+
+def require_bundle_form(bundle: Any) -> None:
+    """Refuse what is no file of several proofs, whatever each of them is.
+
+    Raises
+    ------
+    InputError
+        Naming the first key that is missing or of another kind.
+
+    Examples
+    --------
+    >>> require_bundle_form({"kilter_proofs": 1, "kind": ["plan"]})
+    Traceback (most recent call last):
+    ...
+    kilter.errors.InputError: the proof cannot be read: kind is ['plan']; make it anew with ...
+    """
+    if not isinstance(bundle, dict) or bundle.get("kilter_proofs") != FORMAT:
+        raise InputError(
+            f"this is no file of kilter proofs of format {FORMAT}",
+            hint="make it anew with --proof",
+        )
+    fault = BUNDLE(bundle, "") or ("" if bundle["proofs"] else "it has no proofs")
     if fault:
         raise _unreadable(fault)
 

@@ -17,7 +17,6 @@ from kilter.analysis.planning.supported import shares_of
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.contact.supports import Support, with_supports
-from kilter.errors import InputError
 from kilter.mechanics.bundle import changed
 from kilter.mechanics.certificate import check_motion
 from kilter.mechanics.program import build_program
@@ -29,8 +28,10 @@ About = Mapping[str, Any]
 
 def wrong_hold(
     assembly: Assembly, contacts: ContactSet, bundle: About, verdicts: Sequence[str]
-) -> list[str]:
+) -> Iterator[str]:
     """Why the proofs of a fixture together do not show the fewest supports.
+
+    What is not of the form of a fixture ends as in `kilter.analysis.planning.order_check`.
 
     Parameters
     ----------
@@ -40,24 +41,7 @@ def wrong_hold(
         As `Fixture.proof` makes it.
     verdicts : sequence of str
         Of its proofs.
-
-    Raises
-    ------
-    InputError
-        If an entry has not the form of one.
     """
-    try:
-        return list(_reasons(assembly, contacts, bundle, verdicts))
-    except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
-        raise InputError(
-            f"the proof of a fixture is not of its form ({error})",
-            hint="make it anew with --proof",
-        ) from None
-
-
-def _reasons(
-    assembly: Assembly, contacts: ContactSet, bundle: About, verdicts: Sequence[str]
-) -> Iterator[str]:
     rules = bundle["rules"]
     candidates = [Support.from_dict(one) for one in rules["candidates"]]
     for one in candidates:

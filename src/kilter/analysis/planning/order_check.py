@@ -34,7 +34,7 @@ from kilter.analysis.planning.sweeps import Sweeps
 from kilter.analysis.planning.turning import OPPOSITE
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
-from kilter.errors import InputError, some_names
+from kilter.errors import some_names
 from kilter.rigid import unit
 
 __all__ = ["wrong_order"]
@@ -47,8 +47,11 @@ MORE = {"pressed": {"loads"}, "step": {"down"}, "turned": {"down"}}
 
 def wrong_order(
     assembly: Assembly, contacts: ContactSet, bundle: Mapping[str, Any], verdicts: Sequence[str]
-) -> list[str]:
+) -> Iterator[str]:
     """Why the proofs of a plan together are no order, or no impossibility.
+
+    What is not of the form of a plan ends in a `KeyError`, `IndexError`, `TypeError`,
+    `ValueError` or `AttributeError`: `kilter.analysis.verification` says what that is.
 
     Parameters
     ----------
@@ -58,23 +61,7 @@ def wrong_order(
         As `kilter.analysis.planning.order_proof` makes it.
     verdicts : sequence of str
         Of its proofs.
-
-    Raises
-    ------
-    InputError
-        If an entry has not the form of one.
     """
-    try:
-        return list(_reasons(assembly, contacts, bundle, verdicts))
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise InputError(
-            f"a step of the plan is not of its form ({error})", hint="make it anew with --proof"
-        ) from None
-
-
-def _reasons(
-    assembly: Assembly, contacts: ContactSet, bundle: Mapping[str, Any], verdicts: Sequence[str]
-) -> Iterator[str]:
     entries: dict[str, list[About]] = {kind: [] for kind in FALLS}
     for entry, verdict in zip(bundle["proofs"], verdicts, strict=True):
         kind, change = entry["about"], entry["change"]
