@@ -95,6 +95,22 @@ class Opened:
         return self.page.locator(".stage").screenshot()
 
 
+@pytest.fixture
+def without_webgl(chromium: Any) -> Iterator[Any]:
+    """An empty page in a browser that draws nothing in space; complaints fail the test."""
+    page = chromium.new_page()
+    faults: list[str] = []
+    page.on("pageerror", lambda error: faults.append(str(error)))
+    page.add_init_script(
+        "{ const own = HTMLCanvasElement.prototype.getContext;"
+        " HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {"
+        " return kind.startsWith('webgl') ? null : own.call(this, kind, ...rest); }; }"
+    )
+    yield page
+    assert not faults
+    page.close()
+
+
 @pytest.fixture(scope="session")
 def pages(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     """The page of a scene, written once."""

@@ -382,15 +382,8 @@ def test_the_policy_of_the_page_stops_what_is_put_into_it(chromium: Any, pages: 
     page.close()
 
 
-def test_without_webgl_the_words_and_the_ball_remain(chromium: Any, pages: Callable) -> None:
-    page = chromium.new_page()
-    faults: list[str] = []
-    page.on("pageerror", lambda error: faults.append(str(error)))
-    page.add_init_script(
-        "{ const own = HTMLCanvasElement.prototype.getContext;"
-        " HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {"
-        " return kind.startsWith('webgl') ? null : own.call(this, kind, ...rest); }; }"
-    )
+def test_without_webgl_the_words_and_the_ball_remain(without_webgl: Any, pages: Callable) -> None:
+    page = without_webgl
     page.goto(pages("corner-wedges").as_uri())
     assert "No picture" in page.inner_text("#no-picture")
     assert page.inner_text("#verdict") == "Stable"
@@ -398,8 +391,6 @@ def test_without_webgl_the_words_and_the_ball_remain(chromium: Any, pages: Calla
     for _ in range(20):
         page.keyboard.press("ArrowRight")
     assert page.inner_text("#verdict") == "Unstable"
-    assert not faults
-    page.close()
 
 
 def test_a_thousand_bricks_are_drawn_at_once_and_turn_smoothly(opened: Callable) -> None:

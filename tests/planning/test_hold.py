@@ -9,29 +9,25 @@ from typing import Any
 
 import numpy as np
 import pytest
+from read_proofs import Proof, proof_of, signed
 
 import kilter
 from kilter import Assembly, Fixture, InputError, Support
 from kilter.analysis.planning.covers import least_cover
 from kilter.analysis.verification import verify_bundle
 from kilter.cli import main
-from kilter.mechanics.proof import digest_of
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
 from kilter.scenes.pieces import block, floor
 from kilter.work import Work
 
-Proof = dict[str, Any]
-
 
 def rechecked(found: Fixture, change: Callable[[Proof], object] | None = None) -> str:
     """Why the proof, changed and signed anew, does not hold; empty where it does."""
-    proof = json.loads(json.dumps(found.proof(), allow_nan=False))
+    proof = proof_of(found)
     if change is not None:
         change(proof)
-        for entry in proof["proofs"]:
-            entry["proof"]["digest"] = digest_of({**proof["common"], **entry["proof"]})
-        proof["digest"] = digest_of(proof)
+        signed(proof)
     given = found.supported
     answer = verify_bundle(given.assembly, kilter.contacts(given.assembly), proof)
     assert answer.holds == (not answer.reasons)

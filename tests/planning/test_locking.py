@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import json
-from typing import Any
-
 import numpy as np
 import pytest
+from read_proofs import proof_of, reasons
 from scipy.optimize import linprog
 
 import kilter
@@ -14,7 +12,6 @@ from kilter import Assembly, Part
 from kilter.analysis.planning.locking import find_locked, multipliers_of, opening, shuts
 from kilter.analysis.planning.removal import Removal
 from kilter.analysis.planning.states import states
-from kilter.analysis.verification import verify_bundle
 from kilter.scenes import scene
 from kilter.scenes.pieces import block, cells, floor, turned_parts
 
@@ -28,16 +25,6 @@ def boxed(*, above: float = 1.0) -> Assembly:
     ]  # fmt: skip
     held = [Part(p.name, p.shape, p.pose, grounded=True) for p in walls]
     return Assembly([*held, block("inside", [0, 0, 0], [1, 1, 1])])
-
-
-def proof_of(order: kilter.Order) -> dict[str, Any]:
-    proof: dict[str, Any] = json.loads(json.dumps(order.proof(), allow_nan=False))
-    return proof
-
-
-def reasons(order: kilter.Order, proof: dict[str, Any]) -> str:
-    made = order.states
-    return "; ".join(verify_bundle(made.assembly, made.contacts, proof).reasons)
 
 
 @pytest.mark.parametrize("name", ["closed-frame", "boxed"])

@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-import json
-
 import numpy as np
 import pytest
 from interlocked import hooked
+from read_proofs import proof_of, reasons
 
 import kilter
 from kilter import Assembly, InputError, Order, Part
 from kilter.analysis.planning.part_sets import bits_of
 from kilter.analysis.planning.removal import Removal
 from kilter.analysis.planning.together import blocked_together, units_of_groups
-from kilter.analysis.verification import verify_bundle
 from kilter.scenes import scene
 from kilter.scenes.pieces import block, floor
 
 
 def rechecked(order: Order) -> None:
-    proof = json.loads(json.dumps(order.proof(), allow_nan=False))
-    answer = verify_bundle(order.states.assembly, order.states.contacts, proof)
-    assert answer.holds, answer.reasons
+    assert not reasons(order, proof_of(order))
 
 
 def test_two_that_leave_only_as_one() -> None:

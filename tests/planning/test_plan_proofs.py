@@ -12,19 +12,16 @@ import sys
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import pytest
+from read_proofs import Proof, proof_of, reasons, signed
 
 import kilter
 from kilter import Assembly, Cylinder, InputError, Order, Part, Pose
-from kilter.analysis.verification import verify_bundle
-from kilter.mechanics.proof import digest_of
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
 from kilter.scenes.pieces import block, floor, tube
 
-Proof = dict[str, Any]
 Change = Callable[[Proof], object]
 
 
@@ -52,18 +49,12 @@ def planned(name: str) -> Order:
     return made[name]()
 
 
-def judged(name: str, change: Change, *, signed: bool = True) -> str:
+def judged(name: str, change: Change, *, anew: bool = True) -> str:
     """Why the proof of a plan does not hold once it is changed; empty where it holds."""
     order = planned(name)
-    proof = json.loads(json.dumps(order.proof(), allow_nan=False))
+    proof = proof_of(order)
     change(proof)
-    for entry in proof["proofs"] if signed else ():
-        entry["proof"]["digest"] = digest_of({**proof["common"], **entry["proof"]})
-    if signed:
-        proof["digest"] = digest_of(proof)
-    answer = verify_bundle(order.states.assembly, order.states.contacts, proof)
-    assert answer.holds == (not answer.reasons)
-    return "; ".join(answer.reasons)
+    return reasons(order, signed(proof) if anew else proof)
 
 
 def entries(proof: Proof, about: str) -> list[Proof]:
@@ -207,7 +198,7 @@ def test_a_number_that_is_changed_without_a_signature_is_refused() -> None:
         entries(proof, "step")[0]["legs"] = [[[0.0, 0.6, 0.8], None]]
 
     assert judged("tower", change) == ""
-    assert "digest does not fit" in judged("tower", change, signed=False)
+    assert "digest does not fit" in judged("tower", change, anew=False)
 
 
 def test_neither_an_order_nor_an_impossibility_proves_nothing() -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 import math
 from functools import cache
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from read_proofs import proof_of, reasons
 
 import kilter
 from kilter import Assembly, InputError, Order, Part, Pose
@@ -28,18 +28,11 @@ DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
 
 def rechecked(order: Order) -> dict[str, Any]:
     """The proof of a plan, through JSON, judged again without any solver."""
-    proof = json.loads(json.dumps(order.proof(), allow_nan=False))
+    proof = proof_of(order)
     assembly = order.states.assembly
     answer = verify_bundle(assembly, kilter.contacts(assembly), proof)
     assert answer.holds, answer.reasons
     return proof
-
-
-def reasons(order: Order, proof: dict[str, Any]) -> str:
-    """Why a proof does not hold."""
-    answer = verify_bundle(order.states.assembly, order.states.contacts, proof)
-    assert not answer.holds
-    return "; ".join(answer.reasons)
 
 
 @pytest.mark.parametrize(

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import json
-from typing import Any
-
 import numpy as np
 import pytest
+from read_proofs import proof_of, reasons
 
 import kilter
 from kilter import Assembly, InputError
-from kilter.analysis.verification import verify_bundle
 from kilter.scenes import scene
 from kilter.scenes.pieces import block
 
@@ -33,16 +30,6 @@ def tipping() -> float:
     """The force on the weight at which the plank tips about the edge [N]."""
     g = float(np.linalg.norm(plank().gravity))
     return (10.0 * g * 1.0) / (OUT - 1.0) - 1.0 * g
-
-
-def proof_of(order: kilter.Order) -> dict[str, Any]:
-    proof: dict[str, Any] = json.loads(json.dumps(order.proof(), allow_nan=False))
-    return proof
-
-
-def reasons(order: kilter.Order, proof: dict[str, Any]) -> str:
-    made = order.states
-    return "; ".join(verify_bundle(made.assembly, made.contacts, proof).reasons)
 
 
 @pytest.mark.parametrize("share", [0.99, 1.01])

@@ -2,47 +2,20 @@
 
 from __future__ import annotations
 
-import json
-from typing import Any
-
 import numpy as np
 import pytest
+from read_proofs import proof_of, reasons
+from slopes import leaning
 
 import kilter
 from kilter import Assembly, InputError
 from kilter.analysis.planning.states import states
 from kilter.analysis.planning.turning import common_down
-from kilter.analysis.verification import verify_bundle
 from kilter.scenes import scene
 from kilter.scenes.pieces import block
 
 FIRST = [("A", "B")]
 """What leans comes before what it leans on."""
-
-
-def leaning(degrees: float, friction: float = 0.0) -> Assembly:
-    """On a bed, A leans on B and B on a stop, as gravity leans by an angle towards the stop."""
-    angle = np.radians(degrees)
-    return Assembly(
-        [
-            block("bed", [-3, -2, -1], [6, 3, 0], grounded=True),
-            block("stop", [2, 0, 0], [3, 1, 1], grounded=True),
-            block("A", [0, 0, 0], [1, 1, 1]),
-            block("B", [1, 0, 0], [2, 1, 1]),
-        ],
-        gravity=9.81 * np.array([np.sin(angle), 0.0, -np.cos(angle)]),
-        friction=friction,
-    )
-
-
-def proof_of(order: kilter.Order) -> dict[str, Any]:
-    proof: dict[str, Any] = json.loads(json.dumps(order.proof(), allow_nan=False))
-    return proof
-
-
-def reasons(order: kilter.Order, proof: dict[str, Any]) -> str:
-    made = order.states
-    return "; ".join(verify_bundle(made.assembly, made.contacts, proof).reasons)
 
 
 def test_turned_once_where_it_would_slide() -> None:
