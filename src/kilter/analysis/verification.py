@@ -14,6 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from kilter.analysis.planning.hold_check import wrong_hold
+from kilter.analysis.planning.order_check import wrong_order
 from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance, contacts
 from kilter.contact.fits.fastening import fasten_as_read
@@ -210,6 +212,10 @@ def verify_bundle(assembly: Assembly, contacts: ContactSet, bundle: dict[str, An
     )
 
 
+JUDGES = {"plan": wrong_order, "hold": wrong_hold}
+"""Why proofs that hold one by one are together none of these."""
+
+
 def _wrong_together(
     assembly: Assembly, contacts: ContactSet, bundle: Mapping[str, Any], verdicts: Sequence[str]
 ) -> list[str]:
@@ -220,11 +226,8 @@ def _wrong_together(
     InputError
         If what they say of themselves has not the form of one.
     """
-    if bundle["kind"] == "plan":
-        from kilter.analysis.planning.order_check import wrong_order as judge
-    elif bundle["kind"] == "hold":
-        from kilter.analysis.planning.hold_check import wrong_hold as judge
-    else:
+    judge = JUDGES.get(bundle["kind"])
+    if judge is None:
         return []
     try:
         return list(judge(assembly, contacts, bundle, verdicts))
