@@ -31,6 +31,8 @@ WAIT = 20 * LIMIT
 RANDOM, EDGE = 200, 20
 NEAR = 1e-6
 """How far on either side of a boundary it is asked [rad], and of a least friction [-]."""
+BALANCED = 1e-12
+"""What forces of a least friction may leave, so that no more is needed [-]."""
 
 Answered = Callable[[str, int, int], Any]
 """Parts of the row of a case, one after another: of a family, a seed, so many directions."""
@@ -209,7 +211,6 @@ def margins_wrong(program: Any, margin: Any, turned: Any, region: Any) -> list[s
     import numpy as np
 
     from kilter.analysis.judge import judge
-    from kilter.mechanics.rows import CONTACT
 
     wrong = []
     gap = np.radians(region.gap_deg or 0.0) + 1e-7
@@ -240,12 +241,7 @@ def margins_wrong(program: Any, margin: Any, turned: Any, region: Any) -> list[s
             if outer - inner > 2 * gap + 1e-6:
                 wrong.append(f"facets {np.degrees(outer - inner)} deg apart, gap {region.gap_deg}")
     if margin.friction is not None and margin.friction.value > 0:
-        mu = margin.friction.value
-        for factor, held in ((1 - NEAR, False), (1 + NEAR, True)):
-            even = np.where(program.kind == CONTACT, mu * factor, 0.0)
-            judged = judge(program.with_rows(mu=even)).stable
-            if judged is not None and judged is not held:
-                wrong.append(f"friction {mu} x {factor}: judged {judged}")
+        wrong += friction_wrong(program, margin.friction)
     if turned.verdict == "found" and turned.tilt_margin_deg is not None:
         half = region.half_angle_deg
         if half is not None and 0 < half < 90 and region.dimension == 3:
@@ -254,6 +250,38 @@ def margins_wrong(program: Any, margin: Any, turned: Any, region: Any) -> list[s
                 wrong.append(f"orient {turned.tilt_margin_deg}, half angle {half}")
     if (turned.verdict == "found") != (region.kind != "none") and turned.verdict != "undecided":
         wrong.append(f"orient {turned.verdict}, region {region.kind}")
+    return wrong
+
+
+def friction_wrong(program: Any, found: Any) -> list[str]:
+    """What there is against a least friction: at its two sides, and of how far they are apart.
+
+    The sides may be farther apart than `NEAR` only where no motion tells them nearer: four times
+    as near to the limit none is found.
+    """
+    import numpy as np
+
+    from kilter.analysis.judge import judge
+    from kilter.mechanics.certificate import check_forces
+    from kilter.mechanics.rows import CONTACT
+
+    def even(mu: float) -> Any:
+        return program.with_rows(mu=np.where(program.kind == CONTACT, mu, 0.0))
+
+    wrong = []
+    near = found.value * (1 - NEAR)
+    for mu, held in ((min(near, found.lower), False), (found.value * (1 + NEAR), True)):
+        judged = judge(even(mu)).stable
+        if judged is not None and judged is not held:
+            wrong.append(f"friction {found.value} at {mu}: judged {judged}")
+    if not program.doubt.any():
+        above = even(found.value * (1 + NEAR))
+        rest = check_forces(above, found.forces.forces, found.forces.friction).residual
+        if rest > BALANCED:
+            wrong.append(f"friction {found.value}: its forces leave {rest}")
+    nearer = 0.75 * found.value + 0.25 * found.lower
+    if found.lower < near and judge(even(nearer)).stable is False:
+        wrong.append(f"friction {found.value}: its lower side {found.lower} is too far off")
     return wrong
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 from margins import program_of
@@ -10,9 +12,13 @@ from kilter.analysis.cohesion import find_cohesion
 from kilter.analysis.judge import judge
 from kilter.analysis.margins.least_friction import find_least_friction
 from kilter.analysis.margins.squeeze import held_by_squeeze, squeeze
+from kilter.assembly import Assembly, GivenContact
 from kilter.mechanics.certificate import check_forces, check_motion
 from kilter.mechanics.coulomb_cones import spread
+from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.scenes import friction, scene, stacks
+from kilter.scenes.pieces import block, floor
+from kilter.scenes.random_turned import random_turned
 
 FEW = 40
 """Programs that are enough; bisection of undecided ones took minutes for each of some."""
@@ -44,6 +50,65 @@ def test_a_wall_over_an_opening_needs_a_fifth():
         cohesion = find_cohesion(spread(program))
         assert (cohesion.value < 0) is holds
         assert check_forces(program, cohesion.forces, cohesion.friction).holds is holds
+
+
+def sides_wrong(program, found, least):
+    """What is wrong of a least friction of a closed form, and of verdicts on either side of it."""
+    wrong = [] if found.lower < least <= found.value * (1 + 1e-15) else ["the truth lies outside"]
+    if found.value > least * (1 + 1e-7) + TOLERANCE / 10:
+        wrong.append(f"{found.value / least - 1} too much")
+    if found.forces.residual > 1e-12:
+        wrong.append(f"forces leave {found.forces.residual}")
+    for mu, holds in ((found.lower, False), (found.value, True)):
+        if judge(program.with_friction(mu)).stable is not holds:
+            wrong.append(f"the verdict at {mu}")
+    return wrong
+
+
+@pytest.mark.parametrize("tangent", [1e-2, 1e-4, 1e-5, 3e-6])
+def test_the_truth_lies_within_however_tiny_the_coefficient(tangent):
+    """A slope: what a certificate lets forces leave is 1e-9 of the weight, 1e-4 of the last."""
+    slope = program_of(stacks.block_on_slope(float(np.degrees(np.arctan(tangent)))))
+    found = find_least_friction(slope)
+    assert sides_wrong(slope, found, tangent) == []
+    assert found.value - found.lower < 4 * TOLERANCE + 1e-7 * tangent
+    off = dataclasses.replace(found, value=found.value * (1 - 2 * TOLERANCE / tangent - 2e-7))
+    assert "the truth lies outside" in sides_wrong(slope, off, tangent)
+
+
+def test_a_block_between_leaning_plates_that_slides_along_them():
+    """Normals carry it, friction what gravity has along the trough; it leans, so that they grow."""
+    program = program_of(random_turned("wedge", 72))
+    across, _, up = np.abs(program.normal[0])
+    _, along, down = np.abs(program.down)
+    least = up * along / np.hypot(down, across * along)
+    assert least < 1e-4
+    assert sides_wrong(program, find_least_friction(program), least) == []
+
+
+def test_both_sides_of_a_tiny_coefficient_of_three_wedges():
+    """No closed form: forces that balance to rounding, a motion, and what the cohesion says."""
+    program = program_of(random_turned("wedge", 60))
+    found = find_least_friction(program)
+    assert found.value < 1e-3
+    assert check_forces(program.with_friction(found.value), found.forces.forces,
+                        found.forces.friction).residual < 1e-12  # fmt: skip
+    assert check_motion(program.with_friction(found.lower), found.mechanism.motion).holds
+    above = find_cohesion(spread(program.with_friction(found.value * (1 + 1e-6))))
+    below = find_cohesion(spread(program.with_friction(found.value * (1 - 1e-6))))
+    assert above.value < 0 < below.value
+    assert find_cohesion(spread(program.with_friction(found.lower))).value < 2 * TOLERANCE
+
+
+def test_data_that_no_forces_balance_to_rounding_are_held_as_far_as_a_certificate_lets_them():
+    """One point under a block, a little beside its centre: a torque is left, whatever forces do."""
+    lean = np.array([np.sin(0.1), 0.0, np.cos(0.1)])
+    point = GivenContact(("floor", "block"), [[3e-10, 0.0, 0.0]], lean)
+    parts = [floor([-1, -1], [1, 1]), block("block", [-0.5, -0.5, 0.0], [0.5, 0.5, 1.0])]
+    found = find_least_friction(program_of(Assembly(parts, contacts=[point], detect=False)))
+    assert found.value == pytest.approx(np.tan(0.1), rel=1e-6)
+    assert 1e-10 < found.forces.residual <= TOLERANCE
+    assert found.forces.holds
 
 
 @pytest.mark.parametrize("degrees", [5.0, 20.0, 40.0])

@@ -33,6 +33,7 @@ __all__ = [
     "LIMIT_AGREES",
     "MOVES",
     "MU_AGREES",
+    "MU_BALANCED",
     "MU_CLOSE",
     "MU_NOTHING",
     "MU_SQUEEZED",
@@ -143,6 +144,8 @@ TILT_AGREES = 1e-9
 """Least tangents of a tilt from inside and outside differ by this fraction at most [-]."""
 MU_AGREES = 1e-8
 """Least friction from both sides differs by this fraction at most [-]."""
+MU_BALANCED = 1e-12
+"""Imbalance, as a certificate has it, that forces of a least friction leave: rounding [-]."""
 MU_CLOSE = 1e-6
 """So near, a coefficient that cannot be decided ends the search [-]."""
 PUSH_AGREES = 1e-6

@@ -83,7 +83,11 @@ def _least_friction(answer: Answer) -> str:
             if attained
             else "any mu above 0 holds, since parts are clamped between others"
         )
-    return f"mu >= {number(least)}, the same at every contact"
+    lower = answer["friction_limit"]["lower"]
+    words = f"mu >= {number(least)}, the same at every contact"
+    if least - lower > 1e-6 * least:
+        words += f" ({number(lower)} is proved not to be enough)"
+    return words
 
 
 def _bracket(greatest: Sequence[float | None] | None) -> str:

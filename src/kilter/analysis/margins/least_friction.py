@@ -1,11 +1,12 @@
 """The least friction coefficient, the same at every contact, with which forces hold it.
 
 Equilibrium with mu implies equilibrium with more, so the least one is enclosed from both sides:
-forces in the cones of `upper`, a motion in the dual cones of `lower`; forces found also say
-how much friction they use. The least cohesion (`kilter.analysis.cohesion`) gives both, and by its
-slope where to ask next, so that a dozen conic programs do. Where the least is approached but not
-attained (a block squeezed between two walls), it is zero, with forces that grow without bound
-(`kilter.analysis.margins.squeeze`).
+forces in the cones of `upper`, a motion in the dual cones of `lower`. Forces say how much
+friction they use, once they balance to rounding (`kilter.mechanics.balanced_forces`): what a
+certificate lets them leave, 1e-9 of the weights, is much of a tiny coefficient. The least
+cohesion (`kilter.analysis.cohesion`) gives both, and by its slope where to ask next, so that a
+dozen conic programs do. Where the least is approached but not attained (a block squeezed between
+two walls), it is zero, with forces that grow without bound (`kilter.analysis.margins.squeeze`).
 """
 
 from __future__ import annotations
@@ -21,11 +22,14 @@ from kilter.analysis.margins.load_limit import NoLimit, starting
 from kilter.analysis.margins.squeeze import held_by_squeeze
 from kilter.analysis.turning_tolerances import (
     MU_AGREES,
+    MU_BALANCED,
     MU_CLOSE,
     MU_NOTHING,
 )
+from kilter.mechanics.balanced_forces import balanced_forces
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
-from kilter.mechanics.coulomb_cones import spread
+from kilter.mechanics.coulomb_cones import Spread, spread
+from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
@@ -48,14 +52,16 @@ UNDECIDED = 3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LeastFriction:
-    """The least mu that holds, enclosed.
+    """The least mu that holds, enclosed: it lies above `lower`, and is at most `value`.
 
     Attributes
     ----------
     value : float
-        The least coefficient that is proved to hold [-]; 0 where none is needed.
+        The least coefficient that is proved to hold [-], by forces that balance to rounding
+        where the data are that good; 0 where none is needed.
     lower : float
-        A coefficient that is proved not to hold [-].
+        A coefficient that is proved not to hold [-]: no nearer than a motion can gain 1e-9 of
+        the weights, which of a tiny coefficient may be seen.
     attained : bool
         False where every mu above zero holds, but zero does not.
     forces : ForceProof
@@ -135,12 +141,17 @@ class _Sides:
         self.forces: ForceProof | None = None
         self.programs = 4
         self._open: tuple[float, float] | None = None
-        self._root, self._off = np.nan, np.inf
+        self._root, self._off, self._slope = np.nan, np.inf, np.inf
         self._opening: Opening | None = None
 
     def near(self, agree: float) -> bool:
-        """Whether both sides agree."""
-        return self.upper - self.lower <= agree * self.upper
+        """Whether both sides agree: to this fraction, or as far as a motion can tell."""
+        return self.upper - self.lower <= self._apart(agree)
+
+    def _apart(self, agree: float) -> float:
+        """How far apart both sides may stay [-]: beside the limit motions gain too little."""
+        unseen = TOLERANCE / self._slope if self._slope > 0.0 else np.inf
+        return max(agree * self.upper, unseen if self._off <= unseen < np.inf else 0.0)
 
     def narrow(self, *, surely: bool) -> None:
         """Ask of one coefficient after another until both sides, or both and what is open, agree.
@@ -152,7 +163,9 @@ class _Sides:
         for _ in range(STEPS):
             low, high = self._open or (self.upper, self.upper)
             left = max(self.upper - high, low - self.lower)
-            if self.near(MU_AGREES) or left <= MU_AGREES * self.upper or undecided > UNDECIDED:
+            if min(self.upper - self.lower, left) <= self._apart(MU_AGREES):
+                return
+            if undecided > UNDECIDED:
                 return
             middle = self._next(by_root=left <= 0.5 * widths[-PATIENT])
             widths.append(left)
@@ -161,11 +174,12 @@ class _Sides:
 
     def _next(self, *, by_root: bool) -> float:
         """The coefficient that is asked of next."""
-        least = MU_AGREES / 3 * self.upper
+        least = self._apart(MU_AGREES) / 3
         if self._open is not None:  # out of what is open, twice as far each time
             low, high = self._open
-            wide = max(high - low, least)
-            if self.upper - high > low - self.lower:
+            above, below = self.upper - high, low - self.lower
+            wide = max(high - low, ASIDE * max(above, below), least)
+            if above > below:
                 return min(high + wide, _between(high, self.upper))
             return max(low - wide, _between(self.lower, low))
         aside = max(ASIDE * self._off, least)
@@ -178,35 +192,37 @@ class _Sides:
     def ask(self, mu: float, *, surely: bool) -> bool:
         """Whether it could be decided of a coefficient, and what follows."""
         program = self.program.with_friction(mu)
-        forces, motion = self._by_cohesion(program, mu)
+        wide = spread(program)
+        forces, motion = self._by_cohesion(wide, mu)
         if forces is None and motion is None and surely:
             judged = judge(program)
             forces = judged.forces if judged.stable else None
             motion = judged.motion if judged.stable is False else None
         self.programs += 1
+        decided = motion is not None
         if forces is not None:
-            self.upper, self.forces = min(mu, _used(program, forces)), forces
-            self.lower = min(self.lower, self.upper)  # forces of a million weights are both
+            used, forces = _used(wide, forces)
+            decided = used <= mu * (1 + MU_BALANCED)
+            if self.forces is None or used < self.upper:
+                self.upper, self.forces = used, forces
+                self.lower = min(self.lower, self.upper)  # forces of a million weights are both
         elif motion is not None:
             self.lower, self.motion = mu, motion
-        else:
+        if not decided:
             low, high = self._open or (mu, mu)
             self._open = min(low, mu), max(high, mu)
         if self._open is not None:
-            low, high = self._open
-            self._open = min(max(low, self.lower), self.upper), min(high, self.upper)
-        return forces is not None or motion is not None
+            low, high = max(self._open[0], self.lower), min(self._open[1], self.upper)
+            self._open = (low, high) if low <= high else None
+        return decided
 
-    def _by_cohesion(
-        self, program: Program, mu: float
-    ) -> tuple[ForceProof | None, MotionProof | None]:
+    def _by_cohesion(self, wide: Spread, mu: float) -> tuple[ForceProof | None, MotionProof | None]:
         """One of the two proofs, as far as the least cohesion gives it."""
-        wide = spread(program)
-        found = find_cohesion(wide)
+        program, found = wide.program, find_cohesion(wide)
         if found is None:
             return None, None
         if abs(found.rise) < self._off:
-            self._root, self._off = mu + found.rise, abs(found.rise)
+            self._root, self._off, self._slope = mu + found.rise, abs(found.rise), found.slope
         forces = check_forces(program, found.forces, found.friction)
         if forces.holds or found.value <= 0.0:
             return (forces if forces.holds else None), None
@@ -231,8 +247,23 @@ def _sticks(program: Program) -> bool | None:
     return judge(wide.with_rows(two_sided=wide.two_sided | across)).stable
 
 
-def _used(program: Program, proof: ForceProof) -> float:
-    """The friction that forces use: the greatest |f_t| / f_n, and what their normals may be off."""
+def _used(wide: Spread, proof: ForceProof) -> tuple[float, ForceProof]:
+    """The friction that forces use once they balance to rounding, and those forces.
+
+    Of data so coarse that none balance so well, as they are: they hold as far as the data do.
+    """
+    program = wide.program
+    sticks = program.with_friction(LARGEST)
+    nearer = check_forces(sticks, *balanced_forces(wide, proof.forces, proof.friction))
+    used = _greatest(program, nearer)
+    exact = check_forces(program.with_friction(used), nearer.forces, nearer.friction)
+    if exact.holds and exact.residual <= MU_BALANCED:
+        return used, exact
+    return _greatest(program, proof), proof
+
+
+def _greatest(program: Program, proof: ForceProof) -> float:
+    """The greatest |f_t| / f_n, and what their normals may be off."""
     rows = np.flatnonzero(program.kind == CONTACT)
     along, across = proof.forces[rows], np.linalg.norm(proof.friction[rows], axis=1)
     doubt = program.doubt[rows]

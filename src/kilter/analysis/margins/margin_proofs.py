@@ -56,10 +56,12 @@ class KnownLimits(Protocol):
 def margin_proofs(found: KnownLimits, *, options: dict[str, Any]) -> list[About]:
     """Proofs of tilt, least friction, greatest load factor and pushes, as far as they are known."""
     proofs = []
-    for what, value, change, upwards, motion in _limits(found):
+    for what, (within, beyond), change, upwards, motion in _limits(found):
+        steps = AROUND_LIMIT if within == beyond else (0.0, *AROUND_LIMIT)
         for held in (True, False):
             sign = -1.0 if held == upwards else 1.0
-            for step in AROUND_LIMIT:
+            value = within if held else beyond
+            for step in steps:
                 at = value + sign * step * max(abs(value), 1.0)
                 if at < 0 and what == "friction":
                     break
@@ -71,26 +73,34 @@ def margin_proofs(found: KnownLimits, *, options: dict[str, Any]) -> list[About]
     return proofs
 
 
-def _limits(found: KnownLimits) -> Iterator[tuple[str, float, Change, bool, MotionProof | None]]:
-    """Name, value, the change at a value, whether more is beyond, and the motion there."""
+def _limits(
+    found: KnownLimits,
+) -> Iterator[tuple[str, tuple[float, float], Change, bool, MotionProof | None]]:
+    """Name, sides, the change at a value, whether more is beyond, and the motion there.
+
+    The sides are what is held and what is not, where both are proved there, else one value.
+    """
     tilt, friction, factor = found.tilt, found.friction, found.load_factor
     if tilt is not None and tilt.limit.mechanism is not None:
         down = found.program.down
         aside = tilt.down - (tilt.down @ down) * down
         if np.linalg.norm(aside) > 0:
             aside = aside / np.linalg.norm(aside)
-            yield "tilt", tilt.angle, _turned(down, aside), True, tilt.limit.mechanism
+            sides = tilt.angle, tilt.angle
+            yield "tilt", sides, _turned(down, aside), True, tilt.limit.mechanism
     if friction is not None and friction.value > 0 and friction.attained:
-        yield "friction", friction.value, lambda mu: {"mu": mu}, False, friction.mechanism
+        sides = friction.value, friction.lower
+        yield "friction", sides, lambda mu: {"mu": mu}, False, friction.mechanism
     if factor is not None and factor[1] is not None and np.isfinite(factor[1].value):
         greatest = factor[1]
-        yield "load factor", greatest.value, _loaded(found), True, greatest.mechanism
+        sides = greatest.value, greatest.value
+        yield "load factor", sides, _loaded(found), True, greatest.mechanism
     for push in found.pushes:
         if np.isfinite(push.force):
             weight = float(found.program.weight[found.program.free].sum())
             pushed = _pushed(found.assembly, push.part, push.direction * weight)
-            name = f"push of {push.part}"
-            yield name, push.force / weight, pushed, True, push.limit.mechanism
+            sides = push.force / weight, push.force / weight
+            yield f"push of {push.part}", sides, pushed, True, push.limit.mechanism
 
 
 def _turned(down: Array, aside: Array) -> Change:
