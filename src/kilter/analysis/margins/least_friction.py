@@ -200,14 +200,14 @@ class _Sides:
             motion = judged.motion if judged.stable is False else None
         self.programs += 1
         decided = motion is not None
+        if motion is not None:
+            self.lower, self.motion = max(mu, self.lower), motion
         if forces is not None:
             used, forces = _used(wide, forces)
-            decided = used <= mu * (1 + MU_BALANCED)
+            decided |= used <= mu * (1 + MU_BALANCED)
             if self.forces is None or used < self.upper:
                 self.upper, self.forces = used, forces
-                self.lower = min(self.lower, self.upper)  # forces of a million weights are both
-        elif motion is not None:
-            self.lower, self.motion = mu, motion
+        self.lower = min(self.lower, self.upper)  # forces of a million weights are both
         if not decided:
             low, high = self._open or (mu, mu)
             self._open = min(low, mu), max(high, mu)
@@ -217,20 +217,21 @@ class _Sides:
         return decided
 
     def _by_cohesion(self, wide: Spread, mu: float) -> tuple[ForceProof | None, MotionProof | None]:
-        """One of the two proofs, as far as the least cohesion gives it."""
+        """The two proofs, as far as the least cohesion gives them: beside the limit even both."""
         program, found = wide.program, find_cohesion(wide)
         if found is None:
             return None, None
         if abs(found.rise) < self._off:
             self._root, self._off, self._slope = mu + found.rise, abs(found.rise), found.slope
-        forces = check_forces(program, found.forces, found.friction)
-        if forces.holds or found.value <= 0.0:
-            return (forces if forces.holds else None), None
+        balanced = check_forces(program, found.forces, found.friction)
+        forces = balanced if balanced.holds else None
+        if found.value <= 0.0:
+            return forces, None
         motion = check_motion(program, found.motion)
         if not motion.holds:
             self._opening = self._opening or Opening(spread(self.program.with_friction(self.upper)))
             motion = check_motion(program, self._opening.narrowed(wide).mended(found.motion))
-        return None, (motion if motion.holds else None)
+        return forces, (motion if motion.holds else None)
 
 
 def _between(low: float, high: float) -> float:
