@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import kilter
-from kilter.analysis.many import batch_workers
+from kilter import pipes
 from kilter.analysis.many.batch import KILLED
 from kilter.analysis.many.batch_folder import open_folder
 from kilter.analysis.many.batch_list import listed_files
@@ -169,7 +169,7 @@ def test_an_assembly_that_kills_is_found_and_has_a_row(
         "os.kill(os.getpid(), 9) if any('pile-5.' in f for _, f in files) "
         "else judged(files, question); w.serve()"
     )
-    monkeypatch.setattr(batch_workers, "_SERVE", deadly)
+    monkeypatch.setattr(pipes, "_SERVE", deadly)
     found = kilter.batch(piles, tmp_path, chunk=4, processes=2)
     assert [file for file, error in found.errors if error == KILLED] == ["pile-5.kilter.json"]
     rows = rows_of(tmp_path)
@@ -182,7 +182,7 @@ def test_an_assembly_that_kills_is_found_and_has_a_row(
 def test_workers_that_do_not_come_up_blame_no_assembly(
     piles: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(batch_workers, "_SERVE", "raise SystemExit({path!r})")
+    monkeypatch.setattr(pipes, "_SERVE", "raise SystemExit({path!r})")
     with pytest.raises(KilterError, match="no process that judges comes up"):
         kilter.batch(piles, tmp_path, processes=2)
     assert not list(tmp_path.glob("*part-*"))

@@ -88,3 +88,23 @@ def test_a_command_is_ended_at_any_moment(tmp_path: Path, command: str, seed: in
         assert (code, errors.splitlines()[-1:]) == (130, ["kilter: interrupted"])
         left = {path.name for path in tmp_path.iterdir()}
         assert left == {"wall.kilter.json"}
+
+
+@pytest.fixture(scope="module")
+def large(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A wall whose programs take seconds to set up, in which their solver hears nothing."""
+    path = tmp_path_factory.mktemp("large") / "wall.kilter.json"
+    kilter.dump(walls.wall_of(10_000, friction=0.6).with_down([0.0, 0.08, -1.0]), path)
+    return path
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("command", ["region", "orient"])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_large_program_is_ended_while_it_is_set_up(large: Path, command: str, seed: int) -> None:
+    process = begun("-m", "kilter", command, str(large))
+    listens(process)
+    time.sleep(np.random.default_rng([seed, len(command)]).uniform(2.0, 12.0))
+    code, errors, seconds = ended(process, signal.SIGINT)
+    assert (code, errors.splitlines()[-1:]) == (130, ["kilter: interrupted"])
+    assert seconds < SOON

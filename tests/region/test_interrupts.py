@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import _thread
+import math
+import os
 import signal
 import threading
 import time
@@ -12,8 +14,9 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_array, random_array
 
+from kilter.errors import SolverError
 from kilter.solvers import clarabel, highs, interrupts
-from kilter.solvers.interrupts import run_aside
+from kilter.solvers.interrupts import call_apart, run_aside
 from kilter.solvers.problem import ConicProgram, LinearProgram
 
 
@@ -55,6 +58,27 @@ def test_it_is_just_called_in_another_thread() -> None:
     assert where == [thread]
 
 
+def test_what_is_raised_in_a_process_of_its_own_is_raised() -> None:
+    with pytest.raises(ValueError, match="domain"):
+        call_apart(math.sqrt, -1.0)
+
+
+def test_a_process_that_breaks_down_is_a_solver_that_did() -> None:
+    with pytest.raises(SolverError):
+        call_apart(os._exit, 3)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+def test_an_interruption_ends_the_process_and_goes_on() -> None:
+    threading.Timer(0.5, os.kill, [os.getpid(), signal.SIGINT]).start()
+    started = time.perf_counter()
+    with pytest.raises(KeyboardInterrupt):
+        call_apart(time.sleep, 60)
+    assert time.perf_counter() - started < 10
+    with pytest.raises(ChildProcessError):  # nothing is left of it
+        os.waitpid(-1, os.WNOHANG)
+
+
 def large_program() -> LinearProgram:
     """A linear program on which the simplex takes several seconds."""
     random = np.random.default_rng(0)
@@ -79,25 +103,40 @@ def test_the_simplex_is_interrupted() -> None:
     assert time.perf_counter() - started < 10
 
 
-@pytest.mark.parametrize("solver", ["clarabel", "highs"])
-def test_it_is_the_same_beside(monkeypatch: pytest.MonkeyPatch, solver: str) -> None:
+@pytest.mark.parametrize("beside", ["clarabel.LONG", "clarabel.DEAF", "highs.LONG"])
+def test_it_is_the_same_beside(monkeypatch: pytest.MonkeyPatch, beside: str) -> None:
     linear = LinearProgram(
         -np.ones(2), csc_array([[1.0, 2.0]]), np.zeros(1), np.ones(1), np.zeros(2), np.ones(2)
     )
     conic = ConicProgram(
-        csc_array(np.eye(2)), np.array([0.0, -2.0]), csc_array(-np.eye(2)),
+        csc_array(np.eye(2)), np.array([0.3, -2.0]), csc_array(-np.eye(2)),
         np.zeros(2), 0, 0, np.array([2]),
     )  # fmt: skip
     solved = (
         (lambda: clarabel.solve_conic(conic))
-        if solver == "clarabel"
+        if beside.startswith("clarabel")
         else (lambda: highs.solve_linear(linear))
     )
     before = solved()
-    monkeypatch.setattr(f"kilter.solvers.{solver}.LONG", 0)
+    monkeypatch.setattr(f"kilter.solvers.{beside}", 0)
     after = solved()
     assert after.outcome == before.outcome == "optimal"
     assert (after.x == before.x).all()
+    assert (after.multipliers == before.multipliers).all()
+
+
+def test_a_solver_whose_process_breaks_down_failed(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*_: object) -> None:
+        raise SolverError("a solver's process broke down", status="failed")
+
+    monkeypatch.setattr(clarabel, "DEAF", 0)
+    monkeypatch.setattr(clarabel, "call_apart", broken)
+    one = ConicProgram(
+        csc_array(np.eye(1)), -np.ones(1), csc_array(-np.eye(1)),
+        np.zeros(1), 0, 1, np.empty(0, dtype=np.int64),
+    )  # fmt: skip
+    answer = clarabel.solve_conic(one)
+    assert (answer.outcome, answer.found) == ("failed", False)
 
 
 def test_a_kept_program_asks_for_an_interruption_once_however_often_it_is_solved(

@@ -15,21 +15,18 @@ import contextlib
 import gc
 import os
 import signal
-import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from kilter.errors import InputError
-from kilter.files.pipes import end_with_parent, receive, send
+from kilter.pipes import can_start, end_with_parent, ended, receive, send, started
 
 if TYPE_CHECKING:
     from kilter.files.placed import FileBodies
 
 __all__ = ["begin_early", "read_apart", "serve"]
 
-_SERVE = "import sys; sys.path[:] = {path!r}; from kilter.files.step_process import serve; serve()"
 Request = tuple[str, tuple[int, int], tuple[str, ...], set[int]]
 """Path, when it was written and its size, names that are left out, solids that break OCCT down."""
 BREAKDOWNS = 50
@@ -40,10 +37,7 @@ class _Process:
     """A process that reads STEP files, one after the other."""
 
     def __init__(self) -> None:
-        command = [sys.executable, "-c", _SERVE.format(path=sys.path)]
-        self.process = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
-        )
+        self.process = started(__name__)
         self.ahead: Request | None = None
 
     def ask_ahead(self, request: Request) -> None:
@@ -76,21 +70,13 @@ class _Process:
         except OSError:
             raise EOFError from None
 
-    def end(self) -> None:
-        """End the process."""
-        for pipe in (self.process.stdin, self.process.stdout):
-            assert pipe is not None
-            pipe.close()
-        self.process.kill()
-        self.process.wait()
-
 
 _kept: list[_Process] = []
 
 
 def begin_early(ahead: Path | None = None) -> None:
     """Start the process, so that OCCT is there when a file is read, and read `ahead` at once."""
-    if not _kept and _can_start():
+    if not _kept and can_start():
         _kept.append(_Process())
         atexit.register(_end)
         if ahead is not None:
@@ -104,12 +90,7 @@ def _request(path: Path, without: tuple[str, ...], broken: set[int]) -> Request:
 
 def _end() -> None:
     while _kept:
-        _kept.pop().end()
-
-
-def _can_start() -> bool:
-    """Whether Python can be started anew: not in a program that it is frozen into."""
-    return bool(sys.executable) and not getattr(sys, "frozen", False)
+        ended(_kept.pop().process)
 
 
 def read_apart(path: Path, without: tuple[str, ...], progress: Callable[[str], None]) -> FileBodies:
@@ -120,7 +101,7 @@ def read_apart(path: Path, without: tuple[str, ...], progress: Callable[[str], N
     InputError
         If the file is damaged.
     """
-    if not _can_start():
+    if not can_start():
         from kilter.files.step_bodies import step_bodies
 
         return step_bodies(path, without, lambda stage, solid: progress(stage))

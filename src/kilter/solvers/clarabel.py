@@ -13,7 +13,7 @@ objectives, 2024. The polishing step follows OSQP (Stellato et al., 2020, sectio
 from __future__ import annotations
 
 import threading
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import clarabel
@@ -29,7 +29,8 @@ from scipy.sparse import (
 )
 
 from kilter.arrays import TINY, Array, Index
-from kilter.solvers.interrupts import LONG, run_aside
+from kilter.errors import SolverError
+from kilter.solvers.interrupts import DEAF, LONG, call_apart, run_aside
 from kilter.solvers.problem import ConicProgram
 from kilter.solvers.semidefinite import Multipliers, SemidefiniteProgram
 from kilter.solvers.solution import Outcome, Solution
@@ -95,6 +96,33 @@ def solve_conic(
     >>> solve_conic(both).outcome, solve_conic(both).proves_none
     ('infeasible', True)
     """
+    entries = program.matrix.nnz
+    seconds = None if work is None else work.seconds
+    asked = program, tolerance, seconds
+    try:
+        # setting it up keeps the interpreter to itself
+        found = call_apart(_answer, *asked) if entries >= DEAF else _answer(*asked)
+    except SolverError:
+        return Solution(program, "failed", np.empty(0), np.empty(0), "clarabel", 0)
+    if work is not None:
+        work.conic(found.iterations, entries)
+    x, outcome = found.x, _OUTCOMES.get(found.status, "failed")
+    if outcome in ("infeasible", "unbounded") or not np.isfinite(x).all():
+        x, outcome = np.empty(0), "failed" if outcome == "optimal" else outcome
+    return Solution(program, outcome, x, found.multipliers, "clarabel", found.iterations)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Answer:
+    """What Clarabel says."""
+
+    status: str
+    x: Array
+    multipliers: Array
+    iterations: int
+
+
+def _answer(program: ConicProgram, tolerance: float, seconds: float | None) -> _Answer:
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance
@@ -102,8 +130,8 @@ def solve_conic(
     # on walls twice as fast as what it would choose, on quadratic programs twenty times
     settings.direct_solve_method = "qdldl"
     settings.max_threads = 1  # no bit of an answer depends on the machine
-    if work is not None and work.seconds is not None:
-        settings.time_limit = work.seconds
+    if seconds is not None:
+        settings.time_limit = seconds
     cones: list[object] = []
     if program.equal:
         cones.append(clarabel.ZeroConeT(program.equal))
@@ -119,13 +147,7 @@ def solve_conic(
         settings,
     )
     answer = _solved(solver, program.matrix.nnz)
-    if work is not None:
-        work.conic(answer.iterations, program.matrix.nnz)
-    outcome = _OUTCOMES.get(str(answer.status), "failed")
-    x, multipliers = np.array(answer.x), np.array(answer.z)
-    if outcome in ("infeasible", "unbounded") or not np.isfinite(x).all():
-        x, outcome = np.empty(0), "failed" if outcome == "optimal" else outcome
-    return Solution(program, outcome, x, multipliers, "clarabel", answer.iterations)
+    return _Answer(str(answer.status), np.array(answer.x), np.array(answer.z), answer.iterations)
 
 
 def _solved(solver: Any, entries: int) -> Any:

@@ -10,20 +10,15 @@ import os
 import selectors
 import signal
 import subprocess
-import sys
 from dataclasses import dataclass
 from typing import Protocol
 
 from kilter.analysis.many.batch_rows import BatchQuestion, BatchRow, judged_rows
 from kilter.errors import KilterError
-from kilter.files.pipes import end_with_parent, receive, send
+from kilter.pipes import end_with_parent, ended, receive, send, started
 
 __all__ = ["LocalWorkers", "Task", "Workers", "serve"]
 
-_SERVE = (
-    "import sys; sys.path[:] = {path!r}; from kilter.analysis.many.batch_workers import serve; "
-    "serve()"
-)
 STARTED = "started"
 """What a worker says first."""
 STILLBORN = 10
@@ -81,10 +76,7 @@ class LocalWorkers:
             send(worker.stdin, task.files)
 
     def _started(self) -> subprocess.Popen[bytes]:
-        command = [sys.executable, "-c", _SERVE.format(path=sys.path)]
-        worker = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
-        )
+        worker = started(__name__)
         assert worker.stdin is not None
         assert worker.stdout is not None
         self._ready.register(worker.stdout, selectors.EVENT_READ, worker)
@@ -104,7 +96,7 @@ class LocalWorkers:
             except (EOFError, OSError):
                 rows = None
                 self._ready.unregister(worker.stdout)
-                _ended(worker)
+                ended(worker)
                 self._stillborn += 1
                 if self._stillborn == STILLBORN:
                     raise KilterError("no process that judges comes up") from None
@@ -122,17 +114,8 @@ class LocalWorkers:
     def end(self) -> None:
         """Let all go, whatever they are at."""
         for worker in [*self._busy, *self._idle]:
-            _ended(worker)
+            ended(worker)
         self._ready.close()
-
-
-def _ended(worker: subprocess.Popen[bytes]) -> None:
-    worker.kill()
-    for stream in (worker.stdin, worker.stdout):
-        with contextlib.suppress(OSError):
-            if stream is not None:
-                stream.close()
-    worker.wait()
 
 
 def serve() -> None:
