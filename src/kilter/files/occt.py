@@ -6,7 +6,37 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-__all__ = ["failures", "inside", "quiet"]
+__all__ = ["asciis", "failures", "inside", "labels", "quiet", "shape_map"]
+
+
+# the bindings of OCCT 7 and 8 name their containers differently
+
+
+def shape_map() -> Any:
+    """An empty map that numbers shapes."""
+    try:
+        from OCP.collections import IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher as ShapeMap
+    except ModuleNotFoundError:
+        from OCP.TopTools import TopTools_IndexedMapOfShape as ShapeMap
+    return ShapeMap()
+
+
+def labels() -> Any:
+    """An empty sequence of labels."""
+    try:
+        from OCP.collections import Sequence_TDF_Label as Labels
+    except ModuleNotFoundError:
+        from OCP.TDF import TDF_LabelSequence as Labels
+    return Labels()
+
+
+def asciis() -> Any:
+    """An empty sequence of words."""
+    try:
+        from OCP.collections import Sequence_TCollection_AsciiString as Texts
+    except ModuleNotFoundError:
+        from OCP.TColStd import TColStd_SequenceOfAsciiString as Texts
+    return Texts()
 
 
 def failures(*more: type[Exception]) -> tuple[type[Exception], ...]:

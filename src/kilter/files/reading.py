@@ -166,7 +166,8 @@ def load(
         A kilter file or COMPAS assembly (.json), a mesh file (.obj, .stl, .3mf, .glb), a
         STEP file (.step, .stp), a folder of them, or ``-`` for JSON on standard input.
         Or an object: a trimesh Trimesh or Scene, a pair of arrays (vertices, faces), a
-        COMPAS Assembly, Block or Mesh; a list of such, or a dict of them by name.
+        shape or assembly of build123d or CadQuery, a COMPAS Assembly, Block or Mesh; a list
+        of such, or a dict of them by name.
     units : {"m", "cm", "mm", "in"}, optional
         For formats without units; metres where it is not given.
     density : float, optional

@@ -11,10 +11,10 @@ from kilter.errors import InputError, some, some_names
 from kilter.files.occt import failures, quiet
 from kilter.files.placed import FileBodies
 from kilter.files.stated_accuracy import stated_accuracy
-from kilter.files.step_document import Occurrence, read_document
+from kilter.files.step_document import Occurrence, StepDocument, read_document
 from kilter.files.step_solids import ReadSolid, read_solid, stand_in
 
-__all__ = ["step_bodies"]
+__all__ = ["bodies_of", "step_bodies"]
 
 
 def step_bodies(
@@ -43,13 +43,22 @@ def step_bodies(
     try:
         with quiet():
             tell("reading STEP", -1)
-            document = read_document(path)
-            kept = [one for one in document.solids if not _matches(one.name, without)]
-            read = _read(kept, tell, broken)
+            return bodies_of(read_document(path), without, tell, broken)
     except failures():
         raise InputError(
             "damaged STEP: no shape can be made of it", hint="export it again as STEP"
         ) from None
+
+
+def bodies_of(
+    document: StepDocument,
+    without: Sequence[str],
+    tell: Callable[[str, int], None],
+    broken: Collection[int] = (),
+) -> FileBodies:
+    """The bodies of what a STEP file, or OCCT in memory, holds; the rest as of `step_bodies`."""
+    kept = [one for one in document.solids if not _matches(one.name, without)]
+    read = _read(kept, tell, broken)
     found, passed, empty = [], list(document.passed), []
     for one in kept:
         solid = read[one.key].solid

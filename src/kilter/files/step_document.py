@@ -17,11 +17,19 @@ from typing import Any, NamedTuple
 from kilter.errors import InputError
 from kilter.files.file_tolerances import RIGID
 from kilter.files.naming import distinct, tails
-from kilter.files.occt import inside, quiet
+from kilter.files.occt import asciis, inside, labels, quiet, shape_map
 from kilter.rigid import Pose
 from kilter.units import METRES
 
-__all__ = ["Occurrence", "StepDocument", "numbered", "read_document"]
+__all__ = [
+    "Found",
+    "Occurrence",
+    "StepDocument",
+    "numbered",
+    "occurrences",
+    "read_document",
+    "split",
+]
 
 
 _DAMAGED = "export it again as STEP (AP214 or AP242)"
@@ -122,7 +130,6 @@ def read_document(path: Path) -> StepDocument:
 
 def _opened(path: Path) -> tuple[Any, str]:
     """A reader with the file in it, and the unit that its lengths are to be read in."""
-    from OCP.collections import Sequence_TCollection_AsciiString as Texts
     from OCP.IFSelect import IFSelect_ReturnStatus
     from OCP.STEPCAFControl import STEPCAFControl_Reader
 
@@ -132,7 +139,7 @@ def _opened(path: Path) -> tuple[Any, str]:
         getattr(reader, f"Set{mode}Mode")(False)
     if reader.ReadFile(str(path.absolute())) != IFSelect_ReturnStatus.IFSelect_RetDone:
         raise InputError("damaged STEP: its text breaks the rules of the format", hint=_DAMAGED)
-    lengths, angles, solid_angles = Texts(), Texts(), Texts()
+    lengths, angles, solid_angles = asciis(), asciis(), asciis()
     reader.ChangeReader().FileUnits(lengths, angles, solid_angles)
     named = [text.ToCString().lower() for text in lengths]
     return reader, _UNITS.get(named[0], "m") if named else "mm"
@@ -154,8 +161,12 @@ def _external(reader: Any) -> list[str]:
     """The files that a file names; refused where one is missing or cannot be read."""
     from OCP.IFSelect import IFSelect_ReturnStatus
 
-    found = []
-    for external in reader.ExternFiles():
+    found: list[str] = []
+    try:
+        externals = reader.ExternFiles()
+    except TypeError:  # the bindings of OCCT 7 cannot say
+        return found
+    for external in externals:
         name = external.GetName()
         found.append(name.ToCString() if name else "")
         if external.GetLoadStatus() != IFSelect_ReturnStatus.IFSelect_RetDone:
@@ -171,20 +182,23 @@ def _external(reader: Any) -> list[str]:
 
 def _solids(document: Any, transfer: Any, stem: str) -> tuple[list[Occurrence], list[str]]:
     """Occurrences of solids in the order of the file, and what else there is, in words."""
-    from OCP.collections import Sequence_TDF_Label
     from OCP.TopLoc import TopLoc_Location
     from OCP.XCAFDoc import XCAFDoc_DocumentTool
 
-    roots = Sequence_TDF_Label()
+    roots = labels()
     XCAFDoc_DocumentTool.ShapeTool_s(document.Main()).GetFreeShapes(roots)
     walk = _Walk(transfer)
     found = walk.below(list(roots), (), TopLoc_Location(), stem)
+    return occurrences(found, walk.shapes), walk.passed
+
+
+def occurrences(found: Sequence[Found], shapes: Any) -> list[Occurrence]:
+    """Solids under distinct names, where they are; `shapes`: the map that tells them apart."""
     names = distinct(tails([one.path for one in found]))
-    solids = [walk.placed(name, one) for name, one in zip(names, found, strict=True)]
-    return solids, walk.passed
+    return [_placed(name, one, shapes) for name, one in zip(names, found, strict=True)]
 
 
-class _Found(NamedTuple):
+class Found(NamedTuple):
     """A solid below the names of the products above it, before it is placed."""
 
     path: tuple[str, ...]
@@ -197,38 +211,36 @@ class _Walk:
     """Goes down the tree of products; keeps what each shape holds."""
 
     def __init__(self, transfer: Any) -> None:
-        from OCP.collections import IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher as ShapeMap
-
         self.transfer = transfer
-        self.shapes = ShapeMap()
+        self.shapes = shape_map()
         self.skins: dict[int, Any] = {}
         self.passed: list[str] = []
 
     def below(
-        self, labels: list[Any], above: tuple[str, ...], place: Any, stem: str
-    ) -> list[_Found]:
+        self, neighbours: list[Any], above: tuple[str, ...], place: Any, stem: str
+    ) -> list[Found]:
         """The solids below labels that are neighbours."""
         from OCP.TDF import TDF_Label
         from OCP.XCAFDoc import XCAFDoc_ShapeTool
 
         products = []
-        for label in labels:
+        for label in neighbours:
             product = TDF_Label()
             own = XCAFDoc_ShapeTool.GetReferredShape_s(label, product)
             products.append(product if own else label)
         names = numbered([_label_name(product) or stem for product in products])
-        found: list[_Found] = []
-        for name, label, product in zip(names, labels, products, strict=True):
+        found: list[Found] = []
+        for name, label, product in zip(names, neighbours, products, strict=True):
             location = place.Multiplied(XCAFDoc_ShapeTool.GetLocation_s(label))
             whole = (*above, name)
             if XCAFDoc_ShapeTool.IsAssembly_s(product):
-                inner = () if not above and len(labels) == 1 else whole
+                inner = () if not above and len(neighbours) == 1 else whole
                 found += self.below(_components(product), inner, location, stem)
             else:
                 found += self._leaf(product, whole, location)
         return found
 
-    def _leaf(self, product: Any, path: tuple[str, ...], place: Any) -> list[_Found]:
+    def _leaf(self, product: Any, path: tuple[str, ...], place: Any) -> list[Found]:
         """Solids of a product without components."""
         from OCP.TopAbs import TopAbs_ShapeEnum
         from OCP.TopLoc import TopLoc_Location
@@ -237,7 +249,7 @@ class _Walk:
         shape = XCAFDoc_ShapeTool.GetShape_s(product)
         if shape is None or shape.IsNull():
             return []
-        solids, rest = _split(shape)
+        solids, rest = split(shape)
         shells = [] if solids else list(inside(shape, TopAbs_ShapeEnum.TopAbs_SHELL))
         closed = [shell for shell in shells if self._is_closed(shell)]
         if rest and not shells:
@@ -249,7 +261,7 @@ class _Walk:
             found.append((self._filled(shells, False), TopLoc_Location()))
         names = numbered([path[-1]] * len(found))
         return [
-            _Found((*path[:-1], name), solid, place.Multiplied(where), skin)
+            Found((*path[:-1], name), solid, place.Multiplied(where), skin)
             for name, (solid, where) in zip(names, found, strict=True)
         ]
 
@@ -281,27 +293,27 @@ class _Walk:
             self.skins[key] = solid
         return self.skins[key]
 
-    def placed(self, name: str, found: _Found) -> Occurrence:
-        """A solid where it is; one that is scaled or mirrored there is a solid of its own."""
-        from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
 
-        move, shape = found.location.Transformation(), found.shape
-        pose = Pose()
-        if move.IsNegative() or abs(abs(move.ScaleFactor()) - 1) > RIGID:
-            shape = BRepBuilderAPI_Transform(shape, move, True).Shape()
-        else:
-            turn, step = move.GetRotation(), move.TranslationPart()
-            pose = Pose([step.X(), step.Y(), step.Z()], [turn.W(), turn.X(), turn.Y(), turn.Z()])
-        return Occurrence(name, shape, self.shapes.Add(shape), pose, found.skin)
+def _placed(name: str, found: Found, shapes: Any) -> Occurrence:
+    """A solid where it is; one that is scaled or mirrored there is a solid of its own."""
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
+
+    move, shape = found.location.Transformation(), found.shape
+    pose = Pose()
+    if move.IsNegative() or abs(abs(move.ScaleFactor()) - 1) > RIGID:
+        shape = BRepBuilderAPI_Transform(shape, move, True).Shape()
+    else:
+        turn, step = move.GetRotation(), move.TranslationPart()
+        pose = Pose([step.X(), step.Y(), step.Z()], [turn.W(), turn.X(), turn.Y(), turn.Z()])
+    return Occurrence(name, shape, shapes.Add(shape), pose, found.skin)
 
 
 def _components(product: Any) -> list[Any]:
-    from OCP.collections import Sequence_TDF_Label
     from OCP.XCAFDoc import XCAFDoc_ShapeTool
 
-    labels = Sequence_TDF_Label()
-    XCAFDoc_ShapeTool.GetComponents_s(product, labels)
-    return list(labels)
+    found = labels()
+    XCAFDoc_ShapeTool.GetComponents_s(product, found)
+    return list(found)
 
 
 def _label_name(label: Any) -> str:
@@ -313,7 +325,7 @@ def _label_name(label: Any) -> str:
     return str(attribute.Get().ToExtString()).strip()
 
 
-def _split(shape: Any) -> tuple[list[Any], str]:
+def split(shape: Any) -> tuple[list[Any], str]:
     """The solids of a shape, and what is beside them in words ("2 shells, 1 wire")."""
     from OCP.TopAbs import TopAbs_ShapeEnum as Kind
     from OCP.TopoDS import TopoDS

@@ -37,7 +37,7 @@ from kilter.files.file_tolerances import (
     TURN,
     VOLUME,
 )
-from kilter.files.occt import failures, inside
+from kilter.files.occt import failures, inside, shape_map
 from kilter.files.step_faces import StepFace, cut_faces, size_of
 from kilter.files.step_surfaces import face_surface, points_of_face
 from kilter.shape.closed import open_edges
@@ -257,10 +257,9 @@ def _welded(faces: list[StepFace]) -> tuple[Array, Index, Index]:
 def _shared(faces: list[StepFace], starts: Index) -> tuple[Index, int]:
     """Pairs of nodes of the graph that are one corner, and how many nodes there are."""
     from OCP.BRep import BRep_Tool
-    from OCP.collections import IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher as ShapeMap
     from OCP.TopExp import TopExp
 
-    known: ShapeMap = ShapeMap()
+    known = shape_map()
     node_of: dict[int, int] = {}
     count = int(starts[-1])
     pairs: list[Index] = []

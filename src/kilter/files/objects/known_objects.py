@@ -29,11 +29,14 @@ HOMES = {
     "trimesh": "trimesh_objects",
     "compas": "compas_objects",
     "compas_assembly": "compas_objects",
+    "build123d": "occt_objects",
+    "cadquery": "occt_objects",
+    "OCP": "occt_objects",
 }
 """The module here that reads the classes of a library."""
 TAKEN = (
-    "a path, (vertices, faces), an object of trimesh or compas, a list of such, or a dict of "
-    "them by name"
+    "a path, (vertices, faces), an object of trimesh, build123d, CadQuery or compas, a list of "
+    "such, or a dict of them by name"
 )
 """What is taken, in words."""
 
