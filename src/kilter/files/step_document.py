@@ -22,7 +22,7 @@ from kilter.rigid import Pose
 from kilter.units import METRES
 
 __all__ = [
-    "Found",
+    "FoundSolid",
     "Occurrence",
     "StepDocument",
     "numbered",
@@ -192,13 +192,13 @@ def _solids(document: Any, transfer: Any, stem: str) -> tuple[list[Occurrence], 
     return occurrences(found, walk.shapes), walk.passed
 
 
-def occurrences(found: Sequence[Found], shapes: Any) -> list[Occurrence]:
+def occurrences(found: Sequence[FoundSolid], shapes: Any) -> list[Occurrence]:
     """Solids under distinct names, where they are; `shapes`: the map that tells them apart."""
     names = distinct(tails([one.path for one in found]))
     return [_placed(name, one, shapes) for name, one in zip(names, found, strict=True)]
 
 
-class Found(NamedTuple):
+class FoundSolid(NamedTuple):
     """A solid below the names of the products above it, before it is placed."""
 
     path: tuple[str, ...]
@@ -218,7 +218,7 @@ class _Walk:
 
     def below(
         self, neighbours: list[Any], above: tuple[str, ...], place: Any, stem: str
-    ) -> list[Found]:
+    ) -> list[FoundSolid]:
         """The solids below labels that are neighbours."""
         from OCP.TDF import TDF_Label
         from OCP.XCAFDoc import XCAFDoc_ShapeTool
@@ -229,7 +229,7 @@ class _Walk:
             own = XCAFDoc_ShapeTool.GetReferredShape_s(label, product)
             products.append(product if own else label)
         names = numbered([_label_name(product) or stem for product in products])
-        found: list[Found] = []
+        found: list[FoundSolid] = []
         for name, label, product in zip(names, neighbours, products, strict=True):
             location = place.Multiplied(XCAFDoc_ShapeTool.GetLocation_s(label))
             whole = (*above, name)
@@ -240,7 +240,7 @@ class _Walk:
                 found += self._leaf(product, whole, location)
         return found
 
-    def _leaf(self, product: Any, path: tuple[str, ...], place: Any) -> list[Found]:
+    def _leaf(self, product: Any, path: tuple[str, ...], place: Any) -> list[FoundSolid]:
         """Solids of a product without components."""
         from OCP.TopAbs import TopAbs_ShapeEnum
         from OCP.TopLoc import TopLoc_Location
@@ -261,7 +261,7 @@ class _Walk:
             found.append((self._filled(shells, False), TopLoc_Location()))
         names = numbered([path[-1]] * len(found))
         return [
-            Found((*path[:-1], name), solid, place.Multiplied(where), skin)
+            FoundSolid((*path[:-1], name), solid, place.Multiplied(where), skin)
             for name, (solid, where) in zip(names, found, strict=True)
         ]
 
@@ -294,7 +294,7 @@ class _Walk:
         return self.skins[key]
 
 
-def _placed(name: str, found: Found, shapes: Any) -> Occurrence:
+def _placed(name: str, found: FoundSolid, shapes: Any) -> Occurrence:
     """A solid where it is; one that is scaled or mirrored there is a solid of its own."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
 

@@ -17,7 +17,7 @@ from kilter.files.choices import Choices
 from kilter.files.formats import assembly_of
 from kilter.files.occt import failures, quiet, shape_map
 from kilter.files.step_bodies import bodies_of
-from kilter.files.step_document import Found, StepDocument, numbered, occurrences, split
+from kilter.files.step_document import FoundSolid, StepDocument, numbered, occurrences, split
 
 __all__ = ["read"]
 
@@ -40,7 +40,7 @@ def read(value: Any, choices: Choices) -> Assembly:
     walk = _Tree()
     try:
         with quiet():
-            walk.below([value], (), TopLoc_Location())
+            walk.below([_built(value)], (), TopLoc_Location())
             solids = occurrences(walk.found, shape_map())
             document = StepDocument(tuple(solids), "mm", tuple(walk.passed), ())
             bodies = bodies_of(document, (), lambda stage, solid: None)
@@ -53,7 +53,7 @@ class _Tree:
     """Goes down the tree of an assembly; keeps the solids that it meets, and what else."""
 
     def __init__(self) -> None:
-        self.found: list[Found] = []
+        self.found: list[FoundSolid] = []
         self.passed: list[str] = []
         self.copies = shape_map()
         self.copied: dict[int, Any] = {}
@@ -87,7 +87,7 @@ class _Tree:
         for name, solid in zip(numbered([path[-1]] * len(solids)), solids, strict=True):
             bare = self._copy(solid.Located(TopLoc_Location()))
             at = place.Multiplied(solid.Location())
-            self.found.append(Found((*path[:-1], name), bare, at, False))
+            self.found.append(FoundSolid((*path[:-1], name), bare, at, False))
 
     def _copy(self, shape: Any) -> Any:
         """A copy of a solid, the same for the same: its triangles are not those of the owner."""
@@ -97,6 +97,12 @@ class _Tree:
         if key not in self.copied:
             self.copied[key] = BRepBuilderAPI_Copy(shape).Shape()
         return self.copied[key]
+
+
+def _built(value: Any) -> Any:
+    """What a builder of build123d has made."""
+    part = getattr(value, "part", None)
+    return value if part is None or hasattr(value, "wrapped") else part
 
 
 def _name(value: Any) -> str:
@@ -115,10 +121,9 @@ def _location(value: Any) -> Any:
 
 
 def _shapes(value: Any) -> list[Any]:
-    """Shapes of OCCT that an object holds: itself, its stack, its part, its own of an assembly."""
-    for inner in ("obj", "part"):
-        if getattr(value, inner, None) is not None and not hasattr(value, "wrapped"):
-            return _shapes(getattr(value, inner))
+    """Shapes of OCCT that an object holds: itself, its stack, its own of an assembly."""
+    if getattr(value, "obj", None) is not None and not hasattr(value, "wrapped"):
+        return _shapes(value.obj)
     if hasattr(value, "vals"):
         return [shape for one in value.vals() for shape in _shapes(one)]
     wrapped = getattr(value, "wrapped", value)
