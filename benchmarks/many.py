@@ -22,8 +22,8 @@ from typing import Any
 import numpy as np
 
 FEWEST, MOST = 5, 20
-RECHECKED = 2000
-"""Proofs that are kept and rechecked."""
+KEPT = 2000
+"""Proofs that are kept at a time and rechecked: all are, in turn."""
 SIDE = 4
 """Cells of the floor: piles are high enough that many of those put down anywhere fall."""
 SHIFT = 0.3
@@ -112,21 +112,20 @@ def broken(found: Any) -> list[int]:
     return wrong
 
 
-def measured(name: str, given: Any, piles: list[Any], compare: int) -> int:
+def measured(name: str, given: Any, words: list[str]) -> int:
     """Print rate, proofs that do not hold, verdicts that differ; how many of the last two."""
     import kilter
 
     found, seconds = timed(lambda: kilter.check_many(given))
     print(f"{name:12} {len(found) / seconds:8,.0f} a second  {found!r}", flush=True)
-    first = np.arange(min(RECHECKED, len(piles)))
-    few = given.among(first) if name == "arrays" else given[: len(first)]
-    bad = broken(kilter.check_many(few, proofs=True))
-    print(f"{'':12} {len(few)} proofs rechecked, {len(bad)} do not hold {bad[:10]}", flush=True)
-    words, seconds = timed(lambda: [kilter.check(one).verdict for one in piles[:compare]])
+    bad = []
+    for first in range(0, len(found), KEPT):
+        some = np.arange(first, min(first + KEPT, len(found)))
+        few = given.among(some) if name == "arrays" else given[first : first + KEPT]
+        bad += [first + k for k in broken(kilter.check_many(few, proofs=True))]
+    print(f"{'':12} {len(found)} proofs rechecked, {len(bad)} do not hold {bad[:10]}", flush=True)
     other = np.flatnonzero(found.verdict[: len(words)] != np.array(words, dtype=str)).tolist()
-    rate = len(words) / seconds
-    compared = f"{len(words)} compared with check ({rate:,.0f} a second)"
-    print(f"{'':12} {compared}, {len(other)} differ {other[:10]}", flush=True)
+    print(f"{'':12} {len(words)} compared with check, {len(other)} differ {other[:10]}", flush=True)
     return len(bad) + len(other)
 
 
@@ -145,8 +144,11 @@ def main() -> int:
         piles = [turned(one, seed) for seed, one in enumerate(piles)]
     arrays = as_arrays(piles)
     kilter.check_many(arrays.among(np.arange(min(50, len(arrays)))))  # imports
+    words, seconds = timed(lambda: [kilter.check(one).verdict for one in piles[: asked.compare]])
+    rate = len(words) / max(seconds, 1e-9)
+    print(f"{'check':12} {rate:8,.0f} a second  {len(words)} of {len(piles)}", flush=True)
     given = {"arrays": arrays, "assemblies": piles}
-    wrong = [measured(name, one, piles, asked.compare) for name, one in given.items()]
+    wrong = [measured(name, one, words) for name, one in given.items()]
     return 1 if any(wrong) else 0
 
 
