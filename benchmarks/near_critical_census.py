@@ -1,24 +1,33 @@
-"""Walls and arches beside their limits: which side kilter's own interior point proves, if any.
+"""Walls and arches beside their limits: which side each solver proves by itself, if any.
 
-    python benchmarks/near_critical_census.py                200 assemblies, 10 tilts each
+    python benchmarks/near_critical_census.py                        200 assemblies, 10 tilts each
     python benchmarks/near_critical_census.py 1000 --seed 2
+    python benchmarks/near_critical_census.py --solvers kilter       the others left out
 
 Gravity is turned to shares 1 - d and 1 + d of the tangent at which an assembly's forces end, as
-`find_limit` proves it from both sides; d from 1e-2 to 1e-6. A row counts what its proofs say:
-right, wrong (there must be none), and none, where HiGHS and Clarabel decide; `both`, where the
-mechanism of the limit is a proof as well: a certificate allows 1e-9 of the forces. `steps` is the
-mean, `judged` counts the verdicts of `judge`, which asks them, that are right.
+`find_limit` proves it from both sides; d from 1e-2 to 1e-6. A row counts what the proofs of one
+solver say: right, WRONG (there must be none: the command ends with 1), and none, where `judge`
+asks the next; `both`, where the mechanism of the limit is a proof as well: a certificate allows
+1e-9 of the forces. The rows `judge` are those of all in turn. `ms` is of the processor, the mean.
 """
 
 from __future__ import annotations
 
 import argparse
+import os
+import sys
+import time
 from collections import Counter
+from collections.abc import Iterator
 from typing import Any
 
-import numpy as np
+for _pool in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+    os.environ[_pool] = "1"  # before numpy: seconds of the processor count those of all threads
+
+import numpy as np  # noqa: E402
 
 BESIDE = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
+WORDS = ("right", "none", "both", "WRONG")
 
 
 def near_critical(rng: np.random.Generator) -> Any:
@@ -32,69 +41,65 @@ def near_critical(rng: np.random.Generator) -> Any:
     return arches.arch(int(rng.integers(5, 40)), friction=friction, planar=False)
 
 
-def own(program: Any) -> tuple[bool | None, int]:
-    """What a proof of kilter's own interior point says, and its steps."""
-    from kilter.mechanics.balance_in_cones import load_share
-    from kilter.mechanics.certificate import check_forces, check_motion
-    from kilter.solvers.cone_interior_point import iterates
-
-    balance, steps = load_share(program), 0
-    for step in iterates(balance.cones):
-        steps = step.number
-        x, y = step.balanced(), step.against()
-        if x is not None and check_forces(program, *balance.decoded(x / step.share)).holds:
-            return True, steps
-        if y is not None and check_motion(program, balance.motion(-y)).holds:
-            return False, steps
-    return None, steps
-
-
-def main() -> None:
-    """Run the census."""
-    from kilter.analysis.judge import judge
+def programs(assembly: Any, angle: float) -> Iterator[tuple[float, bool, Any, bool]]:
+    """How far beside the limit, whether it holds, the program, whether it also falls by proof."""
     from kilter.analysis.margins.load_limit import Limit, find_limit, gravity_wrench
     from kilter.contact import detect
     from kilter.mechanics.certificate import check_motion
     from kilter.mechanics.program import build_program
 
+    program = build_program(assembly, detect.contacts(assembly))
+    aside = np.array([np.cos(angle), np.sin(angle), 0.0])
+    limit = find_limit(program, gravity_wrench(program, aside))
+    if not isinstance(limit, Limit) or not np.isfinite(limit.gap) or limit.value <= 0:
+        return
+    for beside in BESIDE:
+        for held in (True, False):
+            if not held and beside * limit.value <= limit.gap * max(1.0, limit.value):
+                continue  # which side that is, nothing has proved
+            share = limit.value * (1 - beside if held else 1 + beside)
+            turned = program.turned(program.down + share * aside)
+            falls = not held and check_motion(turned, limit.mechanism.motion).holds
+            yield beside, held, turned, falls
+
+
+def main() -> int:
+    """Run the census."""
+    from kilter.analysis.judge import SOLVERS, judge
+
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("assemblies", nargs="?", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--solvers", nargs="*", choices=SOLVERS, default=SOLVERS)
     chosen = parser.parse_args()
     rng = np.random.default_rng(chosen.seed)
-    found = {(beside, held): Counter() for beside in BESIDE for held in (True, False)}
+    found: dict[Any, Counter[str]] = {}
+    seconds: Counter[Any] = Counter()
     skipped = 0
     for _ in range(chosen.assemblies):
-        assembly = near_critical(rng)
-        angle = float(rng.uniform(0, 2 * np.pi))
-        program = build_program(assembly, detect.contacts(assembly))
-        aside = np.array([np.cos(angle), np.sin(angle), 0.0])
-        limit = find_limit(program, gravity_wrench(program, aside))
-        if not isinstance(limit, Limit) or not np.isfinite(limit.gap) or limit.value <= 0:
-            skipped += 1
-            continue
-        for (beside, held), row in found.items():
-            share = limit.value * (1 - beside if held else 1 + beside)
-            if not held and beside * limit.value <= limit.gap * max(1.0, limit.value):
-                row["unknown"] += 1  # which side that is, nothing has proved
-                continue
-            turned = program.turned(program.down + share * aside)
-            says, steps = own(turned)
-            word = "none" if says is None else "right" if says is held else "WRONG"
-            if word == "WRONG" and not held and check_motion(turned, limit.mechanism.motion).holds:
-                word = "both"
-            row[word] += 1
-            row["steps"] += steps
-            row["judged"] += judge(turned).stable is held
-    columns = ("right", "none", "both", "WRONG", "judged", "unknown")
-    print(f"{'beside':>9} {'side':>6}", *(f"{name:>8}" for name in columns), f"{'steps':>6}")
-    for (beside, held), row in found.items():
-        tried = sum(row[name] for name in ("right", "none", "both", "WRONG"))
-        counts = (f"{row[name]:>8}" for name in columns)
+        asked = list(programs(near_critical(rng), float(rng.uniform(0, 2 * np.pi))))
+        skipped += not asked
+        for beside, held, program, falls in asked:
+            for solver in (*chosen.solvers, None):
+                started = time.process_time()
+                says = judge(program, solver=solver).stable
+                key = (solver or "judge", beside, held)
+                seconds[key] += time.process_time() - started
+                word = "none" if says is None else "right" if says is held else "WRONG"
+                word = "both" if word == "WRONG" and falls else word
+                found.setdefault(key, Counter())[word] += 1
+    print(f"{'solver':9} {'beside':>8} {'side':>6}", *(f"{word:>7}" for word in (*WORDS, "ms")))
+    for key in sorted(found, key=lambda k: (k[0], -k[1], k[2])):
+        who, beside, held = key
+        counts = (f"{found[key][word]:>7}" for word in WORDS)
+        each = 1000 * seconds[key] / found[key].total()
         side = "below" if held else "above"
-        print(f"{beside:>9.0e} {side:>6}", *counts, f"{row['steps'] / max(tried, 1):>6.1f}")
-    print(f"{skipped} assemblies without a limit")
+        print(f"{who:9} {beside:>8.0e} {side:>6}", *counts, f"{each:>7.1f}")
+    asked = sum(one.total() for (who, *_), one in found.items() if who == "judge")
+    wrong = sum(one["WRONG"] for one in found.values())
+    print(f"{asked} programs, {wrong} proofs of a wrong side, {skipped} assemblies without a limit")
+    return 1 if wrong else 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

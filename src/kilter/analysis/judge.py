@@ -23,7 +23,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple, TypedDict, Unpack
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypedDict, Unpack
 
 import numpy as np
 
@@ -56,8 +56,11 @@ if TYPE_CHECKING:
     from kilter.solvers.highs import Method
     from kilter.solvers.solution import Solution
 
-__all__ = ["SIMPLEX_ROWS", "Judgement", "judge"]
+__all__ = ["SIMPLEX_ROWS", "SOLVERS", "Judgement", "Solver", "judge"]
 
+Solver = Literal["kilter", "clarabel", "highs"]
+SOLVERS: tuple[Solver, ...] = ("kilter", "clarabel", "highs")
+"""Who may offer a proof: kilter's own interior point and two others."""
 
 SIMPLEX_ROWS = 1500
 """Programs with up to this many freedoms are solved by simplex first."""
@@ -115,7 +118,7 @@ class _Options(TypedDict, total=False):
     work: Work
 
 
-def judge(program: Program, *, work: Work | None = None) -> Judgement:
+def judge(program: Program, *, work: Work | None = None, solver: Solver | None = None) -> Judgement:
     """Decide a program by a certificate.
 
     Parameters
@@ -123,6 +126,8 @@ def judge(program: Program, *, work: Work | None = None) -> Judgement:
     program : Program
     work : Work, optional
         Its time limit is kept; nothing is charged, since there is no verdict without this.
+    solver : {"kilter", "clarabel", "highs"}, optional
+        The only one that is asked, to compare them; else they are in turn.
 
     Examples
     --------
@@ -139,8 +144,7 @@ def judge(program: Program, *, work: Work | None = None) -> Judgement:
     if not program.free.any():
         return Judgement(True, check_forces(program, np.zeros(len(program.part_a))), None, ())
     work = Work() if work is None else work.beside()
-    candidates = _in_cones(program, work) if program.mu.any() else _without_friction(program, work)
-    for word, forces, friction, motion in candidates:
+    for word, forces, friction, motion in _candidates(program, work, solver):
         tried.append(word)
         if forces is not None:
             proof = check_forces(program, forces, friction)
@@ -161,6 +165,26 @@ def judge(program: Program, *, work: Work | None = None) -> Judgement:
 
 def _better(one: MotionProof, other: MotionProof) -> bool:
     return (one.holds, one.ratio) > (other.holds, other.ratio)
+
+
+def _candidates(program: Program, work: Work, solver: Solver | None) -> Iterator[_Candidate]:
+    """What all solvers offer, the cheapest way first, or what one does."""
+    rough = bool(program.mu.any())
+    if rough and program.planar:
+        yield _by_pyramid(program, 2, work, solver=solver)
+    elif solver == "kilter":
+        yield from _by_own_cones(program, work)
+    elif solver == "clarabel":
+        wide = spread(program)
+        yield _by_cones(wide, work)
+        if rough:
+            yield _by_cohesion(wide, work)
+    elif not rough:
+        yield from _without_friction(program, work)
+    elif solver == "highs":
+        yield from _by_pyramids(program, [], work)
+    else:
+        yield from _in_cones(program, work)
 
 
 def _without_friction(program: Program, work: Work) -> Iterator[_Candidate]:
@@ -223,9 +247,6 @@ def _by_least_imbalance(problem: Scaled, **options: Unpack[_Options]) -> Iterato
 
 def _in_cones(program: Program, work: Work) -> Iterator[_Candidate]:
     """Candidates for a program with friction, the cheapest way first."""
-    if program.planar:
-        yield _by_pyramid(program, 2, work)
-        return
     if int(program.free.sum()) * len(program.freedoms) > OWN_ROWS:
         yield from _by_own_cones(program, work)
     wide = spread(program)
@@ -234,6 +255,11 @@ def _in_cones(program: Program, work: Work) -> Iterator[_Candidate]:
         candidate = in_cones(wide, work)
         yield candidate
         fitted += _angles(program, candidate)
+    yield from _by_pyramids(program, fitted, work)
+
+
+def _by_pyramids(program: Program, fitted: list[Array], work: Work) -> Iterator[_Candidate]:
+    """Finer and finer pyramids, with rays at some angles of the friction at each rough contact."""
     for sides in SIDES:
         if (sides + len(fitted)) * len(program.rough) > LARGEST_PYRAMID:
             return
@@ -243,7 +269,7 @@ def _in_cones(program: Program, work: Work) -> Iterator[_Candidate]:
         for outer in (False, True):
             candidate = _by_pyramid(program, sides, work, outer=outer, angles=angles)
             yield candidate
-            fitted += _angles(program, candidate)
+            fitted = fitted + _angles(program, candidate)
 
 
 def _angles(program: Program, candidate: _Candidate) -> list[Array]:
@@ -265,13 +291,14 @@ def _by_pyramid(
     *,
     outer: bool = False,
     angles: Array | None = None,
+    solver: Solver | None = None,
 ) -> _Candidate:
     """The proof that a pyramid carries: forces of an inner one, a motion of an outer one.
 
     A planar pyramid is the cone itself and is both.
     """
     rays = pyramid(program, sides, outer=outer, angles=angles)
-    judged = judge(rays, work=work)
+    judged = judge(rays, work=work, solver=solver)
     count = sides if angles is None else angles.shape[1]
     word = f"{'outer' if outer else 'inner'} pyramid of {count} sides"
     words = "; ".join((word, *judged.solvers))

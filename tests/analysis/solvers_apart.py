@@ -1,0 +1,104 @@
+"""Every program of a run, asked of each solver by itself: none may prove the other side.
+
+    pytest --each-solver sides.csv tests/analysis tests/margin
+
+records each program that a test has judged, asks each solver alone when the test is over, and
+fails the test where one has a proof of the other side. The file gets a row a test: how many
+programs there were, and of each solver how many it proved as `judge` does and how many it left
+open, which `judge` asked another for.
+"""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from kilter.analysis import judge as judging
+from kilter.analysis.judge import SOLVERS, Solver, judge
+from kilter.mechanics.program import ROW_FIELDS, Program
+
+__all__ = ["each_solver", "recorded", "sides"]
+
+LARGEST = 3000
+"""Rows of a program above which it is not asked again: pyramids take minutes."""
+COLUMNS = (
+    "test",
+    "programs",
+    "larger",
+    *(f"{who} {how}" for who in SOLVERS for how in ("proved", "open")),
+)
+
+
+def sides(program: Program) -> dict[Solver, bool | None]:
+    """What each solver proves by itself: stable, unstable, or nothing."""
+    return {solver: judge(program, solver=solver).stable for solver in SOLVERS}
+
+
+@contextmanager
+def recorded() -> Iterator[dict[bytes, Program]]:
+    """The programs that are judged meanwhile, each once; those of pyramids belong to others."""
+    found: dict[bytes, Program] = {}
+    rays: list[Program] = []
+    candidates, pyramid = judging._candidates, judging.pyramid
+
+    def kept(program: Program, *more: Any) -> Any:
+        if not any(program is one for one in rays):
+            found.setdefault(_key(program), program)
+        return candidates(program, *more)
+
+    def noted(*given: Any, **more: Any) -> Program:
+        rays.append(pyramid(*given, **more))
+        return rays[-1]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(judging, "_candidates", kept)
+        patch.setattr(judging, "pyramid", noted)
+        yield found
+
+
+def _key(program: Program) -> bytes:
+    """The same for programs that are the same question."""
+    text = hashlib.sha256()
+    for name in (
+        *ROW_FIELDS,
+        "free",
+        "center",
+        "mass",
+        "radius",
+        "gravity",
+        "applied",
+        "tolerance",
+    ):
+        text.update(getattr(program, name).tobytes())
+    return text.digest()
+
+
+@contextmanager
+def each_solver(test: str, file: Path) -> Iterator[None]:
+    """Asks each solver about the programs of a test, after it, and adds a row to a file."""
+    with recorded() as programs:
+        yield
+    small = [one for one in programs.values() if len(one.part_a) <= LARGEST and one.free.any()]
+    row: dict[str, Any] = dict.fromkeys(COLUMNS, 0)
+    row |= {"test": test, "programs": len(small), "larger": len(programs) - len(small)}
+    wrong = []
+    for program in small:
+        known = judge(program).stable
+        for solver, side in sides(program).items():
+            row[f"{solver} {'open' if side is None else 'proved'}"] += 1
+            if side is not None and side is not known:
+                wrong.append((solver, side, known, program))
+    if small:
+        new = not file.exists()
+        with file.open("a", newline="", encoding="utf-8") as stream:
+            writer = csv.DictWriter(stream, COLUMNS, lineterminator="\n")
+            if new:
+                writer.writeheader()
+            writer.writerow(row)
+    assert not wrong

@@ -1,0 +1,103 @@
+"""Each solver by itself proves the same side; where one has no proof, the next is asked."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from judged import program_of
+from solvers_apart import each_solver, recorded, sides
+
+from kilter import check
+from kilter.analysis import judge as judging
+from kilter.analysis.judge import SOLVERS, judge
+from kilter.analysis.margins.load_limit import find_limit, gravity_wrench
+from kilter.scenes import arches, scene, stacks, walls
+from kilter.scenes.registry import SCENES
+
+BESIDE = (1e-2, 1e-4, 1e-5)
+"""Of a limit."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted(SCENES))
+def test_all_programs_of_a_scene(name):
+    with recorded() as programs:
+        check(scene(name))
+    assert programs
+    for program in programs.values():
+        known = judge(program).stable
+        assert set(sides(program).values()) <= {known, None}
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.5])
+def test_a_block_on_a_slope_is_proved_by_each(friction):
+    limit = float(np.degrees(np.arctan(friction)))
+    above = program_of(stacks.block_on_slope(limit + 0.1, friction=friction))
+    assert sides(above) == dict.fromkeys(SOLVERS, False)
+    if friction:
+        below = program_of(stacks.block_on_slope(limit - 0.1, friction=friction))
+        assert sides(below) == dict.fromkeys(SOLVERS, True)
+
+
+@pytest.mark.parametrize("planar", [False, True])
+def test_an_arch_in_a_plane_and_in_space(planar):
+    for friction, stands in ((0.05, False), (0.7, True)):
+        program = program_of(arches.arch(9, friction=friction, planar=planar))
+        assert sides(program) == dict.fromkeys(SOLVERS, stands)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(8))
+def test_walls_and_arches_beside_their_limits(seed):
+    random = np.random.default_rng(seed)
+    friction = float(random.uniform(0.5, 0.9))
+    assembly = (
+        arches.arch(int(random.integers(5, 20)), friction=friction, planar=False)
+        if seed % 2
+        else walls.wall(*(int(k) for k in random.integers(2, 5, 2)), friction=friction)
+    )
+    program, turn = program_of(assembly), float(random.uniform(0, 2 * np.pi))
+    aside = np.array([np.cos(turn), np.sin(turn), 0.0])
+    limit = find_limit(program, gravity_wrench(program, aside))
+    assert limit.value > 0
+    for beside in BESIDE:
+        for held in (True, False):
+            if not held and beside * limit.value <= limit.gap * max(1.0, limit.value):
+                continue  # which side that is, nothing has proved
+            share = limit.value * (1 - beside if held else 1 + beside)
+            turned = program.turned(program.down + share * aside)
+            assert set(sides(turned).values()) <= {held, None}
+            assert judge(turned).stable is held
+
+
+def test_no_proof_of_one_is_asked_of_the_next(monkeypatch):
+    program = program_of(walls.wall(5, 5, friction=0.6))
+    assert judge(program).solvers[0].startswith("load factor in cones: kilter")
+    monkeypatch.setattr(judging, "iterates", lambda cones: iter(()))
+    assert judge(program, solver="kilter").stable is None
+    fallen_back = judge(program)
+    assert fallen_back.stable
+    assert "no proof" in fallen_back.solvers[0]
+    assert "clarabel" in fallen_back.solvers[1]
+
+
+def test_a_proof_of_the_other_side_is_found(monkeypatch, tmp_path):
+    tower = stacks.tower(3)
+    with each_solver("tower", tmp_path / "sides.csv"):
+        check(tower)
+    head, row = (tmp_path / "sides.csv").read_text().splitlines()
+    assert head.startswith("test,programs,larger,kilter proved")
+    assert row == "tower,1,0,1,0,1,0,1,0"
+    answer = judging.judge
+
+    def lying(program, *, work=None, solver=None):
+        said = answer(program, work=work, solver=solver)
+        return dataclasses.replace(said, stable=not said.stable) if solver == "highs" else said
+
+    import solvers_apart
+
+    monkeypatch.setattr(solvers_apart, "judge", lying)
+    with pytest.raises(AssertionError), each_solver("tower", tmp_path / "sides.csv"):
+        check(tower)
