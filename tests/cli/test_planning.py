@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import kilter
 from kilter.cli import main
+from kilter.scenes import scene
 from kilter.scenes.arches import arch
 
 
@@ -111,3 +113,27 @@ def test_films_and_figures_are_written_where_there_are_steps(
     assert "With nothing held there is no order" in told.out
     assert "not written: there are no steps to show" in told.err
     assert not made.exists()
+
+
+@pytest.mark.parametrize("page", [[], ["-o", "plan.html"]])
+def test_an_earlier_proof_stays_where_there_is_none_and_that_is_said(
+    page: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    kilter.dump(scene("tower"), "tower.json")
+    Path("p.json").write_text("earlier")
+    Path("order.txt").write_text("\n".join(f"cube-{k}" for k in (5, 4, 3, 2, 1)))
+    words = ["plan", "tower.json", "--sequence", "order.txt", "--proof", "p.json", *page]
+    assert main(words) == 1
+    assert "p.json is left as it was" in capsys.readouterr().err
+    assert Path("p.json").read_text() == "earlier"
+
+
+@pytest.mark.parametrize("command", ["check", "plan", "hold", "region", "margin"])
+def test_a_proof_is_never_written_over_the_file(command: str, tmp_path: Path, capsys: Any) -> None:
+    path = tmp_path / "tower.json"
+    kilter.dump(scene("tower"), path)
+    before = path.read_text()
+    assert main([command, str(path), "--proof", str(path)]) == 2
+    assert "would be written over" in capsys.readouterr().err
+    assert path.read_text() == before

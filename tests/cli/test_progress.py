@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import io
+import os
 import re
+import subprocess
+import sys
 import time
 from types import SimpleNamespace
 
@@ -74,3 +77,15 @@ def test_nothing_is_said(where: str, terminal: Terminal, monkeypatch: pytest.Mon
         progress("reading")
         time.sleep(0.05)
     assert terminal.getvalue() == ""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="pipes of the shell")
+@pytest.mark.parametrize("words", [["check", "--help"], ["example"]])
+def test_a_reader_that_has_seen_enough_ends_it_well(words: list[str]) -> None:
+    told, telling = os.pipe()
+    os.close(told)
+    done = subprocess.run(
+        [sys.executable, "-m", "kilter", *words], stdout=telling, stderr=subprocess.PIPE
+    )
+    os.close(telling)
+    assert (done.returncode, done.stderr) == (0, b"")

@@ -6,15 +6,14 @@ see `kilter.cli.exit_codes`.
 
 from __future__ import annotations
 
-import re
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 from kilter.cli.exit_codes import FAULT, INTERRUPTED, USAGE, WRITTEN
 from kilter.cli.interruption import end_interrupted, interruptible
+from kilter.cli.mistakes import fault_words, usage_words
 from kilter.threads import make_no_threads
 
 __all__ = ["main"]
@@ -70,6 +69,10 @@ def _run(words: list[str]) -> int:
         if result == INTERRUPTED:  # the parser of options turns an interruption into its code
             raise KeyboardInterrupt
         return int(result or 0)
+    except SystemExit as ended:  # what the parser of options makes of a pipe that is closed
+        if isinstance(ended.__context__, BrokenPipeError):
+            raise BrokenPipeError from None
+        raise
     except typer.Exit as ended:
         return int(ended.exit_code)
     except (typer.Abort, EOFError):
@@ -81,40 +84,11 @@ def _run(words: list[str]) -> int:
         raise
     except Exception as error:
         if hasattr(error, "format_message"):  # a usage error of the parser of options
-            _say(_usage(error))
+            _say(usage_words(error))
             return USAGE
-        _say(_fault(error, words))
+        _say(fault_words(error, words))
         return FAULT
-
-
-def _usage(error: Any) -> str:
-    """What the parser of options has to say, in one line."""
-    context = getattr(error, "ctx", None)
-    path = context.command_path if context is not None else "kilter"
-    message = " ".join(error.format_message().split()).rstrip(".")
-    message = message.replace("Value error, ", "")
-    named = re.match(r"Invalid value for (.+?): Input should be a valid (\w+)", message)
-    if named:
-        wanted = {"number": "a number", "integer": "a whole number"}.get(named[2], f"a {named[2]}")
-        message = f"what is given with {named[1]} is not {wanted}"
-    return f"{message}; see '{path} --help'"
 
 
 def _say(message: str) -> None:
     print(f"kilter: {message}", file=sys.stderr)
-
-
-def _fault(error: Exception, words: list[str]) -> str:
-    """What went wrong inside, where, and how to report it; one line."""
-    import traceback
-
-    import kilter
-
-    last = traceback.extract_tb(error.__traceback__)[-1]
-    module = last.filename.replace("\\", "/").rsplit("/kilter/", 1)[-1]
-    detail = " ".join(str(error).split())[:200]
-    return (
-        f"a fault of kilter itself: {type(error).__name__}: {detail} "
-        f"(kilter {kilter.__version__}, {module}:{last.lineno}); please report it with the "
-        f"command 'kilter {' '.join(words)}' and the file"
-    )

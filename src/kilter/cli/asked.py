@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from kilter.cli.arguments import contact_tolerance, reading_of
-from kilter.cli.output import as_json, emit, keep_apart, tell_warnings
+from kilter.cli.output import as_json, emit, keep_apart, tell_warnings, write_whole
 from kilter.errors import InputError
 from kilter.files.formats import EXACT
 from kilter.files.reading import LOWEST, Reading
@@ -40,7 +40,7 @@ class Asked:
     time_limit : float or None
         [s]
     json, quiet : bool
-    output : Path or None
+    output, proof : Path or None
     """
 
     file: str
@@ -51,6 +51,7 @@ class Asked:
     time_limit: float | None
     json: bool
     output: Path | None
+    proof: Path | None
     quiet: bool
 
     @classmethod
@@ -86,6 +87,7 @@ class Asked:
             time_limit=None if limit is None else _at_least_none(limit, "--time-limit", "SECONDS"),
             json=given.get("json", False),
             output=given.get("output"),
+            proof=given.get("proof"),
             quiet=given["quiet"],
         )
         asked.apart()
@@ -99,7 +101,7 @@ class Asked:
 
     def apart(self, *outputs: Path | None) -> None:
         """Refuse to write over the file, or two answers to one file."""
-        keep_apart(self.file or "-", self.output, *outputs)
+        keep_apart(self.file or "-", self.output, self.proof, *outputs)
 
     def read(self, progress: Callable[[str], None]) -> tuple[Assembly, ContactSet | None]:
         """The assembly, and its contacts where they had to be found to read it."""
@@ -114,6 +116,26 @@ class Asked:
             import kilter.solvers.highs  # noqa: F401
         assembly = self.reading.read(self.file, progress=progress)
         return fasten_as_read(assembly, self.reading, tolerance=self.tolerance, progress=progress)
+
+    def keep_proof(self, made: Callable[..., dict[str, Any]] | None, answer: dict[str, Any]) -> str:
+        """Write the proof where that was asked for; the line that says so.
+
+        Parameters
+        ----------
+        made : callable or None
+            Gives the proof, from the options of reading; None where there is none.
+        answer : dict
+            Gets a warning where a file of an earlier proof stays.
+        """
+        if self.proof is None:
+            return ""
+        if made is not None:
+            write_whole(self.proof, as_json(made(options=self.reading.options())))
+            return f"\nproof file   written to {self.proof}"
+        if self.proof.exists():
+            caution = f"there is no proof to write: {self.proof} is left as it was"
+            answer["warnings"] = [*answer.get("warnings", ()), caution]
+        return "\nproof file   none to write"
 
     def tell(self, answer: Mapping[str, Any], *more: Table, after: str = "") -> None:
         """Warnings on the error stream, the answer as JSON or as text.

@@ -11,7 +11,7 @@ import typer
 
 from kilter.cli.asked import Asked
 from kilter.cli.exit_codes import SOME_ERRORS, WRITTEN
-from kilter.cli.options import FORM, Json, asks
+from kilter.cli.options import FORM, Json, Require, asks
 from kilter.cli.output import as_json, emit
 from kilter.tell.levels import REQUIRE, require_level
 
@@ -54,22 +54,15 @@ def batch(
             show_default=False,
         ),
     ] = None,
-    require: Annotated[
-        str,
-        typer.Option(
-            "--require",
-            metavar="LEVEL",
-            help="What the column 'stable' means: equilibrium, settles or proved.",
-            rich_help_panel=FORM,
-        ),
-    ] = REQUIRE,
+    require: Require = REQUIRE,
     json: Json = False,
 ) -> int:
     """Verdicts of many assemblies, written to a folder as tables, resumable.
 
     FILE is a folder of assemblies, or a text file with a path a line. The tables are Parquet with
     kilter's extra "batch", else CSV. Run again, it goes on with what is not there yet; an
-    assembly that cannot be judged is a row with its error.
+    assembly that cannot be judged is a row with its error. The column 'stable' says whether it
+    holds at the level of --require.
 
     Exit 0 all rows are written, whatever the verdicts; 1 some are errors.
     """

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from enum import StrEnum
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -11,13 +10,11 @@ import typer
 from kilter.cli.asked import Asked
 from kilter.cli.exit_codes import ORIENT, WRITTEN
 from kilter.cli.options import FORM, asks
-from kilter.cli.output import Progress, as_json, write_whole
+from kilter.cli.output import Progress
 from kilter.errors import InputError
 
 if TYPE_CHECKING:
-    from kilter.analysis.margins.margin import Margin
     from kilter.analysis.margins.uncertainty import Ranges
-    from kilter.analysis.regions.region import Region
 
 __all__ = ["margin", "orient", "region"]
 
@@ -66,19 +63,7 @@ def orient(
     return ORIENT[answer.verdict]
 
 
-Proof = Annotated[
-    Path | None,
-    typer.Option(
-        "--proof",
-        metavar="P.json",
-        help="Write the proofs here; 'kilter verify FILE P.json' rechecks them.",
-        rich_help_panel=FORM,
-        show_default=False,
-    ),
-]
-
-
-@asks()
+@asks(proves=True)
 def region(
     asked: Asked,
     files: Annotated[
@@ -91,7 +76,6 @@ def region(
             "--common", help="The directions stable for all of the files: no reorientation between."
         ),
     ] = False,
-    proof: Proof = None,
 ) -> int:
     """Every direction of gravity for which it stays: exactly, with a proof for each boundary.
 
@@ -101,6 +85,10 @@ def region(
     from kilter.analysis.regions.region import common_region
     from kilter.analysis.regions.region import region as find
 
+    if common and asked.proof is not None:
+        raise InputError(
+            "a common region has proofs about several files", hint="ask each by itself for its own"
+        )
     if len(files) > 1 and not common:
         raise InputError(f"{len(files)} files are given", hint="add --common, or give one")
     tolerance = asked.tolerance
@@ -112,20 +100,12 @@ def region(
         else:
             [(assembly, contacts)] = given
             answer = find(assembly, contacts=contacts, tolerance=tolerance, progress=progress)
-    asked.tell(answer.to_dict(), after=_written(asked, proof, answer))
+    told = answer.to_dict()
+    asked.tell(told, after=asked.keep_proof(answer.proof, told))
     return WRITTEN
 
 
-def _written(asked: Asked, proof: Path | None, answer: Region | Margin) -> str:
-    """Write the proofs where that was asked for; a line that says so."""
-    if proof is None:
-        return ""
-    asked.apart(proof)
-    write_whole(proof, as_json(answer.proof(options=asked.reading.options())))
-    return f"\nproof file  written to {proof}"
-
-
-@asks(searches=True)
+@asks(searches=True, proves=True)
 def margin(
     asked: Asked,
     push: Annotated[
@@ -209,7 +189,6 @@ def margin(
             show_default=False,
         ),
     ] = None,
-    proof: Proof = None,
 ) -> int:
     """By how much does it hold: tilt, least friction, load factor, the push each part resists.
 
@@ -235,7 +214,8 @@ def margin(
             time_limit=asked.time_limit,
             progress=progress,
         )
-    asked.tell(found.to_dict(), after=_written(asked, proof, found))
+    told = found.to_dict()
+    asked.tell(told, after=asked.keep_proof(found.proof, told))
     return WRITTEN
 
 

@@ -9,8 +9,8 @@ import typer
 
 from kilter.cli.asked import Asked
 from kilter.cli.exit_codes import HOLD, INTERRUPTED
-from kilter.cli.options import FORM, asks
-from kilter.cli.output import Progress, as_json, write_whole
+from kilter.cli.options import asks
+from kilter.cli.output import Progress
 from kilter.errors import InputError
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ __all__ = ["hold"]
 MAY = "What may hold it"
 
 
-@asks(searches=True)
+@asks(searches=True, proves=True)
 def hold(
     asked: Asked,
     candidates: Annotated[
@@ -46,16 +46,6 @@ def hold(
             show_default=False,
         ),
     ] = None,
-    proof: Annotated[
-        Path | None,
-        typer.Option(
-            "--proof",
-            metavar="P.json",
-            help="Write the proofs here; 'kilter verify FILE P.json' rechecks them.",
-            rich_help_panel=FORM,
-            show_default=False,
-        ),
-    ] = None,
 ) -> int:
     """What is the least that must be held so that it stays, and where?
 
@@ -66,7 +56,6 @@ def hold(
     """
     from kilter.analysis.planning.hold import hold as find
 
-    asked.apart(proof)
     with Progress(asked.quiet) as progress:
         assembly, contacts = asked.read(progress)
         fixture = find(
@@ -79,13 +68,10 @@ def hold(
             tolerance=asked.tolerance,
             progress=progress,
         )
-    after = ""
-    if proof is not None and fixture.verdict != "undecided":
-        write_whole(proof, as_json(fixture.proof(options=asked.reading.options())))
-        after = f"\nproof file  written to {proof}"
-    elif proof is not None:
-        after = "\nproof file  none to write"
-    asked.tell(fixture.to_dict(), after=after)
+    answer = fixture.to_dict()
+    proved = fixture.verdict != "undecided"
+    after = asked.keep_proof(fixture.proof if proved else None, answer)
+    asked.tell(answer, after=after)
     return INTERRUPTED if fixture.interrupted else HOLD[fixture.verdict]
 
 

@@ -11,7 +11,7 @@ import typer
 
 from kilter.cli.asked import Asked
 from kilter.cli.exit_codes import HOLDS, LOWER, VERDICT, VERIFY, WRITTEN
-from kilter.cli.options import FORM, File, Json, Output, Quiet, asks
+from kilter.cli.options import FORM, File, Json, Output, Quiet, Require, asks
 from kilter.cli.output import Progress, as_json, emit, keep_apart, write_whole
 from kilter.errors import InputError
 from kilter.tell.levels import REQUIRE
@@ -22,28 +22,10 @@ if TYPE_CHECKING:
 __all__ = ["check", "contacts", "example", "verify"]
 
 
-@asks(searches=True)
+@asks(searches=True, proves=True)
 def check(
     asked: Asked,
-    proof: Annotated[
-        Path | None,
-        typer.Option(
-            "--proof",
-            metavar="P.json",
-            help="Write the proof here; 'kilter verify FILE P.json' rechecks it.",
-            rich_help_panel=FORM,
-            show_default=False,
-        ),
-    ] = None,
-    require: Annotated[
-        str,
-        typer.Option(
-            "--require",
-            metavar="LEVEL",
-            help="What exit 0 means: equilibrium, settles, proved or strict.",
-            rich_help_panel=FORM,
-        ),
-    ] = REQUIRE,
+    require: Require = REQUIRE,
     measures: Annotated[
         bool,
         typer.Option(
@@ -83,7 +65,6 @@ def check(
     from kilter.tell.tables import forces_table
     from kilter.tell.text import suggestions_text
 
-    asked.apart(proof)
     with Progress(asked.quiet) as progress:
         started = time.perf_counter()
         assembly, found = asked.read(progress)
@@ -102,15 +83,7 @@ def check(
         progress("motion")
         answer = verdict.to_dict()
     answer["seconds"] |= {"read": read, "total": time.perf_counter() - started}
-    after = ""
-    if proof is not None and verdict.certificate is not None:
-        write_whole(proof, as_json(verdict.proof(options=asked.reading.options())))
-        after = f"\nproof file   written to {proof}"
-    elif proof is not None:
-        after = "\nproof file   none to write"
-        if proof.exists():
-            caution = f"undecided: no proof to write, {proof} is left as it was"
-            answer["warnings"].append(caution)
+    after = asked.keep_proof(None if verdict.certificate is None else verdict.proof, answer)
     if not suggest and verdict.verdict != "stable" and not asked.json:
         after = _hint(verdict) + after
     if suggest:

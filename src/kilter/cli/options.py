@@ -16,7 +16,7 @@ import typer
 from kilter.cli.asked import Asked
 from kilter.work import EFFORT
 
-__all__ = ["FORM", "File", "Json", "Output", "Quiet", "asks"]
+__all__ = ["FORM", "File", "Json", "Output", "Quiet", "Require", "asks"]
 
 HELD = "What is held, and how it lies"
 TOUCH = "When faces count as touching"
@@ -210,6 +210,25 @@ FastenOverlaps = Annotated[
         rich_help_panel=HELD,
     ),
 ]
+Require = Annotated[
+    str,
+    typer.Option(
+        "--require",
+        metavar="LEVEL",
+        help="The level at which it counts as holding: equilibrium, settles, proved or strict.",
+        rich_help_panel=FORM,
+    ),
+]
+Proof = Annotated[
+    Path | None,
+    typer.Option(
+        "--proof",
+        metavar="P.json",
+        help="Write the proof here; 'kilter verify FILE P.json' rechecks it.",
+        rich_help_panel=FORM,
+        show_default=False,
+    ),
+]
 Json = Annotated[
     bool, typer.Option("--json", help="Answer as JSON, nothing else.", rich_help_panel=FORM)
 ]
@@ -258,7 +277,7 @@ FORMS: dict[str, tuple[Any, Any]] = {"json": (Json, False), "output": (Output, N
 
 
 def asks(
-    *, searches: bool = False, answers: bool = True
+    *, searches: bool = False, proves: bool = False, answers: bool = True
 ) -> Callable[[Callable[..., int]], Callable[..., int]]:
     """Give a command ``act(asked, **own)`` the options that commands share.
 
@@ -266,6 +285,8 @@ def asks(
     ----------
     searches : bool
         The command searches for motions with friction: ``--effort`` and ``--time-limit``.
+    proves : bool
+        The answer has a proof that can be kept: ``--proof``.
     answers : bool
         The command has an answer: ``--json`` and ``--output``. Else it writes a page or a
         figure, and says itself where.
@@ -274,7 +295,8 @@ def asks(
     def made(act: Callable[..., int]) -> Callable[..., int]:
         _, *own = inspect.signature(act, eval_str=True).parameters.values()
         shared = READING | (SEARCHING if searches else {})
-        last = (FORMS if answers else {}) | {"quiet": (Quiet, False)}
+        kept = {"proof": (Proof, None)} if proves else {}
+        last = kept | (FORMS if answers else {}) | {"quiet": (Quiet, False)}
         several = any(one.name == "files" for one in own)
         first = [] if several else [_parameter("file", File)]
         parameters = [

@@ -16,12 +16,14 @@ if TYPE_CHECKING:
 __all__ = ["as_typed", "written"]
 
 
-def written(order: Order, asked: Asked, typed: list[str]) -> bool:
+def written(order: Order, answer: dict[str, Any], asked: Asked, typed: list[str]) -> bool:
     """Write a plan; False where the ending of the file asks for its text or JSON.
 
     Parameters
     ----------
     order : Order
+    answer : dict
+        Its data, with what the command warns of besides.
     asked : Asked
         Has an output.
     typed : list of str
@@ -43,7 +45,7 @@ def written(order: Order, asked: Asked, typed: list[str]) -> bool:
         )
     elif ending in (*publish.FILMS, *SUFFIXES):
         if not order.found:
-            replace(asked, output=None).tell(order.to_dict())
+            replace(asked, output=None).tell(answer)
             return _told(asked, "not written: there are no steps to show")
         if ending in publish.FILMS:
             publish.animate(order, asked.output)
@@ -51,7 +53,7 @@ def written(order: Order, asked: Asked, typed: list[str]) -> bool:
             publish.draw(order, asked.output)
     else:
         return False
-    tell_warnings(order.to_dict()["warnings"], asked.quiet)
+    tell_warnings(answer["warnings"], asked.quiet)
     return _told(asked, order.verdict)
 
 

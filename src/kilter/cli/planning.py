@@ -10,9 +10,9 @@ import typer
 from kilter.cli.arguments import pair_of
 from kilter.cli.asked import Asked
 from kilter.cli.exit_codes import HOLDS, INTERRUPTED, LOWER, PLAN
-from kilter.cli.options import FORM, asks
+from kilter.cli.options import Require, asks
 from kilter.cli.order_files import as_typed, written
-from kilter.cli.output import Progress, as_json, write_whole
+from kilter.cli.output import Progress
 from kilter.errors import InputError
 from kilter.files.sequence import read_sequence
 
@@ -21,7 +21,7 @@ __all__ = ["plan"]
 ORDER = "What an order may be"
 
 
-@asks(searches=True)
+@asks(searches=True, proves=True)
 def plan(
     asked: Asked,
     hold: Annotated[
@@ -133,25 +133,7 @@ def plan(
             rich_help_panel=ORDER,
         ),
     ] = False,
-    require: Annotated[
-        str,
-        typer.Option(
-            "--require",
-            metavar="LEVEL",
-            help="What exit 0 asks of every step: equilibrium, settles or proved.",
-            rich_help_panel=FORM,
-        ),
-    ] = "equilibrium",
-    proof: Annotated[
-        Path | None,
-        typer.Option(
-            "--proof",
-            metavar="P.json",
-            help="Write the proofs here; 'kilter verify FILE P.json' rechecks them.",
-            rich_help_panel=FORM,
-            show_default=False,
-        ),
-    ] = None,
+    require: Require = "equilibrium",
 ) -> int:
     """In which order can it be put together, part by part, and what must be held at each step?
 
@@ -166,7 +148,6 @@ def plan(
     """
     from kilter.analysis.planning.plan import plan as find
 
-    asked.apart(proof)
     typed = as_typed(
         hold=hold,
         directions=directions,
@@ -203,14 +184,11 @@ def plan(
             tolerance=asked.tolerance,
             progress=progress,
         )
-    after = ""
-    if proof is not None and order.verdict in ("found", "impossible"):
-        write_whole(proof, as_json(order.proof(options=asked.reading.options())))
-        after = f"\nproof file  written to {proof}"
-    elif proof is not None:
-        after = "\nproof file  none to write"
-    if asked.output is None or not written(order, asked, typed):
-        asked.tell(order.to_dict(), after=after)
+    answer = order.to_dict()
+    proved = order.verdict in ("found", "impossible")
+    after = asked.keep_proof(order.proof if proved else None, answer)
+    if asked.output is None or not written(order, answer, asked, typed):
+        asked.tell(answer, after=after)
     if order.interrupted:
         return INTERRUPTED
     return PLAN[order.verdict] if not order.found else HOLDS if order.holds else LOWER
