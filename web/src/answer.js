@@ -88,7 +88,7 @@ export function balanceAt(rays, down) {
   for (const [k, share] of found) {
     for (let i = 0; i < size; i += 1) forces[i] += share * rays.forces[k * size + i];
   }
-  return { points: rays.points, parts: rays.parts, forces };
+  return { points: rays.points, parts: rays.parts, patch: rays.patch, forces };
 }
 
 /** The region with the facets of its inner hull, where it has a round boundary. */

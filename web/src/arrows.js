@@ -8,6 +8,7 @@ import {
   FrontSide,
   GLSL3,
   Group,
+  InstancedBufferAttribute,
   InstancedMesh,
   Matrix4,
   Quaternion,
@@ -54,6 +55,15 @@ export const straight = () =>
     [0, 1],
   ]);
 
+/** A rod of length 1 along y. */
+export const rod = () =>
+  lathe([
+    [0, 0],
+    [0.05, 0],
+    [0.05, 1],
+    [0, 1],
+  ]);
+
 /** A ball of radius 1, with its poles along y. */
 export const ball = () =>
   lathe(Array.from({ length: 9 }, (_, k) => [Math.sin((Math.PI * k) / 8), -Math.cos((Math.PI * k) / 8)]));
@@ -88,16 +98,18 @@ export class Arrows {
     this.material = painted(false);
     this.halo = painted(true);
     this.group = new Group();
-    this.shapes = { straight: straight(), round: round(), ball: ball() };
+    this.shapes = { straight: straight(), round: round(), ball: ball(), rod: rod() };
   }
 
   /**
    * Show arrows: `straight` and `round` are lists of {at, along, size, wide}; `along` need not
    * be of length 1; `wide` is the size that gives its thickness. Of a `ball`, `size` is the radius.
+   * `tint` goes from the colour, 0, to the second one, 1.
    */
   set(lists) {
     for (const child of [...this.group.children]) {
       this.group.remove(child);
+      child.geometry.dispose();
       child.dispose();
     }
     for (const [name, list] of Object.entries(lists)) {
@@ -107,7 +119,7 @@ export class Arrows {
         [this.material, 1],
       ]) {
         if (material === this.halo && list.length > 150) continue;
-        const mesh = new InstancedMesh(this.shapes[name], material, list.length);
+        const mesh = new InstancedMesh(tinted(this.shapes[name], list), material, list.length);
         mesh.frustumCulled = false;
         list.forEach((arrow, k) => mesh.setMatrixAt(k, matrix(arrow, name, grow)));
         this.group.add(mesh);
@@ -115,10 +127,21 @@ export class Arrows {
     }
   }
 
-  theme(colour, halo) {
+  theme(colour, halo, full = colour) {
     this.material.uniforms.ink.value.set(colour);
+    this.material.uniforms.full.value.set(full);
     this.halo.uniforms.ink.value.set(halo);
   }
+}
+
+/** A shape with a tint for each of its instances. */
+function tinted(shape, list) {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", shape.getAttribute("position"));
+  geometry.setIndex(shape.getIndex());
+  const tints = new Float32Array(list.map((one) => Math.min(1, one.tint || 0)));
+  geometry.setAttribute("tint", new InstancedBufferAttribute(tints, 1));
+  return geometry;
 }
 
 /** Colour lit a little, or the rim: the back faces of a thicker arrow, in one colour. */
@@ -127,7 +150,7 @@ const painted = (plain) =>
     glslVersion: GLSL3,
     vertexShader: arrowVertex,
     fragmentShader: arrowFace,
-    uniforms: { ink: { value: new Color() }, plain: { value: plain } },
+    uniforms: { ink: { value: new Color() }, full: { value: new Color() }, plain: { value: plain } },
     side: plain ? BackSide : FrontSide,
   });
 
@@ -138,6 +161,7 @@ function matrix({ at, along, size, wide }, name, grow) {
   const far = grow > 1 ? size + 0.02 * thick : size;
   const scales = {
     straight: [thick, far, thick],
+    rod: [thick, far, thick],
     round: [size, size * grow, size],
     ball: [size * grow, size * grow, size * grow],
   };

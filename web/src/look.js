@@ -48,7 +48,7 @@ export class Look {
       this.stage.draw();
     });
     on("force-size", "input", () => this.repose());
-    on("show-forces", "change", () => this.repose());
+    for (const name of ["show-forces", "force-mode", "show-thrust"]) on(name, "change", () => this.repose());
     on("show-motion", "change", () => this.repose());
     on("show-contacts", "change", () => {
       this.stage.parts.patches.visible = id("show-contacts").checked;
@@ -98,9 +98,11 @@ export class Look {
     const { loads } = this.page;
     const most = loads.reduce((m, load) => Math.max(m, Math.hypot(...load.force)), 0);
     const straight = loads
-      .filter((load) => Math.hypot(...load.force) > 0 && stage.parts.shown(load.part))
+      .filter((load) => Math.hypot(...load.force) > 0)
+      .map((load) => ({ ...load, at: stage.parts.placeOf(load.part, load.point) }))
+      .filter((load) => stage.parts.seen(load.part, load.at))
       .map((load) => ({
-        at: load.point || stage.parts.centre(load.part),
+        at: load.at,
         along: load.force,
         size: (this.long * Math.hypot(...load.force)) / most,
         wide: this.long,
@@ -117,7 +119,7 @@ export class Look {
     id("section").disabled = axis < 0;
     const normal = axis < 0 ? null : [0, 1, 2].map((k) => (k === axis ? sign : 0));
     this.stage.parts.section(normal, sign * this.page.radius * Number(id("section").value));
-    this.stage.draw();
+    this.repose();
   }
 
   picking() {

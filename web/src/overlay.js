@@ -1,10 +1,11 @@
 // What lies over the parts: arrows of motion and of forces, names.
 
 import { reachOf } from "./pose.js";
-import { local } from "./pose.js";
+import { resultants, thrust } from "./resultant.js";
+import { norm, scaled } from "./vector.js";
 import { short } from "./words.js";
 
-const MANY = 1500; // arrows of forces; above, the largest are shown
+const MANY = 6000; // arrows of forces; above, the largest are shown
 
 /** Arrows along the motion of each moving part: straight, and round where it turns. */
 export function motionArrows(stage, motion, moving, long) {
@@ -12,9 +13,9 @@ export function motionArrows(stage, motion, moving, long) {
   const { radius } = stage.page.parts;
   const scale = reachOf(motion, radius, long);
   for (const k of moving) {
-    if (!stage.parts.shown(k)) continue;
     const m = motion.subarray(6 * k, 6 * k + 6);
     const at = stage.parts.centre(k);
+    if (!stage.parts.seen(k, at)) continue;
     const far = scale * Math.hypot(m[0], m[1], m[2]);
     const swing = scale * radius[k] * Math.hypot(m[3], m[4], m[5]);
     const least = 0.02 * long;
@@ -29,30 +30,45 @@ export function motionArrows(stage, motion, moving, long) {
   return lists;
 }
 
-/** Arrows of contact forces, all to one scale: each on its second part. Returns the largest [N]. */
-export function forceArrows(stage, forces, long) {
-  const { points, parts, forces: f } = forces;
-  const sizes = Array.from({ length: points.length / 3 }, (_, k) =>
-    Math.hypot(f[3 * k], f[3 * k + 1], f[3 * k + 2]),
-  );
+/**
+ * Arrows of contact forces, all to one scale: each on its second part, or, where that is hidden or
+ * cut away, turned about on its first. `each`: at every point, not one a patch. Returns the
+ * arrows, the largest force [N], what is shown, as {part, force} [N], and what all are.
+ */
+export function forceArrows(stage, forces, long, each = false) {
+  const all = resultants(stage.page, each ? { ...forces, patch: null } : forces);
+  const sizes = all.map((one) => norm(one.force));
   const most = sizes.reduce((a, b) => Math.max(a, b), 0);
-  const order = sizes.map((_, k) => k).filter((k) => sizes[k] > 0.004 * most);
+  const order = sizes.map((_, k) => k).filter((k) => sizes[k] > 1e-9 * most);
   order.sort((a, b) => sizes[b] - sizes[a]);
-  const straight = [];
+  const [straight, shown] = [[], []];
   for (const k of order.slice(0, MANY)) {
-    const second = parts[2 * k + 1];
-    if (!stage.parts.shown(second)) continue;
-    const rest = points.subarray(3 * k, 3 * k + 3);
-    const at = stage.parts.carried(second, local(stage.page.parts, second, rest));
-    const size = (long * sizes[k]) / most;
-    straight.push({
-      at,
-      along: f.subarray(3 * k, 3 * k + 3),
-      size,
-      wide: Math.max(0.8 * size, 0.15 * long),
-    });
+    const { at: rest, parts, force, use } = all[k];
+    for (const [part, sign] of [[parts[1], 1], [parts[0], -1]]) {
+      const at = stage.parts.placeOf(part, rest);
+      if (!stage.parts.seen(part, at)) continue;
+      const size = (long * sizes[k]) / most;
+      const along = scaled(force, sign);
+      straight.push({ at, along, size, wide: Math.max(0.8 * size, 0.15 * long), tint: use || 0 });
+      shown.push({ part, other: parts[sign > 0 ? 0 : 1], force: along, at, use });
+      break;
+    }
   }
-  return { straight, most };
+  return { straight, most, shown, all };
+}
+
+/** Rods along the line of thrust, each with its part. */
+export function thrustRods(stage, all, long) {
+  const rod = [];
+  for (const { part, from, to } of thrust(stage.page, all)) {
+    const [a, b] = [stage.parts.placeOf(part, from), stage.parts.placeOf(part, to)];
+    const along = b.map((c, i) => c - a[i]);
+    const size = norm(along);
+    if (size > 0 && stage.parts.seen(part, a) && stage.parts.seen(part, b)) {
+      rod.push({ at: a, along, size, wide: 0.35 * long, tint: 0 });
+    }
+  }
+  return rod;
 }
 
 /** A ball where each open pair meets; it goes with the second part. */
@@ -62,10 +78,9 @@ export function openMarks(stage) {
   const balls = [];
   for (let k = 0; k < parts.length / 2; k += 1) {
     const [first, second] = parts.subarray(2 * k, 2 * k + 2);
-    if (!stage.parts.shown(first) && !stage.parts.shown(second)) continue;
-    const rest = at.subarray(3 * k, 3 * k + 3);
-    const carried = stage.parts.carried(second, local(stage.page.parts, second, rest));
-    balls.push({ at: carried, along: [0, 1, 0], size });
+    const now = stage.parts.placeOf(second, at.subarray(3 * k, 3 * k + 3));
+    if (!stage.parts.seen(first, now) && !stage.parts.seen(second, now)) continue;
+    balls.push({ at: now, along: [0, 1, 0], size });
   }
   return { ball: balls };
 }

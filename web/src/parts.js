@@ -170,6 +170,14 @@ export class Parts {
     return Boolean(this.visible[k] && this.present[k]);
   }
 
+  /** Whether a part is shown and a point of it, in the frame of the assembly, is not cut away. */
+  seen(k, point) {
+    const { cutting, plane } = this.shared;
+    const { x, y, z, w } = plane.value;
+    const cut = cutting.value && x * point[0] + y * point[1] + z * point[2] > w;
+    return this.shown(k) && !cut;
+  }
+
   /** Hidden, moving, gripped and selected parts, as they now are. */
   states() {
     for (let k = 0; k < this.count; k += 1) {
@@ -184,6 +192,11 @@ export class Parts {
   centre(k) {
     const rest = this.page.parts.center.subarray(3 * k, 3 * k + 3);
     return this.carried(k, local(this.page.parts, k, rest));
+  }
+
+  /** Where a point of a part at rest now is; without one, its centre of mass. */
+  placeOf(k, rest) {
+    return rest ? this.carried(k, local(this.page.parts, k, rest)) : this.centre(k);
   }
 
   /** Where a point of a part's own frame now is, in the frame of the assembly. */

@@ -41,6 +41,7 @@ export class Plan extends Look {
 
   controls() {
     const { plan } = this.page;
+    for (const name of ["force-mode", "thrust"]) id(`${name}-row`).hidden = true; // of one answer, not of steps
     for (const name of ["player", "step-card"]) id(name).hidden = !this.count;
     if (!this.count) {
       id("show-forces").disabled = true;

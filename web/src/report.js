@@ -5,7 +5,7 @@ import { Ball } from "./ball.js";
 import { distance, isThin, nearest } from "./cone.js";
 import { Look, id, on } from "./look.js";
 import { deepest } from "./map.js";
-import { forceArrows, motionArrows } from "./overlay.js";
+import { forceArrows, motionArrows, thrustRods } from "./overlay.js";
 import { keepPlace } from "./place.js";
 import { reachOf } from "./pose.js";
 import { angleBetween, unit } from "./vector.js";
@@ -99,14 +99,28 @@ export class Report extends Look {
     let label = found.forces ? "contact forces" : "contact forces: none to show here";
     const forces = found.forces && id("show-forces").checked;
     if (forces) {
-      const share = found.forces.points.length > 300 ? 0.3 : 0.5;
-      const size = share * this.page.radius * Number(id("force-size").value);
-      const { straight, most } = forceArrows(stage, found.forces, size);
-      stage.forces.set({ straight });
+      const size = this.forceLength() * Number(id("force-size").value);
+      const each = id("force-mode").value === "point";
+      const { straight, most, shown, all } = forceArrows(stage, found.forces, size, each);
+      const rod = id("show-thrust").checked ? thrustRods(stage, all, 0.5 * this.long) : [];
+      stage.forces.set({ straight, rod });
+      this.shown = shown;
+      id("use-key").hidden = !all.some((one) => one.use !== null);
       label = `contact forces ${found.forceWords || `at points up to ${force(most)}`}`;
-    } else stage.forces.set({});
+    } else {
+      stage.forces.set({});
+      this.shown = [];
+      id("use-key").hidden = true;
+    }
     id("force-label").textContent = label;
     this.marks();
+  }
+
+  /** Of the longest arrow of a force: within a part or two, so that each is seen by itself. */
+  forceLength() {
+    const { radius, parts } = this.page;
+    const largest = parts.radius.reduce((most, r, k) => (parts.grounded[k] ? most : Math.max(most, r)), 0);
+    return Math.min(0.4 * radius, 1.8 * largest || radius);
   }
 
   /** Verdict, margin and moving parts in words. */

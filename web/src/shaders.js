@@ -166,8 +166,11 @@ void main() {
 `;
 
 export const arrow = `
+in float tint;
 out vec3 seen;
+flat out float share;
 void main() {
+  share = tint;
   vec4 view = modelViewMatrix * instanceMatrix * vec4(position, 1.0);
   seen = view.xyz;
   gl_Position = projectionMatrix * view;
@@ -176,12 +179,14 @@ void main() {
 
 export const arrowFace = `precision highp float;
 uniform vec3 ink;
+uniform vec3 full;
 uniform bool plain;
 in vec3 seen;
+flat in float share;
 out vec4 result;
 void main() {
   vec3 n = normalize(cross(dFdx(seen), dFdy(seen)));
   float key = max(dot(n, normalize(vec3(-0.35, 0.75, 0.55))), 0.0);
-  result = vec4(plain ? ink : ink * (0.8 + 0.3 * key), 1.0);
+  result = vec4(plain ? ink : mix(ink, full, share) * (0.8 + 0.3 * key), 1.0);
 }
 `;

@@ -264,7 +264,7 @@ export class Stage {
   theme(style) {
     this.parts.theme(style);
     this.motion.theme(style("unstable"), style("surface"));
-    this.forces.theme(style("force"), style("surface"));
+    this.forces.theme(style("force"), style("surface"), style("limit"));
     this.hands.theme(style("grip"), style("surface"));
     this.loads.theme(style("ink"), style("surface"));
     this.open.theme(style("open"), style("ink"));

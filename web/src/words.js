@@ -2,10 +2,13 @@
 
 import { isThin } from "./cone.js";
 
+const NO_ANGLE = 1e-9; // degrees, as in `kilter.tell.numbers`
+
 /** An angle [rad] in degrees with sensible digits. */
 export function degrees(angle) {
   const d = (angle * 180) / Math.PI;
-  return `${d === 0 ? "0" : d < 0.01 ? d.toExponential(1) : d < 10 ? d.toFixed(2) : d.toFixed(1)}°`;
+  // what rounding leaves of none is none
+  return `${Math.abs(d) < NO_ANGLE ? "0" : d < 0.01 ? number(d, 2) : d < 10 ? d.toFixed(2) : d.toFixed(1)}°`;
 }
 
 export const number = (value, digits = 4) =>

@@ -7,7 +7,6 @@ an assembly far from the origin keeps its digits.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,6 +27,8 @@ if TYPE_CHECKING:
 __all__ = ["build_scene", "build_things"]
 
 
+SAME = 1e-12
+"""Points this close are one [size of the largest part]."""
 HELD_IN_VIEW = 1.5
 """Held parts reach at most this much farther than the free ones in the first view [-]."""
 
@@ -41,7 +42,7 @@ def build_scene(answers: Everything) -> dict[str, Any]:
         "given": _orientation(answers, answers.given, center),
         "recommended": None if recommended is None else _orientation(answers, recommended, center),
         "region": _region(answers),
-        "rays": _rays(answers.rays, center),
+        "rays": _rays(answers, center),
         "map": _map(answers.map),
         "notes": list(answers.notes),
     }
@@ -126,12 +127,21 @@ def _patches(contacts: ContactSet, center: Array) -> dict[str, Any]:
         "start": pack(contacts.patch_start, "index"),
         "points": pack(contacts.points - center),
         "normal": pack(contacts.patch_normal),
+        "normals": pack(contacts.normals) if _curved(contacts) else None,
         "area": pack(contacts.patch_area, "f8"),
         "gap": pack(contacts.patch_gap[np.arange(len(contacts)), widest], "f8"),
         "mu": pack(contacts.patch_mu, "f8"),
         "kinds": [str(word) for word in kinds],
         "kind": pack(kind, "index"),
     }
+
+
+def _curved(contacts: ContactSet) -> bool:
+    """Whether normals differ within a patch."""
+    start = contacts.patch_start
+    return not np.array_equal(
+        contacts.normals, np.repeat(contacts.patch_normal, np.diff(start), axis=0)
+    )
 
 
 def _open_pairs(contacts: ContactSet, center: Array) -> dict[str, Any]:
@@ -165,27 +175,37 @@ def _orientation(answers: Everything, one: Answered, center: Array) -> dict[str,
         "motion": pack(motion) if moves.any() else None,
         "moves": pack(moves, "u1"),
         "words": words,
-        "forces": None if one.balance is None else _balance(one.balance, center),
+        "forces": None if one.balance is None else _balance(one.balance, answers.contacts, center),
         "force_words": forces_phrase(check["forces"]),
     }
 
 
-def _balance(balance: Balance, center: Array) -> dict[str, Any]:
+def _balance(balance: Balance, contacts: ContactSet, center: Array) -> dict[str, Any]:
+    return {**_points(balance, contacts, center), "forces": pack(balance.forces)}
+
+
+def _points(balance: Balance, contacts: ContactSet, center: Array) -> dict[str, Any]:
+    """Where forces act, on which parts, and of which patch: None where they are not its points."""
+    reach = SAME * float(contacts.assembly.geometry.size.max())
+    same = len(balance.points) == len(contacts.points) and bool(
+        (np.abs(balance.points - contacts.points) <= reach).all()
+    )
+    patch = np.repeat(np.arange(len(contacts)), np.diff(contacts.patch_start))
     return {
         "points": pack(balance.points - center),
         "parts": pack(balance.parts, "index"),
-        "forces": pack(balance.forces),
+        "patch": pack(patch, "index") if same else None,
     }
 
 
-def _rays(rays: Sequence[Balance], center: Array) -> dict[str, Any] | None:
+def _rays(answers: Everything, center: Array) -> dict[str, Any] | None:
     """Forces at the same points for several directions; None where there are none to show."""
+    rays = answers.rays
     if not rays or any(len(ray.points) != len(rays[0].points) for ray in rays):
         return None
     return {
         "downs": [ray.down.tolist() for ray in rays],
-        "points": pack(rays[0].points - center),
-        "parts": pack(rays[0].parts, "index"),
+        **_points(rays[0], answers.contacts, center),
         "forces": pack(np.array([ray.forces for ray in rays])),
     }
 

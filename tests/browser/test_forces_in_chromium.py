@@ -1,0 +1,96 @@
+"""Forces on the page: one a patch, in balance with every weight, gone where hidden or cut."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import kilter
+from kilter.scenes import scene
+
+pytestmark = pytest.mark.browser
+
+BALANCED = [
+    "tower",
+    "wall",
+    "arch",
+    "arch-with-held-ends",
+    "corner-wedges",
+    "ladder",
+    "bracket",
+    "trough",
+    "three-cylinders",
+    "slope-with-friction",
+    "laden-slab",
+]
+SHOWN = "window.kilter.shown"
+
+
+@pytest.mark.parametrize("name", BALANCED)
+def test_the_shown_forces_balance_every_weight(name: str, opened: Callable) -> None:
+    assembly = scene(name)
+    page = opened(name)
+    page.js("() => { const s = document.getElementById('show-forces'); s.checked || s.click(); }")
+    geometry = assembly.geometry
+    total = geometry.mass[:, None] * assembly.gravity
+    for load in assembly.loads:
+        total[assembly.index[load.part]] += load.force
+    for one in page.js(SHOWN):
+        total[one["part"]] += one["force"]
+        total[one["other"]] -= one["force"]
+    free = ~geometry.grounded
+    weight = np.linalg.norm(assembly.gravity) * geometry.mass[free].max()
+    assert np.abs(total[free]).max() < 1e-4 * weight
+
+
+@pytest.mark.parametrize("name", ["arch", "slope-with-friction", "three-cylinders"])
+def test_resultants_are_those_of_python(name: str, opened: Callable) -> None:
+    forces = kilter.check(scene(name)).forces
+    page = opened(name)
+    told = page.js(SHOWN)
+    pressing = np.isfinite(forces.center).all(axis=1)
+    assert len(told) == pressing.sum()
+    sizes = sorted(np.linalg.norm(one["force"]) for one in told)
+    expected = np.sort(np.linalg.norm(forces.resultant[pressing], axis=1))
+    assert np.allclose(sizes, expected, rtol=1e-5)
+    used = sorted(one["use"] for one in told if one["use"] is not None)
+    assert np.allclose(
+        used, np.sort(forces.utilisation[np.isfinite(forces.utilisation)]), atol=1e-4
+    )
+    middle = np.array(sorted([one["at"] for one in told])) + page.js("window.kilter.page.center")
+    assert np.allclose(np.sort(middle, axis=0), np.sort(forces.center[pressing], axis=0), atol=1e-4)
+    page.page.select_option("#force-mode", "point")
+    assert len(page.js(SHOWN)) >= len(told)
+
+
+def test_forces_follow_what_is_hidden_isolated_and_cut(opened: Callable) -> None:
+    page = opened("tower")
+    assert len(page.js(SHOWN)) == 5
+    page.js("window.kilter.select(3)")
+    page.page.click("#isolate")
+    # what is left has all that presses on it: from below, and from above
+    alone = page.js(SHOWN)
+    assert {one["part"] for one in alone} == {3}
+    assert sum(one["force"][2] for one in alone) == pytest.approx(
+        scene("tower").geometry.mass[3] * 9.81, rel=1e-5
+    )
+    page.page.click("#show-all")
+    page.page.select_option("#section-axis", "z")
+    page.slide("section", 0)
+    left = page.js(SHOWN)
+    assert 0 < len(left) < 5
+    assert all(one["at"][2] <= 1e-6 for one in left)
+    page.slide("section", -1)
+    assert page.js(SHOWN) == []
+
+
+def test_the_line_of_thrust_goes_through_the_arch(opened: Callable) -> None:
+    page = opened("arch")
+    rods = "window.kilter.stage.forces.group.children.map(one => one.count)"
+    before = sum(page.js(rods))
+    page.page.check("#show-thrust")
+    held = scene("arch").geometry.grounded
+    # a rod a voussoir, and its rim
+    assert sum(page.js(rods)) - before == 2 * (~held).sum()
