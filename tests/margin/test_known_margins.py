@@ -23,6 +23,7 @@ from kilter.analysis.margins.tilt import (
     tilt_about,
 )
 from kilter.assembly import Load
+from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.scenes import arches, friction, rounds, scene, stacks, walls
 from kilter.tell.facts import facts
 from sampled import sampled
@@ -276,9 +277,34 @@ def test_what_is_not_held_as_given_has_no_tilt_margin_but_a_way_back(planar):
     program = program_of(slope)
     assert find_tilt_margin(program) == NoLimit("none")
     assert find_weakest_push(program, 1) == NoLimit("none")
-    turn, down = find_nearest_held(program)
-    assert np.degrees(turn) == pytest.approx(5.0, abs=1e-5)
-    assert judge(program.with_rows(gravity=9.81 * down)).stable is not False
+    nearest = find_nearest_held(program)
+    assert np.degrees(nearest.angle) == pytest.approx(5.0, abs=1e-7)
+    assert np.degrees(nearest.lower) == pytest.approx(5.0, abs=1e-6)
+    assert judge(program.turned(nearest.down)).stable is not False
+
+
+@pytest.mark.parametrize("planar", [False, True])
+@pytest.mark.parametrize("off", [0.0, 1e-12, 3e-9, 1e-8, 5e-8, 1e-6, 1e-3])
+def test_beside_the_limit_a_tilt_has_the_sign_of_the_verdict_and_the_truth_between_its_sides(
+    planar, off
+):
+    """A slope with a little more friction than it takes, or less: the angle left over."""
+    turn = np.radians(20.0)
+    for sign in (1.0, -1.0):
+        slope = stacks.block_on_slope(20.0, friction=float(np.tan(turn + sign * off)))
+        answer = kilter.margin(dataclasses.replace(slope, planar=planar), effort=0, pushed=[])
+        if answer.nearest is None:
+            low, high = answer.tilt.lower, answer.tilt.angle
+        else:
+            low, high = -answer.nearest.angle, -answer.nearest.lower
+        assert np.radians(answer.tilt_deg) in (pytest.approx(low), pytest.approx(high))
+        if off < TOLERANCE:
+            assert (low, high) == (0.0, 0.0)
+            continue
+        assert low - TOLERANCE / 100 <= sign * off <= high + TOLERANCE / 100
+        assert high - low <= 3 * TOLERANCE
+        assert (answer.nearest is not None) is (sign < 0)
+        assert (answer.verdict.verdict == "unstable") is (sign < 0)
 
 
 def failing(monkeypatch, at):
@@ -319,7 +345,7 @@ def test_a_nearest_direction_that_fails_is_asked_again(monkeypatch):
             failing(patch, fails)
             nearest = find_nearest_held(program)
         if found:
-            assert np.degrees(nearest[0]) == pytest.approx(20.0, abs=1e-5)
+            assert np.degrees(nearest.angle) == pytest.approx(20.0, abs=1e-7)
         else:
             assert nearest == NoLimit("failed")
 

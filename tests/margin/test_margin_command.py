@@ -14,7 +14,8 @@ from kilter.scenes import stacks
 
 KEYS = {
     "joints",
-    "verdict", "sentence", "guarantee", "units", "down", "tilt_deg", "tilt_lower_deg", "tilt_down",
+    "verdict", "sentence", "guarantee", "units", "down", "tilt_deg", "tilt_lower_deg",
+    "tilt_upper_deg", "tilt_down",
     "tilt_limit", "about", "friction", "friction_limit", "load_factor", "load_factor_bracket",
     "load_limits", "pushes", "missing", "uncertainty", "helps", "warnings", "seconds", "open_pairs",
     "exact",

@@ -62,7 +62,10 @@ def _tilt(answer: Answer) -> str:
         return "more than 90 deg: no tilt up to a right angle fails"
     down = vector(answer["tilt_down"])
     if lower is None:
-        return f"{angle(tilt)}: outside; the nearest held direction is {down}"
+        upper, held = answer["tilt_upper_deg"], f"the nearest held direction is {down}"
+        known = upper - tilt <= 1e-6 * max(-tilt, 1e-3)
+        least = "" if known else f" (none within {number(-upper)} is held)"
+        return f"{angle(tilt)}: outside; {held}{least}"
     if answer["tilt_limit"]["mechanism"] is None:
         return f"{angle(tilt)} are held, down = {down}; that no more are is not proved"
     words = f"{angle(tilt)} to the nearest direction that fails"

@@ -29,6 +29,7 @@ from kilter.analysis.margins.load_limit import (
 from kilter.analysis.margins.margin_proofs import margin_proofs
 from kilter.analysis.margins.pushes import Push, find_weakest_push
 from kilter.analysis.margins.tilt import (
+    NearestHeld,
     TiltMargin,
     find_nearest_held,
     find_tilt_margin,
@@ -78,6 +79,8 @@ class Margin:
         Least turn of gravity to the boundary; negative when outside.
     tilt_down : ndarray, shape (3,), or None
         Direction of gravity there; None where no tilt up to a right angle fails.
+    nearest : NearestHeld or None
+        Where gravity as given is not held: the least turn that is, from both sides.
     about : tuple of (float, Limit), or None
         Angle [rad] about the axis that was asked for, and the limit.
     friction : LeastFriction or None
@@ -110,6 +113,7 @@ class Margin:
     tilt: TiltMargin | None
     tilt_deg: float | None
     tilt_down: Array | None
+    nearest: NearestHeld | None
     about: tuple[float, Limit] | None
     friction: LeastFriction | None
     load_factor: tuple[Limit | None, Limit | None] | None
@@ -137,6 +141,9 @@ class Margin:
             "exact": not self.verdict.contacts.open_pairs,
             "tilt_deg": self.tilt_deg,
             "tilt_lower_deg": None if tilt is None else float(np.degrees(tilt.lower)),
+            "tilt_upper_deg": None
+            if self.nearest is None
+            else -float(np.degrees(self.nearest.lower)) + 0.0,
             "tilt_down": None if down is None else down.tolist(),
             "tilt_limit": None if tilt is None else tilt.limit.to_dict(program),
             "about": None
@@ -272,7 +279,10 @@ def margin(
     warnings += fits_left_out(assembly, verdict.contacts, program)
     tell("tilt")
     missing: dict[str, Why] = {}
-    tilt, degrees, down = _tilt(program, warnings, missing)
+    gravity = _tilt(program, warnings, missing)
+    tilt = gravity if isinstance(gravity, TiltMargin) else None
+    nearest = gravity if isinstance(gravity, NearestHeld) else None
+    degrees, down = _boundary(gravity)
     turned = None if axis is None else tilt_about(program, axis)
     tell("friction" if degrees is None else f"tilt {degrees:.6g} deg; friction")
     friction = find_least_friction(build_program(assembly, verdict.contacts, fitted=True))
@@ -311,6 +321,7 @@ def margin(
         tilt=tilt,
         tilt_deg=degrees,
         tilt_down=down,
+        nearest=nearest,
         about=_known(turned),
         friction=_known(friction),
         load_factor=None if factor is None else (_known(factor[0]), _known(factor[1])),
@@ -385,20 +396,29 @@ def _worst(
 
 def _tilt(
     program: Program, warnings: list[str], missing: dict[str, Why]
-) -> tuple[TiltMargin | None, float | None, Array | None]:
-    """The margin, in degrees, and the direction at the boundary."""
+) -> TiltMargin | NearestHeld | None:
+    """The margin, or where gravity as given is not held the way back."""
     if program.applied.any():
         warnings.append("given loads do not turn with gravity: no tilt margin")
-        return None, None, None
+        return None
     tilt = find_tilt_margin(program)
     if isinstance(tilt, TiltMargin):
-        fails = tilt.angle < np.pi / 2
-        return tilt, float(np.degrees(tilt.angle)), tilt.down if fails else None
+        return tilt
     nearest = find_nearest_held(program)
     if tilt.why == "failed" or isinstance(nearest, NoLimit):
         missing["tilt"] = nearest.why if isinstance(nearest, NoLimit) else tilt.why
-        return None, None, None
-    return None, -float(np.degrees(nearest[0])), nearest[1]
+        return None
+    return nearest
+
+
+def _boundary(gravity: TiltMargin | NearestHeld | None) -> tuple[float | None, Array | None]:
+    """The turn to the boundary, negative from outside [deg], and the direction there."""
+    if gravity is None:
+        return None, None
+    if isinstance(gravity, NearestHeld):
+        return -float(np.degrees(gravity.angle)), gravity.down
+    fails = gravity.angle < np.pi / 2
+    return float(np.degrees(gravity.angle)), gravity.down if fails else None
 
 
 def _load_factor(

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kilter.analysis.judge import judge
 from kilter.analysis.margins.load_limit import (
     Limit,
     NoLimit,
@@ -33,12 +34,14 @@ from kilter.analysis.turning_tolerances import (
     STEEPEST,
     TILT_AGREES,
 )
-from kilter.arrays import Array, across, cross
+from kilter.arrays import TINY, Array, across, cross
 from kilter.mechanics.coulomb_cones import nearest_load, spread
+from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 
 __all__ = [
+    "NearestHeld",
     "TiltMargin",
     "across_gravity",
     "find_nearest_held",
@@ -50,9 +53,30 @@ __all__ = [
 
 FIRST = 4
 """Directions looked at first, between the axes across gravity."""
+NEARER = 3
+"""Limits that are asked for from a direction that is held to the one that is nearest."""
 PROGRAMS = 64
 """Programs after which the search ends with the gap that is left: at most about half the square
 of pi over their number, of the tangent, where the boundary is a circle around gravity."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NearestHeld:
+    """The least turn of gravity to a direction that is held.
+
+    Attributes
+    ----------
+    angle : float
+        Turn to a direction that is held, as far as a certificate tells [rad].
+    lower : float
+        A turn up to which a motion proves that none is held [rad]; 0 where none was found.
+    down : ndarray, shape (3,)
+        That direction, unit.
+    """
+
+    angle: float
+    lower: float
+    down: Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,9 +86,10 @@ class TiltMargin:
     Attributes
     ----------
     angle : float
-        [rad]; pi/2 where a right angle is not enough.
+        [rad]; pi/2 where a right angle is not enough, 0 where it is less than what a
+        certificate lets forces leave (1e-9): no proof tells it from none.
     lower : float
-        An angle up to which every turn is held [rad].
+        An angle up to which every turn is held [rad], less what forces may leave.
     down : ndarray, shape (3,)
         Direction of gravity at the limit, unit; as given where a right angle is not enough.
     limit : Limit
@@ -139,12 +164,17 @@ def find_tilt_margin(program: Program) -> TiltMargin | NoLimit:
         return NoLimit("none" if NoLimit("none") in limits else "failed")
     limit = limits[face.answer]
     assert isinstance(limit, Limit)
+    least = min(one.value for one in limits if isinstance(one, Limit))
+    if least < -TOLERANCE and judge(program).stable is False:
+        return NoLimit("none")
     if face.outer >= STEEPEST * (1 - TILT_AGREES):  # unlimited in every direction
         return TiltMargin(np.pi / 2, np.pi / 2, program.down, limit, face.asked)
+    if face.outer < TOLERANCE:
+        return TiltMargin(0.0, 0.0, program.down, limit, face.asked)
     down = program.down + face.outer * (face.normal @ basis)
     return TiltMargin(
         float(np.arctan(face.outer)),
-        float(np.arctan(face.inner)),
+        max(float(np.arctan(face.inner)) - TOLERANCE, 0.0),
         down / float(np.linalg.norm(down)),
         limit,
         face.asked,
@@ -175,12 +205,56 @@ def _boundary(program: Program, basis: Array, direction: Array, limit: Limit) ->
     return SupportPoint(point, direction, reach)
 
 
-def find_nearest_held(program: Program) -> tuple[float, Array] | NoLimit:
-    """The least turn of gravity [rad] to a direction that is held, and that direction.
+def find_nearest_held(program: Program) -> NearestHeld | NoLimit:
+    """The direction of gravity nearest to the given one that is held, of what is not held as given.
 
-    A convex projection: one conic program, asked again where it fails. No limit: none is held
-    within a right angle, or both failed.
+    A convex projection, by one conic program that is asked again where it fails: good to the
+    root of its gap. From there limits lead to the boundary: toward gravity as given, then toward
+    the nearest point of the plane at which the mechanism of that limit gains no power, which
+    bounds the turn from below. No limit: none is held within a right angle, or both failed.
+
+    Examples
+    --------
+    >>> from kilter.scenes import stacks
+    >>> from kilter.contact import contacts
+    >>> from kilter.mechanics.program import build_program
+    >>> slope = stacks.block_on_slope(10.0, friction=float(np.tan(np.radians(10.0) - 1e-7)))
+    >>> found = find_nearest_held(build_program(slope, contacts(slope)))
+    >>> bool(found.lower <= 1e-7 <= found.angle + 1e-12), round(found.angle * 1e7, 2)
+    (True, 1.0)
     """
+    found = _projected(program)
+    if isinstance(found, NoLimit):
+        return found
+    angle, lower, held = _between(program.down, found), 0.0, found
+    aim, start = program.down, program.turned(found)
+    for _ in range(NEARER):
+        if not (aim - found).any():
+            break
+        limit = find_limit(start, gravity_wrench(program, aim - found), most=1.0)
+        if isinstance(limit, NoLimit):
+            break
+        there = found + min(limit.value, 1.0) * (aim - found)
+        there = there / float(np.linalg.norm(there))
+        if _between(program.down, there) < angle:
+            angle, held = _between(program.down, there), there
+        if limit.mechanism is None:
+            break
+        moment = (program.mass * program.free) @ limit.mechanism.motion[:, :3]
+        normal = moment / max(float(np.linalg.norm(moment)), TINY)
+        rise = float(program.down @ normal)
+        if rise <= 0.0:
+            break
+        lower = min(max(lower, float(np.arcsin(rise)) - TOLERANCE), angle)
+        if angle - lower <= 2 * TOLERANCE:
+            break
+        aim = program.down - rise * normal
+        aim = aim / float(np.linalg.norm(aim))
+    return NearestHeld(angle, lower, held)
+
+
+def _projected(program: Program) -> Array | NoLimit:
+    """The nearest held direction as a conic program finds it, unit."""
     from kilter.solvers.clarabel import solve_conic
 
     axes = np.eye(3)[[0, 2]] if program.planar else np.eye(3)
@@ -193,10 +267,12 @@ def find_nearest_held(program: Program) -> tuple[float, Array] | NoLimit:
         return NoLimit("failed")
     found = answer.x[-len(axes) :] @ axes
     size = float(np.linalg.norm(found))
-    if size < NO_PROJECTION:
-        return NoLimit("none")
-    turn = float(np.arctan2(np.linalg.norm(cross(program.down, found)), program.down @ found))
-    return turn, found / size
+    return NoLimit("none") if size < NO_PROJECTION else found / size
+
+
+def _between(one: Array, other: Array) -> float:
+    """The angle between two directions [rad]."""
+    return float(np.arctan2(np.linalg.norm(cross(one, other)), one @ other))
 
 
 def across_gravity(program: Program) -> Array:
