@@ -1,7 +1,7 @@
-"""A hook of mkdocs: the gallery, made from the library of scenes each time the site is built.
+"""A hook of mkdocs: what is made from the library of scenes each time the site is built.
 
-Nothing it makes is kept in the repository. ``KILTER_GALLERY=3`` builds the first three scenes
-only, for a quick look.
+That is the gallery, and the live page that the home page holds in a frame. Nothing of it is kept
+in the repository. ``KILTER_GALLERY=3`` builds the first three scenes only, for a quick look.
 """
 
 from __future__ import annotations
@@ -11,6 +11,8 @@ import os
 from typing import Any
 
 PAGE = "gallery.md"
+LIVE = "corner-wedges"
+"""The scene of the home page: its ball has a region with an inside and an outside."""
 EFFORT = 1
 """Of what friction guarantees, a scene; what is open then says so."""
 WORDS = {
@@ -46,9 +48,19 @@ def drawn(scene: Any) -> tuple[bytes, str]:
     return picture, entry
 
 
+def live() -> str:
+    """The page of `kilter report` of the scene that the home page shows."""
+    import kilter
+    from kilter.scenes import scene
+
+    return kilter.report(scene(LIVE), title="Six wedges in a corner").html
+
+
 def on_files(files: Any, *, config: Any) -> Any:
-    """Add the pictures, and the page with them in place of the one that only introduces it."""
+    """Add the live page and the pictures, and the gallery in place of what only introduces it."""
     from mkdocs.structure.files import File
+
+    files.append(File.generated(config, f"live/{LIVE}.html", content=live()))
 
     page = files.get_file_from_path(PAGE)
     parts = [page.content_string]

@@ -166,7 +166,14 @@ def matrix_to_quaternion(matrix: ArrayLike) -> Array:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pose:
-    """Position [length unit] and rotation (unit quaternion w x y z) of a part.
+    """Where a part is: the shape is turned about its own origin, then moved.
+
+    Parameters
+    ----------
+    position : array_like, shape (3,)
+        Of the shape's origin, world frame [length unit].
+    rotation : array_like, shape (4,)
+        Quaternion w x y z, of any length.
 
     Raises
     ------

@@ -73,8 +73,10 @@ class Verdict:
     verdict : {"stable", "settles", "potentially-stable", "unstable", "undecided"}
     sentence : str
         The verdict in words.
-    assembly, contacts, program
-        What was judged. `program` is the one the certificate speaks of.
+    assembly : Assembly
+    contacts : ContactSet
+    program : Program
+        What was judged; the program is the one that the certificate speaks of.
     judgement : Judgement
         Forces and motion, judged.
     friction : FrictionAnswer or None

@@ -30,7 +30,20 @@ def _names(parts: Any) -> tuple[str, ...]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FrictionPair:
-    """Friction coefficient [-] of every contact between two parts."""
+    """Friction of every contact between two parts.
+
+    Parameters
+    ----------
+    parts : tuple of str
+        Names of the two.
+    mu : float
+        Friction coefficient [-].
+
+    Raises
+    ------
+    InputError
+        If `mu` is negative or no number.
+    """
 
     parts: tuple[str, str]
     mu: float
@@ -44,8 +57,24 @@ class FrictionPair:
 class Load:
     """A force [N] at a point and a torque [N x length unit] on a part, fixed in the world.
 
-    Loads do not turn with the assembly. `point` is in the world frame; None means the
-    part's centre of mass.
+    Loads do not turn with the assembly.
+
+    Parameters
+    ----------
+    part : str
+        Name of the part it acts on.
+    force : array_like, shape (3,)
+        World frame [N].
+    torque : array_like, shape (3,)
+        World frame, beside that of the force [N x length unit].
+    point : array_like, shape (3,), optional
+        Where the force acts, world frame [length unit]; the part's centre of mass where it is
+        not given.
+
+    Raises
+    ------
+    InputError
+        If a number is not finite.
     """
 
     part: str
@@ -75,8 +104,21 @@ class Load:
 class GivenContact:
     """Contact points between two parts, used instead of detection for that pair.
 
-    `points`, shape (n, 3), and `normal`, shape (3,), from the first part to the second,
-    are in the world frame.
+    Parameters
+    ----------
+    parts : tuple of str
+        Names of the two.
+    points : array_like, shape (n, 3)
+        World frame [length unit].
+    normal : array_like, shape (3,)
+        Of the surface, from the first part to the second, world frame, of any length.
+    mu : float, optional
+        Friction coefficient [-]; that of the assembly where it is not given.
+
+    Raises
+    ------
+    InputError
+        If there is no point, a number is not finite, or the normal has no length.
     """
 
     parts: tuple[str, str]

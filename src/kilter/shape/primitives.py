@@ -44,7 +44,17 @@ def _positive(value: Any, what: str) -> float:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Box:
-    """A box, `size` = its lengths along x, y, z, centred on the origin.
+    """A box, centred on the origin.
+
+    Parameters
+    ----------
+    size : array_like, shape (3,)
+        Its lengths along x, y, z [length unit].
+
+    Raises
+    ------
+    InputError
+        If one of them is not above zero.
 
     Examples
     --------
@@ -67,7 +77,18 @@ class Box:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cylinder:
-    """A solid cylinder about the z axis, centred on the origin."""
+    """A solid cylinder about the z axis, centred on the origin.
+
+    Parameters
+    ----------
+    radius, height : float
+        [length unit]
+
+    Raises
+    ------
+    InputError
+        If one of them is not above zero.
+    """
 
     radius: float
     height: float
@@ -79,7 +100,18 @@ class Cylinder:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sphere:
-    """A solid sphere, centred on the origin."""
+    """A solid sphere, centred on the origin.
+
+    Parameters
+    ----------
+    radius : float
+        [length unit]
+
+    Raises
+    ------
+    InputError
+        If it is not above zero.
+    """
 
     radius: float
 
@@ -89,7 +121,14 @@ class Sphere:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Prism:
-    """A polygon in the x-z plane, shape (n, 2), extruded along y, centred on y = 0.
+    """A polygon in the x-z plane, extruded along y, centred on y = 0.
+
+    Parameters
+    ----------
+    polygon : array_like, shape (n, 2)
+        Corners (x, z) in order, either way round [length unit].
+    depth : float
+        Along y [length unit].
 
     Raises
     ------

@@ -44,7 +44,9 @@ class Batch:
     Attributes
     ----------
     folder : Path
-        Where its rows are, `files` in order of the chunks.
+        Where its rows are.
+    files : list of Path
+        Those of the rows, in order of the chunks.
     rows : int
     counts : dict from str to int
         How many there are of each verdict, "error" among them.

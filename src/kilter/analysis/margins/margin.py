@@ -69,6 +69,9 @@ class Margin:
 
     Attributes
     ----------
+    assembly : Assembly
+    contacts : ContactSet
+        What was asked about.
     verdict : Verdict
     program : Program
         The modelled contacts, with friction.

@@ -55,6 +55,8 @@ class Cone:
         Inward normals within the span.
     blur : float
         Directions closer to the boundary than this count as on it [rad].
+    strict : bool
+        A direction within `blur` of the boundary counts as outside, where the cone fills space.
 
     Examples
     --------

@@ -61,6 +61,8 @@ class Orientation:
 
     Attributes
     ----------
+    assembly : Assembly
+        What was asked about.
     verdict : {"found", "none", "undecided"}
     sentence : str
         The verdict in words.
