@@ -289,6 +289,17 @@ class Assembly:
         """
         return _above("kilter.files.objects.trimesh_objects").scene_of(self)
 
+    def to_mjcf(self) -> str:
+        """The text of an MJCF scene, to be watched in MuJoCo; see `kilter.files.mjcf`.
+
+        Raises
+        ------
+        InputError
+            If it has loads, or joints that slide.
+        """
+        found: str = _above("kilter.files.mjcf").to_mjcf(self)
+        return found
+
     # changed copies ------------------------------------------------------------------
 
     def with_down(self, down: ArrayLike) -> Assembly:

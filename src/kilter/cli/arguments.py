@@ -38,6 +38,8 @@ def reading_of(
     fasten_overlaps: bool = False,
     up: str | None = None,
     contacts: str | None = None,
+    keyframe: str | None = None,
+    base: str | None = None,
 ) -> Reading:
     """The reading that the options of a command ask for."""
     return Reading(
@@ -53,6 +55,8 @@ def reading_of(
         fasten_overlaps=fasten_overlaps,
         up=up,
         contacts=contacts,
+        keyframe=keyframe,
+        base=base,
     )
 
 

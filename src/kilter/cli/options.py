@@ -28,7 +28,7 @@ File = Annotated[
     typer.Argument(
         metavar="FILE",
         help="An assembly: *.kilter.json, a folder of meshes (one part a file), STEP, OBJ, STL, "
-        "3MF, GLB, COMPAS JSON; - reads kilter JSON from standard input.",
+        "3MF, GLB, COMPAS JSON, MJCF, URDF; - reads kilter JSON from standard input.",
         show_default=False,
     ),
 ]
@@ -90,6 +90,26 @@ Contacts = Annotated[
         help="Take the contacts that the file carries (interfaces of COMPAS) and no others, or "
         "detect all of them.",
         rich_help_panel=TOUCH,
+        show_default=False,
+    ),
+]
+Keyframe = Annotated[
+    str | None,
+    typer.Option(
+        "--keyframe",
+        metavar="NAME",
+        help="Of MJCF: the pose of this keyframe; of the first one where not given.",
+        rich_help_panel=HELD,
+        show_default=False,
+    ),
+]
+Base = Annotated[
+    str | None,
+    typer.Option(
+        "--base",
+        metavar="fixed|floating",
+        help="Of URDF: whether the root is held; fixed where not given.",
+        rich_help_panel=HELD,
         show_default=False,
     ),
 ]
@@ -262,6 +282,8 @@ READING: dict[str, tuple[Any, Any]] = {
     "fasten_suggested": (FastenSuggested, False),
     "fasten_overlaps": (FastenOverlaps, False),
     "contacts": (Contacts, None),
+    "keyframe": (Keyframe, None),
+    "base": (Base, None),
     "gap": (Gap, None),
     "angle": (Angle, None),
     "clearance": (Clearance, None),

@@ -24,6 +24,8 @@ from kilter.files.lying import UP, note_on_up
 from kilter.files.objects.known_objects import read_object
 from kilter.files.raw import read_bytes
 from kilter.files.strict_json import parse_json
+from kilter.files.urdf import BASES
+from kilter.files.xml_scenes import XML, load_xml
 from kilter.units import metres_per_unit
 from kilter.validate import finite, number
 
@@ -63,8 +65,12 @@ class Reading:
     fasten_overlaps: bool = False
     up: str | None = None
     contacts: str | None = None
+    keyframe: str | None = None
+    base: str | None = None
 
     def __post_init__(self) -> None:
+        if self.base is not None and self.base not in BASES:
+            raise InputError(f"the base is {self.base!r:.40}", hint=f"use {_OR.join(BASES)}")
         if self.up is not None and self.up not in UP:
             raise InputError(f"up is {self.up!r:.40}", hint=f"use {', '.join(UP)}")
         if self.up is not None and self.down is not None:
@@ -77,8 +83,10 @@ class Reading:
         """Something is to be joined, which takes the contacts."""
         return bool(self.fasten) or self.fasten_suggested or self.fasten_overlaps
 
-    def _choices(self) -> Choices:
-        return Choices(self.units, self.contacts)
+    @property
+    def choices(self) -> Choices:
+        """What a format of its own kind asks for."""
+        return Choices(self.units, self.contacts, self.keyframe, self.base)
 
     def options(self) -> dict[str, Any]:
         """The options that are set, as JSON data."""
@@ -114,7 +122,7 @@ class Reading:
         if self.units is not None:
             metres_per_unit(self.units)
         if not isinstance(source, str | os.PathLike):
-            read = _Read(read_object(source, self._choices()))
+            read = _Read(*read_object(source, self.choices))
         elif not os.fspath(source):
             raise InputError(f"a file's path is {source!r:.60}", hint="give a path, or '-'")
         else:
@@ -154,6 +162,8 @@ def load(
     up: str | None = None,
     friction: float | None = None,
     contacts: str | None = None,
+    keyframe: str | None = None,
+    base: str | None = None,
 ) -> Assembly:
     """The assembly that a file, a folder, standard input (``-``) or an object describes.
 
@@ -164,10 +174,11 @@ def load(
     ----------
     source : path or object
         A kilter file or COMPAS assembly (.json), a mesh file (.obj, .stl, .3mf, .glb), a
-        STEP file (.step, .stp), a folder of them, or ``-`` for JSON on standard input.
+        STEP file (.step, .stp), an MJCF or URDF scene (.xml, .mjcf, .urdf), a folder of
+        meshes, or ``-`` for JSON on standard input.
         Or an object: a trimesh Trimesh or Scene, a pair of arrays (vertices, faces), a
-        shape or assembly of build123d or CadQuery, a COMPAS Assembly, Block or Mesh; a list
-        of such, or a dict of them by name.
+        shape or assembly of build123d or CadQuery, a COMPAS Assembly, Block or Mesh, a
+        model of MuJoCo or (model, data); a list of such, or a dict of them by name.
     units : {"m", "cm", "mm", "in"}, optional
         For formats without units; metres where it is not given.
     density : float, optional
@@ -186,6 +197,10 @@ def load(
         "file": those that the file carries (interfaces of COMPAS, `contacts` of a kilter file),
         and no others; "geometry": all are detected. Where it is not given, those of a kilter
         file stand for their pairs, interfaces of COMPAS are not used, and that is noted.
+    keyframe : str, optional
+        Of MuJoCo: the pose of that name; the first there is where it is not given.
+    base : {"fixed", "floating"}, optional
+        Of URDF: whether the root is held; "fixed" where it is not given.
 
     Raises
     ------
@@ -202,6 +217,8 @@ def load(
         up=up,
         friction=friction,
         contacts=contacts,
+        keyframe=keyframe,
+        base=base,
     ).read(source)
 
 
@@ -268,10 +285,12 @@ def _read(
             path, units=units, without=reading.without, progress=progress
         )
         return _Read(assembly, left_out=left_out)
+    if suffix in XML:
+        return _Read(*load_xml(path, reading.choices))
     data = read_bytes(path)
     if suffix == ".json":
         return _from_json(data, path.parent, str(path), reading)
-    kinds = f".json, {', '.join(FORMATS)}, or a folder of them"
+    kinds = f".json, {', '.join([*FORMATS, *XML])}, or a folder of them"
     raise InputError(
         f"files of {path.suffix or 'no ending'} are not read", file=str(path), hint=f"give {kinds}"
     )

@@ -23,7 +23,7 @@ from kilter.files.naming import distinct
 from kilter.files.placed import FileBodies
 from kilter.shape.primitives import Mesh
 
-__all__ = ["HOMES", "TAKEN", "read_object"]
+__all__ = ["HOMES", "TAKEN", "assembly_of_object", "read_object"]
 
 HOMES = {
     "trimesh": "trimesh_objects",
@@ -32,20 +32,28 @@ HOMES = {
     "build123d": "occt_objects",
     "cadquery": "occt_objects",
     "OCP": "occt_objects",
+    "mujoco": "mujoco_objects",
 }
 """The module here that reads the classes of a library."""
 TAKEN = (
-    "a path, (vertices, faces), an object of trimesh, build123d, CadQuery or compas, a list of "
-    "such, or a dict of them by name"
+    "a path, (vertices, faces), an object of trimesh, build123d, CadQuery, compas or mujoco, a "
+    "list of such, or a dict of them by name"
 )
 """What is taken, in words."""
 
 
+_SCENES = "mujoco_objects"
 _NAMELESS = ("part", "0")
 """Names of what has none: of a body alone, of a mesh of COMPAS alone."""
 
 
-def read_object(value: Any, choices: Choices | None = None) -> Assembly:
+def read_object(value: Any, choices: Choices) -> tuple[Assembly, bool]:
+    """The assembly of an object as of `assembly_of_object`, and if it says where gravity points."""
+    told = isinstance(value, Assembly) or _home(value) == _SCENES
+    return assembly_of_object(value, choices), told
+
+
+def assembly_of_object(value: Any, choices: Choices | None = None) -> Assembly:
     """The assembly that an object of another library is.
 
     Parameters
@@ -65,9 +73,9 @@ def read_object(value: Any, choices: Choices | None = None) -> Assembly:
     --------
     >>> cube = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1.0)])
     >>> quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
-    >>> read_object({"low": (cube, quads), "high": (cube + [0, 0, 1], quads)}, Choices("mm"))
+    >>> assembly_of_object({"low": (cube, quads), "high": (cube + [0, 0, 1], quads)}, Choices("mm"))
     <Assembly: 2 parts, 0 held, in mm>
-    >>> read_object(3)
+    >>> assembly_of_object(3)
     Traceback (most recent call last):
     ...
     kilter.errors.InputError: an assembly cannot be made of int; give a path, (vertices, ...
@@ -93,6 +101,8 @@ def read_object(value: Any, choices: Choices | None = None) -> Assembly:
 
 def _home(value: Any) -> str | None:
     """The reader of a class, or of the nearest class that it derives from."""
+    if isinstance(value, tuple) and value and _home(value[0]) == _SCENES:
+        return _SCENES  # a model and its data
     packages = (str(kind.__module__).partition(".")[0] for kind in type(value).__mro__)
     return next((HOMES[package] for package in packages if package in HOMES), None)
 
@@ -123,7 +133,7 @@ def _several(values: Mapping[Any, Any], choices: Choices) -> Assembly:
     for key, value in values.items():
         name = f"part_{key + 1}" if numbered else str(key)
         try:
-            found = _bare(read_object(value, choices))
+            found = _bare(assembly_of_object(value, choices))
         except InputError as error:
             raise error.located(part=name) from None
         if kept not in (None, found.units):

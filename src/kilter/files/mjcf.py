@@ -1,0 +1,168 @@
+"""An assembly as an MJCF scene, so that an answer can be watched in MuJoCo.
+
+Parts that are held are fixed bodies, the others free ones, under their names, in metres, with
+their masses, centres and inertia. Boxes, cylinders and spheres are exact; meshes are as they are,
+but MuJoCo collides with their hulls. Friction of its own is that of the pair; fixed and spherical
+joints are equalities, a revolute one is two connections on its axis. MuJoCo's contacts are soft:
+what is barely stable may creep.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kilter.arrays import Array
+from kilter.assembly import Assembly, Part
+from kilter.assembly.interactions import Joint
+from kilter.assembly.part import GROUND
+from kilter.errors import InputError
+from kilter.rigid import matrix_to_quaternion
+from kilter.shape.primitives import Box, Cylinder, Sphere, surface
+from kilter.units import metres_per_unit
+
+__all__ = ["to_mjcf"]
+
+LEAST = 1e-5
+"""MuJoCo's least coefficient of friction [-]."""
+SMALL = 1e-9
+"""Least eigenvalue of an inertia, of the greatest: MuJoCo refuses what is flatter [-]."""
+Element = ElementTree.Element
+
+
+def to_mjcf(assembly: Assembly) -> str:
+    """The text of an MJCF scene.
+
+    Raises
+    ------
+    InputError
+        If it has loads, or joints that slide: MJCF has no such between free bodies.
+
+    Examples
+    --------
+    >>> from kilter.assembly import Part
+    >>> text = to_mjcf(Assembly([Part("cube", Box([1, 1, 1]), grounded=True)]))
+    >>> '<geom name="cube" type="box" size="0.5 0.5 0.5"' in text
+    True
+    """
+    if assembly.loads:
+        raise InputError(
+            "MJCF has no loads", hint="leave them out, and set data.xfrc_applied where it runs"
+        )
+    metres = metres_per_unit(assembly.units)
+    root = Element("mujoco", model="kilter")
+    ElementTree.SubElement(root, "compiler", angle="radian", balanceinertia="true")
+    ElementTree.SubElement(root, "option", gravity=_words(assembly.gravity))
+    assets = ElementTree.SubElement(root, "asset")
+    world = ElementTree.SubElement(root, "worldbody")
+    for k, part in enumerate(assembly.parts):
+        _body(world, assets, assembly, k, part, metres)
+    _pairs(root, assembly)
+    equalities = ElementTree.SubElement(root, "equality")
+    for joint in assembly.joints:
+        _equality(equalities, assembly, joint, metres)
+    ElementTree.indent(root)
+    return ElementTree.tostring(root, encoding="unicode") + "\n"
+
+
+def _body(
+    world: Element, assets: Element, assembly: Assembly, k: int, part: Part, metres: float
+) -> None:
+    """A part as a body with one geom."""
+    body = ElementTree.SubElement(
+        world,
+        "body",
+        name=part.name,
+        pos=_words(part.pose.position * metres),
+        quat=_words(part.pose.rotation),
+    )
+    if not part.grounded:
+        ElementTree.SubElement(body, "freejoint", name=f"{part.name}/free")
+    ElementTree.SubElement(body, "inertial", _inertial(assembly, k, part, metres))
+    shape = part.shape
+    kind, size = "mesh", ""
+    if isinstance(shape, Box):
+        kind, size = "box", _words(shape.size / 2 * metres)
+    elif isinstance(shape, Cylinder):
+        kind, size = "cylinder", _words([shape.radius * metres, shape.height / 2 * metres])
+    elif isinstance(shape, Sphere):
+        kind, size = "sphere", _words([shape.radius * metres])
+    geom = {"name": part.name, "type": kind, **({"size": size} if size else {})}
+    if kind == "mesh":
+        vertices, triangles = surface(shape)
+        ElementTree.SubElement(
+            assets,
+            "mesh",
+            name=part.name,
+            vertex=_words((vertices * metres).ravel()),
+            face=_words(triangles.ravel()),
+        )
+        geom["mesh"] = part.name
+    ElementTree.SubElement(body, "geom", geom, friction=_friction(assembly.friction))
+
+
+def _inertial(assembly: Assembly, k: int, part: Part, metres: float) -> dict[str, str]:
+    """Mass, centre and inertia about it, in the frame of the body."""
+    geometry = assembly.geometry
+    turn = part.pose.matrix
+    center = turn.T @ (geometry.center[k] - part.pose.position) * metres
+    inertia: Array = turn.T @ geometry.inertia[k] @ turn * metres**2
+    sizes, axes = np.linalg.eigh((inertia + inertia.T) / 2)
+    axes[:, 2] = np.cross(axes[:, 0], axes[:, 1])
+    return {
+        "mass": _words([geometry.mass[k]]),
+        "pos": _words(center),
+        "quat": _words(matrix_to_quaternion(axes)),
+        "diaginertia": _words(np.maximum(sizes, SMALL * sizes.max())),
+    }
+
+
+def _pairs(root: Element, assembly: Assembly) -> None:
+    """Friction of pairs, and no contact where a joint or the file says how two parts meet."""
+    contact = ElementTree.SubElement(root, "contact")
+    for entry in assembly.friction_pairs:
+        mu = f"{max(entry.mu, LEAST):.17g}"
+        ElementTree.SubElement(
+            contact,
+            "pair",
+            geom1=entry.parts[0],
+            geom2=entry.parts[1],
+            friction=f"{mu} {mu} {LEAST} {LEAST} {LEAST}",
+        )
+    joined = {frozenset(joint.parts) for joint in assembly.joints if GROUND not in joint.parts}
+    held = {part.name for part in assembly.parts if part.grounded}
+    for one, two in combinations(assembly.names, 2) if joined else ():
+        if {one, two} in joined and not {one, two} <= held:
+            ElementTree.SubElement(contact, "exclude", body1=one, body2=two)
+
+
+def _equality(equalities: Element, assembly: Assembly, joint: Joint, metres: float) -> None:
+    first, second = joint.parts if joint.parts[0] != GROUND else joint.parts[::-1]
+    ends = {"body1": first, **({} if second == GROUND else {"body2": second})}
+    if joint.kind == "fixed":
+        ElementTree.SubElement(equalities, "weld", ends)
+        return
+    if joint.kind not in ("revolute", "spherical"):
+        raise InputError(
+            f"MJCF has no {joint.kind} joint between bodies that are placed apart",
+            hint="fasten the two parts, or leave the joint out",
+        )
+    pose = assembly[first].pose
+    size = float(assembly.geometry.radius[assembly.index_of(first)])
+    points = [joint.point]
+    if joint.kind == "revolute":
+        points = [joint.point - joint.axis * size / 2, joint.point + joint.axis * size / 2]
+    for point in points:
+        local = pose.matrix.T @ (point - pose.position) * metres
+        ElementTree.SubElement(equalities, "connect", ends, anchor=_words(local))
+
+
+def _friction(mu: float) -> str:
+    return f"{max(mu, LEAST):.17g} {LEAST} {LEAST}"
+
+
+def _words(values: ArrayLike) -> str:
+    return " ".join(f"{value:.17g}" for value in np.asarray(values).ravel().tolist())

@@ -1,0 +1,346 @@
+"""Models of MuJoCo: bodies as parts, in the pose of a keyframe; the world is held.
+
+A body is one part, of the geoms that collide (of all where none does); what is fixed to the world
+is held, its geoms one part each; a plane is a table. Masses and centres are those of the model.
+Hinges, slides and balls are joints, free to move: motors, springs and limits are not counted. Two
+geoms rub with the greater of their coefficients, as in MuJoCo; one of `condim` 1 does not rub.
+Meshes are as they are, where MuJoCo collides with their hulls. Lengths are metres.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from kilter.arrays import Index
+from kilter.assembly import Assembly, Part
+from kilter.assembly.interactions import FrictionPair, Joint
+from kilter.errors import InputError, nearest_name, some_names
+from kilter.files.choices import Choices
+from kilter.files.naming import distinct
+from kilter.files.one_body import combined, one_body
+from kilter.rigid import Pose
+from kilter.shape.primitives import Box, Cylinder, Mesh, Shape, Sphere, surface
+
+__all__ = ["read", "read_mjcf"]
+
+PLANE, FIELD, SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX, MESH = range(8)
+FREE, BALL, SLIDE, HINGE = range(4)
+CONNECT, WELD = 0, 1
+"""Numbers of MuJoCo's kinds of geoms, joints and equalities."""
+KINDS = {BALL: "spherical", SLIDE: "prismatic", HINGE: "revolute"}
+SPACIOUS = 4.0
+"""Half width of a plane without end, and its depth, over the size of what is there [-]."""
+REACH = 2.0
+"""Bodies farther apart than this, in radii, have no coefficient of their own [-]."""
+
+
+def read(value: Any, choices: Choices) -> Assembly:
+    """The assembly of an MjModel, an MjSpec, or a pair (MjModel, MjData).
+
+    Raises
+    ------
+    InputError
+        If it is nothing of that, or has what kilter has no part or joint for.
+    """
+    import mujoco
+
+    model, data = value if isinstance(value, tuple) and len(value) == 2 else (value, None)
+    if isinstance(model, mujoco.MjSpec):
+        model = model.compile()
+    if not isinstance(model, mujoco.MjModel) or not isinstance(data, mujoco.MjData | None):
+        raise InputError(
+            f"a mujoco {type(model).__name__} is no model",
+            hint="give an MjModel, an MjSpec, or (model, data)",
+        )
+    return _Model(mujoco, model, data, choices).assembly("")
+
+
+def read_mjcf(path: Any, choices: Choices) -> Assembly:
+    """The assembly of an MJCF file.
+
+    Raises
+    ------
+    InputError
+        If MuJoCo is not installed, or refuses the file; or as `read`.
+    """
+    try:
+        import mujoco
+    except ImportError:
+        raise InputError(
+            "MJCF files need MuJoCo, which is not installed", hint="pip install 'kilter[mujoco]'"
+        ) from None
+    try:
+        model = mujoco.MjModel.from_xml_path(str(path))
+    except ValueError as error:
+        what = " ".join(str(error).split())[:200]
+        raise InputError(f"MuJoCo refuses it: {what}", hint="mend the file") from None
+    return _Model(mujoco, model, None, choices).assembly(str(path))
+
+
+class _Model:
+    """A model in a pose, taken apart."""
+
+    def __init__(self, mujoco: Any, model: Any, data: Any, choices: Choices) -> None:
+        if choices.units not in (None, "m"):
+            raise InputError(f"MuJoCo is in m, {choices.units} were asked for", hint="leave it out")
+        self.model, self.notes = model, list[str]()
+        self.data = mujoco.MjData(model) if data is None else data
+        if data is None or choices.keyframe is not None:
+            self._pose(mujoco, choices.keyframe)
+        mujoco.mj_kinematics(model, self.data)
+        self.names = distinct([model.body(k).name or f"body_{k}" for k in range(model.nbody)])
+        self.geoms = self._geoms()
+        self.parts: list[Part] = []
+        self.rows: list[list[int]] = []
+        """The geoms of each part."""
+
+    def _pose(self, mujoco: Any, keyframe: str | None) -> None:
+        """Set the pose of a keyframe: the one that is named, else the first there is."""
+        keys = [self.model.key(k).name for k in range(self.model.nkey)]
+        if keyframe is None and not keys:
+            return
+        if keyframe is not None and keyframe not in keys:
+            near = nearest_name(keyframe, keys)
+            hint = f"did you mean {near!r}?" if near else f"there are: {some_names(keys) or 'none'}"
+            raise InputError(f"no keyframe is named {keyframe!r}", hint=hint)
+        number = 0 if keyframe is None else keys.index(keyframe)
+        mujoco.mj_resetDataKeyframe(self.model, self.data, number)
+        if keyframe is None:
+            self.notes.append(f"in the pose of the first keyframe, {keys[0]!r}")
+
+    def _geoms(self) -> dict[int, list[int]]:
+        """The geoms of each body that count."""
+        model = self.model
+        collides = (model.geom_contype | model.geom_conaffinity) != 0
+        found = {}
+        for body in range(model.nbody):
+            own = np.flatnonzero(model.geom_bodyid == body)
+            solid = own[collides[own]]
+            found[body] = (solid if len(solid) or body == 0 else own).tolist()
+        return found
+
+    def assembly(self, source: str) -> Assembly:
+        """All of it."""
+        model = self.model
+        planes = [k for k in self.geoms[0] if model.geom_type[k] == PLANE]
+        for geom in self.geoms[0]:
+            if geom not in planes:
+                self._add(self._geom_name(geom), [geom], Pose(), held=True)
+        for body in range(1, model.nbody):
+            if self.geoms[body]:
+                pose = Pose(self.data.xpos[body], self.data.xquat[body])
+                held = int(model.body_weldid[body]) == 0
+                self._add(self.names[body], self.geoms[body], pose, held=held, body=body)
+        self._add_planes(planes)
+        names = distinct([part.name for part in self.parts])
+        parts = [replace(part, name=name) for part, name in zip(self.parts, names, strict=True)]
+        joints = self._joints({part.name for part in parts})
+        friction, pairs = self._friction(parts)
+        left = self._left_out()
+        return Assembly(
+            parts,
+            units="m",
+            gravity=np.array(model.opt.gravity),
+            friction=friction,
+            friction_pairs=pairs,
+            joints=joints,
+            source=source,
+            notes=[*self.notes, *([f"not counted: {left}"] if left else [])],
+        )
+
+    def _geom_name(self, geom: int) -> str:
+        return self.model.geom(geom).name or "world"
+
+    def _add(
+        self, name: str, geoms: list[int], pose: Pose, *, held: bool, body: int | None = None
+    ) -> None:
+        model = self.model
+        try:
+            shape, inner = one_body([self._shape(geom) for geom in geoms])
+        except InputError as error:
+            raise error.located(part=name) from None
+        mass = None if body is None else float(model.body_mass[body])
+        center = None
+        if mass:
+            center = (np.array(model.body_ipos[body]) - inner.position) @ inner.matrix
+        part = Part(
+            name,
+            shape,
+            combined(pose, inner),
+            grounded=held,
+            mass=mass or None,
+            center_of_mass=center,
+        )
+        self.parts.append(part)
+        self.rows.append(geoms)
+
+    def _shape(self, geom: int) -> tuple[Shape, Pose]:
+        """The shape of a geom, and its pose in the frame of its body."""
+        model = self.model
+        kind, size = int(model.geom_type[geom]), np.array(model.geom_size[geom])
+        pose = Pose(model.geom_pos[geom], model.geom_quat[geom])
+        if kind == SPHERE:
+            return Sphere(float(size[0])), pose
+        if kind == CYLINDER:
+            return Cylinder(float(size[0]), 2 * float(size[1])), pose
+        if kind == BOX:
+            return Box(2 * size), pose
+        if kind == CAPSULE:
+            ends = [(Sphere(float(size[0])), Pose([0, 0, z])) for z in (-size[1], size[1])]
+            side = Cylinder(float(size[0]), 2 * float(size[1]))
+            return one_body([(side, Pose()), *ends])[0], pose
+        if kind == ELLIPSOID:
+            vertices, triangles = surface(Sphere(1.0))
+            return Mesh(vertices * size, triangles), pose
+        if kind == MESH:
+            mesh = int(model.geom_dataid[geom])
+            first, count = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
+            start, faces = int(model.mesh_faceadr[mesh]), int(model.mesh_facenum[mesh])
+            corners = np.array(model.mesh_vert[first : first + count], dtype=np.float32)
+            return Mesh(corners, np.array(model.mesh_face[start : start + faces])), pose
+        raise InputError(
+            "it has a height field or a distance field", hint="give it as a mesh instead"
+        )
+
+    def _add_planes(self, planes: list[int]) -> None:
+        """Each plane as a table below it, under all that there is."""
+        points = [part.pose.apply(surface(part.shape)[0]) for part in self.parts]
+        corners = np.vstack(points) if points else np.zeros((1, 3))
+        size = float(np.ptp(corners, axis=0).max()) or 1.0
+        for geom in planes:
+            pose = Pose(self.model.geom_pos[geom], self.model.geom_quat[geom])
+            half = np.array(self.model.geom_size[geom][:2])
+            local = np.abs((corners - pose.position) @ pose.matrix)[:, :2].max(axis=0)
+            half = np.where(half > 0, half, local + SPACIOUS * size)
+            box = Box([2 * half[0], 2 * half[1], size])
+            part = Part(
+                self.model.geom(geom).name or "floor",
+                box,
+                combined(pose, Pose([0, 0, -size / 2])),
+                grounded=True,
+                density=1000.0,
+                table=True,
+            )
+            self.parts.append(part)
+            self.rows.append([geom])
+
+    # joints --------------------------------------------------------------------------
+
+    def _joints(self, parts: set[str]) -> list[Joint]:
+        model = self.model
+        found = []
+        for body in range(1, model.nbody):
+            if int(model.body_weldid[body]) == 0:
+                continue
+            first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
+            own = list(range(first, first + count))
+            if own and model.jnt_type[own[0]] == FREE:
+                continue
+            ends = (self.names[body], self._above(body, parts))
+            if self.names[body] not in parts:
+                if own:
+                    raise InputError(
+                        "it moves, and has no geom", part=self.names[body], hint="give it one"
+                    )
+                continue
+            found.append(self._joint(ends, own))
+        return found + self._equalities(parts)
+
+    def _above(self, body: int, parts: set[str]) -> str:
+        """The part that a body hangs on; bodies without geoms that are fixed are passed over."""
+        parent = int(self.model.body_parentid[body])
+        while parent and self.names[parent] not in parts and not self.model.body_jntnum[parent]:
+            parent = int(self.model.body_parentid[parent])
+        return self.names[parent] if self.names[parent] in parts and parent else "ground"
+
+    def _joint(self, ends: tuple[str, str], own: list[int]) -> Joint:
+        kinds = [int(self.model.jnt_type[k]) for k in own]
+        if not own:
+            return Joint(ends)
+        point, axes = self.data.xanchor[own[0]], [self.data.xaxis[k] for k in own]
+        if len(own) == 1:
+            return Joint(ends, KINDS[kinds[0]], point=point, axis=axes[0])  # type: ignore[arg-type]
+        along = len(own) == 2 and np.allclose(np.cross(*axes), 0.0, atol=1e-9)
+        if sorted(kinds) == [SLIDE, HINGE] and along:
+            turn = own[kinds.index(HINGE)]
+            return Joint(ends, "cylindrical", point=self.data.xanchor[turn], axis=axes[0])
+        raise InputError(
+            f"{len(own)} joints lead to it",
+            part=ends[0],
+            hint="give it one hinge, slide, ball or free joint, or a slide along its hinge",
+        )
+
+    def _equalities(self, parts: set[str]) -> list[Joint]:
+        """Welds and connections between bodies."""
+        model = self.model
+        found = []
+        for k in np.flatnonzero(model.eq_active0):
+            kind = int(model.eq_type[k])
+            ids = [int(model.eq_obj1id[k]), int(model.eq_obj2id[k])]
+            ends = [self.names[i] if self.names[i] in parts and i else "ground" for i in ids]
+            if kind not in (CONNECT, WELD) or int(model.eq_objtype[k]) != 1 or ends[0] == ends[1]:
+                self.notes.append("an equality that is no weld or connection of bodies is left out")
+                continue
+            first, second = ends if ends[0] != "ground" else ends[::-1]
+            point = None
+            if kind == CONNECT:
+                pose = Pose(self.data.xpos[ids[0]], self.data.xquat[ids[0]])
+                point = pose.apply(model.eq_data[k][:3][None])[0]
+            joint = "fixed" if kind == WELD else "spherical"
+            found.append(Joint((first, second), joint, point=point))  # type: ignore[arg-type]
+        return found
+
+    # friction ------------------------------------------------------------------------
+
+    def _friction(self, parts: list[Part]) -> tuple[float, list[FrictionPair]]:
+        """The coefficient that most pairs have that come near, and the pairs that differ."""
+        model = self.model
+        own = np.array([max(self._mu(geom) for geom in geoms) for geoms in self.rows])
+        condim = [max(int(model.geom_condim[geom]) for geom in geoms) for geoms in self.rows]
+        slick = np.array(condim) == 1
+        one, two = _near(parts)
+        mu = np.maximum(own[one], own[two])
+        mu[slick[one] & slick[two]] = 0.0
+        free = np.array([not part.grounded for part in parts])
+        counts = free[one] | free[two]
+        one, two, mu = one[counts], two[counts], mu[counts]
+        usual = Counter(mu.tolist()).most_common(1)
+        friction = usual[0][0] if usual else 0.0
+        return friction, [
+            FrictionPair((parts[a].name, parts[b].name), value)
+            for a, b, value in zip(one.tolist(), two.tolist(), mu.tolist(), strict=True)
+            if value != friction
+        ]
+
+    def _mu(self, geom: int) -> float:
+        return float(self.model.geom_friction[geom][0])
+
+    def _left_out(self) -> str:
+        """What a model has that holds or moves parts and kilter does not count, in words."""
+        model = self.model
+        counts = {
+            "motors": model.nu,
+            "springs": int(np.count_nonzero(model.jnt_stiffness)),
+            "limits of joints": int(np.count_nonzero(model.jnt_limited)),
+            "tendons": model.ntendon,
+            "friction of joints": int(np.count_nonzero(model.dof_frictionloss)),
+            "excluded pairs": model.nexclude,
+        }
+        return ", ".join(f"{count} {word}" for word, count in counts.items() if count)
+
+
+def _near(parts: list[Part]) -> tuple[Index, Index]:
+    """Pairs of parts that come near each other, by the balls around them."""
+    points = [part.pose.apply(surface(part.shape)[0]) for part in parts]
+    middle = np.array([(p.min(axis=0) + p.max(axis=0)) / 2 for p in points])
+    radius = np.array(
+        [np.linalg.norm(p - m, axis=1).max() for p, m in zip(points, middle, strict=True)]
+    )
+    apart = np.linalg.norm(middle[:, None] - middle, axis=2)
+    close = apart <= REACH * (radius[:, None] + radius)
+    one, two = np.nonzero(np.triu(close, 1))
+    return one, two

@@ -1,0 +1,165 @@
+"""URDF robots: links where their joints put them, the base fixed or floating."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kilter
+from kilter import InputError
+from kilter.cli import main
+
+LINK = """<link name="{name}"><inertial><mass value="{mass}"/><origin xyz="{center}"/></inertial>
+<collision><origin xyz="{at}"/><geometry>{shape}</geometry></collision></link>"""
+JOINT = """<joint name="{child}_joint" type="{kind}"><parent link="{parent}"/>
+<child link="{child}"/>
+<origin xyz="{xyz}" rpy="{rpy}"/><axis xyz="{axis}"/></joint>"""
+
+
+def link(name: str, shape: str, mass: float = 1.0, at: str = "0 0 0", center: str = "0 0 0") -> str:
+    return LINK.format(name=name, shape=shape, mass=mass, at=at, center=center)
+
+
+def joint(
+    parent: str, child: str, kind: str, xyz: str, rpy: str = "0 0 0", axis: str = "0 0 1"
+) -> str:
+    return JOINT.format(parent=parent, child=child, kind=kind, xyz=xyz, rpy=rpy, axis=axis)
+
+
+def robot(tmp_path: Path, *elements: str, name: str = "robot.urdf") -> Path:
+    path = tmp_path / name
+    path.write_text(f'<robot name="r">{"".join(elements)}</robot>')
+    return path
+
+
+BASE = link("base", '<box size="1 1 1"/>', 10)
+
+
+def test_a_box_on_its_base_and_the_same_parts_of_ones_own(tmp_path: Path) -> None:
+    path = robot(tmp_path, BASE, link("box", '<box size=".5 .5 .5"/>', 2),
+                 joint("base", "box", "floating", "0 0 .75"))  # fmt: skip
+    found = kilter.load(path)
+    assert kilter.check(found).stable
+    own = kilter.Assembly(
+        [
+            kilter.Part("base", kilter.Box([1, 1, 1]), mass=10, center_of_mass=[0] * 3,
+                        grounded=True),
+            kilter.Part("box", kilter.Box([0.5] * 3), kilter.Pose([0, 0, 0.75]), mass=2,
+                        center_of_mass=[0] * 3),
+        ]
+    )  # fmt: skip
+    one, two = kilter.check(found).to_dict(), kilter.check(own).to_dict()
+    assert {**one, "seconds": 0} == {**two, "seconds": 0}
+
+
+@pytest.mark.parametrize(
+    ("kind", "axis", "stable"),
+    [
+        ("fixed", "0 0 1", True),
+        ("revolute", "1 0 0", True),
+        ("continuous", "0 1 0", False),
+        ("prismatic", "1 0 0", False),
+        ("prismatic", "0 1 0", True),
+    ],
+)
+def test_an_arm_at_the_side_is_held_as_its_joint_holds(
+    tmp_path: Path, kind: str, axis: str, stable: bool
+) -> None:
+    """The frame is turned a quarter about y: the arm, along its z, lies along the world's x."""
+    arm = link("arm", '<cylinder radius=".1" length="1"/>', 3, "0 0 .5", "0 0 .5")
+    path = robot(
+        tmp_path, BASE, arm, joint("base", "arm", kind, "1.2 0 0", f"0 {np.pi / 2} 0", axis)
+    )
+    found = kilter.load(path)
+    assert kilter.check(found).stable is stable
+    assert np.allclose(np.abs(found["arm"].pose.matrix[:, 2]), [1, 0, 0], atol=1e-6)
+    assert bool(found.notes) is (kind != "fixed")
+
+
+def test_a_base_that_floats_stands_on_the_floor_or_tips(tmp_path: Path) -> None:
+    for reach, stable in ((0.4, True), (3.5, False)):
+        arm = link("arm", '<box size=".2 .2 .2"/>', 10)
+        path = robot(tmp_path, BASE, arm, joint("base", "arm", "fixed", f"{reach} 0 2"))
+        assert kilter.check(kilter.load(path)).stable
+        found = kilter.load(path, base="floating", floor=True)
+        assert not any(part.grounded for part in found.parts if part.name != "floor")
+        assert kilter.check(found).stable is stable
+
+
+def test_frames_are_passed_over_and_hold_what_is_fixed_to_them(tmp_path: Path) -> None:
+    path = robot(tmp_path, '<link name="world"/><link name="tool"/>', BASE,
+                 link("hand", '<sphere radius=".1"/>'), joint("world", "base", "fixed", "0 0 5"),
+                 joint("base", "tool", "fixed", "0 0 1"), joint("tool", "hand", "fixed", "0 0 1"),
+                 name="robot.xml")  # fmt: skip
+    found = kilter.load(path)
+    assert found.names == ("base", "hand")
+    assert found["hand"].pose.position == pytest.approx([0, 0, 7])
+    assert [one.parts for one in found.joints] == [("base", "ground"), ("hand", "base")]
+    assert kilter.check(found).stable
+    loose = kilter.load(path, base="floating")
+    assert [one.parts for one in loose.joints] == [("hand", "base")]
+
+
+def test_meshes_are_found_beside_the_file_and_in_packages(tmp_path: Path) -> None:
+    trimesh = pytest.importorskip("trimesh")
+    folder = tmp_path / "thing_description"
+    (folder / "urdf").mkdir(parents=True)
+    (folder / "meshes").mkdir()
+    trimesh.creation.box((1000, 1000, 1000)).export(folder / "meshes" / "cube.stl")
+    for name in ("../meshes/cube.stl", "package://thing_description/meshes/cube.stl"):
+        shape = f'<mesh filename="{name}" scale=".001 .001 .001"/>'
+        path = robot(folder / "urdf", link("cube", shape, 4))
+        found = kilter.load(path)
+        assert found.geometry.volume[0] == pytest.approx(1)
+        assert found.geometry.mass[0] == 4
+
+
+def test_several_shapes_of_a_link_are_one_part(tmp_path: Path) -> None:
+    two = """<link name="ell"><collision><geometry><box size="2 1 1"/></geometry></collision>
+    <collision><origin xyz=".5 0 .5"/><geometry><box size="1 1 2"/></geometry></collision></link>"""
+    found = kilter.load(robot(tmp_path, two))
+    assert found.geometry.volume[0] == pytest.approx(3)
+
+
+@pytest.mark.parametrize(
+    ("elements", "words"),
+    [
+        ([""], "a robot without links"),
+        (['<link name="a"/>'], "no link has a shape; give its links <collision>"),
+        ([link("a", '<cone radius="1"/>')], "part 'a': a shape is 'cone'; give a box"),
+        ([link("a", '<box size="1 1"/>')], "part 'a': size of a box is '1 1'; give 3 numbers"),
+        ([link("a", '<mesh filename="a.dae"/>')], r"part 'a': a mesh is a \.dae; write it as"),
+        ([BASE, joint("base", "arm", "fixed", "0 0 0")], "names 'arm' as its child, which is no"),
+        (
+            [BASE, link("a", '<box size="1 1 1"/>'), joint("base", "a", "planar", "0 0 0")],
+            "part 'a': a joint of kind planar leads to it; one of fixed",
+        ),
+    ],
+)
+def test_what_the_format_has_not_is_told(tmp_path: Path, elements: list[str], words: str) -> None:
+    with pytest.raises(InputError, match=r"robot\.urdf: .*" + words):
+        kilter.load(robot(tmp_path, *elements))
+
+
+def test_a_base_is_fixed_or_floating_and_xml_is_of_one_of_two_kinds(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="the base is 'loose'; use fixed or floating"):
+        kilter.load(robot(tmp_path, BASE), base="loose")
+    path = tmp_path / "x.xml"
+    path.write_text("<html/>")
+    with pytest.raises(InputError, match="its top element is 'html'; MJCF begins with"):
+        kilter.load(path)
+    path.write_text("<robot")
+    with pytest.raises(InputError, match=r"x\.xml: its XML is wrong"):
+        kilter.load(path)
+
+
+def test_the_command_asks_the_same_and_its_proof_is_verified(tmp_path: Path) -> None:
+    arm = link("arm", '<box size=".2 .2 .2"/>', 10)
+    path = robot(tmp_path, BASE, arm, joint("base", "arm", "fixed", "3.5 0 2"))
+    proof = str(tmp_path / "proof.json")
+    for base, code in (("fixed", 0), ("floating", 1)):
+        words = ["check", str(path), "--base", base, "--floor", "--quiet", "--proof", proof]
+        assert main(words) == code
+        assert main(["verify", str(path), proof, "--quiet"]) == 0
