@@ -1,6 +1,7 @@
 // Where each part is drawn: moved along its motion, pulled apart. Quaternions are x, y, z, w.
 
 import { size } from "./map.js";
+import { cross, norm } from "./vector.js";
 
 /** The quaternion of a turn by a rotation vector [rad]. */
 export function turn(x, y, z) {
@@ -44,8 +45,21 @@ export function reachOf(motion, radius, reach) {
 }
 
 /**
- * Quaternion and position of a part, moved by `amount` times its motion about its centre of
- * mass and pulled `apart` times its distance from the middle.
+ * How far the centre of mass goes by a screw motion: what turns together stays together.
+ *
+ *   shift = a v + (1 - cos t)/t^2 a^2 w x v + (t - sin t)/t^3 a^3 w x (w x v)      t = a |w|
+ */
+export function screwed(v, w, amount) {
+  const t = amount * norm(w);
+  const [b, c] = t > 1e-4 ? [(1 - Math.cos(t)) / t ** 2, (t - Math.sin(t)) / t ** 3] : [1 / 2, 1 / 6];
+  const once = cross(w, v);
+  const twice = cross(w, once);
+  return v.map((x, i) => amount * x + b * amount ** 2 * once[i] + c * amount ** 3 * twice[i]);
+}
+
+/**
+ * Quaternion and position of a part, moved by `amount` times its motion, a screw, and
+ * pulled `apart` times its distance from the middle.
  */
 export function posed(parts, k, motion, amount, apart) {
   const at = parts.position.subarray(3 * k, 3 * k + 3);
@@ -62,7 +76,8 @@ export function posed(parts, k, motion, amount, apart) {
       q = times(r, q);
       for (let i = 0; i < 3; i += 1) p[i] += after[i] - arm[i];
     }
-    for (let i = 0; i < 3; i += 1) p[i] += amount * m[i];
+    const shift = screwed([...m.subarray(0, 3)], [...m.subarray(3, 6)], amount);
+    for (let i = 0; i < 3; i += 1) p[i] += shift[i];
   }
   return [q, p];
 }

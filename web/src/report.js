@@ -8,6 +8,7 @@ import { deepest } from "./map.js";
 import { forceArrows, motionArrows, thrustRods } from "./overlay.js";
 import { keepPlace } from "./place.js";
 import { reachOf } from "./pose.js";
+import { clearAmount } from "./sweep.js";
 import { angleBetween, unit } from "./vector.js";
 import { basis, degrees, direction, force, marginWords, movingWords, number, plainly } from "./words.js";
 
@@ -79,15 +80,23 @@ export class Report extends Look {
     if (!this.stage) return;
     const { parts } = this.stage;
     const { motion } = this.found;
-    // as far as the moving parts are large: more would say nothing
-    const sizes = (this.found.moving || []).map((k) => this.page.parts.radius[k]);
-    sizes.sort((a, b) => a - b);
-    const reach = 1.1 * (sizes[sizes.length >> 1] || 0);
-    const amount = motion ? this.amount * reachOf(motion, this.page.parts.radius, reach) : 0;
-    parts.pose(motion, amount, this.apart);
+    parts.pose(motion, motion && this.amount ? this.amount * this.farthest() : 0, this.apart);
     this.arrows();
     this.names.place();
     this.stage.draw();
+  }
+
+  /** The amount of the motion at the end of its slider: before any part enters another. */
+  farthest() {
+    const { found, page } = this;
+    if (found.farthest === undefined) {
+      // as far as the moving parts are large: more would say nothing
+      const sizes = (found.moving || []).map((k) => page.parts.radius[k]);
+      sizes.sort((a, b) => a - b);
+      const reach = reachOf(found.motion, page.parts.radius, 1.1 * (sizes[sizes.length >> 1] || 0));
+      found.farthest = clearAmount(page, found.motion, reach);
+    }
+    return found.farthest;
   }
 
   arrows() {

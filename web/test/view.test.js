@@ -71,6 +71,25 @@ test("motion turns about the centre of mass and moves it", () => {
   near(Math.abs(q[2]), 1, 1e-6);
 });
 
+test("what turns together stays together: a screw about one axis carries two parts alike", () => {
+  const two = {
+    position: new Float32Array([1, 0, 0, 4, 0, 0]),
+    center: new Float32Array([1, 1, 0, 4, 2, 0]),
+    rotation: new Float32Array([1, 0, 0, 0, 1, 0, 0, 0]),
+  };
+  // about z through the origin, and along it: v = w x c + 2 z
+  const motion = new Float32Array([-1, 1, 2, 0, 0, 1, -2, 4, 2, 0, 0, 1]);
+  for (const amount of [0, 1e-5, 0.3, 2]) {
+    const places = [0, 1].map((k) => posed(two, k, motion, amount, 0)[1]);
+    [0, 1].forEach((k) => {
+      const r = k ? 4 : 1;
+      near(places[k][0], r * Math.cos(amount), 1e-6);
+      near(places[k][1], r * Math.sin(amount), 1e-6);
+      near(places[k][2], 2 * amount, 1e-6);
+    });
+  }
+});
+
 test("pulled apart, parts go away from the middle by their own distance", () => {
   assert.deepEqual(posed(parts, 0, null, 0, 0.5)[1], [1.5, 0.5, 0]);
 });
