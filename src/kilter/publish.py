@@ -69,6 +69,7 @@ def report(
     tolerance: Tolerance | None = None,
     effort: float = EFFORT,
     time_limit: float | None = None,
+    margins: bool = False,
     command: str = "",
     progress: Tell | None = None,
 ) -> Report:
@@ -86,6 +87,8 @@ def report(
         Shown above; the name of the file where it is not given.
     contacts, tolerance, effort, time_limit, progress
         As of `kilter.check`.
+    margins : bool
+        Margins where more than 20 parts are free, too; up to 20 they are always on the page.
     command : str
         How to make the page again, shown on it.
 
@@ -110,6 +113,7 @@ def report(
         tolerance=tolerance,
         effort=effort,
         time_limit=time_limit,
+        margins=margins,
         command=command,
         live=False,
         progress=progress,
@@ -146,6 +150,7 @@ def _page(
     time_limit: float | None,
     command: str,
     live: bool,
+    margins: bool = False,
     progress: Tell | None,
 ) -> Report:
     from kilter.analysis.everything import everything
@@ -166,6 +171,7 @@ def _page(
         tolerance=tolerance,
         effort=effort,
         time_limit=time_limit,
+        margins=margins,
         progress=progress,
     )
     if progress is not None:

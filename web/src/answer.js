@@ -1,9 +1,10 @@
 // The answer for any direction of gravity, from what the page holds; nothing is solved here.
 
-import { contains, distance, hullOfRays, isThin, margin, shares } from "./cone.js";
+import { contains, distance, isThin, margin, nearest, shares } from "./cone.js";
 import { farthest, movers } from "./map.js";
-import { angleBetween, scaled } from "./vector.js";
+import { add, angleBetween, scaled, unit } from "./vector.js";
 
+const DEEPER = 20; // blurs towards the middle, so that a narrow cone is entered too
 const SAME = 1e-9; // directions closer than this are one [rad]
 
 /**
@@ -36,25 +37,37 @@ export function answer(page, down) {
   return result;
 }
 
+/** What surely holds: the region, or the inner cone where friction makes its boundary round. */
+export const innerOf = (region) => ({ ...region, ...region.inner });
+
+/** What may hold: beyond it nothing does. The outer cone has facets alone. */
+export const outerOf = (region) =>
+  region.inner ? { ...region, equations: [], dimension: 3 } : region;
+
 /** The verdict that the cone gives. */
 export function verdictAt(region, down) {
-  if (!region.band) return contains(region, down) ? region.inside : region.outside;
-  if (surely(region, down)) return region.inside;
-  return contains(region, down) ? "undecided" : region.outside;
+  if (contains(innerOf(region), down)) return region.inside;
+  return region.inner && contains(outerOf(region), down) ? "undecided" : region.outside;
 }
 
-/** Whether a direction lies in what the rays and lines span, where the facets lie outside of it. */
-function surely(region, down) {
-  if (region.hull) return contains({ ...region, facets: region.hull }, down);
-  const back = region.lines.map((line) => scaled(line, -1));
-  return shares([...region.rays, ...region.lines, ...back], down) !== null;
+/** The direction that surely holds nearest to a direction. */
+export function nearestHeld(region, down) {
+  const cone = innerOf(region);
+  // the foot lies on the boundary: an inner cone that asks for more than that is entered
+  const within = Math.max(0, -cone.blur);
+  const foot = nearest({ ...cone, blur: Math.abs(cone.blur) }, down);
+  return foot && within && region.center
+    ? unit(add(foot, scaled(region.center, DEEPER * within)))
+    : foot;
 }
 
 function known_(page, name, known, down) {
   const held = ["stable", "settles", "potentially-stable"].includes(known.verdict);
   const moving = [];
   known.moves.forEach((m, k) => m && moving.push(k));
-  const inCone = page.region ? marginAt(page, down, contains(page.region, down)) : { margin: null };
+  const inCone = page.region
+    ? marginAt(page, down, contains(innerOf(page.region), down))
+    : { margin: null };
   return {
     ...inCone,
     verdict: known.verdict,
@@ -64,6 +77,7 @@ function known_(page, name, known, down) {
     z: known.z,
     instability: known.instability,
     sentence: known.sentence,
+    level: known.level,
     words: known.words,
     forceWords: known.force_words,
     forces: held ? known.forces : null,
@@ -73,8 +87,10 @@ function known_(page, name, known, down) {
 /** Margin inside, angle to the region outside [rad]. */
 function marginAt(page, down, held) {
   const { region } = page;
-  if (!held) return { margin: null, away: distance(region, down) };
-  const cone = region.band && region.hull ? { ...region, facets: region.hull } : region;
+  const cone = innerOf(region);
+  if (!held) {
+    return { margin: null, away: distance({ ...cone, blur: Math.abs(cone.blur) }, down) };
+  }
   const within = margin(cone, down);
   return { margin: isThin(region, page.planar) ? 0 : within, within, away: 0 };
 }
@@ -90,9 +106,3 @@ export function balanceAt(rays, down) {
   }
   return { points: rays.points, parts: rays.parts, patch: rays.patch, forces };
 }
-
-/** The region with the facets of its inner hull, where it has a round boundary. */
-export const withHull = (region) =>
-  region && region.band && region.kind === "cone" && region.rays.length > 2
-    ? { ...region, hull: hullOfRays(region.rays) }
-    : region;

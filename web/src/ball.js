@@ -1,7 +1,8 @@
 // The gravity ball: the directions of gravity as a sphere, the stable ones on it, an arrow.
 // The ball lies in the frame of the assembly; the arrow shows where gravity pulls.
 
-import { along, arcs, contains, isThin } from "./cone.js";
+import { innerOf, outerOf } from "./answer.js";
+import { along, arcs, contains, isThin, outline } from "./cone.js";
 import { ramp, rampOf, rgb, themeOf } from "./colours.js";
 import { deepest, farthest } from "./map.js";
 import { eyeFor, inPlane, onDisc, sphereView, underPoint } from "./sphere.js";
@@ -9,6 +10,7 @@ import { angleBetween, cross, dot, norm, scaled, turnedAbout, unit, without } fr
 
 const EDGE = 30; // pixels around the disc
 const REACH = 24; // pixels around the knob that still take hold of it
+const SEEN_DEG = 0.5; // a gap between inner and outer cone that is narrower is one line
 const STEP = Math.PI / 90; // of the arrow keys, 2 degrees; a tenth with shift
 
 export class Ball {
@@ -200,8 +202,8 @@ export class Ball {
     const plain = region && region.outside === "unstable" ? "unstable-fill" : "blank";
     const blank = rgb(style(plain));
     const solid = region && region.dimension === 3 && !isThin(region, planar);
-    const facets = solid ? region.hull || region.facets : [];
-    const outer = solid && region.hull ? region.facets : [];
+    const facets = solid ? innerOf(region).facets : [];
+    const outer = region && region.inner ? outerOf(region).facets : null;
     const between = rgb(style("undecided-fill"));
     const out = [0, 0, 0];
     const cover = (qs, n) => {
@@ -211,9 +213,9 @@ export class Ball {
     };
     return (n) => {
       let base = blank;
-      if (planar && region && contains(region, n)) base = stable;
+      if (planar && region && contains(innerOf(region), n)) base = stable;
       else if (map) base = ramp(farthest(map.vertices, n)[1] / map.mass / this.most, table);
-      const middle = outer.length ? cover(outer, n) : 0;
+      const middle = outer ? cover(outer, n) : 0;
       const inner = solid ? cover(facets, n) : 0;
       for (let k = 0; k < 3; k += 1) {
         const under = base[k] + middle * (between[k] - base[k]);
@@ -264,7 +266,21 @@ export class Ball {
   /** The boundary of the stable region: exact arcs, dashed on the far side. */
   paintRegion(c, style) {
     if (!this.page.region) return;
-    const all = arcs(this.page.region);
+    const { region } = this.page;
+    if (region.inner && region.gap_deg > SEEN_DEG) {
+      this.paintArcs(c, outline(region.facets), [[style("undecided"), 1.5, true]]);
+    }
+    const all = arcs(region);
+    this.paintArcs(c, all, [
+      [style("stable"), 1.5, false],
+      [style("stable-edge"), 5.5, true],
+      [style("stable"), 3, true],
+    ]);
+    for (const arc of all) if (!arc.angle) this.dot(c, arc.u, style);
+  }
+
+  /** Arcs in strokes of colour, width and whether in front; dashed on the far side. */
+  paintArcs(c, all, strokes) {
     const lines = all.filter((arc) => arc.angle).map((arc) => {
       const count = Math.max(2, Math.ceil(arc.angle / 0.02));
       return Array.from({ length: count + 1 }, (_, k) =>
@@ -273,11 +289,7 @@ export class Ball {
     });
     c.lineCap = "round";
     c.lineJoin = "round";
-    for (const [colour, width, front] of [
-      [style("stable"), 1.5, false],
-      [style("stable-edge"), 5.5, true],
-      [style("stable"), 3, true],
-    ]) {
+    for (const [colour, width, front] of strokes) {
       c.strokeStyle = colour;
       c.lineWidth = width;
       c.setLineDash(front ? [] : [3, 5]);
@@ -294,7 +306,6 @@ export class Ball {
       c.stroke();
     }
     c.setLineDash([]);
-    for (const arc of all) if (!arc.angle) this.dot(c, arc.u, style);
   }
 
   onCanvas(u) {

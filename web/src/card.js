@@ -11,7 +11,7 @@ export function factsOf(page, found, k) {
   const moves = Boolean(found.moving && found.moving.includes(k));
   const state = moves ? "moves" : found.moving ? "stays" : "not known";
   const near = touching(page.patches.parts, k);
-  const names = near.slice(0, LISTED).map((j) => short(parts.names[j]));
+  const names = near.slice(0, LISTED).map((j) => short(parts.tails[j]));
   if (near.length > LISTED) names.push(`${near.length - LISTED} more`);
   const rows = [
     ["mass", `${number(parts.mass[k], 6)} kg`],

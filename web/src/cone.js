@@ -96,14 +96,28 @@ export function between(a, b) {
 export const along = (arc, t) => add(scaled(arc.u, Math.cos(t)), scaled(arc.v, Math.sin(t)));
 
 /**
- * The cone that rays, in order around it, span: its inward facets. Where friction makes the
- * boundary round, what lies in it surely holds, and what lies outside `facets` does not.
+ * The boundary of {g : q.g >= 0 for all q} on the unit sphere as arcs: of each facet's great
+ * circle a + b turned by t, the interval that meets every other facet.
  */
-export function hullOfRays(rays) {
-  const middle = unit(rays.reduce(add, [0, 0, 0]));
-  return rays.map((ray, k) => {
-    const q = unit(cross(ray, rays[(k + 1) % rays.length]));
-    return dot(q, middle) >= 0 ? q : scaled(q, -1);
+export function outline(facets) {
+  return facets.flatMap((facet) => {
+    const a = across(facet);
+    const b = cross(facet, a);
+    let [middle, half] = [0, Math.PI]; // of the interval
+    for (const q of facets) {
+      const [c, s] = [dot(q, a), dot(q, b)];
+      if (q === facet || Math.hypot(c, s) < 1e-12) continue; // the same plane
+      const there = Math.atan2(s, c); // the half circle about it meets q
+      if (half === Math.PI) [middle, half] = [there, Math.PI / 2];
+      else {
+        const off = Math.atan2(Math.sin(there - middle), Math.cos(there - middle));
+        const [low, high] = [Math.max(-half, off - Math.PI / 2), Math.min(half, off + Math.PI / 2)];
+        [middle, half] = [middle + (low + high) / 2, (high - low) / 2];
+      }
+      if (half <= 0) return [];
+    }
+    const at = (t) => add(scaled(a, Math.cos(t)), scaled(b, Math.sin(t)));
+    return [{ u: at(middle - half), v: at(middle - half + Math.PI / 2), angle: 2 * half }];
   });
 }
 

@@ -1,6 +1,6 @@
 // The data of the page: JSON with arrays in base64.
 
-import { withHull } from "./answer.js";
+import { tailsOf } from "./tails.js";
 
 const TYPES = {
   f4: Float32Array,
@@ -29,5 +29,6 @@ export function unpacked(value) {
 /** The data of this page; null where there is nothing to draw. */
 export function pageData(text) {
   const data = unpacked(JSON.parse(text));
-  return data && { ...data, region: withHull(data.region) };
+  if (data) data.parts.tails = tailsOf(data.parts.names);
+  return data;
 }

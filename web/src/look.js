@@ -58,6 +58,7 @@ export class Look {
     const pairs = page.open.parts.length / 2;
     id("open-row").hidden = !pairs;
     id("open-label").textContent = `${pairs} open pair${pairs > 1 ? "s" : ""}`;
+    id("load-key").hidden = !page.loads.length;
     on("show-names", "change", () => this.label());
     on("home", "click", () => this.stage.home());
     on("theme", "click", () => this.nextTheme());

@@ -2,11 +2,17 @@
 
 import { pageData } from "./data.js";
 import { id } from "./look.js";
+import { readNarrow } from "./narrow.js";
+import { printWell } from "./paper.js";
 import { Plan } from "./plan.js";
 import { Report } from "./report.js";
+import { scrollPast } from "./scrolling.js";
 
 const page = pageData(id("data").textContent);
 if (page) {
   id("show").hidden = false;
   window.kilter = page.plan ? new Plan(page) : new Report(page);
+  readNarrow(page);
+  printWell(window.kilter, id("printed"));
+  if (window.kilter.stage) scrollPast(window.kilter.stage, id("picture"));
 }

@@ -99,7 +99,7 @@ export class Names {
     this.tags = new Map(
       list.map((k) => {
         const tag = document.createElement("span");
-        tag.textContent = short(this.stage.page.parts.names[k], 24);
+        tag.textContent = short(this.stage.page.parts.tails[k], 24);
         this.element.append(tag);
         return [k, tag];
       }),

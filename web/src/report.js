@@ -1,8 +1,8 @@
 // The page of a report: gravity, and what follows from it. Words from the data are set as text.
 
-import { answer } from "./answer.js";
+import { answer, nearestHeld } from "./answer.js";
 import { Ball } from "./ball.js";
-import { distance, isThin, nearest } from "./cone.js";
+import { distance, isThin } from "./cone.js";
 import { Look, id, on } from "./look.js";
 import { deepest } from "./map.js";
 import { forceArrows, motionArrows, thrustRods } from "./overlay.js";
@@ -10,7 +10,7 @@ import { keepPlace } from "./place.js";
 import { reachOf } from "./pose.js";
 import { clearAmount } from "./sweep.js";
 import { angleBetween, unit } from "./vector.js";
-import { basis, degrees, direction, force, marginWords, movingWords, number, plainly } from "./words.js";
+import { basis, gapWords, degrees, direction, force, marginWords, movingWords, number, plainly } from "./words.js";
 
 const SIGNS = {
   stable: "✓",
@@ -51,7 +51,7 @@ export class Report extends Look {
     let u = unit(wanted);
     if (region && region.dimension && isThin(region, planar)) {
       const reach = how === "key" ? step / 2 : SNAP;
-      if (distance(region, u) < reach) u = nearest(region, u);
+      if (distance(region, u) < reach) u = nearestHeld(region, u);
     }
     for (const known of [this.page.given, this.page.recommended]) {
       if (known && angleBetween(known.down, u) < 1e-7) u = known.down;
@@ -149,15 +149,12 @@ export class Report extends Look {
     id("down").textContent = direction(this.down);
     const away = angleBetween(this.down, page.given.down);
     id("turned").textContent = away ? `turned by ${degrees(away)}` : "as given";
-    const figure = found.instability ?? null;
+    const [sign, value] = (found.instability ?? null) === null ? ["z", found.z] : ["κ", found.instability];
+    id("level").textContent = found.level ? `level: ${found.level}` : "";
     id("figure").title =
       found.verdict === "undecided" ? "of the frictionless contacts that are modelled" : "";
-    id("figure").textContent =
-      figure !== null
-        ? `κ ${number(figure)}`
-        : found.z === undefined || found.z === null
-          ? ""
-          : `z ${number(found.z)}`;
+    const said = TONES[found.verdict] !== "stable" && (value ?? null) !== null;
+    id("figure").textContent = said ? `${sign} ${number(value)}` : "";
     const at = (name) => page[name] && angleBetween(page[name].down, this.down) < 1e-9;
     id("go-given").setAttribute("aria-pressed", String(Boolean(at("given"))));
     id("go-recommended").setAttribute("aria-pressed", String(Boolean(at("recommended"))));
@@ -177,10 +174,12 @@ export class Report extends Look {
     on("go-given", "click", () => this.turn(page.given.down, { exactly: true, follow: true }));
     on("go-recommended", "click", () => this.turn(page.recommended.down, { follow: true }));
     id("go-recommended").disabled = !page.recommended;
+    id("go-recommended").hidden = page.coincide;
+    if (page.coincide) id("go-given").textContent = "Given, and recommended";
     const held = page.recommended && ["stable", "settles", "potentially-stable"].includes(page.recommended.verdict);
     if (page.recommended && !held) id("go-recommended").textContent = "Nearest to stable";
     on("go-nearest", "click", () =>
-      this.turn(nearest(page.region, this.down), { follow: true }),
+      this.turn(nearestHeld(page.region, this.down), { follow: true }),
     );
     id("go-nearest").disabled = !page.region || !page.region.dimension;
     const { region } = page;
@@ -194,11 +193,23 @@ export class Report extends Look {
       ? "unstable, a little to much"
       : "unstable by its frictionless contacts alone, a little to much";
     id("ramp").hidden = !page.map || deepest(page.map) === 0;
-    id("stable-key").hidden = !page.region || page.region.kind === "none";
+    this.keys();
     on("motion", "input", () => this.slide("amount", "motion"));
     on("play", "click", () => this.play());
     const points = page.given.forces ? page.given.forces.points.length / 3 : 0;
     if (this.stage) id("show-forces").checked = points <= QUIET;
+  }
+
+  /** What the ball asks, and what its colours say. */
+  keys() {
+    const { region } = this.page;
+    id("question").hidden = !region;
+    id("stable-key").hidden = !region || region.kind === "none";
+    id("gap-key").hidden = !region || !region.inner;
+    if (!region) return;
+    id("question").textContent = region.words.question;
+    id("stable-words").textContent = region.words.inside;
+    if (region.inner) id("gap-words").textContent = gapWords(region.gap_deg);
   }
 
   /** The motion once forth and back, or stopped. */

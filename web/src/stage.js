@@ -232,6 +232,12 @@ export class Stage {
     const { width, height } = canvas;
     const camera = new PerspectiveCamera(30, width / height, this.page.radius / 50, this.page.radius * 60);
     this.frame(camera);
+    this.shootInto(canvas, camera);
+  }
+
+  /** What a camera sees, put into a canvas. */
+  shootInto(canvas, camera = this.camera) {
+    const { width, height } = canvas;
     camera.updateMatrixWorld();
     const target = new WebGLRenderTarget(width, height, { samples: 4, stencilBuffer: true });
     const { dense } = this.parts.shared;

@@ -11,6 +11,9 @@ export function degrees(angle) {
   return `${Math.abs(d) < NO_ANGLE ? "0" : d < 0.01 ? number(d, 2) : d < 10 ? d.toFixed(2) : d.toFixed(1)}°`;
 }
 
+/** What lies between the inner and the outer cone. */
+export const gapWords = (gap) => `open: neither is proved; at most ${number(gap, 2)}° wide`;
+
 export const number = (value, digits = 4) =>
   Number.isFinite(value) ? String(Number(Number(value).toPrecision(digits))) : "–";
 
@@ -56,7 +59,7 @@ export function movingWords(page, found, limit = 8) {
   if (!found.moving.length) {
     return found.verdict === "undecided" ? "" : "no part moves";
   }
-  const names = found.moving.slice(0, limit).map((k) => short(page.parts.names[k]));
+  const names = found.moving.slice(0, limit).map((k) => short(page.parts.tails[k]));
   const more = found.moving.length > limit ? ` and ${found.moving.length - limit} more` : "";
   const rough = page.region && page.region.friction && found.from === "cone";
   const alone = rough || found.verdict === "undecided" ? "by the frictionless contacts alone " : "";
@@ -71,7 +74,9 @@ export const short = (name, length = 40) =>
 /** What a live answer rests on. */
 export function basis(page, found) {
   const { region } = page;
-  if (found.from === "given") return "Answered in full: gravity as given.";
+  if (found.from === "given") {
+    return `Answered in full: gravity as given${page.coincide ? ", which is recommended" : ""}.`;
+  }
   if (found.from === "recommended") return "Answered in full: the recommended direction.";
   if (!region) return "Only the given direction is answered.";
   const cone = region.words.basis;

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import test from "node:test";
-import { answer, balanceAt, verdictAt, withHull } from "../src/answer.js";
+import { answer, balanceAt, nearestHeld, verdictAt } from "../src/answer.js";
 import { unpack, unpacked } from "../src/data.js";
 import { farthest, movers, zOverMass } from "../src/map.js";
 import { basis, degrees, direction, marginWords, movingWords, short } from "../src/words.js";
@@ -10,7 +10,7 @@ const DOWN = [0, 0, -1];
 const words = { none: "none is held", basis: "Live: by the cone.", nearest: "stable direction" };
 
 function page(more = {}) {
-  const region = { ...pyramid, inside: "stable", outside: "unstable", words, band: false };
+  const region = { ...pyramid, inside: "stable", outside: "unstable", words };
   return {
     planar: false,
     given: {
@@ -32,7 +32,7 @@ function page(more = {}) {
       mass: 2,
       motions: new Float32Array(36).fill(0, 0).map((_, k) => (k === 18 ? 1 : k === 30 ? -1 : 0)),
     },
-    parts: { names: ["base", "cube"], radius: new Float32Array([1, 1]), grounded: [1, 0] },
+    parts: { names: ["base", "cube"], tails: ["base", "cube"], radius: new Float32Array([1, 1]), grounded: [1, 0] },
     ...more,
   };
 }
@@ -71,33 +71,49 @@ test("between inner rays and outer facets it is undecided", () => {
     const n = Math.hypot(...v);
     return v.map((c) => c / n);
   });
-  const region = withHull({
+  const region = {
     ...pyramid,
     facets: wide,
-    band: true,
+    inner: { facets: pyramid.facets, blur: -1e-5 },
+    center: DOWN,
     inside: "potentially-stable",
     outside: "unstable",
-  });
+  };
   assert.equal(verdictAt(region, [0.9, 0, -1]), "potentially-stable");
+  // an inner cone is entered by its blur, and what is nearest in it lies within
+  assert.equal(verdictAt(region, [1 - 1e-6, 0, -1]), "undecided");
+  assert.equal(verdictAt(region, nearestHeld(region, [3, 1, -1])), "potentially-stable");
   assert.equal(verdictAt(region, [1.2, 0, -1]), "undecided");
   assert.equal(verdictAt(region, [2, 0, -1]), "unstable");
 });
 
-test("between is judged by the rays and lines themselves where they make no hull", () => {
-  const region = withHull({
+test("between a wedge and the one around it is undecided too", () => {
+  const region = {
     ...cones.wedge,
     facets: [
       [1, 0.2, 0],
       [0.2, 1, 0],
     ].map((v) => v.map((c) => c / Math.hypot(1, 0.2))),
-    band: true,
+    inner: { facets: cones.wedge.facets, blur: 1e-8 },
     inside: "stable",
     outside: "unstable",
-  });
-  assert.equal(region.hull, undefined);
+  };
   assert.equal(verdictAt(region, [1, 0.01, -3]), "stable");
   assert.equal(verdictAt(region, [1, -0.01, 3]), "undecided");
   assert.equal(verdictAt(region, [1, -0.3, 0]), "unstable");
+});
+
+test("a thin inner cone leaves its neighbours open, not unstable", () => {
+  const region = {
+    ...cones.fan,
+    facets: cones.cone.facets,
+    inner: { facets: cones.fan.facets, blur: 1e-8 },
+    inside: "potentially-stable",
+    outside: "unstable",
+  };
+  assert.equal(verdictAt(region, [1, 0, 1]), "potentially-stable");
+  assert.equal(verdictAt(region, [1, 0.1, 1]), "undecided");
+  assert.equal(verdictAt(region, [1, -0.1, 1]), "unstable");
 });
 
 test("a thin region has no margin out of it, and says so", () => {

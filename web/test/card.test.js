@@ -10,6 +10,7 @@ const page = {
   patches: { parts: new Uint16Array([0, 1, 1, 2, 0, 1]) },
   parts: {
     names: ["base", "<b>", "top"],
+    tails: ["base", "<b>", "top"],
     grounded: [1, 0, 0],
     mass: new Float64Array([1, 2.5, 3]),
     volume: new Float64Array([1, 8, 3]),

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import test from "node:test";
-import { along, arcs, contains, distance, hullOfRays, margin, nearest, shares } from "../src/cone.js";
+import { along, arcs, contains, distance, margin, nearest, outline, shares } from "../src/cone.js";
 import { add, angleBetween, dot, norm, scaled, turnedAbout, unit } from "../src/vector.js";
 import { cones, directions, pyramid } from "./cones.js";
 
@@ -91,11 +91,20 @@ test("directions within the blur count as on the boundary, beyond it as outside"
   assert.ok(!contains(cones.ray, tilted(1.1e-8)));
 });
 
-test("the hull of the rays of a cone is the cone", () => {
-  for (const cone of [pyramid, cones.cone]) {
-    const hull = { ...cone, facets: hullOfRays(cone.rays) };
-    for (const u of directions(300)) assert.equal(contains(hull, u), contains(cone, u));
+test("the outline of facets is the boundary of the cone, as its rays have it", () => {
+  const length = (all) => all.reduce((sum, arc) => sum + arc.angle, 0);
+  for (const cone of [pyramid, cones.cone, cones.wedge, cones["half-space"]]) {
+    const found = outline(cone.facets);
+    assert.ok(Math.abs(length(found) - length(arcs(cone))) < 1e-9);
+    for (const arc of found) {
+      for (const share of [0.01, 0.5, 0.99]) {
+        const u = along(arc, share * arc.angle);
+        assert.ok(margin(cone, u) < 1e-9 && contains({ ...cone, blur: 1e-9 }, u));
+      }
+    }
   }
+  const corner = cones.cone.facets;
+  assert.deepEqual(outline([...corner, corner[0].map((c) => -c)]).length, 2);
 });
 
 test("shares of rays give back every direction inside, and none outside", () => {

@@ -15,6 +15,8 @@ import numpy as np
 
 from kilter.analysis.check import check
 from kilter.analysis.displacement import find_displacement
+from kilter.analysis.margins.margin import PUSHED, margin
+from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.region import Region, common_region, region
 from kilter.analysis.turning.orientation import orient
 from kilter.analysis.turning.stability_map import StabilityMap, stability_map
@@ -43,6 +45,8 @@ MAP_PROGRAMS = 1500
 """A map that needs more programs is left out."""
 MAP_MOTIONS = 12_000
 """Vertices of the map times free parts: above this its motions take too long."""
+MARGIN_PARTS = PUSHED
+"""Up to this many free parts margins are looked for, each part's weakest push among them."""
 RAY_FORCES = 60_000
 """Rays times contact points: above this their forces would fill the page."""
 
@@ -120,11 +124,16 @@ class Everything:
     recommended : Answered or None
     region : dict or None
         The answer of `kilter region --json`.
+    inner : Cone or None
+        What of the region is surely held, where friction makes its boundary round: the facets
+        of `region` are then those of an outer cone.
     none : bool
         It is proved that no direction is stable, whatever further forces there may be.
     rays : sequence of Balance
         Forces for each ray, and both signs of each line, of the region.
     map : MapMotions or None
+    margin : dict or None
+        The answer of `kilter margin --json`, for gravity as given.
     notes : sequence of str
         What is not shown, and why.
     """
@@ -134,9 +143,11 @@ class Everything:
     given: Answered
     recommended: Answered | None
     region: dict[str, Any] | None
+    inner: Cone | None
     none: bool
     rays: Sequence[Balance]
     map: MapMotions | None
+    margin: dict[str, Any] | None
     notes: Sequence[str]
 
     def __repr__(self) -> str:
@@ -151,6 +162,7 @@ def everything(
     tolerance: Tolerance | None = None,
     effort: float = EFFORT,
     time_limit: float | None = None,
+    margins: bool = False,
     progress: Tell | None = None,
 ) -> Everything:
     """Every answer about an assembly that a page shows.
@@ -161,6 +173,8 @@ def everything(
         At least one part must be held.
     contacts, tolerance, effort, time_limit, progress
         As of `kilter.check`.
+    margins : bool
+        Margins at every size, not only up to `MARGIN_PARTS` free parts.
 
     Raises
     ------
@@ -191,9 +205,11 @@ def everything(
         given=given,
         recommended=recommended,
         region=None if found is None else found.to_dict(),
+        inner=None if found is None or found.gap_deg is None else found.cone,
         none=none,
         rays=() if found is None else _rays(assembly, contacts, found),
         map=None if found is None else _map(assembly, contacts, tell, notes),
+        margin=_margin(assembly, contacts, margins, tell, notes),
         notes=tuple(notes),
     )
 
@@ -298,6 +314,23 @@ def _rays(assembly: Assembly, contacts: ContactSet, found: Region) -> tuple[Bala
         for proof in found.proofs()
         if proof.about in ("ray", "line") and "forces" in proof.data
     )
+
+
+def _margin(
+    assembly: Assembly, contacts: ContactSet, always: bool, tell: Tell, notes: list[str]
+) -> dict[str, Any] | None:
+    """The margins of gravity as given, where it is small enough or asked for."""
+    free = _free(assembly)
+    if not free:
+        return None
+    if free > MARGIN_PARTS and not always:
+        notes.append(
+            f"margins are found up to {MARGIN_PARTS} free parts; 'kilter report --margins' and "
+            "'kilter margin' look at every size"
+        )
+        return None
+    # what friction guarantees is said by the check
+    return margin(assembly, contacts=contacts, effort=0, progress=tell).to_dict()
 
 
 def _map(

@@ -34,13 +34,19 @@ def report(
             "-o", "--output", metavar="OUT.html", help="The page to write.", show_default=False
         ),
     ] = None,
+    margins: Annotated[
+        bool,
+        typer.Option(
+            "--margins", help="Margins too where more than 20 parts are free: may take minutes."
+        ),
+    ] = False,
 ) -> int:
     """One offline page: the assembly in space, its motion and forces, and the gravity ball.
 
     The page asks for nothing: it can be mailed, kept, and opened without a network. Exit 0 when
     written, whatever the verdict.
 
-    For up to 50,000 parts; the ball is coloured up to 40 free parts.
+    For up to 50,000 parts; the ball is coloured up to 40 free parts, margins are found up to 20.
     """
     from kilter import publish
 
@@ -58,7 +64,8 @@ def report(
             tolerance=asked.tolerance,
             effort=asked.effort,
             time_limit=asked.time_limit,
-            command=asked.command("report", "-o", str(output)),
+            margins=margins,
+            command=asked.command("report", "-o", str(output), *["--margins"] * margins),
             progress=progress,
         )
     if not asked.quiet:

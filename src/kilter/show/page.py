@@ -17,7 +17,7 @@ from kilter.show.packing import as_json, readable
 from kilter.show.plan_scene import build_plan_scene
 from kilter.show.plan_sections import plan_sections
 from kilter.show.scene import build_scene
-from kilter.show.sections import sections, text
+from kilter.show.sections import margin_card, sections, text
 from kilter.tell.palette import as_css
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def render(answers: Everything, title: str, *, command: str = "", live: bool = F
     """
     data = as_json({"title": readable(title), **build_scene(answers)})
     body = sections(answers, command=command, versions=_versions())
-    return _filled(title, body, data, live=live)
+    return _filled(title, body, data, live=live, margins=margin_card(answers))
 
 
 def render_plan(order: Order, explained: Explained, title: str, *, command: str = "") -> str:
@@ -76,7 +76,13 @@ def error_page(message: str, title: str) -> str:
 
 
 def _filled(
-    title: str, body: str, data: str, *, live: bool, pieces: dict[str, str] | None = None
+    title: str,
+    body: str,
+    data: str,
+    *,
+    live: bool,
+    margins: str = "",
+    pieces: dict[str, str] | None = None,
 ) -> str:
     """The template, with `pieces`: the files of the parts in which pages differ."""
     style, program = as_css() + _asset("page.css"), _asset("page.js")
@@ -98,6 +104,7 @@ def _filled(
         "title": text(title),
         "style": style,
         "body": body,
+        "margins": margins,
         "data": data,
         "program": "".join(f"<script>{script}</script>\n" for script in scripts),
     }

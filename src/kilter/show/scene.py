@@ -16,6 +16,7 @@ from kilter.show.colours import part_colours
 from kilter.show.packing import pack, readable
 from kilter.show.shapes import placed
 from kilter.tell.check_facts import forces_phrase
+from kilter.tell.facts import facts
 from kilter.tell.words import VERDICTS, live_words
 from kilter.units import metres_per_unit
 
@@ -24,11 +25,13 @@ if TYPE_CHECKING:
     from kilter.assembly import Assembly
     from kilter.contact import ContactSet
 
-__all__ = ["build_scene", "build_things"]
+__all__ = ["build_scene", "build_things", "coincide"]
 
 
 SAME = 1e-12
 """Points this close are one [size of the largest part]."""
+SAME_DOWN = 1e-9
+"""Unit directions nearer than this are one [-]."""
 HELD_IN_VIEW = 1.5
 """Held parts reach at most this much farther than the free ones in the first view [-]."""
 
@@ -37,15 +40,25 @@ def build_scene(answers: Everything) -> dict[str, Any]:
     """What the page of an assembly draws, as JSON data."""
     things = build_things(answers.assembly, answers.contacts)
     center, recommended = np.array(things["center"]), answers.recommended
+    same = coincide(answers)
     return {
         **things,
         "given": _orientation(answers, answers.given, center),
-        "recommended": None if recommended is None else _orientation(answers, recommended, center),
+        "recommended": None
+        if recommended is None or same
+        else _orientation(answers, recommended, center),
+        "coincide": same,
         "region": _region(answers),
         "rays": _rays(answers, center),
         "map": _map(answers.map),
         "notes": list(answers.notes),
     }
+
+
+def coincide(answers: Everything) -> bool:
+    """Whether the direction that is recommended is that of gravity as given."""
+    one = answers.recommended
+    return one is not None and float(np.linalg.norm(one.down - answers.given.down)) < SAME_DOWN
 
 
 def build_things(assembly: Assembly, contacts: ContactSet) -> dict[str, Any]:
@@ -171,6 +184,7 @@ def _orientation(answers: Everything, one: Answered, center: Array) -> dict[str,
         **{key: check.get(key) for key in keys},
         "sentence": readable(check["sentence"]),
         "why": one.sentence,
+        "level": dict(facts(check)).get("level"),
         "down": one.down.tolist(),
         "motion": pack(motion) if moves.any() else None,
         "moves": pack(moves, "u1"),
@@ -213,14 +227,16 @@ def _rays(answers: Everything, center: Array) -> dict[str, Any] | None:
 def _region(answers: Everything) -> dict[str, Any] | None:
     """The region, and what lies within, outside and between.
 
-    Where friction makes it round, `rays` span what surely holds and `facets` bound what may;
+    Where friction makes it round, `inner` bounds what surely holds and `facets` what may;
     where it is exact but for forces that are not modelled, what lies outside is undecided.
+    A direction is within where it meets every facet to `blur`, of the inner cone to its own,
+    which is negative where it asks for more than the facet.
     """
-    region = answers.region
+    region, inner = answers.region, answers.inner
     if region is None:
         return None
     keys = ("kind", "dimension", "lines", "rays", "equations", "facets", "center")
-    band, rough = region["gap_deg"] is not None, region["friction"]
+    band, rough = inner is not None, region["friction"]
     exact = region["exact"] or answers.none
     return {
         **{key: region[key] for key in keys},
@@ -228,7 +244,10 @@ def _region(answers: Everything) -> dict[str, Any] | None:
         "exact": exact,
         "friction": rough,
         "blur": float(np.radians(region["accuracy_deg"] or 0.0)),
-        "band": band,
+        "inner": None
+        if inner is None
+        else {"facets": inner.facets.tolist(), "blur": -inner.inwards or inner.blur},
+        "gap_deg": region["gap_deg"],
         "inside": "potentially-stable" if rough else "stable",
         "outside": "unstable" if region["complete"] or answers.none else "undecided",
         "words": live_words(exact=exact, band=band, friction=rough),

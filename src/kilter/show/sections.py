@@ -11,11 +11,11 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from kilter.show.packing import readable
+from kilter.show.scene import coincide
 from kilter.tell.facts import facts
 from kilter.tell.numbers import number, vector
 from kilter.tell.region_facts import region_words
-from kilter.tell.tables import Name, Table, forces_table, open_table, tables
-from kilter.tell.words import VERDICTS
+from kilter.tell.tables import Name, Table, forces_table, open_table, push_table, tables
 
 if TYPE_CHECKING:
     from kilter.analysis.everything import Everything
@@ -24,6 +24,7 @@ __all__ = [
     "LISTED",
     "facts_html",
     "made_section",
+    "margin_card",
     "named",
     "rows_html",
     "section",
@@ -34,6 +35,8 @@ __all__ = [
 
 LISTED = 1000
 """Rows of a table; what is left out is counted, and `--json` gives all."""
+ABOVE = ("seconds", "level")
+"""Facts that are not listed: the banner has the level, and no time belongs to an answer."""
 OPEN = 60
 """A section with more rows than this begins closed."""
 LIVE = (
@@ -62,7 +65,12 @@ def named(name: str) -> str:
 def sections(answers: Everything, *, command: str, versions: dict[str, str]) -> str:
     """The sections below the picture."""
     parts = [_verdict(answers), _left_open(answers), _parts(answers), _contacts(answers)]
-    warned = [*answers.given.check["warnings"], *(answers.region or {}).get("warnings", ())]
+    parts.insert(2, _pushes(answers))
+    warned = [
+        *answers.given.check["warnings"],
+        *(answers.region or {}).get("warnings", ()),
+        *(answers.margin or {}).get("warnings", ()),
+    ]
     parts.append(warnings_section(warned))
     return "\n".join(
         filter(None, [*parts, made_section(command, versions, ("live answers", LIVE))])
@@ -106,19 +114,45 @@ def facts_html(rows: Iterable[tuple[str, str]]) -> str:
 
 def _verdict(answers: Everything) -> str:
     check, found, one = answers.given.check, answers.region, answers.recommended
-    rows = [
-        ("verdict", f"<strong>{text(VERDICTS[check['verdict']])}</strong>"),
-        ("in words", text(check["sentence"])),
-        *((term, text(words)) for term, words in facts(check) if term != "seconds"),
-    ]
+    rows = [(term, text(words)) for term, words in facts(check) if term not in ABOVE]
     if found is not None:
         rows.append(("stable directions", text(region_words(found, proved_none=answers.none))))
     if one is not None:
-        rows.append(("recommended", f"gravity along {vector(one.down)}: {text(one.sentence)}"))
+        words = "gravity as given" if coincide(answers) else f"gravity along {vector(one.down)}"
+        rows.append(("recommended", f"{words}: {text(one.sentence)}"))
     rows += [("note", text(note)) for note in answers.notes]
     forces = forces_table(check)
     body = [f"<h3>{text(forces.title)}</h3>", _table(forces)] if forces.items else []
-    return section("Verdict and proof", facts_html(rows), *body)
+    plain = f"<noscript><p>{text(check['sentence'])}</p></noscript>"
+    return section("Gravity as given", plain, facts_html(rows), *body)
+
+
+def margin_card(answers: Everything) -> str:
+    """By how much it holds, for gravity as given; nothing where it was not asked."""
+    margin = answers.margin
+    if margin is None:
+        return ""
+    rows = [(k, text(words)) for k, words in facts(margin) if k not in ("joints", "helps", "")]
+    pushes = push_table(margin)
+    if pushes.items:
+        name, *words = pushes.row(pushes.items[0])
+        said = f"{text(' '.join(filter(None, words)))}, {named(name)}"
+        rows.append(("weakest push", said))
+    items = "".join(f"<li>{text(one['sentence'])}</li>" for one in margin["helps"])
+    if items:
+        rows.append(("what helps", f"<ul>{items}</ul>"))
+    return (
+        '<section class="card" id="margins" aria-labelledby="margins-title">'
+        f'<h2 id="margins-title">Margins, gravity as given</h2>{facts_html(rows)}</section>\n'
+    )
+
+
+def _pushes(answers: Everything) -> str:
+    """The weakest push of each part, where there are several."""
+    table = None if answers.margin is None else push_table(answers.margin)
+    if table is None or len(table.items) < 2:
+        return ""
+    return section(f"Weakest pushes ({len(table.items)})", _table(table), rows=len(table.items))
 
 
 def _parts(answers: Everything) -> str:

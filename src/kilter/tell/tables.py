@@ -22,6 +22,7 @@ __all__ = [
     "forces_table",
     "moving_table",
     "open_table",
+    "push_table",
     "region_sentence",
     "sentences",
     "tables",
@@ -131,7 +132,7 @@ def tables(answer: Answer) -> list[Table]:
     """What an answer lists after its facts."""
     kind = kind_of(answer)
     if kind == "margin" and answer["pushes"]:
-        return [_pushes(answer)]
+        return [push_table(answer)]
     if kind == "plan" and answer["steps"]:
         return [_steps(answer)]
     if kind == "hold" and answer["supports"]:
@@ -238,7 +239,7 @@ def _supports(answer: Answer) -> Table:
     return Table("Hold it by:", (), answer["supports"], row)
 
 
-def _pushes(answer: Answer) -> Table:
+def push_table(answer: Answer) -> Table:
     """The weakest push of each part, the weakest first."""
 
     def row(push: Answer) -> Sequence[str]:

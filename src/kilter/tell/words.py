@@ -87,6 +87,25 @@ BASIS = {
     ),
 }
 """What the answer of a page for a direction rests on."""
+QUESTION = {
+    "exact": "The ball asks whether it can start to move: inside it cannot, outside it does.",
+    "friction": (
+        "The ball asks whether forces that hold it exist (the level equilibrium): inside they do, "
+        "outside none can. What friction guarantees is told of the given and the recommended "
+        "direction."
+    ),
+    "inner": (
+        "The ball asks what holds however slippery the parts: inside it does; outside, friction or "
+        "contacts that are not modelled may hold it, which is left open."
+    ),
+}
+"""What a page asks of each direction of gravity."""
+INSIDE = {
+    "exact": "stable",
+    "friction": "forces that hold it exist",
+    "inner": "stable, however slippery",
+}
+"""What the colour of the region says."""
 NONE = {
     "exact": "no direction of gravity is stable",
     "friction": "no direction of gravity is held by the modelled contacts, not even with friction",
@@ -214,8 +233,11 @@ def live_words(*, exact: bool, band: bool, friction: bool) -> dict[str, str]:
     'stable direction'
     """
     basis = BASIS["band" if band else "friction" if friction else "exact" if exact else "inner"]
+    asked = "friction" if friction else "exact" if exact else "inner"
     return {
         "none": NONE["exact" if exact else "friction" if friction else "inner"],
+        "question": QUESTION[asked],
+        "inside": INSIDE[asked],
         "basis": f"Live: by {basis}.",
         "nearest": "stable direction" if exact else "direction that surely holds",
     }

@@ -104,10 +104,10 @@ class Cone:
         angle = float(np.arcsin(sine))
         if sine >= 0.7:  # the sine is flat near a right angle
             angle = np.pi / 2 - 2 * float(np.arcsin(np.linalg.norm(nearest - center) / 2))
-        return round(float(np.degrees(max(angle - self._inwards, 0.0))), 12)
+        return round(float(np.degrees(max(angle - self.inwards, 0.0))), 12)
 
     @property
-    def _inwards(self) -> float:
+    def inwards(self) -> float:
         """How far within the facets a direction has to be [rad]."""
         return self.blur if self.strict and self.dimension == 3 else 0.0
 
@@ -143,7 +143,7 @@ class Cone:
         length = np.linalg.norm(given, axis=-1)
         unit = given / np.where(length > 0, length, 1.0)[..., None]
         flat = (np.abs(unit @ self.equations.T) <= self.blur).all(axis=-1)
-        blur = self._inwards or (-self.blur if margin <= 0 else 0.0)
+        blur = self.inwards or (-self.blur if margin <= 0 else 0.0)
         least = np.sin(margin) + blur
         inside: Mask = flat & (unit @ self.facets.T >= least).all(axis=-1)
         stable: Mask = inside & (length > 0) & (self.dimension > 0)
@@ -152,7 +152,7 @@ class Cone:
     def depth(self, direction: Array) -> float:
         """Least angle from a unit direction within the cone to a facet [rad]; 0 outside."""
         sine = float((self.facets @ direction).min(initial=1.0))
-        return max(float(np.arcsin(np.clip(sine, 0.0, 1.0))) - self._inwards, 0.0)
+        return max(float(np.arcsin(np.clip(sine, 0.0, 1.0))) - self.inwards, 0.0)
 
     def boundary_angle(self, directions: ArrayLike) -> Array:
         """Least angle to a facet or, outside the span, to the span [rad], shape (...).

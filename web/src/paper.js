@@ -1,0 +1,49 @@
+// On paper: light, with the picture as it stands, and the ball.
+
+import { themeOf } from "./colours.js";
+
+/** The page as it is to be printed, from `beforeprint` to `afterprint`. */
+export function printWell(shown, canvas) {
+  const root = document.documentElement;
+  let was = null;
+  window.addEventListener("beforeprint", () => {
+    was = root.dataset.theme || "";
+    root.dataset.theme = "light";
+    shown.theme();
+    if (shown.ball) shown.ball.paint();
+    canvas.hidden = !shown.stage;
+    if (shown.stage) picture(shown, canvas);
+  });
+  window.addEventListener("afterprint", () => {
+    if (was) root.dataset.theme = was;
+    else delete root.dataset.theme;
+    shown.theme();
+  });
+}
+
+/** The picture as it stands, with its names: what WebGL drew is not there when it is printed. */
+function picture({ stage, names }, canvas) {
+  const [width, height] = stage.size;
+  const dense = canvas.width / width;
+  canvas.height = Math.round(height * dense);
+  // Chromium prints what is drawn into a canvas, and not pixels that were put into it
+  const layer = document.createElement("canvas");
+  Object.assign(layer, { width: canvas.width, height: canvas.height });
+  stage.shootInto(layer);
+  const style = themeOf(document.documentElement);
+  const c = canvas.getContext("2d");
+  c.drawImage(layer, 0, 0);
+  c.font = `600 ${13 * dense}px system-ui, sans-serif`;
+  c.textAlign = "center";
+  c.textBaseline = "middle";
+  c.lineJoin = "round";
+  c.lineWidth = 4 * dense;
+  c.strokeStyle = style("surface");
+  c.fillStyle = style("ink");
+  for (const [part, tag] of names.tags) {
+    const at = !tag.hidden && stage.onScreen(stage.parts.centre(part));
+    if (!at) continue;
+    c.strokeText(tag.textContent, at[0] * dense, at[1] * dense);
+    c.fillText(tag.textContent, at[0] * dense, at[1] * dense);
+  }
+}
