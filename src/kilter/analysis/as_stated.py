@@ -39,6 +39,8 @@ def explained_by_accuracy(assembly: Assembly, contacts: ContactSet, program: Pro
     if not off.any() or assembly.loads or program.mu.any():
         return ""
     motion = find_motion(program)
+    if not motion.known:  # unstable as drawn, and no more is known
+        return ""
     force, lever = _unbalanced(program, motion.acceleration)
     aside, width = _by_contacts(contacts, off)
     if (force * width > aside).any() or (lever > aside).any():

@@ -19,13 +19,13 @@ Analytical methods for dynamic simulation of non-penetrating rigid bodies, 1989.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from kilter.analysis.analysis_tolerances import MOTION_ENOUGH, MOTION_GOOD, MOVES, ZERO_MOTION
 from kilter.arrays import TINY, Array, Mask
-from kilter.errors import SolverError
+from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
 from kilter.mechanics.forms import scaled
 from kilter.mechanics.gauss import LeastConstraint, halved, least_constraint
 from kilter.mechanics.program import Program
@@ -33,12 +33,15 @@ from kilter.solvers.projection import solve_projection
 from kilter.units import metres_per_unit
 
 __all__ = [
+    "NO_MOTION",
+    "UNKNOWN_MOTION",
     "ImpendingMotion",
     "find_motion",
     "find_motion_with_friction",
     "motion_of",
     "optimality",
     "still",
+    "unknown",
 ]
 
 
@@ -46,6 +49,11 @@ SMALL = 400
 """Unknowns up to which Clarabel is asked first."""
 MANY = 8000
 """Unknowns, about 1,300 parts, above which accelerations are asked for to fewer digits."""
+
+
+NO_MOTION = "no solver finished the impending motion: accelerations and kappa are left out"
+UNKNOWN_MOTION = {True: "moves, how is not known", False: "is not known to move"}
+"""Of a part where no solver finished, by whether a proof has it moving."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,7 +71,7 @@ class ImpendingMotion:
         kappa [-].
     residual : float
         Of the optimality conditions, as `optimality` finds it, in units of g, or in Coulomb's
-        law [-].
+        law [-]; infinite where no solver finished: accelerations are 0 then, and mean nothing.
     """
 
     acceleration: Array
@@ -72,9 +80,14 @@ class ImpendingMotion:
     instability: float
     residual: float
 
+    @property
+    def known(self) -> bool:
+        """Whether a solver finished; else `moves` is what a proof has moving, if there is one."""
+        return bool(np.isfinite(self.residual))
+
 
 def find_motion(program: Program) -> ImpendingMotion:
-    """The initial accelerations of all parts.
+    """The initial accelerations of all parts; not `known` where every solver fails.
 
     Examples
     --------
@@ -88,7 +101,10 @@ def find_motion(program: Program) -> ImpendingMotion:
     """
     if not program.free.any():
         return still(program)
-    motion, residual = _least_constrained(program)
+    found = _least_constrained(program)
+    if found is None:
+        return unknown(program)
+    motion, residual = found
     motion = np.where(np.abs(motion) < ZERO_MOTION, 0.0, motion)
     acceleration = motion * program.g
     acceleration[:, 3:] /= metres_per_unit(program.units)
@@ -135,8 +151,8 @@ def find_motion_with_friction(program: Program, effort: float) -> ImpendingMotio
     return motion_of(program, found.acceleration, found.law.residual)
 
 
-def _least_constrained(program: Program) -> tuple[Array, float]:
-    """The motion over the size of gravity, shape (N, 6), and its residual.
+def _least_constrained(program: Program) -> tuple[Array, float] | None:
+    """The motion over the size of gravity, shape (N, 6), and its residual; None: all failed.
 
     A small program by Clarabel first; any whose conditions are then not met to `MOTION_GOOD` by the
     interior point of `kilter.solvers.projection`, within a plane of reflection where
@@ -171,7 +187,7 @@ def _least_constrained(program: Program) -> tuple[Array, float]:
     if not found:  # singular, whole and halved: the other method, whatever the size
         answer = solve_quadratic(whole.cone.conic)
         if not answer.found:
-            raise SolverError("no solver finished the motion", status="singular")
+            return None
         tried(whole, answer.x, answer.multipliers)
     return min(found, key=lambda pair: pair[1])
 
@@ -224,3 +240,13 @@ def still(program: Program) -> ImpendingMotion:
     return ImpendingMotion(
         np.zeros((count, 6)), np.zeros((count, 2)), np.zeros(count, dtype=bool), 0.0, 0.0
     )
+
+
+def unknown(program: Program, proof: ForceProof | MotionProof | None = None) -> ImpendingMotion:
+    """What is told where no solver finished: which parts move, as far as a proof has them move."""
+    motion = still(program)
+    moves = motion.moves
+    if isinstance(proof, MotionProof) and proof.holds:
+        sizes = part_sizes(program, proof.motion, per_radius=False)
+        moves = program.free & (sizes > MOVES * float(sizes.max(initial=0.0)))
+    return replace(motion, moves=moves, instability=np.nan, residual=np.inf)

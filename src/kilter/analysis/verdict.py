@@ -22,11 +22,14 @@ from kilter.analysis.displacement import LIMIT as DISPLACEMENT_LIMIT
 from kilter.analysis.displacement import Displacement, find_displacement
 from kilter.analysis.judge import Judgement
 from kilter.analysis.motion import (
+    NO_MOTION,
+    UNKNOWN_MOTION,
     ImpendingMotion,
     find_motion,
     find_motion_with_friction,
     motion_of,
     still,
+    unknown,
 )
 from kilter.analysis.neutral import Neutral, find_neutral
 from kilter.analysis.open_question import OpenQuestion, open_pairs_answer
@@ -181,7 +184,8 @@ class Verdict:
         Without friction by Gauss's principle. With friction a motion that obeys Coulomb's
         law: where the verdict is potentially stable, the one that refutes the guarantee.
         """
-        return sealed(self._motion())
+        motion = self._motion()
+        return sealed(motion if motion.known else unknown(self.program, self.certificate))
 
     @on_one_thread
     def _motion(self) -> ImpendingMotion:
@@ -206,8 +210,9 @@ class Verdict:
     @property
     def instability(self) -> float | None:
         """Kappa of the motion [-]; None with loads, or where no motion is known."""
-        unknown = self.level in ("settles", "equilibrium") and self.guarantee == "open"
-        return None if self.assembly.loads or unknown else self.motion.instability
+        none = self.level in ("settles", "equilibrium") and self.guarantee == "open"
+        known = not (self.assembly.loads or none) and self.motion.known
+        return self.motion.instability if known else None
 
     @cached_property
     def forces(self) -> ContactForces | None:
@@ -230,8 +235,8 @@ class Verdict:
     @property
     def barely(self) -> str:
         """A word of caution where it is unstable by so little that rounding could do it."""
-        kappa = self.motion.instability
-        if self.verdict != "unstable" or kappa >= BARELY or self.assembly.loads:
+        kappa = self.instability
+        if self.verdict != "unstable" or kappa is None or kappa >= BARELY:
             return ""
         return (
             f"barely unstable (kappa {kappa:.1e}): coordinates rounded by about {kappa:.0e} of a "
@@ -262,6 +267,8 @@ class Verdict:
         if self.assembly.parts[k].grounded:
             return "is held"
         motion = self.motion
+        if not motion.known:
+            return UNKNOWN_MOTION[bool(motion.moves[k])]
         return motion_words(
             motion.acceleration[k],
             motion.relative[k] * (slow or motion.moves[k]),
@@ -275,6 +282,8 @@ class Verdict:
         """The fastest parts and how they start to move, in one sentence."""
         motion = self.motion
         which = np.flatnonzero(motion.moves)
+        if not (motion.known or len(which)):
+            return "what moves is not known"
         order = which[np.argsort(-motion.relative[which].max(axis=1), kind="stable")]
         names = self.program.names
         fastest = [f"{names[k]} {self.words(int(k))}" for k in order[:NAMED]]
@@ -353,7 +362,8 @@ class Verdict:
         """Warnings that only the motions bring."""
         failed = self.measured and self.displacement.z is None
         unfinished = "no solver finished LP (9): z and displacements are left out"
-        return [*([self.barely] if self.barely else []), *([unfinished] if failed else [])]
+        open_motion = [] if self.motion.known else [NO_MOTION]
+        return [*filter(None, [self.barely]), *([unfinished] if failed else []), *open_motion]
 
     def _part(self, k: int) -> dict[str, Any]:
         """A part of the answer: its mass, and how it starts to move."""
@@ -365,8 +375,8 @@ class Verdict:
             "grounded": part.grounded,
             "mass": float(self.program.mass[k]),
             "displacement": None if shift is None else (shift[k] + 0.0).tolist(),
-            "acceleration": (motion.acceleration[k] + 0.0).tolist(),
-            "relative": (motion.relative[k] + 0.0).tolist(),
+            "acceleration": (motion.acceleration[k] + 0.0).tolist() if motion.known else None,
+            "relative": (motion.relative[k] + 0.0).tolist() if motion.known else None,
             "moves": bool(motion.moves[k]),
             "motion": self.words(k),
             # told where no part is above the threshold of `moves`

@@ -83,6 +83,8 @@ def draw_motion(
 ) -> list[tuple[Any, str]]:
     """Arrows of the first accelerations; outlines of where they lead, much enlarged."""
     motion, geometry = verdict.motion, verdict.assembly.geometry
+    if not motion.known:
+        return []
     linear = motion.acceleration[:, :3]
     sizes = np.linalg.norm(linear, axis=1)
     most = float(sizes.max())

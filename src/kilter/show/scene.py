@@ -175,7 +175,7 @@ def _orientation(answers: Everything, one: Answered, center: Array) -> dict[str,
     moves = np.zeros(count, dtype=bool)
     words: dict[str, str] = {}
     for k, part in enumerate(check["parts"]):
-        motion[k], moves[k] = part["acceleration"], part["moves"]
+        motion[k], moves[k] = part["acceleration"] or 0.0, part["moves"]
         if part["moves"]:
             words[str(k)] = readable(part["motion"])
     motion[:, :3] /= metres_per_unit(units)

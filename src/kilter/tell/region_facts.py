@@ -40,13 +40,17 @@ def _nearest(near: Answer | None) -> list[Fact]:
     """The directions nearest to stable, in three senses."""
     if near is None:
         return []
-    at = {key: vector(one["direction"]) for key, one in near.items()}
-    value = {key: number(one["value"]) for key, one in near.items()}
-    bound = number(near["kappa"]["bound"])
+    known = {key: one for key, one in near.items() if one is not None}
+    at = {key: vector(one["direction"]) for key, one in known.items()}
+    value = {key: number(one["value"]) for key, one in known.items()}
+    least = "by kappa not known: no solver finished it"
+    if "kappa" in known:
+        bound = number(near["kappa"]["bound"])
+        least = f"{at['kappa']} by kappa, {value['kappa']} (no direction has less than {bound})"
     return [
         ("nearest", f"{at['diamond']} on the paper's diamond, z = {value['diamond']}"),
         ("", f"{at['sphere']} on the sphere, z = {value['sphere']}"),
-        ("", f"{at['kappa']} by kappa, {value['kappa']} (no direction has less than {bound})"),
+        ("", least),
     ]
 
 

@@ -163,7 +163,10 @@ def moving_table(answer: Answer) -> Table | None:
         verdict == "potentially-stable" and not refuted
     ):
         return None
-    parts = sorted(answer["parts"], key=lambda part: -max(part["relative"]))
+    known = all(part["relative"] is not None for part in answer["parts"])
+    if not known and not any(part["moves"] for part in answer["parts"]):
+        return None
+    parts = sorted(answer["parts"], key=lambda part: -max(part["relative"] or (0.0,)))
     free = sum(not part["grounded"] for part in parts)
     moving = [part for part in parts if part["moves"]]
     left_out = bool(answer["open_pairs"])

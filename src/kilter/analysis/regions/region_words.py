@@ -121,7 +121,9 @@ def _starts(program: Program, proof: Proof) -> Mask:
     if int(program.free.sum()) <= LIMIT:
         side = np.sign(proof.vector @ proof.down)
         down = proof.down + TILT * side * proof.vector
-        return find_motion(program.turned(down)).moves
+        motion = find_motion(program.turned(down))
+        if motion.known:
+            return motion.moves
     assert isinstance(proof.certificate, MotionProof)
     sizes = part_sizes(program, proof.certificate.motion, per_radius=False)
     starts: Mask = sizes > NAMED * sizes.max(initial=0.0)

@@ -22,6 +22,7 @@ from kilter.analysis.turning.least_instability import least_instability
 from kilter.analysis.turning.reachable import nearest_on_sphere
 from kilter.analysis.turning.walk import walk
 from kilter.arrays import Array
+from kilter.errors import SolverError
 from kilter.mechanics.program import Program
 from kilter.validate import frozen
 
@@ -67,21 +68,23 @@ class NearestDirection:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Nearest:
-    """The nearest to stable directions in three senses."""
+    """The nearest to stable directions in three senses; `kappa` None where no solver finished."""
 
     diamond: NearestDirection
     sphere: NearestDirection
-    kappa: NearestDirection
+    kappa: NearestDirection | None
 
     def to_dict(self) -> dict[str, Any]:
         """The three as JSON data."""
-        kappa = {**self.kappa.to_dict(), "bound": self.kappa.bound}
+        least = self.kappa
+        kappa = None if least is None else {**least.to_dict(), "bound": least.bound}
         return {"diamond": self.diamond.to_dict(), "sphere": self.sphere.to_dict(), "kappa": kappa}
 
     @property
     def programs(self) -> int:
         """Programs solved for all three."""
-        return self.diamond.programs + self.sphere.programs + self.kappa.programs
+        ways = (self.diamond, self.sphere, self.kappa)
+        return sum(way.programs for way in ways if way is not None)
 
 
 def nearest(
@@ -122,15 +125,23 @@ def nearest(
         on_sphere = on_diamond
     else:
         on_sphere = _displaced(program, sphere.direction, sphere.z, sphere.programs)
-    least = least_instability(program)
-    kappa = NearestDirection(
+    return Nearest(on_diamond, on_sphere, _least_unstable(program))
+
+
+def _least_unstable(program: Program) -> NearestDirection | None:
+    """The direction of the least kappa, and how parts start to move there."""
+    try:
+        least = least_instability(program)
+    except SolverError:
+        return None
+    motion = find_motion(program.turned(least.direction))
+    return NearestDirection(
         frozen(least.direction),
         least.value,
         least.bound,
-        frozen(find_motion(program.turned(least.direction)).acceleration),
+        frozen(motion.acceleration) if motion.known else None,
         least.programs,
     )
-    return Nearest(on_diamond, on_sphere, kappa)
 
 
 def _displaced(program: Program, direction: Array, z: float, programs: int) -> NearestDirection:

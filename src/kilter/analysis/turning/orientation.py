@@ -27,6 +27,7 @@ import numpy as np
 from kilter.analysis.answers import joints_answer
 from kilter.analysis.check import check
 from kilter.analysis.judge import Judgement, judge
+from kilter.analysis.motion import NO_MOTION
 from kilter.analysis.open_question import open_pair_names, open_pairs_answer
 from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.region import Region, region
@@ -80,8 +81,8 @@ class Orientation:
     z : float
         LP (9) at `down`, gravity of length 1 (2-norm, as in `check`) [kg x length unit]; None
         where no solver finished it.
-    instability : float
-        kappa at `down` [-].
+    instability : float or None
+        kappa at `down` [-]; None where no solver finished it.
     nearest : Nearest or None
         Where none was found.
     method : {"joint", "walk"}
@@ -103,7 +104,7 @@ class Orientation:
     tilt_margin_deg: float | None
     friction: bool
     z: float | None
-    instability: float
+    instability: float | None
     nearest: Nearest | None
     method: Method
     programs: int
@@ -256,10 +257,10 @@ def _found(
     down = direction / float(np.linalg.norm(direction)) + 0.0
     margin = _tilt_margin_deg(program, every, down)
     z: float | None = 0.0
-    instability = 0.0
+    instability: float | None = 0.0
     if every.friction:
         verdict = check(assembly.with_down(down), contacts=contacts, effort=0.0)
-        z, instability = verdict.displacement.z, verdict.motion.instability
+        z, instability = verdict.displacement.z, verdict.instability
     return Orientation(
         verdict="found",
         sentence=_sentence(every, down, margin),
@@ -310,6 +311,7 @@ def _not_found(
     verdict = check(assembly.with_down(down), contacts=every.contacts[0])
     # the region has named the parts that touch nothing
     more = [text for text in verdict.warnings if not text.startswith("touches nothing")]
+    more += [] if verdict.motion.known else [NO_MOTION]
     if why:
         sentence = f"Undecided: {'; '.join(why)}."
     else:
@@ -327,7 +329,7 @@ def _not_found(
         tilt_margin_deg=None,
         friction=every.friction,
         z=verdict.displacement.z,
-        instability=verdict.motion.instability,
+        instability=verdict.instability,
         nearest=near,
         method=method,
         programs=every.programs + near.programs,
