@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import json
 import os
@@ -10,6 +11,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -141,6 +143,9 @@ def test_a_list_names_files_beside_it_and_options_reach_them(piles: Path, tmp_pa
         kilter.batch(tmp_path / "none", tmp_path / "other")
     with pytest.raises(InputError, match="rows would lie among"):
         kilter.batch(piles, piles)
+    (tmp_path / "barred" / ".batch.lock").mkdir(parents=True)  # where the lock should be
+    with pytest.raises(InputError, match="cannot be written"):
+        kilter.batch(listed, tmp_path / "barred")
     with pytest.raises(InputError, match="processes is 0"):
         kilter.batch(listed, tmp_path / "out", processes=0)
     with pytest.raises(InputError, match="chunk is 0"):
@@ -251,6 +256,50 @@ def test_a_full_disk_is_told_and_what_is_there_stays(piles: Path, tmp_path: Path
     assert not list(tmp_path.glob("*part-*"))
     assert ended(begun(piles, tmp_path, 8))[0] == 1
     require_whole(piles, tmp_path)
+
+
+@pytest.fixture(params=["tmpfs", "ext4"])
+def disk(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Path]:
+    """A small file system of its own, where one may be mounted."""
+    place, image = tmp_path / "disk", tmp_path / "image"
+    place.mkdir()
+    mount = ["mount", "-t", request.param, "-o"]
+    if request.param == "tmpfs":
+        mount += ["size=1m", "tmpfs", str(place)]
+    else:
+        image.write_bytes(bytes(2**21))
+        mount += ["loop", str(image), str(place)]
+    try:
+        if request.param == "ext4":
+            subprocess.run(["mkfs.ext4", "-q", "-F", str(image)], check=True, capture_output=True)
+        subprocess.run(mount, check=True, capture_output=True)
+    except (OSError, subprocess.CalledProcessError):
+        pytest.skip("nothing may be mounted here")
+    yield place
+    subprocess.run(["umount", "-l", str(place)], check=True)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("free", [0, 6])
+def test_a_disk_that_fills_up_is_told_and_the_run_goes_on_when_there_is_room(
+    piles: Path, disk: Path, free: int
+) -> None:
+    ballast, out, block = disk / "ballast", disk / "out", os.statvfs(disk).f_frsize
+    out.mkdir()
+    with open(ballast, "wb", buffering=0) as stream, contextlib.suppress(OSError):
+        while stream.write(bytes(block)):
+            os.fsync(stream.fileno())
+    os.truncate(ballast, max(0, ballast.stat().st_size // block - free) * block)
+    code, said = ended(begun(piles, out, 2))
+    assert code == 2
+    assert "No space left on device" in said
+    assert len(said.splitlines()) == 1
+    there = rows_of(out)
+    assert bool(there) is bool(free)
+    assert len(there) < FILES
+    ballast.unlink()
+    assert ended(begun(piles, out, 2))[0] == 1
+    require_whole(piles, out)
 
 
 def test_a_second_run_in_one_folder_is_refused(

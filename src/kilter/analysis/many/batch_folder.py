@@ -158,7 +158,14 @@ def _as_data(question: BatchQuestion) -> dict[str, Any]:
 @contextlib.contextmanager
 def _alone(path: Path) -> Iterator[None]:
     """No other run in the folder while this lasts; a run that is killed leaves it free."""
-    handle = os.open(path / LOCK, os.O_RDWR | os.O_CREAT, 0o666)
+    try:
+        handle = os.open(path / LOCK, os.O_RDWR | os.O_CREAT, 0o666)
+    except OSError as error:  # no rights, or no room for one more name
+        raise InputError(
+            f"cannot be written: {error.strerror}",
+            file=str(path),
+            hint="check the folder and its rights",
+        ) from None
     try:
         try:
             _lock(handle)
