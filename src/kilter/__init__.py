@@ -56,6 +56,7 @@ if TYPE_CHECKING:
     from kilter.errors import SolverError as SolverError
     from kilter.files.reading import load as load
     from kilter.files.writing import dump as dump
+    from kilter.notebook import Shown as Shown
     from kilter.publish import Report as Report
     from kilter.publish import animate as animate
     from kilter.publish import draw as draw
@@ -121,6 +122,7 @@ _HOMES = {
     "Orientation": "kilter.analysis.turning.orientation",
     "Region": "kilter.analysis.regions.region",
     "Report": "kilter.publish",
+    "Shown": "kilter.notebook",
     "State": "kilter.analysis.planning.state",
     "States": "kilter.analysis.planning.states",
     "Step": "kilter.analysis.planning.plan_step",

@@ -47,6 +47,7 @@ from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import make_proof
 from kilter.mechanics.rows import POSSIBLE
+from kilter.tell.cells import InCells
 from kilter.tell.html import html_of
 from kilter.tell.levels import REQUIRE, holds, level_of
 from kilter.tell.words import NAMED, motion_summary, motion_words
@@ -68,7 +69,7 @@ ROUNDING = 1e-15
 
 
 @dataclass(frozen=True, eq=False)
-class Verdict:
+class Verdict(InCells):
     """What `check` found, with its evidence.
 
     Attributes

@@ -21,6 +21,7 @@ from kilter.analysis.planning.removal import Screw
 from kilter.analysis.planning.state import State
 from kilter.analysis.planning.states import States
 from kilter.errors import InputError
+from kilter.tell.cells import InCells
 from kilter.tell.html import html_of
 from kilter.tell.levels import holds
 from kilter.tell.numbers import count
@@ -30,7 +31,7 @@ __all__ = ["Order"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Order:
+class Order(InCells):
     """What `plan` found.
 
     Attributes

@@ -37,6 +37,7 @@ from kilter.errors import InputError
 from kilter.mechanics.bundle import make_bundle
 from kilter.mechanics.certificate import ForceProof
 from kilter.mechanics.program import build_program
+from kilter.tell.cells import InCells
 from kilter.tell.html import html_of
 from kilter.tell.region_facts import region_phrase
 from kilter.threads import on_one_thread
@@ -47,7 +48,7 @@ Tell = Callable[[str], None]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Region:
+class Region(InCells):
     """Every stable direction of gravity, in the frame of the assembly.
 
     Without friction (`friction` is False) a direction in it is stable. With friction a

@@ -1,0 +1,116 @@
+"""Answers in a notebook: the page that `kilter.report` writes, in a cell.
+
+The page is the text of an inner frame, which runs its own programs and asks for nothing: it turns
+in Jupyter, VS Code and marimo, without a network. Viewers that run no programs get a figure (with
+the extra ``kilter[figures]``), and text.
+"""
+
+from __future__ import annotations
+
+import html
+from typing import TYPE_CHECKING, Any
+
+from kilter.errors import InputError
+from kilter.publish import draw, report
+from kilter.show.canvas import rendered
+
+if TYPE_CHECKING:
+    from kilter.analysis.planning.order import Order
+    from kilter.analysis.regions.region import Region
+    from kilter.analysis.verdict import Verdict
+
+__all__ = ["Shown", "cell"]
+
+FRAME = (
+    '<iframe class="kilter" title="{title}" sandbox="allow-scripts allow-downloads" '
+    'style="width:100%;height:{height}px;border:0" srcdoc="{page}"></iframe>'
+)
+
+
+class Shown:
+    """What a cell shows of an answer.
+
+    Attributes
+    ----------
+    html : str
+        The page, as `kilter.report` gives it.
+    answer : Verdict, Region or Order
+    height : int
+        Of the frame [px].
+    """
+
+    __slots__ = ("_figure", "answer", "height", "html")
+
+    def __init__(self, answer: Any, html: str, height: int) -> None:
+        self.answer, self.html, self.height = answer, html, height
+        self._figure: str | None = None
+
+    def _repr_html_(self) -> str:
+        page = html.escape(self.html, quote=True)
+        title = html.escape(str(self), quote=True)
+        return FRAME.format(title=title, height=self.height, page=page)
+
+    def _repr_svg_(self) -> str | None:
+        """The figure; None where matplotlib is not there, or there is nothing to draw."""
+        if self._figure is None:
+            try:
+                figure = draw(self.answer)
+            except InputError:
+                return None
+            self._figure = rendered(figure, ".svg").decode("utf-8")
+        return self._figure
+
+    def __str__(self) -> str:
+        return str(getattr(self.answer, "sentence", self.answer))
+
+    def __repr__(self) -> str:
+        return f"<Shown: {self.answer!r}>"
+
+
+def cell(answer: Verdict | Region | Order, *, height: int = 720, title: str = "") -> Shown:
+    """The page of an answer as a cell shows it.
+
+    Parameters
+    ----------
+    answer : Verdict, Region or Order
+        Of a verdict and a region the page of their assembly, with the contacts they rest on.
+    height : int
+        Of the frame [px].
+    title : str
+        Above the page; the name of the file where it is not given.
+
+    Raises
+    ------
+    InputError
+        If the region is shared by several assemblies, or as `kilter.report`.
+
+    Examples
+    --------
+    >>> from kilter.analysis.check import check
+    >>> from kilter.scenes import scene
+    >>> cell(check(scene("tower")), height=400)._repr_html_()[:22]
+    '<iframe class="kilter"'
+    """
+    from kilter.analysis.planning.order import Order
+    from kilter.analysis.regions.region import Region
+
+    if not (isinstance(height, int) and height > 0):
+        raise InputError(f"the height is {height!r:.40}", hint="give pixels, a whole number")
+    if isinstance(answer, Order):
+        return Shown(answer, report(answer, title=title).html, height)
+    if isinstance(answer, Region):
+        if len(answer.assemblies) > 1:
+            raise InputError(
+                f"{len(answer.assemblies)} assemblies share this region, a page shows one",
+                hint="draw it with kilter.draw(region)",
+            )
+        page = report(answer.assemblies[0], contacts=answer.contacts[0], title=title)
+        return Shown(answer, page.html, height)
+    page = report(
+        answer.assembly,
+        contacts=answer.contacts,
+        effort=answer.effort,
+        time_limit=answer.time_limit,
+        title=title,
+    )
+    return Shown(answer, page.html, height)
