@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,10 +11,8 @@ import pytest
 
 import kilter
 from kilter import Assembly, Box, Part, Pose
-from kilter.analysis.everything import everything
 from kilter.analysis.regions import friction_cone
 from kilter.scenes import scene, stacks
-from kilter.show.page import render
 
 pytestmark = pytest.mark.browser
 
@@ -224,6 +221,17 @@ def test_on_paper_are_picture_ball_and_tables_and_no_control(opened: Callable) -
     assert plain > len(page.page.pdf()) + 10_000  # by what the picture takes
 
 
+def test_a_closed_table_is_printed_and_closed_again(opened: Callable) -> None:
+    page = opened("wall-with-opening")
+    closed = "document.querySelectorAll('details:not([open])').length"
+    many = page.js(closed)
+    assert many > 0
+    page.js("window.dispatchEvent(new Event('beforeprint'))")
+    assert page.js(closed) == 0
+    page.js("window.dispatchEvent(new Event('afterprint'))")
+    assert page.js(closed) == many
+
+
 def test_the_wheel_scrolls_the_page_unless_the_picture_has_the_focus(opened: Callable) -> None:
     page = opened("paper-figure-8")
     place = "window.kilter.stage.camera.position.length()"
@@ -257,12 +265,3 @@ def test_every_colour_of_the_picture_and_of_the_ball_has_a_legend(opened: Callab
     part = Part("block", Box([1, 1, 1]), Pose([0, 0, 0.5]))
     loaded = Assembly([part], loads=[kilter.Load("block", [0, 0, -1.0])]).with_floor()
     assert opened(loaded).page.locator("i.load").is_visible()
-
-
-def test_a_page_of_many_parts_says_that_margins_are_left_out(tmp_path: Path) -> None:
-    tower = stacks.tower(21, friction=0.5)
-    answers = everything(tower)
-    assert answers.margin is None
-    page = render(answers, "tower")
-    assert 'id="margins"' not in page
-    assert "margins are found up to 20 free parts" in page

@@ -22,6 +22,7 @@ from kilter.cli import main
 from kilter.errors import InputError
 from kilter.files.fingerprint import fingerprint
 from kilter.scenes import scene
+from kilter.scenes.stacks import tower as tower_of
 from kilter.scenes.walls import wall_of
 from kilter.show.serve import PageServer
 
@@ -89,6 +90,36 @@ def test_the_command_on_the_page_makes_the_page_again() -> None:
     seconds = re.compile(r"<dt>seconds</dt><dd>.*?</dd>")
     second = Path("a b.html").read_text(encoding="utf-8")
     assert seconds.sub("", second) == seconds.sub("", first)
+
+
+def test_margins_are_on_the_page_up_to_a_size_and_above_it_where_asked(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    import kilter.analysis.everything as module
+
+    kilter.dump(tower_of(2), "two.json")
+    written = ["report", "two.json", "-o", "two.html", "--quiet"]
+    assert main(written) == 0
+    assert 'id="margins"' in Path("two.html").read_text(encoding="utf-8")
+    monkeypatch.setattr(module, "MARGIN_PARTS", 1)
+    assert main(written) == 0
+    page = Path("two.html").read_text(encoding="utf-8")
+    assert 'id="margins"' not in page
+    assert "margins are found up to 1 free parts" in page
+    assert main([*written, "--margins"]) == 0
+    page = Path("two.html").read_text(encoding="utf-8")
+    assert 'id="margins"' in page
+    assert "--margins</code>" in page
+
+
+@pytest.mark.slow
+def test_a_page_of_eighteen_parts_of_step_has_less_than_a_megabyte() -> None:
+    file = Path(__file__).resolve().parents[3] / "shared" / "data" / "cax-if" / "as1-oc-214.stp"
+    pytest.importorskip("OCP")
+    if not file.exists():
+        pytest.skip("real data is not here: ../shared/data beside the checkout")
+    made = kilter.report(kilter.load(file, ground=["plate"]))
+    assert len(made.html.encode()) < 1e6
 
 
 @pytest.mark.parametrize(

@@ -2,12 +2,19 @@
 
 import { themeOf } from "./colours.js";
 
+const ROWS = 400; // sections up to so many are printed, and longer ones that are open
+
 /** The page as it is to be printed, from `beforeprint` to `afterprint`. */
 export function printWell(shown, canvas) {
   const root = document.documentElement;
   let was = null;
+  let opened = [];
   window.addEventListener("beforeprint", () => {
     was = root.dataset.theme || "";
+    opened = [...document.querySelectorAll("details:not([open])")].filter(
+      (one) => one.querySelectorAll("tr").length <= ROWS,
+    );
+    for (const one of opened) one.open = true;
     root.dataset.theme = "light";
     shown.theme();
     if (shown.ball) shown.ball.paint();
@@ -17,6 +24,7 @@ export function printWell(shown, canvas) {
   window.addEventListener("afterprint", () => {
     if (was) root.dataset.theme = was;
     else delete root.dataset.theme;
+    for (const one of opened) one.open = false;
     shown.theme();
   });
 }
@@ -29,7 +37,7 @@ function picture({ stage, names }, canvas) {
   // Chromium prints what is drawn into a canvas, and not pixels that were put into it
   const layer = document.createElement("canvas");
   Object.assign(layer, { width: canvas.width, height: canvas.height });
-  stage.shootInto(layer);
+  stage.shootInto(layer, stage.camera, dense);
   const style = themeOf(document.documentElement);
   const c = canvas.getContext("2d");
   c.drawImage(layer, 0, 0);

@@ -235,14 +235,14 @@ export class Stage {
     this.shootInto(canvas, camera);
   }
 
-  /** What a camera sees, put into a canvas. */
-  shootInto(canvas, camera = this.camera) {
+  /** What a camera sees, put into a canvas of so many pixels a pixel of the page. */
+  shootInto(canvas, camera, fine = 1) {
     const { width, height } = canvas;
     camera.updateMatrixWorld();
     const target = new WebGLRenderTarget(width, height, { samples: 4, stencilBuffer: true });
     const { dense } = this.parts.shared;
     const was = dense.value;
-    dense.value = 1;
+    dense.value = fine;
     this.renderer.setRenderTarget(target);
     this.shoot(camera);
     const pixels = new Uint8Array(4 * width * height);

@@ -113,7 +113,7 @@ def rgb(text: str) -> tuple[int, int, int]:
 def as_css() -> str:
     """The roles as properties of a style: light, dark where the reader's system or choice is."""
     light, dark = (_properties([getattr(one, of) for one in ROLES.values()]) for of in _THEMES)
-    ramp = f"--ramp: {', '.join(RAMP)};"
+    ramp = f"--ramp: {', '.join(RAMP)}; --ground: {GROUND};"
     return (
         f":root {{ color-scheme: light; {light} {ramp} }}\n"
         "@media (prefers-color-scheme: dark) "
