@@ -182,7 +182,7 @@ def rounded(assembly, seed):
 def test_balanced_scene_in_float32_is_stable_within_the_accuracy_of_its_data(name, seed):
     verdict = judged(rounded(BALANCED[name](), seed))
     assert verdict.verdict == "stable"
-    assert verdict.sentence.startswith("Stable within the accuracy of the data")
+    assert verdict.sentence.startswith("Stable within the accuracy of the coordinates")
     # 10 roundings of coordinates near 100 sizes over the width of the smallest face
     assert 1e-8 < verdict.tolerance < 4e-3
 
@@ -202,7 +202,7 @@ TILTED = {
 def test_tilted_scene_in_float32_is_unstable(name, degrees, seed):
     verdict = judged(rounded(tilted(TILTED[name](), [0, 1, 0], degrees), seed))
     assert verdict.verdict == "unstable"
-    assert "accuracy of the data" in verdict.sentence
+    assert "not by rounding of its coordinates" in verdict.sentence
 
 
 @SEEDS

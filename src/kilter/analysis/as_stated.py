@@ -48,8 +48,9 @@ def explained_by_accuracy(assembly: Assembly, contacts: ContactSet, program: Pro
     fastest = assembly.names[int(motion.relative.max(axis=1).argmax())]
     stated = f"{number(float(off.max()), 3)} {assembly.units}"
     return (
-        f"within the accuracy of the data it may hold or not: as drawn {fastest!r} starts to move, "
-        f"but so little that points off by {stated}, as the file states of itself, would hold it"
+        "within the accuracy of the coordinates it may hold or not: as drawn "
+        f"{fastest!r} starts to move, but so little that points off by {stated}, "
+        "as the file states of itself, would hold it"
     )
 
 

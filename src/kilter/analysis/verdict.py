@@ -63,7 +63,7 @@ __all__ = ["Verdict", "Word"]
 Word = Literal["stable", "settles", "potentially-stable", "unstable", "undecided"]
 
 BARELY = 1e-3
-"""Instability below which the accuracy of the data is asked about."""
+"""Instability below which the accuracy of the coordinates is asked about."""
 ROUNDING = 1e-15
 """An acceleration up to this is none [g]."""
 

@@ -71,7 +71,7 @@ def region_words(answer: Answer, *, proved_none: bool) -> str:
     words = region_phrase(answer["kind"], answer["half_angle_deg"], friction=answer["friction"])
     if answer["complete"] or proved_none:
         return words
-    return f"{words}; an inner one: further forces may make it larger"
+    return f"{words}; more directions may be stable: not every force there may be was counted"
 
 
 def region_facts(answer: Answer) -> list[Fact]:

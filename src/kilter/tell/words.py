@@ -156,9 +156,9 @@ def verdict_sentence(
     passed, tried, of = tries
     counting = f", counting gaps up to {counted} as closed" if counted else ""
     return SENTENCES[verdict, key].format(
-        within=(" within the accuracy of the data" if coarse else "") + counting,
+        within=(" within the accuracy of the coordinates" if coarse else "") + counting,
         slippery="" if counted else ", however slippery the parts",
-        beyond=" beyond the accuracy of the data" if coarse else "",
+        beyond=", and not by rounding of its coordinates" if coarse else "",
         passed=passed,
         tried=tried,
         of=of,

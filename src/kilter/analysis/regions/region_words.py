@@ -53,7 +53,7 @@ def warnings_of(
         warnings.append(_knife_edge(program, found))
     if program.tolerance[program.free].max(initial=0.0) > TOLERANCE:
         warnings.append(
-            "within the accuracy of the data: directions nearer to the boundary than "
+            "within the accuracy of the coordinates: directions nearer to the boundary than "
             f"{np.degrees(found.cone.blur):.2g} deg count as on it"
         )
     if np.degrees(found.gap) > gap_deg:
@@ -86,8 +86,8 @@ def _inner(assembly: Assembly, contacts: ContactSet, rubs: bool) -> list[str]:
         return []
     word = "held" if rubs else "stable"
     return [
-        f"{' and '.join(why)} left out: every direction found is {word}, and more may be,"
-        " since further forces can only help"
+        f"{' and '.join(why)} left out: every direction found is {word}; with it"
+        " more may be, and none fewer"
     ]
 
 

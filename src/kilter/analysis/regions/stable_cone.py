@@ -120,7 +120,7 @@ def stable_cone(program: Program, *, progress: Callable[[str], None] | None = No
     -----
     Directions nearer to the boundary than 10 times the largest tolerance of the program
     (1e-8 rad for exact data) count as on it: the kind is that of the exact scene within
-    the accuracy of the data.
+    the accuracy of the coordinates.
 
     Examples
     --------
