@@ -137,8 +137,10 @@ def test_a_list_names_files_beside_it_and_options_reach_them(piles: Path, tmp_pa
     assert found.counts == {"unstable": 2}
     assert [row["file"] for row in rows_of(tmp_path / "out")] == [first] * 2
     (tmp_path / "empty").mkdir()
-    with pytest.raises(InputError, match="no assembly"):
+    with pytest.raises(InputError, match="no assembly in it; folders in it are not looked into"):
         kilter.batch(tmp_path / "empty", tmp_path / "other")
+    with pytest.raises(InputError, match="is an assembly, no list"):
+        kilter.batch(piles / "pile-1.kilter.json", tmp_path / "other")
     with pytest.raises(InputError, match="cannot be read"):
         kilter.batch(tmp_path / "none", tmp_path / "other")
     with pytest.raises(InputError, match="rows would lie among"):

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -18,7 +20,7 @@ from kilter.tell.levels import REQUIRE, require_level
 __all__ = ["batch"]
 
 SHOWN = 20
-"""Errors that are listed."""
+"""Errors that are listed, those that begin alike as one."""
 
 
 @asks(searches=True, answers=False)
@@ -87,12 +89,31 @@ def batch(
     else:
         counts = ", ".join(f"{count:,} {word}" for word, count in found.counts.most_common())
         there = f", {found.found_there:,} of them were there" if found.found_there else ""
-        lines = [f"{found.rows:,} rows in {len(found.files)} files{there}: {counts}"]
-        lines += [f"error  {file}: {error}" for file, error in found.errors[:SHOWN]]
-        if found.counts["error"] > SHOWN:
-            lines.append(f"{found.counts['error'] - SHOWN:,} more errors are in the tables")
-        emit("\n".join(lines), None)
+        head = f"{found.rows:,} rows in {len(found.files)} files{there}: {counts}"
+        emit("\n".join([head, *_errors(found.errors, found.counts["error"])]), None)
     return SOME_ERRORS if found.counts["error"] else WRITTEN
+
+
+def _errors(errors: Sequence[tuple[str, str]], count: int) -> list[str]:
+    """Lines about errors, one for all that begin alike, the most frequent first.
+
+    Examples
+    --------
+    >>> few = [("a", "not JSON: line 1"), ("b", "no such file"), ("c", "not JSON: line 7")]
+    >>> print(*_errors(few, 3), sep="\\n")
+    error  a and 1 more: not JSON: line 1
+    error  b: no such file
+    """
+    alike: dict[str, list[tuple[str, str]]] = {}
+    for file, error in errors:
+        alike.setdefault(re.split("[:;]", error)[0], []).append((file, error))
+    groups = sorted(alike.values(), key=len, reverse=True)[:SHOWN]
+    lines = []
+    for (file, error), *others in groups:
+        more = f" and {len(others):,} more" if others else ""
+        lines.append(f"error  {file}{more}: {error}")
+    left = count - sum(map(len, groups))
+    return [*lines, f"{left:,} more errors are in the tables"] if left else lines
 
 
 class _Rate:

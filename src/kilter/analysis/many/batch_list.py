@@ -10,6 +10,9 @@ from kilter.files.naming import natural_key
 
 __all__ = ["listed_files"]
 
+READABLE = (*FORMATS, ".json")
+"""Endings of files that `kilter.load` reads."""
+
 
 def listed_files(source: str | Path) -> tuple[Path, list[str]]:
     """The folder that paths start from, and the path of each assembly.
@@ -18,8 +21,8 @@ def listed_files(source: str | Path) -> tuple[Path, list[str]]:
     ----------
     source : path
         A folder: every file in it of a format that `kilter.load` reads, in the order in which
-        people count. A file: a path a line, relative to the list; lines that are empty or begin
-        with # are passed over.
+        people count, none in folders of its own. A file: a path a line, relative to the list;
+        lines that are empty or begin with # are passed over.
 
     Raises
     ------
@@ -27,6 +30,11 @@ def listed_files(source: str | Path) -> tuple[Path, list[str]]:
         If it cannot be read, or names nothing.
     """
     path = Path(source)
+    if path.suffix.lower() in READABLE and path.is_file():
+        raise InputError(
+            "is an assembly, no list of them", file=str(path),
+            hint="ask `kilter check`, or give its folder",
+        )  # fmt: skip
     try:
         if path.is_dir():
             chosen = [e for e in path.iterdir() if _is_assembly(e)]
@@ -42,10 +50,13 @@ def listed_files(source: str | Path) -> tuple[Path, list[str]]:
             hint="give a folder of assemblies, or a text file with a path a line",
         ) from None
     if not found:
-        raise InputError("no assembly in it", file=str(path), hint="name one file a line")
+        hint = "name one file a line"
+        if path.is_dir():
+            hint = "folders in it are not looked into; name their files in a list, one a line"
+        raise InputError("no assembly in it", file=str(path), hint=hint)
     return base.resolve(), found
 
 
 def _is_assembly(entry: Path) -> bool:
-    readable = entry.suffix.lower() in (*FORMATS, ".json")
+    readable = entry.suffix.lower() in READABLE
     return readable and not entry.name.startswith(".") and entry.is_file()
