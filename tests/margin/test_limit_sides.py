@@ -7,15 +7,27 @@ import pytest
 from margins import program_of
 
 from kilter.analysis.judge import judge
+from kilter.analysis.margins import load_limit
 from kilter.analysis.margins.limit_sides import limit_sides
-from kilter.analysis.margins.load_limit import Limit, find_limit, gravity_wrench, with_more
+from kilter.analysis.margins.load_limit import (
+    EXACT,
+    Limit,
+    NoLimit,
+    SharedCones,
+    find_limit,
+    gravity_wrench,
+    with_more,
+)
 from kilter.analysis.margins.tilt import across_gravity
 from kilter.mechanics.certificate import check_motion
 from kilter.mechanics.coulomb_cones import spread
 from kilter.mechanics.opening import Opening
-from kilter.scenes import stacks
+from kilter.scenes import stacks, walls
 from kilter.scenes.random_turned import random_turned, springer_arch
+from kilter.threads import on_one_thread
 
+limit_of = on_one_thread(find_limit)
+"""As `margin` asks: threads that wait for one another take ten times as long."""
 CASES = [("arch", 1), ("arch", 2), ("pile", 6), ("pile", 12), ("wedge", 3), ("round", 5)]
 
 
@@ -87,3 +99,58 @@ def test_a_share_that_is_held_whole_takes_no_linear_program(monkeypatch):
     aside = gravity_wrench(program, np.array([0.28, 0.96, 0.0]))
     for most, value in ((0.4, np.inf), (1.0, pytest.approx(0.5, abs=1e-8))):
         assert find_limit(program, aside, most=most).value == value
+
+
+def unasked(*_: object, **__: object) -> None:
+    raise AssertionError("another solver was asked")
+
+
+@pytest.mark.parametrize("mu", [0.25, 0.7])
+def test_limits_of_one_program_share_their_start(monkeypatch, mu):
+    """As from the middle of the cones, in fewer steps; and alike where the wall mirrors itself."""
+    monkeypatch.setattr(load_limit, "_in_cones", unasked)
+    program = program_of(walls.wall_of(50, friction=mu))
+    assert len(program.part_a) > EXACT
+    taken: list[int] = []
+    steps = load_limit.iterates
+
+    def counted(*given):
+        for step in steps(*given):
+            taken.append(step.number)
+            yield step
+
+    monkeypatch.setattr(load_limit, "iterates", counted)
+    shared, numbers, values = SharedCones(program), [], []
+    for aside in ([0.6, 0.8, 0.0], [0.6, -0.8, 0.0], [-0.6, 0.8, 0.0]):
+        wrench = gravity_wrench(program, np.array(aside))
+        taken.clear()
+        alone, cold = limit_of(program, wrench, most=10.0), len(taken)
+        taken.clear()
+        found = limit_of(program, wrench, most=10.0, shared=shared)
+        numbers.append(len(taken))
+        values.append(found.value)
+        assert found.value == pytest.approx(alone.value, abs=2e-9)
+        assert found.forces.holds
+        assert found.mechanism.holds
+        assert len(taken) < cold
+    assert len(set(numbers)) == 1
+    assert values == pytest.approx([values[0]] * 3, abs=1e-9)
+
+
+def test_a_start_of_what_is_not_held_proves_nothing():
+    program = program_of(walls.wall_of(50, friction=0.6).with_down([0.0, 0.5, -1.0]))
+    shared = SharedCones(program)
+    for aside in ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]):
+        wrench = gravity_wrench(program, np.array(aside))
+        found = limit_of(program, wrench, most=1.0, shared=shared)
+        assert isinstance(found, NoLimit) or found.value < 0
+
+
+def test_from_a_start_that_leads_nowhere_it_begins_anew(monkeypatch):
+    monkeypatch.setattr(load_limit, "_in_cones", unasked)
+    program = program_of(walls.wall_of(50, friction=0.6))
+    wrench = gravity_wrench(program, np.array([0.6, 0.8, 0.0]))
+    alone, shared = limit_of(program, wrench, most=10.0), SharedCones(program)
+    begun = on_one_thread(lambda: shared.start)()
+    shared.__dict__["start"] = type(begun)(begun.x * np.nan, begun.s, begun.y, begun.mean)
+    assert limit_of(program, wrench, most=10.0, shared=shared).value == alone.value

@@ -107,6 +107,16 @@ def test_a_set_that_is_flat_has_its_boundary_at_0() -> None:
     assert (face.inner, face.outer) == (0.0, 0.0)
 
 
+def test_a_difference_that_counts_as_none_ends_it_sooner() -> None:
+    oracle = ellipsoid(np.array([1.5, 1.0, 4.0]))
+    near, exact = (
+        nearest_face(oracle, axes_and_back(3), agree=1e-6, limit=500, within=within)
+        for within in (1e-2, 0.0)
+    )
+    assert near.asked < exact.asked
+    assert near.outer - 1e-2 <= near.inner <= 1.0 + 1e-12 <= near.outer + 2e-12
+
+
 def test_every_facet_of_a_polytope_is_settled() -> None:
     corners = np.random.default_rng(4).normal(size=(30, 3))
 

@@ -11,7 +11,7 @@ columns are built here straight from the rows.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -43,6 +43,12 @@ class ConeBalance:
     rows: Index
     directions: Array
     unit: float
+
+    def with_more(self, more: Array, most: float) -> ConeBalance:
+        """The same with other further wrenches, shape (N, 6), and their largest share."""
+        free = np.flatnonzero(self.program.free)
+        along = -_over_weight(self.program, free, more)
+        return replace(self, cones=self.cones.with_more(along, most))
 
     def decoded(self, x: Array) -> tuple[Array, Array]:
         """Forces along the rows, shape (K,), and across them, (K, 3) [N], of unknowns (d, K)."""

@@ -9,7 +9,7 @@ A A^T, with any weights on the columns, is a sum of one small matrix a link.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -55,6 +55,12 @@ class LinkedCones:
     right: Array
     along: Array
     most: float
+
+    def with_more(self, along: Array, most: float) -> LinkedCones:
+        """The same with another load to grow; what hangs on the columns alone is shared."""
+        other = replace(self, along=along, most=most)
+        other.__dict__.update({k: v for k, v in self.__dict__.items() if k not in other.__dict__})
+        return other
 
     @cached_property
     def _link(self) -> Index:

@@ -18,6 +18,7 @@ constraints, 2001.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
@@ -41,17 +42,18 @@ from kilter.analysis.turning_tolerances import (
     UNLIMITED,
 )
 from kilter.arrays import Array
-from kilter.mechanics.balance_in_cones import balance_in_cones
+from kilter.mechanics.balance_in_cones import ConeBalance, balance_in_cones
 from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
 from kilter.mechanics.coulomb_cones import largest_load, spread
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
-from kilter.solvers.cone_interior_point import iterates
+from kilter.solvers.cone_interior_point import Start, common_start, iterates
 from kilter.solvers.solver_tolerances import CONIC
 
 __all__ = [
     "Limit",
     "NoLimit",
+    "SharedCones",
     "find_limit",
     "finite",
     "gravity_wrench",
@@ -153,6 +155,7 @@ def find_limit(
     *,
     opening: Opening | None = None,
     most: float = UNLIMITED,
+    shared: SharedCones | None = None,
 ) -> Limit | NoLimit:
     """The largest share of further wrenches that contacts can hold.
 
@@ -169,6 +172,8 @@ def find_limit(
         ``Opening(spread(program))``, where it is at hand.
     most : float
         Shares looked at.
+    shared : SharedCones, optional
+        ``SharedCones(program)``, where several limits of it are asked for.
 
     Examples
     --------
@@ -184,11 +189,11 @@ def find_limit(
     """
     opening = opening or Opening(spread(program))
     if most <= MODEST and not program.planar and len(program.part_a) > EXACT:
-        own = _by_own_cones(program, wrench, most)
+        own = _by_own_cones(program, wrench, most, shared)
         if own.closed or own.held >= most * (1 - NEARLY):
             return _limit(own, most)
     if most > MODEST:  # fewer steps of the solver, and an interval of numbers near 1
-        near = find_limit(program, wrench, opening=opening, most=MODEST)
+        near = find_limit(program, wrench, opening=opening, most=MODEST, shared=shared)
         if not (isinstance(near, Limit) and np.isinf(near.value)):
             return near
     conic = _in_cones(program, opening, wrench, most)
@@ -211,11 +216,45 @@ class _Conic:
     across: list[Array]
 
 
-def _by_own_cones(program: Program, wrench: Array, most: float) -> LimitSides:
+@dataclass(frozen=True, eq=False)
+class SharedCones:
+    """What limits of one program under different wrenches share: its cones, and where they begin.
+
+    Attributes
+    ----------
+    program : Program
+    """
+
+    program: Program
+
+    @cached_property
+    def balance(self) -> ConeBalance:
+        """Its cones without further wrenches."""
+        none = np.zeros((len(self.program.names), 6))
+        return balance_in_cones(self.program, self.program.load, none, MODEST)
+
+    @cached_property
+    def start(self) -> Start:
+        """Near its forces without further wrenches."""
+        return common_start(self.balance.cones)
+
+
+def _by_own_cones(
+    program: Program, wrench: Array, most: float, shared: SharedCones | None
+) -> LimitSides:
     """Both sides by kilter's own interior point, where a share of 0 is held; as far as it goes."""
-    balance = balance_in_cones(program, program.load, wrench, most)
+    balance = (shared or SharedCones(program)).balance.with_more(wrench, most)
+    if shared is not None:
+        sides = _stepwise(balance, wrench, shared.start)
+        if sides.closed or sides.held >= most * (1 - NEARLY):
+            return sides
+    return _stepwise(balance, wrench, None)
+
+
+def _stepwise(balance: ConeBalance, wrench: Array, start: Start | None) -> LimitSides:
+    program, most = balance.program, balance.cones.most
     best = LimitSides()
-    for step in iterates(balance.cones, BOLD):
+    for step in iterates(balance.cones, BOLD, start):
         size = max(step.share, 1.0)
         if step.bound < -NEAR * size and step.y_rest <= NEAR * size:
             break  # not held as it is

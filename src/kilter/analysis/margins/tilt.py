@@ -23,6 +23,7 @@ from kilter.analysis.judge import judge
 from kilter.analysis.margins.load_limit import (
     Limit,
     NoLimit,
+    SharedCones,
     find_limit,
     gravity_wrench,
 )
@@ -149,17 +150,20 @@ def find_tilt_margin(program: Program) -> TiltMargin | NoLimit:
     if program.applied.any():
         raise ValueError("given loads do not turn with gravity")
     basis = across_gravity(program)
-    opening = Opening(spread(program))
+    opening, shared = Opening(spread(program)), SharedCones(program)
     limits: list[Limit | NoLimit] = []
 
     def shoot(direction: Array) -> SupportPoint | None:
         wrench = gravity_wrench(program, direction @ basis)
-        limit = held_limit(program, wrench, opening=opening, most=STEEPEST)
+        limit = held_limit(program, wrench, opening=opening, most=STEEPEST, shared=shared)
         limits.append(limit)
         return None if isinstance(limit, NoLimit) else _boundary(program, basis, direction, limit)
 
     first = first_directions(len(basis))
-    face = nearest_face(shoot, first, agree=TILT_AGREES, limit=PROGRAMS, most=STEEPEST)
+    # what forces may leave is no difference
+    face = nearest_face(
+        shoot, first, agree=TILT_AGREES, limit=PROGRAMS, most=STEEPEST, within=TOLERANCE
+    )
     if face is None or NoLimit("none") in limits:
         return NoLimit("none" if NoLimit("none") in limits else "failed")
     limit = limits[face.answer]
@@ -182,10 +186,15 @@ def find_tilt_margin(program: Program) -> TiltMargin | NoLimit:
 
 
 def held_limit(
-    program: Program, wrench: Array, *, opening: Opening, most: float
+    program: Program,
+    wrench: Array,
+    *,
+    opening: Opening,
+    most: float,
+    shared: SharedCones | None = None,
 ) -> Limit | NoLimit:
     """The limit, where a share of 0 is held too."""
-    limit = find_limit(program, wrench, opening=opening, most=most)
+    limit = find_limit(program, wrench, opening=opening, most=most, shared=shared)
     below = isinstance(limit, Limit) and limit.value < NOT_HELD
     return NoLimit("none") if below else limit
 

@@ -111,7 +111,9 @@ class KnownSet:
         hull.done[facet] = True
         return True
 
-    def close_nearest(self, limit: int, agree: float = 0.0, most: float = np.inf) -> bool:
+    def close_nearest(
+        self, limit: int, agree: float = 0.0, most: float = np.inf, within: float = 0.0
+    ) -> bool:
         """Settle the facet nearest to 0, whichever it is then, until one is confirmed.
 
         Parameters
@@ -121,11 +123,13 @@ class KnownSet:
         agree, most : float
             Ends also where inner and outer distance differ by no more than this fraction, or
             the outer one is `most`.
+        within : float
+            A difference that counts as none beside that fraction.
         """
         while self.asked < limit:
             if self.hull is None or (self.outer >= most * (1 - agree) and most < np.inf):
                 return True
-            agreed = agree > 0.0 and self.inner >= self.outer * (1 - agree)
+            agreed = agree > 0.0 and self.inner >= self.outer * (1 - agree) - within
             if agreed or self.settle(int(self.hull.offsets.argmin())):
                 return True
         return False
@@ -170,7 +174,13 @@ class Face:
 
 
 def nearest_face(
-    oracle: Oracle, directions: Array, *, agree: float, limit: int, most: float = np.inf
+    oracle: Oracle,
+    directions: Array,
+    *,
+    agree: float,
+    limit: int,
+    most: float = np.inf,
+    within: float = 0.0,
 ) -> Face | None:
     """Where the boundary of a set around 0 comes nearest to 0; None where the first answer fails.
 
@@ -185,6 +195,8 @@ def nearest_face(
         Of questions.
     most : float
         Distances from here on count as unlimited: the search ends.
+    within : float
+        Ends also where they differ by no more than this.
 
     Examples
     --------
@@ -210,6 +222,6 @@ def nearest_face(
     size = float(np.abs(np.array(points)).max(initial=0.0))
     tolerance = max(HULL_FINER * agree * min(known.outer, size), HULL_ROUNDING * size)
     known.hull = GrowingHull.of(np.array(points), tolerance)
-    known.close_nearest(limit, agree, most)
+    known.close_nearest(limit, agree, most, within)
     inner = min(known.inner, known.outer)
     return Face(inner, known.outer, known.normal, known.answer, known.asked, known.failed)
