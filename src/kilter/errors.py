@@ -7,6 +7,8 @@ input (`InputError`, exit code 2 of the command) and for a fault of kilter itsel
 from __future__ import annotations
 
 import difflib
+import re
+import shlex
 from collections.abc import Iterable, Sequence
 
 __all__ = [
@@ -14,6 +16,7 @@ __all__ = [
     "KilterError",
     "SolverError",
     "nearest_name",
+    "shell_words",
     "some",
     "some_names",
 ]
@@ -145,3 +148,20 @@ def some(words: Sequence[str], limit: int = 5, total: int | None = None) -> str:
 
 def _short(name: str, limit: int = 60) -> str:
     return repr(name if len(name) <= limit else name[: limit - 3] + "...")
+
+
+def shell_words(words: Iterable[str]) -> str:
+    """A command as it is typed, in the shells of Windows too: quotes are double.
+
+    Examples
+    --------
+    >>> print(shell_words(["kilter", "check", "a b.stl", "--ground", "bolt*", "--angle", "1"]))
+    kilter check "a b.stl" --ground "bolt*" --angle 1
+    """
+    return " ".join(map(_shell_word, words))
+
+
+def _shell_word(word: str) -> str:
+    if re.search(r'["$`]', word):  # quotes that only some shells know
+        return shlex.quote(word)
+    return word if re.fullmatch(r"[\w@%+=:,./-]+", word) else f'"{word}"'

@@ -6,6 +6,7 @@ import io
 import json
 import os
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -204,16 +205,133 @@ def test_examples_are_listed_with_their_answers(capsys: pytest.CaptureFixture[st
 def test_help_and_version_answer_with_zero(capsys: pytest.CaptureFixture[str]) -> None:
     for words in ([], ["--help"], ["check", "--help"], ["verify", "-h"]):
         assert main(words) == 0
-    assert main(["--version"]) == 0
+    assert main(["--version"]) == main(["-V"]) == 0
     assert kilter.__version__ in capsys.readouterr().out
 
 
-def test_no_word_of_a_help_is_taken_for_markup() -> None:
-    """What stands in square brackets would be left out of the help: "the extra kilter[figures]"."""
-    for name, one in command().commands.items():
-        texts = [one.help, *(getattr(option, "help", None) for option in one.params)]
-        for text in filter(None, texts):
-            assert not re.search(r"\[[a-z]+\]", text), f"{name}: {text}"
+@pytest.mark.parametrize("name", sorted(command().commands))
+def test_a_help_shows_brackets_and_no_types(
+    name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What stands in square brackets is no markup: "the extra kilter[figures]"."""
+    monkeypatch.setenv("COLUMNS", "200")
+    assert main([name, "--help"]) == 0
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "<bool>" not in shown
+    assert "<str>" not in shown
+    one = command().commands[name]
+    texts = [one.help, *(getattr(option, "help", None) for option in one.params)]
+    extras = set(re.findall(r"kilter\\(\[\w+\])", " ".join(filter(None, texts))))
+    assert all(f"kilter{word}" in shown for word in extras)
+    assert extras or name not in ("check", "draw", "batch")
+
+
+def test_a_text_is_brief_unless_more_is_asked_for(capsys: pytest.CaptureFixture[str]) -> None:
+    file = written("paper-figure-8")
+    assert main(["check", file]) == 1
+    brief = capsys.readouterr().out
+    assert main(["check", file, "--verbose"]) == 1
+    full = capsys.readouterr().out
+    for word in ("kappa", "neutral", "proof", "seconds", "mass  "):
+        assert word not in brief
+        assert word in full
+    assert brief.rstrip().endswith("the least that must be held so that it stays")
+
+
+def test_the_next_step_that_is_named_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("paper-figure-8", "tower"):
+        file = written(name)
+        for words in (["check"], ["orient"], ["region"], ["contacts"], ["margin"], ["plan"]):
+            capsys.readouterr()
+            main([*words, file, "--down", "0", "0.6", "-1"])
+            step = re.search(r"^next: kilter (.*)$", capsys.readouterr().out, flags=re.M)
+            if step is None:  # there is no order, and nothing to show of it
+                assert words == ["plan"]
+                continue
+            assert main(shlex.split(step[1])) in (0, 1, 3, 4), step[1]
+
+
+def test_several_files_have_a_line_each_and_the_worst_code(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    good, bad = written("tower"), written("paper-figure-8")
+    for files, code in (([good, good], 0), ([good, bad], 1), ([bad, "none.json", good], 2)):
+        assert main(["check", *files]) == code
+        said = capsys.readouterr()
+        lines = said.out.splitlines()
+        assert [line.split()[0] for line in lines] == files
+        assert ("none.json" in said.err) == (code == 2)
+    moves = "C2 drops at 0.75 g and C3 slides +x at 0.433 g"
+    assert lines[0].split(maxsplit=2) == [bad, "unstable", moves]
+    code, answers = answered(capsys, "check", good, "none.json")
+    assert code == 2
+    assert [one["file"] for one in answers] == [good, "none.json"]
+    assert answers[0]["verdict"] == "stable"
+    assert "no such file" in answers[1]["error"]
+    assert main(["check", good, bad, "--proof", "p.json"]) == 2
+    assert main(["check", good, bad, "-o", bad]) == 2
+    assert kilter.load(bad) is not None
+
+
+def test_a_fault_of_one_file_is_the_worst(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from kilter.files.reading import Reading
+
+    good, read = written("tower"), Reading.read
+
+    def broken(self: Reading, file: str, **more: object) -> object:
+        if file == "bad.json":
+            raise ZeroDivisionError("a fault")
+        return read(self, file, **more)
+
+    monkeypatch.setattr(Reading, "read", broken)
+    assert main(["check", "bad.json", good, "none.json"]) == 70
+    said = capsys.readouterr()
+    assert [line.split()[1] for line in said.out.splitlines()] == ["error", "stable", "error"]
+    assert "a fault of kilter itself: ZeroDivisionError" in said.err
+
+
+@pytest.mark.parametrize(
+    ("set_", "coloured"),
+    [({}, False), ({"FORCE_COLOR": "1"}, True), ({"FORCE_COLOR": "1", "NO_COLOR": "1"}, False)],
+)
+def test_the_verdict_has_its_colour_where_colours_are_shown(
+    set_: dict[str, str],
+    coloured: bool,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    file = written("tower")
+    for name in ("FORCE_COLOR", "NO_COLOR"):
+        monkeypatch.delenv(name, raising=False)
+    for name, value in set_.items():
+        monkeypatch.setenv(name, value)
+    main(["check", file])
+    out = capsys.readouterr().out
+    assert out.startswith("\x1b[1;34mStable") == coloured
+    assert ("\x1b" in out) == coloured
+    main(["check", file, "--json"])
+    assert "\x1b" not in capsys.readouterr().out
+
+
+def test_a_wall_of_any_size(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["example", "wall", "--size", "4x3"]) == 0
+    wall = kilter.load("wall.kilter.json")
+    assert len(wall) - 1 == 4 + 5 + 4  # a course of whole bricks, one with halves at its ends
+    for words in (["tower", "--size", "4x3"], ["wall", "--size", "4"], ["--size", "4x3"]):
+        assert main(["example", *words, "--force"]) == 2
+        assert len(capsys.readouterr().err.splitlines()) == 1
+    assert main(["example", "wall", "--size", "0x3", "--force"]) == 2
+
+
+@pytest.mark.parametrize(("typed", "offered"), [("kilter che", "check"), ("kilter ma", "margin")])
+def test_a_shell_completes_commands(typed: str, offered: str) -> None:
+    words = {"_KILTER_COMPLETE": "complete_bash", "COMP_WORDS": typed, "COMP_CWORD": "1"}
+    done = subprocess.run(
+        [sys.executable, "-m", "kilter"], env=os.environ | words, capture_output=True, text=True
+    )
+    assert (done.returncode, done.stdout.split()) == (0, [offered])
 
 
 def test_the_module_runs_as_a_program() -> None:

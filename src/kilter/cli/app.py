@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from typing import Annotated, Any
 
 import typer
@@ -18,12 +19,31 @@ __all__ = ["command"]
 JUDGING = (check, orient, region, margin, plan, hold)
 COMMANDS = (*JUDGING, report, view, draw, contacts, verify, batch, example)
 
+
+def _untyped(params: list[Any]) -> list[Any]:
+    """Options as a help lists them: no `<bool>` after a flag, no `<str>` after FILE."""
+    for one in params:
+        if one.param_type_name == "argument" or getattr(one, "is_flag", False):
+            one.display_type_rich = lambda ctx: None
+    return params
+
+
+class _Command(typer.core.TyperCommand):
+    def get_params(self, ctx: Any) -> list[Any]:
+        return _untyped(super().get_params(ctx))
+
+
+class _Group(typer.core.TyperGroup):
+    def get_params(self, ctx: Any) -> list[Any]:
+        return _untyped(super().get_params(ctx))
+
+
 app = typer.Typer(
     name="kilter",
+    cls=_Group,
     help="Does an assembly of rigid parts stay together under gravity? An exact verdict, with a "
     "proof. All answers are of first order: where motions that cost no energy to first order "
     "are left (see 'neutral'), second order decides, a ball on a ball among them.",
-    add_completion=False,
     invoke_without_command=True,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -32,7 +52,19 @@ app = typer.Typer(
 
 def command() -> Any:
     """The command with its subcommands."""
-    return typer.main.get_command(app)
+    made = typer.main.get_command(app)
+    for one in (made, *getattr(made, "commands", {}).values()):
+        one.help = _as_written(one.help)
+        for option in one.params:
+            option.help = _as_written(getattr(option, "help", None))
+    return made
+
+
+def _as_written(text: str | None) -> str | None:
+    """A text of a help: brackets are no markup, and lines end where the terminal does."""
+    paragraphs = inspect.cleandoc(text or "").split("\n\n")
+    joined = "\n\n".join(" ".join(one.split()) for one in paragraphs)
+    return joined.replace("[", "\\[") or None
 
 
 def _version(wanted: bool) -> None:
@@ -48,7 +80,7 @@ def kilter_options(
     context: typer.Context,
     version: Annotated[
         bool,
-        typer.Option("--version", callback=_version, is_eager=True, help="Show the version."),
+        typer.Option("-V", "--version", callback=_version, is_eager=True, help="Show the version."),
     ] = False,
 ) -> None:
     """Options of kilter itself; without a command, the help is shown."""
@@ -57,4 +89,4 @@ def kilter_options(
 
 
 for _one in COMMANDS:
-    app.command()(_one)
+    app.command(cls=_Command)(_one)

@@ -74,7 +74,7 @@ def pair_of(option: str, words: str) -> tuple[str, str]:
         first = second = None
     if not (isinstance(first, str) and isinstance(second, str)):
         raise InputError(
-            f"{option} has {words!r}", hint=f"give two names after it: {option} 'bolt*' 'nut*'"
+            f"{option} has {words!r}", hint=f'give two names after it: {option} "bolt*" "nut*"'
         )
     return first, second
 
@@ -107,7 +107,7 @@ def with_two_names(words: list[str]) -> list[str]:
         pair = words[k + 1 : k + 3]
         if len(pair) < 2 or any(word.startswith("--") for word in pair):
             raise InputError(
-                f"{option} needs two names", hint=f"for instance {option} 'bolt*' 'nut*'"
+                f"{option} needs two names", hint=f'for instance {option} "bolt*" "nut*"'
             )
         result.append(f"{option}={json.dumps(pair)}")
         k += 3

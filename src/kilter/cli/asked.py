@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-import shlex
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from kilter.cli.arguments import contact_tolerance, reading_of
+from kilter.cli.colour import in_colour
 from kilter.cli.output import as_json, emit, keep_apart, tell_warnings, write_whole
-from kilter.errors import InputError
+from kilter.errors import InputError, shell_words
 from kilter.files.formats import EXACT
 from kilter.files.reading import LOWEST, Reading
 
@@ -39,7 +39,7 @@ class Asked:
     effort : float
     time_limit : float or None
         [s]
-    json, quiet : bool
+    json, quiet, verbose : bool
     output, proof : Path or None
     """
 
@@ -53,6 +53,7 @@ class Asked:
     output: Path | None
     proof: Path | None
     quiet: bool
+    verbose: bool
 
     @classmethod
     def of(cls, given: Mapping[str, Any]) -> Asked:
@@ -89,6 +90,7 @@ class Asked:
             output=given.get("output"),
             proof=given.get("proof"),
             quiet=given["quiet"],
+            verbose=given.get("verbose", False),
         )
         asked.apart()
         return asked
@@ -137,7 +139,9 @@ class Asked:
             answer["warnings"] = [*answer.get("warnings", ()), caution]
         return "\nproof file   none to write"
 
-    def tell(self, answer: Mapping[str, Any], *more: Table, after: str = "") -> None:
+    def tell(
+        self, answer: Mapping[str, Any], *more: Table, after: str = "", typed: Sequence[str] = ()
+    ) -> None:
         """Warnings on the error stream, the answer as JSON or as text.
 
         Parameters
@@ -147,12 +151,38 @@ class Asked:
         *more : Table
             Lists that were asked for; of the text alone.
         after : str
-            What the text ends with.
+            What the text ends with; else it is the next step to take.
+        typed : sequence of str
+            Options of the command beside those of reading, for a next step of the same name.
         """
         from kilter.tell.text import text_of
 
         tell_warnings(answer.get("warnings", ()), self.quiet or self.json)
-        emit(as_json(answer) if self.json else text_of(answer, *more) + after, self.output)
+        if self.json:
+            emit(as_json(answer), self.output)
+            return
+        text = text_of(answer, *more, brief=not self.verbose) + after
+        text += "" if "\n\n" in after else self._next(answer, typed)
+        emit(text if self.output else in_colour(text, answer), self.output)
+
+    def _next(self, answer: Mapping[str, Any], typed: Sequence[str]) -> str:
+        """The next step to take, as it is typed; none of what was piped in."""
+        from kilter.tell.facts import kind_of
+        from kilter.tell.next_step import next_step
+
+        step = (
+            None
+            if self.file in ("", "-")
+            else next_step(answer, Path(self.file).stem.split(".")[0])
+        )
+        if step is None:
+            return ""
+        name, *rest = step.words
+        asked = self
+        if "--down" in rest:
+            asked = replace(self, reading=replace(self.reading, down=None))
+        words = asked.command(name, *(typed if name == kind_of(answer) else ()), *rest)
+        return f"\n\nnext: {words}\n      {step.why}"
 
     def command(self, name: str, *rest: str) -> str:
         """The command, as it is typed."""
@@ -161,7 +191,7 @@ class Asked:
             if key == "floor":
                 found += ["--floor"] if value == LOWEST else ["--floor", str(value)]
             elif key == "down":
-                found += ["--down", *(f"{v:.17g}" for v in value)]
+                found += ["--down", *(repr(float(v)).removesuffix(".0") for v in value)]
             elif key == "fasten":
                 found += [word for pair in value for word in ("--fasten", *pair)]
             elif value is True:
@@ -170,7 +200,7 @@ class Asked:
                 found += [word for one in value for word in (f"--{key}", str(one))]
             else:
                 found += [f"--{key}", f"{value:g}" if isinstance(value, float) else str(value)]
-        return shlex.join(["kilter", name, self.file, *found, *self.touch, *rest])
+        return shell_words(["kilter", name, self.file, *found, *self.touch, *rest])
 
 
 def _at_least_none(value: float, option: str, what: str) -> float:

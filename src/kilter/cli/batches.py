@@ -62,7 +62,7 @@ def batch(
     """Verdicts of many assemblies, written to a folder as tables, resumable.
 
     FILE is a folder of assemblies, or a text file with a path a line. The tables are Parquet with
-    kilter's extra "batch", else CSV. Run again, it goes on with what is not there yet; an
+    kilter[batch], else CSV. Run again, it goes on with what is not there yet; an
     assembly that cannot be judged is a row with its error. The column 'stable' says whether it
     holds at the level of --require.
 

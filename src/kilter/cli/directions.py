@@ -100,8 +100,8 @@ def region(
         else:
             [(assembly, contacts)] = given
             answer = find(assembly, contacts=contacts, tolerance=tolerance, progress=progress)
-    told = answer.to_dict()
-    asked.tell(told, after=asked.keep_proof(answer.proof, told))
+    told, one = answer.to_dict(), asked if common else asked.of_file(files[0])
+    one.tell(told, after=one.keep_proof(answer.proof, told))
     return WRITTEN
 
 

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import re
 import sys
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from kilter.cli.asked import Asked
-from kilter.cli.exit_codes import HOLDS, LOWER, VERDICT, VERIFY, WRITTEN
-from kilter.cli.options import FORM, File, Json, Output, Quiet, Require, asks
+from kilter.cli.each import check_each, code_of
+from kilter.cli.exit_codes import VERIFY, WRITTEN
+from kilter.cli.options import FORM, File, Files, Json, Output, Quiet, Require, asks
 from kilter.cli.output import Progress, as_json, emit, keep_apart, write_whole
 from kilter.errors import InputError
 from kilter.tell.levels import REQUIRE
@@ -25,6 +27,7 @@ __all__ = ["check", "contacts", "example", "verify"]
 @asks(searches=True, proves=True)
 def check(
     asked: Asked,
+    files: Files,
     require: Require = REQUIRE,
     measures: Annotated[
         bool,
@@ -55,15 +58,37 @@ def check(
     """Does it stay together under gravity; if not, what moves, and how?
 
     Exit 0 it holds at the level of --require, 1 unstable, 3 it holds at a lower level only, 4
-    undecided. Levels: equilibrium (forces that hold it exist), settles (put down loosely it comes
-    to rest, and no motion was found), proved. All of it is of first order.
+    undecided; of several files, a line each, the worst. Levels: equilibrium (forces that hold it
+    exist), settles (put down loosely it comes to rest, and no motion was found), proved. All of
+    it is of first order.
 
     Displacements of LP (9) are given for up to 300 free parts, neutral motions for up to 100.
     """
-    from kilter.analysis.check import check as decide
     from kilter.contact.fits.suggestions import suggest_joints
     from kilter.tell.tables import forces_table
     from kilter.tell.text import suggestions_text
+
+    if len(files) > 1:
+        if asked.proof is not None or forces or suggest:
+            alone = "--proof" if asked.proof is not None else "--forces and --suggest-joints"
+            raise InputError(f"{len(files)} files are given", hint=f"give one with {alone}")
+        return check_each(asked, files, lambda one: _judged(one, require, measures)[1])
+    asked = asked.of_file(files[0])
+    verdict, answer = _judged(asked, require, measures)
+    after = asked.keep_proof(None if verdict.certificate is None else verdict.proof, answer)
+    if not suggest and verdict.verdict != "stable" and not asked.json:
+        after = _hint(verdict) + after
+    if suggest:
+        listed = [one.to_dict() for one in suggest_joints(verdict.assembly, verdict.contacts)]
+        answer["suggested_joints"] = listed
+        after = "\n\n" + suggestions_text(listed) + after
+    asked.tell(answer, *([forces_table(answer)] if forces else []), after=after)
+    return code_of(answer)
+
+
+def _judged(asked: Asked, require: str, measures: bool) -> tuple[Verdict, dict[str, Any]]:
+    """The verdict about a file, and its data with the time that reading took."""
+    from kilter.analysis.check import check as decide
 
     with Progress(asked.quiet) as progress:
         started = time.perf_counter()
@@ -83,17 +108,7 @@ def check(
         progress("motion")
         answer = verdict.to_dict()
     answer["seconds"] |= {"read": read, "total": time.perf_counter() - started}
-    after = asked.keep_proof(None if verdict.certificate is None else verdict.proof, answer)
-    if not suggest and verdict.verdict != "stable" and not asked.json:
-        after = _hint(verdict) + after
-    if suggest:
-        listed = [one.to_dict() for one in suggest_joints(verdict.assembly, verdict.contacts)]
-        answer["suggested_joints"] = listed
-        after = "\n\n" + suggestions_text(listed) + after
-    asked.tell(answer, *([forces_table(answer)] if forces else []), after=after)
-    if verdict.level is None:
-        return VERDICT[verdict.verdict]
-    return HOLDS if verdict.stable else LOWER
+    return verdict, answer
 
 
 def _hint(verdict: Verdict) -> str:
@@ -152,6 +167,15 @@ def example(
         str | None,
         typer.Argument(metavar="[NAME]", help="Example to write; without it, all are listed."),
     ] = None,
+    size: Annotated[
+        str | None,
+        typer.Option(
+            "--size",
+            metavar="BRICKSxCOURSES",
+            help="Of a wall: bricks a course and courses, as 40x25.",
+            show_default=False,
+        ),
+    ] = None,
     output: Annotated[
         Path | None,
         typer.Option(
@@ -172,6 +196,8 @@ def example(
     from kilter.scenes import SCENES, scene
 
     if name is None:
+        if size is not None:
+            raise InputError("--size is of an example", hint="name it: kilter example wall")
         if json:
             emit(as_json([one.to_dict() for one in SCENES.values()]), output)
         else:
@@ -182,7 +208,7 @@ def example(
         return WRITTEN
     from kilter.files import to_text
 
-    text = to_text(scene(name))
+    text = to_text(scene(name, size=None if size is None else _size(size)))
     if output is not None and str(output) == "-":
         sys.stdout.write(text)
         return WRITTEN
@@ -193,3 +219,11 @@ def example(
     print(f"{target}: {SCENES[name].title}")
     print(f"next: kilter check {target}")
     return WRITTEN
+
+
+def _size(words: str) -> tuple[int, int]:
+    """Two whole numbers with an x between them."""
+    found = re.fullmatch(r"(\d{1,4})x(\d{1,4})", words)
+    if found is None:
+        raise InputError(f"--size is {words!r:.40}", hint="give it as 40x25")
+    return int(found[1]), int(found[2])

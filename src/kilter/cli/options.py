@@ -16,21 +16,28 @@ import typer
 from kilter.cli.asked import Asked
 from kilter.work import EFFORT
 
-__all__ = ["FORM", "File", "Json", "Output", "Quiet", "Require", "asks"]
+__all__ = ["FORM", "File", "Files", "Json", "Output", "Quiet", "Require", "asks"]
 
 HELD = "What is held, and how it lies"
 TOUCH = "When faces count as touching"
 FORM = "Form of the answer"
 WORK = "How much work"
 
+HELP_OF_FILE = (
+    "An assembly: STEP (kilter[step]), a folder of meshes (one part a file), OBJ, STL, 3MF, GLB, "
+    "COMPAS JSON, MJCF, URDF or *.kilter.json; - reads kilter JSON from standard input."
+)
 File = Annotated[
     str,
     typer.Argument(
         metavar="FILE",
-        help="An assembly: *.kilter.json, a folder of meshes (one part a file), STEP, OBJ, STL, "
-        "3MF, GLB, COMPAS JSON, MJCF, URDF; - reads kilter JSON from standard input.",
+        help=HELP_OF_FILE,
         show_default=False,
     ),
+]
+Files = Annotated[
+    list[str],
+    typer.Argument(metavar="FILE...", help=HELP_OF_FILE, show_default=False),
 ]
 Ground = Annotated[
     list[str] | None,
@@ -208,7 +215,7 @@ Fasten = Annotated[
         "--fasten",
         metavar="NAME NAME",
         help="Join these two parts firmly; repeatable. With * and ? every two that match and "
-        "touch, held ones only by their full name: --fasten 'bolt*' 'nut*'.",
+        'touch, held ones only by their full name: --fasten "bolt*" "nut*".',
         rich_help_panel=HELD,
         show_default=False,
     ),
@@ -263,6 +270,16 @@ Output = Annotated[
         show_default=False,
     ),
 ]
+Verbose = Annotated[
+    bool,
+    typer.Option(
+        "-v",
+        "--verbose",
+        help="Also what the answer rests on: masses, contacts, proof, what friction guarantees, "
+        "z and kappa, neutral motions, how long it took.",
+        rich_help_panel=FORM,
+    ),
+]
 Quiet = Annotated[
     bool,
     typer.Option(
@@ -295,7 +312,11 @@ SEARCHING: dict[str, tuple[Any, Any]] = {
     "time_limit": (TimeLimit, None),
 }
 """How much work an answer may take."""
-FORMS: dict[str, tuple[Any, Any]] = {"json": (Json, False), "output": (Output, None)}
+FORMS: dict[str, tuple[Any, Any]] = {
+    "verbose": (Verbose, False),
+    "json": (Json, False),
+    "output": (Output, None),
+}
 
 
 def asks(

@@ -157,7 +157,7 @@ def draw(
 ) -> int:
     """A figure for a document: the assembly with arrows, or its stable region.
 
-    Needs kilter's extra "figures". Exit 0 when written, whatever the verdict.
+    Needs kilter[figures]. Exit 0 when written, whatever the verdict.
     """
     from kilter import publish
 

@@ -188,7 +188,7 @@ def plan(
     proved = order.verdict in ("found", "impossible")
     after = asked.keep_proof(order.proof if proved else None, answer)
     if asked.output is None or not written(order, answer, asked, typed):
-        asked.tell(answer, after=after)
+        asked.tell(answer, after=after, typed=typed)
     if order.interrupted:
         return INTERRUPTED
     return PLAN[order.verdict] if not order.found else HOLDS if order.holds else LOWER

@@ -46,9 +46,17 @@ for _room in ROOMS:
 @overload
 def example() -> list[Example]: ...
 @overload
-def example(name: str) -> Assembly: ...
-def example(name: str | None = None) -> list[Example] | Assembly:
+def example(name: str, *, size: tuple[int, int] | None = None) -> Assembly: ...
+def example(
+    name: str | None = None, *, size: tuple[int, int] | None = None
+) -> list[Example] | Assembly:
     """A built-in example; without a name, the list of all.
+
+    Parameters
+    ----------
+    name : str, optional
+    size : tuple of int, optional
+        Of a wall: bricks a course, and courses.
 
     Raises
     ------
@@ -59,7 +67,9 @@ def example(name: str | None = None) -> list[Example] | Assembly:
     --------
     >>> example("tower")
     <Assembly: 6 parts, 1 held, in m>
+    >>> example("wall", size=(8, 5))
+    <Assembly: 43 parts, 1 held, in m>
     >>> len(example()), example()[0]
     (48, <Example: paper-figure-1, unstable: a block drives another out of a right-angled one>)
     """
-    return list(SCENES.values()) if name is None else scene(name)
+    return list(SCENES.values()) if name is None else scene(name, size=size)

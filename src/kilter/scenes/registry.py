@@ -5,6 +5,7 @@ A function that makes a scene is listed by a decorator, once for each example of
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -40,7 +41,7 @@ class Example:
 
     name: str
     title: str
-    build: Callable[[], Assembly]
+    build: Callable[..., Assembly]
     source: str
     answer: Answer
 
@@ -73,16 +74,29 @@ def listed(
     return enter
 
 
-def scene(name: str) -> Assembly:
+def scene(name: str, *, size: tuple[int, int] | None = None) -> Assembly:
     """The assembly of the example of that name.
+
+    Parameters
+    ----------
+    name : str
+    size : tuple of int, optional
+        Of a wall: bricks a course, and courses.
 
     Raises
     ------
     InputError
-        If there is none; it names the nearest.
+        If there is none, it names the nearest; if it has one size only.
     """
     if name not in SCENES:
         near = nearest_name(name, SCENES)
         hint = f"did you mean {near!r}?" if near else f"there are: {', '.join(SCENES)}"
         raise InputError(f"no scene is named {name!r:.60}", hint=hint)
-    return SCENES[name].build()
+    build = SCENES[name].build
+    if size is None:
+        return build()
+    if not {"courses", "per_course"} <= set(inspect.signature(build).parameters):
+        raise InputError(f"{name!r} has one size only", hint="walls have others")
+    if min(size) < 1:
+        raise InputError(f"a wall of size {size}", hint="give whole numbers above 0")
+    return build(courses=size[1], per_course=size[0])

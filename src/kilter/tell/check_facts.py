@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from kilter.tell.numbers import counts, force, number, percent, plain
+from kilter.tell.numbers import counts, force, mass, number, percent, plain
 from kilter.tell.open_words import open_facts
 from kilter.tell.shared_facts import (
     Answer,
@@ -46,7 +46,7 @@ def check_facts(answer: Answer) -> list[Fact]:
     found = [
         ("parts", parts_phrase(answer["parts"])),
         ("units", f"{answer['units']}; {_density(answer['density'])}"),
-        ("mass", f"{number(_free_mass(answer['parts']))} kg free"),
+        ("mass", f"{mass(_free_mass(answer['parts']))} free"),
         ("gravity", gravity_phrase(answer)),
         ("contacts", counts(**answer["contacts"])),
         *joint_facts(answer),

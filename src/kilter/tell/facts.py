@@ -43,6 +43,19 @@ TELLING = {
 """A key that only one kind of answer has; the first that is there tells the kind."""
 
 
+DETAILS = {
+    "check": (
+        *("mass", "gravity", "contacts", "proof", "guarantee", "seated"),
+        *("instability", "neutral", "seconds"),
+    ),
+    "orient": ("proof", "instability", "programs"),
+    "region": ("programs",),
+    "plan": ("directions", "search"),
+    "hold": ("search",),
+}
+"""What an answer rests on; a terminal says it where it is asked for."""
+
+
 def kind_of(answer: Answer) -> str:
     """Which answer it is, as the commands are called; or an assembly.
 
@@ -62,20 +75,29 @@ def kind_of(answer: Answer) -> str:
     raise ValueError(f"no answer of kilter has only the keys {', '.join(answer)}")
 
 
-def facts(answer: Answer) -> list[Fact]:
+def facts(answer: Answer, *, brief: bool = False) -> list[Fact]:
     """Terms of an answer and what they are, in words; an empty term goes on with the last.
 
     Parameters
     ----------
     answer : mapping
         The data of an answer (`to_dict()`), or of an assembly (`kilter.files.to_dict`).
+    brief : bool
+        Without those that the answer rests on (`DETAILS`).
 
     Examples
     --------
     >>> facts({"kilter": 1, "units": "mm", "parts": [{"name": "a", "grounded": True}]})
     [('parts', '1, held: a'), ('units', 'mm')]
     """
-    return _TELLERS[kind_of(answer)](answer)
+    kind = kind_of(answer)
+    details = DETAILS.get(kind, ()) if brief else ()
+    found, term = [], ""
+    for name, words in _TELLERS[kind](answer):
+        term = name or term
+        if term not in details:
+            found.append((name, words))
+    return found
 
 
 def _contacts(answer: Answer) -> list[Fact]:

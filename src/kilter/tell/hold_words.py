@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
 from kilter.errors import some_names
-from kilter.tell.numbers import count, number, vector
+from kilter.tell.numbers import count, force, vector
 
 __all__ = ["hold_facts", "hold_sentence", "support_cells"]
 
@@ -61,6 +62,5 @@ def support_cells(support: Answer, units: str) -> tuple[str, str, str, str]:
     place = "" if support["point"] is None else f"at {vector(support['point'])} {units}"
     if support["on"]:
         place += f", on {support['on']}"
-    force = support["force"]
-    size = "" if force is None else f"{number(sum(x * x for x in force) ** 0.5, 3)} N"
+    size = "" if support["force"] is None else force(math.hypot(*support["force"]))
     return support["kind"], support["part"], place, size

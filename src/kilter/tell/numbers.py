@@ -11,6 +11,7 @@ __all__ = [
     "count",
     "counts",
     "force",
+    "mass",
     "number",
     "percent",
     "plain",
@@ -22,6 +23,7 @@ NO_ANGLE = 1e-9
 """An angle below this is what rounding leaves of none [deg]."""
 NO_SHARE = 1e-9
 """A share below this is what rounding leaves of none [-]."""
+MASSES = ((1e3, "t"), (1.0, "kg"), (1e-3, "g"), (1e-6, "mg"))
 PREFIXES = ((1e6, "MN"), (1e3, "kN"), (1.0, "N"), (1e-3, "mN"))
 
 
@@ -48,6 +50,20 @@ def force(newtons: float) -> str:
         if abs(newtons) >= size:
             return f"{newtons / size:.4g} {unit}"
     return f"{float(newtons) + 0.0:.4g} N"
+
+
+def mass(kilograms: float) -> str:
+    """A mass with a unit that suits its size.
+
+    Examples
+    --------
+    >>> mass(2.0), mass(46930.3), mass(0.0523)
+    ('2 kg', '46.93 t', '52.3 g')
+    """
+    for size, unit in MASSES:
+        if kilograms >= size:
+            return f"{kilograms / size:.4g} {unit}"
+    return f"{float(kilograms) + 0.0:.4g} kg"
 
 
 def angle(degrees: float) -> str:

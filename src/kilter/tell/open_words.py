@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-import shlex
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from kilter.errors import some
+from kilter.errors import shell_words, some
 from kilter.tell.numbers import number
 from kilter.tell.words import VERDICTS
 
@@ -75,7 +74,7 @@ def settling_options(open_pairs: Sequence[Pair]) -> list[str]:
     Examples
     --------
     >>> settling_options([{"parts": ["a", "b c"], "kind": "overlap", "gap": None, "decides": True}])
-    ["--fasten a 'b c'"]
+    ['--fasten a "b c"']
     >>> settling_options(
     ...     [{"parts": ["a", "b"], "kind": "near", "gap": 0.2, "why": "", "decides": True}]
     ... )
@@ -93,7 +92,7 @@ def settling_options(open_pairs: Sequence[Pair]) -> list[str]:
         elif kind == "overlap" and len(mine) > FEW:
             found.append("--fasten-overlaps")
         else:
-            found += [f"--fasten {shlex.join(pair['parts'])}" for pair in mine]
+            found += [f"--fasten {shell_words(pair['parts'])}" for pair in mine]
     return found
 
 

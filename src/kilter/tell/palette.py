@@ -77,6 +77,7 @@ RAMP = ("#fff6de", "#fdd68c", "#f3a14b", "#d55e00", "#8c3006")
 VERDICT_ROLE = {
     "stable": "stable",
     "found": "stable",
+    "held": "stable",
     "settles": "stable",
     "potentially-stable": "stable",
     "unstable": "unstable",

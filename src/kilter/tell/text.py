@@ -26,8 +26,15 @@ WIDE = 400
 """Characters of the sentence about the fastest parts."""
 
 
-def text_of(answer: Answer, *more: Table) -> str:
-    """An answer in full: its sentence, what moves, its facts, its lists, and `more` lists.
+def text_of(answer: Answer, *more: Table, brief: bool = False) -> str:
+    """An answer: its sentence, what moves, its facts, its lists, and `more` lists.
+
+    Parameters
+    ----------
+    answer : mapping
+    *more : Table
+    brief : bool
+        Without the facts that an answer rests on.
 
     Examples
     --------
@@ -41,7 +48,7 @@ def text_of(answer: Answer, *more: Table) -> str:
     blocks = [
         [first, *(plain(line, WIDE) for line in rest)],
         [] if moving is None else listed(moving),
-        aligned(facts(answer)),
+        aligned(facts(answer, brief=brief)),
         *(listed(table) for table in (*tables(answer), *more)),
     ]
     return "\n\n".join("\n".join(lines) for lines in blocks if lines)
@@ -101,13 +108,13 @@ def solids_hint(*, friction: bool) -> str:
     Examples
     --------
     >>> solids_hint(friction=True).strip()
-    "No file of solids says what is screwed or glued: --fasten A B joins two parts that touch, \
---fasten '*' '*' all that do."
+    'No file of solids says what is screwed or glued: --fasten A B joins two parts that touch, \
+--fasten "*" "*" all that do.'
     """
     rubs = "" if friction else " None says how parts rub: --friction 0.3 counts friction."
     return (
         "\n\nNo file of solids says what is screwed or glued: --fasten A B joins two parts that "
-        f"touch, --fasten '*' '*' all that do.{rubs}"
+        f'touch, --fasten "*" "*" all that do.{rubs}'
     )
 
 

@@ -8,14 +8,13 @@ without its hole shares less.
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Sequence
 
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.contact_tolerances import COINCIDENT, INSIDE
 from kilter.contact.left_out import SAME_BODY, Overlap
-from kilter.errors import InputError
+from kilter.errors import InputError, shell_words
 
 __all__ = ["coincident", "require_apart"]
 
@@ -100,10 +99,10 @@ def _likely(contacts: ContactSet, found: Sequence[Overlap]) -> tuple[str, str, s
         return (
             "a copy or an exploded view, or one file given under two names",
             f"leave one out with assembly.without({names[1]!r})",
-            f"leave one out with --without {shlex.quote(names[1])}",
+            f"leave one out with --without {shell_words(names[1:2])}",
         )
     join = f"kilter.fastened(assembly, [{names!r}])"
-    fasten = f"--fasten {shlex.quote(names[0])} {shlex.quote(names[1])}"
+    fasten = f"--fasten {shell_words(names[:2])}"
     if len(found) >= MANY:
         place = "export the parts where they are in the assembly, not each in its own frame"
         return (

@@ -20,7 +20,6 @@ The kinds, the surest first:
 from __future__ import annotations
 
 import re
-import shlex
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
@@ -30,6 +29,7 @@ from kilter.assembly import Assembly
 from kilter.contact.contact_set import INTERFERE, SAME_BODY, ContactSet, Overlap
 from kilter.contact.contact_tolerances import AXIS_ROUNDING, PRESS_FIT, THREAD
 from kilter.contact.fits.coaxial import Fit, coaxial_fits, is_tube
+from kilter.errors import shell_words
 
 __all__ = ["Kind", "Suggestion", "suggest_joints", "touching_pairs"]
 
@@ -172,7 +172,7 @@ def _of_overlap(assembly: Assembly, overlap: Overlap) -> Suggestion:
     parts = (assembly.names[overlap.parts[0]], assembly.names[overlap.parts[1]])
     unit = assembly.units
     if overlap.why == SAME_BODY:
-        option = f"--without {shlex.quote(parts[1])}"
+        option = f"--without {shell_words(parts[1:])}"
         return Suggestion(parts, "same body", "the same body twice: leave one out", option, None)
     why = f"overlap by {overlap.depth:.3g} {unit}"
     if overlap.volume is not None:
@@ -204,4 +204,4 @@ def _fixed(parts: tuple[str, str], kind: Kind, why: str) -> Suggestion:
 
 
 def _option(parts: tuple[str, str]) -> str:
-    return f"--fasten {shlex.quote(parts[0])} {shlex.quote(parts[1])}"
+    return f"--fasten {shell_words(parts)}"

@@ -1,0 +1,40 @@
+"""Colour on a terminal: the verdict, in the colours that it has everywhere.
+
+``NO_COLOR`` and ``TERM=dumb`` leave it out, ``FORCE_COLOR`` puts it in where no terminal is.
+
+References
+----------
+https://no-color.org, https://force-color.org
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Mapping
+from typing import Any
+
+from kilter.tell.palette import VERDICT_ROLE
+
+__all__ = ["coloured", "in_colour"]
+
+TERMINAL = {"stable": "1;34", "unstable": "1;33"}
+"""Of the roles of verdicts: blue, and what is nearest to orange."""
+
+
+def coloured() -> bool:
+    """Whether standard output shows colours."""
+    if os.environ.get("NO_COLOR"):
+        return False
+    if os.environ.get("FORCE_COLOR"):
+        return True
+    return sys.stdout.isatty() and os.environ.get("TERM") != "dumb"
+
+
+def in_colour(text: str, answer: Mapping[str, Any]) -> str:
+    """A text with its first line in the colour of its verdict, where colours are shown."""
+    code = TERMINAL.get(VERDICT_ROLE.get(str(answer.get("verdict")), ""))
+    if code is None or not coloured():
+        return text
+    first, *rest = text.split("\n", 1)
+    return "\n".join([f"\x1b[{code}m{first}\x1b[0m", *rest])

@@ -1,0 +1,76 @@
+"""Several files checked one after the other: a line each, and the worst exit code."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from kilter.cli.asked import Asked
+from kilter.cli.exit_codes import FAULT, HOLDS, LOWER, USAGE, VERDICT
+from kilter.cli.mistakes import fault_words
+from kilter.cli.output import as_json, emit, tell_warnings
+from kilter.errors import InputError
+
+__all__ = ["check_each", "code_of"]
+
+Answer = Mapping[str, Any]
+WORST = (FAULT, USAGE, VERDICT["unstable"], VERDICT["undecided"], LOWER, HOLDS)
+"""Exit codes, the worst first."""
+WIDE = 100
+"""Characters of what is said of a file beside its verdict."""
+
+
+def code_of(answer: Answer) -> int:
+    """The exit code of an answer of `check`."""
+    if answer["level"] is None:
+        return VERDICT[answer["verdict"]]
+    return HOLDS if answer["holds"] else LOWER
+
+
+def check_each(asked: Asked, files: Sequence[str], judge: Callable[[Asked], Answer]) -> int:
+    """Say of each file what it is; of one that cannot be judged, why, on the error stream.
+
+    Parameters
+    ----------
+    asked : Asked
+    files : sequence of str
+    judge : callable
+        The data of the verdict about one file.
+
+    Returns
+    -------
+    int
+        The worst exit code.
+    """
+    from kilter.tell.numbers import plain
+    from kilter.tell.text import aligned
+
+    answers, rows, codes = [], [], set()
+    for file, one in [(file, asked.of_file(file)) for file in files]:
+        answer, code = _answered(one, judge)
+        answers.append({"file": file, **answer})
+        codes.add(code)
+        moves = plain(answer["summary"], WIDE) if answer.get("verdict") == "unstable" else ""
+        rows.append((file, answer.get("verdict", "error"), moves))
+    text = as_json(answers) if asked.json else "\n".join(aligned(rows))
+    emit(text, asked.output)
+    return next(code for code in WORST if code in codes)
+
+
+def _answered(asked: Asked, judge: Callable[[Asked], Answer]) -> tuple[Answer, int]:
+    """The answer about a file and its exit code; of one that has none, its error."""
+    try:
+        answer = judge(asked)
+    except InputError as error:
+        why, code = error.for_command, USAGE
+    except BrokenPipeError:
+        raise
+    except Exception as error:
+        why, code = fault_words(error, ["check", asked.file]), FAULT
+    else:
+        warnings = [f"{asked.file}: {one}" for one in answer["warnings"]]
+        tell_warnings(warnings, asked.quiet or asked.json)
+        return answer, code_of(answer)
+    print(f"kilter: {why}", file=sys.stderr)
+    return {"error": why}, code
