@@ -33,7 +33,13 @@ LADDERS = {
         judged.CONE_ROUNDING,
     ],
     "rounding": [judged.TOLERANCE, judged.MIRROR_ROWS, judged.MIRROR, judged.ZERO_ENTRY],
-    "what moves": [told.MOVES, told.MOTION_ENOUGH, told.MOTION_GOOD, told.ZERO_MOTION],
+    "what moves": [
+        told.MOVES,
+        told.MOTION_ENOUGH,
+        told.MOTION_ASKED,
+        told.MOTION_GOOD,
+        told.ZERO_MOTION,
+    ],
 }
 
 

@@ -2,7 +2,7 @@
 
 Accelerations are in units of g, everything else is relative [-].
 
-    MOTION_GOOD < MOTION_ENOUGH < MOVES < STATED_MOST      what moves, what rounding moves
+    MOTION_GOOD < MOTION_ASKED < MOTION_ENOUGH < MOVES < STATED_MOST    what moves, or rounding does
     ZERO_MOTION < MOTION_GOOD
     ALONG < the angle of contacts                    faces along a path stop nothing
     RANK < LOCKS                                     what locks is far from being singular
@@ -16,6 +16,7 @@ __all__ = [
     "ENTERS",
     "LEAST_IS_OPTIMAL",
     "LOCKS",
+    "MOTION_ASKED",
     "MOTION_ENOUGH",
     "MOTION_GOOD",
     "MOVES",
@@ -33,8 +34,10 @@ MOVES = 1e-6
 """A part moves where its linear, or radius x angular, acceleration is above this [g]."""
 MOTION_GOOD = 1e-10
 """Residual of Gauss's conditions that ends the search for a motion [g]."""
-MOTION_ENOUGH = 1e-7
+MOTION_ENOUGH = 1e-8
 """The same for programs of many parts [g]."""
+MOTION_ASKED = 3e-9
+"""Of the solver then, whose rows are of another scale [g]."""
 ZERO_MOTION = 1e-14
 """Accelerations below this are rounding of an exact zero [g]."""
 NO_DESCENT = 1e-12

@@ -23,12 +23,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from kilter.analysis.analysis_tolerances import MOTION_ENOUGH, MOTION_GOOD, MOVES, ZERO_MOTION
+from kilter.analysis.analysis_tolerances import (
+    MOTION_ASKED,
+    MOTION_ENOUGH,
+    MOTION_GOOD,
+    MOVES,
+    ZERO_MOTION,
+)
 from kilter.arrays import TINY, Array, Mask
 from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
 from kilter.mechanics.forms import scaled
 from kilter.mechanics.gauss import LeastConstraint, halved, least_constraint
 from kilter.mechanics.program import Program
+from kilter.solvers.block_cholesky import NotPositive
 from kilter.solvers.projection import solve_projection
 from kilter.units import metres_per_unit
 
@@ -178,8 +185,8 @@ def _least_constrained(program: Program) -> tuple[Array, float] | None:
     smaller = halved(whole, problem)
     for one in (whole,) if smaller is None else (smaller, whole):
         try:
-            solution = solve_projection(one.cone, exact=not many)
-        except RuntimeError:  # a matrix that is singular to rounding
+            solution = solve_projection(one.cone, enough=MOTION_ASKED if many else 0.0)
+        except NotPositive:  # a matrix that is singular to rounding
             continue
         good = MOTION_ENOUGH if many else MOTION_GOOD
         if tried(one, solution.unknowns, solution.multipliers) <= good:

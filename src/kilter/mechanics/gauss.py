@@ -81,8 +81,9 @@ def least_constraint(problem: Scaled) -> LeastConstraint:
     place = np.empty(len(order), dtype=np.int64)
     place[order] = np.arange(len(order))
     load = -np.asarray(inverse.T @ quadratic.cost)
+    places = problem.program.center[problem.program.free]
     return LeastConstraint(
-        ConeProjection(rows, load, quadratic.equal, block, length),
+        ConeProjection(rows, load, quadratic.equal, block, length, places),
         np.arange(rows.shape[1]),
         inverse,
         place,
@@ -167,7 +168,7 @@ def _within(whole: LeastConstraint, across: Mask, image: Index) -> LeastConstrai
     share = np.where(alone, 1.0, 0.5) / (length[number] * cone.unit)
     unit_rows = csr_array(diags_array(1.0 / length) @ rows)
     return LeastConstraint(
-        ConeProjection(unit_rows, cone.load[columns], 0, 3, length * cone.unit[kept]),
+        ConeProjection(unit_rows, cone.load[columns], 0, 3, length * cone.unit[kept], cone.place),
         columns,
         whole.inverse,
         number,

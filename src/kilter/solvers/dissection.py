@@ -24,8 +24,8 @@ from kilter.arrays import Array, Index, Mask, ragged
 
 __all__ = ["Front", "fronts"]
 
-LEAF = 12
-"""Blocks up to which a set is not divided."""
+LEAF = 72
+"""Unknowns up to which a set of blocks is not divided."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,7 +50,7 @@ class Front:
     children: tuple[int, ...]
 
 
-def fronts(place: Array, one: Index, other: Index) -> list[Front]:
+def fronts(place: Array, one: Index, other: Index, width: int) -> list[Front]:
     """The fronts of a matrix of blocks, children before parents.
 
     Parameters
@@ -59,18 +59,20 @@ def fronts(place: Array, one: Index, other: Index) -> list[Front]:
         Of each block.
     one, other : ndarray of int, shape (L,)
         Ends of the links, each pair once.
+    width : int
+        Unknowns of a block.
 
     Examples
     --------
     >>> row = np.arange(40)  # a chain
-    >>> found = fronts(np.column_stack([row, 0 * row, 0 * row]), row[:-1], row[1:])
+    >>> found = fronts(np.column_stack([row, 0 * row, 0 * row]), row[:-1], row[1:], 6)
     >>> sum(len(front.own) for front in found), len(found[-1].border)
     (40, 0)
     """
     count = len(place)
     ends = (np.concatenate([one, other]), np.concatenate([other, one]))
     graph = csr_array((np.ones(len(ends[0])), ends), shape=(count, count))
-    sets = _divided(place, graph)
+    sets = _divided(place, graph, LEAF // width)
     owner, rank = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
     order = np.concatenate([own for own, _ in sets])
     rank[order] = np.arange(count)
@@ -88,13 +90,13 @@ def fronts(place: Array, one: Index, other: Index) -> list[Front]:
     return found
 
 
-def _divided(place: Array, graph: csr_array) -> list[tuple[Index, tuple[int, ...]]]:
+def _divided(place: Array, graph: csr_array, leaf: int) -> list[tuple[Index, tuple[int, ...]]]:
     """Sets of blocks and the numbers of those that they separate, children first."""
     sets: list[tuple[Index, tuple[int, ...]]] = []
     right_side = np.zeros(len(place), dtype=bool)
 
     def divide(which: Index) -> int:
-        if len(which) <= LEAF:
+        if len(which) <= leaf:
             sets.append((_along(place, which), ()))
             return len(sets) - 1
         at = place[which]

@@ -295,6 +295,8 @@ class ConeProjection:
         Unknowns that belong together: they are eliminated together.
     unit : ndarray, shape (m,)
         Size of a slack of 1 of each row: what rows are weighed against each other by.
+    place : ndarray, shape (n / block, 3)
+        Of each block, for the order of elimination; a row touches two of them at most.
     """
 
     rows: csr_array
@@ -302,6 +304,7 @@ class ConeProjection:
     equal: int
     block: int
     unit: Array
+    place: Array
 
     @property
     def conic(self) -> ConicProgram:

@@ -3,9 +3,9 @@
     min 1/2 |b|^2 - v.b,   R b = 0 in the first rows, then R b >= 0
 
 The interior point (Mehrotra's predictor and corrector, Gondzio's centrality correctors) works
-on the normal matrix I + R^T D R, which keeps the sparsity of the contacts: one factorisation
-a step, and every corrector re-uses it. Where contacts neither press nor open, as between
-bricks that fall side by side, its answer is only as good as the square root of its gap.
+on the normal matrix I + R^T D R, which has one block a part and one a pair of parts that touch:
+one factorisation a step, and every corrector re-uses it. Where contacts neither press nor open,
+as between bricks that fall side by side, its answer is only as good as the square root of its gap.
 
 So it is followed by steps of the method of multipliers from its forces f,
 
@@ -14,6 +14,7 @@ So it is followed by steps of the method of multipliers from its forces f,
 each minimised exactly by Newton's method (the function is piecewise quadratic). No row has to
 be guessed active: the step never moves f by more than its distance to the nearest optimum, so
 violation and complementarity end below that distance over rho, however degenerate the rows.
+Whoever asks for fewer digits has the interior point's answer as soon as it has them.
 
 References
 ----------
@@ -28,9 +29,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csc_array, csr_array, eye_array
 
-from kilter.arrays import Array, Index, Mask
+from kilter.arrays import Array, Mask
+from kilter.solvers.block_cholesky import NotPositive
+from kilter.solvers.linked_rows import LinkedRows
 from kilter.solvers.problem import ConeProjection
 
 __all__ = ["ProjectionSolution", "solve_projection"]
@@ -46,6 +48,8 @@ SHORT_OF = 0.995
 """Part of the way to the boundary that a step goes."""
 GAP = 1e-16
 """Mean product of slack and force, over the square of gravity, that ends the interior point."""
+ROUNDED = 0.1
+"""Rests over the root of that product, from which on it does not pay that they grow."""
 PROXIMAL = 1e-7
 """Regularisation of two-sided rows."""
 RHO = 1e3
@@ -55,7 +59,7 @@ LEAST = 1e-12
 ROUNDS, NEWTON = 6, 60
 """Steps of the method of multipliers, and of Newton's method in each, at most."""
 EXACT = 3e-12
-"""Gradient over the load that ends Newton's method; change of forces that ends all."""
+"""Least change of forces over the load that ends all."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,132 +72,89 @@ class ProjectionSolution:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Sorted:
-    """The problem with its columns in the order of elimination, lengths over the load."""
+class _Data:
+    """The problem, lengths over the load."""
 
-    rows: csr_array
-    turned: csr_array
+    linked: LinkedRows
     load: Array
     two_sided: Mask
     weight: Array
 
+    def opening(self, b: Array) -> Array:
+        """R b."""
+        result: Array = self.linked.rows @ b
+        return result
 
-def solve_projection(problem: ConeProjection, *, exact: bool = True) -> ProjectionSolution:
-    """Solve by interior point and, where `exact`, multipliers.
+    def push(self, f: Array) -> Array:
+        """R^T f."""
+        result: Array = self.linked.turned @ f
+        return result
 
-    Without them accelerations of walls of 2,000 to 10,000 bricks are good to 1e-7 g.
+
+def solve_projection(problem: ConeProjection, *, enough: float = 0.0) -> ProjectionSolution:
+    """Solve by interior point and, where that does not reach what is asked for, multipliers.
+
+    Parameters
+    ----------
+    enough : float
+        Violation of the conditions, over the load, below which an answer is good enough; 0 is as
+        far as float64 goes.
 
     Raises
     ------
-    RuntimeError
+    NotPositive
         If a matrix cannot be factorised at the first step, or while forces are made exact.
     """
     size = float(np.abs(problem.load).max(initial=0.0))
     if size == 0.0 or not len(problem.unit):
         return ProjectionSolution(problem.load.copy(), np.zeros(len(problem.unit)), 0)
-    order = _order(problem)
-    rows = csr_array(problem.rows[:, order])
     # light parts have small numbers: products of theirs are to vanish sooner
     weight = (problem.unit.min() / problem.unit) ** 2
-    data = _Sorted(
-        rows,
-        csr_array(rows.T),
-        problem.load[order] / size,
+    data = _Data(
+        LinkedRows(problem.rows, problem.block, problem.place),
+        problem.load / size,
         np.arange(len(problem.unit)) < problem.equal,
         weight,
     )
-    b, f, first = _interior(data)
-    b, f, second = _multipliers(data, b, f) if exact else (b, f, 0)
-    unknowns = np.empty(len(b))
-    unknowns[order] = b * size
-    return ProjectionSolution(unknowns, f * size, first + second)
+    b, f, violation, count = _interior(data, enough)
+    if violation > enough:
+        b, f, more = _multipliers(data, b, f, max(EXACT, enough))
+        count += more
+    return ProjectionSolution(b * size, f * size, count)
 
 
-def _order(problem: ConeProjection) -> Index:
-    """Columns in an order of little fill-in: by minimum degree, of the parts where they are full.
-
-    SuperLU's own ordering of a matrix with a strong diagonal is read off.
-    """
-    block = problem.block if problem.block > 3 else 1
-    number = problem.rows.shape[1] // block
-    pattern = csr_array(
-        (
-            np.ones(problem.rows.nnz),
-            problem.rows.indices // block,
-            problem.rows.indptr.copy(),
-        ),
-        shape=(problem.rows.shape[0], number),
-    )
-    pattern.sum_duplicates()
-    graph = (pattern.T @ pattern).tocsc()
-    strong = float(graph.sum(axis=0).max()) * 2 + 1
-    matrix = csc_array(graph + strong * eye_array(number, format="csc"))
-    from scipy.sparse.linalg import splu  # takes its time
-
-    factor = splu(
-        matrix,
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
-    order = np.argsort(factor.perm_c)
-    return np.asarray((order[:, None] * block + np.arange(block)).ravel(), dtype=np.int64)
-
-
-def _factorised(data: _Sorted, weights: Array) -> Callable[[Array], Array]:
-    """Solves (I + R^T diag(weights) R) x = y, with a step of refinement."""
-    rows = data.rows
-    scaled = csr_array(
-        (rows.data * np.repeat(weights, np.diff(rows.indptr)), rows.indices, rows.indptr),
-        shape=rows.shape,
-    )
-    matrix = (data.turned @ scaled).tocsc() + eye_array(rows.shape[1], format="csc")
-    from scipy.sparse.linalg import splu
-
-    factor = splu(
-        csc_array(matrix),
-        permc_spec="NATURAL",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True, "Equil": False},
-    )
-
-    def solve(right: Array) -> Array:
-        x = factor.solve(right)
-        # the residual in products, not in the matrix: large weights cancel there
-        rest = right - x - data.turned @ (weights * (rows @ x))
-        better: Array = x + factor.solve(rest)
-        return better
-
-    return solve
-
-
-def _interior(data: _Sorted) -> tuple[Array, Array, int]:
-    """The best point on the way: b, f, and how many factorisations."""
+def _interior(data: _Data, enough: float) -> tuple[Array, Array, float, int]:
+    """The best point on the way: b, f, its violation, and how many factorisations."""
     two = data.two_sided
     root = np.sqrt(data.weight)
-    solve = _factorised(data, np.ones(len(two)))
-    b = solve(data.load)
-    opening = data.rows @ b
+    b = data.linked.factorised(np.ones(len(two)))(data.load)
+    opening = data.opening(b)
     s = np.where(two, 1.0, np.maximum(opening, 0) + START * root)
     f = np.where(two, -opening, np.maximum(-opening, 0) + START * root)
-    best, kept = np.inf, (b, np.where(two, f, np.maximum(f, 0)))
+    gap = min(GAP, enough**2) if enough else GAP
+    best, before, kept = np.inf, np.inf, (b, np.where(two, f, np.maximum(f, 0)), np.inf)
     count = 1
     for _ in range(STEPS):
-        rd = b - data.load - data.turned @ f
-        rp = data.rows @ b - np.where(two, 0.0, s)
+        rd = b - data.load - data.push(f)
+        rp = data.opening(b) - np.where(two, 0.0, s)
         mu = float((s * f / data.weight)[~two].mean()) if not two.all() else 0.0
         worst = max(float(np.abs(rd).max()), float(np.abs(rp).max(initial=0.0)))
         merit = max(worst, np.sqrt(max(mu, 0.0)))
-        if merit < best:
-            best, kept = merit, (b, f)
-        elif merit > 1e3 * best:
+        both = float((np.minimum(s, np.abs(f)) / root)[~two].max(initial=0.0))
+        reached = max(worst, both) <= enough
+        if reached or merit < best:
+            best, kept = merit, (b, f, max(worst, both))
+        if reached:
+            break
+        if worst > max(before, ROUNDED * np.sqrt(mu)):
             break  # rounding has taken over
-        if mu < GAP and worst < 1e-8:
+        before = worst
+        if mu < gap and worst < 1e-8:
             break
         try:
             with np.errstate(over="raise", divide="raise", invalid="raise"):
                 db, ds, df, length = _direction(data, s, f, rd, rp, mu)
-        except (RuntimeError, FloatingPointError):  # singular to working precision
+        except (NotPositive, FloatingPointError):  # singular to working precision
             break
         count += 1
         b, s, f = b + length * db, s + np.where(two, 0, length * ds), f + length * df
@@ -210,17 +171,17 @@ def _reach(v: Array, dv: Array) -> float:
 
 
 def _direction(
-    data: _Sorted, s: Array, f: Array, rd: Array, rp: Array, mu: float
+    data: _Data, s: Array, f: Array, rd: Array, rp: Array, mu: float
 ) -> tuple[Array, Array, Array, float]:
     """Predictor, corrector and centrality correctors; the length of the step."""
     two, one = data.two_sided, ~data.two_sided
     weights = np.where(two, 1.0 / PROXIMAL, f / s)
-    solve = _factorised(data, weights)
+    solve = data.linked.factorised(weights)
 
     def newton(rd: Array, rp: Array, rc: Array) -> tuple[Array, Array, Array]:
         u = np.where(two, -rp / PROXIMAL, (rc - f * rp) / s)
-        db = solve(data.turned @ u - rd)
-        opening = data.rows @ db
+        db = solve(data.push(u) - rd)
+        opening = data.opening(db)
         return db, np.where(two, 0.0, opening + rp), u - weights * opening
 
     def reach(ds: Array, df: Array) -> float:
@@ -248,48 +209,48 @@ def _direction(
     return db, ds, df, length if length == 1.0 else SHORT_OF * length
 
 
-def _multipliers(data: _Sorted, b: Array, f: Array) -> tuple[Array, Array, int]:
-    """Steps of the method of multipliers; the last whose Newton steps converge."""
+def _multipliers(data: _Data, b: Array, f: Array, enough: float) -> tuple[Array, Array, int]:
+    """Steps of the method of multipliers, until violations are below `enough`."""
     count = 0
     for _ in range(ROUNDS):
-        b, steps = _minimised(data, b, f)
+        b, steps = _minimised(data, b, f, 0.1 * enough)
         count += steps
-        pushed = f - RHO * (data.rows @ b)
+        pushed = f - RHO * data.opening(b)
         after = np.where(data.two_sided, pushed, np.maximum(pushed, 0.0))
         moved = float(np.abs((after - f) / np.sqrt(data.weight)).max()) / RHO
         f = after
-        if moved < EXACT:
+        if moved < enough:
             break
     return b, f, count
 
 
-def _minimised(data: _Sorted, b: Array, f: Array) -> tuple[Array, int]:
+def _minimised(data: _Data, b: Array, f: Array, enough: float) -> tuple[Array, int]:
     """Newton's method on the piecewise quadratic, with an exact search along each step."""
     before: Mask | None = None
     solve: Callable[[Array], Array] | None = None
     count, least = 0, np.inf
     for _ in range(NEWTON):
-        pushed = f - RHO * (data.rows @ b)
+        pushed = f - RHO * data.opening(b)
         active = (pushed > 0) | data.two_sided
-        gradient = b - data.load - data.turned @ np.where(active, pushed, 0.0)
+        gradient = b - data.load - data.push(np.where(active, pushed, 0.0))
         size = float(np.abs(gradient).max())
-        if size < EXACT * 0.1:
+        if size < enough:
             break
         same = before is not None and np.array_equal(active, before)
         if same and size > 0.5 * least:
             break  # as far as float64 goes
         least = min(size, least)
         if solve is None or not same:
-            solve, before = _factorised(data, np.where(active, RHO, 0.0)), active
+            solve, before = data.linked.factorised(np.where(active, RHO, 0.0)), active
             count += 1
         d = solve(-gradient)
         b = b + _line(data, b, d, pushed) * d
     return b, count
 
 
-def _line(data: _Sorted, b: Array, d: Array, pushed: Array) -> float:
+def _line(data: _Data, b: Array, d: Array, pushed: Array) -> float:
     """The minimum along d: a root of an increasing, piecewise linear function."""
-    fall = RHO * (data.rows @ d)
+    fall = RHO * data.opening(d)
     square, start = float(d @ d), float((b - data.load) @ d)
     t, low, high = 1.0, 0.0, np.inf
     for _ in range(50):

@@ -1,0 +1,116 @@
+"""Rows that each join two blocks of unknowns, or bear on one: their weighted normal matrix.
+
+    I + R^T D R
+
+has one block for each block of unknowns and one for each pair that a row joins, so that it is
+factorised block by block (`kilter.solvers.block_cholesky`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from kilter.arrays import Array
+from kilter.solvers.block_cholesky import BlockCholesky, NotPositive
+
+__all__ = ["LinkedRows"]
+
+REFINED = 1e-10
+"""Rest of a solution, over the right-hand side, above which it is refined."""
+REGULAR = 1e-13
+"""Added to the diagonal, of itself, where rounding has taken its definiteness."""
+
+
+class LinkedRows:
+    """Rows R, shape (K, N n), of N blocks of n unknowns, at most two of which each row touches.
+
+    Parameters
+    ----------
+    rows : csr_array, shape (K, N n)
+    block : int
+        n, unknowns of a block.
+    place : ndarray, shape (N, 3)
+        Of each block, for the order of elimination.
+
+    Examples
+    --------
+    >>> rows = csr_array(np.array([[1.0, -1.0], [0.0, 1.0]]))
+    >>> linked = LinkedRows(rows, 1, np.eye(2, 3))
+    >>> solve = linked.factorised(np.array([1.0, 2.0]))  # [[2, -1], [-1, 4]]
+    >>> np.allclose(solve(np.array([1.0, 3.0])), [1.0, 1.0])
+    True
+    """
+
+    def __init__(self, rows: csr_array, block: int, place: Array) -> None:
+        self.rows, self.turned = rows, csr_array(rows.T)
+        self._block = block
+        count = len(place)
+        owner = np.repeat(np.arange(rows.shape[0]), np.diff(rows.indptr))
+        own = rows.indices // block
+        first, second = np.full(rows.shape[0], count), np.full(rows.shape[0], -1)
+        np.minimum.at(first, owner, own)
+        np.maximum.at(second, owner, own)
+        # rows without entries bring nothing to the first block
+        first, second = np.where(second < 0, 0, first), np.maximum(second, 0)
+        key = first * (count + 1) + second
+        self._sorted = np.argsort(key, kind="stable")
+        _, self._start = np.unique(key[self._sorted], return_index=True)
+        number = np.empty(len(key), dtype=np.int64)
+        number[self._sorted] = np.arange(len(key))
+        place_of = rows.indices % block + np.where(own == first[owner], 0, block)
+        self._columns = np.zeros((2 * block, len(key)))
+        self._columns[place_of, number[owner]] = rows.data
+        ends = self._sorted[self._start]
+        one, other = first[ends], second[ends]
+        self._both = np.flatnonzero(one != other)
+        self._factor = BlockCholesky(place, one[self._both], other[self._both], block)
+        links, shape = np.arange(len(ends)), (count, len(ends))
+        self._to_first = csr_array((np.ones(len(ends)), (one, links)), shape=shape)
+        self._to_second = csr_array((np.ones(len(ends)), (other, links)), shape=shape)
+
+    def factorised(self, weights: Array) -> Callable[[Array], Array]:
+        """What solves (I + R^T diag(weights) R) x = y, refined where rounding asks for it.
+
+        The next call takes its factors.
+
+        Raises
+        ------
+        NotPositive
+            If the matrix is not positive definite to working precision.
+        """
+        diagonal, links = self._normal_matrix(weights[self._sorted])
+        try:
+            self._factor.factorise(diagonal, links)
+        except NotPositive:
+            self._factor.factorise(diagonal + REGULAR * diagonal * np.eye(self._block), links)
+        rows, turned, block = self.rows, self.turned, self._block
+
+        def once(right: Array) -> Array:
+            return self._factor.solve(right.reshape(-1, block)).ravel()
+
+        def solve(right: Array) -> Array:
+            x = once(right)
+            # the residual in products, not in the matrix: large weights cancel there
+            rest = right - x - turned @ (weights * (rows @ x))
+            far = np.abs(rest).max(initial=0.0) > REFINED * np.abs(right).max(initial=0.0)
+            return x + once(rest) if far else x
+
+        return solve
+
+    def _normal_matrix(self, weights: Array) -> tuple[Array, Array]:
+        """Diagonal blocks, shape (N, n, n), and those of the links, of weights sorted by link."""
+        block = self._block
+        sides = slice(block), slice(block, 2 * block)
+        links = np.empty((len(self._start), 2 * block, 2 * block))
+        for i, column in enumerate(self._columns):
+            weighted = column * weights
+            for j in range(i, 2 * block):
+                sums = np.add.reduceat(weighted * self._columns[j], self._start)
+                links[:, i, j] = links[:, j, i] = sums
+        own, far = (links[:, side, side].reshape(-1, block * block) for side in sides)
+        diagonal = self._to_first @ own + self._to_second @ far
+        diagonal += np.eye(block).ravel()
+        return diagonal.reshape(-1, block, block), links[self._both][:, sides[0], sides[1]]
