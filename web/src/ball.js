@@ -9,6 +9,7 @@ import { eyeFor, inPlane, onDisc, sphereView, underPoint } from "./sphere.js";
 import { angleBetween, cross, dot, norm, scaled, turnedAbout, unit, without } from "./vector.js";
 
 const EDGE = 30; // pixels around the disc
+const KNOB = 23; // from its middle, clear of the knob of gravity and of half a name [CSS pixels]
 const REACH = 24; // pixels around the knob that still take hold of it
 const SEEN_DEG = 0.5; // a gap between inner and outer cone that is narrower is one line
 const STEP = Math.PI / 90; // of the arrow keys, 2 degrees; a tenth with shift
@@ -240,6 +241,20 @@ export class Ball {
     }
   }
 
+  /** Where the name of an axis goes: as wanted, or beside the knob of gravity where that is over it. */
+  beside(wanted, point) {
+    const { side } = this.frame();
+    const [x, y, z] = this.onCanvas(this.down);
+    const clear = ([u, v]) =>
+      (z < 0 || Math.hypot(u - x, v - y) > KNOB) && Math.min(u, v, side - u, side - v) > 8;
+    const near = Array.from({ length: 16 }, (_, k) => {
+      const angle = (Math.PI * k) / 8;
+      return [x + 1.05 * KNOB * Math.cos(angle), y + 1.05 * KNOB * Math.sin(angle)];
+    });
+    near.sort((a, b) => Math.hypot(a[0] - wanted[0], a[1] - wanted[1]) - Math.hypot(b[0] - wanted[0], b[1] - wanted[1]));
+    return [wanted, ...near].find(clear) || point;
+  }
+
   paintAxes(c, style) {
     const { middle, radius } = this.frame();
     c.font = "600 12px system-ui, sans-serif";
@@ -258,7 +273,7 @@ export class Ball {
         c.fill();
         const out = 13 / Math.max(Math.hypot(x, y), 0.25);
         const text = `${sign > 0 ? "+" : "−"}${name}`;
-        halo(c, text, px + out * x, py - out * y, style);
+        halo(c, text, ...this.beside([px + out * x, py - out * y], [px, py]), style);
       }
     });
   }

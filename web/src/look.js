@@ -2,7 +2,8 @@
 
 import { factsOf } from "./card.js";
 import { themeOf } from "./colours.js";
-import { openMarks, Names } from "./overlay.js";
+import { Names } from "./names.js";
+import { openMarks } from "./overlay.js";
 import { Stage } from "./stage.js";
 
 const NAMED = 14; // up to so many parts bear their names from the start
@@ -85,7 +86,13 @@ export class Look {
 
   slide(key, name, most = 1) {
     this[key] = most * Number(id(name).value);
+    if (key === "apart" && this.stage) this.stage.spread(this.spreading());
     this.repose();
+  }
+
+  /** Half lengths of the box around the parts, as far apart as they are pulled. */
+  spreading() {
+    return this.page.extent.map((e) => (1 + this.apart) * e);
   }
 
   label() {

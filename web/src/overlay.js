@@ -1,9 +1,8 @@
-// What lies over the parts: arrows of motion and of forces, names.
+// What lies over the parts: arrows of motion and of forces, marks.
 
 import { reachOf } from "./pose.js";
 import { resultants, thrust } from "./resultant.js";
 import { norm, scaled } from "./vector.js";
-import { short } from "./words.js";
 
 const MANY = 6000; // arrows of forces; above, the largest are shown
 
@@ -83,35 +82,4 @@ export function openMarks(stage) {
     balls.push({ at: now, along: [0, 1, 0], size });
   }
   return { ball: balls };
-}
-
-/** Names over the parts, as text. */
-export class Names {
-  constructor(element, stage) {
-    Object.assign(this, { element, stage });
-    this.tags = new Map();
-  }
-
-  /** Names for these parts. */
-  show(list) {
-    this.element.replaceChildren();
-    this.element.hidden = !list.length;
-    this.tags = new Map(
-      list.map((k) => {
-        const tag = document.createElement("span");
-        tag.textContent = short(this.stage.page.parts.tails[k], 24);
-        this.element.append(tag);
-        return [k, tag];
-      }),
-    );
-    this.place();
-  }
-
-  place() {
-    for (const [k, tag] of this.tags) {
-      const at = this.stage.parts.shown(k) && this.stage.onScreen(this.stage.parts.centre(k));
-      tag.hidden = !at;
-      if (at) tag.style.transform = `translate(${at[0]}px, ${at[1]}px) translate(-50%, -50%)`;
-    }
-  }
 }

@@ -66,6 +66,12 @@ export class Plan extends Look {
     if (plan.steps.length > 60) id("pace").value = "2";
   }
 
+  spreading() {
+    const { explode } = this.page.plan;
+    const most = [0, 1, 2].map((i) => explode.reduce((m, c, k) => (k % 3 === i ? Math.max(m, Math.abs(c)) : m), 0));
+    return this.page.extent.map((e, i) => e + this.apart * most[i]);
+  }
+
   key(key) {
     if (!this.count) return false;
     if (key === " ") this.play();

@@ -60,11 +60,12 @@ export class Stage {
     }
     this.over.add(this.overRoot);
     this.renderer.autoClear = false;
-    this.numbers = new WebGLRenderTarget(1, 1);
+    this.target = new WebGLRenderTarget(1, 1);
     this.drawn = () => {};
     this.isPlain = false;
     this.last = -1e9;
     this.pace = 20;
+    this.extent = page.extent;
     this.upright = upright(page.given.down);
     this.root.quaternion.copy(this.upright);
     this.home();
@@ -93,14 +94,30 @@ export class Stage {
   reach(camera) {
     const tangent = Math.tan(OPENING / 2);
     const back = camera.quaternion.clone().invert();
-    let far = (0.88 * this.page.radius) / Math.sin(OPENING / 2); // room to turn
+    let far = (0.88 * Math.hypot(...this.extent)) / Math.sin(OPENING / 2); // room to turn
     for (let k = 0; k < 8; k += 1) {
-      const corner = new Vector3(...this.page.extent.map((e, i) => ((k >> i) & 1 ? e : -e)));
+      const corner = new Vector3(...this.extent.map((e, i) => ((k >> i) & 1 ? e : -e)));
       corner.applyQuaternion(this.root.quaternion).applyQuaternion(back);
       const wide = Math.abs(corner.x) / (tangent * (camera.aspect || 1));
       far = Math.max(far, corner.z + 1.1 * Math.max(wide, Math.abs(corner.y) / tangent));
     }
     return far;
+  }
+
+  /** The same view after a change of the assembly, as much nearer or farther as it needs. */
+  refit(change) {
+    const before = this.reach(this.camera);
+    change();
+    const { target } = this.controls;
+    const apart = this.camera.position.clone().sub(target);
+    this.camera.position.copy(apart.multiplyScalar(this.reach(this.camera) / before).add(target));
+    this.controls.update();
+    this.draw();
+  }
+
+  /** Half lengths of the box that the view must hold. */
+  spread(extent) {
+    this.refit(() => (this.extent = extent));
   }
 
   fit() {
@@ -118,13 +135,12 @@ export class Stage {
 
   /** Turn the assembly by the least turn that makes a direction point down on the screen. */
   turnTo(direction, exactly = false) {
-    if (exactly) {
-      this.root.quaternion.copy(this.upright);
-    }
-    const now = new Vector3(...direction).applyQuaternion(this.root.quaternion).normalize();
-    const turn = new Quaternion().setFromUnitVectors(now, DOWN);
-    this.root.quaternion.premultiply(turn).normalize();
-    this.draw();
+    this.refit(() => {
+      if (exactly) this.root.quaternion.copy(this.upright);
+      const now = new Vector3(...direction).applyQuaternion(this.root.quaternion).normalize();
+      const turn = new Quaternion().setFromUnitVectors(now, DOWN);
+      this.root.quaternion.premultiply(turn).normalize();
+    });
   }
 
   orbit(azimuth, polar, nearer = 1) {
@@ -140,24 +156,47 @@ export class Stage {
 
   /** The part under a point of the canvas [CSS pixels], -1 where there is none. */
   pick(x, y) {
-    const { renderer, camera, parts } = this;
+    const { camera } = this;
     const [width, height] = this.size;
-    const dense = renderer.getPixelRatio();
+    const dense = this.renderer.getPixelRatio();
     camera.setViewOffset(width * dense, height * dense, x * dense, y * dense, 1, 1);
-    const hidden = [parts.edges, parts.patches, parts.cut];
+    const [found] = this.numbers(1, 1);
+    camera.clearViewOffset();
+    return found - 1;
+  }
+
+  /** The number of the part, counted from 1, in each cell of so many CSS pixels, from the top. */
+  numbered(cell) {
+    const [width, height] = this.size.map((size) => Math.max(1, Math.floor(size / cell)));
+    this.scene.updateMatrixWorld();
+    const upward = this.numbers(width, height);
+    const cells = new Uint32Array(width * height);
+    for (let row = 0; row < height; row += 1) {
+      const from = (height - 1 - row) * width;
+      cells.set(upward.subarray(from, from + width), row * width);
+    }
+    return { cells, width, height };
+  }
+
+  /** Numbers of parts, counted from 1, as the camera sees them in so many pixels, from below. */
+  numbers(width, height) {
+    const { renderer, camera, parts } = this;
+    const hidden = [parts.edges, parts.patches, parts.cut, this.lines];
     const were = hidden.map((one) => one.visible);
     hidden.forEach((one) => (one.visible = false));
     parts.faces.material = parts.material.number;
-    renderer.setRenderTarget(this.numbers);
+    this.target.setSize(width, height);
+    renderer.setRenderTarget(this.target);
     renderer.clear();
     renderer.render(this.scene, camera);
-    const found = new Uint8Array(4);
-    renderer.readRenderTargetPixels(this.numbers, 0, 0, 1, 1, found);
+    const bytes = new Uint8Array(4 * width * height);
+    renderer.readRenderTargetPixels(this.target, 0, 0, width, height, bytes);
     renderer.setRenderTarget(null);
     parts.faces.material = parts.material.face;
     hidden.forEach((one, k) => (one.visible = were[k]));
-    camera.clearViewOffset();
-    return found[3] ? found[0] + 256 * (found[1] + 256 * found[2]) : -1;
+    return Uint32Array.from({ length: width * height }, (_, k) =>
+      bytes[4 * k + 3] ? 1 + bytes[4 * k] + 256 * (bytes[4 * k + 1] + 256 * bytes[4 * k + 2]) : 0,
+    );
   }
 
   /** Where a point of the assembly is on the canvas [CSS pixels]; null behind the camera. */
