@@ -19,6 +19,7 @@ SPOTS = """() => {
     }); }"""
 CORNERS = """() => {
     const stage = window.kilter.stage, page = window.kilter.page, found = [];
+    stage.render();
     page.parts.names.forEach((_, k) => {
         const p = page.shapes[page.parts.shape[k]].positions;
         for (let i = 0; i < p.length; i += 3)
