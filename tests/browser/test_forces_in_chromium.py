@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 import kilter
+from kilter import Assembly, Cylinder, Part, Pose
 from kilter.scenes import scene
+from kilter.scenes.pieces import tube
 
 pytestmark = pytest.mark.browser
 
@@ -94,3 +96,18 @@ def test_the_line_of_thrust_goes_through_the_arch(opened: Callable) -> None:
     held = scene("arch").geometry.grounded
     # a rod a voussoir, and its rim
     assert sum(page.js(rods)) - before == 2 * (~held).sum()
+
+
+def test_a_round_contact_is_a_surface_with_rings_and_no_beads(opened: Callable) -> None:
+    sleeve = tube("sleeve", 1.0, 2.0, 3.0, grounded=True)
+    page = opened(Assembly([sleeve, Part("shaft", Cylinder(1.0, 5.0), Pose([0, 0, 0.2]))]))
+    counts = page.js(
+        "window.kilter.stage.parts.patches.children.map(one => one.geometry.getIndex().count)"
+    )
+    through, filled, rims, spots = counts
+    assert through == filled > 100
+    assert rims > 100
+    assert spots == 0
+    with_patch = page.drawn()
+    page.page.uncheck("#show-contacts")
+    assert page.drawn() != with_patch

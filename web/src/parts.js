@@ -291,11 +291,27 @@ function geometry(attributes, index) {
   return made;
 }
 
+/** Rings of round patches and the surfaces between them, on their first or second part. */
+function addRound(page, side, positions, owner, triangles, lines) {
+  const { parts, round } = page.patches;
+  const first = owner.length;
+  round.patch.forEach((p, k) => {
+    const part = parts[2 * p + side];
+    positions.push(...local(page.parts, part, round.points.subarray(3 * k, 3 * k + 3)));
+    owner.push(part);
+  });
+  for (const k of round.triangles) triangles.push(first + k);
+  for (const k of round.lines) lines.push(first + k);
+}
+
 /** Contact patches, on both of their parts: filled and rimmed; lines and points as they are. */
 function patches(page, material) {
   const { start, points, parts, kinds, kind } = page.patches;
   const [positions, owner, triangles, lines, spots] = [[], [], [], [], []];
+  const curved = new Set(page.patches.round.patch);
+  for (const side of [0, 1]) addRound(page, side, positions, owner, triangles, lines);
   for (let p = 0; p + 1 < start.length; p += 1) {
+    if (curved.has(p)) continue;
     const count = start[p + 1] - start[p];
     const flat = count > 2 && ["plane", "given"].includes(kinds[kind[p]]);
     for (const part of [parts[2 * p], parts[2 * p + 1]]) {

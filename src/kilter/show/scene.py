@@ -14,6 +14,7 @@ import numpy as np
 from kilter.arrays import Array
 from kilter.show.colours import part_colours
 from kilter.show.packing import pack, readable
+from kilter.show.round_patches import round_patches
 from kilter.show.shapes import placed
 from kilter.tell.check_facts import forces_phrase
 from kilter.tell.facts import facts
@@ -134,6 +135,7 @@ def _parts(assembly: Assembly, center: Array) -> dict[str, Any]:
 
 def _patches(contacts: ContactSet, center: Array) -> dict[str, Any]:
     kinds, kind = np.unique(contacts.patch_kind, return_inverse=True)
+    rings = round_patches(contacts)
     widest = np.abs(contacts.patch_gap).argmax(axis=1) if len(contacts) else np.zeros(0, int)
     return {
         "parts": pack(contacts.patch_parts, "index"),
@@ -144,6 +146,12 @@ def _patches(contacts: ContactSet, center: Array) -> dict[str, Any]:
         "area": pack(contacts.patch_area, "f8"),
         "gap": pack(contacts.patch_gap[np.arange(len(contacts)), widest], "f8"),
         "mu": pack(contacts.patch_mu, "f8"),
+        "round": {
+            "points": pack(rings.points - center),
+            "patch": pack(rings.patch, "index"),
+            "lines": pack(rings.lines, "index"),
+            "triangles": pack(rings.triangles, "index"),
+        },
         "kinds": [str(word) for word in kinds],
         "kind": pack(kind, "index"),
     }
