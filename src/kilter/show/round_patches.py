@@ -11,7 +11,6 @@ and is drawn from point to point; the widest step between neighbours stays open 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -45,7 +44,13 @@ def round_patches(contacts: ContactSet) -> RoundPatches:
     """Of all patches that are round; those whose points lie on no circle are left out."""
     points, patch, lines, triangles = [np.zeros((0, 3))], [], [np.zeros((0, 2), int)], []
     count = 0
-    for p, (start, end) in enumerate(pairwise(contacts.patch_start.tolist())):
+    starts = contacts.patch_start
+    leans = np.linalg.norm(
+        contacts.normals - np.repeat(contacts.patch_normal, np.diff(starts), axis=0), axis=1
+    )
+    owner = np.repeat(np.arange(len(contacts)), np.diff(starts))
+    for p in np.unique(owner[leans > ALIKE]).tolist():
+        start, end = starts[p], starts[p + 1]
         rings = _rings(contacts.points[start:end], contacts.normals[start:end])
         for k, ring in enumerate(rings):
             row = np.arange(count, count + len(ring))
