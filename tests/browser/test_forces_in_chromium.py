@@ -98,6 +98,14 @@ def test_the_line_of_thrust_goes_through_the_arch(opened: Callable) -> None:
     assert sum(page.js(rods)) - before == 2 * (~held).sum()
 
 
+def test_a_line_of_contact_is_a_line_without_beads(opened: Callable) -> None:
+    page = opened("three-cylinders")
+    counts = page.js(
+        "window.kilter.stage.parts.patches.children.map(one => one.geometry.getIndex().count)"
+    )
+    assert counts[-2:] == [2 * 2 * 5, 0]  # five lines on both of their parts, no spots
+
+
 def test_a_round_contact_is_a_surface_with_rings_and_no_beads(opened: Callable) -> None:
     sleeve = tube("sleeve", 1.0, 2.0, 3.0, grounded=True)
     page = opened(Assembly([sleeve, Part("shaft", Cylinder(1.0, 5.0), Pose([0, 0, 0.2]))]))

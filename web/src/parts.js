@@ -322,7 +322,7 @@ function patches(page, material) {
       }
       for (let k = 0; k < count; k += 1) {
         if (flat || (count === 2 && k === 0)) lines.push(first + k, first + ((k + 1) % count));
-        if (!flat) spots.push(first + k);
+        if (!flat && count !== 2) spots.push(first + k);
         if (flat && k > 1) triangles.push(first, first + k - 1, first + k);
       }
     }
