@@ -1,17 +1,21 @@
-"""The STEP file of the tutorial of planning, made here, and the command that the page shows."""
+"""The STEP file of the examples is the one made here; the command that the tutorial shows of it."""
 
 from __future__ import annotations
 
 import json
 import re
 import shlex
+import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+import kilter
 from kilter.cli import main
 
 ROOT = Path(__file__).resolve().parents[2]
+EXAMPLE = ROOT / "examples" / "clamp.step"
 
 
 @pytest.fixture
@@ -38,14 +42,23 @@ def clamp(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return write_step(tmp_path / "clamp.step", [*roots, ("bolt", shaft, None), ("nut", nut, None)])
 
 
+def test_the_example_is_what_is_made_here(clamp: Path) -> None:
+    made, kept = (kilter.load(path, ground="base") for path in (clamp, EXAMPLE))
+    assert made.names == kept.names
+    for name in ("volume", "center", "inertia"):
+        assert np.array_equal(getattr(made.geometry, name), getattr(kept.geometry, name))
+    assert kilter.check(kept).stable
+
+
 @pytest.mark.slow
 def test_the_command_of_the_page_puts_the_nut_over_its_bolt(
     clamp: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(clamp.parent)
     page = (ROOT / "docs" / "planning-tutorial.md").read_text(encoding="utf-8")
-    [line] = re.findall(r"^kilter (plan clamp\.step .*)$", page, flags=re.M)
+    [line] = re.findall(r"^kilter (plan examples/clamp\.step .*)$", page, flags=re.M)
     words = shlex.split(line)
+    shutil.copytree(ROOT / "examples", clamp.parent / "examples")
     assert main(words) == 0, capsys.readouterr().err
     assert (clamp.parent / "clamp.html").stat().st_size > 1e5
     capsys.readouterr()
