@@ -21,6 +21,7 @@ SAID = "no solver finished the impending motion"
 def no_motion(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Both methods fail at every program; judges and linear programs are as ever."""
     from kilter.solvers import clarabel
+    from kilter.solvers.block_cholesky import NotPositive
 
     def none(program, **_):
         nothing = np.empty(0)
@@ -29,7 +30,7 @@ def no_motion(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         )
 
     def singular(*_, **__):
-        raise RuntimeError("singular")
+        raise NotPositive
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(clarabel, "solve_quadratic", none)
