@@ -295,36 +295,56 @@ def _kept(
     return now
 
 
-def animate(order: Order, out: str | Path | None = None) -> bytes:
-    """A plan as an animated GLB: each part comes in along its way, held parts are marked.
+def animate(subject: Order | Region | Verdict, out: str | Path | None = None) -> bytes:
+    """A plan or a motion as an animated GLB, for any viewer.
 
-    Lengths in metres, y up, as glTF has it; at rest all is put together.
+    Of a plan each part comes in along its way, and held parts are marked; at rest all is put
+    together. Of a verdict the parts that move start to move, and stop before one enters another.
+    Lengths in metres, y up, as glTF has it.
 
     Parameters
     ----------
-    order : Order
-        What `kilter.plan` found.
+    subject : Order or Verdict
+        What `kilter.plan` or `kilter.check` found; a region has no motion, and is refused.
     out : path, optional
         Where the film is written, ending in .glb.
 
     Raises
     ------
     InputError
-        If no order was found, or the file cannot be written.
+        If no order was found, nothing is known to move, there are more than 3,000 parts to move,
+        or the file cannot be written.
 
     Examples
     --------
+    >>> from kilter.analysis.check import check
     >>> from kilter.analysis.planning.plan import plan
     >>> from kilter.scenes import scene
     >>> animate(plan(scene("tower")))[:4]
     b'glTF'
+    >>> animate(check(scene("paper-figure-8")))[:4]
+    b'glTF'
     """
-    from kilter.show.plan_film import film_of
+    from kilter.analysis.planning.order import Order
+    from kilter.analysis.verdict import Verdict
 
     if out is not None:
         require_ending(out, FILMS, "film")
-    _require_steps(order)
-    film = film_of(order.states.assembly, order.to_dict())
+    if isinstance(subject, Verdict):
+        from kilter.analysis.free_travel import free_travel
+        from kilter.show.motion_film import film_of_motion
+
+        film = film_of_motion(subject.assembly, free_travel(subject))
+    else:
+        from kilter.show.plan_film import film_of_plan
+
+        if not isinstance(subject, Order):
+            raise InputError(
+                f"a {type(subject).__name__.lower()} has no motion",
+                hint="animate what kilter.check or kilter.plan found",
+            )
+        _require_steps(subject)
+        film = film_of_plan(subject.states.assembly, subject.to_dict())
     if out is not None:
         from kilter.files import write_bytes
 
@@ -460,6 +480,14 @@ def require_ending(out: str | Path, endings: tuple[str, ...], what: str) -> None
     if Path(out).suffix.lower() not in endings:
         hint = f"end it in {', '.join(endings)}"
         raise InputError(f"is no name of a {what}", file=str(out), hint=hint)
+
+
+def require_film(what: str, view: tuple[float, float] | None) -> None:
+    """Refuse what no film of a motion shows, before anything is asked."""
+    if what != "assembly":
+        raise InputError(f"a {what} has no motion", hint="name a figure: out.svg, out.png, out.pdf")
+    if view is not None:
+        raise InputError("a film has no view", hint="its viewer turns it: leave the view out")
 
 
 def require_figure(out: str | Path | None, view: tuple[float, float] | None) -> None:

@@ -26,6 +26,7 @@ __all__ = [
     "matrix_to_quaternion",
     "quaternion_to_matrix",
     "rotation_between",
+    "screwed",
     "skew",
     "unit",
 ]
@@ -331,3 +332,46 @@ def _most_common(normals: Array, areas: Array) -> Array:
     best = total >= total.max() * (1 - FRAME_TIE)
     chosen: Array = normals[np.argmax(np.where(best, areas, -1.0))]
     return chosen
+
+
+def screwed(screw: ArrayLike, amounts: ArrayLike) -> tuple[Array, Array]:
+    """Turns, and shifts of the centre, of a body that follows amounts of a screw.
+
+        shift = a v + (1 - cos t)/t^2 a^2 w x v + (t - sin t)/t^3 a^3 w x (w x v),    t = a |w|
+
+    What turns together stays together: bodies with one screw do not change their distances.
+
+    Parameters
+    ----------
+    screw : array_like, shape (6,)
+        Velocity v of the centre and angular velocity w, world frame.
+    amounts : array_like, shape (k,)
+
+    Returns
+    -------
+    turns : ndarray, shape (k, 3, 3)
+    shifts : ndarray, shape (k, 3)
+
+    Examples
+    --------
+    >>> turns, shifts = screwed([1, 0, 0, 0, 0, np.pi], [1.0])
+    >>> np.round(turns[0] @ [1, 0, 0] + shifts[0], 6) + 0.0
+    array([-1.      ,  0.63662 ,  0.      ])
+    """
+    from scipy.spatial.transform import Rotation
+
+    six, amount = np.asarray(screw, dtype=np.float64), np.asarray(amounts, dtype=np.float64)
+    v, w = six[:3], six[3:]
+    t = amount * float(np.linalg.norm(w))
+    small = np.abs(t) < 1e-4
+    safe = np.where(small, 1.0, t)
+    once = np.where(small, 0.5, (1 - np.cos(safe)) / safe**2)
+    twice = np.where(small, 1 / 6, (safe - np.sin(safe)) / safe**3)
+    across = np.cross(w, v)
+    shifts = (
+        amount[:, None] * v
+        + (once * amount**2)[:, None] * across
+        + (twice * amount**3)[:, None] * np.cross(w, across)
+    )
+    turns: Array = Rotation.from_rotvec(amount[:, None] * w).as_matrix()
+    return turns, shifts

@@ -132,8 +132,8 @@ def draw(
         typer.Option(
             "-o",
             "--output",
-            metavar="OUT.svg|png|pdf",
-            help="The figure to write.",
+            metavar="OUT.svg|png|pdf|glb",
+            help="The figure to write; OUT.glb: a film of how parts start to move.",
             show_default=False,
         ),
     ] = None,
@@ -155,15 +155,20 @@ def draw(
         ),
     ] = None,
 ) -> int:
-    """A figure for a document: the assembly with arrows, or its stable region.
+    """A figure for a document: the assembly with arrows, or its stable region; or a film.
 
-    Needs kilter[figures]. Exit 0 when written, whatever the verdict.
+    Figures need kilter[figures]; OUT.glb, an animated GLB for any viewer, needs nothing more.
+    Exit 0 when written, whatever the verdict.
     """
     from kilter import publish
 
     if output is None:
         raise InputError("no figure is named", hint="add -o figure.svg")
-    publish.require_figure(output, view)
+    films = output.suffix.lower() in publish.FILMS
+    if films:
+        publish.require_film(what.value, view)
+    else:
+        publish.require_figure(output, view)
     asked.apart(output)
     with Progress(asked.quiet) as progress:
         assembly, contacts = asked.read(progress)
@@ -176,8 +181,11 @@ def draw(
             time_limit=asked.time_limit,
             progress=progress,
         )
-        progress("figure")
-        publish.draw(found, output, view=view)
+        progress("film" if films else "figure")
+        if films:
+            publish.animate(found, output)
+        else:
+            publish.draw(found, output, view=view)
     answer = found.to_dict()
     tell_warnings(answer["warnings"], asked.quiet)
     if not asked.quiet:

@@ -1,0 +1,227 @@
+"""An assembly as an animated GLB (binary glTF 2.0): its parts as nodes, and tracks that move them.
+
+Lengths are metres and y is up, as the standard has it. Without normals faces are flat, as they are.
+
+References
+----------
+Khronos, glTF 2.0 specification, sections 3.7.2 (meshes), 3.11 (animations), 4.4 (GLB).
+"""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kilter.arrays import Array
+from kilter.rigid import rotation_between
+from kilter.show.colours import part_colours
+from kilter.show.packing import readable
+from kilter.show.shapes import placed
+from kilter.tell.palette import ROLES, rgb
+from kilter.units import metres_per_unit
+
+if TYPE_CHECKING:
+    from kilter.assembly import Assembly
+
+__all__ = ["Film", "xyzw"]
+
+HELD = rgb(ROLES["grip"].light)
+"""Colour of what marks a held part, sRGB."""
+FLOAT, INDEX = 5126, 5125
+VERTICES, CORNERS = 34962, 34963
+"""Numbers of the standard: types of numbers, kinds of buffers."""
+
+
+class _Binary:
+    """The buffer of a GLB, and the accessors into it."""
+
+    def __init__(self) -> None:
+        self.data = bytearray()
+        self.views: list[dict[str, Any]] = []
+        self.accessors: list[dict[str, Any]] = []
+
+    def put(self, values: ArrayLike, kind: str, target: int | None = None) -> int:
+        """The number of a new accessor: values of a kind, with bounds where they are floats."""
+        index = target == CORNERS
+        rows = np.ascontiguousarray(values, dtype="<u4" if index else "<f4")
+        view: dict[str, Any] = {
+            "buffer": 0,
+            "byteOffset": len(self.data),
+            "byteLength": rows.nbytes,
+        }
+        if target is not None:
+            view["target"] = target
+        self.views.append(view)
+        self.data += rows.tobytes()
+        found: dict[str, Any] = {
+            "bufferView": len(self.views) - 1,
+            "componentType": INDEX if index else FLOAT,
+            "count": len(rows) if kind != "SCALAR" else rows.size,
+            "type": kind,
+        }
+        if not index:
+            wide = rows.reshape(found["count"], -1)
+            found |= {"min": wide.min(axis=0).tolist(), "max": wide.max(axis=0).tolist()}
+        self.accessors.append(found)
+        return len(self.accessors) - 1
+
+
+class Film:
+    """An assembly at rest as nodes, and what moves them.
+
+    Attributes
+    ----------
+    center : ndarray, shape (3,)
+        Middle of the assembly, the origin of the picture [length unit].
+    size : float
+        Its largest extent [length unit].
+    places : Placed
+        Where each part is at rest.
+    """
+
+    def __init__(self, assembly: Assembly) -> None:
+        self._assembly, self._binary = assembly, _Binary()
+        self.places = placed(assembly)
+        low, high = (getattr(assembly.geometry.vertices, end)(axis=0) for end in ("min", "max"))
+        self.center, self.size = (low + high) / 2, float((high - low).max())
+        self._meshes, self._materials, mesh_of = _meshes(assembly, self._binary)
+        self._nodes: list[dict[str, Any]] = [
+            {
+                "name": readable(name),
+                "mesh": mesh_of[k],
+                "translation": (self.places.position[k] - self.center).tolist(),
+                "rotation": xyzw(self.places.rotation[k]),
+            }
+            for k, name in enumerate(assembly.names)
+        ]
+        self._channels: list[dict[str, Any]] = []
+        self._samplers: list[dict[str, Any]] = []
+
+    def add_mark(self, name: str, at: Array) -> int:
+        """The node of a new mark, at a point of the world; of size zero until it is animated."""
+        self._nodes.append(
+            {
+                "name": readable(name),
+                "mesh": len(self._meshes) - 1,
+                "translation": (at - self.center).tolist(),
+                "scale": [0.0, 0.0, 0.0],
+            }
+        )
+        return len(self._nodes) - 1
+
+    def animate(
+        self, node: int, path: str, times: ArrayLike, values: ArrayLike, way: str = "LINEAR"
+    ) -> None:
+        """Move a node by times [s]: "translation", "rotation" (x, y, z, w) or "scale"."""
+        kind = "VEC4" if path == "rotation" else "VEC3"
+        self._samplers.append(
+            {
+                "input": self._binary.put(times, "SCALAR"),
+                "output": self._binary.put(values, kind),
+                "interpolation": way,
+            }
+        )
+        target = {"node": node, "path": path}
+        self._channels.append({"sampler": len(self._samplers) - 1, "target": target})
+
+    def to_bytes(self, name: str) -> bytes:
+        """The file, its animation under a name."""
+        assembly = self._assembly
+        root = {
+            "name": "assembly",
+            "rotation": xyzw(rotation_between(assembly.down, [0.0, -1.0, 0.0])),
+            "scale": [metres_per_unit(assembly.units)] * 3,
+            "children": list(range(len(self._nodes))),
+        }
+        header: dict[str, Any] = {
+            "asset": {"version": "2.0", "generator": "kilter"},
+            "scene": 0,
+            "scenes": [{"nodes": [len(self._nodes)]}],
+            "nodes": [*self._nodes, root],
+            "meshes": self._meshes,
+            "materials": self._materials,
+            "accessors": self._binary.accessors,
+            "bufferViews": self._binary.views,
+            "buffers": [{"byteLength": len(self._binary.data)}],
+        }
+        if self._channels:
+            moving = {"name": name, "channels": self._channels, "samplers": self._samplers}
+            header["animations"] = [moving]
+        return _glb(header, bytes(self._binary.data))
+
+
+def _meshes(
+    assembly: Assembly, binary: _Binary
+) -> tuple[list[dict[str, Any]], list[dict[str, Any]], list[int]]:
+    """Meshes, materials, and the mesh of each part; the last mesh marks what is held."""
+    places = placed(assembly)
+    colours = part_colours(places.shape, assembly.geometry.grounded)
+    shapes = [
+        (
+            binary.put(shape.positions, "VEC3", VERTICES),
+            binary.put(shape.triangles.reshape(-1), "SCALAR", CORNERS),
+        )
+        for shape in places.shapes
+    ]
+    materials: list[dict[str, Any]] = []
+    meshes: list[dict[str, Any]] = []
+    known: dict[tuple[int, bytes], int] = {}
+    chosen = []
+    for shape, colour in zip(places.shape.tolist(), colours, strict=True):
+        key = shape, colour.tobytes()
+        if key not in known:
+            known[key] = len(meshes)
+            materials.append(_material(colour / 255.0))
+            meshes.append(_mesh(shapes[shape], len(materials) - 1))
+        chosen.append(known[key])
+    corners = np.concatenate([np.eye(3), -np.eye(3)])
+    faces = [
+        [0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2],
+        [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5],
+    ]  # fmt: skip
+    materials.append(_material(np.array(HELD) / 255.0))
+    mark = (
+        binary.put(corners, "VEC3", VERTICES),
+        binary.put(np.array(faces).reshape(-1), "SCALAR", CORNERS),
+    )
+    meshes.append(_mesh(mark, len(materials) - 1))
+    return meshes, materials, chosen
+
+
+def _mesh(surface: tuple[int, int], material: int) -> dict[str, Any]:
+    """A mesh of one surface: its accessors of positions and of corners."""
+    positions, corners = surface
+    primitive = {"attributes": {"POSITION": positions}, "indices": corners, "material": material}
+    return {"primitives": [primitive]}
+
+
+def _material(colour: Array) -> dict[str, Any]:
+    """A dull surface; the standard has colours in linear light."""
+    linear = np.where(colour <= 0.04045, colour / 12.92, ((colour + 0.055) / 1.055) ** 2.4)
+    surface = {
+        "baseColorFactor": [*linear.round(6).tolist(), 1.0],
+        "metallicFactor": 0.0,
+        "roughnessFactor": 0.85,
+    }
+    return {"pbrMetallicRoughness": surface}
+
+
+def xyzw(quaternion: Array) -> list[float]:
+    """A quaternion w, x, y, z in the order of the standard."""
+    w, x, y, z = quaternion.tolist()
+    return [x, y, z, w]
+
+
+def _glb(header: dict[str, Any], data: bytes) -> bytes:
+    """Header and buffer as one file, each chunk filled up to four bytes."""
+    text = json.dumps(header, separators=(",", ":"), allow_nan=False).encode("ascii")
+    text += b" " * (-len(text) % 4)
+    data += b"\0" * (-len(data) % 4)
+    chunks = b"".join(
+        len(body).to_bytes(4, "little") + kind + body
+        for kind, body in ((b"JSON", text), (b"BIN\0", data))
+    )
+    return b"glTF" + (2).to_bytes(4, "little") + (12 + len(chunks)).to_bytes(4, "little") + chunks
