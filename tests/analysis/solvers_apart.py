@@ -4,8 +4,10 @@
 
 records each program that a test has judged, asks each solver alone when the test is over, and
 fails the test where one has a proof of the other side. The file gets a row a test: how many
-programs there were, and of each solver how many it proved as `judge` does and how many it left
-open, which `judge` asked another for.
+programs there were, and of each solver how many it proved as `judge` does, how many it left
+open, which `judge` asked another for, and of how many both sides have a proof: within the
+tolerance of a certificate about a limit there are forces that balance to it, and a motion too.
+Forces that balance to rounding leave no room for that.
 """
 
 from __future__ import annotations
@@ -20,7 +22,7 @@ from typing import Any
 import pytest
 
 from kilter.analysis import judge as judging
-from kilter.analysis.judge import SOLVERS, Solver, judge
+from kilter.analysis.judge import SOLVERS, Judgement, Solver, judge
 from kilter.mechanics.program import ROW_FIELDS, Program
 
 __all__ = ["each_solver", "recorded", "sides"]
@@ -31,8 +33,21 @@ COLUMNS = (
     "test",
     "programs",
     "larger",
-    *(f"{who} {how}" for who in SOLVERS for how in ("proved", "open")),
+    *(f"{who} {how}" for who in SOLVERS for how in ("proved", "open", "both")),
 )
+ROUNDING = 1e-12
+"""Residual of forces [-], below which they balance but for rounding."""
+
+
+def both_hold(one: Judgement, other: Judgement) -> bool:
+    """Whether two judgements differ, and their forces balance to the tolerance, not to rounding."""
+    holds, falls = (one, other) if one.stable else (other, one)
+    if falls.stable is not False or not holds.stable:
+        return False
+    forces, motion = holds.forces, falls.motion
+    if forces is None or motion is None or not (forces.holds and motion.holds):
+        return False
+    return forces.residual > ROUNDING
 
 
 def sides(program: Program) -> dict[Solver, bool | None]:
@@ -89,11 +104,13 @@ def each_solver(test: str, file: Path) -> Iterator[None]:
     row |= {"test": test, "programs": len(small), "larger": len(programs) - len(small)}
     wrong = []
     for program in small:
-        known = judge(program).stable
-        for solver, side in sides(program).items():
-            row[f"{solver} {'open' if side is None else 'proved'}"] += 1
-            if side is not None and side is not known:
-                wrong.append((solver, side, known, program))
+        known = judge(program)
+        for solver in SOLVERS:
+            found = judge(program, solver=solver)
+            both = both_hold(known, found)
+            row[f"{solver} {'both' if both else 'open' if found.stable is None else 'proved'}"] += 1
+            if found.stable is not None and found.stable is not known.stable and not both:
+                wrong.append((solver, found.stable, known.stable, program))
     if small:
         new = not file.exists()
         with file.open("a", newline="", encoding="utf-8") as stream:

@@ -89,7 +89,7 @@ def test_a_proof_of_the_other_side_is_found(monkeypatch, tmp_path):
         check(tower)
     head, row = (tmp_path / "sides.csv").read_text().splitlines()
     assert head.startswith("test,programs,larger,kilter proved")
-    assert row == "tower,1,0,1,0,1,0,1,0"
+    assert row == "tower,1,0,1,0,0,1,0,0,1,0,0"
     answer = judging.judge
 
     def lying(program, *, work=None, solver=None):

@@ -114,6 +114,7 @@ class BlockCholesky:
         width = self._width
         blocks = np.concatenate([diagonal, links, links.transpose(0, 2, 1)])
         left: list[Array | None] = [None] * len(self._plans)
+        self._factors = []  # the old ones go first: those of a large matrix are most of the memory
         factors: list[tuple[Array, Array]] = []
         for k, plan in enumerate(self._plans):
             size, edge = plan.size, len(plan.border)
