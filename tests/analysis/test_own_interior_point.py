@@ -196,9 +196,10 @@ class TestProofs:
     def test_what_is_not_held_has_the_limit_that_it_had(self):
         # leaning too far: only shares that turn gravity back are held
         program = program_of(walls.wall(7, 8, friction=0.6)).turned(np.array([0.0, 0.9, -1.0]))
-        own = load_limit._by_own_cones(program, gravity_wrench(program, np.eye(3)[1]), 10.0)
-        assert own.forces is None
-        limit = find_limit(program, gravity_wrench(program, np.eye(3)[1]))
+        aside = gravity_wrench(program, np.eye(3)[1])
+        for shared in (None, load_limit.SharedCones(program)):
+            assert load_limit._by_own_cones(program, aside, 10.0, shared).forces is None
+        limit = find_limit(program, aside)
         assert limit.value < 0
 
     def test_a_joint_pulls(self, monkeypatch):

@@ -61,8 +61,8 @@ def test_an_assembly_within_an_assembly_is_where_it_is_put(agree: Agree) -> None
 
 def test_a_workplane_and_a_shape(agree: Agree) -> None:
     made = box(10, 10, 10).faces(">Z").workplane().hole(4)
-    options: dict[str, Any] = {"floor": True}
-    found = kilter.load(made, **options)
+    one = cq.Assembly(name="all").add(made, name="drilled")
+    found = agree(one, write(one), "part.step", "stable", floor=True)
     assert found.geometry.volume[0] == pytest.approx(1000 - np.pi * 40)
     assert kilter.load(made.val()).geometry.volume[0] == pytest.approx(1000 - np.pi * 40)
     assert kilter.check(found).stable
