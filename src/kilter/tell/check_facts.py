@@ -22,22 +22,22 @@ __all__ = ["check_facts", "forces_phrase"]
 MOST_OF_FREE_FALL = 0.9
 """A bound of the power of any motion that is above this share of free fall is not worth words."""
 GUARANTEE = {
-    "proved": "proved: no other motion obeys Coulomb's law",
-    "refuted": "refuted: another motion obeys Coulomb's law",
+    "proved": "proved: Coulomb's law allows no motion",
+    "refuted": "refuted: Coulomb's law allows a motion too",
     "open": "open: neither proved nor refuted",
 }
 SEATED = {
-    "yes": "yes: put there with care, its own weight holds it",
-    "runs-away": "no: from every start its parts run away",
+    "yes": "yes: set in place with care, it is held by its own weight",
+    "runs-away": "no: from every start that was tried its parts move off",
     "not-found": "not found",
 }
 WHY = {
-    "refuted": "a motion obeys the contact law too",
-    "jams": "it can jam, but does not come to rest in every try",
-    "squeeze": "only squeeze holds it",
-    "not-found": "neither a seat was found, nor that there is none",
+    "refuted": "Coulomb's law allows a motion too",
+    "jams": "it can jam, but put down loosely it did not come to rest in every try",
+    "squeeze": "it holds only if something other than its weight presses its parts together",
+    "not-found": "whether its own weight can hold it was not found out",
 }
-UNDONE = "not every try was made to its end"
+UNDONE = "not every try was finished"
 """Why, where a seat was found."""
 
 
@@ -88,7 +88,7 @@ def _settles(tries: Answer, friction: Answer) -> str:
     if not undone:
         return words
     left = "one was" if undone == 1 else f"{undone} were"
-    return f"{words}; {left} not made to the end (--effort {more} may)"
+    return f"{words}; {left} not finished (--effort {more} may)"
 
 
 def _free_mass(parts: Iterable[Answer]) -> float:
@@ -161,10 +161,10 @@ def _pair(patch: Answer) -> str:
 
 def _neutral(two_sided: int, one_sided: int, *, closed: bool = False) -> str:
     if two_sided + one_sided == 0:
-        return "none, counting gaps as closed" if closed else "none: strictly held"
+        return "none, counting gaps as closed" if closed else "none: every motion costs energy"
     return (
-        f"{two_sided} two-sided, {one_sided} one-sided motions cost no energy to first order; "
-        "only there does second order matter"
+        f"motions that neither cost nor gain energy to first order: {two_sided} can go both ways, "
+        f"{one_sided} one way only; only for these could second order (curvature) matter"
     )
 
 

@@ -54,7 +54,7 @@ def _tilt(answer: Answer) -> str:
     if tilt is None:
         why = answer["missing"].get("tilt")
         if why is None:
-            return "none: given loads do not turn with gravity"
+            return "none: the given loads would not turn with gravity"
         if why == "failed":
             return "not known: the numbers failed"
         return "none: not held as given, nor with gravity along any direction within a right angle"
@@ -65,7 +65,7 @@ def _tilt(answer: Answer) -> str:
         upper, held = answer["tilt_upper_deg"], f"the nearest held direction is {down}"
         known = upper - tilt <= 1e-6 * max(-tilt, 1e-3)
         least = "" if known else f" (none within {number(-upper)} is held)"
-        return f"{angle(tilt)}: outside; {held}{least}"
+        return f"{angle(tilt)}: not held as it lies; {held}{least}"
     if answer["tilt_limit"]["mechanism"] is None:
         return f"{angle(tilt)} are held, down = {down}; that no more are is not proved"
     words = f"{angle(tilt)} to the nearest direction that fails"
@@ -100,7 +100,9 @@ def _bracket(greatest: Sequence[float | None] | None) -> str:
     low, high = greatest
     sure = "none" if low is None else number(round(low, 12))
     most = "unlimited" if high is None else number(high)
-    return f"guaranteed up to {sure}, held by forces up to {most}: the limit lies between"
+    return (
+        f"sure to hold up to {sure}; forces that hold it exist up to {most}; the limit lies between"
+    )
 
 
 def _worst(worst: Answer | None) -> list[Fact]:
@@ -116,7 +118,7 @@ def _worst(worst: Answer | None) -> list[Fact]:
         words = f"all are held as given; the tilt is {unknown}"
     else:
         words = "all are held as given" if tilt is None else angle(tilt)
-        words += " (exact)" if exact else " (inner: at least that)"
+        words += " (exact)" if exact else " (at least; it may be more)"
     found = [("worst case", words)]
     if worst["missing"].get("load_factor") == "failed":
         found.append(("", f"load factor {unknown}"))

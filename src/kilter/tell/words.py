@@ -44,8 +44,8 @@ SENTENCES = {
         "were before."
     ),
     ("settles", None): (
-        "Settles{within}: put down loosely, its own weight makes the friction that holds it, in "
-        "each of {of} tries; no motion was found; not proved."
+        "Settles{within}: put down loosely, it came to rest in each of {of} tries, by the friction "
+        "that its own weight makes; no motion was found, though that there is none is not proved."
     ),
     ("potentially-stable", "refuted"): (
         "Potentially stable{within}: its own weight can make the friction that holds it, but "
@@ -64,8 +64,8 @@ SENTENCES = {
         "its weight presses the parts together; no motion was found."
     ),
     ("potentially-stable", "not-found"): (
-        "Potentially stable{within}: forces that hold it exist; whether it settles was not found "
-        "out, nor a motion."
+        "Potentially stable{within}: forces that hold it exist; no motion was found, and whether "
+        "it settles was not found out."
     ),
     ("unstable", None): (
         "Unstable{beyond}: no contact forces can hold it; here is how it starts to move."
@@ -75,28 +75,29 @@ SENTENCES = {
 
 
 BASIS = {
-    "exact": "the exact cone of stable directions; margin = angle to its nearest facet",
+    "exact": "the exact cone of stable directions; the margin is the angle to its nearest side",
     "friction": "the cone of directions for which forces that hold it exist",
     "band": (
-        "the cone of directions for which forces that hold it exist, between an inner and an outer "
-        "one, since friction makes the boundary round; in between it is undecided"
+        "the cone of directions for which forces that hold it exist; friction makes it round, so "
+        "it is known between two cones of flat sides: inside the inner one forces are proved, "
+        "outside the outer one there are none, in between it is undecided"
     ),
     "inner": (
-        "the cone that holds without friction and without contacts that are not modelled; outside "
-        "of it they may hold it, so it is undecided there"
+        "the cone of directions that hold even without friction and without contacts that are not "
+        "modelled; outside of it these may still hold it, so there it is undecided"
     ),
 }
 """What the answer of a page for a direction rests on."""
 QUESTION = {
-    "exact": "The ball asks whether it can start to move: inside it cannot, outside it does.",
+    "exact": "Inside the region it cannot start to move, outside it does.",
     "friction": (
-        "The ball asks whether forces that hold it exist (the level equilibrium): inside they do, "
-        "outside none can. What friction guarantees is told of the given and the recommended "
-        "direction."
+        "Inside the region forces that hold it exist (the level equilibrium), outside there are "
+        "none. Whether friction is sure to hold it is told only of the given and of the "
+        "recommended direction."
     ),
     "inner": (
-        "The ball asks what holds however slippery the parts: inside it does; outside, friction or "
-        "contacts that are not modelled may hold it, which is left open."
+        "Inside the region it holds however slippery the parts; outside, friction or contacts "
+        "that are not modelled may hold it, which is left open."
     ),
 }
 """What a page asks of each direction of gravity."""

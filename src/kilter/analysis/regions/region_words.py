@@ -58,8 +58,8 @@ def warnings_of(
         )
     if np.degrees(found.gap) > gap_deg:
         warnings.append(
-            f"the inner and the outer cone are up to {np.degrees(found.gap):.2g} deg apart,"
-            f" more than the {gap_deg:g} asked for"
+            f"the boundary of the region is known only to within {np.degrees(found.gap):.2g} deg;"
+            f" {gap_deg:g} was asked for"
         )
     missing = sum(not proof.certificate.holds for proof in found.proofs)
     if missing:
@@ -110,8 +110,8 @@ def _knife_edge(program: Program, found: StableCone) -> str:
     space = "the plane" if program.planar else "space"
     return (
         f"a knife edge: stable for {what.get(cone.kind, f'a {cone.kind} of directions')} only, "
-        f"thinner than {space}; the least tilt along {along}, either way, sets parts in motion:"
-        f" {first}{some_names(names)}. Hold them against sliding and tipping that way (a stop,"
+        f"with no room beside it in {space}; the least tilt along {along}, either way, sets parts in"
+        f" motion: {first}{some_names(names)}. Hold them against sliding and tipping that way (a stop,"
         " a clamp or friction)"
     )
 
