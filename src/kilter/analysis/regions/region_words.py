@@ -110,9 +110,9 @@ def _knife_edge(program: Program, found: StableCone) -> str:
     space = "the plane" if program.planar else "space"
     return (
         f"a knife edge: stable for {what.get(cone.kind, f'a {cone.kind} of directions')} only, "
-        f"with no room beside it in {space}; the least tilt along {along}, either way, sets parts in"
-        f" motion: {first}{some_names(names)}. Hold them against sliding and tipping that way (a stop,"
-        " a clamp or friction)"
+        f"with no room beside it in {space}; the least tilt along {along}, either way, sets parts"
+        f" in motion: {first}{some_names(names)}. Hold them against sliding and tipping that way"
+        " (a stop, a clamp or friction)"
     )
 
 
