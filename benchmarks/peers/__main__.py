@@ -1,6 +1,6 @@
 """kilter beside its peers, in one run: who is right, how soon, with how much memory.
 
-    pip install -e '.[peers]'
+    pip install -e ".[peers]"
     python benchmarks/peers                            all, into results/here.csv
     python benchmarks/peers --only walls -t kilter     some cases or families, some tools
     python benchmarks/peers --page                     docs/benchmarks.md, from the results
@@ -33,7 +33,7 @@ from tools import TOOLS, Row, Tool, answered, truth
 LIMITS = {"seconds": 120.0, "gib": 8.0}
 """Of the processor, and of memory, a process."""
 QUIET = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-WAIT = 10.0
+WAIT = 30.0
 """Seconds of the clock that a second of the processor may take on a busy machine."""
 
 

@@ -356,7 +356,7 @@ def screwed(screw: ArrayLike, amounts: ArrayLike) -> tuple[Array, Array]:
     --------
     >>> turns, shifts = screwed([1, 0, 0, 0, 0, np.pi], [1.0])
     >>> np.round(turns[0] @ [1, 0, 0] + shifts[0], 6) + 0.0
-    array([-1.      ,  0.63662 ,  0.      ])
+    array([-1.     ,  0.63662,  0.     ])
     """
     from scipy.spatial.transform import Rotation
 

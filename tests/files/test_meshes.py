@@ -407,8 +407,8 @@ def test_damage_anywhere_gives_no_other_exception(
 def test_an_unknown_ending_lists_what_is_read(name: str, kind: str, write) -> None:
     message = str(refused(write(name, "x")))
     assert (
-        f"files of {kind} are not read; give .json, .obj, .stl, .3mf, .glb, .step, .stp, or a folder"
-        in message
+        f"files of {kind} are not read; give .json, .obj, .stl, .3mf, .glb, .step, .stp, .xml, .mjcf, "
+        ".urdf, or a folder" in message
     )
 
 

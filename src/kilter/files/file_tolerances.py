@@ -18,6 +18,7 @@ __all__ = [
     "INTEGRAL",
     "LEEWAY",
     "LOWEST_CORNERS",
+    "PARALLEL",
     "RECOGNISED",
     "RIGID",
     "SAME_ANGLE",
@@ -32,6 +33,8 @@ INTEGRAL = 1e-14
 right to 1e-10 on rational B-splines (with 1e-9 here: to 2e-7), and to rounding on plain faces."""
 RIGID = 1e-9
 """A placement that changes lengths by less than this fraction of them is taken for rigid."""
+PARALLEL = 1e-9
+"""Axes of the joints of a body that lie on each other within this angle are one [rad]."""
 SAME_FACE = 1e-7
 """Faces that meet lie on one surface where its numbers agree to this, in sizes of the solid."""
 VOLUME = 1e-6

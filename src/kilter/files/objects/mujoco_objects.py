@@ -20,6 +20,7 @@ from kilter.assembly import Assembly, Part
 from kilter.assembly.interactions import FrictionPair, Joint
 from kilter.errors import InputError, nearest_name, some_names
 from kilter.files.choices import Choices
+from kilter.files.file_tolerances import PARALLEL
 from kilter.files.naming import distinct
 from kilter.files.one_body import combined, one_body
 from kilter.rigid import Pose
@@ -264,7 +265,7 @@ class _Model:
         point, axes = self.data.xanchor[own[0]], [self.data.xaxis[k] for k in own]
         if len(own) == 1:
             return Joint(ends, KINDS[kinds[0]], point=point, axis=axes[0])  # type: ignore[arg-type]
-        along = len(own) == 2 and np.allclose(np.cross(*axes), 0.0, atol=1e-9)
+        along = len(own) == 2 and np.allclose(np.cross(*axes), 0.0, atol=PARALLEL)
         if sorted(kinds) == [SLIDE, HINGE] and along:
             turn = own[kinds.index(HINGE)]
             return Joint(ends, "cylindrical", point=self.data.xanchor[turn], axis=axes[0])
