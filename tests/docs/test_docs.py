@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
+import shutil
 from pathlib import Path
 
 import pytest
@@ -80,12 +81,13 @@ SERVES = {"view"}
 
 @pytest.fixture
 def assemblies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """What the README's list of commands is about: a wall, and a folder of meshes."""
+    """What the README's list of commands is about: a wall, a folder of meshes, the examples."""
     from kilter.files import to_text
     from kilter.scenes import scene
 
     monkeypatch.chdir(tmp_path)
     (tmp_path / "wall.kilter.json").write_text(to_text(scene("wall")), encoding="utf-8")
+    shutil.copytree(ROOT / "examples", tmp_path / "examples")
     (tmp_path / "parts").mkdir()
     for name, height in (("base", 0.0), ("block", 1.0)):
         corners = [(x, y, height + z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]

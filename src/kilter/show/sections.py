@@ -41,7 +41,7 @@ OPEN = 60
 """A section with more rows than this begins closed."""
 LIVE = (
     "Turning gravity solves nothing: a direction is answered by the cone of directions that is in "
-    "this page, and its margin is the angle to the nearest facet of that cone. Colour and moving "
+    "this page, and its margin is the angle to the nearest side of that cone. Colour and moving "
     "parts come from the stability map (LP (9), without friction). All of it is of first order."
 )
 

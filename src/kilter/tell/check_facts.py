@@ -161,7 +161,11 @@ def _pair(patch: Answer) -> str:
 
 def _neutral(two_sided: int, one_sided: int, *, closed: bool = False) -> str:
     if two_sided + one_sided == 0:
-        return "none, counting gaps as closed" if closed else "none: every motion costs energy"
+        return (
+            "none, counting gaps as closed"
+            if closed
+            else "none: strictly held, every motion costs energy"
+        )
     return (
         f"motions that neither cost nor gain energy to first order: {two_sided} can go both ways, "
         f"{one_sided} one way only; only for these could second order (curvature) matter"
