@@ -119,7 +119,7 @@ def test_the_gap_is_drawn_as_open_and_said(opened: Callable, monkeypatch: Any) -
     assert [one for one in colour[:-1] if one != named[0]] == []
     assert colour[-1] == named[1]
     assert f"at most {region.gap_deg:.2g}° wide" in page.text("gap-words")
-    assert "whether forces that hold it exist" in page.text("question")
+    assert "Inside the region forces that hold it exist" in page.text("question")
     page.page.click("#go-nearest")
     page.js("d => window.kilter.ask(d)", [0.2, 0.3, 1])
     page.page.click("#go-nearest")
