@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 
 import numpy as np
 import pytest
@@ -281,6 +282,20 @@ def test_what_is_not_held_as_given_has_no_tilt_margin_but_a_way_back(planar):
     assert np.degrees(nearest.angle) == pytest.approx(5.0, abs=1e-7)
     assert np.degrees(nearest.lower) == pytest.approx(5.0, abs=1e-6)
     assert judge(program.turned(nearest.down)).stable is not False
+
+
+def test_the_nearest_held_direction_carries_its_proof_on_both_sides():
+    """Friction of 10 degrees on a slope of 12: forces from a turn of 2 on, a motion before it."""
+    slope = stacks.block_on_slope(12.0, friction=float(np.tan(np.radians(10.0))))
+    proofs = json.loads(json.dumps(kilter.margin(slope).proof()))
+    turns = {p["held"]: p["value"] for p in proofs["proofs"] if p["about"] == "nearest held"}
+    limit = np.radians(2.0)
+    assert limit - 1e-8 < turns[False] < limit < turns[True] + TOLERANCE < limit + 1e-8
+    assert kilter.verify(slope, proofs).holds
+    held = next(p for p in proofs["proofs"] if p["about"] == "nearest held" and p["held"])
+    turned = held["change"]["down"]
+    held["change"]["down"] = [turned[0] * 1.01, turned[1], turned[2]]
+    assert not kilter.verify(slope, proofs).holds
 
 
 @pytest.mark.parametrize("planar", [False, True])

@@ -16,9 +16,9 @@ from kilter.analysis.judge import judge
 from kilter.analysis.margins.least_friction import LeastFriction
 from kilter.analysis.margins.load_limit import Limit
 from kilter.analysis.margins.pushes import Push
-from kilter.analysis.margins.tilt import TiltMargin
+from kilter.analysis.margins.tilt import NearestHeld, TiltMargin
 from kilter.analysis.turning_tolerances import AROUND_LIMIT
-from kilter.arrays import Array
+from kilter.arrays import TINY, Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.mechanics.bundle import changed
@@ -44,6 +44,8 @@ class KnownLimits(Protocol):
     @property
     def tilt(self) -> TiltMargin | None: ...
     @property
+    def nearest(self) -> NearestHeld | None: ...
+    @property
     def friction(self) -> LeastFriction | None: ...
     @property
     def load_factor(self) -> tuple[Limit | None, Limit | None] | None: ...
@@ -54,7 +56,7 @@ class KnownLimits(Protocol):
 
 
 def margin_proofs(found: KnownLimits, *, options: dict[str, Any]) -> list[About]:
-    """Proofs of tilt, least friction, greatest load factor and pushes, as far as they are known."""
+    """Proofs of tilt or nearest held direction, least friction, load factor, pushes: all known."""
     proofs = []
     for what, (within, beyond), change, upwards, motion in _limits(found):
         steps = AROUND_LIMIT if within == beyond else (0.0, *AROUND_LIMIT)
@@ -80,14 +82,14 @@ def _limits(
 
     The sides are what is held and what is not, where both are proved there, else one value.
     """
-    tilt, friction, factor = found.tilt, found.friction, found.load_factor
-    if tilt is not None and tilt.limit.mechanism is not None:
-        down = found.program.down
-        aside = tilt.down - (tilt.down @ down) * down
-        if np.linalg.norm(aside) > 0:
-            aside = aside / np.linalg.norm(aside)
-            sides = tilt.angle, tilt.angle
-            yield "tilt", sides, _turned(down, aside), True, tilt.limit.mechanism
+    tilt, nearest, friction, factor = found.tilt, found.nearest, found.friction, found.load_factor
+    down = found.program.down
+    if tilt is not None and tilt.limit.mechanism is not None and (tilt.down != down).any():
+        sides = tilt.angle, tilt.angle
+        yield "tilt", sides, _turned(down, tilt.down), True, tilt.limit.mechanism
+    if nearest is not None and (nearest.down != down).any():
+        sides = nearest.angle, nearest.lower
+        yield "nearest held", sides, _turned(down, nearest.down), False, nearest.mechanism
     if friction is not None and friction.value > 0 and friction.attained:
         sides = friction.value, friction.lower
         yield "friction", sides, lambda mu: {"mu": mu}, False, friction.mechanism
@@ -103,7 +105,10 @@ def _limits(
             yield f"push of {push.part}", sides, pushed, True, push.limit.mechanism
 
 
-def _turned(down: Array, aside: Array) -> Change:
+def _turned(down: Array, toward: Array) -> Change:
+    """Gravity turned from one direction toward another, by an angle [rad]."""
+    aside = toward - (toward @ down) * down
+    aside = aside / max(float(np.linalg.norm(aside)), TINY)
     return lambda angle: {"down": (np.cos(angle) * down + np.sin(angle) * aside).tolist()}
 
 

@@ -36,6 +36,7 @@ from kilter.analysis.turning_tolerances import (
     TILT_AGREES,
 )
 from kilter.arrays import TINY, Array, across, cross
+from kilter.mechanics.certificate import MotionProof
 from kilter.mechanics.coulomb_cones import nearest_load, spread
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.opening import Opening
@@ -73,11 +74,14 @@ class NearestHeld:
         A turn up to which a motion proves that none is held [rad]; 0 where none was found.
     down : ndarray, shape (3,)
         That direction, unit.
+    mechanism : MotionProof or None
+        The motion that proves `lower`.
     """
 
     angle: float
     lower: float
     down: Array
+    mechanism: MotionProof | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -236,6 +240,7 @@ def find_nearest_held(program: Program) -> NearestHeld | NoLimit:
     if isinstance(found, NoLimit):
         return found
     angle, lower, held = _between(program.down, found), 0.0, found
+    mechanism: MotionProof | None = None
     aim, start = program.down, program.turned(found)
     for _ in range(NEARER):
         if not (aim - found).any():
@@ -254,12 +259,14 @@ def find_nearest_held(program: Program) -> NearestHeld | NoLimit:
         rise = float(program.down @ normal)
         if rise <= 0.0:
             break
-        lower = min(max(lower, float(np.arcsin(rise)) - TOLERANCE), angle)
+        turn = min(float(np.arcsin(rise)) - TOLERANCE, angle)
+        if turn > lower:
+            lower, mechanism = turn, limit.mechanism
         if angle - lower <= 2 * TOLERANCE:
             break
         aim = program.down - rise * normal
         aim = aim / float(np.linalg.norm(aim))
-    return NearestHeld(angle, lower, held)
+    return NearestHeld(angle, lower, held, mechanism)
 
 
 def _projected(program: Program) -> Array | NoLimit:
