@@ -222,14 +222,21 @@ def margins_wrong(program: Any, margin: Any, turned: Any, region: Any) -> list[s
         limited = margin.tilt is None or margin.tilt.limit.mechanism is not None
         if size > 0 and limited:
             aside = aside / size
-            for step, held in ((-NEAR, bool(tilt > 0)), (NEAR, bool(tilt <= 0))):
-                angle = abs(tilt) + step
-                if tilt <= 0 < step and region.dimension < (2 if program.planar else 3):
-                    continue  # as thin as this: it leaves the region on the other side
-                there = np.cos(angle) * down + np.sin(angle) * aside
+
+            def at(angle: float) -> Any:
+                return np.cos(angle) * down + np.sin(angle) * aside
+
+            asked = [(tilt - NEAR, at(tilt - NEAR), True), (tilt + NEAR, at(tilt + NEAR), False)]
+            if margin.nearest is not None:
+                before = margin.nearest.lower - NEAR
+                asked = [(-before, at(before), False)]
+                if region.center is not None and region.dimension == (2 if program.planar else 3):
+                    # straight on it may leave again by a side that it ran along
+                    asked.append((tilt, margin.tilt_down + NEAR * region.center, True))
+            for angle, there, held in asked:
                 judged = judge(program.turned(there)).stable
-                if angle > 0 and judged is not None and judged is not held:
-                    wrong.append(f"tilt {margin.tilt_deg} {step:+g}: judged {judged}")
+                if angle * tilt > 0 and judged is not None and judged is not held:
+                    wrong.append(f"tilt {margin.tilt_deg} at {angle} rad: judged {judged}")
         if tilt > 0 and limited and region.dimension == (2 if program.planar else 3):
             outer = np.arcsin(np.clip((region.facets @ down).min(initial=1.0), -1, 1))
             inner = np.arcsin(np.clip((region.cone.facets @ down).min(initial=1.0), -1, 1))
