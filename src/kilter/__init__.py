@@ -56,6 +56,8 @@ if TYPE_CHECKING:
     from kilter.errors import SolverError as SolverError
     from kilter.files.reading import load as load
     from kilter.files.writing import dump as dump
+    from kilter.health import Health as Health
+    from kilter.health import doctor as doctor
     from kilter.notebook import Shown as Shown
     from kilter.publish import Report as Report
     from kilter.publish import animate as animate
@@ -78,6 +80,7 @@ _HOMES = {
     "batch": "kilter.analysis.many.batch",
     "check": "kilter.analysis.check",
     "contacts": "kilter.contact.detect",
+    "doctor": "kilter.health",
     "draw": "kilter.publish",
     "dump": "kilter.files.writing",
     "example": "kilter.scenes",
@@ -117,6 +120,7 @@ _HOMES = {
     "ContactSet": "kilter.contact.contact_set",
     "Example": "kilter.scenes.registry",
     "Fixture": "kilter.analysis.planning.fixture",
+    "Health": "kilter.health",
     "Margin": "kilter.analysis.margins.margin",
     "Order": "kilter.analysis.planning.order",
     "Orientation": "kilter.analysis.turning.orientation",

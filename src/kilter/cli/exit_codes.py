@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 __all__ = [
+    "DOCTOR",
     "FAULT",
     "HOLD",
     "HOLDS",
@@ -29,6 +30,8 @@ PLAN = {"impossible": 1, "fails": 1, "none-found": 4}
 VERIFY = {True: 0, False: 1}
 """Of whether a proof holds."""
 HOLD = {"held": 0, "impossible": 1, "undecided": 4}
+DOCTOR = {True: 0, False: 1}
+"""Of whether all that is installed works."""
 SOME_ERRORS = 1
 """Of `batch`: all rows are written, and some say why there is no verdict."""
 USAGE = 2

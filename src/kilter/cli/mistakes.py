@@ -34,5 +34,5 @@ def fault_words(error: Exception, words: Sequence[str]) -> str:
     return (
         f"a fault of kilter itself: {type(error).__name__}: {detail} "
         f"(kilter {kilter.__version__}, {module}:{last.lineno}); please report it with the "
-        f"command 'kilter {' '.join(words)}' and the file"
+        f"command 'kilter {' '.join(words)}', the file and what 'kilter doctor' prints"
     )
