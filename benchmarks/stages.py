@@ -3,11 +3,13 @@
     python benchmarks/stages.py                            1,000 and 10,000 bricks
     python benchmarks/stages.py 100000 --formats kilter    one format
     python benchmarks/stages.py 1000000 --until contacts   as far as a stage
+    python benchmarks/stages.py 10000 --friction 0.6       with friction, and leaning
 
 The same wall in running bond, as a kilter file of boxes, and as meshes in COMPAS JSON, OBJ and
-binary STL (one soup of triangles, which is taken apart into its bodies). Each row is a process
-of its own; `peak` is the most memory that it held until the end of the stage [GiB]. Imports are
-no part of a stage. For before and after run it with PYTHONPATH set to either tree.
+binary STL (one soup of triangles, which is taken apart into its bodies). With friction it leans
+out of its plane by half of what it bears, as a kilter file: the others hold neither. Each row is
+a process of its own; `peak` is the most memory that it held until the end of the stage [GiB].
+Imports are no part of a stage. For before and after run it with PYTHONPATH set to either tree.
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import json
+import math
 import os
 import resource
 import subprocess
@@ -47,15 +50,28 @@ FACES = np.array(
     [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
 )
 """Faces of a box, corner k with bits x = 1, y = 2, z = 4."""
+LEAN = 0.5
+"""Tangent of the tilt, with friction: a share of that at which it overturns or slides [-]."""
 CORNERS = np.array([[x - 0.5, y - 0.5, z - 0.5] for z in (0, 1) for y in (0, 1) for x in (0, 1)])
 
 
-def write(form: str, bricks: int, path: Path) -> None:
+def leaning_wall(bricks: int, friction: float) -> Any:
+    """A wall of about so many bricks that leans, and stands by its friction."""
+    from kilter.scenes.walls import BRICK, tilted_wall
+
+    courses = max(1, round(bricks**0.5))
+    _, depth, height = BRICK
+    slope = LEAN * min(depth / (height * courses), friction)
+    tilt = math.degrees(math.atan(slope))
+    return tilted_wall(tilt, friction=friction, courses=courses, per_course=round(bricks / courses))
+
+
+def write(form: str, bricks: int, friction: float, path: Path) -> None:
     """The file of a wall of about so many bricks."""
     import kilter
     from kilter.scenes.walls import wall_of
 
-    wall = wall_of(bricks)
+    wall = leaning_wall(bricks, friction) if friction else wall_of(bricks)
     if form == "kilter":
         kilter.dump(wall, path)
         return
@@ -155,7 +171,8 @@ def main() -> None:
     """Run the benchmark, one process a row."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("bricks", nargs="*", type=int, default=[1000, 10_000])
-    parser.add_argument("--formats", nargs="*", choices=list(FORMATS), default=list(FORMATS))
+    parser.add_argument("--formats", nargs="*", choices=list(FORMATS))
+    parser.add_argument("--friction", type=float, default=0.0, help="a leaning wall [-]")
     parser.add_argument("--until", choices=STAGES[1:], default=STAGES[-1])
     parser.add_argument("--json", action="store_true", help="one JSON object a row")
     parser.add_argument("--row", nargs=2, metavar=("FILE", "UNTIL"), help=argparse.SUPPRESS)
@@ -163,6 +180,9 @@ def main() -> None:
     if chosen.row:
         print(json.dumps(measured(Path(chosen.row[0]), chosen.row[1])))
         return
+    if chosen.friction and chosen.formats not in (None, ["kilter"]):
+        parser.error("only kilter's own format holds friction and gravity: --formats kilter")
+    formats = chosen.formats or (["kilter"] if chosen.friction else list(FORMATS))
     if not chosen.json:
         print(
             f"{'bricks':>8s} {'format':7s} {'MB':>7s}",
@@ -171,9 +191,9 @@ def main() -> None:
         )
     with tempfile.TemporaryDirectory() as folder:
         for bricks in chosen.bricks:
-            for form in chosen.formats:
+            for form in formats:
                 path = Path(folder) / FORMATS[form]
-                write(form, bricks, path)
+                write(form, bricks, chosen.friction, path)
                 words = [sys.executable, __file__, "--row", str(path), chosen.until]
                 one = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
                 text = subprocess.run(words, check=True, stdout=subprocess.PIPE, text=True, env=one)
