@@ -1,138 +1,135 @@
-"""Fuzzing: damaged files and random scenes until the time is up; each case has a number.
+"""Fuzzing: damaged files and proofs, options and scenes at random, until the time is up.
 
-    python tests/fuzz/fuzz.py --seconds 600 --seed 0        files and scenes in turn
-    python tests/fuzz/fuzz.py --only files:417              one case again, in this process
+    python tests/fuzz/fuzz.py --seconds 50                    as many of each kind as there is time
+    python tests/fuzz/fuzz.py --files 100000 --scenes 20000 --log run.json     goes on where it was
+    python tests/fuzz/fuzz.py --only files:417                one case again, in this process
 
-Each case runs in a process of its own kind that is ended where it hangs or takes too much
-memory. Faults are listed, and the exit code is 1 where there is any.
+A case is its kind and its number: both together are its seed. Cases run in a process that is
+forked from this one, so that a case costs milliseconds, and which is ended where a case hangs or
+takes too much memory. Faults are listed, and the exit code is 1 where there is any.
 """
 
 from __future__ import annotations
 
 import argparse
-import multiprocessing
+import json
+import os
 import resource
 import sys
 import time
 from collections import Counter
-from multiprocessing.connection import Connection
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
-import numpy as np
-from fuzz_corpus import corpus
-from fuzz_mutations import damaged
-from fuzz_oracles import faults_of_command, faults_of_proof, faults_of_scene
-from fuzz_scenes import random_scene
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # one process, forked: before numpy is loaded
 
-HANGS = 30.0
-"""Seconds after which a case counts as hanging."""
-MEMORY = 8 << 30
-"""Address space of the process that runs the cases [bytes]; libraries alone map about 2 GiB."""
-EFFORT = 0.5
-"""For what friction guarantees [s]."""
-COMMANDS = ("check", "check", "check", "contacts", "orient", "region")
-KINDS = ("files", "scenes")
+from fuzz_cases import KINDS, case
+from fuzz_worker import Worker
+
+SHARE = {"files": 50, "scenes": 10, "options": 10, "proofs": 10}
+"""Cases of each kind where only a time is given, of so many together."""
+KEPT_EACH = 20.0
+"""Between two writings of the log [s]."""
 
 
-def case(kind: str, number: int, folder: Path) -> list[str]:
-    """The faults of one case."""
-    rng = np.random.default_rng([KINDS.index(kind), number])
-    if kind == "scenes":
-        return faults_of_scene(random_scene(rng), rng, EFFORT)
-    names = sorted(corpus())
-    name = names[number % len(names)]
-    path = folder / name
-    path.write_bytes(damaged(name, corpus()[name], rng))
-    command = COMMANDS[int(rng.integers(len(COMMANDS)))]
-    words = [command, str(path), "--quiet"]
-    if command != "contacts" and not name.endswith("kilter.json"):
-        words.append("--floor")
-    if command == "check":
-        words += ["--effort", str(EFFORT)]
-        if rng.random() < 0.3:
-            return faults_of_proof(words, folder / "proof.json")
-    return faults_of_command(words)
+class Round:
+    """What was done so far; kept in a file, if there is one."""
+
+    def __init__(self, seed: int, log: Path | None) -> None:
+        self.log = log
+        self.seed = seed
+        self.done: Counter[str] = Counter()
+        self.ended: dict[str, Counter[str]] = {kind: Counter() for kind in KINDS}
+        self.found: list[str] = []
+        self.seconds = self.cpu = 0.0
+        if log is not None and log.exists():
+            kept = json.loads(log.read_text("utf-8"))
+            self.seed = kept["seed"]
+            self.done.update(kept["done"])
+            for kind, counts in kept["ended"].items():
+                self.ended[kind].update(counts)
+            self.found, self.seconds, self.cpu = kept["found"], kept["seconds"], kept["cpu"]
+
+    def add(self, kind: str, number: int, how: str, faults: list[str]) -> None:
+        """The outcome of a case."""
+        self.done[kind] += 1
+        self.ended[kind][how] += 1
+        for fault in faults:
+            self.found.append(f"{kind}:{number} {fault}")
+            print(self.found[-1], flush=True)
+
+    def keep(self) -> None:
+        """Write the log."""
+        if self.log is None:
+            return
+        names = ("seed", "done", "ended", "found", "seconds", "cpu")
+        beside = self.log.with_suffix(".new")
+        beside.write_text(json.dumps({name: getattr(self, name) for name in names}, indent=1))
+        beside.replace(self.log)
+
+    def summary(self) -> str:
+        """How many of each kind, how they ended, how long it took."""
+        lines = [
+            f"{self.done[kind]} {kind}: "
+            + ", ".join(f"{count} {how}" for how, count in self.ended[kind].most_common())
+            for kind in KINDS
+            if self.done[kind]
+        ]
+        last = f"from number {self.seed}, {self.seconds / 3600:.2f} h, {self.cpu:.0f} s of CPU"
+        return "\n".join([*lines, f"{last}: {len(self.found)} faults"])
 
 
-def work(pipe: Connection) -> None:
-    """A process that runs the cases it is told, until it is told None."""
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
-    with TemporaryDirectory() as folder:
-        while (asked := pipe.recv()) is not None:
-            try:
-                pipe.send(case(*asked, Path(folder)))
-            except BaseException as error:
-                pipe.send([f"{type(error).__name__}: {error}"[:300]])
-
-
-class Worker:
-    """One such process, started anew after a hang or a crash."""
-
-    def __init__(self) -> None:
-        self._start()
-
-    def _start(self) -> None:
-        context = multiprocessing.get_context("spawn")
-        self.pipe, theirs = context.Pipe()
-        self.process = context.Process(target=work, args=(theirs,), daemon=True)
-        self.process.start()
-        theirs.close()
-
-    def run(self, kind: str, number: int) -> list[str]:
-        """The faults of a case; a hang and a crash are faults."""
-        self.pipe.send((kind, number))
-        try:
-            if self.pipe.poll(HANGS):
-                return list(self.pipe.recv())
-            found = [f"hangs over {HANGS:g} s"]
-        except EOFError:
-            self.process.join(5)
-            found = [f"the process died, exit {self.process.exitcode}"]
-        self.process.kill()
-        self._start()
-        return found
-
-    def end(self) -> None:
-        """Let the process end by itself."""
-        self.pipe.send(None)
-        self.process.join(10)
-
-
-def round_of(
-    seconds: float, seed: int, kinds: tuple[str, ...] = KINDS
-) -> tuple[Counter, list[str]]:
-    """Cases in turn until the time is up: how many of each kind, and what was found."""
-    worker, counts, found = Worker(), Counter(), []
-    worker.run("files", 0)  # the start-up of the process is not counted
-    end, number = time.monotonic() + seconds, seed
-    while time.monotonic() < end:
-        for kind in kinds:
-            counts[kind] += 1
-            found += [f"{kind}:{number} {fault}" for fault in worker.run(kind, number)]
-        number += 1
+def run(done: Round, targets: dict[str, int], seconds: float) -> None:
+    """Cases of the kind that is farthest behind, until all are done or the time is up."""
+    worker = Worker()
+    before, cpu_before = done.seconds, done.cpu
+    started = kept = time.monotonic()
+    while True:
+        waiting = [kind for kind, wanted in targets.items() if done.done[kind] < wanted]
+        now = time.monotonic()
+        if now - kept > KEPT_EACH or not waiting or now - started > seconds:
+            done.seconds, kept = before + now - started, now
+            done.cpu = cpu_before + _cpu() + worker.cpu()
+            done.keep()
+        if not waiting or now - started > seconds:
+            break
+        kind = min(waiting, key=lambda one: done.done[one] / targets[one])
+        number = done.seed + done.done[kind]
+        done.add(kind, number, *worker.run(kind, number))
     worker.end()
-    return counts, found
+
+
+def _cpu() -> float:
+    ended = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return time.process_time() + ended.ru_utime + ended.ru_stime
 
 
 def main() -> int:
     """The command."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seconds", type=float, default=60.0)
+    parser.add_argument("--seconds", type=float, default=float("inf"))
     parser.add_argument("--seed", type=int, default=0, help="number of the first case")
-    parser.add_argument("--kinds", default=",".join(KINDS), help="files, scenes or both")
+    parser.add_argument("--log", type=Path, help="kept here; a run goes on from it")
     parser.add_argument("--only", metavar="KIND:NUMBER", help="one case, in this process")
+    for kind in KINDS:
+        parser.add_argument(f"--{kind}", type=int, help=f"cases of {kind}")
     given = parser.parse_args()
     if given.only:
         kind, number = given.only.split(":")
         folder = Path("fuzz-case")
         folder.mkdir(exist_ok=True)
-        print("\n".join(case(kind, int(number), folder)) or "no fault")
-        return 0
-    counts, found = round_of(given.seconds, given.seed, tuple(given.kinds.split(",")))
-    print("\n".join(found))
-    print(", ".join(f"{n} {kind}" for kind, n in counts.items()) + f": {len(found)} faults")
-    return 1 if found else 0
+        how, faults = case(kind, int(number), folder)
+        print("\n".join([how, *faults]))
+        return 1 if faults else 0
+    asked = {kind: getattr(given, kind) for kind in KINDS}
+    targets = {kind: count for kind, count in asked.items() if count}
+    if not targets:
+        if given.seconds == float("inf"):
+            parser.error("give --seconds, or how many cases")
+        targets = {kind: SHARE[kind] * 10**6 for kind in KINDS}
+    done = Round(given.seed, given.log)
+    run(done, targets, given.seconds)
+    print(done.summary())
+    return 1 if done.found else 0
 
 
 if __name__ == "__main__":

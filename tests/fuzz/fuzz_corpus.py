@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -11,22 +12,56 @@ import numpy as np
 import trimesh
 
 from kilter.files import to_text
+from kilter.files.mjcf import to_mjcf
 from kilter.scenes import scene
+from kilter.scenes.stacks import tower
 
-SCENES = ("paper-figure-8", "trapped-wedge", "tower", "slope-with-friction", "three-cylinders")
+SCENES = {
+    "paper-figure-8": "paper-figure-8",
+    "trapped-wedge": "trapped-wedge",
+    "slope": "slope-with-friction",
+    "three-cylinders": "three-cylinders",
+}
 MESHES = ("stl", "obj", "glb", "3mf")
+PRINTED = ("box.step",)
+"""Files whose reader is a process of its own: too slow for options by the thousand."""
 
 
 @cache
 def corpus() -> dict[str, bytes]:
     """Files by name; the name's ending says the format."""
-    found = {f"{name}.kilter.json": to_text(scene(name)).encode() for name in SCENES}
+    found = {f"{name}.kilter.json": to_text(scene(of)).encode() for name, of in SCENES.items()}
+    found["tower.kilter.json"] = to_text(tower(2)).encode()
     found["joined.kilter.json"] = _joined()
+    found["robot.urdf"] = ROBOT
+    if find_spec("mujoco") is not None:
+        found["scene.xml"] = to_mjcf(tower(2)).encode()
     found |= {f"pile.{ending}": _meshes(ending) for ending in MESHES}
     found["ascii.stl"] = _ascii_stl()
     found["blocks.json"] = _compas()
     found |= _step()
     return found
+
+
+ROBOT = b"""<?xml version="1.0"?>
+<robot name="arm">
+  <link name="base"><collision><geometry><box size="1 1 0.2"/></geometry></collision></link>
+  <link name="arm">
+    <inertial><mass value="2"/><origin xyz="0 0 0.2"/></inertial>
+    <collision>
+      <origin xyz="0 0 0.3" rpy="0 0.1 0"/>
+      <geometry><cylinder radius="0.1" length="0.5"/></geometry>
+    </collision>
+  </link>
+  <link name="ball"><visual><geometry><sphere radius="0.1"/></geometry></visual></link>
+  <joint name="hinge" type="revolute">
+    <parent link="base"/><child link="arm"/><origin xyz="0 0 0.1"/><axis xyz="0 1 0"/>
+  </joint>
+  <joint name="tip" type="fixed">
+    <parent link="arm"/><child link="ball"/><origin xyz="0 0 0.7" rpy="0 0 0"/>
+  </joint>
+</robot>
+"""
 
 
 def _boxes() -> dict[str, trimesh.Trimesh]:

@@ -13,16 +13,23 @@ import numpy as np
 from fuzz_corpus import numbers
 
 Random = np.random.Generator
+NUMBER = re.compile(rb"-?\d+(?:\.\d*)?(?:[eE][+-]?\d{1,3})?")
 
 
 def damaged(name: str, content: bytes, rng: Random) -> bytes:
-    """The content with one to four mutations that suit its format."""
-    ways = [flipped, cut, doubled, swapped, renumbered]
+    """The content with one to four mutations that suit its format; half of all keep its form."""
+    ways = [flipped, cut, doubled, swapped, renumbered, *[nudged] * 4]
     if name.endswith("json"):
-        ways += [reshaped] * 6
+        ways += [reshaped] * 4
     if name.endswith("3mf"):
         ways += [rezipped] * 6
-    for _ in range(int(rng.integers(1, 5))):
+    if name.endswith("glb"):
+        ways += [rechunked] * 6
+    if name.endswith(("step", "stl", "obj", "urdf", "xml")):
+        ways += [renumbered, reworded] * 2
+    if rng.random() < 0.4:
+        ways = [nudged]
+    for _ in range(int(rng.choice([1, 1, 2, 3, 4]))):
         content = ways[int(rng.integers(len(ways)))](content, rng)
     return content
 
@@ -61,12 +68,87 @@ def swapped(content: bytes, rng: Random) -> bytes:
 
 def renumbered(content: bytes, rng: Random) -> bytes:
     """A number replaced by another, where the content is text."""
-    found = list(re.finditer(rb"-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?", content))
+    found = list(NUMBER.finditer(content))
     if not found or b"\0" in content[:200]:
         return flipped(content, rng)
     for match in reversed([found[int(k)] for k in np.unique(rng.integers(0, len(found), 2))]):
         content = content[: match.start()] + numbers(rng).encode() + content[match.end() :]
     return content
+
+
+def nudged(content: bytes, rng: Random) -> bytes:
+    """A number of a text a little larger or smaller, of the other sign, or another one of it."""
+    found = [] if b"\0" in content[:200] else list(NUMBER.finditer(content))
+    if not found:
+        return _nudged_singles(content, rng)
+    match, other = (found[int(k)] for k in rng.integers(0, len(found), 2))
+    word = other[0]
+    if rng.random() < 0.6:
+        word = _near(float(match[0]), rng).encode()
+    return content[: match.start()] + word + content[match.end() :]
+
+
+def _near(value: float, rng: Random) -> str:
+    size = 10.0 ** rng.uniform(-16, 0) * rng.choice([-1, 1])
+    near = [
+        value * (1 + size),
+        value + size,
+        -value,
+        value * 10.0 ** rng.integers(-3, 4),
+        value + 1,
+    ]
+    found = near[int(rng.integers(len(near)))]
+    return str(int(found)) if value.is_integer() and rng.random() < 0.5 else repr(found)
+
+
+def _nudged_singles(content: bytes, rng: Random) -> bytes:
+    """A float32 in the second half of a binary file a little other: there are its coordinates."""
+    if len(content) < 100:
+        return content
+    at = 4 * int(rng.integers(len(content) // 8, len(content) // 4 - 1)) + int(rng.choice([0, 2]))
+    value = np.frombuffer(content, "<f4", 1, at)
+    with np.errstate(all="ignore"):
+        near = (value * np.float32(1 + 10.0 ** rng.uniform(-7, 0))).tobytes()
+    return content[:at] + near + content[at + 4 :]
+
+
+def reworded(content: bytes, rng: Random) -> bytes:
+    """A word of a text replaced by another of it, or by an odd one."""
+    found = list(re.finditer(rb"[A-Za-z_.#\d-]+", content))
+    if not found or b"\0" in content[:200]:
+        return flipped(content, rng)
+    match, other = (found[int(k)] for k in rng.integers(0, len(found), 2))
+    odd = [
+        b"",
+        b"\0",
+        b"\x1b[2J",
+        b"a" * 3000,
+        "\u202eü".encode(),
+        b"../../x.stl",
+        b"/dev/zero",
+        b"&a;",
+    ]
+    word = other[0] if rng.random() < 0.6 else odd[int(rng.integers(len(odd)))]
+    return content[: match.start()] + word + content[match.end() :]
+
+
+def rechunked(content: bytes, rng: Random) -> bytes:
+    """A GLB whose header is damaged as a JSON, its lengths put right."""
+    size = int.from_bytes(content[12:16], "little")
+    if content[:4] != b"glTF" or 20 + size > len(content):
+        return flipped(content, rng)
+    header = reshaped(content[20 : 20 + size], rng)
+    header += b" " * (-len(header) % 4)
+    rest = content[20 + size :]
+    length = 20 + len(header) + len(rest)
+    return (
+        content[:8]
+        + length.to_bytes(4, "little")
+        + len(header).to_bytes(4, "little")
+        + b"JSON"
+        + header
+        + rest
+    )
 
 
 def reshaped(content: bytes, rng: Random) -> bytes:
@@ -114,7 +196,7 @@ def _other(value: Any, rng: Random) -> Any:
         lambda: None,
         lambda: bool(rng.integers(2)),
         lambda: float(rng.choice([1e308, -1e308, 1e-308, 0.0, -1.0, 1e12, 1e-12, np.nan, np.inf])),
-        lambda: int(rng.choice([0, -1, 2**31, 2**53, 10**18])),
+        lambda: int(rng.choice([0, 1, 3, -1, 255, 2**16, 2**31, 2**32, 2**53, 10**18])),
         lambda: str(
             rng.choice(["", "table", "\0", "\x1b[31m", "../../etc", "ü\u202e", "a" * 5000])
         ),

@@ -1,4 +1,4 @@
-"""What must hold of every run, whatever it was given; each function gives the faults it sees."""
+"""What must hold of every run, whatever it was given: how it ended, and the faults of that."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import io
 import json
 import re
 import warnings
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,9 @@ from kilter.scenes.transform import moved, permuted, renamed, scaled
 
 ANSWERS = {0, 1, 3, 4}
 DECIDED = {"stable", "unstable"}
+CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
+"""What moves the cursor of a terminal, colours it, or turns its writing."""
+Outcome = tuple[str, list[str]]
 
 
 def said(words: list[str]) -> tuple[int, str, str]:
@@ -31,9 +35,13 @@ def said(words: list[str]) -> tuple[int, str, str]:
     return code, out.getvalue(), error.getvalue()
 
 
-def faults_of_command(words: list[str]) -> list[str]:
+def faults_of_command(words: list[str]) -> Outcome:
     """An answer or one line that says what is wrong; never a traceback, a warning, exit 70."""
-    code, _, error = said([*words, "--json"])
+    code, out, error = said(words)
+    return f"exit {code}", _wrong_with(code, out, error)
+
+
+def _wrong_with(code: int, out: str, error: str) -> list[str]:
     found = []
     if code not in ANSWERS | {2}:
         found.append(f"exit {code}: {error.strip()[:300]}")
@@ -41,53 +49,120 @@ def faults_of_command(words: list[str]) -> list[str]:
         found.append(f"on the error stream: {error.strip()[:300]}")
     if code == 2 and (error.count("\n") != 1 or not error.startswith("kilter: ")):
         found.append(f"exit 2 with {error.count(chr(10))} lines: {error.strip()[:300]}")
-    if re.search(r"[\x00-\x08\x0b-\x1f\x7f]", error):
-        found.append(f"control characters on the error stream: {error!r:.300}")
+    if code == 2 and out:
+        found.append(f"exit 2 with an answer: {out[:100]!r}")
+    for name, text in (("error stream", error), ("output", out)):
+        if seen := CONTROL.search(text):
+            start = max(seen.start() - 60, 0)
+            found.append(f"a control character on the {name}: {text[start : start + 120]!r}")
     return found
 
 
-def faults_of_proof(words: list[str], proof: Path) -> list[str]:
-    """A proof that a check wrote holds when it is verified."""
+def faults_of_proof(words: list[str], proof: Path) -> Outcome:
+    """As of any command; and the proof that it wrote holds when it is verified."""
     proof.unlink(missing_ok=True)
-    code, out, _ = said([*words, "--json", "--proof", str(proof)])
-    if code not in ANSWERS or not proof.exists():
-        return []
+    code, out, error = said([*words, "--json", "--proof", str(proof)])
+    found = _wrong_with(code, "", error)
+    if found or code not in ANSWERS or not proof.exists():
+        return f"exit {code}", found
     verified, _, error = said(["verify", words[1], str(proof)])
-    if verified == 0:
-        return []
-    verdict = json.loads(out)["verdict"]
-    return [f"proof of {verdict} refused: exit {verified} {error.strip()[:200]}"]
+    if verified != 0:
+        verdict = json.loads(out)["verdict"]
+        found.append(f"proof of {verdict} refused: exit {verified} {error.strip()[:200]}")
+    return f"exit {code}, verified", found
 
 
-def faults_of_scene(assembly: Assembly, rng: np.random.Generator, effort: float) -> list[str]:
-    """A verdict or an `InputError`; the same one renamed, permuted, turned and scaled."""
-    found: list[str] = []
-    with warnings.catch_warnings():
+def faults_of_damaged_proof(file: Path, proof: Path, verdict: str) -> Outcome:
+    """It holds, or not, or is no proof; it does not prove the contrary of what was proved."""
+    code, out, error = said(["verify", str(file), str(proof), "--json"])
+    found = _wrong_with(code, "", error)
+    if code not in (0, 1, 2):
+        found.append(f"verify ends with {code}")
+    if code == 0 and {verdict, json.loads(out)["verdict"]} == DECIDED:
+        found.append(f"of what is {verdict} the contrary is verified")
+    return f"exit {code}", found
+
+
+@contextlib.contextmanager
+def _strictly() -> Iterator[None]:
+    """Warnings are errors, those of numpy's numbers too."""
+    with warnings.catch_warnings(), np.errstate(all="warn", under="ignore"):
         warnings.simplefilter("error")
+        yield
+
+
+def faults_of_loading(path: Path, effort: float) -> Outcome:
+    """The same from Python: a verdict or an `InputError`, and no warning."""
+    with _strictly():
         try:
-            verdict = kilter.check(assembly, effort=effort).verdict
+            held = not path.name.endswith(("kilter.json", "urdf", "xml"))
+            verdict = kilter.check(kilter.load(path, floor=held or None), effort=effort)
         except kilter.InputError:
-            return []
-        except Warning as warning:
-            return [f"a warning of {warning!r}"]
-        for way, other in _others(assembly, rng):
-            try:
-                again = kilter.check(other, effort=effort).verdict
-            except kilter.InputError as error:
-                found.append(f"{way}: refused, {error}")
-                continue
-            if {verdict, again} == DECIDED:
-                found.append(f"{way}: {verdict} became {again}")
-    return found
+            return "refused", []
+        return verdict.verdict, []
 
 
-def _others(assembly: Assembly, rng: np.random.Generator) -> list[tuple[str, Assembly]]:
+def faults_of_scene(assembly: Callable[[], Assembly], rng: Random, effort: float) -> Outcome:
+    """A verdict or an `InputError`; the same one renamed, permuted, turned and scaled.
+
+    All changes are made at once; where the verdict is another one, each by itself, to name it.
+    """
+    with _strictly():
+        try:
+            made = assembly()
+            first = kilter.check(made, effort=effort)
+        except kilter.InputError:
+            return "refused", []
+        found = _unproved(first, rng)
+        verdict, ways = first.verdict, _ways(made, rng)
+        again = _again(made, list(ways.values()), effort)
+        if not _contrary(verdict, again):
+            how = verdict if again in ("refused", verdict) else f"{verdict}, again {again}"
+            return how, found
+        for name, way in ways.items():
+            alone = _again(made, [way], effort)
+            if _contrary(verdict, alone):
+                found.append(f"{name}: {verdict} became {alone}")
+        return f"{verdict}, again {again}", found or [f"all at once: {verdict} became {again}"]
+
+
+def _contrary(verdict: str, other: str) -> bool:
+    return {verdict, other} == DECIDED or other.startswith("refused: ")
+
+
+def _unproved(verdict: kilter.Verdict, rng: Random) -> list[str]:
+    """The proof of a verdict, where it is not verified; of every third."""
+    if rng.random() > 0.33 or verdict.certificate is None:
+        return []
+    found = kilter.verify(verdict.assembly, json.loads(json.dumps(verdict.proof())))
+    return [] if found.holds else [f"proof of {verdict.verdict} refused: {found.reasons}"[:300]]
+
+
+def _again(assembly: Assembly, ways: list[Callable[[Assembly], Assembly]], effort: float) -> str:
+    """The verdict after changes."""
+    try:
+        for way in ways:
+            assembly = way(assembly)
+        return kilter.check(assembly, effort=effort).verdict
+    except kilter.InputError as error:
+        # what a scene of 1e-90 m is scaled to may be out of range; nothing else may be refused
+        return "refused" if "out of range" in str(error) else f"refused: {error}"
+
+
+Random = np.random.Generator
+
+
+def _ways(assembly: Assembly, rng: Random) -> dict[str, Callable[[Assembly], Assembly]]:
     """The same assembly in other words."""
     turn = rng.normal(size=4)
-    pose = kilter.Pose(rng.normal(size=3), turn / np.linalg.norm(turn))
-    return [
-        ("renamed", renamed(assembly, lambda name: f"x-{name}")),
-        ("permuted", permuted(assembly, rng.permutation(len(assembly.parts)).tolist())),
-        ("turned", moved(assembly, pose.rotation, pose.position)),
-        ("scaled", scaled(assembly, float(10.0 ** rng.uniform(-3, 3)))),
-    ]
+    turn /= np.linalg.norm(turn)
+    size = float(np.ptp(assembly.geometry.center, axis=0).max(initial=0.0)) or 1.0
+    shift = rng.normal(size=3) * size
+    order = rng.permutation(len(assembly.parts)).tolist()
+    factor = float(10.0 ** rng.uniform(-3, 3))
+    return {
+        "renamed": lambda one: renamed(one, lambda name: f"x-{name}"),
+        "permuted": lambda one: permuted(one, order),
+        "turned": lambda one: moved(one, turn, shift),
+        "scaled": lambda one: scaled(one, factor),
+    }

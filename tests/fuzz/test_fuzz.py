@@ -1,34 +1,46 @@
-"""A short round of the fuzzer; ``python tests/fuzz/fuzz.py`` runs long ones."""
+"""A short round of the fuzzer, and what it found; ``python tests/fuzz/fuzz.py`` runs long ones."""
 
 from __future__ import annotations
 
+import json
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from fuzz_cases import KINDS
 from fuzz_corpus import corpus
 from fuzz_mutations import damaged
-from fuzz_oracles import faults_of_command, faults_of_proof
+from fuzz_oracles import faults_of_command, faults_of_loading, faults_of_proof
 
-from fuzz import KINDS, Worker
-
-ROUND = {"files": 60, "scenes": 20}
+HERE = Path(__file__).parent
+ROUND = {"files": 400, "scenes": 40, "options": 60, "proofs": 80}
 """Cases of each kind."""
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_a_short_round_finds_no_fault(kind: str) -> None:
-    worker = Worker()
-    found = [f"{kind}:{k} {fault}" for k in range(ROUND[kind]) for fault in worker.run(kind, k)]
-    worker.end()
-    assert found == []
+def fuzz(*words: str | Path) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, HERE / "fuzz.py", *words]
+    return subprocess.run(command, capture_output=True, text=True, timeout=280)
 
 
-@pytest.mark.parametrize("number", [5254, 5285], ids=["crash in OCCT", "faces inside out"])
-def test_cases_that_were_faults_once(number: int) -> None:
-    worker = Worker()
-    assert worker.run("files", number) == []
-    worker.end()
+def test_a_short_round_finds_no_fault_and_goes_on(tmp_path: Path) -> None:
+    log = tmp_path / "log.json"
+    for part in (2, 1):
+        asked = [word for kind in KINDS for word in (f"--{kind}", str(ROUND[kind] // part))]
+        ended = fuzz("--log", log, *asked)
+        assert (ended.returncode, ended.stderr) == (0, ""), ended.stdout + ended.stderr
+        assert ended.stdout.splitlines()[-1].endswith(": 0 faults")
+        assert json.loads(log.read_text("utf-8"))["done"] == {k: ROUND[k] // part for k in KINDS}
+
+
+@pytest.mark.parametrize("path", sorted((HERE / "found").iterdir()), ids=lambda path: path.name)
+def test_files_that_were_faults_once(path: Path, tmp_path: Path) -> None:
+    copy = Path(shutil.copy(path, tmp_path))
+    for command in ("check", "contacts"):
+        assert faults_of_command([command, str(copy), "--ground", "*"])[1] == []
+    assert faults_of_loading(copy, effort=0.2)[1] == []
 
 
 @pytest.mark.parametrize("name", sorted(corpus()))
@@ -36,12 +48,12 @@ def test_a_whole_file_is_answered_and_its_damage_is_seeded(name: str, tmp_path: 
     path = tmp_path / name
     path.write_bytes(corpus()[name])
     words = ["check", str(path), "--quiet", "--effort", "0.5"]
-    if not name.endswith("kilter.json"):
+    if not name.endswith(("kilter.json", "urdf", "xml")):
         words.append("--floor")
-    assert faults_of_command(words) == []
-    assert faults_of_proof(words, tmp_path / "proof.json") == []
+    assert faults_of_command(words)[1] == []
+    assert faults_of_proof(words, tmp_path / "proof.json")[1] == []
     assert (tmp_path / "proof.json").exists()
-    first, again = (damaged(name, corpus()[name], np.random.default_rng(7)) for _ in range(2))
+    first, again = (damaged(name, corpus()[name], np.random.default_rng(8)) for _ in range(2))
     assert first == again != corpus()[name]
 
 
@@ -54,6 +66,33 @@ def test_a_fault_is_seen(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Non
     path = tmp_path / "a.kilter.json"
     path.write_bytes(corpus()["tower.kilter.json"])
     monkeypatch.setattr(kilter.analysis.check, "check", broken)
-    [fault] = faults_of_command(["check", str(path)])
+    _, [fault] = faults_of_command(["check", str(path)])
     assert fault.startswith("exit 70")
     assert "ZeroDivisionError" in fault
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("how", ["hangs", "dies", "takes memory", "prints"])
+def test_what_breaks_a_limit_is_seen(how: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    import os
+
+    import fuzz_worker
+
+    def broken(*_: object) -> tuple[str, list[str]]:
+        if how == "dies":
+            os._exit(9)
+        if how == "prints":
+            os.write(2, b"a warning of a library\n")
+        if how == "takes memory":
+            return str(len(bytearray(5 << 30))), []
+        while how == "hangs":
+            pass
+        return "ended", []
+
+    monkeypatch.setattr(fuzz_worker, "case", broken)
+    monkeypatch.setattr(fuzz_worker, "HANGS", 2.0)
+    worker = fuzz_worker.Worker()
+    _, [fault] = worker.run("files", 0)
+    worker.end()
+    said = {"hangs": "takes over", "dies": "exit 9", "takes memory": "MemoryError"}
+    assert said.get(how, "a library printed") in fault
