@@ -19,6 +19,7 @@ __all__ = [
     "shell_words",
     "some",
     "some_names",
+    "visible",
 ]
 
 
@@ -148,6 +149,17 @@ def some(words: Sequence[str], limit: int = 5, total: int | None = None) -> str:
 
 def _short(name: str, limit: int = 60) -> str:
     return repr(name if len(name) <= limit else name[: limit - 3] + "...")
+
+
+def visible(text: str) -> str:
+    """The text in one line, with what does not print escaped: it moves no cursor, turns no line.
+
+    Examples
+    --------
+    >>> print(visible("a\\x1b[31mb\\n\\u202ec \xfc"))
+    a\\x1b[31mb\\n\\u202ec \xfc
+    """
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
 
 
 def shell_words(words: Iterable[str]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import importlib
 import multiprocessing
 import os
@@ -29,6 +30,8 @@ MEMORY = 4 << 30
 """What a case may take beside what is loaded before it [bytes]."""
 ANEW = 2000
 """Cases after which a new process takes over."""
+IN_MEMORY = "/dev/shm" if Path("/dev/shm").is_dir() else None
+"""Where files are that live for a case: to write them through to a disk takes its time."""
 Outcome = tuple[str, list[str]]
 
 
@@ -102,6 +105,7 @@ def load_all() -> None:
                 importlib.import_module(module.name)
     # the parser of options is built once, and not for every case: most of the time of a small one
     app.command = cache(app.command)
+    gc.freeze()  # what is loaded is not looked through for garbage, and its pages stay shared
 
 
 def _work(pipe: Connection) -> None:
@@ -109,7 +113,7 @@ def _work(pipe: Connection) -> None:
     held = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     resource.setrlimit(resource.RLIMIT_AS, (held + MEMORY, held + MEMORY))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    with TemporaryDirectory() as folder, TemporaryFile() as noise:
+    with TemporaryDirectory(dir=IN_MEMORY) as folder, TemporaryFile() as noise:
         for stream in (1, 2):
             os.dup2(noise.fileno(), stream)
         while True:

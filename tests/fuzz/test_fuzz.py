@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+import copy
 import json
+import math
 import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from fuzz_cases import KINDS
 from fuzz_corpus import corpus
 from fuzz_mutations import damaged
-from fuzz_oracles import faults_of_command, faults_of_loading, faults_of_proof
+from fuzz_oracles import faults_of_command, faults_of_loading, faults_of_proof, said
+
+import kilter
 
 HERE = Path(__file__).parent
-ROUND = {"files": 400, "scenes": 40, "options": 60, "proofs": 80}
+ROUND = {"files": 300, "scenes": 30, "options": 40, "proofs": 40}
 """Cases of each kind."""
 
 
@@ -53,8 +58,37 @@ def test_a_whole_file_is_answered_and_its_damage_is_seeded(name: str, tmp_path: 
     assert faults_of_command(words)[1] == []
     assert faults_of_proof(words, tmp_path / "proof.json")[1] == []
     assert (tmp_path / "proof.json").exists()
-    first, again = (damaged(name, corpus()[name], np.random.default_rng(8)) for _ in range(2))
-    assert first == again != corpus()[name]
+    seeds = [np.random.default_rng(k) for k in (*range(10), *range(10))]
+    made = [damaged(name, corpus()[name], rng) for rng in seeds]
+    assert made[:10] == made[10:]
+    assert len(set(made) - {corpus()[name]}) >= 7
+
+
+@pytest.fixture(scope="module")
+def proved(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
+    """A tower, and the proofs of its region."""
+    path = tmp_path_factory.mktemp("proved") / "tower.kilter.json"
+    path.write_bytes(corpus()["tower.kilter.json"])
+    said(["region", str(path), "--proof", str(path.with_name("proof.json"))])
+    return path, json.loads(path.with_name("proof.json").read_text("utf-8"))
+
+
+def test_a_proof_with_a_number_that_is_none_is_refused(proved: Any, tmp_path: Path) -> None:
+    path, bundle = proved
+    (tmp_path / "p.json").write_text(json.dumps({**bundle, "center": math.nan}), "utf-8")
+    code, _, error = said(["verify", str(path), str(tmp_path / "p.json")])
+    assert code == 2
+    assert "it is no JSON" in error
+
+
+def test_a_motion_that_leaves_a_part_out_does_not_prove_a_facet(proved: Any) -> None:
+    path, bundle = proved
+    bundle = copy.deepcopy(bundle)
+    facet = next(one for one in bundle["proofs"] if one["about"] == "facet")
+    del facet["proof"]["motion"]["cube-2"]
+    found = kilter.verify(path, bundle)
+    assert not found.holds
+    assert any("its motion leaves 'cube-2' out" in one for one in found.reasons)
 
 
 def test_a_fault_is_seen(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

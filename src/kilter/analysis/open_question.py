@@ -61,11 +61,12 @@ def ask_open(
     Returns
     -------
     OpenQuestion or None
-        None where no open pairs that are joined give forces of equilibrium.
+        None where no open pairs that are joined give forces of equilibrium, or the numbers are so
+        near the limit that it seems to take none.
     """
     pairs = still_open(contacts.open_pairs, assembly)
     found = find_deciding(program, rigid_groups(assembly), pairs, work=work)
-    if found is None:
+    if found is None or not found.pairs:
         return None
     names = assembly.names
     joints = [Joint((names[p.parts[0]], names[p.parts[1]])) for p in found.pairs]

@@ -91,4 +91,6 @@ def _run(words: list[str]) -> int:
 
 
 def _say(message: str) -> None:
-    print(f"kilter: {message}", file=sys.stderr)
+    from kilter.errors import visible
+
+    print(f"kilter: {visible(message)}", file=sys.stderr)

@@ -10,7 +10,7 @@ from kilter.cli.asked import Asked
 from kilter.cli.exit_codes import FAULT, HOLDS, LOWER, USAGE, VERDICT
 from kilter.cli.mistakes import fault_words
 from kilter.cli.output import as_json, emit, tell_warnings
-from kilter.errors import InputError
+from kilter.errors import InputError, visible
 
 __all__ = ["check_each", "code_of"]
 
@@ -72,5 +72,5 @@ def _answered(asked: Asked, judge: Callable[[Asked], Answer]) -> tuple[Answer, i
         warnings = [f"{asked.file}: {one}" for one in answer["warnings"]]
         tell_warnings(warnings, asked.quiet or asked.json)
         return answer, code_of(answer)
-    print(f"kilter: {why}", file=sys.stderr)
+    print(f"kilter: {visible(why)}", file=sys.stderr)
     return {"error": why}, code

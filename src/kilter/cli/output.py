@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 import threading
 import time
@@ -10,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from kilter.errors import InputError
+from kilter.errors import InputError, visible
 
 __all__ = ["Progress", "as_json", "emit", "keep_apart", "tell_warnings", "write_whole"]
 
@@ -18,13 +19,21 @@ EACH = 1.0
 """Between two words of progress [s]."""
 
 
+OBEYED = re.compile(
+    r"(?!\x1b\[[\d;]*m)[\x00-\x09\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069]"
+)
+"""What moves a cursor or turns a line, in names of files and parts; colours are our own."""
+
+
 def as_json(data: Any) -> str:
-    """JSON text with numbers exact to the last digit."""
-    return json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    """JSON text with numbers exact to the last digit; what a terminal would obey is escaped."""
+    text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return OBEYED.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
 
 
 def emit(text: str, output: Path | None) -> None:
     """Print an answer, or write it to a file."""
+    text = OBEYED.sub(lambda found: visible(found[0]), text)
     if output is None:
         sys.stdout.write(text if text.endswith("\n") else text + "\n")
     else:
@@ -68,7 +77,7 @@ def tell_warnings(warnings: Sequence[str], quiet: bool, limit: int = 20) -> None
     if quiet:
         return
     for warning in warnings[:limit]:
-        print(f"kilter: warning: {warning}", file=sys.stderr)
+        print(f"kilter: warning: {visible(warning)}", file=sys.stderr)
     if len(warnings) > limit:
         print(f"kilter: {len(warnings) - limit} more warnings (--json lists all)", file=sys.stderr)
 

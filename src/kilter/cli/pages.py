@@ -13,7 +13,7 @@ from kilter.cli.asked import Asked
 from kilter.cli.exit_codes import WRITTEN
 from kilter.cli.options import asks
 from kilter.cli.output import Progress, tell_warnings
-from kilter.errors import InputError
+from kilter.errors import InputError, visible
 
 __all__ = ["draw", "report", "view"]
 
@@ -121,7 +121,7 @@ def _say(line: str, *, quiet: bool) -> None:
     if line.startswith("http"):
         print(line, flush=True)
     elif not quiet:
-        print(f"kilter: {line}", file=sys.stderr, flush=True)
+        print(f"kilter: {visible(line)}", file=sys.stderr, flush=True)
 
 
 @asks(searches=True, answers=False)

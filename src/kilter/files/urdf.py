@@ -214,7 +214,7 @@ def _numbers(element: Element | None, key: str, count: int, default: str = "") -
         values = [float(word) for word in words]
     except ValueError:
         values = []
-    if len(values) != count:
+    if len(values) != count or not np.isfinite(values).all():
         tag = "element" if element is None else element.tag
         raise InputError(
             f"{key} of a {tag} is {' '.join(words)!r:.60}", hint=f"give {count} numbers"

@@ -142,6 +142,8 @@ def differs(about: Mapping[str, Any], proof: Mapping[str, Any]) -> str:
     total = np.zeros(3)
     for part in proof["parts"]:
         if not part["grounded"]:
+            if part["name"] not in proof["motion"]:
+                return f"its motion leaves {part['name']!r} out"
             total += part["mass"] * np.asarray(proof["motion"][part["name"]][:3])
     size = float(np.linalg.norm(total))
     along = total / size if size > 0 else total

@@ -193,10 +193,7 @@ def require_form(proof: Any) -> None:
             hint="give what verdict.proof() returns",
             option="give a file of kilter check --proof",
         )
-    try:
-        json.dumps(proof, allow_nan=False)
-    except (TypeError, ValueError, RecursionError) as error:
-        raise _unreadable(f"it is no JSON ({error})") from None
+    _require_json(proof)
     evidence = FORCES if "forces" in proof else MOTION
     fault = PROOF(proof, "") or evidence(proof, "")
     if not fault and proof.get("friction") is not None:
@@ -225,9 +222,18 @@ def require_bundle_form(bundle: Any) -> None:
             f"this is no file of kilter proofs of format {FORMAT}",
             hint="make it anew with --proof",
         )
+    _require_json(bundle)
     fault = BUNDLE(bundle, "") or ("" if bundle["proofs"] else "it has no proofs")
     if fault:
         raise _unreadable(fault)
+
+
+def _require_json(proof: Any) -> None:
+    """Refuse what has no digest: numbers that are not finite, values that JSON does not know."""
+    try:
+        json.dumps(proof, allow_nan=False)
+    except (TypeError, ValueError, RecursionError) as error:
+        raise _unreadable(f"it is no JSON ({error})") from None
 
 
 def _unreadable(why: str) -> InputError:

@@ -186,8 +186,8 @@ def _across_open(geometry: Geometry, ends: Index, sides: Index) -> tuple[Index, 
         if len(mine) > OPEN:
             continue
         start, end = geometry.vertices[ends[mine]].transpose(1, 0, 2)
-        along = (end - start) / np.linalg.norm(end - start, axis=1)[:, None]
         length = np.linalg.norm(end - start, axis=1)
+        along = unit_rows(end - start)
         for row, edge in enumerate(mine.tolist()):
             away = (start[row] + end[row]) / 2 - start
             at = np.einsum("ij,ij->i", away, along)
