@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from kilter.analysis.verification import verify as verify
     from kilter.assembly.assembly import Assembly as Assembly
     from kilter.assembly.assembly_arrays import AssemblyArrays as AssemblyArrays
+    from kilter.assembly.feature import Feature as Feature
     from kilter.assembly.interactions import FrictionPair as FrictionPair
     from kilter.assembly.interactions import GivenContact as GivenContact
     from kilter.assembly.interactions import Joint as Joint
@@ -104,6 +105,7 @@ _HOMES = {
     "AssemblyArrays": "kilter.assembly.assembly_arrays",
     "Box": "kilter.shape.primitives",
     "Cylinder": "kilter.shape.primitives",
+    "Feature": "kilter.assembly.feature",
     "FrictionPair": "kilter.assembly.interactions",
     "GivenContact": "kilter.assembly.interactions",
     "Joint": "kilter.assembly.interactions",

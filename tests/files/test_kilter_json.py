@@ -16,7 +16,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kilter.assembly import Assembly, FrictionPair, GivenContact, Joint, Load, Part
+from kilter.assembly import Assembly, Feature, FrictionPair, GivenContact, Joint, Load, Part
 from kilter.errors import InputError
 from kilter.files import dump, from_dict, load, schema, to_dict
 from kilter.rigid import Pose, unit
@@ -46,7 +46,21 @@ def full() -> Assembly:
         friction=0.2,
         friction_pairs=[FrictionPair(("C2", "C3"), 0.7)],
         loads=[Load("C2", force=[1, 2, 3]), Load("C3", torque=[0, 0, 0.1], point=[1, 1, 1])],
-        contacts=[GivenContact(("table", "C2"), [[0, 0, 0], [1, 0, 0]], [0.1, 0.2, 0.7], 0.4)],
+        contacts=[
+            GivenContact(("table", "C2"), [[0, 0, 0], [1, 0, 0]], [0.1, 0.2, 0.7], 0.4),
+            GivenContact(
+                ("C2", "C3"),
+                [[0, 0, 0]],
+                [0, 0, 2],
+                feature=(Feature("face", [1, 3, 0], (1 / 3, -2)), Feature("edge", [3, 1, 0], 0.7)),
+            ),
+            GivenContact(
+                ("C2", "C4"),
+                [[0, 0, 0]],
+                [0, 0, 2],
+                feature=[Feature("vertex"), Feature("face", curvature=0.1)],
+            ),
+        ],
         joints=[
             Joint(("C5", "ground")),
             Joint(("C5", "C6"), "fixed", [0, 0, 1], [1, 2, 3]),

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scene_oracle import imbalance, lp9, stable
 
-from kilter.assembly import Assembly, FrictionPair, GivenContact, Joint, Load, Part
+from kilter.assembly import Assembly, Feature, FrictionPair, GivenContact, Joint, Load, Part
 from kilter.errors import InputError
 from kilter.rigid import Pose
 from kilter.scenes import SCENES, paper, stacks, walls
@@ -25,7 +25,15 @@ def everything():
         ],
         friction_pairs=[FrictionPair(("a", "b"), 0.3)],
         loads=[Load("b", force=[1, 0, 0], torque=[0, 1, 0], point=[0, 0, 2])],
-        contacts=[GivenContact(("a", "b"), [[0, 0, 1], [1, 0, 1]], [0, 0, 1])],
+        contacts=[
+            GivenContact(("a", "b"), [[0, 0, 1], [1, 0, 1]], [0, 0, 1]),
+            GivenContact(
+                ("b", "a"),
+                [[0, 0, 1]],
+                [0, 0, 1],
+                feature=(Feature("face", [1, 2, 0], (2, -1)), Feature("edge", [0, 1, 0], 3)),
+            ),
+        ],
         joints=[Joint(("ground", "b"), "revolute", [1, 0, 0], [0, 0, 1])],
     )
 

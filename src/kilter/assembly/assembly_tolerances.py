@@ -1,7 +1,7 @@
 """Tolerances of assemblies: sizes that are read, and what counts as flat, level or the same.
 
     UPRIGHT < SAME_SURFACE = PLANAR_AXIS = FLAT_PART = INSIDE_OUT < COPLANAR < BESIDE_SEAM
-            < CREASE < SMOOTH
+            = ACROSS < CREASE < SMOOTH
 
 all relative, or angles in rad.
 
@@ -11,6 +11,7 @@ None of them decides what touches: that is `kilter.contact.contact_tolerances`.
 from __future__ import annotations
 
 __all__ = [
+    "ACROSS",
     "BESIDE_SEAM",
     "COPLANAR",
     "CREASE",
@@ -42,6 +43,8 @@ UPRIGHT = 1e-12
 """Sine of the angle up to which an axis is upright: a torus is lowest all around [-]."""
 BESIDE_SEAM = 1e-6
 """A face reaches this fraction of its radius over its seams, an edge over its chord [-]."""
+ACROSS = 1e-6
+"""Cosine of the angle up to which the direction of a given feature is across the normal [-]."""
 CREASE = 1e-3
 """Faces that meet at less than this have no edge: the seam of a fillet [rad]."""
 SMALL_HOLES = 0.1

@@ -7,7 +7,8 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
-from kilter.assembly.assembly_tolerances import PLANAR_AXIS
+from kilter.assembly.assembly_tolerances import ACROSS, PLANAR_AXIS
+from kilter.assembly.feature import Feature
 from kilter.errors import InputError, nearest_name
 from kilter.rigid import in_brackets, unit
 from kilter.validate import finite, frozen, in_range, number
@@ -114,17 +115,22 @@ class GivenContact:
         Of the surface, from the first part to the second, world frame, of any length.
     mu : float, optional
         Friction coefficient [-]; that of the assembly where it is not given.
+    feature : pair of Feature, optional
+        What touches of the first part and of the second; without it nothing is said of
+        second order.
 
     Raises
     ------
     InputError
-        If there is no point, a number is not finite, or the normal has no length.
+        If there is no point, a number is not finite, the normal has no length, or a feature
+        runs along it.
     """
 
     parts: tuple[str, str]
     points: Any
     normal: Any
     mu: float | None = None
+    feature: tuple[Feature, Feature] | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "parts", _names(self.parts))
@@ -138,9 +144,29 @@ class GivenContact:
         object.__setattr__(self, "normal", unit(self.normal, "normal of a contact"))
         if self.mu is not None:
             object.__setattr__(self, "mu", number(self.mu, "friction coefficient", lowest=0))
+        if self.feature is not None:
+            object.__setattr__(self, "feature", self._features())
+
+    def _features(self) -> tuple[Feature, Feature]:
+        """The pair, each across the normal."""
+        given = tuple(self.feature) if isinstance(self.feature, tuple | list) else ()
+        label = f"contact of {self.parts[0]!r} and {self.parts[1]!r}"
+        if len(given) != 2 or not all(isinstance(one, Feature) for one in given):
+            raise InputError(
+                f"feature of the {label} is {self.feature!r:.60}",
+                hint="give a pair of kilter.Feature, of the first part and of the second",
+            )
+        for one in given:
+            if one.along is not None and abs(float(one.along @ self.normal)) > ACROSS:
+                raise InputError(
+                    f"a feature of the {label} is not across its normal",
+                    hint="give it a direction in the tangent plane",
+                )
+        return given[0], given[1]
 
     def __repr__(self) -> str:
         mu = "" if self.mu is None else f", mu={self.mu:g}"
+        mu += "" if self.feature is None else f", {self.feature[0].kind} on {self.feature[1].kind}"
         normal = in_brackets(self.normal)
         return f"GivenContact({self.parts}, {len(self.points)} points, normal={normal}{mu})"
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kilter.assembly import Assembly, FrictionPair, GivenContact, Joint, Load, Part
+from kilter.assembly import Assembly, Feature, FrictionPair, GivenContact, Joint, Load, Part
 from kilter.errors import InputError, nearest_name
 from kilter.files.checked_solid import checked
 from kilter.files.complaints import complaint
@@ -192,9 +192,18 @@ def _pair(names: Sequence[str]) -> tuple[str, str]:
 
 
 def _contact(entry: Any) -> GivenContact:
-    contact = GivenContact(_pair(entry.parts), entry.points, entry.normal, entry.mu)
+    given = entry.feature
+    pair = None if given is None else (_feature(given[0]), _feature(given[1]))
+    contact = GivenContact(_pair(entry.parts), entry.points, entry.normal, entry.mu, pair)
     _keep(contact, "normal", entry.normal)
     return contact
+
+
+def _feature(entry: Any) -> Feature:
+    feature = Feature(entry.kind, entry.along, entry.curvature)
+    if entry.along is not None:
+        _keep(feature, "along", entry.along)
+    return feature
 
 
 def _joint(entry: Any) -> Joint:
@@ -204,7 +213,7 @@ def _joint(entry: Any) -> Joint:
     return joint
 
 
-def _keep(value: GivenContact | Joint | Surface, name: str, numbers: list[float]) -> None:
+def _keep(value: Feature | GivenContact | Joint | Surface, name: str, numbers: list[float]) -> None:
     """Leave a direction of length 1 (up to rounding) as it is written.
 
     To divide it by its length once more may change the last digit, and what was written
@@ -235,7 +244,13 @@ def to_dict(assembly: Assembly) -> dict[str, Any]:
         "friction_pairs": [{"parts": list(p.parts), "mu": p.mu} for p in assembly.friction_pairs],
         "loads": [_load_dict(load) for load in assembly.loads],
         "contacts": [
-            _given(parts=list(c.parts), points=c.points, normal=c.normal, mu=c.mu)
+            _given(
+                parts=list(c.parts),
+                points=c.points,
+                normal=c.normal,
+                mu=c.mu,
+                feature=c.feature and [_feature_dict(one) for one in c.feature],
+            )
             for c in assembly.contacts
         ],
         "joints": [
@@ -308,6 +323,16 @@ def _solid_dict(solid: Solid) -> dict[str, Any]:
         for surface in solid.surfaces
     ]
     return entries
+
+
+def _feature_dict(feature: Feature) -> dict[str, Any]:
+    k, across = feature.curvature.tolist()
+    alone = feature.kind == "edge" or k == across
+    return _given(
+        kind=feature.kind,
+        along=feature.along,
+        curvature=((k or None) if alone else [k, across]),
+    )
 
 
 def _load_dict(load: Load) -> dict[str, Any]:

@@ -22,6 +22,7 @@ Whole = Annotated[int, Field(strict=True)]
 Flag = Annotated[bool, Field(strict=True)]
 Name = Annotated[str, Field(strict=True, min_length=1)]
 Vector = Annotated[list[Number], Field(min_length=3, max_length=3)]
+Curvatures = Annotated[list[Number], Field(min_length=2, max_length=2)]
 PlanePoint = Annotated[list[Number], Field(min_length=2, max_length=2)]
 Size = Annotated[list[Positive], Field(min_length=3, max_length=3)]
 Quaternion = Annotated[list[Number], Field(min_length=4, max_length=4)]
@@ -170,6 +171,18 @@ class LoadEntry(_Entry):
     torque: Vector = [0.0, 0.0, 0.0]
 
 
+class FeatureEntry(_Entry):
+    """What touches of one part; curvatures positive where it is convex [1/length unit]."""
+
+    kind: Literal["face", "edge", "vertex"] = Field(description="a rim is an edge")
+    along: Vector | None = Field(
+        None, description="tangent of an edge; of a face, a principal direction"
+    )
+    curvature: Number | Curvatures = Field(
+        0.0, description="of an edge along it; of a face, along `along` and across it"
+    )
+
+
 class ContactEntry(_Entry):
     """Contact points of two parts, used instead of detection for that pair."""
 
@@ -177,6 +190,9 @@ class ContactEntry(_Entry):
     points: Annotated[list[Vector], Field(min_length=1)]
     normal: Vector = Field(description="from the first part to the second")
     mu: NotNegative | None = None
+    feature: Annotated[list[FeatureEntry], Field(min_length=2, max_length=2)] | None = Field(
+        None, description="of the first part and of the second; without it second order is open"
+    )
 
 
 class JointEntry(_Entry):

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.arrays import Array
-from kilter.assembly import GROUND, Assembly, Joint, Load, Part
+from kilter.assembly import GROUND, Assembly, Feature, GivenContact, Joint, Load, Part
 from kilter.errors import InputError
 from kilter.rigid import Pose, quaternion_to_matrix
 from kilter.scenes.pieces import compose, turn
@@ -60,7 +60,12 @@ def moved(
         gravity=gravity,
         loads=[_moved_load(load, pose) for load in assembly.loads],
         contacts=[
-            dataclasses.replace(c, points=pose.apply(c.points), normal=matrix @ c.normal)
+            dataclasses.replace(
+                c,
+                points=pose.apply(c.points),
+                normal=matrix @ c.normal,
+                feature=_features(c, lambda along: matrix @ along, 1.0),
+            )
             for c in assembly.contacts
         ],
         joints=[_moved_joint(joint, pose) for joint in assembly.joints],
@@ -125,7 +130,14 @@ def scaled(assembly: Assembly, factor: float) -> Assembly:
         assembly,
         parts=parts,
         loads=loads,
-        contacts=[dataclasses.replace(c, points=times(c.points)) for c in assembly.contacts],
+        contacts=[
+            dataclasses.replace(
+                c,
+                points=times(c.points),
+                feature=_features(c, lambda along: along, factor),
+            )
+            for c in assembly.contacts
+        ],
         joints=[dataclasses.replace(j, point=times(j.point)) for j in assembly.joints],
     )
 
@@ -199,6 +211,19 @@ def _moved_joint(joint: Joint, pose: Pose) -> Joint:
     point = None if joint.point is None else pose.apply([joint.point])[0]
     axis = None if joint.axis is None else pose.matrix @ joint.axis
     return dataclasses.replace(joint, point=point, axis=axis)
+
+
+def _features(
+    contact: GivenContact, turned: Callable[[Array], Array], factor: float
+) -> tuple[Feature, Feature] | None:
+    """The features of a contact, turned, of surfaces `factor` times as large."""
+    if contact.feature is None:
+        return None
+    a, b = (
+        Feature(one.kind, None if one.along is None else turned(one.along), one.curvature / factor)
+        for one in contact.feature
+    )
+    return a, b
 
 
 def _scaled_shape(shape: Shape, factor: float) -> Shape:

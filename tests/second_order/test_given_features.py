@@ -1,0 +1,115 @@
+"""Features of given contacts: what they are to a program, and what is refused."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import kilter
+from kilter import Assembly, Box, Feature, GivenContact, InputError, Part, Pose
+from kilter.arrays import Array
+from kilter.mechanics.program import build_program
+from kilter.scenes.pieces import turn
+from kilter.scenes.transform import moved, permuted, renamed, scaled
+from kilter.second_order.features import EDGE, FACE, OPEN, VERTEX, Features
+from kilter.second_order.features_of import features_of
+from kilter.second_order.gap_form import formed, gap_forms
+
+UP = [0.0, 0, 1]
+CYLINDER = Feature("face", [0, 3, 0], (0, 0.5))
+
+
+def assembly(*features: tuple[Feature, Feature] | None) -> Assembly:
+    """A part on a held one, a contact for each pair of features."""
+    base = Part("base", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
+    part = Part("part", Box([1, 1, 2]), Pose([0.1, 0.2, 1]))
+    given = [
+        GivenContact(("base", "part"), [[0.1 * k, 0, 0], [0, 0.3, 0]], UP, feature=feature)
+        for k, feature in enumerate(features)
+    ]
+    return Assembly([base, part], contacts=given, detect=False)
+
+
+def found(given: Assembly) -> tuple[Features, Array]:
+    contacts = kilter.contacts(given)
+    program = build_program(given, contacts)
+    features = features_of(program, contacts)
+    forms = gap_forms(program, features)
+    np.testing.assert_array_equal(np.isnan(forms).any(axis=(1, 2)), ~formed(program, features))
+    return features, forms
+
+
+def test_a_feature_is_read_to_its_rows() -> None:
+    features, _ = found(
+        assembly(
+            (CYLINDER, Feature("edge", [1, 0, 0], 2)), None, (Feature("vertex"), Feature("face"))
+        )
+    )
+    assert features.kind_a.tolist() == [FACE, FACE, OPEN, OPEN, VERTEX, VERTEX]
+    assert features.kind_b.tolist() == [EDGE, EDGE, OPEN, OPEN, FACE, FACE]
+    assert features.group.tolist() == [0, 0, 1, 1, 2, 2]
+    np.testing.assert_allclose(features.curvature_a[0], np.diag([0.5, 0, 0]))
+    np.testing.assert_allclose(features.curvature_b[0], np.diag([2.0, 0, 0]))
+    np.testing.assert_allclose(features.edge_b[0], [1, 0, 0])
+    assert features.open.tolist() == [False, False, True, True, False, False]
+
+
+def test_a_sphere_needs_no_direction() -> None:
+    features, _ = found(assembly((Feature("face"), Feature("face", curvature=2))))
+    np.testing.assert_allclose(features.curvature_b[0], np.diag([2.0, 2, 0]))
+
+
+def test_turned_and_renamed_parts_have_the_same_forms() -> None:
+    pair = (CYLINDER, Feature("face", [1, 2, 0], (3, 1)))
+    given = assembly(pair)
+    _, forms = found(given)
+    pose = Pose([3, -4, 5], turn([1, 2, 3], 50))
+    _, turned = found(moved(given, pose.rotation, pose.position))
+    blocks = np.kron(np.eye(4), pose.matrix)
+    np.testing.assert_allclose(blocks.T @ turned @ blocks, forms, atol=1e-12)
+    other = permuted(renamed(given, lambda name: name + "!"), [1, 0])
+    np.testing.assert_array_equal(found(other)[1], forms)
+
+
+def test_scaled_parts_have_scaled_forms() -> None:
+    pair = (CYLINDER, Feature("face", [1, 2, 0], (3, 1)))
+    _, forms = found(assembly(pair))
+    _, large = found(scaled(assembly(pair), 10.0))
+    units = np.tile(np.repeat([10.0, 1.0], 3), 2)
+    np.testing.assert_allclose(large * np.outer(units, units) / 10, forms, rtol=1e-9, atol=1e-12)
+
+
+def test_contacts_of_other_lists_are_open() -> None:
+    given = assembly((Feature("face"), Feature("vertex")))
+    contacts = kilter.contacts(given)
+    program = build_program(given, contacts)
+    without = replace(contacts, assembly=replace(given, contacts=()))
+    assert features_of(program, without).open.all()
+
+
+@pytest.mark.parametrize(
+    ("build", "words"),
+    [
+        (lambda: Feature("fase"), "did you mean 'face'"),  # type: ignore[arg-type]
+        (lambda: Feature("edge"), 'give "along"'),
+        (lambda: Feature("face", curvature=(1, 2)), 'give "along"'),
+        (lambda: Feature("edge", [1, 0, 0], (1, 2)), "give one, along it"),
+        (lambda: Feature("vertex", curvature=1), "leave it out"),
+        (lambda: Feature("face", curvature=np.nan), "finite"),
+        (lambda: assembly((Feature("face"), Feature("edge", UP))), "not across its normal"),
+        (lambda: assembly((Feature("face"),)), "pair of kilter.Feature"),  # type: ignore[arg-type]
+        (lambda: assembly(("face", "face")), "pair of kilter.Feature"),  # type: ignore[arg-type]
+    ],
+)
+def test_what_is_no_feature_is_refused(build: object, words: str) -> None:
+    with pytest.raises(InputError, match=words) as caught:
+        build()  # type: ignore[operator]
+    assert "\n" not in str(caught.value)
+
+
+def test_shown_in_one_line() -> None:
+    given = assembly((CYLINDER, Feature("edge", [1, 0, 0], 2))).contacts[0]
+    assert repr(given).endswith("face on edge)")
+    assert repr(CYLINDER) == "Feature('face', along=(0, 1, 0), curvature=(0, 0.5))"
