@@ -3,5 +3,11 @@
 - `features`: what touches at a contact point, a face, an edge or a vertex, and how it curves
 - `features_of`: the features of the contacts of a program
 - `gap_form`: the second derivative of a gap along the motions of both parts
+- `stationary`: gaps and load to second order, in scaled unknowns
+- `critical`: the motions that cost nothing to first order
+- `curved_energy`: forces under which the energy curves upward
+- `paths`: paths that lead down
+- `minimum_proof`: proofs of a minimum, judged without a solver
+- `decide`: minimum, balanced or open
 - `second_order_tolerances`: its tolerances
 """

@@ -1,11 +1,50 @@
-"""Tolerances of second order, relative [-] or angles [rad]."""
+"""Tolerances of second order, relative [-] or angles [rad]; energies over weight times length.
+
+CURVED, DROPS > FLAT > BALANCED        what curves is far from being flat, and that from rounding
+ACROSS > BALANCED,   CARRIES = BALANCED
+"""
 
 from __future__ import annotations
 
-__all__ = ["CROSSING", "ROUND"]
+__all__ = [
+    "ACROSS",
+    "BALANCED",
+    "CARRIES",
+    "CROSSING",
+    "CURVED",
+    "DROPS",
+    "FLAT",
+    "REACH",
+    "ROUND",
+    "SLIPS",
+    "SPLITS",
+]
+
+# gaps ---------------------------------------------------------------------------------------
 
 CROSSING = 1e-3
 """Edges that cross at less than this angle have no form of the gap [rad]."""
 
 ROUND = 1e-6
 """Surfaces whose curvatures cancel to this share of themselves touch along more than a point."""
+
+# minimum or not ------------------------------------------------------------------------------
+
+CURVED = 2e-8
+"""Least curvature of the energy, over the largest, that a proof must have."""
+BALANCED = 1e-9
+"""Imbalance of forces over the load."""
+CARRIES = 1e-9
+"""A row carries where its force is above this, over the largest."""
+ACROSS = 1e-7
+"""What a motion may open a row that it is to leave as it is."""
+FLAT = 2e-9
+"""Forms below this, over the largest, leave a motion flat."""
+DROPS = 2e-8
+"""Least opening and least power of the second derivative of a path of length 1."""
+SLIPS = 1e-4
+"""What a path enters to first order, over what it opens to second: it is open from there on."""
+REACH = 1e3
+"""A second derivative is looked for up to this length, where the motion has length 1."""
+SPLITS = 150
+"""Cones into which the critical motions are split at most."""

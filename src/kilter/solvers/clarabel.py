@@ -260,7 +260,12 @@ def solve_semidefinite(program: SemidefiniteProgram, *, work: Work) -> Multiplie
     solver = clarabel.DefaultSolver(
         none, -program.gain, csc_matrix(stacked), bound, cones, _semidefinite_settings(work)
     )
-    answer = _solved(solver, stacked.nnz)
+    try:
+        answer = _solved(solver, stacked.nnz)
+    except BaseException as fault:  # what Rust raises is no Exception
+        if type(fault).__name__ != "PanicException":
+            raise
+        return None
     work.semidefinite(answer.iterations, stacked.nnz)
     z = np.array(answer.z)
     if not len(z) or not np.isfinite(z).all():
@@ -273,6 +278,7 @@ def solve_semidefinite(program: SemidefiniteProgram, *, work: Work) -> Multiplie
         positive * weights[2],
         conic * weights[3],
         tuple(_matrix(one, order) for one, order in zip(triangles, orders, strict=True)),
+        np.array(answer.x),
     )
 
 

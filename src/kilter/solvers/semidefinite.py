@@ -2,11 +2,11 @@
 
     max c.x:   A0 x = 0,  A1 x >= 0,  A2 x in second-order cones,  each matrix S_k(x) >= 0
 
-over x with x[0] = 1. What is asked for are the multipliers: whoever asks builds a bound of his
-own from them. `kilter.solvers.clarabel` solves it. The relaxations that are solved here have no
-inside, so that the equations of the interior point are singular in the end: a regularisation a
-hundred thousand times larger than usual, no presolving and no decomposition let it reach eight
-digits, where it fails otherwise.
+over x with x[0] = 1. What is asked for are the multipliers, or the point: whoever asks builds a
+bound of his own from them. `kilter.solvers.clarabel` solves it. The relaxations that are solved
+here have no inside, so that the equations of the interior point are singular in the end: a
+regularisation a hundred thousand times larger than usual, no presolving and no decomposition let
+it reach eight digits, where it fails otherwise.
 
 References
 ----------
@@ -16,8 +16,9 @@ objectives, 2024.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
+import numpy as np
 from scipy.sparse import csr_array
 
 from kilter.arrays import Array
@@ -56,9 +57,10 @@ class SemidefiniteProgram:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Multipliers:
-    """Multipliers of the rows, none of them believed; matrices are symmetric."""
+    """Multipliers of the rows and the point x, none of them believed; matrices are symmetric."""
 
     equal: Array
     positive: Array
     cones: Array
     squares: tuple[Array, ...]
+    point: Array = field(default_factory=lambda: np.empty(0))

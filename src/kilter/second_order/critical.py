@@ -1,0 +1,101 @@
+"""The critical motions: those that cost nothing to first order.
+
+    Lambda = {f >= 0, J^T f + w = 0}        C = {J z >= 0, w.z = 0}
+
+A row either carries a force in some equilibrium, or opens in some critical motion (Goldman and
+Tucker). One linear program finds forces that carry on every row that can: C lies in the null
+space of those rows, and is all of it where no other row can open or close there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csc_array, eye_array, hstack, vstack
+
+from kilter.arrays import TINY, Array, Mask
+from kilter.second_order.stationary import Stationary
+from kilter.solvers.highs import find_optimum
+from kilter.solvers.problem import LinearProgram
+
+__all__ = ["Critical", "find_critical", "null_space"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Critical:
+    """C = {basis y: sides y >= 0}.
+
+    Attributes
+    ----------
+    forces : ndarray, shape (K,)
+        An equilibrium that carries wherever one can.
+    carries : ndarray of bool, shape (K,)
+    basis : ndarray, shape (n, d)
+        Orthonormal.
+    sides : ndarray, shape (m, d)
+        Unit rows; none where C is a space.
+    """
+
+    forces: Array
+    carries: Mask
+    basis: Array
+    sides: Array
+
+
+def find_critical(problem: Stationary) -> Critical | None:
+    """The critical motions; None where there is no equilibrium, or no solver finds one."""
+    forces = _carrying(problem)
+    if forces is None:
+        return None
+    found, carries = forces
+    basis = null_space(problem.rows[carries], problem.blur)
+    sides = problem.rows[~carries] @ basis
+    size = np.linalg.norm(sides, axis=1)
+    turns = size > 1e-3 * np.sqrt(problem.blur)
+    unit = sides[turns] / size[turns][:, None]
+    _, first = np.unique(np.round(unit, 9), axis=0, return_index=True)
+    return Critical(found, carries, basis, unit[np.sort(first)])
+
+
+def _carrying(problem: Stationary) -> tuple[Array, Mask] | None:
+    """Max sum t:  J^T f + s w = 0,  0 <= t <= 1,  f >= t,  s >= 1;  f / s, and where t is 1."""
+    count, freedoms = problem.rows.shape
+    if count == 0:
+        return None
+    none = csc_array((freedoms, count))
+    balance = hstack([csc_array(problem.rows.T), csc_array(problem.load[:, None]), none])
+    above = hstack([eye_array(count), csc_array((count, 1)), -eye_array(count)])
+    cost = np.concatenate([np.zeros(count + 1), -np.ones(count)])
+    answer = find_optimum(
+        LinearProgram(
+            cost,
+            csc_array(vstack([balance, above], format="csc")),
+            np.zeros(freedoms + count),
+            np.concatenate([np.zeros(freedoms), np.full(count, np.inf)]),
+            np.concatenate([np.zeros(count), [1.0], np.zeros(count)]),
+            np.concatenate([np.full(count + 1, np.inf), np.ones(count)]),
+        )
+    )
+    if not answer.optimal:
+        return None
+    forces, carries = answer.x[:count] / answer.x[count], answer.x[count + 1 :] > 0.5
+    return np.where(carries, forces, 0.0), carries
+
+
+def null_space(rows: Array, blur: float) -> Array:
+    """An orthonormal basis, shape (n, d), of what rows of shape (K, n) send to zero.
+
+    Examples
+    --------
+    >>> null_space(np.array([[1.0, 0, 0], [2, 0, 0]]), 1e-9).shape
+    (3, 2)
+    """
+    count = rows.shape[1]
+    if not len(rows) or not count:
+        return np.eye(count)
+    if len(rows) > count:
+        rows = np.asarray(np.linalg.qr(rows, mode="r"))
+    _, values, right = np.linalg.svd(rows)
+    rank = int((values > blur * max(values.max(initial=0.0), TINY)).sum())
+    return np.ascontiguousarray(right[rank:].T)

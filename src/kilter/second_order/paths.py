@@ -1,0 +1,80 @@
+"""Paths that lead down: z(t) = t dp + t^2 d2 / 2 with all gaps open and less energy.
+
+    J_k dp >= 0, w.dp = 0;   J_k d2 + dp.H_k dp >= m where J_k dp = 0;   w.d2 >= m,   m > 0
+
+Then each gap is at least m t^2 / 2 + O(t^3) or opens to first order, and the energy is
+-t^2 w.d2 / 2: no minimum. By duality such a d2 exists with m = 0 iff no forces of equilibrium
+curve the energy upward along dp.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csc_array
+
+from kilter.arrays import TINY, Array
+from kilter.second_order.second_order_tolerances import DROPS, REACH, SLIPS
+from kilter.second_order.stationary import Stationary
+from kilter.solvers.highs import find_optimum
+from kilter.solvers.problem import LinearProgram
+
+__all__ = ["Path", "find_path", "judge_path"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Path:
+    """A path in scaled unknowns, judged.
+
+    `first`, `second`, shape (n,): dp, of length 1, and d2; `opens`: least second derivative of a
+    gap that stays closed to first order; `power`: w.d2; `slips`: worst of -J dp and |w.dp|.
+    """
+
+    first: Array
+    second: Array
+    opens: float
+    power: float
+    slips: float
+
+    @property
+    def falls(self) -> bool:
+        """Whether it proves that the place is no minimum."""
+        least = min(self.opens, self.power)
+        return least > DROPS and self.slips <= SLIPS * least
+
+
+def find_path(problem: Stationary, motion: Array) -> Path | None:
+    """The path along a critical motion, shape (n,), that opens and falls most."""
+    first = motion / max(float(np.linalg.norm(motion)), TINY)
+    closed = problem.rows @ first <= DROPS
+    rows, bends = problem.rows[closed], problem.bends(first)[closed]
+    freedoms = len(first)
+    matrix = np.vstack(
+        [
+            np.hstack([rows, -np.ones((len(rows), 1))]),
+            np.append(problem.load, -1.0)[None],
+        ]
+    )
+    reach = np.append(np.full(freedoms, REACH), 1.0)
+    answer = find_optimum(
+        LinearProgram(
+            np.append(np.zeros(freedoms), -1.0),
+            csc_array(matrix),
+            np.append(-bends, 0.0),
+            np.full(len(matrix), np.inf),
+            -reach,
+            reach,
+        )
+    )
+    return judge_path(problem, first, answer.x[:-1]) if answer.optimal else None
+
+
+def judge_path(problem: Stationary, first: Array, second: Array) -> Path:
+    """A path judged from the numbers of the problem alone."""
+    first_opens = problem.rows @ first
+    closed = first_opens <= DROPS
+    second_opens = (problem.rows @ second + problem.bends(first))[closed]
+    slips = max(float(-first_opens.min(initial=0.0)), abs(float(problem.load @ first)))
+    least = float(second_opens.min()) if len(second_opens) else 1.0
+    return Path(first, second, least, float(problem.load @ second), slips)

@@ -1,0 +1,245 @@
+"""Known answers of second order, by hand: rows, forms and load of one round part each."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from kilter.arrays import Array
+from kilter.rigid import skew
+from kilter.second_order.decide import Decision, decide
+from kilter.second_order.minimum_proof import (
+    Leaf,
+    MinimumProof,
+    judge_minimum,
+    leaf_cones,
+    orthants,
+    sides_of_cone,
+    split,
+)
+from kilter.second_order.paths import Path, judge_path
+from kilter.second_order.stationary import Stationary
+
+UP = np.array([0.0, 0.0, 1.0])
+BEYOND = 1e-6
+"""How near to a limit both sides of it are told apart."""
+
+
+def point_on_surface(at: Array, surface: Array, center: Array) -> tuple[Array, Array]:
+    """Row and form of a corner at `at` of a part over z = x.S x / 2: exact to second order.
+
+    gap = z - s.S s / 2 with p the corner's place: J = (n, p x n), H from p'' and -S along p'.
+    """
+    arm = at - center
+    row = np.append(UP, np.cross(arm, UP))
+    moved = np.hstack([np.eye(3), -skew(arm)])
+    form = np.zeros((6, 6))
+    form[3:, 3:] = (np.outer(UP, arm) + np.outer(arm, UP)) / 2 - (UP @ arm) * np.eye(3)
+    bowl = np.zeros((3, 3))
+    bowl[:2, :2] = surface
+    return row, form - moved.T @ bowl @ moved
+
+
+def one_part(contacts: list[tuple[Array, Array]], load: Array | None = None) -> Stationary:
+    """A part of weight 1 on fixed surfaces."""
+    forms = np.zeros((len(contacts), 12, 12))
+    forms[:, 6:, 6:] = [form for _, form in contacts]
+    columns = np.tile(np.append(np.full(6, -1), np.arange(6)), (len(contacts), 1))
+    weight = np.array([0.0, 0, -1, 0, 0, 0]) if load is None else load
+    return Stationary(np.array([row for row, _ in contacts]), weight, forms, columns)
+
+
+def pivot(height: float, surface: Array) -> Stationary:
+    """A corner in a bowl, the centre of mass above it."""
+    return one_part([point_on_surface(np.zeros(3), surface, height * UP)])
+
+
+def six_feet(shift: float, arm: float = 2.0) -> Stationary:
+    """Six feet on patches z = v.(K_j - shift) v / 2 with traceless K_j, turned by 120 degrees."""
+    contacts = []
+    for turn in 2 * np.pi * np.arange(3) / 3:
+        patch = np.array([[np.cos(turn), np.sin(turn)], [np.sin(turn), -np.cos(turn)]])
+        along = np.array([np.cos(turn / 2), np.sin(turn / 2), 0.0])
+        for sign in (1.0, -1.0):
+            foot = sign * arm * np.cross(along, UP)
+            contacts.append(point_on_surface(foot, patch - shift * np.eye(2), np.zeros(3)))
+    return one_part(contacts)
+
+
+SPIN = np.array([[0.0, 0, 0, 0, 0, 1]]).T
+BOWL = np.diag([1.0, 2.0])
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_pivot_is_a_minimum_iff_its_centre_is_below_its_corner(side: float) -> None:
+    found = decide(pivot(side * BEYOND, BOWL), SPIN)
+    assert found.state == ("balanced" if side > 0 else "minimum")
+    assert (found.neutral, found.free) == (5, 1)
+    if side < 0:
+        assert (found.blocked, found.undecided) == (4, 0)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_saddle_holds_no_point(side: float) -> None:
+    found = decide(pivot(-1.0, np.diag([1.0, -side * BEYOND])), SPIN)
+    assert found.state == ("balanced" if side > 0 else "minimum")
+
+
+def test_at_the_limit_it_is_open_and_says_why() -> None:
+    found = decide(pivot(0.0, BOWL), SPIN)
+    assert found.state == "open"
+    assert found.undecided == 2
+    assert found.why
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_six_feet_need_forces_of_their_own_for_each_direction(side: float) -> None:
+    """One set of forces leaves a curvature of -shift; the best for each direction, 1/2 - shift."""
+    shift = 0.5 + side * 1e-3
+    problem = six_feet(shift)
+    found = decide(problem)
+    assert found.neutral == 3
+    assert found.state == ("balanced" if side > 0 else "minimum")
+    if side < 0:
+        assert isinstance(found.proof, MinimumProof)
+        assert len(found.proof.leaves) > 1
+        assert judge_minimum(problem, found.proof) == ""
+
+
+def test_a_corner_pressed_between_two_bowls_is_held_by_its_squeeze() -> None:
+    """Self-stress blocks what the weight alone would let fall: a bowl above, a hump below."""
+    row, form = point_on_surface(np.zeros(3), -0.5 * np.eye(2), np.zeros(3))
+    ceiling_row, ceiling = point_on_surface(np.zeros(3), -np.eye(2), np.zeros(3))
+    turns = np.eye(3)
+    held = [
+        (np.append(sign * axis * 0, sign * axis), np.zeros((6, 6)))
+        for axis in turns
+        for sign in (1.0, -1.0)
+    ]
+    squeezed = one_part([(row, form), (-ceiling_row, -ceiling), *held])
+    assert decide(squeezed).state == "minimum"
+    assert decide(one_part([(row, form), *held])).state != "minimum"
+
+
+def corner_on(surface: Array, *stops: int) -> Stationary:
+    """A corner that only slides, on z = x.S x / 2, with stops that bar -x and -y."""
+    rows = np.array([[0.0, 0, 1], *np.eye(3)[list(stops)]])
+    forms = np.zeros((len(rows), 12, 12))
+    forms[0, 6:8, 6:8] = -surface
+    columns = np.tile(np.array([*[-1] * 6, 0, 1, 2, *[-1] * 3]), (len(rows), 1))
+    return Stationary(rows, np.array([0.0, 0, -1]), forms, columns)
+
+
+SADDLE = np.array([[0.1, 1.0], [1.0, 0.1]])
+
+
+def test_stops_make_a_minimum_of_a_saddle_that_rises_between_them() -> None:
+    """x.S x > 0 for all x, y >= 0: a copositive matrix, that is not positive definite."""
+    assert decide(corner_on(SADDLE)).state == "balanced"
+    assert decide(corner_on(SADDLE, 0, 1)).state == "minimum"
+
+
+def test_stops_do_not_help_where_the_saddle_falls_between_them() -> None:
+    assert decide(corner_on(SADDLE * np.array([[1, -1], [-1, 1]]), 0, 1)).state == "balanced"
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_both_sides_of_the_limit_of_a_copositive_saddle(side: float) -> None:
+    """[[1, b], [b, 4]] is copositive iff b > -2."""
+    found = decide(corner_on(np.array([[1.0, -2 + side * BEYOND], [-2 + side * BEYOND, 4]]), 0, 1))
+    assert found.state == ("minimum" if side > 0 else "balanced")
+
+
+def test_without_forces_of_equilibrium_nothing_is_said() -> None:
+    upward = np.array([0.0, 0, 1, 0, 0, 0])
+    contact = [point_on_surface(np.zeros(3), BOWL, -UP)]
+    assert decide(one_part(contact, upward)).state == "open"
+
+
+def _minimum() -> tuple[Stationary, Decision, MinimumProof]:
+    problem = pivot(-0.3, BOWL)
+    found = decide(problem, SPIN)
+    assert isinstance(found.proof, MinimumProof)
+    return problem, found, found.proof
+
+
+def _with_leaf(proof: MinimumProof, **changes: Array) -> MinimumProof:
+    return dataclasses.replace(proof, leaves=(dataclasses.replace(proof.leaves[0], **changes),))
+
+
+def test_a_changed_proof_of_a_minimum_is_refused() -> None:
+    problem, _, proof = _minimum()
+    assert judge_minimum(problem, proof) == ""
+    forces = proof.leaves[0].forces
+    basis = proof.basis.copy()
+    basis[:, 0] += 1e-3
+    changed = [
+        _with_leaf(proof, forces=1.001 * forces),
+        _with_leaf(proof, forces=-forces),
+        _with_leaf(proof, forces=forces[:0]),
+        dataclasses.replace(proof, basis=basis),
+        dataclasses.replace(proof, basis=proof.basis[:, 1:]),
+        dataclasses.replace(proof, free=proof.basis[:, :1]),
+        dataclasses.replace(proof, sides=np.eye(4)[:1]),
+        dataclasses.replace(proof, splits=(None,)),
+        dataclasses.replace(proof, leaves=()),
+    ]
+    assert all(judge_minimum(problem, one) for one in changed)
+
+
+def test_the_energy_must_curve_upward_in_a_proof() -> None:
+    _, _, proof = _minimum()
+    assert "upward" in judge_minimum(pivot(0.3, BOWL), proof)
+
+
+def test_a_tree_of_cones_that_leaves_one_out_is_refused() -> None:
+    problem = six_feet(0.4)
+    proof = decide(problem).proof
+    assert isinstance(proof, MinimumProof)
+    assert judge_minimum(problem, proof) == ""
+    last = [k for k, one in enumerate(proof.splits) if one is None][-1]
+    short = dataclasses.replace(
+        proof, splits=proof.splits[:last] + proof.splits[last + 1 :], leaves=proof.leaves[:-1]
+    )
+    assert "tree" in judge_minimum(problem, short)
+
+
+def test_the_cones_of_a_tree_cover_the_half_space() -> None:
+    random = np.random.default_rng(5)
+    first = orthants(3, half=True)[0]
+    assert all(one.shape == (3, 3) for one in split(first, 0, 2))
+    cones = list(leaf_cones(3, [(0, 1), None, (1, 2), None, None, None, None, None], half=True))
+    for y in random.normal(size=(200, 3)):
+        y = y if y[0] > 0 else -y
+        inside = [
+            bool((sides_of_cone(rays) @ y >= -1e-12).all()) for rays in cones if rays is not None
+        ]
+        assert any(inside)
+
+
+def test_a_changed_path_does_not_fall() -> None:
+    problem = pivot(0.3, BOWL)
+    path = decide(problem, SPIN).proof
+    assert isinstance(path, Path)
+    assert path.falls
+    assert judge_path(problem, path.first, path.second).falls
+    assert not judge_path(problem, path.first, -path.second).falls
+    assert not judge_path(problem, path.first, 0 * path.second).falls
+    turned = path.first + 1e-3 * problem.rows[0]
+    assert not judge_path(problem, turned, path.second).falls
+
+
+def test_the_path_of_a_pivot_falls_as_its_formula_says() -> None:
+    """Along a turn by t the energy is -h t^2 / 2 at least: half the power of d2, in a margin."""
+    height = 0.3
+    path = decide(pivot(height, BOWL), SPIN).proof
+    assert isinstance(path, Path)
+    turn = float(np.linalg.norm(path.first[3:5]))
+    assert 0 < path.power <= height * turn**2 + 1e-9
+
+
+def test_a_leaf_has_forces_and_weights() -> None:
+    leaf = Leaf(np.ones(2), np.zeros((0, 0)))
+    assert leaf.forces.shape == (2,)
