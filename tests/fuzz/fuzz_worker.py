@@ -21,6 +21,7 @@ from fuzz_cases import case
 
 import kilter
 from kilter.cli import app
+from kilter.pipes import end_with_parent
 
 HANGS = 30.0
 """Seconds of CPU after which a case counts as hanging, with all processes that it started."""
@@ -110,6 +111,7 @@ def load_all() -> None:
 
 def _work(pipe: Connection) -> None:
     """Run the cases that are asked for, until nobody asks any more."""
+    end_with_parent()
     held = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     resource.setrlimit(resource.RLIMIT_AS, (held + MEMORY, held + MEMORY))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
