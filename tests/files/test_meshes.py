@@ -425,11 +425,11 @@ def test_what_is_no_path(source: Any) -> None:
 
 
 def test_a_file_without_rights(write, monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(_: Path) -> bytes:
+    def refuse(_: Path, mode: str) -> bytes:
         raise PermissionError(13, "Permission denied")
 
     path = write("a.stl", GOOD[".stl"])
-    monkeypatch.setattr(Path, "read_bytes", refuse)  # root may read everything
+    monkeypatch.setattr(Path, "open", refuse)  # root may read everything
     assert "cannot be read: Permission denied; check" in str(refused(path))
 
 

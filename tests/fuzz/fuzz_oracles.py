@@ -15,6 +15,7 @@ import numpy as np
 import kilter
 from kilter import Assembly
 from kilter.cli import main
+from kilter.cli.mistakes import NO_MEMORY
 from kilter.scenes.transform import moved, permuted, renamed, scaled
 
 ANSWERS = {0, 1, 3, 4}
@@ -43,6 +44,8 @@ def faults_of_command(words: list[str]) -> Outcome:
 
 def _wrong_with(code: int, out: str, error: str) -> list[str]:
     found = []
+    if NO_MEMORY in error:
+        found.append("takes too much memory")
     if code not in ANSWERS | {2}:
         found.append(f"exit {code}: {error.strip()[:300]}")
     if "Traceback" in error or re.search(r"\w+Warning\b", error):

@@ -25,8 +25,8 @@ from kilter.pipes import end_with_parent
 
 HANGS = 30.0
 """Seconds of CPU after which a case counts as hanging, with all processes that it started."""
-STUCK = 300.0
-"""The same of a case that computes nothing, on a machine that may be busy [s]."""
+STUCK = 3600.0
+"""The same of a case that computes nothing; it may be that others take all of the machine [s]."""
 MEMORY = 4 << 30
 """What a case may take beside what is loaded before it [bytes]."""
 ANEW = 2000
@@ -127,6 +127,8 @@ def _work(pipe: Connection) -> None:
                 break
             try:
                 how, faults = case(*asked, Path(folder))
+            except MemoryError:
+                how, faults = "took it all", [f"takes over {MEMORY >> 30} GiB"]
             except BaseException as error:
                 how, faults = "raised", [_raised(error)]
             pipe.send((how, faults + _heard(noise)))

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from kilter.cli.exit_codes import FAULT, INTERRUPTED, USAGE, WRITTEN
 from kilter.cli.interruption import end_interrupted, interruptible
-from kilter.cli.mistakes import fault_words, usage_words
+from kilter.cli.mistakes import NO_MEMORY, fault_words, usage_words
 from kilter.threads import make_no_threads
 
 __all__ = ["main"]
@@ -82,6 +82,9 @@ def _run(words: list[str]) -> int:
         return USAGE
     except (KeyboardInterrupt, BrokenPipeError):
         raise
+    except MemoryError:
+        _say(NO_MEMORY)
+        return USAGE
     except Exception as error:
         if hasattr(error, "format_message"):  # a usage error of the parser of options
             _say(usage_words(error))

@@ -8,7 +8,7 @@ from typing import Any
 
 from kilter.cli.asked import Asked
 from kilter.cli.exit_codes import FAULT, HOLDS, LOWER, USAGE, VERDICT
-from kilter.cli.mistakes import fault_words
+from kilter.cli.mistakes import NO_MEMORY, fault_words
 from kilter.cli.output import as_json, emit, tell_warnings
 from kilter.errors import InputError, visible
 
@@ -66,6 +66,8 @@ def _answered(asked: Asked, judge: Callable[[Asked], Answer]) -> tuple[Answer, i
         why, code = error.for_command, USAGE
     except BrokenPipeError:
         raise
+    except MemoryError:
+        why, code = NO_MEMORY, USAGE
     except Exception as error:
         why, code = fault_words(error, ["check", asked.file]), FAULT
     else:

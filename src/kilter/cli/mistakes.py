@@ -6,7 +6,9 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
-__all__ = ["fault_words", "usage_words"]
+__all__ = ["NO_MEMORY", "fault_words", "usage_words"]
+
+NO_MEMORY = "there is not enough memory for this; leave parts out, or make it coarser"
 
 
 def usage_words(error: Any) -> str:

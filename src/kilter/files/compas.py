@@ -160,9 +160,13 @@ def _vertices(name: str, block: dict[str, Any]) -> dict[str, list[float]]:
     for key, vertex in block["vertex"].items():
         values = {**start, **vertex} if isinstance(vertex, dict) else {}
         xyz = [values.get(axis) for axis in "xyz"]
-        if not all(type(v) in (int, float) for v in xyz):
-            raise InputError(f"vertex {key} is {xyz}", part=name, hint="give three numbers")
-        corners[str(key)] = [float(v) for v in xyz if v is not None]
+        try:
+            if not all(type(v) in (int, float) for v in xyz):
+                raise ValueError
+            corners[str(key)] = [float(v) for v in xyz if v is not None]
+        except (ValueError, OverflowError):
+            what = f"vertex {key!s:.40} is {xyz!r:.80}"
+            raise InputError(what, part=name, hint="give three numbers") from None
     return corners
 
 

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from kilter.arrays import Array
 from kilter.errors import InputError
 from kilter.files.accuracy import SINGLE
+from kilter.files.limits import Tally
 from kilter.files.naming import tails
 from kilter.files.placed import joined, placed
 from kilter.files.strict_json import parse_json
@@ -121,6 +122,7 @@ def _solids(header: Gltf, binary: bytes) -> tuple[list[tuple[str | None, Mesh]],
     seen: set[int] = set()
     skipped = 0
     start: tuple[str, ...] = ()
+    tally = Tally()
     pending = [(k, np.eye(4), start) for k in reversed(_roots(header))]
     while pending:
         k, above, path = pending.pop()
@@ -139,9 +141,11 @@ def _solids(header: Gltf, binary: bytes) -> tuple[list[tuple[str | None, Mesh]],
         source = _at(header.meshes, node.mesh, "mesh")
         name = own or (source.name or "").strip() or None
         if node.mesh not in read:
+            tally.add(_triangles(header, source.primitives))
             read[node.mesh] = _named_mesh(header, binary, source.primitives, name)
         mesh = read[node.mesh]
         skipped += mesh is None
+        tally.add(0 if mesh is None else len(mesh.triangles))
         solids += [] if mesh is None else [((*path, name or ""), placed(mesh, matrix))]
     named = [row for row, (whole, _) in enumerate(solids) if whole[-1]]
     names = dict(zip(named, tails([solids[row][0] for row in named]), strict=True))
@@ -166,6 +170,14 @@ def _matrix(node: Node) -> Array:
     matrix[:3, :3] = quaternion_to_matrix([w, x, y, z]) * np.array(node.scale)
     matrix[:3, 3] = node.translation
     return matrix
+
+
+def _triangles(header: Gltf, primitives: list[Primitive]) -> int:
+    """About how many triangles primitives say that they have."""
+    given = (
+        one.attributes.get("POSITION") if one.indices is None else one.indices for one in primitives
+    )
+    return sum(_at(header.accessors, k, "accessor").count // 3 for k in given if k is not None)
 
 
 def _named_mesh(

@@ -18,6 +18,7 @@ from kilter.assembly import Assembly, Feature, FrictionPair, GivenContact, Joint
 from kilter.errors import InputError, nearest_name
 from kilter.files.checked_solid import checked
 from kilter.files.complaints import complaint
+from kilter.files.limits import Tally
 from kilter.files.named_files import NamedFiles
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box, Cylinder, Mesh, Prism, Shape, Sphere
@@ -77,7 +78,8 @@ def from_dict(data: Any, *, folder: str | Path = ".", source: str = "") -> Assem
     try:
         entries = _validated(data)
         named = NamedFiles(Path(folder), entries.units)
-        parts = [_part(entry, named) for entry in entries.parts]
+        tally = Tally()
+        parts = [_part(entry, named, tally) for entry in entries.parts]
         return Assembly(
             parts,
             units=entries.units,
@@ -120,12 +122,14 @@ def _validated(data: Any) -> AssemblyFile:
         raise complaint(error, data, AssemblyFile) from None
 
 
-def _part(entry: PartEntry, named: NamedFiles) -> Part:
+def _part(entry: PartEntry, named: NamedFiles, tally: Tally) -> Part:
     try:
-        pose = entry.pose
+        pose, shape = entry.pose, _shape(entry, named)
+        if isinstance(shape, Mesh | Solid):
+            tally.add(len(shape.triangles))
         return Part(
             entry.name,
-            _shape(entry, named),
+            shape,
             Pose() if pose is None else Pose(pose.position, pose.rotation),
             grounded=entry.grounded,
             density=entry.density,

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from kilter.errors import InputError, nearest_name, some_names
 from kilter.files.formats import EXACT, MESHES, read_bodies
+from kilter.files.limits import named_path
 from kilter.files.placed import FileBodies, joined
 from kilter.shape.primitives import Mesh
 from kilter.shape.solid import Solid, moved_solid, scaled_solid
@@ -70,7 +71,7 @@ class NamedFiles:
             )
         if name not in self._read:
             try:
-                found = read_bodies(self.folder / name)
+                found = read_bodies(named_path(self.folder, name))
             except InputError as error:
                 what = "object" if key == "mesh" else "solid"
                 inside = f" {what} {error.part!r}:" if error.part else ""

@@ -73,5 +73,10 @@ def natural_key(name: str) -> list[tuple[int, int, str]]:
     ['1', 'b', 'part2', 'part10']
     """
     pieces = re.split(r"([0-9]+)", name)
-    key = [(0, int(p), p) if p.isdecimal() else (1, 0, p.casefold()) for p in pieces if p]
+    # of numbers without leading zeros the longer is larger: none is too long to be read
+    key = [
+        (0, len(p.lstrip("0")), p.lstrip("0")) if p.isdecimal() else (1, 0, p.casefold())
+        for p in pieces
+        if p
+    ]
     return [*key, (2, 0, name)]

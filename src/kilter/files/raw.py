@@ -1,10 +1,12 @@
-"""Bytes of a file, or one error that says why not."""
+"""Bytes of a file or a stream, or one error that says why not."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import BinaryIO
 
 from kilter.errors import InputError, nearest_name
+from kilter.files.limits import MOST_BYTES
 
 __all__ = ["read_bytes"]
 
@@ -15,10 +17,11 @@ def read_bytes(path: Path) -> bytes:
     Raises
     ------
     InputError
-        If it is missing, a folder, not readable, or empty.
+        If it is missing, a folder, not readable, empty, or larger than is read.
     """
     try:
-        data = path.read_bytes()
+        with path.open("rb") as stream:
+            data = bounded(stream, str(path))
     except FileNotFoundError:
         raise InputError("no such file", file=str(path), hint=_near(path)) from None
     except (OSError, ValueError) as error:
@@ -27,6 +30,24 @@ def read_bytes(path: Path) -> bytes:
         ) from None
     if not data:
         raise InputError("the file is empty", file=str(path), hint="give a file with contents")
+    return data
+
+
+def bounded(stream: BinaryIO, file: str) -> bytes:
+    """All that a stream gives.
+
+    Raises
+    ------
+    InputError
+        If that is more than is read; it names the file.
+    """
+    data = stream.read(MOST_BYTES + 1)
+    if len(data) > MOST_BYTES:
+        raise InputError(
+            f"larger than {MOST_BYTES / 1e9:g} GB, which is the most that is read",
+            file=file,
+            hint="make it coarser, or give it in pieces",
+        )
     return data
 
 

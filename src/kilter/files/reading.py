@@ -22,7 +22,7 @@ from kilter.files.formats import FORMATS, load_bodies
 from kilter.files.kilter_json import from_dict
 from kilter.files.lying import UP, note_on_up
 from kilter.files.objects.known_objects import read_object
-from kilter.files.raw import read_bytes
+from kilter.files.raw import bounded, read_bytes
 from kilter.files.strict_json import parse_json
 from kilter.files.urdf import BASES
 from kilter.files.xml_scenes import XML, load_xml
@@ -275,7 +275,9 @@ def _read(
     source: str | os.PathLike[str], reading: Reading, progress: Callable[[str], None] | None
 ) -> _Read:
     if os.fspath(source) == STANDARD_INPUT:
-        return _from_json(sys.stdin.buffer.read(), Path(), "standard input", reading)
+        return _from_json(
+            bounded(sys.stdin.buffer, "standard input"), Path(), "standard input", reading
+        )
     path, units = Path(source), reading.units
     suffix = path.suffix.lower()
     if _is_folder(path):

@@ -20,7 +20,8 @@ from kilter.files.step_process import read_apart
 
 __all__ = ["read_step"]
 
-_TEXTS = re.compile(rb"'[^']*'|/\*.*?\*/", re.DOTALL)
+_TEXTS = re.compile(rb"'[^']*(?:'|\Z)|/\*(?:.*?\*/|.*)", re.DOTALL)
+"""Texts and comments; one that does not end reaches to the end, so that none is sought twice."""
 
 
 def read_step(
@@ -76,7 +77,7 @@ def _check_text(data: bytes) -> None:
     named = set(re.findall(rb"#(\d+)", plain))
     missing = named.difference(re.findall(rb"#(\d+)\s*=", plain))
     if missing:
-        first = min(int(number) for number in missing)
+        first = min(missing, key=lambda digits: (len(digits.lstrip(b"0")), digits)).decode()[:20]
         raise InputError(
             f"damaged STEP: {len(missing)} entities are named but not there, the first is #{first}",
             hint="copy or export it again",

@@ -29,6 +29,8 @@ __all__ = ["begin_early", "read_apart", "serve"]
 
 Request = tuple[str, tuple[int, int], tuple[str, ...], set[int]]
 """Path, when it was written and its size, names that are left out, solids that break OCCT down."""
+MEMORY = 16 << 30
+"""Address space of the process, whatever a damaged file asks for [bytes]."""
 BREAKDOWNS = 50
 """Solids of one file over which OCCT may break down before the file is given up."""
 
@@ -151,6 +153,7 @@ def serve() -> None:
     for stream in (0, 1):  # what OCCT prints goes nowhere
         os.dup2(nothing, stream)
     end_with_parent()
+    _bound_memory()
     with _uncollected():
         import OCP.STEPCAFControl  # noqa: F401  loaded while nobody waits
 
@@ -173,6 +176,16 @@ def serve() -> None:
         except Exception as error:
             answer = "fault", f"{type(error).__name__}: {error}"
         send(outgoing, answer)
+
+
+def _bound_memory() -> None:
+    """Have the system refuse this process more memory than any file may ask for."""
+    with contextlib.suppress(ImportError, OSError, ValueError):  # where there is no such limit
+        import resource
+
+        limit, most = resource.getrlimit(resource.RLIMIT_AS)
+        if limit == resource.RLIM_INFINITY or limit > MEMORY:
+            resource.setrlimit(resource.RLIMIT_AS, (MEMORY, most))
 
 
 @contextlib.contextmanager

@@ -23,6 +23,7 @@ import numpy as np
 from kilter.arrays import Array, Index
 from kilter.errors import InputError
 from kilter.files.accuracy import text_accuracy
+from kilter.files.limits import Tally, require_few_entries, require_unfolded
 from kilter.files.placed import placed, scaled
 from kilter.shape.primitives import Mesh
 
@@ -62,6 +63,7 @@ def read_3mf(data: bytes) -> tuple[list[tuple[str | None, Mesh]], str]:
     """
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive, np.errstate(all="ignore"):
+            require_unfolded(sum(one.file_size for one in archive.infolist()), len(data))
             return _read(archive)
     except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, OSError) as error:
         raise InputError(f"damaged 3MF: {error}"[:120], hint=_DAMAGED) from None
@@ -75,17 +77,17 @@ def read_3mf(data: bytes) -> tuple[list[tuple[str | None, Mesh]], str]:
 
 def _read(archive: zipfile.ZipFile) -> tuple[list[tuple[str | None, Mesh]], str]:
     root_path = _root_path(archive)
-    root = ElementTree.fromstring(archive.read(root_path))
+    root = _xml(archive, root_path)
     unit = root.get("unit", "millimeter")
     if unit not in UNITS:
         raise InputError(f"unit {unit!r} is not one of 3MF", hint=f"use {', '.join(UNITS)}")
     units, factor = UNITS[unit]
-    models = {root_path: _objects(root, root_path)}
+    models, tally = {root_path: _objects(root, root_path)}, Tally()
     found: list[tuple[str | None, Mesh]] = []
     placements: list[tuple[_Object, Array, str]] = []
     for item in _children(root, "build", "item"):
         start = (item.get(_PATH, root_path).strip("/"), item.attrib["objectid"])
-        placements += _leaves(archive, models, start, _transform(item))
+        placements += _leaves(archive, models, start, _transform(item), tally)
     values = [o.vertices.reshape(-1) for model in models.values() for o in model.values()]
     accuracy = text_accuracy(np.concatenate([*values, np.empty(0)]))
     for thing, matrix, above in placements:
@@ -98,10 +100,17 @@ def _read(archive: zipfile.ZipFile) -> tuple[list[tuple[str | None, Mesh]], str]
     return found, units
 
 
+def _xml(archive: zipfile.ZipFile, path: str) -> ElementTree.Element:
+    """A text of the zip."""
+    text = archive.read(path)
+    require_few_entries(text)
+    return ElementTree.fromstring(text)
+
+
 def _root_path(archive: zipfile.ZipFile) -> str:
     """The model that the zip's relations name, else the usual one."""
     if _RELATIONS in archive.namelist():
-        for relation in ElementTree.fromstring(archive.read(_RELATIONS)):
+        for relation in _xml(archive, _RELATIONS):
             if relation.get("Type", "").endswith("/3dmodel"):
                 return relation.attrib["Target"].strip("/")
     usual = (name for name in archive.namelist() if name.lower().endswith(".model"))
@@ -116,18 +125,20 @@ def _leaves(
     models: dict[str, dict[str, _Object]],
     start: tuple[str, str],
     matrix: Array,
+    tally: Tally,
 ) -> Iterator[tuple[_Object, Array, str]]:
     """Objects with a mesh under an item, where they are, and the name of the one above."""
     pending = [(start, matrix, "", frozenset[tuple[str, str]]())]
     while pending:
         (path, key), matrix, above, chain = pending.pop()
         if path not in models:
-            models[path] = _objects(ElementTree.fromstring(archive.read(path)), path)
+            models[path] = _objects(_xml(archive, path), path)
         if key not in models[path]:
             raise InputError(f"object {key!r} is not in {path}", hint=_DAMAGED)
         if (path, key) in chain:
             raise InputError(f"object {key!r} is made of itself", hint=_DAMAGED)
         thing = models[path][key]
+        tally.add(1 + len(thing.faces))
         if len(thing.faces):
             yield thing, matrix, above
         below = [

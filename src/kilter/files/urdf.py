@@ -22,6 +22,7 @@ from kilter.assembly.interactions import Joint
 from kilter.errors import InputError, some_names
 from kilter.files.choices import Choices
 from kilter.files.formats import MESHES, read_bodies
+from kilter.files.limits import Tally, named_path
 from kilter.files.one_body import combined, one_body
 from kilter.files.placed import joined, placed
 from kilter.rigid import Pose
@@ -63,7 +64,8 @@ class _Robot:
         """The joint that leads to a link."""
         self.frames: dict[str, Pose] = {}
         for name in self.links:
-            self._frame(name, ())
+            self._place(name)
+        self.tally = Tally()
 
     def _end(self, joint: Element, end: str) -> str:
         """The link at an end of a joint."""
@@ -76,18 +78,22 @@ class _Robot:
             )
         return name
 
-    def _frame(self, name: str, below: tuple[str, ...]) -> Pose:
-        """The pose of a link in the world, at the zero of every joint."""
-        if name in below:
-            raise InputError("its joints run in a circle", part=name, hint="a robot is a tree")
-        if name not in self.frames:
-            joint = self.leads.get(name)
+    def _place(self, name: str) -> None:
+        """The pose of a link in the world, at the zero of every joint, and of those above it."""
+        chain: dict[str, Element | None] = {}
+        while name not in self.frames:
+            if name in chain:
+                raise InputError("its joints run in a circle", part=name, hint="a robot is a tree")
+            joint = chain[name] = self.leads.get(name)
             if joint is None:
-                self.frames[name] = Pose()
+                break
+            name = self._end(joint, "parent")
+        for below, joint in reversed(chain.items()):
+            if joint is None:
+                self.frames[below] = Pose()
             else:
-                parent = self._frame(self._end(joint, "parent"), (*below, name))
-                self.frames[name] = combined(parent, _origin(joint))
-        return self.frames[name]
+                parent = self.frames[self._end(joint, "parent")]
+                self.frames[below] = combined(parent, _origin(joint))
 
     def assembly(self, *, held: bool, source: str) -> Assembly:
         """All of it."""
@@ -187,17 +193,18 @@ class _Robot:
             )
         bodies = [mesh for mesh, _ in read_bodies(path).in_units("m")]
         mesh = joined([one for one in bodies if isinstance(one, Mesh)])
+        self.tally.add(len(mesh.triangles))
         return placed(mesh, np.diag([*_numbers(row, "scale", 3, "1 1 1"), 1.0]))
 
     def _found(self, name: str) -> Path:
         """The file of a mesh; of a package: in the nearest folder above that has it."""
         plain = name.removeprefix("file://").removeprefix("package://")
         if not name.startswith("package://"):
-            return self.folder / plain
+            return named_path(self.folder, plain, self.folder.resolve().parent)
         for folder in (self.folder, *self.folder.resolve().parents):
             for inner in (plain, plain.partition("/")[2]):
                 if (folder / inner).is_file():
-                    return folder / inner
+                    return named_path(folder, inner)
         return self.folder / plain
 
 

@@ -9,6 +9,7 @@ from xml.etree import ElementTree
 from kilter.assembly import Assembly
 from kilter.errors import InputError
 from kilter.files.choices import Choices
+from kilter.files.limits import require_few_entries
 from kilter.files.raw import read_bytes
 from kilter.files.urdf import read_urdf
 
@@ -29,6 +30,7 @@ def load_xml(path: Path, choices: Choices) -> tuple[Assembly, bool]:
     data = read_bytes(path)
     try:
         try:
+            require_few_entries(data)
             root = ElementTree.fromstring(data)
         except (ElementTree.ParseError, ValueError) as error:
             raise InputError(f"its XML is wrong: {error}", hint="mend the file") from None
