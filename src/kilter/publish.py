@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from kilter.errors import InputError
-from kilter.files.fingerprint import Stamp, fingerprint
+from kilter.files.fingerprint import fingerprint
 from kilter.work import EFFORT
 
 if TYPE_CHECKING:
@@ -242,7 +242,7 @@ def view(
             progress=progress,
         )
 
-    seen = () if path is None else fingerprint(path)
+    watched = None if path is None else _Watched(path, made, tell, command)
     first = made()
     with PageServer(first.html, port) as server:
         tell(f"{server.url}  ({first.verdict}; Ctrl-C ends it)")
@@ -250,11 +250,12 @@ def view(
             import webbrowser
 
             webbrowser.open(server.url)
+        last = first.html
         try:
             while True:
                 time.sleep(PAUSE)
-                if path is not None:
-                    seen = _kept(server, path, seen, made, tell, command=command)
+                if watched is not None:
+                    last = watched.look(server, last)
         except KeyboardInterrupt:
             return
 
@@ -267,32 +268,36 @@ def _read(source: Any) -> Given:
     return load(os.fspath(source)), None
 
 
-def _kept(
-    server: PageServer,
-    path: str,
-    seen: tuple[Stamp, ...],
-    made: Callable[[], Report],
-    tell: Tell,
-    *,
-    command: str,
-) -> tuple[Stamp, ...]:
-    """Serve the file anew if it has changed; a moment later, since it may be half written."""
-    from kilter.show.page import error_page
+class _Watched:
+    """A file whose page is served anew when it has changed."""
 
-    if fingerprint(path) == seen:
-        return seen
-    time.sleep(PAUSE / 2)
-    now = fingerprint(path)
-    try:
-        page = made()
-        html, verdict = page.html, page.verdict
-    except InputError as error:
-        # only a command names itself: its error speaks of options
-        words = error.for_command if command else str(error)
-        html, verdict = error_page(words, title_of(path)), f"not judged: {words}"
-    server.publish(html)
-    tell(f"changed: {verdict}")
-    return now
+    def __init__(self, path: str, made: Callable[[], Report], tell: Tell, command: str) -> None:
+        self.path, self.made, self.tell, self.command = path, made, tell, command
+        self.seen = fingerprint(path)
+
+    def look(self, server: PageServer, last: str) -> str:
+        """Serve the file anew if it has changed; its last page that was right.
+
+        A moment later, since it may be half written. Where it cannot be judged, the page that was
+        right stays, below the reason.
+        """
+        from kilter.show.page import error_page
+
+        if fingerprint(self.path) == self.seen:
+            return last
+        time.sleep(PAUSE / 2)
+        self.seen = fingerprint(self.path)
+        try:
+            page = self.made()
+        except InputError as error:
+            # only a command names itself: its error speaks of options
+            words = error.for_command if self.command else str(error)
+            server.publish(error_page(words, last))
+            self.tell(f"changed: not judged: {words}")
+            return last
+        server.publish(page.html)
+        self.tell(f"changed: {page.verdict}")
+        return page.html
 
 
 def animate(subject: Order | Region | Verdict, out: str | Path | None = None) -> bytes:

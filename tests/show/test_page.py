@@ -287,11 +287,14 @@ def test_nothing_touching_is_a_page_too() -> None:
     assert data["given"]["verdict"] == "unstable"
 
 
-def test_the_page_of_a_fault_shows_it_as_text_and_waits() -> None:
-    page = error_page("part '<b>': is wrong", "x")
+def test_the_page_of_a_fault_shows_it_as_text_above_the_last_page_and_waits() -> None:
+    last = render(everything(scene("tower")), "<main>", live=True)
+    page = error_page("part '<b>': is wrong", last)
+    assert page.count('<p class="problem"') == 1
     assert "&lt;b&gt;" in page
+    assert "<b>': is wrong" not in page
     assert "connect-src 'self'" in page
-    assert '<script id="data" type="application/json">null</script>' in page
+    assert data_of(page) == data_of(last)
 
 
 def test_the_drawing_has_no_way_to_compute() -> None:

@@ -187,6 +187,102 @@ def test_the_server_listens_to_this_machine_alone() -> None:
         assert server._server.server_address[0] == "127.0.0.1"
         assert asked(server.url, Host="elsewhere.example")[0] == 403
         assert asked(server.url, Host=f"localhost:{server.port}")[0] == 200
+        assert asked(server.url, Host=f"127.0.0.1:{server.port}")[0] == 200
+
+
+def said(server: PageServer, *lines: str) -> tuple[int, dict[str, str], str]:
+    """Code, headers and body of an answer to these very lines."""
+    with socket.create_connection(("127.0.0.1", server.port), timeout=10) as link:
+        link.sendall("\r\n".join([*lines, "", ""]).encode("latin-1"))
+        with link.makefile("rb") as stream:
+            head, _, body = stream.read().decode("utf-8").partition("\r\n\r\n")
+    first, *rest = head.split("\r\n")
+    return int(first.split()[1]), dict(line.split(": ", 1) for line in rest), body
+
+
+OTHER_HOSTS = [
+    [],
+    ["Host:"],
+    ["Host: elsewhere.example"],
+    ["Host: elsewhere.example:{port}"],
+    ["Host: 127.0.0.1"],
+    ["Host: localhost:1"],
+    ["Host: [::1]:{port}"],
+    ["Host: 127.0.0.1:{port}.elsewhere.example"],
+    ["Host: 127.0.0.1:{port}@elsewhere.example"],
+    ["Host: 127.0.0.1:{port}", "Host: elsewhere.example"],
+    ["Host: elsewhere.example", "X-Forwarded-Host: 127.0.0.1:{port}"],
+]
+OTHER_PATHS = [
+    *("/..", "/./", "/?", "/version/", "/version?x", "/%2e%2e/etc/passwd", "/../../etc/passwd"),
+    *("/tower.kilter.json", "/.git/config", "/index.html", "http://127.0.0.1/etc/passwd", "*"),
+    *("/\0", "/" + "x" * 5000),
+]
+
+
+def test_who_calls_it_by_another_name_is_told_nothing() -> None:
+    with PageServer("<p>secret") as server:
+        for host in OTHER_HOSTS:
+            own = [line.format(port=server.port) for line in host]
+            for path in ("/", "/version"):
+                code, _, body = said(server, f"GET {path} HTTP/1.0", *own)
+                assert (code, body) == (403, "only for this machine\n"), host
+        code, _, body = said(server, "GET / HTTP/1.0", f"Host: 127.0.0.1:{server.port}")
+        assert (code, body) == (200, "<p>secret")
+
+
+def test_there_is_no_other_path() -> None:
+    with PageServer("<p>secret") as server:
+        for path in OTHER_PATHS:
+            code, _, body = said(server, f"GET {path} HTTP/1.0", f"Host: localhost:{server.port}")
+            assert code in (400, 404), path
+            assert "secret" not in body
+            assert "passwd" not in body
+
+
+def test_there_is_nothing_to_be_done_to_it() -> None:
+    with PageServer("<p>secret") as server:
+        for verb in ("POST", "PUT", "DELETE", "OPTIONS", "PATCH", "TRACE", "CONNECT"):
+            code, headers, body = said(
+                server, f"{verb} / HTTP/1.0", f"Host: localhost:{server.port}"
+            )
+            assert code == 501, verb
+            assert "secret" not in body
+            assert not any(name.lower().startswith("access-control") for name in headers)
+
+
+def test_no_page_from_elsewhere_may_read_it() -> None:
+    with PageServer("page") as server:
+        own = f"Host: localhost:{server.port}"
+        for path in ("/", "/version"):
+            code, headers, _ = said(
+                server, f"GET {path} HTTP/1.0", own, "Origin: https://elsewhere.example"
+            )
+            assert code == 200
+            assert not any(name.lower().startswith("access-control") for name in headers)
+            assert headers["Cross-Origin-Resource-Policy"] == "same-origin"
+            assert headers["X-Content-Type-Options"] == "nosniff"
+            assert "frame-ancestors 'none'" in headers["Content-Security-Policy"]
+
+
+def test_who_says_nothing_holds_up_nobody() -> None:
+    with PageServer("page") as server:
+        silent = [socket.create_connection(("127.0.0.1", server.port)) for _ in range(20)]
+        for link in silent[::2]:
+            link.sendall(b"GET / HT")
+        assert asked(server.url) == (200, "page")
+        for link in silent:
+            link.close()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="ports are taken otherwise there")
+def test_view_says_that_its_port_is_taken(capsys: pytest.CaptureFixture[str]) -> None:
+    with PageServer("page") as server:
+        port = str(server.port)
+        assert main(["view", "tower.kilter.json", "--port", port, "--no-browser"]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith(f"kilter: port {port} cannot be had")
+    assert error.count("\n") == 1
 
 
 def test_a_port_that_is_taken_is_named() -> None:
@@ -249,13 +345,19 @@ def test_view_serves_sees_changes_and_faults_and_ends_well(tmp_path: Path) -> No
             Path("tower.kilter.json").write_text('{"kilter": 1, "parts": [{"name": "<b>"}]}')
             wait_for(url, "3")
             assert "&lt;b&gt;" in asked(url)[1]
-            kilter.dump(scene("tower"), "tower.kilter.json")
+            assert '"verdict":"unstable"' in asked(url)[1]
+            Path("tower.kilter.json").write_text('{"kilter": 1')
             wait_for(url, "4")
+            assert asked(url)[1].count('class="problem"') == 1
+            assert '"verdict":"unstable"' in asked(url)[1]
+            kilter.dump(scene("tower"), "tower.kilter.json")
+            wait_for(url, "5")
             assert '"verdict":"stable"' in asked(url)[1]
+            assert 'class="problem"' not in asked(url)[1]
             process.send_signal(signal.SIGINT)
             _, errors = process.communicate(timeout=20)
             assert process.returncode == 0
-            assert errors.count("\n") == 3
+            assert errors.count("\n") == 4
         finally:
             process.kill()
 

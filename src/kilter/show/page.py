@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 __all__ = ["error_page", "render", "render_plan"]
 
+MAIN = "<main>"
+"""Where a page begins in its template; titles are escaped."""
 REPORT = {"motion": "motion.html", "side": "ball.html"}
 PLAN = {"player": "player.html", "side": "step.html"}
 """What stands at the places of the template in which pages differ."""
@@ -69,10 +71,12 @@ def render_plan(order: Order, explained: Explained, title: str, *, command: str 
     return _filled(title, body, data, live=False, pieces=PLAN)
 
 
-def error_page(message: str, title: str) -> str:
-    """What `kilter view` shows while the file cannot be judged; it waits for a change."""
-    body = f'<p class="problem" role="alert">{text(message)}</p>'
-    return _filled(title, body, "null", live=True)
+def error_page(message: str, last: str) -> str:
+    """What `kilter view` shows while the file cannot be judged: why, above its last page."""
+    said = (
+        f'<p class="problem" role="alert">{text(message)}<br>Below: the file as it was before.</p>'
+    )
+    return last.replace(MAIN, f"{MAIN}\n{said}", 1)
 
 
 def _filled(

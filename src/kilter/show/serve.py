@@ -16,6 +16,9 @@ NAMES = (LOOPBACK, "localhost")
 """Names that a browser on this machine may call it by; any other is refused, so that a page
 from elsewhere cannot read this one under a name of its own (DNS rebinding)."""
 
+HTTP = 80
+"""The port that a browser leaves out."""
+
 
 class PageServer:
     """Serves one page on the loopback interface, in a thread of its own.
@@ -55,6 +58,12 @@ class PageServer:
         """Where the page is."""
         return f"http://{LOOPBACK}:{self.port}/"
 
+    @property
+    def hosts(self) -> list[list[str]]:
+        """What the headers of a request may call it, which a browser says with the port."""
+        hosts = [[f"{name}:{self.port}"] for name in NAMES]
+        return hosts + [[name] for name in NAMES] if self.port == HTTP else hosts
+
     def publish(self, page: str) -> None:
         """Serve another page from now on."""
         with self._lock:
@@ -89,9 +98,8 @@ def _handler(server: PageServer) -> type[BaseHTTPRequestHandler]:
         timeout = 30
 
         def do_GET(self) -> None:
-            host = self.headers.get("Host", "").rsplit(":", 1)[0]
             page, version = server.now()
-            if host not in NAMES:
+            if self.headers.get_all("Host") not in server.hosts:
                 self._reply(HTTPStatus.FORBIDDEN, b"only for this machine\n", "text/plain")
             elif self.path == "/":
                 self._reply(HTTPStatus.OK, page, "text/html; charset=utf-8")
