@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from kilter.analysis.verification import verify as verify
     from kilter.assembly.assembly import Assembly as Assembly
     from kilter.assembly.assembly_arrays import AssemblyArrays as AssemblyArrays
+    from kilter.assembly.bonds import Bond as Bond
     from kilter.assembly.feature import Feature as Feature
     from kilter.assembly.interactions import FrictionPair as FrictionPair
     from kilter.assembly.interactions import GivenContact as GivenContact
@@ -108,6 +109,7 @@ _HOMES = {
     "Feature": "kilter.assembly.feature",
     "FrictionPair": "kilter.assembly.interactions",
     "GivenContact": "kilter.assembly.interactions",
+    "Bond": "kilter.assembly.bonds",
     "Joint": "kilter.assembly.interactions",
     "Load": "kilter.assembly.interactions",
     "Mesh": "kilter.shape.primitives",

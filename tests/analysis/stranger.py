@@ -54,13 +54,15 @@ def imbalance(proof: dict[str, Any]) -> float:
     _load(parts, proof)
     for point, force in zip(proof["points"], np.array(proof["forces"]).reshape(-1, 3), strict=True):
         size = float(force @ point["normal"])
-        assert size >= 0.0
+        pull = point.get("pull", 0.0)
+        assert size >= -pull * (1 + 1e-12)
         mu = point["mu"] if "friction" in proof else 0.0
         aside = float(np.linalg.norm(force - size * np.array(point["normal"])))
-        assert aside <= mu * size + 1e-9 * max(size, 1e-9)
+        presses = size + pull
+        assert point.get("tied") or aside <= mu * presses + 1e-9 * max(presses, 1e-9)
         for name, sign in zip(point["parts"], (-1, 1), strict=True):
             _push(parts[name], sign * force, point["x"])
-            parts[name]["sum"] += size
+            parts[name]["sum"] += abs(size) + pull
     for joint in proof["joints"]:
         wrench = np.array(joint["wrench"])
         _carries(joint, wrench)
@@ -91,7 +93,7 @@ def _carries(joint: dict[str, Any], wrench: np.ndarray) -> None:
 
 
 def opening_and_power(proof: dict[str, Any]) -> tuple[float, float]:
-    """Least opening of a contact or joint, and the power, of the motion of a proof.
+    """Least opening of a contact or joint, and the power left by bonds, of the motion of a proof.
 
     With friction the opening of a contact is u_n - mu |u_t|: the dual of Coulomb's cone.
     """
@@ -104,11 +106,15 @@ def opening_and_power(proof: dict[str, Any]) -> tuple[float, float]:
         center = parts[name]["center"] if name in parts else np.zeros(3)
         return motion[name][:3] + np.cross(motion[name][3:], np.asarray(x) - center)
 
-    openings = [0.0]
+    openings, absorbed = [0.0], 0.0
     for point in proof["points"]:
         a, b = point["parts"]
         u, n = at(b, point["x"]) - at(a, point["x"]), np.array(point["normal"])
-        openings.append(float(u @ n - point["mu"] * np.linalg.norm(u - (u @ n) * n)))
+        slip = float(np.linalg.norm(u - (u @ n) * n))
+        openings.append(float(u @ n - point["mu"] * slip))
+        if point.get("tied"):
+            openings.append(-slip)
+        absorbed += point.get("pull", 0.0) * float(u @ n)
     for joint in proof["joints"]:
         a, b = joint["parts"]
         slip = at(b, joint["point"]) - at(a, joint["point"])
@@ -125,4 +131,4 @@ def opening_and_power(proof: dict[str, Any]) -> tuple[float, float]:
     power = sum(
         float(part["wrench"] @ motion[name]) for name, part in parts.items() if not part["grounded"]
     )
-    return min(openings), power
+    return min(openings), power - absorbed

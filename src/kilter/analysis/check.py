@@ -182,10 +182,11 @@ def _sentence(decision: _Decision, assembly: Assembly, contacts: ContactSet) -> 
         return undecided_sentence(pairs, assembly.units, more=decision.why)
     friction = decision.friction
     coarse = bool(decision.program.tolerance.max(initial=0.0) > TOLERANCE)
+    bonded = bool(assembly.bonds)
     gap = contacts.counted_gap
     counted = "" if gap is None else f"{text_of(gap, 3)} {assembly.units}"
     if friction is None:
-        return verdict_sentence(decision.verdict, coarse=coarse, counted=counted)
+        return verdict_sentence(decision.verdict, coarse=coarse, counted=counted, bonded=bonded)
     settling = friction.settling
     return verdict_sentence(
         decision.verdict,
@@ -195,6 +196,7 @@ def _sentence(decision: _Decision, assembly: Assembly, contacts: ContactSet) -> 
         tries=(len(friction.tries), len(settling.ends), settling.of),
         coarse=coarse,
         counted=counted,
+        bonded=bonded,
     )
 
 

@@ -82,8 +82,9 @@ def find_contact_forces(program: Program, proof: ForceProof) -> ContactForces:
     least = _least(program) if len(program.part_a) <= LIMIT else None
     used = proof if least is None else least
     rows = np.flatnonzero(program.kind == CONTACT)
-    along, across = used.forces[rows], used.friction[rows]
-    force = along[:, None] * program.normal[rows] + across
+    force = program.point_forces(used.forces, used.friction)
+    along = np.einsum("ij,ij->i", force, program.normal[rows])
+    across = force - along[:, None] * program.normal[rows]
     patch, patch_of = np.unique(program.source[rows], return_inverse=True)
     count = len(patch)
     normal_force = np.bincount(patch_of, along, minlength=count).astype(np.float64)

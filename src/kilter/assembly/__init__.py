@@ -1,6 +1,7 @@
 """Assemblies: parts, which are held, what acts on them, and what follows from their shapes."""
 
 from kilter.assembly.assembly import Assembly, require_assembly
+from kilter.assembly.bonds import Bond
 from kilter.assembly.feature import Feature
 from kilter.assembly.interactions import FrictionPair, GivenContact, Joint, Load
 from kilter.assembly.part import GROUND, Part
@@ -8,6 +9,7 @@ from kilter.assembly.part import GROUND, Part
 __all__ = [
     "GROUND",
     "Assembly",
+    "Bond",
     "Feature",
     "FrictionPair",
     "GivenContact",

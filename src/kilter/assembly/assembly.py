@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.arrays import Array
+from kilter.assembly.bonds import Bond, require_apart
 from kilter.assembly.geometry import Geometry, build_geometry
 from kilter.assembly.interactions import FrictionPair, GivenContact, Joint, Load
 from kilter.assembly.lowest import lowest_heights
@@ -35,13 +36,14 @@ from kilter.validate import frozen, in_range, number
 
 __all__ = ["Assembly", "require_assembly"]
 
-Entry = FrictionPair | GivenContact | Joint
+Entry = FrictionPair | GivenContact | Joint | Bond
 ENTRIES: dict[str, type] = {
     "parts": Part,
     "friction_pairs": FrictionPair,
     "loads": Load,
     "contacts": GivenContact,
     "joints": Joint,
+    "bonds": Bond,
     "notes": str,
 }
 """What the sequences of an assembly hold."""
@@ -64,7 +66,7 @@ class Assembly:
         [m/s^2], world frame.
     friction : float
         Coefficient [-] of contacts that have none of their own.
-    friction_pairs, loads, contacts, joints : sequences
+    friction_pairs, loads, contacts, joints, bonds : sequences
     planar : bool
         Motions in the x-z plane only; gravity must lie in it.
     detect : bool
@@ -100,6 +102,7 @@ class Assembly:
     detect: bool = True
     source: str = ""
     notes: Sequence[str] = ()
+    bonds: Sequence[Bond] = ()
 
     def __post_init__(self) -> None:
         try:
@@ -137,11 +140,12 @@ class Assembly:
         object.__setattr__(self, "gravity", gravity)
 
     def _validate_entries(self) -> None:
-        """Friction pairs, contacts and joints name two parts each, and no pair twice."""
+        """Friction pairs, contacts, joints and bonds name two parts each; some no pair twice."""
         entries: list[tuple[str, Entry]] = [
             *(("friction pair", entry) for entry in self.friction_pairs),
             *(("contact", entry) for entry in self.contacts),
             *(("joint", entry) for entry in self.joints),
+            *(("bond", entry) for entry in self.bonds),
         ]
         for what, entry in entries:
             if len(entry.parts) != 2 or entry.parts[0] == entry.parts[1]:
@@ -151,6 +155,7 @@ class Assembly:
                     self.index_of(name)
         for joint in self.joints if self.planar else ():
             joint.require_planar()
+        require_apart(tuple(self.bonds))
         pairs = [frozenset(entry.parts) for entry in self.friction_pairs]
         if len(set(pairs)) < len(pairs):
             times = Counter(pairs)
@@ -321,6 +326,10 @@ class Assembly:
             ]
         )
 
+    def with_bonds(self, bonds: Iterable[Bond]) -> Assembly:
+        """Bonds besides those there are."""
+        return self._replace(bonds=[*self.bonds, *bonds])
+
     def with_joints(self, joints: Iterable[Joint], *, notes: Iterable[str] = ()) -> Assembly:
         """Joints besides those there are; `kilter.contact.fastened` makes those of bolts.
 
@@ -343,6 +352,7 @@ class Assembly:
             friction_pairs=kept(self.friction_pairs),
             contacts=kept(self.contacts),
             joints=kept(self.joints),
+            bonds=kept(self.bonds),
             loads=[load for load in self.loads if load.part not in gone],
         )
 

@@ -82,7 +82,7 @@ def join_geometry(
         "units": units,
         "gravity": gravity[0],
         "friction": 0.0,
-        **dict.fromkeys(("friction_pairs", "loads", "contacts", "joints", "notes"), ()),
+        **dict.fromkeys(("friction_pairs", "loads", "contacts", "joints", "bonds", "notes"), ()),
         "planar": planar,
         "detect": True,
         "source": "",

@@ -171,7 +171,8 @@ class ContactSet:
         Friction coefficient [-]; less `patch_doubt`, so that its forces are certain.
     patch_kind : ndarray of str, shape (P,)
         "plane", "edge-edge", "edge-face", "vertex-face", "cylinder", "sphere", "cone", "torus",
-        "smooth" (fitted faces of meshes), or "given" for contacts listed in the file.
+        "smooth" (fitted faces of meshes), "given" for contacts listed in the file, or "bond" for
+        points of a bond.
     patch_accuracy : ndarray, shape (P,)
         Accuracy of the coordinates over the size of the patch [-].
     patch_doubt : ndarray, shape (P,)
@@ -269,6 +270,24 @@ class ContactSet:
     def point_patch(self) -> Index:
         """The patch of each point, shape (K,)."""
         return np.repeat(np.arange(len(self)), np.diff(self.patch_start))
+
+    @property
+    def patch_bond(self) -> Index:
+        """The bond that holds each patch, by position in the assembly; -1 for none, shape (P,)."""
+        bonds = self.assembly.bonds
+        if not bonds:
+            return np.full(len(self), -1)
+        own = self.patch_kind == "bond"
+        index = self.assembly.index
+        of_pair = {
+            frozenset(index[name] for name in bond.parts): k
+            for k, bond in enumerate(bonds)
+            if bond.points is None
+        }
+        pairs = self.patch_parts.tolist()
+        found = np.array([of_pair.get(frozenset(pair), -1) for pair in pairs], dtype=np.int64)
+        found[own] = [k for k, bond in enumerate(bonds) if bond.points is not None]
+        return found
 
     @property
     def counted_gap(self) -> float | None:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from kilter.arrays import Mask, starts
-from kilter.assembly import Assembly, require_assembly
+from kilter.assembly import Assembly, Bond, GivenContact, require_assembly
 from kilter.assembly.side_by_side import SideBySide
 from kilter.contact.contact_search import ContactSearch, begin_search
 from kilter.contact.contact_set import ContactSet, PossibleContacts
@@ -187,8 +187,9 @@ def _silent(search: ContactSearch, patches: Patches, others: list[tuple[int, int
 
 
 def _given(assembly: Assembly) -> tuple[Patches, list[float | None]]:
-    """The contacts that the file lists, as patches, and their own friction coefficients."""
-    given = assembly.contacts
+    """The contacts and points of bonds that the file lists, as patches, and their own friction."""
+    bonded = [bond for bond in assembly.bonds if bond.points is not None]
+    given: list[GivenContact | Bond] = [*assembly.contacts, *bonded]
     parts = np.array([[assembly.index_of(n) for n in c.parts] for c in given], dtype=np.int64)
     normal = np.array([c.normal for c in given]).reshape(-1, 3)
     count = [len(c.points) for c in given]
@@ -196,7 +197,7 @@ def _given(assembly: Assembly) -> tuple[Patches, list[float | None]]:
     patches = Patches(
         pair=np.full(len(given), -1),
         parts=parts.reshape(-1, 2),
-        kind=np.full(len(given), "given", dtype="<U11"),
+        kind=np.repeat(["given", "bond"], [len(given) - len(bonded), len(bonded)]).astype("<U11"),
         normal=normal,
         area=none,
         gap=np.zeros((len(given), 2)),
@@ -205,7 +206,7 @@ def _given(assembly: Assembly) -> tuple[Patches, list[float | None]]:
         points=np.concatenate([np.empty((0, 3)), *(c.points for c in given)]),
         normals=np.repeat(normal, count, axis=0),
     )
-    return patches, [c.mu for c in given]
+    return patches, [*(c.mu for c in assembly.contacts), *(None for _ in bonded)]
 
 
 def _with_friction(assembly: Assembly, possible: PossibleContacts) -> PossibleContacts:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kilter.assembly import Assembly, Feature, FrictionPair, GivenContact, Joint, Load, Part
+from kilter.assembly import Assembly, Bond, Feature, FrictionPair, GivenContact, Joint, Load, Part
 from kilter.errors import InputError, nearest_name
 from kilter.files.checked_solid import checked
 from kilter.files.complaints import complaint
@@ -89,6 +89,7 @@ def from_dict(data: Any, *, folder: str | Path = ".", source: str = "") -> Assem
             loads=[Load(e.part, e.force, e.torque, e.point) for e in entries.loads],
             contacts=_each("contacts", entries.contacts, _contact),
             joints=_each("joints", entries.joints, _joint),
+            bonds=_each("bonds", entries.bonds, _bond),
             planar=entries.planar,
             detect=entries.detect,
             source=source,
@@ -217,7 +218,24 @@ def _joint(entry: Any) -> Joint:
     return joint
 
 
-def _keep(value: Feature | GivenContact | Joint | Surface, name: str, numbers: list[float]) -> None:
+def _bond(entry: Any) -> Bond:
+    bond = Bond(
+        _pair(entry.parts),
+        entry.pull,
+        entry.pull_per_area,
+        entry.shear,
+        entry.points,
+        entry.normal,
+        entry.kind,
+    )
+    if entry.normal is not None:
+        _keep(bond, "normal", entry.normal)
+    return bond
+
+
+def _keep(
+    value: Feature | GivenContact | Joint | Bond | Surface, name: str, numbers: list[float]
+) -> None:
     """Leave a direction of length 1 (up to rounding) as it is written.
 
     To divide it by its length once more may change the last digit, and what was written
@@ -260,6 +278,18 @@ def to_dict(assembly: Assembly) -> dict[str, Any]:
         "joints": [
             _given(parts=list(j.parts), kind=j.kind, point=j.point, axis=j.axis)
             for j in assembly.joints
+        ],
+        "bonds": [
+            _given(
+                parts=list(b.parts),
+                pull=b.pull,
+                pull_per_area=b.pull_per_area,
+                shear=b.shear,
+                points=b.points,
+                normal=b.normal,
+                kind=b.kind,
+            )
+            for b in assembly.bonds
         ],
     }
     data |= {key: entries for key, entries in lists.items() if entries}

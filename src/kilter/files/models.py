@@ -206,6 +206,26 @@ class JointEntry(_Entry):
     axis: Vector | None = Field(None, description="needed for revolute, prismatic, cylindrical")
 
 
+class BondEntry(_Entry):
+    """A connection of two parts that takes pull up to a limit: glue, a stud, a magnet."""
+
+    parts: Pair
+    pull: NotNegative | None = Field(None, description="at each point [N]")
+    pull_per_area: NotNegative | None = Field(
+        None, description="in place of pull [N per square of the length unit]"
+    )
+    shear: NotNegative | Literal["mu"] | None = Field(
+        None, description="at each point [N], or by friction; any force where absent"
+    )
+    points: Annotated[list[Vector], Field(min_length=1)] | None = Field(
+        None, description="all contact points of the pair where absent"
+    )
+    normal: Vector | None = Field(
+        None, description="from the first part to the second; needed with points"
+    )
+    kind: Literal["glue", "mortar", "magnet", "suction", "press-fit"] | None = None
+
+
 class AssemblyFile(_Entry):
     """An assembly of rigid parts: what they are, where, which are held, what pulls on them."""
 
@@ -220,6 +240,7 @@ class AssemblyFile(_Entry):
     loads: list[LoadEntry] = []
     contacts: list[ContactEntry] = []
     joints: list[JointEntry] = []
+    bonds: list[BondEntry] = []
     planar: Flag = Field(False, description="motions in x-z only")
     detect: Flag = Field(True, description="false: only the given contacts count")
 

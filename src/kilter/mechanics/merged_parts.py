@@ -45,8 +45,9 @@ def merged(program: Program, group: Index) -> Program:
     arm = program.center - center[group]
     square = np.einsum("ij,ij->i", arm, arm)[:, None, None] * np.eye(3)
     steiner = program.mass[:, None, None] * (square - arm[:, :, None] * arm[:, None, :])
-    applied = program.applied.copy()
-    applied[:, 3:] += cross(arm, applied[:, :3])
+    applied, clamp = program.applied.copy(), program.clamp.copy()
+    for load in (applied, clamp):
+        load[:, 3:] += cross(arm, load[:, :3])
     radius, tolerance = np.zeros(count), np.zeros(count)
     np.maximum.at(radius, group, program.radius + np.linalg.norm(arm, axis=1))
     np.maximum.at(tolerance, group, program.tolerance)
@@ -65,6 +66,7 @@ def merged(program: Program, group: Index) -> Program:
         inertia=_sums(group, program.inertia + steiner, count),
         radius=radius,
         applied=_sums(group, applied, count),
+        clamp=_sums(group, clamp, count),
         part_a=a[rows],
         part_b=b[rows],
         tolerance=tolerance,

@@ -27,11 +27,14 @@ from kilter.assembly import GROUND, Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.friction_coefficients import certain_friction
+from kilter.mechanics.bond_rows import clamp_of
 from kilter.mechanics.mechanics_tolerances import BLUR, TOLERANCE
 from kilter.mechanics.rows import (
+    BONDED,
     CONTACT,
     KINDS,
     ForceRows,
+    bonded_rows,
     contact_rows,
     joint_rows,
     possible_rows,
@@ -70,7 +73,9 @@ class Program:
         [m/s^2]
     applied : ndarray, shape (N, 6)
         Given loads: force [N] and torque about the centre of mass [N x length unit].
-    part_a, part_b, point, normal, kind, two_sided, angular, mu, source, doubt : ndarray
+    clamp : ndarray, shape (N, 6)
+        The loads with which bonds press parts together, alike (`kilter.mechanics.bond_rows`).
+    part_a, part_b, point, normal, kind, two_sided, angular, mu, source, doubt, pull, tied : ndarray
         Of the K rows, as `kilter.mechanics.rows.ForceRows` has them.
     tolerance : ndarray, shape (N,)
         Relative tolerance of a verdict about each part [-].
@@ -86,6 +91,7 @@ class Program:
     radius: Array
     gravity: Array
     applied: Array
+    clamp: Array
     part_a: Index
     part_b: Index
     point: Array
@@ -96,6 +102,8 @@ class Program:
     mu: Array
     source: Index
     doubt: Array
+    pull: Array
+    tied: Mask
     tolerance: Array
     planar: bool
     units: str
@@ -112,8 +120,8 @@ class Program:
 
     @property
     def load(self) -> Array:
-        """Force [N] and torque [N x length unit] on each part but those of contacts, (N, 6)."""
-        load = self.applied.copy()
+        """Force [N] and torque [N x length unit] on each part but those of rows, (N, 6)."""
+        load = self.applied + self.clamp
         load[:, :3] += self.mass[:, None] * self.gravity
         load[~self.free] = 0.0
         return load
@@ -211,7 +219,8 @@ class Program:
         Contacts whose normals are in doubt by more than `mu` hold nothing for certain, and are
         left out.
         """
-        less = np.where(self.kind == CONTACT, certain_friction(mu, self.doubt), 0.0)
+        rubs = (self.kind == CONTACT) & ~self.tied
+        less = np.where(rubs, certain_friction(mu, self.doubt), 0.0)
         changed = self.with_rows(mu=less)
         certain = changed.force_rows.certain
         return changed if certain.all() else changed.taking(certain)
@@ -270,6 +279,35 @@ class Program:
             total += np.bincount(part[k], share, minlength=len(total))
         return total
 
+    def point_forces(self, forces: Array, friction: Array) -> Array:
+        """What acts at the contact rows on their part b [N], shape (C, 3), bonds included.
+
+        `forces`, shape (K,), and `friction`, shape (K, 3), as those of a proof.
+        """
+        rows = np.flatnonzero(self.kind == CONTACT)
+        along = forces[rows] - self.pull[rows]
+        acting: Array = along[:, None] * self.normal[rows] + friction[rows]
+        tied, borne = np.flatnonzero(self.tied[rows]), np.flatnonzero(self.kind == BONDED)
+        aside = forces[borne, None] * self.normal[borne]
+        acting[tied] += aside.reshape(2, len(tied), 3).sum(axis=0)
+        return acting
+
+    def row_forces(self, acting: Array) -> tuple[Array, Array]:
+        """Forces along the rows, shape (K,), and across them, (K, 3), of what acts at contacts.
+
+        The other way round than `point_forces`; those of other rows are 0.
+        """
+        rows = np.flatnonzero(self.kind == CONTACT)
+        forces, friction = np.zeros(len(self.part_a)), np.zeros((len(self.part_a), 3))
+        along = np.einsum("ij,ij->i", acting, self.normal[rows])
+        aside = acting - along[:, None] * self.normal[rows]
+        forces[rows] = along + self.pull[rows]
+        tied, borne = np.flatnonzero(self.tied[rows]), np.flatnonzero(self.kind == BONDED)
+        forces[borne] = np.einsum("ij,ij->i", np.tile(aside[tied], (2, 1)), self.normal[borne])
+        aside[tied] = 0.0
+        friction[rows] = aside
+        return forces, friction
+
     def full(self, columns: Array) -> Array:
         """A vector in the order of `columns` as a motion of all parts, shape (N, 6)."""
         motion = np.zeros((len(self.names), 6))
@@ -314,7 +352,10 @@ def build_program(
     """
     geometry = assembly.geometry
     touching = contact_rows(contacts, geometry)
-    blocks = [touching if fitted else touching.take(touching.certain)]
+    touching = touching if fitted else touching.take(touching.certain)
+    blocks = [touching]
+    if touching.tied.any():
+        blocks.append(bonded_rows(touching))
     if possible:
         blocks.append(possible_rows(contacts.possible, geometry))
     if sticking:
@@ -330,6 +371,7 @@ def build_program(
         radius=geometry.radius,
         gravity=assembly.gravity,
         applied=_applied(assembly, geometry),
+        clamp=clamp_of(geometry, rows.part_a, rows.part_b, rows.point, rows.normal, rows.pull),
         tolerance=_tolerances(contacts, geometry),
         planar=assembly.planar,
         units=assembly.units,

@@ -128,7 +128,8 @@ class ProgramBlocks:
             **{
                 name: getattr(whole, name)[parts]
                 for name in (
-                    "names", "free", "center", "mass", "inertia", "radius", "applied", "tolerance",
+                    "names", "free", "center", "mass", "inertia", "radius", "applied", "clamp",
+                    "tolerance",
                 )
             },
             part_a=np.maximum(chosen.part_a - self.start[k], -1),

@@ -28,6 +28,7 @@ from kilter.mechanics.rows import CONTACT, JOINT
 
 __all__ = [
     "Evidence",
+    "coefficients",
     "digest_of",
     "frame_of",
     "joints_of",
@@ -88,7 +89,7 @@ def make_proof(
     if certificate is None:
         raise InputError("an undecided verdict has no proof to write")
     rows = np.flatnonzero(program.kind == CONTACT)
-    mu = contacts.patch_mu[program.source[rows]]
+    mu = coefficients(contacts, program, rows)
     names = program.names
     proof: dict[str, Any] = {
         "kilter_proof": FORMAT,
@@ -121,6 +122,7 @@ def make_proof(
                 "x": program.point[k].tolist(),
                 "normal": program.normal[k].tolist(),
                 "mu": float(friction),
+                **_bond(program, int(k)),
             }
             for k, friction in zip(rows, mu, strict=True)
         ],
@@ -136,7 +138,7 @@ def make_proof(
         "joints": joints_of(assembly, program, certificate),
     }
     if isinstance(certificate, ForceProof):
-        proof["forces"] = _vectors(program, certificate, rows)
+        proof["forces"] = _vectors(program, certificate)
         proof["certificate"] = {"kind": "forces", "residual": certificate.residual}
         if evidence is not None:
             proof["friction"] = _friction(program, evidence, rows)
@@ -164,9 +166,25 @@ def _verdict(certificate: ForceProof | MotionProof, evidence: Evidence | None) -
     return "settles" if settles else "potentially-stable"
 
 
-def _vectors(program: Program, proof: ForceProof, rows: Index) -> list[list[float]]:
-    """Forces of some contact rows, shape (k, 3)."""
-    vectors = proof.forces[rows, None] * program.normal[rows] + proof.friction[rows]
+def coefficients(contacts: ContactSet, program: Program, rows: Index) -> Array:
+    """The friction coefficients of contact rows as the file has them; 0 where a bond is tied."""
+    mu: Array = np.where(program.tied[rows], 0.0, contacts.patch_mu[program.source[rows]])
+    return mu
+
+
+def _bond(program: Program, row: int) -> dict[str, Any]:
+    """What a bond gives to a contact row, where there is one."""
+    found: dict[str, Any] = {}
+    if program.pull[row] > 0:
+        found["pull"] = float(program.pull[row])
+    if program.tied[row]:
+        found["tied"] = True
+    return found
+
+
+def _vectors(program: Program, proof: ForceProof) -> list[list[float]]:
+    """Forces at the contact rows, shape (C, 3)."""
+    vectors = program.point_forces(proof.forces, proof.friction)
     return [[float(x) for x in vector] for vector in vectors]
 
 
@@ -175,8 +193,8 @@ def _friction(program: Program, evidence: Evidence, rows: Index) -> dict[str, An
     joints = np.flatnonzero(program.kind == JOINT)
     seated, witness = evidence.seated, evidence.witness
     data: dict[str, Any] = {"guarantee": evidence.guarantee, "exclusion": evidence.exclusion}
-    data["seated"] = None if seated is None else _balanced(program, seated, rows, joints)
-    tries = [_balanced(program, one, rows, joints) for one in evidence.tries]
+    data["seated"] = None if seated is None else _balanced(program, seated, joints)
+    tries = [_balanced(program, one, joints) for one in evidence.tries]
     data["tries"] = {"passed": len(tries), "of": evidence.of, "forces": tries}
     data["witness"] = None if witness is None else {
         "acceleration": {
@@ -199,10 +217,10 @@ def open_pairs_of(assembly: Assembly, contacts: ContactSet) -> list[dict[str, An
     return [{"parts": [names[k] for k in one.parts], "kind": one.kind} for one in pairs]
 
 
-def _balanced(program: Program, proof: ForceProof, rows: Index, joints: Index) -> dict[str, Any]:
+def _balanced(program: Program, proof: ForceProof, joints: Index) -> dict[str, Any]:
     """Forces that balance every part as data."""
     return {
-        "forces": _vectors(program, proof, rows),
+        "forces": _vectors(program, proof),
         "joints": proof.forces[joints].tolist(),
         "residual": proof.residual,
     }

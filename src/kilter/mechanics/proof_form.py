@@ -107,7 +107,11 @@ PROOF = _keys(
     options=_keys(),
     tolerance=_keys(gap=_maybe(NUMBER), relative_gap=NUMBER, angle=NUMBER),
     parts=_list(_keys(name=WORD, grounded=FLAG, mass=NUMBER, center=VECTOR)),
-    points=_list(_keys(parts=PAIR, x=VECTOR, normal=VECTOR, mu=NUMBER)),
+    points=_list(
+        _each(
+            _keys(parts=PAIR, x=VECTOR, normal=VECTOR, mu=NUMBER), _if_there(pull=NUMBER, tied=FLAG)
+        )
+    ),
     loads=LOADS,
     joints=_list(_keys(parts=PAIR, kind=WORD, point=VECTOR, axis=_maybe(VECTOR))),
 )

@@ -19,7 +19,14 @@ from kilter.mechanics.joints import carried, carriers
 from kilter.mechanics.law_check import LawProof, check_law
 from kilter.mechanics.mechanics_tolerances import AGREES, POWER_ROUNDING
 from kilter.mechanics.program import Program, build_program
-from kilter.mechanics.proof import digest_of, frame_of, joints_of, open_pairs_of, rows_of
+from kilter.mechanics.proof import (
+    coefficients,
+    digest_of,
+    frame_of,
+    joints_of,
+    open_pairs_of,
+    rows_of,
+)
 from kilter.mechanics.rows import CONTACT, JOINT
 
 __all__ = ["Rechecked", "recheck"]
@@ -160,8 +167,13 @@ def _different_points(
         reasons.append("its contact points are not where the file's are")
     if not _near([p["normal"] for p in points], program.normal[rows], 1.0):
         reasons.append("its contact normals are not the file's")
-    if not _near([p["mu"] for p in points], contacts.patch_mu[program.source[rows]], 1.0):
+    if not _near([p["mu"] for p in points], coefficients(contacts, program, rows), 1.0):
         reasons.append("its friction coefficients are not the file's")
+    pulls = [p.get("pull", 0.0) for p in points]
+    tied = [p.get("tied", False) for p in points]
+    strongest = float(program.pull.max(initial=0.0))
+    if not _near(pulls, program.pull[rows], strongest) or tied != program.tied[rows].tolist():
+        reasons.append("its bonds are not the file's")
     return reasons
 
 
@@ -169,14 +181,12 @@ def _given_forces(program: Program, given: Any, joints: Any) -> tuple[Array, Arr
     """Forces along and across the rows from vectors at the contact points, and complaints."""
     rows = np.flatnonzero(program.kind == CONTACT)
     vectors = np.asarray(given, dtype=float).reshape(-1, 3)
-    forces, friction = np.zeros(len(program.part_a)), np.zeros((len(program.part_a), 3))
     if len(vectors) != len(rows):
-        return forces, friction, ["it has not one force a contact point"]
+        none = np.zeros(len(program.part_a))
+        return none, np.zeros((len(none), 3)), ["it has not one force a contact point"]
+    forces, friction = program.row_forces(vectors)
     if len(joints) != int((program.kind == JOINT).sum()):
         return forces, friction, ["it has not one force a row of a joint"]
-    normal = program.normal[rows]
-    forces[rows] = np.einsum("ij,ij->i", vectors, normal)
-    friction[rows] = vectors - forces[rows, None] * normal
     forces[np.flatnonzero(program.kind == JOINT)] = joints
     aside = np.linalg.norm(friction[rows], axis=1)
     slack = AGREES * np.maximum(np.abs(forces[rows]), float(program.weight.min()) * AGREES) + TINY
@@ -185,8 +195,9 @@ def _given_forces(program: Program, given: Any, joints: Any) -> tuple[Array, Arr
         rough = bool(program.mu.any())
         why = "its friction is above mu times its push" if rough else "it is not along the normal"
         reasons.append(f"a force leaves its cone: {why}")
-    if (forces[rows] < 0).any():
-        reasons.append("a contact force pulls")
+    if (forces[rows] < -AGREES * program.pull[rows]).any():
+        bonded = bool(program.pull.any())
+        reasons.append("a force pulls more than its bond" if bonded else "a contact force pulls")
     return forces, friction, reasons
 
 

@@ -10,6 +10,7 @@ never by their places.
                 `ContactSet.possible`, -1 for a point that is only thought
     JOINT       a force or (`angular`) a torque that a joint carries; `source` is the joint
     STICKING    a tangential force of any size at a contact point; `source` is its patch
+    BONDED      the same at a point whose bond bears any shear; `source` is its patch
 """
 
 from __future__ import annotations
@@ -22,15 +23,18 @@ from kilter.arrays import Array, Index, Mask, Rows, across, columns
 from kilter.assembly import Assembly
 from kilter.assembly.geometry import Geometry
 from kilter.contact.contact_set import ContactSet, PossibleContacts
+from kilter.mechanics.bond_rows import bonded_points
 from kilter.mechanics.joints import joint_constraints
 
 __all__ = [
+    "BONDED",
     "CONTACT",
     "JOINT",
     "KINDS",
     "POSSIBLE",
     "STICKING",
     "ForceRows",
+    "bonded_rows",
     "contact_rows",
     "joint_rows",
     "possible_rows",
@@ -38,9 +42,9 @@ __all__ = [
     "sticking_rows",
 ]
 
-CONTACT, POSSIBLE, JOINT, STICKING = 0, 1, 2, 3
+CONTACT, POSSIBLE, JOINT, STICKING, BONDED = 0, 1, 2, 3, 4
 """Kinds of row."""
-KINDS = ("contact", "possible", "joint", "sticking")
+KINDS = ("contact", "possible", "joint", "sticking", "bonded")
 """Their names."""
 
 
@@ -62,6 +66,11 @@ class ForceRows(Rows):
     source : ndarray of int, shape (K,)
     doubt : ndarray, shape (K,)
         How far the normal of a contact row may be off that a fit gave [rad]; else 0.
+    pull : ndarray, shape (K,)
+        What the bond of a contact row may pull [N], else 0; its force counts from there:
+        f_n + pull >= 0 (`kilter.mechanics.bond_rows`).
+    tied : ndarray of bool, shape (K,)
+        Contact rows whose bond bears any shear, by rows of the kind BONDED.
     """
 
     part_a: Index
@@ -74,6 +83,8 @@ class ForceRows(Rows):
     mu: Array = columns()
     source: Index = columns()
     doubt: Array = columns()
+    pull: Array = columns()
+    tied: Mask = columns()
 
     @property
     def certain(self) -> Mask:
@@ -91,7 +102,8 @@ def _of_kind(
     """Rows of forces without friction."""
     count, none = len(a), np.zeros(len(a))
     return ForceRows(
-        a, b, point, normal, np.full(count, kind), two_sided, none > 0, none, source, none
+        a, b, point, normal, np.full(count, kind), two_sided, none > 0, none, source, none, none,
+        none > 0,
     )  # fmt: skip
 
 
@@ -106,7 +118,18 @@ def contact_rows(contacts: ContactSet, geometry: Geometry) -> ForceRows:
         patch[live],
     )  # fmt: skip
     own = patch[live]
-    return replace(rows, mu=contacts.patch_mu[own], doubt=contacts.patch_doubt[own])
+    rows = replace(rows, mu=contacts.patch_mu[own], doubt=contacts.patch_doubt[own])
+    if not contacts.assembly.bonds:
+        return rows
+    bonded = bonded_points(contacts)
+    mu = np.where(bonded.smooth[live], 0.0, rows.mu)
+    return replace(rows, mu=mu, pull=bonded.pull[live], tied=bonded.tied[live])
+
+
+def bonded_rows(touching: ForceRows) -> ForceRows:
+    """Forces across the contact rows whose bonds bear any shear: all along u, then along v."""
+    tied = touching.take(np.flatnonzero(touching.tied))
+    return _sticking(BONDED, tied.part_a, tied.part_b, tied.point, tied.normal, tied.source)
 
 
 def pushing_rows(pushes: PossibleContacts, number: Index | int = -1) -> ForceRows:

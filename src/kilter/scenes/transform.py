@@ -69,6 +69,14 @@ def moved(
             for c in assembly.contacts
         ],
         joints=[_moved_joint(joint, pose) for joint in assembly.joints],
+        bonds=[
+            bond
+            if bond.points is None
+            else dataclasses.replace(
+                bond, points=pose.apply(bond.points), normal=matrix @ bond.normal
+            )
+            for bond in assembly.bonds
+        ],
     )
 
 
@@ -139,6 +147,16 @@ def scaled(assembly: Assembly, factor: float) -> Assembly:
             for c in assembly.contacts
         ],
         joints=[dataclasses.replace(j, point=times(j.point)) for j in assembly.joints],
+        bonds=[
+            dataclasses.replace(
+                bond,
+                pull=times(bond.pull, 3),
+                pull_per_area=times(bond.pull_per_area, 1),
+                shear=bond.shear if isinstance(bond.shear, str) else times(bond.shear, 3),
+                points=times(bond.points),
+            )
+            for bond in assembly.bonds
+        ],
     )
 
 
@@ -187,6 +205,7 @@ def renamed(assembly: Assembly, name: Callable[[str], str]) -> Assembly:
         friction_pairs=entries(assembly.friction_pairs),
         contacts=entries(assembly.contacts),
         joints=entries(assembly.joints),
+        bonds=entries(assembly.bonds),
     )
 
 

@@ -113,7 +113,7 @@ def _picture(
         for k, part in ((k, assembly[k]) for k in shown)
     ]
     drawn = dataclasses.replace(
-        assembly, parts=parts, friction_pairs=(), loads=(), contacts=(), joints=()
+        assembly, parts=parts, friction_pairs=(), loads=(), contacts=(), joints=(), bonds=()
     )
     gripped = [row for row, k in enumerate(shown) if assembly.names[k] in step["held"]]
     entries, _ = draw_parts(

@@ -125,6 +125,7 @@ def verdict_sentence(
     tries: tuple[int, int, int] = (0, 0, 0),
     coarse: bool = False,
     counted: str = "",
+    bonded: bool = False,
 ) -> str:
     """The sentence of a verdict that is not undecided.
 
@@ -143,6 +144,8 @@ def verdict_sentence(
         The data are coarser than float64.
     counted : str
         The widest gap that only a widened tolerance counts as closed.
+    bonded : bool
+        Bonds may pull.
 
     Examples
     --------
@@ -156,6 +159,7 @@ def verdict_sentence(
         key = "refuted squeeze"
     passed, tried, of = tries
     counting = f", counting gaps up to {counted} as closed" if counted else ""
+    counting += ", if no bond breaks below its capacity" if bonded else ""
     return SENTENCES[verdict, key].format(
         within=(" within the accuracy of the coordinates" if coarse else "") + counting,
         slippery="" if counted else ", however slippery the parts",

@@ -142,8 +142,13 @@ def _together(
 
 def _plain(assembly: Assembly) -> bool:
     """Small, of flat faces, held somewhere, with nothing beside detected contacts."""
-    beside = assembly.contacts or assembly.joints or assembly.loads or not assembly.detect
-    if beside or len(assembly) > SMALL or not any(part.grounded for part in assembly.parts):
+    beside = assembly.contacts or assembly.joints or assembly.loads or assembly.bonds
+    if (
+        beside
+        or not assembly.detect
+        or len(assembly) > SMALL
+        or not any(part.grounded for part in assembly.parts)
+    ):
         return False
     return all(isinstance(part.shape, Box | Prism | Mesh) for part in assembly.parts)
 

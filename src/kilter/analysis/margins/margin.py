@@ -404,6 +404,9 @@ def _tilt(
     if program.applied.any():
         warnings.append("given loads do not turn with gravity: no tilt margin")
         return None
+    if program.pull.any():
+        warnings.append("what bonds hold does not turn with gravity: no tilt margin")
+        return None
     tilt = find_tilt_margin(program)
     if isinstance(tilt, TiltMargin):
         return tilt

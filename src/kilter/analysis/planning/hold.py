@@ -15,6 +15,7 @@ from kilter.analysis.planning.least_supports import LeastSupports, find_least_su
 from kilter.analysis.planning.support_candidates import candidates_of
 from kilter.analysis.planning.supported import Supported
 from kilter.assembly import Assembly, require_assembly
+from kilter.assembly.bonds import NOT_SET, require_no_bonds
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.coincident import require_apart
 from kilter.contact.supports import Support
@@ -72,6 +73,7 @@ def hold(
     <Fixture: undecided, 2 or more>
     """
     require_assembly(assembly, "hold")
+    require_no_bonds(assembly, "hold", NOT_SET)
     if most is not None and (isinstance(most, bool) or not isinstance(most, int) or most < 0):
         raise InputError(f"most is {most!r:.40}", hint="give a whole number, 0 or more")
     if time_limit is not None:

@@ -35,6 +35,7 @@ from kilter.analysis.planning.succession import later_parts, precedence_pairs
 from kilter.analysis.planning.together import units_of_groups
 from kilter.analysis.planning.turning import find_with_turns
 from kilter.assembly import Assembly, require_assembly
+from kilter.assembly.bonds import NOT_SET, require_no_bonds
 from kilter.contact import ContactSet, Tolerance
 from kilter.errors import InputError, some_names
 from kilter.tell.levels import require_level
@@ -126,6 +127,7 @@ def plan(
     (<Order: found, 5 steps, 0 with parts held>, ['cube-1', 'cube-2', 'cube-3', 'cube-4', 'cube-5'])
     """
     require_assembly(assembly, "plan")
+    require_no_bonds(assembly, "plan", NOT_SET)
     assembly.require_grounded()
     level = require_level(require)
     if fewest not in FEWEST:

@@ -47,6 +47,7 @@ from kilter.analysis.planning.state_programs import (
 )
 from kilter.arrays import Mask
 from kilter.assembly import Assembly, require_assembly
+from kilter.assembly.bonds import NOT_SET, require_no_bonds
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.coincident import require_apart
 from kilter.contact.sub_contacts import contacts_among
@@ -453,6 +454,7 @@ def states(
     True
     """
     require_assembly(assembly, "states")
+    require_no_bonds(assembly, "states", NOT_SET)
     if contacts is None:
         contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
     require_apart(assembly, contacts)

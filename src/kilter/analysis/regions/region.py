@@ -31,6 +31,7 @@ from kilter.analysis.regions.stable_cone import StableCone, stable_cone
 from kilter.analysis.turning_tolerances import GAP_DEG
 from kilter.arrays import Array, Mask
 from kilter.assembly import Assembly, require_assembly
+from kilter.assembly.bonds import NO_CONE, require_no_bonds
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.coincident import require_apart
 from kilter.errors import InputError
@@ -295,6 +296,7 @@ def region(
     (False, 26.6, True)
     """
     require_assembly(assembly, "region")
+    require_no_bonds(assembly, "region", NO_CONE)
     assembly.require_grounded()
     started = time.perf_counter()
     if contacts is None:
@@ -375,6 +377,7 @@ def common_region(
     regions = []
     for assembly, own in zip(assemblies, given, strict=True):
         require_assembly(assembly, "common_region")
+        require_no_bonds(assembly, "common_region", NO_CONE)
         assembly.require_grounded()
         begun = time.perf_counter()
         touching = own or detect.contacts(assembly, tolerance=tolerance, progress=progress)

@@ -40,6 +40,7 @@ from kilter.analysis.turning_tolerances import (
 from kilter.analysis.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly, require_assembly
+from kilter.assembly.bonds import NO_CONE, require_no_bonds
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.errors import InputError
 from kilter.mechanics.certificate import check_motion
@@ -232,6 +233,7 @@ def _require_turnable(assembly: Assembly, method: str) -> None:
     if method not in ("joint", "walk"):
         raise InputError(f"there is no method {method!r}", hint="give 'joint' or 'walk'")
     require_assembly(assembly, "orient")
+    require_no_bonds(assembly, "orient", NO_CONE)
     assembly.require_grounded()
     if assembly.loads:
         raise InputError(

@@ -1,0 +1,169 @@
+"""Bonds with closed forms, on both sides of each limit, and the proofs they carry."""
+
+from __future__ import annotations
+
+import copy
+import json
+
+import numpy as np
+import pytest
+from judged import judged
+
+import kilter
+from kilter import Assembly, Bond, Box, GivenContact, Part, Pose
+from kilter.mechanics.proof import digest_of
+
+G, WEIGHT = 9.81, 9810.0
+BOTH = pytest.mark.parametrize("share", [0.999, 1.001])
+
+
+def cube(name, x=0.0, z=0.0, **more):
+    return Part(name, Box([1, 1, 1]), Pose([x, 0, z]), **more)
+
+
+def hung(pull, **more):
+    """A cube of 1000 kg below a held one, by four points."""
+    return Assembly(
+        [cube("top", z=1.0, grounded=True), cube("low")],
+        bonds=[Bond(("low", "top"), pull=pull, **more)],
+    )
+
+
+def cantilever(count, pull):
+    """Cubes side by side from a held one."""
+    parts = [cube("wall", grounded=True)] + [cube(f"c{k}", x=k) for k in range(1, count + 1)]
+    pairs = zip(parts, parts[1:], strict=False)
+    return Assembly(parts, bonds=[Bond((a.name, b.name), pull=pull) for a, b in pairs])
+
+
+def falls(share):
+    return "unstable" if share < 1 else "stable"
+
+
+@BOTH
+@pytest.mark.parametrize("parts", [("low", "top"), ("top", "low")])
+def test_a_cube_hangs_by_its_weight_over_its_points(share, parts):
+    blocks = hung(1.0).parts
+    assembly = Assembly(blocks, bonds=[Bond(parts, pull=share * WEIGHT / 4)])
+    assert judged(assembly).verdict == falls(share)
+
+
+@BOTH
+@pytest.mark.parametrize("count", [1, 2, 5])
+def test_a_cantilever_of_cubes_needs_the_moment_of_its_weight_at_the_upper_points(share, count):
+    """About the lower edge of the root: n W n / 2 by two points at the height of 1."""
+    verdict = judged(cantilever(count, share * WEIGHT * count**2 / 4))
+    assert verdict.verdict == falls(share)
+
+
+@BOTH
+@pytest.mark.parametrize("degrees", [0.0, 30.0, 90.0, 150.0])
+def test_a_magnet_on_a_slope_slides_past_mu_times_what_presses_it(share, degrees):
+    mu, turn = 0.4, np.radians(degrees)
+    thin = Part("magnet", Box([1, 1, 0.01]), Pose([0, 0, 0.505]))
+    weight = 10 * G
+    needed = weight * max(np.sin(turn) / mu - np.cos(turn), -np.cos(turn))
+    if needed <= 0:
+        needed, share = weight, 2.0  # it lies by itself
+    magnet = Bond(("steel", "magnet"), pull=share * needed / 4, kind="magnet")
+    slope = Assembly(
+        [cube("steel", grounded=True), thin],
+        friction=mu,
+        gravity=[G * np.sin(turn), 0, -G * np.cos(turn)],
+        bonds=[magnet],
+    )
+    assert (judged(slope, effort=0.1).verdict == "unstable") is (share < 1)
+
+
+def test_shear_of_any_size_is_borne_where_none_is_said():
+    wall = Assembly(
+        [cube("wall", grounded=True), Part("shelf", Box([0.01, 1, 1]), Pose([0.505, 0, 0]))],
+        bonds=[Bond(("wall", "shelf"), pull=WEIGHT)],
+    )
+    assert judged(wall).level == "proved"
+    smooth = Assembly(wall.parts, bonds=[Bond(("wall", "shelf"), pull=WEIGHT, shear="mu")])
+    assert judged(smooth).verdict == "unstable"
+
+
+def test_points_of_a_bond_stand_for_themselves():
+    """A cube on one point above its middle, and beside it."""
+    for x, verdict in ((0.0, "stable"), (0.1, "unstable")):
+        held = Bond(("low", "top"), pull=WEIGHT * 1.001, points=[[x, 0, 0.5]], normal=[0, 0, 1])
+        parts = [cube("top", z=1.0, grounded=True), cube("low")]
+        assembly = Assembly(parts, detect=False, bonds=[held])
+        assert kilter.check(assembly).verdict == verdict
+        assert kilter.contacts(assembly).patch_kind.tolist() == ["bond"]
+
+
+def test_a_bond_of_no_strength_is_a_contact():
+    given = GivenContact(("low", "top"), [[0, 0, 0.5]], [0, 0, 1])
+    parts = [cube("top", z=1.0, grounded=True), cube("low")]
+    for bonds in ([], [Bond(("low", "top"), pull=0.0)]):
+        assert judged(Assembly(parts, contacts=[given], bonds=bonds)).verdict == "unstable"
+
+
+def test_forces_are_shown_as_they_act_and_a_changed_bond_is_refused():
+    assembly = hung(WEIGHT)
+    verdict = kilter.check(assembly)
+    assert verdict.sentence.startswith("Stable, if no bond breaks below its capacity")
+    proof = json.loads(json.dumps(verdict.proof()))
+    total = np.sum(proof["forces"], axis=0)
+    upper = [p["parts"][1] == "top" for p in proof["points"]]
+    assert np.allclose(total * (1 if all(upper) else -1), [0, 0, -WEIGHT])
+    assert kilter.verify(assembly, proof).holds
+    assert not kilter.verify(hung(WEIGHT * 1.01), proof).holds
+    assert not kilter.verify(hung(WEIGHT, kind="magnet"), proof).holds
+    for key, value in (("pull", 1.01 * WEIGHT), ("tied", False)):
+        changed = copy.deepcopy(proof)
+        changed["points"][0][key] = value
+        changed["digest"] = digest_of(changed)
+        assert not kilter.verify(assembly, changed).holds
+    harder = copy.deepcopy(proof)
+    harder["forces"] = (np.array(proof["forces"]) * 8).tolist()
+    harder["digest"] = digest_of(harder)
+    assert any("pulls more" in why for why in kilter.verify(assembly, harder).reasons)
+
+
+def test_what_asks_for_a_cone_of_directions_or_an_order_takes_no_bonds():
+    assembly = hung(WEIGHT)
+    for ask in (kilter.orient, kilter.region, kilter.plan, kilter.hold, kilter.states):
+        with pytest.raises(kilter.InputError, match=r"does not take bonds, such as that of 'low'"):
+            ask(assembly)
+
+
+def test_bonds_are_written_and_read_back(tmp_path):
+    points = [[0.0, 0.1, 0.5], [0.2, 0.0, 0.5]]
+    made = Assembly(
+        [cube("top", z=1.0, grounded=True), cube("low")],
+        bonds=[
+            Bond(("low", "top"), pull=0.1, shear=2.5, points=points, normal=[0, 0.6, 0.8]),
+            Bond(("low", "top"), pull_per_area=1e5, kind="mortar"),
+        ],
+    )
+    kilter.dump(made, tmp_path / "a.kilter.json")
+    again = kilter.load(tmp_path / "a.kilter.json")
+    for one, other in zip(made.bonds, again.bonds, strict=True):
+        for name in Bond.__slots__:
+            assert np.array_equal(getattr(one, name), getattr(other, name))
+
+
+def test_wrong_bonds_are_one_sentence():
+    apart = Assembly(
+        [cube("top", z=2.0, grounded=True), cube("low")], bonds=[Bond(("low", "top"), pull=1.0)]
+    )
+    with pytest.raises(kilter.InputError, match="which do not touch"):
+        kilter.check(apart)
+    parts = [cube("top", z=1.0, grounded=True), cube("low")]
+    twice = [Bond(("low", "top"), pull=1.0), Bond(("top", "low"), pull=2.0)]
+    for wrong, why in (
+        (lambda: Bond(("a", "b"), pull=-1.0), "pull of the bond"),
+        (lambda: Bond(("a", "b"), pull=1.0, pull_per_area=1.0), "has pull and pull_per_area"),
+        (lambda: Bond(("a", "b"), pull=1.0, shear="my"), "shear of the bond"),
+        (lambda: Bond(("a", "b"), pull=1.0, kind="morter"), "did you mean 'mortar'"),
+        (lambda: Bond(("a", "b"), pull=1.0, points=[[0, 0, 0]]), "no normal"),
+        (lambda: Bond(("a",), pull=1.0), "give a pair"),
+        (lambda: Assembly(parts, bonds=twice), "two bonds hold all contacts"),
+        (lambda: Assembly(parts, bonds=[Bond(("low", "tip"), pull=1.0)]), "no part is named"),
+    ):
+        with pytest.raises(kilter.InputError, match=why):
+            wrong()
