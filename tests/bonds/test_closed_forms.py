@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import itertools
 import json
 
 import numpy as np
@@ -32,7 +33,7 @@ def hung(pull, **more):
 def cantilever(count, pull):
     """Cubes side by side from a held one."""
     parts = [cube("wall", grounded=True)] + [cube(f"c{k}", x=k) for k in range(1, count + 1)]
-    pairs = zip(parts, parts[1:], strict=False)
+    pairs = itertools.pairwise(parts)
     return Assembly(parts, bonds=[Bond((a.name, b.name), pull=pull) for a, b in pairs])
 
 
