@@ -17,7 +17,7 @@ from kilter.scenes import arches, packings, scene, stacks, walls, wedges
 from kilter.scenes.accelerations import wedge_on_wedge
 from kilter.scenes.pieces import block, floor
 from kilter.scenes.transform import moved, scaled, tilted
-from kilter.solvers import clarabel
+from kilter.solvers import clarabel, projection
 from kilter.solvers.block_cholesky import NotPositive
 from kilter.solvers.linked_rows import LinkedRows
 from kilter.solvers.projection import solve_projection
@@ -117,6 +117,26 @@ def test_without_exact_forces_a_large_wall_is_good_to_a_millionth():
     exact, rough = both_ways(program)[1], both_ways(program, enough=1e-8)[1]
     assert 0 < size_of(program, exact[0] - rough[0]) < 1e-7
     assert rough[1] < 1e-7
+
+
+@pytest.mark.parametrize("kind", ["hangs", "stands"])
+def test_where_slacks_and_forces_both_vanish_it_looks_ahead(monkeypatch, kind):
+    """More terms, fewer steps; the conditions are those of the projection, recomputed here."""
+    made = {"hangs": walls.hanging_brick, "stands": walls.wall}[kind](12, 12)
+    cone = least_constraint(scaled_program(program_of(made))).cone
+    load, enough = np.abs(cone.load).max(), 1e-9
+    steps = {}
+    for terms in (1, 3):
+        monkeypatch.setattr(projection, "TERMS", terms)
+        found = solve_projection(cone, enough=enough)
+        opening, forces = cone.rows @ found.unknowns, found.multipliers
+        assert not cone.equal
+        assert forces.min() >= 0
+        assert opening.min() > -2 * enough * load
+        assert np.minimum(opening, forces).max() < 2 * enough * load
+        assert found.unknowns == pytest.approx(cone.load + cone.rows.T @ forces, abs=1e-9 * load)
+        steps[terms] = found.factorisations
+    assert steps[3] < steps[1] < 16
 
 
 def test_half_is_taken_only_where_there_is_a_mirror():

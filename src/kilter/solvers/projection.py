@@ -7,7 +7,15 @@ on the normal matrix I + R^T D R, which has one block a part and one a pair of p
 one factorisation a step, and every corrector re-uses it. Where contacts neither press nor open,
 as between bricks that fall side by side, its answer is only as good as the square root of its gap.
 
-So it is followed by steps of the method of multipliers from its forces f,
+Where its steps are whole it looks ahead. Slacks s and forces f that both vanish go like the
+root of their products w; along
+
+    s f = (1 - t)^2 w
+
+all is smooth up to t = 1, which a few terms of its series about t = 0 reach. Every term is one
+solution with the factors of the step; what comes out is judged as any other point.
+
+Else it is followed by steps of the method of multipliers from its forces f,
 
     b = argmin 1/2 |b|^2 - v.b + 1/(2 rho) |max(0, f - rho R b)|^2,    f <- max(0, f - rho R b)
 
@@ -21,6 +29,8 @@ References
 S. Mehrotra, On the implementation of a primal-dual interior point method, 1992. J. Gondzio,
 Multiple centrality corrections in a primal-dual method for linear programming, 1996. R. T.
 Rockafellar, Augmented Lagrangians and applications of the proximal point algorithm, 1976.
+J. Stoer, M. Wechs, Infeasible-interior-point paths for sufficient linear complementarity
+problems and their analyticity, 1998.
 """
 
 from __future__ import annotations
@@ -42,6 +52,8 @@ STEPS = 120
 """Steps of the interior point at most."""
 CORRECTORS = 4
 """Centrality correctors of one factorisation at most."""
+TERMS = 3
+"""Of the series that looks ahead."""
 START = 1.0
 """First slacks and forces over the largest load."""
 SHORT_OF = 0.995
@@ -127,6 +139,7 @@ def _interior(data: _Data, enough: float) -> tuple[Array, Array, float, int]:
     """The best point on the way: b, f, its violation, and how many factorisations."""
     two = data.two_sided
     root = np.sqrt(data.weight)
+    length = 0.0
     b = data.linked.factorised(np.ones(len(two)))(data.load)
     opening = data.opening(b)
     s = np.where(two, 1.0, np.maximum(opening, 0) + START * root)
@@ -153,10 +166,15 @@ def _interior(data: _Data, enough: float) -> tuple[Array, Array, float, int]:
             break
         try:
             with np.errstate(over="raise", divide="raise", invalid="raise"):
-                db, ds, df, length = _direction(data, s, f, rd, rp, mu)
+                whole = enough > 0 and length == 1.0
+                db, ds, df, length, end = _direction(data, s, f, rd, rp, mu, whole)
         except (NotPositive, FloatingPointError):  # singular to working precision
             break
         count += 1
+        if end is not None:
+            ahead = _answer(data, end)
+            if ahead[2] <= enough:
+                return *ahead, count
         b, s, f = b + length * db, s + np.where(two, 0, length * ds), f + length * df
         least = LEAST * LEAST * data.weight
         s, f = np.where(two, s, np.maximum(s, least)), np.where(two, f, np.maximum(f, least))
@@ -170,10 +188,20 @@ def _reach(v: Array, dv: Array) -> float:
     return min(1.0, float((-v[down] / dv[down]).min(initial=np.inf)))
 
 
+def _answer(data: _Data, f: Array) -> tuple[Array, Array, float]:
+    """Forces as they may be, the b that they give, and its violation."""
+    two = data.two_sided
+    f = np.where(two, f, np.maximum(f, 0.0))
+    b = data.load + data.push(f)
+    opening = data.opening(b)
+    rest = np.where(two, opening, np.minimum(opening, f) / np.sqrt(data.weight))
+    return b, f, float(np.abs(rest).max())
+
+
 def _direction(
-    data: _Data, s: Array, f: Array, rd: Array, rp: Array, mu: float
-) -> tuple[Array, Array, Array, float]:
-    """Predictor, corrector and centrality correctors; the length of the step."""
+    data: _Data, s: Array, f: Array, rd: Array, rp: Array, mu: float, look: bool
+) -> tuple[Array, Array, Array, float, Array | None]:
+    """Predictor, corrector and centrality correctors; the length of the step; forces ahead."""
     two, one = data.two_sided, ~data.two_sided
     weights = np.where(two, 1.0 / PROXIMAL, f / s)
     solve = data.linked.factorised(weights)
@@ -189,7 +217,16 @@ def _direction(
 
     db, ds, df = newton(rd, rp, -s * f)
     if two.all():  # equations only: a whole step
-        return db, ds, df, 1.0
+        return db, ds, df, 1.0, None
+    end = None
+    if look:
+        slack, force = [s, 2.0 * ds], [f, 2.0 * df]
+        for k in range(2, TERMS + 1):
+            before = sum(slack[j] * force[k - j] for j in range(1, k))
+            product = np.where(two, 0.0, (s * f if k == 2 else 0.0) - before)
+            _, *term = newton(np.zeros_like(rd), np.zeros_like(rp), product)
+            slack, force = [*slack, term[0]], [*force, term[1]]
+        end = np.sum(force, axis=0)
     length = reach(ds, df)
     after = float((((s + length * ds) * (f + length * df)) / data.weight)[one].mean())
     goal = (after / mu) ** 3 * mu * data.weight
@@ -206,7 +243,7 @@ def _direction(
         if tried < length + 0.01:
             break
         db, ds, df, length = db + more[0], ds + more[1], df + more[2], tried
-    return db, ds, df, length if length == 1.0 else SHORT_OF * length
+    return db, ds, df, length if length == 1.0 else SHORT_OF * length, end
 
 
 def _multipliers(data: _Data, b: Array, f: Array, enough: float) -> tuple[Array, Array, int]:
