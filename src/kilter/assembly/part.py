@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from kilter.assembly.brick import Brick
 from kilter.errors import InputError
 from kilter.rigid import Pose, in_brackets
 from kilter.shape.primitives import Shape
@@ -40,6 +41,8 @@ class Part:
         In the part's own frame; overrides the geometry.
     table : bool
         The table of `Assembly.with_floor`: nothing is taken for fastened to it.
+    brick : Brick, optional
+        What it is as a toy brick: drawn with studs, in its colour.
 
     Raises
     ------
@@ -61,6 +64,7 @@ class Part:
     mass: float | None = None
     center_of_mass: Any = None
     table: bool = False
+    brick: Brick | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:

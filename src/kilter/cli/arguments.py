@@ -40,6 +40,9 @@ def reading_of(
     contacts: str | None = None,
     keyframe: str | None = None,
     base: str | None = None,
+    stud_pull: float | None = None,
+    stud_shear: str | None = None,
+    brick_sides: str | None = None,
 ) -> Reading:
     """The reading that the options of a command ask for."""
     return Reading(
@@ -57,6 +60,9 @@ def reading_of(
         contacts=contacts,
         keyframe=keyframe,
         base=base,
+        stud_pull=stud_pull,
+        stud_shear=stud_shear,
+        brick_sides=brick_sides,
     )
 
 

@@ -69,6 +69,7 @@ class Asked:
             *(given[key] for key in ("units", "density")),
             *(given[key] for key in ("fasten", "fasten_suggested", "fasten_overlaps")),
             *(given[key] for key in ("up", "contacts", "keyframe", "base")),
+            *(given[key] for key in ("stud_pull", "stud_shear", "brick_sides")),
         )
         gap, angle, clearance = (given[key] for key in ("gap", "angle", "clearance"))
         effort = _at_least_none(given.get("effort", 0.0), "--effort", "N")

@@ -25,7 +25,8 @@ WORK = "How much work"
 
 HELP_OF_FILE = (
     "An assembly: STEP (kilter[step]), a folder of meshes (one part a file), OBJ, STL, 3MF, GLB, "
-    "COMPAS JSON, MJCF, URDF or *.kilter.json; - reads kilter JSON from standard input."
+    "COMPAS JSON, MJCF, URDF, bricks (LDraw, StableLego JSON, BrickGPT text) or *.kilter.json; "
+    "- reads kilter JSON from standard input."
 )
 File = Annotated[
     str,
@@ -116,6 +117,38 @@ Base = Annotated[
         "--base",
         metavar="fixed|floating",
         help="Of URDF: whether the root is held; fixed where not given.",
+        rich_help_panel=HELD,
+        show_default=False,
+    ),
+]
+StudPull = Annotated[
+    float | None,
+    typer.Option(
+        "--stud-pull",
+        metavar="N",
+        help="Of bricks: what each of the three or four points of a stud holds; .98 N where not "
+        "given.",
+        rich_help_panel=HELD,
+        show_default=False,
+    ),
+]
+StudShear = Annotated[
+    str | None,
+    typer.Option(
+        "--stud-shear",
+        metavar="unlimited|mu|N",
+        help="Of bricks: sideways at such a point any force, friction, or up to N; unlimited where "
+        "not given.",
+        rich_help_panel=HELD,
+        show_default=False,
+    ),
+]
+BrickSides = Annotated[
+    str | None,
+    typer.Option(
+        "--brick-sides",
+        metavar="lower-edge|face|none",
+        help="Of bricks: where neighbours in a layer push each other; lower-edge where not given.",
         rich_help_panel=HELD,
         show_default=False,
     ),
@@ -301,6 +334,9 @@ READING: dict[str, tuple[Any, Any]] = {
     "contacts": (Contacts, None),
     "keyframe": (Keyframe, None),
     "base": (Base, None),
+    "stud_pull": (StudPull, None),
+    "stud_shear": (StudShear, None),
+    "brick_sides": (BrickSides, None),
     "gap": (Gap, None),
     "angle": (Angle, None),
     "clearance": (Clearance, None),

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from kilter.assembly.bricks import StudRules
+
 __all__ = ["Choices"]
 
 
@@ -21,9 +23,12 @@ class Choices:
         Of MuJoCo: the name of the pose.
     base : {"fixed", "floating"} or None
         Of URDF: whether the root is held.
+    studs : StudRules or None
+        Of bricks: how their studs and sides hold each other.
     """
 
     units: str | None = None
     contacts: str | None = None
     keyframe: str | None = None
     base: str | None = None
+    studs: StudRules | None = None

@@ -61,5 +61,7 @@ HOLLOW = 1e-3
 """Faces that are closed in thought enclose at least this fraction of their hull."""
 CUT_AREA = 1e-9
 """Triangles fill an outline but for this fraction of its area."""
+OFF_GRID = 1e-3
+"""Bricks this fraction of a cell off the grid of the others stand on it [-]."""
 LEEWAY = 2.0
 """Times the sagitta that triangles may be off, on average, from the faces they stand for."""

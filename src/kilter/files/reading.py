@@ -14,15 +14,19 @@ from typing import Any, NamedTuple
 from numpy.typing import ArrayLike
 
 from kilter.assembly import Assembly, Part
+from kilter.assembly.bricks import StudRules
 from kilter.errors import InputError
+from kilter.files.brick_text import BRICK_TEXT, load_brick_text
 from kilter.files.choices import Choices
 from kilter.files.compas import from_compas, is_compas
 from kilter.files.folder import load_folder
 from kilter.files.formats import FORMATS, load_bodies
 from kilter.files.kilter_json import from_dict
+from kilter.files.ldraw import LDRAW_FILES, load_ldraw
 from kilter.files.lying import UP, note_on_up
 from kilter.files.objects.known_objects import read_object
 from kilter.files.raw import bounded, read_bytes
+from kilter.files.stable_lego import from_stable_lego, is_stable_lego
 from kilter.files.strict_json import parse_json
 from kilter.files.urdf import BASES
 from kilter.files.xml_scenes import XML, load_xml
@@ -50,7 +54,8 @@ class Reading:
     Raises
     ------
     InputError
-        If `up` is no axis, or stands beside `down`; or `contacts` is none of the two.
+        If `up` is no axis, or stands beside `down`; `contacts` is none of the two; or a rule of
+        bricks is none.
     """
 
     ground: tuple[str, ...] = ()
@@ -67,8 +72,12 @@ class Reading:
     contacts: str | None = None
     keyframe: str | None = None
     base: str | None = None
+    stud_pull: float | None = None
+    stud_shear: float | str | None = None
+    brick_sides: str | None = None
 
     def __post_init__(self) -> None:
+        _ = self.studs
         if self.base is not None and self.base not in BASES:
             raise InputError(f"the base is {self.base!r:.40}", hint=f"use {_OR.join(BASES)}")
         if self.up is not None and self.up not in UP:
@@ -86,7 +95,14 @@ class Reading:
     @property
     def choices(self) -> Choices:
         """What a format of its own kind asks for."""
-        return Choices(self.units, self.contacts, self.keyframe, self.base)
+        return Choices(self.units, self.contacts, self.keyframe, self.base, self.studs)
+
+    @property
+    def studs(self) -> StudRules:
+        """The rules of bricks: those of StableLego but for what is asked."""
+        asked = {"pull": self.stud_pull, "shear": self.stud_shear, "sides": self.brick_sides}
+        given: dict[str, Any] = {k: value for k, value in asked.items() if value is not None}
+        return StudRules(**given)
 
     def options(self) -> dict[str, Any]:
         """The options that are set, as JSON data."""
@@ -164,6 +180,9 @@ def load(
     contacts: str | None = None,
     keyframe: str | None = None,
     base: str | None = None,
+    stud_pull: float | None = None,
+    stud_shear: float | str | None = None,
+    brick_sides: str | None = None,
 ) -> Assembly:
     """The assembly that a file, a folder, standard input (``-``) or an object describes.
 
@@ -174,8 +193,9 @@ def load(
     ----------
     source : path or object
         A kilter file or COMPAS assembly (.json), a mesh file (.obj, .stl, .3mf, .glb), a
-        STEP file (.step, .stp), an MJCF or URDF scene (.xml, .mjcf, .urdf), a folder of
-        meshes, or ``-`` for JSON on standard input.
+        STEP file (.step, .stp), an MJCF or URDF scene (.xml, .mjcf, .urdf), a model of toy
+        bricks (LDraw .ldr and .mpd, StableLego .json, BrickGPT .txt), a folder of meshes, or
+        ``-`` for JSON on standard input.
         Or an object: a trimesh Trimesh or Scene, a pair of arrays (vertices, faces), a
         shape or assembly of build123d or CadQuery, a COMPAS Assembly, Block or Mesh, a
         model of MuJoCo or (model, data); a list of such, or a dict of them by name.
@@ -201,6 +221,13 @@ def load(
         Of MuJoCo: the pose of that name; the first there is where it is not given.
     base : {"fixed", "floating"}, optional
         Of URDF: whether the root is held; "fixed" where it is not given.
+    stud_pull : float, optional
+        Of bricks: what a point of a stud holds [N]; .98 where it is not given.
+    stud_shear : float or {"unlimited", "mu"}, optional
+        Of bricks: sideways at such a point up to a force [N], any force, or mu (f_n + pull);
+        "unlimited" where it is not given.
+    brick_sides : {"lower-edge", "face", "none"}, optional
+        Of bricks: where neighbours push each other; "lower-edge" where it is not given.
 
     Raises
     ------
@@ -219,6 +246,9 @@ def load(
         contacts=contacts,
         keyframe=keyframe,
         base=base,
+        stud_pull=stud_pull,
+        stud_shear=stud_shear,
+        brick_sides=brick_sides,
     ).read(source)
 
 
@@ -289,10 +319,14 @@ def _read(
         return _Read(assembly, left_out=left_out)
     if suffix in XML:
         return _Read(*load_xml(path, reading.choices))
+    if suffix in LDRAW_FILES:
+        return _Read(load_ldraw(path, rules=reading.studs), states_gravity=True)
+    if suffix in BRICK_TEXT:
+        return _Read(load_brick_text(path, rules=reading.studs), states_gravity=True)
     data = read_bytes(path)
     if suffix == ".json":
         return _from_json(data, path.parent, str(path), reading)
-    kinds = f".json, {', '.join([*FORMATS, *XML])}, or a folder of them"
+    kinds = f".json, {', '.join([*FORMATS, *XML, *LDRAW_FILES, *BRICK_TEXT])}, or a folder of them"
     raise InputError(
         f"files of {path.suffix or 'no ending'} are not read", file=str(path), hint=f"give {kinds}"
     )
@@ -328,6 +362,9 @@ def _from_json(data: bytes, folder: Path, source: str, reading: Reading) -> _Rea
     if is_compas(content):
         units, contacts = reading.units, reading.contacts
         return _Read(from_compas(content, units=units, source=source, contacts=contacts))
+    if is_stable_lego(content):
+        bricks = from_stable_lego(content, data, rules=reading.studs, source=source)
+        return _Read(bricks, states_gravity=True)
     assembly = from_dict(content, folder=folder, source=source)
     _check_units(assembly, reading.units)
     return _Read(assembly, states_gravity=True)

@@ -2,15 +2,34 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kilter.show.brick_look import brick_rgb
 from kilter.tell.palette import GROUND, PALETTE, rgb
 
-__all__ = ["part_colours"]
+if TYPE_CHECKING:
+    from kilter.assembly import Assembly
+
+__all__ = ["assembly_colours", "part_colours"]
 
 SHADES = (0.0, 0.10, -0.08, 0.05, -0.04, 0.13, -0.11)
 """Lighter (towards white) or darker: copies of one shape next to each other."""
+
+
+def assembly_colours(assembly: Assembly, shape: ArrayLike) -> NDArray[np.uint8]:
+    """A colour a part of an assembly, shape (N, 3): bricks have their own where one is stated.
+
+    `shape` (N,): the shape that each part is drawn with.
+    """
+    colours = part_colours(shape, assembly.geometry.grounded)
+    for k, part in enumerate(assembly.parts):
+        own = brick_rgb(part.brick)
+        if own is not None:
+            colours[k] = own
+    return colours
 
 
 def part_colours(shape: ArrayLike, grounded: ArrayLike) -> NDArray[np.uint8]:

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from kilter.arrays import Array
 from kilter.rigid import rotation_between
-from kilter.show.colours import part_colours
+from kilter.show.colours import assembly_colours
 from kilter.show.packing import readable
 from kilter.show.shapes import placed
 from kilter.tell.palette import ROLES, rgb
@@ -158,7 +158,7 @@ def _meshes(
 ) -> tuple[list[dict[str, Any]], list[dict[str, Any]], list[int]]:
     """Meshes, materials, and the mesh of each part; the last mesh marks what is held."""
     places = placed(assembly)
-    colours = part_colours(places.shape, assembly.geometry.grounded)
+    colours = assembly_colours(assembly, places.shape)
     shapes = [
         (
             binary.put(shape.positions, "VEC3", VERTICES),

@@ -16,7 +16,7 @@ import numpy as np
 from kilter.arrays import Array
 from kilter.rigid import Pose
 from kilter.show.canvas import INK, PAPER, blank, label, legend, title
-from kilter.show.colours import part_colours
+from kilter.show.colours import assembly_colours
 from kilter.show.figures import camera_of
 from kilter.show.overlay import MOTION
 from kilter.show.painter import Camera
@@ -74,7 +74,7 @@ def draw_plan(
     tall = high_picture + WORDS
     height = ABOVE + rows * tall + BELOW
     figure = blank(WIDTH, height)
-    colours = part_colours(placed(assembly).shape, assembly.geometry.grounded)
+    colours = assembly_colours(assembly, placed(assembly).shape)
     there = set(answer["base"])
     entries: list[tuple[Any, str]] = []
     for k, step in enumerate(steps):

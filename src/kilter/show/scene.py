@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kilter.arrays import Array
-from kilter.show.colours import part_colours
+from kilter.show.colours import assembly_colours
 from kilter.show.packing import pack, readable
 from kilter.show.round_patches import round_patches
 from kilter.show.shapes import placed
@@ -129,7 +129,7 @@ def _parts(assembly: Assembly, center: Array) -> dict[str, Any]:
         "mass": pack(geometry.mass, "f8"),
         "volume": pack(geometry.volume, "f8"),
         "grounded": pack(geometry.grounded, "u1"),
-        "colour": pack(part_colours(places.shape, geometry.grounded), "u1"),
+        "colour": pack(assembly_colours(assembly, places.shape), "u1"),
     }
 
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from kilter.arrays import Array, Index
 from kilter.rigid import quaternion_to_matrix
 from kilter.shape.primitives import Box, surface
+from kilter.show.brick_look import studded
 
 if TYPE_CHECKING:
     from kilter.assembly import Assembly
@@ -63,12 +64,18 @@ def placed(assembly: Assembly) -> Placed:
     """
     known: dict[object, int] = {}
     shapes: list[Drawn] = []
+    raised: dict[object, Array] = {}
     middles = np.zeros((len(assembly.parts), 3))
     chosen = np.zeros(len(assembly.parts), dtype=np.int64)
     for k, part in enumerate(assembly.parts):
         # boxes are many and alike: named by their size, they are cut into triangles once
         key: object = tuple(part.shape.size.tolist()) if isinstance(part.shape, Box) else None
-        if key is None:
+        if key is not None and part.brick is not None and isinstance(part.shape, Box):
+            key = key, part.brick.cells
+            if key not in known:
+                shape, raised[key] = drawn(*studded(part.shape, part.brick))
+            middles[k] = raised[key]
+        elif key is None:
             shape, middles[k] = drawn(*surface(part.shape))
             key = shape.positions.tobytes(), shape.triangles.tobytes()
         elif key not in known:
@@ -101,17 +108,17 @@ def feature_edges(vertices: Array, triangles: Index, crease: float = CREASE) -> 
 
     Parameters
     ----------
-    vertices : ndarray, shape (n, 3)
-        Each place once.
-    triangles : ndarray of int, shape (m, 3)
-    crease : float
-        Least angle between the normals of the faces [deg].
+        vertices : ndarray, shape (n, 3)
+            Each place once.
+        triangles : ndarray of int, shape (m, 3)
+        crease : float
+            Least angle between the normals of the faces [deg].
 
     Examples
     --------
-    >>> from kilter.shape.primitives import Box, surface
-    >>> len(feature_edges(*surface(Box([1, 2, 3]))))
-    12
+        >>> from kilter.shape.primitives import Box, surface
+        >>> len(feature_edges(*surface(Box([1, 2, 3]))))
+        12
     """
     p, q, r = (vertices[triangles[:, k]] for k in range(3))
     normal = np.cross(q - p, r - p)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from kilter.arrays import Array
 from kilter.rigid import quaternion_to_matrix
-from kilter.show.colours import part_colours
+from kilter.show.colours import assembly_colours
 from kilter.show.painter import Camera, Polygon, back_to_front, visible_triangles
 from kilter.show.shapes import placed
 from kilter.tell.palette import ROLES
@@ -76,7 +76,7 @@ def draw_parts(
     ordered = back_to_front(_polygons(assembly), camera)
     grounded = np.array([part.grounded for part in assembly.parts])
     if colours is None:
-        colours = part_colours(placed(assembly).shape, grounded)
+        colours = assembly_colours(assembly, placed(assembly).shape)
     base = colours / 255.0
     striped = int(sum(grounded[polygon.part] for polygon in ordered)) <= HELD
     light = LIGHT / np.linalg.norm(LIGHT) @ np.stack([camera.right, -camera.towards, camera.up])

@@ -1,0 +1,7 @@
+"""What holds toy bricks together? Their library, their cells, and the bonds of their studs."""
+
+from kilter.assembly.bricks.brick_assembly import assembly_of_bricks
+from kilter.assembly.bricks.brick_model import BrickModel
+from kilter.assembly.bricks.stud_rules import StudRules
+
+__all__ = ["BrickModel", "StudRules", "assembly_of_bricks"]

@@ -1,0 +1,175 @@
+"""From bricks on their grid to an assembly: boxes, studs as bonds, neighbours that push.
+
+Nothing is detected: which stud is in which brick is a question of whole numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from kilter.arrays import Index, distinct_rows
+from kilter.assembly import Assembly, Bond, GivenContact, Part
+from kilter.assembly.brick import Brick
+from kilter.assembly.bricks.brick_library import BRICK_PLATES, is_stated
+from kilter.assembly.bricks.brick_model import NO_COLOR, BrickModel
+from kilter.assembly.bricks.stud_rules import GRAVITY, LAYER, UNIT, StudRules
+from kilter.assembly.bricks.studs import Sides, Studs, sides_of, studs_of
+from kilter.rigid import Pose
+from kilter.shape.primitives import Box
+
+__all__ = ["BASEPLATE", "assembly_of_bricks"]
+
+BASEPLATE = "baseplate"
+"""Name of the held plate under the lowest layer."""
+MARGIN = 1
+"""Cells by which it stands out."""
+HEAVY = 0.1
+"""Bricks above this are weights [kg]."""
+UP = (0.0, 0.0, 1.0)
+
+
+def assembly_of_bricks(
+    model: BrickModel,
+    *,
+    rules: StudRules | None = None,
+    cell: float = UNIT,
+    source: str = "",
+    notes: Sequence[str] = (),
+) -> Assembly:
+    """The assembly of bricks, in mm; a baseplate holds layer 0 where none is held.
+
+    Parameters
+    ----------
+    model : BrickModel
+        At least one brick; no two in one cell.
+    rules : StudRules, optional
+        Those of StableLego where not given.
+    cell : float
+        Width of a cell [mm].
+    source : str
+        The file, for messages.
+    notes : sequence of str
+
+    Raises
+    ------
+    InputError
+        If two bricks are in one cell; it names the lines of both.
+
+    Examples
+    --------
+    >>> two = BrickModel(
+    ...     np.array([[0, 0, 0], [1, 0, 3]]), np.array([[4, 2, 3], [4, 2, 3]]), np.full(2, 0.002),
+    ...     np.zeros(2, int), np.zeros(2, bool), np.array([1, 2]), np.array([1, 2]))
+    >>> assembly = assembly_of_bricks(two)
+    >>> assembly.names, [len(bond.points) for bond in assembly.bonds]
+    (('2x4-1', '2x4-2', 'baseplate'), [18, 24])
+    """
+    model.require_apart()
+    rules = rules or StudRules()
+    if not model.held.any():
+        model = BrickModel.join([model, _baseplate(model)])
+    names, scale = _names(model), np.array([cell, cell, LAYER / BRICK_PLATES])
+    return Assembly(
+        list(_parts(model, names, scale)),
+        units="mm",
+        gravity=(0.0, 0.0, -GRAVITY),
+        contacts=list(_contacts(sides_of(model), names, scale, rules)),
+        bonds=list(_bonds(model, studs_of(model), names, scale, rules)),
+        detect=False,
+        source=source,
+        notes=[*notes, *_estimated(model)],
+    )
+
+
+def _baseplate(model: BrickModel) -> BrickModel:
+    """A held plate under all bricks, its top at height 0."""
+    low = model.corner.min(axis=0) - MARGIN
+    size = (model.corner + model.size).max(axis=0) + MARGIN - low
+    none, one = np.zeros(1, dtype=np.int64), np.ones(1)
+    corner, size = np.array([[*low[:2], -1]]), np.array([[*size[:2], 1]])
+    return BrickModel(corner, size, one, none + NO_COLOR, one > 0, none, none)
+
+
+def _names(model: BrickModel) -> list[str]:
+    """``2x4-7``, ``plate-2x4-7``, ``weight-7``, ``baseplate`` (``baseplate-2``)."""
+    across, along = np.sort(model.size[:, :2], axis=1).T
+    rows = zip(across, along, model.size[:, 2], model.mass, model.held, model.number, strict=True)
+    names = []
+    for a, b, plates, mass, held, number in rows:
+        if held:
+            names.append(f"{BASEPLATE}-{number}" if number > 0 else BASEPLATE)
+        elif mass > HEAVY:
+            names.append(f"weight-{number}")
+        else:
+            kind = "" if plates == BRICK_PLATES else "plate-"
+            names.append(f"{kind}{a}x{b}-{number}")
+    return names
+
+
+def _parts(model: BrickModel, names: list[str], scale: Index) -> Iterator[Part]:
+    kinds, kind = distinct_rows(model.size)
+    shapes = [Box(size) for size in kinds * scale]
+    middle = (model.corner + model.size / 2) * scale
+    cells = [(int(a), int(b), int(h)) for a, b, h in kinds]
+    rows = zip(names, kind, middle, model.held, model.mass, model.color, strict=True)
+    for name, k, place, held, mass, color in rows:
+        a, b, plates = cells[k]
+        yield Part(
+            name,
+            shapes[k],
+            Pose(place),
+            grounded=bool(held),
+            mass=float(mass),
+            brick=Brick((a, b), plates, None if color == NO_COLOR else int(color)),
+        )
+
+
+def _bonds(
+    model: BrickModel, studs: Studs, names: list[str], scale: Index, rules: StudRules
+) -> Iterator[Bond]:
+    """A bond of each two bricks that hold each other by studs."""
+    points, pairs = studs.point * scale, np.column_stack([studs.lower, studs.upper])
+    changes = np.flatnonzero((np.diff(pairs, axis=0) != 0).any(axis=1)) + 1
+    first = [0, *changes.tolist(), len(pairs)] if len(pairs) else [0]
+    for start, end in pairwise(first):
+        a, b = pairs[start].tolist()
+        yield Bond(
+            (names[a], names[b]),
+            pull=rules.pull,
+            shear=rules.bond_shear,
+            points=points[start:end],
+            normal=UP,
+        )
+
+
+def _contacts(
+    sides: Sides, names: list[str], scale: Index, rules: StudRules
+) -> Iterator[GivenContact]:
+    """Neighbours that push each other, at the lower edge of where they meet or all over it."""
+    if rules.sides == "none":
+        return
+    low, high = sides.low * scale, sides.high * scale
+    lower = np.stack([low, np.column_stack([high[:, :2], low[:, 2]])], axis=1)
+    upper = np.stack([np.column_stack([low[:, :2], high[:, 2]]), high], axis=1)
+    corners = lower if rules.sides == "lower-edge" else np.concatenate([lower, upper], axis=1)
+    normals = np.eye(3)
+    rows = zip(sides.first.tolist(), sides.second.tolist(), sides.axis, corners, strict=True)
+    for a, b, axis, points in rows:
+        yield GivenContact((names[a], names[b]), points, normals[axis])
+
+
+def _estimated(model: BrickModel) -> list[str]:
+    """A note on the sizes whose weight no library states."""
+    free = np.flatnonzero(~model.held & (model.mass <= HEAVY))
+    sizes = np.unique(
+        np.column_stack([np.sort(model.size[free, :2], axis=1), model.size[free, 2]]), axis=0
+    )
+    words = [
+        f"{a}x{b}{'' if plates == BRICK_PLATES else ' plate'}"
+        for a, b, plates in sizes.tolist()
+        if not is_stated(a, b, plates)
+    ]
+    return [f"weights that no library states are estimated: {', '.join(words)}"] if words else []

@@ -1,0 +1,102 @@
+"""Bricks, plates and baseplates: sizes, part numbers of LDraw, weights.
+
+Weights that the libraries of StableLego and BrickGPT state are theirs. The other sizes have an
+estimate: a top with its studs, by the cell, and walls, by their length and height, fitted to
+those that are stated,
+
+    m = top * cells + wall * perimeter * height
+
+References
+----------
+StableLego (arXiv 2402.10711), ``lego_library.json``; BrickGPT, ``brick_library.json``;
+LDraw parts library, numbers of "Brick", "Plate", "Baseplate".
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from kilter.arrays import Array, Index
+
+__all__ = ["BRICK_PLATES", "LDRAW", "STABLE_LEGO", "STATED", "brick_mass", "is_stated"]
+
+BRICK_PLATES = 3
+"""Plates as high as one brick."""
+
+STABLE_LEGO: dict[int, tuple[int, int, float]] = {
+    1: (2, 2, 0.2),
+    2: (2, 4, 0.00216),
+    3: (2, 6, 0.00323),
+    4: (1, 8, 0.00303),
+    5: (1, 4, 0.00157),
+    6: (1, 6, 0.00228),
+    9: (1, 2, 0.00081),
+    10: (1, 1, 0.00043),
+    12: (2, 2, 0.00115),
+}
+"""Number in the library: studs across, studs along, mass [kg]; 1 is a weight."""
+STATED = {(across, along): mass for k, (across, along, mass) in STABLE_LEGO.items() if k != 1}
+"""Mass of bricks [kg], by size."""
+
+
+def _sizes(plates: int, listed: str) -> dict[str, tuple[int, int, int]]:
+    """Part number: studs across, studs along, height in plates; of ``number:acrossxalong``."""
+    found = {}
+    for word in listed.split():
+        number, size = word.split(":")
+        across, along = map(int, size.split("x"))
+        found[number] = (across, along, plates)
+    return found
+
+
+LDRAW: dict[str, tuple[int, int, int]] = {
+    **_sizes(
+        BRICK_PLATES,
+        "3005:1x1 3004:1x2 3622:1x3 3010:1x4 3009:1x6 3008:1x8 6111:1x10 6112:1x12 2465:1x16 "
+        "3003:2x2 3002:2x3 3001:2x4 2456:2x6 44237:2x6 3007:2x8 3006:2x10 4201:8x8 4202:4x12",
+    ),
+    **_sizes(
+        1,
+        "3024:1x1 3023:1x2 3623:1x3 3710:1x4 3666:1x6 3460:1x8 4477:1x10 60479:1x12 "
+        "3022:2x2 3021:2x3 3020:2x4 3795:2x6 3034:2x8 3832:2x10 2445:2x12 91988:2x14 4282:2x16 "
+        "11212:3x3 3031:4x4 3032:4x6 3035:4x8 3030:4x10 3029:4x12 "
+        "3958:6x6 3036:6x8 3033:6x10 3028:6x12 3456:6x14 3027:6x16 3026:6x24 41539:8x8 92438:8x16",
+    ),
+    **_sizes(0, "3865:8x16 3867:16x16 3334:16x24 3857:16x32 3811:32x32 4186:48x48"),
+}
+"""Number of the part: studs across, studs along, height in plates; 0: a baseplate."""
+
+
+@cache
+def _fit() -> Array:
+    """Mass of a cell of the top, and of a wall as long as a stud and as high as a brick [kg]."""
+    sizes = np.array(list(STATED))
+    found: Array = np.linalg.lstsq(_terms(sizes, BRICK_PLATES), np.array([*STATED.values()]))[0]
+    return found
+
+
+def _terms(sizes: Index, plates: Index | int) -> Array:
+    height = np.broadcast_to(plates, len(sizes)) / BRICK_PLATES
+    return np.column_stack([sizes.prod(axis=1), 2 * sizes.sum(axis=1) * height])
+
+
+def is_stated(across: int, along: int, plates: int) -> bool:
+    """Its weight is one that a library states."""
+    return plates == BRICK_PLATES and (min(across, along), max(across, along)) in STATED
+
+
+def brick_mass(across: int, along: int, plates: int = BRICK_PLATES) -> float:
+    """Mass of a brick or plate [kg].
+
+    Examples
+    --------
+    >>> brick_mass(4, 2)
+    0.00216
+    >>> f"{brick_mass(2, 3):.5f}, {brick_mass(2, 4, plates=1):.5f}"
+    '0.00180, 0.00141'
+    """
+    if is_stated(across, along, plates):
+        return STATED[min(across, along), max(across, along)]
+    return float((_terms(np.array([[across, along]]), plates) @ _fit())[0])

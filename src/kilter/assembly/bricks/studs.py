@@ -1,0 +1,109 @@
+"""Where bricks hold each other: points of studs between layers, edges between neighbours."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kilter.arrays import Array, Index, Rows, columns, counted, distinct_rows
+from kilter.assembly.bricks.brick_model import BrickModel, cells_of
+from kilter.assembly.bricks.stud_rules import NARROW, WIDE
+
+__all__ = ["Sides", "Studs", "sides_of", "studs_of"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Studs(Rows):
+    """Points at which studs are held, ordered by pair of bricks.
+
+    Attributes
+    ----------
+    lower, upper : ndarray of int, shape (n,)
+        Bricks.
+    point : ndarray, shape (n, 3)
+        x, y [cells], z [plates].
+    """
+
+    lower: Index
+    upper: Index
+    point: Array = columns(3)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sides(Rows):
+    """Rectangles in which the sides of two bricks meet.
+
+    Attributes
+    ----------
+    first, second : ndarray of int, shape (n,)
+        Bricks; the second lies further along `axis`.
+    axis : ndarray of int, shape (n,)
+        0 or 1: the normal from the first to the second.
+    low, high : ndarray of int, shape (n, 3)
+        Corners of the rectangle: x, y [cells], z [plates]; equal along `axis`.
+    """
+
+    first: Index
+    second: Index
+    axis: Index
+    low: Index = columns(3)
+    high: Index = columns(3)
+
+
+def studs_of(model: BrickModel) -> Studs:
+    """The points of every stud that is in a brick.
+
+    Examples
+    --------
+    A 1x1 on the end of a 1x2 has one stud, of four points.
+
+    >>> two = BrickModel(
+    ...     np.array([[0, 0, 0], [1, 0, 3]]), np.array([[2, 1, 3], [1, 1, 3]]), np.ones(2),
+    ...     np.zeros(2, int), np.zeros(2, bool), np.array([1, 2]), np.array([1, 2]))
+    >>> studs_of(two).point[:, 0]
+    array([1.5 , 1.25, 1.5 , 1.75])
+    """
+    cells = cells_of(model)
+    below, above = cells.brick[:-1], cells.brick[1:]
+    k = np.flatnonzero(cells.same_column & (model.top[below] == model.corner[above, 2]))
+    narrow = model.size[above[k], :2].min(axis=1) == 1
+    stud, place = counted(np.where(narrow, len(NARROW), len(WIDE)))
+    offset = np.where(narrow[stud, None], NARROW[place], WIDE[np.minimum(place, len(WIDE) - 1)])
+    own = k[stud]
+    xy = cells.xy[own] + 0.5 + offset
+    lower, upper = below[own], above[own]
+    points = np.column_stack([xy, model.corner[upper, 2]])
+    order = np.lexsort((place, stud, upper, lower))
+    return Studs(lower[order], upper[order], points[order])
+
+
+def sides_of(model: BrickModel) -> Sides:
+    """Every two bricks that stand side by side; two boxes meet in one rectangle."""
+    cells = cells_of(model)
+    owner, height = counted(model.size[cells.brick, 2])
+    own = cells.brick[owner]
+    place = np.column_stack([cells.xy[owner], model.corner[own, 2] + height])
+    place -= place.min(axis=0)
+    wide = place.max(axis=0) + 2  # so that no step leads from one row of cells into the next
+    steps = (wide[1] * wide[2], wide[2])
+    key = place @ np.array([*steps, 1])
+    order = np.argsort(key)
+    ordered = key[order]
+    blocks = []
+    for axis in (0, 1):
+        found = np.minimum(np.searchsorted(ordered, key + steps[axis]), len(key) - 1)
+        beside = order[found]
+        k = np.flatnonzero((ordered[found] == key + steps[axis]) & (own[beside] != own))
+        pairs, _ = distinct_rows(np.column_stack([own[k], own[beside[k]]]))
+        blocks.append(_rectangles(model, pairs, axis))
+    return Sides.join(blocks)
+
+
+def _rectangles(model: BrickModel, pairs: Index, axis: int) -> Sides:
+    first, second = pairs.T
+    low = np.maximum(model.corner[first], model.corner[second])
+    ends = model.corner + model.size
+    high = np.minimum(ends[first], ends[second])
+    low[:, axis] = high[:, axis] = ends[first, axis]
+    return Sides(first, second, np.full(len(first), axis), low, high)

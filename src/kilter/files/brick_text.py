@@ -1,0 +1,91 @@
+"""BrickGPT text: a line a brick, ``hxw (x,y,z)``: studs along x and y, lowest cell, layer from 0.
+
+References
+----------
+BrickGPT (Pun et al., arXiv 2505.05469): the text that its models write.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from kilter.assembly import Assembly
+from kilter.assembly.bricks import BrickModel, StudRules, assembly_of_bricks
+from kilter.assembly.bricks.brick_library import BRICK_PLATES, STATED, brick_mass, is_stated
+from kilter.assembly.bricks.brick_model import NO_COLOR
+from kilter.errors import InputError
+from kilter.files.raw import read_bytes
+
+__all__ = ["BRICK_TEXT", "load_brick_text"]
+
+BRICK_TEXT = (".txt",)
+"""Endings of such files."""
+BRICK = re.compile(r"(\d{1,4})x(\d{1,4}) \((-?\d{1,6}), ?(-?\d{1,6}), ?(-?\d{1,6})\)")
+EXAMPLE = "a brick is written like 2x4 (10,3,0)"
+
+
+def load_brick_text(path: Path, *, rules: StudRules | None = None) -> Assembly:
+    """The assembly of a text of bricks; empty lines are passed over.
+
+    Raises
+    ------
+    InputError
+        If a line is no brick, its brick is unknown, in a negative layer, or in the cell of
+        another; it names the line.
+    """
+    try:
+        return _read(read_bytes(path), rules, str(path))
+    except InputError as error:
+        raise error.located(file=str(path)) from None
+
+
+def _read(data: bytes, rules: StudRules | None, source: str) -> Assembly:
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise InputError(f"line {line}: not UTF-8", hint=EXAMPLE) from None
+    lines = [(k, one.strip()) for k, one in enumerate(text.splitlines(), 1) if one.strip()]
+    if not lines:
+        raise InputError("no brick in the file", hint=EXAMPLE)
+    found = [(k, BRICK.fullmatch(one)) for k, one in lines]
+    rows = np.array(
+        [[k, *map(int, match.groups())] if match else [k, 0, 0, 0, 0, 0] for k, match in found]
+    )
+    number, size, corner = rows[:, 0], rows[:, 1:3], rows[:, 3:]
+    kinds, kind = np.unique(size, axis=0, return_inverse=True)
+    known = np.array([is_stated(a, b, BRICK_PLATES) for a, b in kinds.tolist()])
+    wrong = np.flatnonzero(~known[kind] | (corner[:, 2] < 0))
+    if len(wrong):
+        k = wrong[0]
+        raise _complaint(lines[k], found[k][1])
+    mass = np.array([brick_mass(a, b) for a, b in kinds.tolist()])[kind]
+    none = np.zeros(len(rows), dtype=np.int64)
+    model = BrickModel(
+        corner=corner * [1, 1, BRICK_PLATES],
+        size=np.column_stack([size, none + BRICK_PLATES]),
+        mass=mass,
+        color=none + NO_COLOR,
+        held=none > 0,
+        number=number,
+        line=number,
+    )
+    return assembly_of_bricks(model, rules=rules, source=source)
+
+
+def _complaint(line: tuple[int, str], match: re.Match[str] | None) -> InputError:
+    number, text = line
+    if match is None:
+        return InputError(f"line {number}: {text!r:.60} is no brick", hint=EXAMPLE)
+    across, along, _, _, z = map(int, match.groups())
+    if z < 0:
+        hint = "layers begin at 0, on the baseplate"
+        return InputError(f"line {number}: the brick is in layer {z}", hint=hint)
+    sizes = sorted(STATED)
+    return InputError(
+        f"line {number}: a brick of {across}x{along} is unknown",
+        hint=f"there are {', '.join(f'{a}x{b}' for a, b in sizes)}, either way round",
+    )

@@ -1,0 +1,145 @@
+"""StableLego JSON: ``{"1": {"x", "y", "z", "brick_id", "ori"}}``, a brick a key.
+
+x, y are the lowest cell, z the layer from 0; with ori 0 the library's first number of studs lies
+along x, with 1 along y.
+
+References
+----------
+StableLego: Stability Analysis of Block Stacking Assembly, arXiv 2402.10711; its data.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from typing import Any
+
+import numpy as np
+
+from kilter.arrays import Index
+from kilter.assembly import Assembly
+from kilter.assembly.bricks import BrickModel, StudRules, assembly_of_bricks
+from kilter.assembly.bricks.brick_library import BRICK_PLATES, STABLE_LEGO
+from kilter.assembly.bricks.brick_model import NO_COLOR
+from kilter.errors import InputError
+
+__all__ = ["from_stable_lego", "is_stable_lego"]
+
+KEYS = ("x", "y", "z", "brick_id", "ori")
+
+
+def is_stable_lego(data: Any) -> bool:
+    """The JSON value is a model of StableLego, though a brick of it may be damaged.
+
+    Examples
+    --------
+    >>> is_stable_lego({"1": {"x": 0, "y": 0, "z": 0, "brick_id": 2, "ori": 0}})
+    True
+    >>> is_stable_lego({"kilter": 1, "parts": []}), is_stable_lego([1])
+    (False, False)
+    """
+    return isinstance(data, dict) and any(
+        isinstance(brick, dict) and "brick_id" in brick for brick in data.values()
+    )
+
+
+def from_stable_lego(
+    data: dict[str, Any], text: bytes, *, rules: StudRules | None = None, source: str = ""
+) -> Assembly:
+    """The assembly that a StableLego file holds; `text` is what it was parsed from.
+
+    Raises
+    ------
+    InputError
+        If a brick is unknown, damaged, in a negative layer, or in the cell of another; it names
+        the line.
+    """
+    try:
+        rows = np.array([list(map(brick.get, KEYS)) for brick in data.values()])
+        whole = rows.dtype.kind == "i" and (rows[:, 2] >= 0).all()
+    except (AttributeError, TypeError, ValueError):
+        whole = False
+    try:
+        if not whole or not _known(rows).all():
+            raise _complaint(data, text)
+        library = np.array([STABLE_LEGO[k] for k in rows[:, 3].tolist()])
+        size = library[:, :2].astype(np.int64)
+        turned = rows[:, 4] == 1
+        size[turned] = size[turned, ::-1]
+        count = len(rows)
+        layer = np.full(count, BRICK_PLATES)
+        model = BrickModel(
+            corner=np.column_stack([rows[:, :2], rows[:, 2] * BRICK_PLATES]),
+            size=np.column_stack([size, layer]),
+            mass=library[:, 2],
+            color=np.full(count, NO_COLOR),
+            held=np.zeros(count, dtype=bool),
+            number=_numbers(data),
+            line=_lines(data, text),
+        )
+        return assembly_of_bricks(model, rules=rules, source=source)
+    except InputError as error:
+        raise error.located(file=source or None) from None
+
+
+def _known(rows: Any) -> Any:
+    return np.isin(rows[:, 3], list(STABLE_LEGO)) & np.isin(rows[:, 4], (0, 1))
+
+
+def _numbers(data: dict[str, Any]) -> Index:
+    """The keys, where they are whole numbers; else the places, from 1."""
+    if all(re.fullmatch(r"\d{1,9}", key) for key in data):
+        numbers = np.array([int(key) for key in data])
+        if len(np.unique(numbers)) == len(numbers):
+            return numbers
+    return np.arange(1, len(data) + 1)
+
+
+def _lines(data: dict[str, Any], text: bytes) -> Index:
+    """The line of each key; all 0 where that cannot be told."""
+    found = re.compile(rb'\n|"((?:[^"\\]|\\.)*)"\s*:\s*\{').finditer(text)
+    line, lines = 1, []
+    for match in found:
+        if match.group(1) is None:
+            line += 1
+        else:
+            lines.append(line)
+            line += match.group(0).count(b"\n")
+    if len(lines) != len(data):
+        return np.zeros(len(data), dtype=np.int64)
+    return np.array(lines, dtype=np.int64)
+
+
+def _complaint(data: dict[str, Any], text: bytes) -> InputError:
+    """What is wrong with the first brick that cannot be read."""
+    lines = _lines({k: v for k, v in data.items() if isinstance(v, dict)}, text).tolist()
+    where = dict(zip([k for k, v in data.items() if isinstance(v, dict)], lines, strict=True))
+    for key, brick in data.items():
+        what = _wrong(brick)
+        if what:
+            line = where.get(key) or _line_of(key, text)
+            return InputError(f"line {line}: brick {key!r:.40} {what[0]}", hint=what[1])
+    return InputError("its bricks cannot be read", hint="write the model anew")
+
+
+def _line_of(key: str, text: bytes) -> int:
+    place = text.find(json.dumps(key).encode())
+    return text.count(b"\n", 0, max(place, 0)) + 1
+
+
+def _wrong(brick: Any) -> tuple[str, str] | None:
+    """What is wrong with a brick, and what to do."""
+    if not isinstance(brick, dict):
+        return f"is {brick!r:.40}", f"give an object with {', '.join(KEYS)}"
+    for name in KEYS:
+        value = brick.get(name)
+        if type(value) is not int or abs(value) > 10**6:
+            return f"has {name} {value!r:.40}", "give a whole number"
+    if brick["z"] < 0:
+        return f"is in layer {brick['z']}", "layers begin at 0, on the baseplate"
+    if brick["brick_id"] not in STABLE_LEGO:
+        known = ", ".join(map(str, STABLE_LEGO))
+        return f"is of brick_id {brick['brick_id']}, which is unknown", f"the library has {known}"
+    if brick["ori"] not in (0, 1):
+        return f"has ori {brick['ori']}", "0 is along x, 1 along y"
+    return None
