@@ -14,6 +14,7 @@ from pathlib import Path
 from kilter.cli.exit_codes import FAULT, INTERRUPTED, USAGE, WRITTEN
 from kilter.cli.interruption import end_interrupted, interruptible
 from kilter.cli.mistakes import NO_MEMORY, fault_words, usage_words
+from kilter.cli.streams import is_full, open_closed_streams
 from kilter.threads import make_no_threads
 
 __all__ = ["main"]
@@ -25,6 +26,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     if arguments is None:  # a program of its own
         make_no_threads()
+        open_closed_streams()
     words = list(sys.argv[1:] if arguments is None else arguments)
     alone = arguments is None
     try:
@@ -85,6 +87,13 @@ def _run(words: list[str]) -> int:
     except MemoryError:
         _say(NO_MEMORY)
         return USAGE
+    except OSError as error:
+        if not is_full(error):
+            _say(fault_words(error, words))
+            return FAULT
+        _say(f"the answer cannot be written: {error.strerror}; write to where there is room")
+        sys.stdout = None  # what is left in it is not tried again
+        return USAGE
     except Exception as error:
         if hasattr(error, "format_message"):  # a usage error of the parser of options
             _say(usage_words(error))
@@ -96,4 +105,5 @@ def _run(words: list[str]) -> int:
 def _say(message: str) -> None:
     from kilter.errors import visible
 
-    print(f"kilter: {visible(message)}", file=sys.stderr)
+    with suppress(OSError):  # the code says it still
+        print(f"kilter: {visible(message)}", file=sys.stderr, flush=True)
