@@ -238,6 +238,7 @@ def test_what_has_no_form_has_no_number() -> None:
         (open_side, ball), (ball, open_side), (VERTEX_SIDE, VERTEX_SIDE), (edge(t), edge(t)),
         (edge(t), VERTEX_SIDE), (face(), face()), (round_face(n, t, 0, 1), round_face(n, t, 0, 1)),
         (round_face(n, t, -2, -2), ball), (round_face(n, t, -3, 0), ball),
+        (face(), round_face(n, t, 1e-9, 1e-9)), (face(), edge(t, 1e-17)),
     ]  # fmt: skip
     for a, b in without:
         assert not formed(program, features(a, b)).any()
@@ -266,7 +267,7 @@ def test_the_form_does_not_depend_on_the_unit_of_length() -> None:
     t = exact.unit(t)
     points = np.array([[0.1, 0.2, 0.3], [0.5, -1, 0.2], [1, 2, 0.7]])
     small = program_of(points[0], n, points[1], points[2])
-    large = replace(small, point=c * small.point, center=c * small.center)
+    large = replace(small, point=c * small.point, center=c * small.center, radius=c * small.radius)
     pair = [
         features(round_face(n, t, 0.3 / f, 2 / f), round_face(n, t, 1 / f, 0.5 / f))
         for f in (1.0, c)

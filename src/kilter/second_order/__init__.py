@@ -2,6 +2,7 @@
 
 - `features`: what touches at a contact point, a face, an edge or a vertex, and how it curves
 - `features_of`: the features of the contacts of a program
+- `part_features`: the feature of a part at points of its surface
 - `gap_form`: the second derivative of a gap along the motions of both parts
 - `stationary`: gaps and load to second order, in scaled unknowns
 - `critical`: the motions that cost nothing to first order

@@ -6,13 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from kilter.arrays import Array, Index
+from kilter.arrays import Array, Index, unit_rows
 from kilter.assembly import Feature
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
 from kilter.rigid import unit
-from kilter.second_order.features import FEATURES, OPEN, Features
+from kilter.second_order.features import EDGE, FACE, FEATURES, OPEN, Features
+from kilter.second_order.gap_form import formed
+from kilter.second_order.part_features import part_features
+from kilter.second_order.second_order_tolerances import CROSSING
 
 __all__ = ["features_of"]
 
@@ -30,10 +33,14 @@ def features_of(program: Program, contacts: ContactSet) -> Features:
     -------
     Features
         Open: rows that are no contact points, given contacts without a feature, and what is
-        not known exactly.
+        not known exactly (fitted normals, surfaces recognised in meshes, closed clearances).
     """
     found = _nothing_known(program)
     _set_given(found, program, contacts)
+    rows = _detected(program, contacts)
+    if len(rows):
+        _set_detected(found, program, contacts, rows)
+        _set_conformal(found, program, contacts, rows)
     return Features(**found)
 
 
@@ -75,3 +82,63 @@ def _set_side(
     found[f"curvature_{side}"][rows] = feature.tensor(normal)
     if feature.kind == "edge":
         found[f"edge_{side}"][rows] = unit(feature.along - (feature.along @ normal) * normal)
+
+
+FLAT = ("plane", "edge-edge", "edge-face", "vertex-face")
+ROUND = ("sphere", "cylinder", "cone", "torus")
+
+
+def _detected(program: Program, contacts: ContactSet) -> Index:
+    """Rows of contacts that were found where the parts are, with exact normals."""
+    rows = np.flatnonzero((program.kind == CONTACT) & (program.doubt == 0))
+    patch = program.source[rows]
+    known = np.isin(contacts.patch_kind[patch], (*FLAT, *ROUND))
+    closed = np.abs(contacts.patch_gap[patch]).max(axis=1, initial=0.0) <= contacts.gap
+    detected: Index = rows[known & closed]
+    return detected
+
+
+def _set_detected(
+    found: dict[str, Any], program: Program, contacts: ContactSet, rows: Index
+) -> None:
+    """What touches of either part at points that were found."""
+    geometry = contacts.assembly.geometry
+    reach = 2 * (contacts.tolerance.gap_of(geometry.size) + geometry.accuracy)
+    parts = contacts.patch_parts[program.source[rows]]
+    region = contacts.patch_area[program.source[rows]] > 0
+    for side, part, sense in (("a", parts[:, 0], 1.0), ("b", parts[:, 1], -1.0)):
+        outward = sense * program.normal[rows]
+        one = part_features(geometry, part, program.point[rows], outward, reach, region)
+        found[f"kind_{side}"][rows] = one.kind
+        found[f"edge_{side}"][rows] = one.edge
+        found[f"curvature_{side}"][rows] = one.curvature
+
+
+def _set_conformal(
+    found: dict[str, Any], program: Program, contacts: ContactSet, rows: Index
+) -> None:
+    """Points of faces that fit each other, where no feature of either gives a form.
+
+    Corners of a flat patch that lie on an edge of both parts, or within a rim; points of round
+    patches all along which the surfaces touch; and lines that end on both parts at once: their
+    ends are those of the lines within.
+    """
+    left = rows[~formed(program, Features(**found))[rows]]
+    patch = program.source[left]
+    flat = contacts.patch_kind[patch] == "plane"
+    count = np.diff(contacts.patch_start)[patch]
+    faces = (found["kind_a"][left] == FACE) & (found["kind_b"][left] == FACE)
+    fit = np.isin(contacts.patch_kind[patch], ROUND) & (count > 2) & faces
+    found["conformal"][left[flat | fit]] = True
+    first = contacts.patch_start[patch]
+    last = np.minimum(first + count, len(contacts.points)) - 1
+    line = unit_rows(contacts.points[last] - contacts.points[first])
+    ends = np.isin(contacts.patch_kind[patch], ROUND) & (count == 2)
+    for side in "ab":
+        across = np.abs(np.einsum("ij,ij->i", found[f"edge_{side}"][left], line))
+        ends &= (found[f"kind_{side}"][left] == EDGE) & (across < CROSSING)
+    found["fibre"][left[ends]] = line[ends]
+    for side in "ab":
+        found[f"kind_{side}"][left[flat | ends]] = FACE
+        found[f"edge_{side}"][left[flat | ends]] = 0.0
+        found[f"curvature_{side}"][left[flat]] = 0.0

@@ -24,7 +24,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kilter.arrays import TINY, Array, Index, Mask, across
+from kilter.arrays import Array, Index, Mask, across
 from kilter.mechanics.program import Program
 from kilter.rigid import skew
 from kilter.second_order.features import EDGE, FACE, Features
@@ -57,7 +57,8 @@ def formed(program: Program, features: Features) -> Mask:
 
     Both features are known, together they span the tangent plane (not an edge along an edge,
     a vertex on a vertex), and where both extend they part from each other: their curvatures
-    add to more than nothing, but along a fibre and where they are conformal.
+    add to more than nothing, over the larger and over the size of the smaller part, but along
+    a fibre and where they are conformal.
     """
     frame = _frame(program.normal)
     span_a, span_b = _spans(features, frame)
@@ -69,10 +70,11 @@ def formed(program: Program, features: Features) -> Mask:
         np.where((extent[1] > EDGE + 0.5)[:, None, None], span_a, 0.0),
     )
     a, b = _curvatures(features, frame, span_a, span_b)
-    scale = np.maximum(np.abs(a).max(axis=(1, 2)), np.abs(b).max(axis=(1, 2)))
-    apart = (
-        common @ (a + b) @ common + (np.eye(2) - common) * np.maximum(scale, TINY)[:, None, None]
-    )
+    size = np.append(program.radius, np.inf)  # the ground is the last
+    scale = 1 / np.minimum(size[program.part_a], size[program.part_b])
+    scale = np.maximum(scale, np.maximum(np.abs(a).max(axis=(1, 2)), np.abs(b).max(axis=(1, 2))))
+    filled = (np.eye(2) - common) * scale[:, None, None]
+    apart = common @ (a + b) @ common + filled
     rounded = np.linalg.eigvalsh(apart)[:, 0] > ROUND * scale
     result: Mask = ~features.open & crossing & rounded
     return result

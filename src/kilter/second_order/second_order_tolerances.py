@@ -8,6 +8,7 @@ from __future__ import annotations
 
 __all__ = [
     "ACROSS",
+    "AGREE",
     "BALANCED",
     "CARRIES",
     "CROSSING",
@@ -21,6 +22,9 @@ __all__ = [
 ]
 
 # gaps ---------------------------------------------------------------------------------------
+
+AGREE = 1e-6
+"""Normals at a point are one, or in one plane, to this share of their squares."""
 
 CROSSING = 1e-3
 """Edges that cross at less than this angle have no form of the gap [rad]."""
