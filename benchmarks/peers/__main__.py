@@ -5,7 +5,8 @@
     python benchmarks/peers --only walls -t kilter     some cases or families, some tools
     python benchmarks/peers --page                     docs/benchmarks.md, from the results
 
-Each wall is a process of its own, on one thread, with limits of processor time and memory;
+Each answer has the same limit of processor time and is asked for in three runs; their
+median counts. Each wall is a process of its own, on one thread, with a limit of memory;
 tools take turns, wall by wall. The small cases near limits share a process a tool; one that
 ends it has its row, and the rest goes on in another. A tool that is not installed is left out,
 and said so. Rows that a file has are kept, and only what is missing is run, so that a long row
@@ -28,22 +29,25 @@ from pathlib import Path
 import page
 import results
 from closed_forms import CASES, Case
-from tools import TOOLS, Row, Tool, answered, truth
+from tools import RUNS, TOOLS, Row, Tool, answered, spent, truth
 
-LIMITS = {"seconds": 120.0, "gib": 8.0}
-"""Of the processor, and of memory, a process."""
+LIMITS = {"seconds": 100.0, "gib": 8.0}
+"""Of the processor, an answer, and of memory, a process."""
 QUIET = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 WAIT = 30.0
 """Seconds of the clock that a second of the processor may take on a busy machine."""
+READY = 20.0
+"""Seconds of the processor for imports and what a tool needs to be made ready."""
 
 
 def measured(cases: list[Case], tool: Tool, seconds: float, gib: float) -> list[Row]:
     """Rows of one process with limits, one at least; the last may say why it ended early."""
     names = [case.name for case in cases]
-    words = [sys.executable, str(Path(__file__).parent), "--row", tool.name, *names]
+    words = [sys.executable, str(Path(__file__).parent), "--seconds", str(seconds)]
+    words += ["--row", tool.name, *names]
+    patience = WAIT * (READY + RUNS * seconds * len(cases))
 
     def limit() -> None:
-        resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds) + 5))
         resource.setrlimit(resource.RLIMIT_AS, (int(gib * 2**30),) * 2)
 
     before = spent()
@@ -52,7 +56,7 @@ def measured(cases: list[Case], tool: Tool, seconds: float, gib: float) -> list[
             words, stdout=out, stderr=err, preexec_fn=limit, env=os.environ | QUIET
         )
         try:
-            code = process.wait(WAIT * seconds)
+            code = process.wait(patience)
         except subprocess.TimeoutExpired:
             process.kill()
             code = process.wait()
@@ -60,22 +64,17 @@ def measured(cases: list[Case], tool: Tool, seconds: float, gib: float) -> list[
         err.seek(0)
         rows = [Row(**json.loads(line)) for line in out if line.startswith("{")]
         said = err.read().strip()
-    late = -code in (signal.SIGXCPU, signal.SIGKILL)
-    if len(rows) == len(cases) or (rows and late):  # the next has the whole time for itself
+    if len(rows) == len(cases):
         return rows
     case, last = cases[len(rows)], (said.splitlines() or ["nothing said"])[-1]
-    word = "memory" if "MemoryError" in said or "bad_alloc" in said else "crashed"
-    if late:
+    word, used = "crashed", spent() - before
+    if "MemoryError" in said or "bad_alloc" in said:
+        word = "memory"
+    elif -code in (signal.SIGPROF, signal.SIGKILL):  # over its limit, or our patience
         word, last = "time", ""
-    used = spent() - before
+        used = seconds if -code == signal.SIGPROF else used
     blank = Row(case.family, case.name, tool.name, 0, 0, truth(case), word, used, 1, 0.0, last[:80])
     return [*rows, blank]
-
-
-def spent() -> float:
-    """Processor time of all processes that ended, with their imports [s]."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
 
 
 def too_large(case: Case, tool: Tool, rows: dict[tuple[str, str], Row]) -> bool:
@@ -103,7 +102,8 @@ def main() -> None:
     if chosen.row:
         tool, *names = chosen.row
         for name in names:
-            print(json.dumps(answered(CASES[name], TOOLS[tool]).to_dict()), flush=True)
+            row = answered(CASES[name], TOOLS[tool], chosen.seconds)
+            print(json.dumps(row.to_dict()), flush=True)
         return
     if not chosen.page:
         run(chosen)
@@ -131,7 +131,7 @@ def run(chosen: argparse.Namespace) -> None:
                 left = left[len(found) :]
                 rows |= {(row.case, row.tool): row for row in found}
                 print(*(told(row) for row in found), sep="\n", flush=True)
-                keep(chosen.o, rows)
+                keep(chosen.o, rows, chosen.seconds)
 
 
 def groups(only: set[str]) -> Iterator[list[Case]]:
@@ -142,11 +142,12 @@ def groups(only: set[str]) -> Iterator[list[Case]]:
         yield from ([case] for case in members) if family == "walls" else [members]
 
 
-def keep(path: Path, rows: dict[tuple[str, str], Row]) -> None:
-    """All rows into the file, in the order of cases and tools."""
+def keep(path: Path, rows: dict[tuple[str, str], Row], seconds: float) -> None:
+    """All rows into the file, in the order of cases and tools, with the limit they had."""
     order = {key: k for k, key in enumerate((case, tool) for case in CASES for tool in TOOLS)}
     known = [row for key, row in rows.items() if key in order]
-    results.write(path, results.about(), sorted(known, key=lambda r: order[r.case, r.tool]))
+    about = results.about() | {"limit": f"{seconds:g} s an answer"}
+    results.write(path, about, sorted(known, key=lambda r: order[r.case, r.tool]))
 
 
 def told(row: Row) -> str:

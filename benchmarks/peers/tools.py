@@ -9,20 +9,23 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import resource
-import time
+import signal
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
+from statistics import median
 from typing import Any
 
 from closed_forms import CASES, Case
 from question import Question
 
-__all__ = ["TOOLS", "Row", "Tool", "answered"]
+__all__ = ["RUNS", "TOOLS", "Row", "Tool", "answered", "spent", "truth"]
 
+RUNS = 3
+"""So many runs, of which the median counts."""
 LONG = 0.4
-"""An answer is repeated until so much time has passed, many ticks of the clock [s]."""
+"""A run repeats the answer until so much time has passed, many ticks of the clock [s]."""
 REPEATED = 200
 """At most so often."""
 
@@ -111,7 +114,7 @@ class Row:
         "holds", "falls"; of `answer` also "open", "refused", "time", "memory", "crashed", and
         nothing where a tool gives none.
     seconds : float
-        Of the processor, mean of the runs.
+        Of the processor, median of the runs; of one over its time, the limit.
     runs : int
     peak : float
         Of memory, over what the process held before [MiB].
@@ -140,8 +143,8 @@ def truth(case: Case) -> str:
     return "holds" if case.holds else "falls"
 
 
-def answered(case: Case, tool: Tool) -> Row:
-    """One row, in this process."""
+def answered(case: Case, tool: Tool, limit: float = 0.0) -> Row:
+    """One row, in this process, which an answer that takes longer than `limit` [s] ends."""
     question = Question(case.build())
     bricks, points = int(question.program.free.sum()), len(question.contacts.points)
     warm = Question(CASES["slides toward 0, 0.98"].build())
@@ -155,17 +158,34 @@ def answered(case: Case, tool: Tool) -> Row:
             said,
         )  # fmt: skip
     before = restarted_peak()
-    started = time.process_time()
-    answer, note = run()
-    peak, runs = held("VmHWM") - before, 1
-    while runs < REPEATED and time.process_time() - started < LONG:
-        run()
-        runs += 1
-    seconds = (time.process_time() - started) / runs
+    (answer, note), first = timed(run, limit)
+    peak = held("VmHWM") - before
+    taken = [first, *(timed(run, limit)[1] for _ in range(1, RUNS))]
     return Row(
         case.family, case.name, tool.name, bricks, points, truth(case), answer,
-        seconds, runs, max(peak, 0.0), note,
+        median(taken), len(taken), max(peak, 0.0), note,
     )  # fmt: skip
+
+
+def timed(run: Callable[[], tuple[str, str]], limit: float) -> tuple[tuple[str, str], float]:
+    """An answer, and its mean seconds of the processor; one over its limit ends the process."""
+    started, count = spent(), 0
+    while True:
+        signal.setitimer(signal.ITIMER_PROF, limit)
+        before = spent()
+        answer = run()
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        if 0 < limit < spent() - before:  # with processes of its own, that no timer sees
+            signal.raise_signal(signal.SIGPROF)
+        count, passed = count + 1, spent() - started
+        if passed >= LONG or count == REPEATED:
+            return answer, passed / count
+
+
+def spent() -> float:
+    """Processor time of this process and of those that it started and that ended [s]."""
+    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(one.ru_utime + one.ru_stime for one in used)
 
 
 def restarted_peak() -> float:
