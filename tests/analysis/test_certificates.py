@@ -12,10 +12,10 @@ from judged import judged, program_of
 
 from kilter.analysis.judge import judge
 from kilter.assembly import Assembly
-from kilter.mechanics.certificate import check_forces, check_motion
+from kilter.mechanics.certificate import check_forces, check_motion, part_sizes
 from kilter.mechanics.forms import least_imbalance, load_factor, scaled
-from kilter.mechanics.mechanics_tolerances import RULED_OUT, TOLERANCE
-from kilter.scenes import packings, paper, scene, stacks, walls
+from kilter.mechanics.mechanics_tolerances import NO_EXCUSE, RULED_OUT, TOLERANCE
+from kilter.scenes import friction, packings, paper, scene, stacks, walls
 from kilter.scenes.pieces import block, floor
 from kilter.scenes.transform import tilted
 from kilter.solvers.highs import solve_linear
@@ -245,3 +245,123 @@ def test_program_of_nothing_free_is_stable():
     assembly = stacks.tower(1)
     parts = [dataclasses.replace(part, grounded=True) for part in assembly.parts]
     assert judge(program_of(Assembly(parts))).stable
+
+
+# both sides of each limit ------------------------------------------------------------------------
+
+
+def resting(mu=0.0, planar=False):
+    """A block on a table, and the forces of a quarter of its weight at each corner."""
+    built = program_of(stacks.block_on_slope(0.0, friction=mu)._replace(planar=planar))
+    return built, np.full(len(built.part_a), built.weight[built.free][0] / len(built.part_a))
+
+
+@pytest.mark.parametrize(("off", "holds"), [(0.99, True), (1.01, False)])
+def test_forces_balance_up_to_the_tolerance(off, holds):
+    built, forces = resting()
+    for sign in (1.0, -1.0):
+        proof = check_forces(built, (1 + sign * off * TOLERANCE) * forces)
+        assert proof.residual == pytest.approx(off * TOLERANCE, rel=1e-5)
+        assert proof.holds == holds
+
+
+def test_no_forces_leave_the_whole_weight():
+    built, forces = resting()
+    nothing = check_forces(built, 0 * forces)
+    assert (nothing.residual, nothing.holds) == (1.0, False)
+    assert check_forces(built, forces).residual == pytest.approx(0.0, abs=1e-14)
+
+
+@pytest.mark.parametrize(("share", "holds"), [(0.9, True), (1.1, False)])
+def test_no_pinch_hides_more_than_a_hundredth_of_a_weight(share, holds):
+    """Two walls press a block so hard that its weight is nothing beside it."""
+    built = program_of(friction.h_block())
+    lift = np.zeros((len(built.part_a), 3))
+    [k] = np.flatnonzero(built.free)
+    side = np.where(built.part_b == k, 1.0, -1.0)
+    toward = (side[:, None] * built.normal)[:, 0]
+    walls_ = np.abs(toward) > 0.9
+    hard = 1e12 * built.weight[k]
+    pushed = toward[walls_] > 0
+    forces = np.zeros(len(built.part_a))
+    forces[walls_] = hard * np.where(pushed, 1 / pushed.sum(), 1 / (~pushed).sum())
+    carried = (1 - share * NO_EXCUSE) * built.weight[k] / walls_.sum()
+    lift[walls_, 2] = carried * side[walls_]
+    proof = check_forces(built, forces, lift)
+    assert proof.residual < built.tolerance.max()
+    assert proof.holds == holds
+
+
+def test_friction_is_cut_to_its_cone_and_to_the_plane():
+    for planar in (False, True):
+        built, forces = resting(0.5, planar)
+        given = np.zeros((len(forces), 3))
+        given[:, 0], given[:, 2] = 2 * forces, 7.0  # too much across, and some along the normal
+        given[:, 1] = 0.1 * forces
+        proof = check_forces(built, forces, given)
+        sizes = np.linalg.norm(proof.friction, axis=1)
+        assert np.allclose(sizes, 0.5 * forces, rtol=1e-12)
+        assert (proof.friction[:, 2] == 0).all()
+        assert (proof.friction[:, 1] == 0).all() == planar
+        small = check_forces(built, forces, 0.01 * given)
+        assert np.allclose(small.friction[:, 0], 0.02 * forces, rtol=1e-12)
+    assert not check_forces(resting()[0], forces, given).friction.any()
+
+
+def slid(sunk, tilt=20.0, mu=0.0):
+    """A block pushed along its slope, and into it by a share of that; its motion judged."""
+    built = program_of(stacks.block_on_slope(tilt, friction=mu))
+    [k] = np.flatnonzero(built.free)
+    n = built.normal[0] * (1.0 if built.part_b[0] == k else -1.0)
+    along = built.down - (built.down @ n) * n
+    along /= np.linalg.norm(along)
+    motion = np.zeros((len(built.names), 6))
+    motion[k, :3] = along - sunk * n
+    return built, k, check_motion(built, motion)
+
+
+@pytest.mark.parametrize(("share", "holds"), [(0.99, True), (1.01, False)])
+def test_a_motion_may_sink_in_by_a_millionth_of_its_power(share, holds):
+    sunk = share * np.sin(np.radians(20.0)) / RULED_OUT
+    built, k, proof = slid(sunk)
+    assert proof.violation == pytest.approx(sunk, rel=1e-9)
+    assert proof.power == pytest.approx(built.weight[k] * np.sin(np.radians(20.0)), rel=1e-5)
+    assert proof.ratio == pytest.approx(RULED_OUT / share, rel=1e-5)
+    assert proof.holds == holds
+
+
+@pytest.mark.parametrize(("lifted", "violation"), [(0.5, 0.0), (0.4, 0.1), (-0.1, 0.6), (0.6, 0.0)])
+def test_with_friction_a_motion_opens_by_mu_times_its_slip(lifted, violation):
+    _, _, proof = slid(-lifted, tilt=60.0, mu=0.5)
+    size = np.hypot(1.0, lifted)
+    assert proof.violation == pytest.approx(violation / size, abs=1e-12)
+    assert proof.holds == (violation == 0.0)
+
+
+def test_the_sizes_of_parts_are_arms_times_turns():
+    built = program_of(scene("staircase"))
+    six = np.random.default_rng(3).normal(size=(len(built.names), 6))
+    for k, radius in enumerate(built.radius):
+        straight, turn = np.linalg.norm(six[k, :3]), np.linalg.norm(six[k, 3:])
+        twist = part_sizes(built, six, per_radius=False)[k]
+        wrench = part_sizes(built, six, per_radius=True)[k]
+        assert twist == pytest.approx(np.hypot(straight, turn * radius))
+        assert wrench == pytest.approx(np.hypot(straight, turn / radius))
+    flat = program_of(paper.figure_8(planar=True))
+    six = np.random.default_rng(4).normal(size=(len(flat.names), 6))
+    found = part_sizes(flat, six, per_radius=True)
+    for k, radius in enumerate(flat.radius):
+        assert found[k] == pytest.approx(np.linalg.norm([*six[k, [0, 2]], six[k, 4] / radius]))
+
+
+def test_of_a_motion_what_is_held_out_of_the_plane_or_no_number_is_left_out():
+    built = program_of(paper.figure_8(planar=True))
+    motion = np.ones((len(built.names), 6))
+    motion[-1, 0] = np.nan
+    judged_ = check_motion(built, motion)
+    assert not judged_.motion[~built.free].any()
+    assert not judged_.motion[:, [1, 3, 5]].any()
+    assert judged_.motion[-1, 0] == 0.0
+    assert part_sizes(built, judged_.motion, per_radius=False).max() == pytest.approx(1.0)
+    nothing = check_motion(built, 0 * motion)
+    assert (nothing.power, nothing.violation, nothing.ratio, nothing.holds) == (0, 0, 0, False)
