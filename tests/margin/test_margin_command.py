@@ -17,6 +17,7 @@ KEYS = {
     "verdict", "sentence", "guarantee", "units", "down", "tilt_deg", "tilt_lower_deg",
     "tilt_upper_deg", "tilt_down",
     "tilt_limit", "about", "friction", "friction_limit", "load_factor", "load_factor_bracket",
+    "bond", "bond_limit",
     "load_limits", "pushes", "missing", "uncertainty", "helps", "warnings", "seconds", "open_pairs",
     "exact",
 }  # fmt: skip

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
@@ -142,6 +143,19 @@ class Bond:
     def bears(self) -> float | str | None:
         """What bears shear: "mu", a force a point [N], or None for any force."""
         return KINDS[self.kind] if self.shear is None and self.kind is not None else self.shear
+
+    def with_strength(self, share: float) -> Bond:
+        """The bond with a share of its pull and of its limit of shear."""
+
+        def part(value: Any) -> Any:
+            return value * share if isinstance(value, float) else value
+
+        return dataclasses.replace(
+            self,
+            pull=part(self.pull),
+            pull_per_area=part(self.pull_per_area),
+            shear=part(self.shear),
+        )
 
     def __repr__(self) -> str:
         words = [

@@ -23,6 +23,8 @@ __all__ = [
 
 PAIRS = ("--fasten", "--before", "--screws")
 """Options that take two names."""
+BOND = "--bond"
+"""The option that takes two names and a pull."""
 
 
 def reading_of(
@@ -43,6 +45,7 @@ def reading_of(
     stud_pull: float | None = None,
     stud_shear: str | None = None,
     brick_sides: str | None = None,
+    bond: list[str] | None = None,
 ) -> Reading:
     """The reading that the options of a command ask for."""
     return Reading(
@@ -63,6 +66,7 @@ def reading_of(
         stud_pull=stud_pull,
         stud_shear=stud_shear,
         brick_sides=brick_sides,
+        bond=tuple(_bond_of(words) for words in bond or ()),
     )
 
 
@@ -85,15 +89,29 @@ def pair_of(option: str, words: str) -> tuple[str, str]:
     return first, second
 
 
+def _bond_of(words: str) -> tuple[str, str, float]:
+    """Two names and a pull [N] of each point, as `with_two_names` wrote them."""
+    try:
+        first, second, pull = json.loads(words)
+        pull = float(pull)
+    except (ValueError, TypeError):
+        pull = math.nan
+    if not (math.isfinite(pull) and pull >= 0 and isinstance(first, str)):
+        raise InputError(
+            f"{BOND} has {words!r}", hint=f'give two names and newtons: {BOND} "brick*" plate 0.98'
+        )
+    return first, str(second), pull
+
+
 def with_two_names(words: list[str]) -> list[str]:
     """Each ``--fasten A B`` as one word, which is what the parser of options can repeat.
 
-    So with every option of `PAIRS`.
+    So with every option of `PAIRS`, and with ``--bond A B T``.
 
     Raises
     ------
     InputError
-        If two names do not follow.
+        If two names, or two and a pull, do not follow.
 
     Examples
     --------
@@ -106,17 +124,20 @@ def with_two_names(words: list[str]) -> list[str]:
         if words[k] == "--":
             return result + words[k:]
         option = words[k]
-        if option not in PAIRS:
+        if option not in (*PAIRS, BOND):
             result.append(words[k])
             k += 1
             continue
-        pair = words[k + 1 : k + 3]
-        if len(pair) < 2 or any(word.startswith("--") for word in pair):
+        count = 3 if option == BOND else 2
+        given = words[k + 1 : k + 1 + count]
+        if len(given) < count or any(word.startswith("--") for word in given):
+            also, more = (" and newtons", " 0.98") if option == BOND else ("", "")
             raise InputError(
-                f"{option} needs two names", hint=f'for instance {option} "bolt*" "nut*"'
+                f"{option} needs two names{also}",
+                hint=f'for instance {option} "bolt*" "nut*"{more}',
             )
-        result.append(f"{option}={json.dumps(pair)}")
-        k += 3
+        result.append(f"{option}={json.dumps(given)}")
+        k += 1 + count
     return result
 
 

@@ -69,7 +69,7 @@ class Asked:
             *(given[key] for key in ("units", "density")),
             *(given[key] for key in ("fasten", "fasten_suggested", "fasten_overlaps")),
             *(given[key] for key in ("up", "contacts", "keyframe", "base")),
-            *(given[key] for key in ("stud_pull", "stud_shear", "brick_sides")),
+            *(given[key] for key in ("stud_pull", "stud_shear", "brick_sides", "bond")),
         )
         gap, angle, clearance = (given[key] for key in ("gap", "angle", "clearance"))
         effort = _at_least_none(given.get("effort", 0.0), "--effort", "N")
@@ -195,6 +195,8 @@ class Asked:
                 found += ["--down", *(repr(float(v)).removesuffix(".0") for v in value)]
             elif key == "fasten":
                 found += [word for pair in value for word in ("--fasten", *pair)]
+            elif key == "bond":
+                found += [word for a, b, pull in value for word in ("--bond", a, b, f"{pull:.15g}")]
             elif value is True:
                 found.append(f"--{key.replace('_', '-')}")
             elif isinstance(value, list):

@@ -270,6 +270,17 @@ FastenOverlaps = Annotated[
         rich_help_panel=HELD,
     ),
 ]
+Bonded = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--bond",
+        metavar="NAME NAME T",
+        help="Bond these two parts: each contact point of theirs also pulls, up to T newtons, and "
+        "bears any shear; repeatable, * and ? as in --fasten.",
+        rich_help_panel=HELD,
+        show_default=False,
+    ),
+]
 Require = Annotated[
     str,
     typer.Option(
@@ -329,6 +340,7 @@ READING: dict[str, tuple[Any, Any]] = {
     "units": (Units, None),
     "density": (Density, None),
     "fasten": (Fasten, None),
+    "bond": (Bonded, None),
     "fasten_suggested": (FastenSuggested, False),
     "fasten_overlaps": (FastenOverlaps, False),
     "contacts": (Contacts, None),

@@ -48,8 +48,8 @@ class Reading:
     """How a file is read: the options that change what is judged.
 
     Those of `load`, and what `kilter.fastened` joins, since a proof names them all: pairs of
-    names (`fasten`), what looks fastened, what overlaps. `floor` is a height [length unit] or
-    `LOWEST`.
+    names (`fasten`), what looks fastened, what overlaps; and bonds, of two names and a pull.
+    `floor` is a height [length unit] or `LOWEST`.
 
     Raises
     ------
@@ -75,6 +75,7 @@ class Reading:
     stud_pull: float | None = None
     stud_shear: float | str | None = None
     brick_sides: str | None = None
+    bond: tuple[tuple[str, str, float], ...] = ()
 
     def __post_init__(self) -> None:
         _ = self.studs
@@ -90,7 +91,7 @@ class Reading:
     @property
     def fastens(self) -> bool:
         """Something is to be joined, which takes the contacts."""
-        return bool(self.fasten) or self.fasten_suggested or self.fasten_overlaps
+        return bool(self.fasten or self.bond) or self.fasten_suggested or self.fasten_overlaps
 
     @property
     def choices(self) -> Choices:
@@ -127,6 +128,8 @@ class Reading:
                 if key in values:
                     values[key] = tuple(values[key])
             values["fasten"] = tuple((str(a), str(b)) for a, b in values.get("fasten", ()))
+            bonds = values.get("bond", ())
+            values["bond"] = tuple((str(a), str(b), float(pull)) for a, b, pull in bonds)
             for key in ("fasten_suggested", "fasten_overlaps"):
                 values[key] = bool(values.get(key, False))
             return cls(**values)

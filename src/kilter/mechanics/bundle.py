@@ -5,7 +5,8 @@ each of `proofs` has the rest, and before it
 
     about, value     what it is about: a ray, a facet; a tilt, and the angle at which it is proved
     vector           the ray, line or normal
-    change           what of the file is another: `down`, `mu` of every contact, `loads`; parts
+    change           what of the file is another: `down`, `mu` of every contact, `loads`, the
+                     share of its `strength` that each bond has; parts
                      that it is `without`, parts `held`, `supports` from outside
 
 A plan has besides the `rules` that its order keeps to, a fixture the candidates.
@@ -117,6 +118,10 @@ def changed(
     if change.get("loads") is not None:
         loads = [Load(**{key: load[key] for key in LOAD}) for load in change["loads"]]
         assembly = dataclasses.replace(assembly, loads=loads)
+    if change.get("strength") is not None:
+        bonds = [bond.with_strength(change["strength"]) for bond in assembly.bonds]
+        assembly = dataclasses.replace(assembly, bonds=bonds)
+        contacts = contacts.of(assembly)
     if change.get("without") or change.get("held"):
         if change.get("without"):
             assembly = assembly.without(change["without"])

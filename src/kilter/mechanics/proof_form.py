@@ -157,6 +157,7 @@ FRICTION = _keys(
 CHANGE = _if_there(
     down=VECTOR,
     mu=NUMBER,
+    strength=NUMBER,
     loads=LOADS,
     without=_list(WORD),
     held=_list(WORD),

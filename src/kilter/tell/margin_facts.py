@@ -20,6 +20,8 @@ def margin_facts(answer: Answer) -> list[Fact]:
         words = "a full turn is held" if turn is None else angle(turn)
         found.append(("about axis", words + _starting(about["limit"])))
     found.append(("friction", _least_friction(answer)))
+    if answer["bond_limit"] is not None or answer["missing"].get("bond") is not None:
+        found.append(("bonds", _bonds(answer)))
     limits = answer["load_limits"]
     if limits is not None:
         ends = answer["load_factor"]
@@ -54,7 +56,7 @@ def _tilt(answer: Answer) -> str:
     if tilt is None:
         why = answer["missing"].get("tilt")
         if why is None:
-            return "none: the given loads would not turn with gravity"
+            return "none: given loads, or what bonds hold, would not turn with gravity"
         if why == "failed":
             return "not known: the numbers failed"
         return "none: not held as given, nor with gravity along any direction within a right angle"
@@ -91,6 +93,21 @@ def _least_friction(answer: Answer) -> str:
     if least - lower > 1e-6 * least:
         words += f" ({number(lower)} is proved not to be enough)"
     return words
+
+
+def _bonds(answer: Answer) -> str:
+    """Which share of their strength bonds need, and which gives way first."""
+    why, limit, share = answer["missing"].get("bond"), answer["bond_limit"], answer["bond"]
+    if why is not None:
+        return "not known: the numbers failed" if why == "failed" else "no strength is enough"
+    if share is None:
+        return "none is needed: it stands without"
+    words = f"{number(share)} of their strength is needed"
+    opens = limit["opens"]
+    if not opens:
+        return words
+    names = some([f"{plain(a)} on {plain(b)}" for a, b in (one["parts"] for one in opens)], 3)
+    return f"{words}; {names} give{'s' if len(opens) == 1 else ''} way first"
 
 
 def _bracket(greatest: Sequence[float | None] | None) -> str:

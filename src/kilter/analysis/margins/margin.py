@@ -17,6 +17,7 @@ import numpy as np
 from kilter.analysis.answers import joints_answer
 from kilter.analysis.check import check
 from kilter.analysis.fitted_normals import fits_left_out
+from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
 from kilter.analysis.margins.least_friction import LeastFriction, find_least_friction
 from kilter.analysis.margins.load_limit import (
     Limit,
@@ -88,6 +89,9 @@ class Margin:
         Angle [rad] about the axis that was asked for, and the limit.
     friction : LeastFriction or None
         None where none is enough.
+    bond : BondFactor or None
+        Which share of their strength bonds need; None where there are no bonds, or none is
+        enough.
     load_factor : tuple of Limit or None, or None
         Least and greatest; None where no loads were asked about.
     guaranteed : tuple of Limit or None, or None
@@ -119,6 +123,7 @@ class Margin:
     nearest: NearestHeld | None
     about: tuple[float, Limit] | None
     friction: LeastFriction | None
+    bond: BondFactor | None
     load_factor: tuple[Limit | None, Limit | None] | None
     guaranteed: tuple[Limit | None, Limit | None] | None
     pushes: tuple[Push, ...]
@@ -154,6 +159,8 @@ class Margin:
             else {"tilt_deg": finite(np.degrees(about[0])), "limit": about[1].to_dict(program)},
             "friction": None if friction is None else float(friction.value),
             "friction_limit": None if friction is None else friction.to_dict(program),
+            "bond": None if self.bond is None or not self.bond.value else self.bond.value,
+            "bond_limit": None if self.bond is None else self.bond.to_dict(program, self.assembly),
             "load_factor": None if factor is None else _interval(factor),
             "load_factor_bracket": self._bracket(),
             "load_limits": None if factor is None else [_limit(program, f) for f in factor],
@@ -290,6 +297,7 @@ def margin(
     tell("friction" if degrees is None else f"tilt {degrees:.6g} deg; friction")
     friction = find_least_friction(build_program(assembly, verdict.contacts, fitted=True))
     least = "" if isinstance(friction, NoLimit) else f"friction {friction.value:.6g}; "
+    bond = find_bond_factor(program, verdict.contacts) if assembly.bonds else None
     tell(f"{least}load factor")
     factor = _load_factor(assembly, program, direction)
     sure = _load_factor(assembly, program.frictionless, direction) if bracket else None
@@ -299,7 +307,7 @@ def margin(
     for part in parts:
         pushes[part] = find_weakest_push(program, part, opening=opening)
         tell(f"pushes: {len(pushes)} of {len(parts)}")
-    asked: dict[str, object] = {"about": turned, "friction": friction}
+    asked: dict[str, object] = {"about": turned, "friction": friction, "bond": bond}
     asked |= {f"push of {program.names[part]}": push for part, push in pushes.items()}
     missing |= {what: one.why for what, one in asked.items() if isinstance(one, NoLimit)}
     for what, ends in (("load_factor", factor), ("bracket", sure)):
@@ -327,6 +335,7 @@ def margin(
         nearest=nearest,
         about=_known(turned),
         friction=_known(friction),
+        bond=_known(bond),
         load_factor=None if factor is None else (_known(factor[0]), _known(factor[1])),
         guaranteed=None if sure is None else (_known(sure[0]), _known(sure[1])),
         pushes=tuple(push for push in pushes.values() if isinstance(push, Push)),

@@ -13,6 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from kilter.analysis.judge import judge
+from kilter.analysis.margins.bond_factor import BondFactor
 from kilter.analysis.margins.least_friction import LeastFriction
 from kilter.analysis.margins.load_limit import Limit
 from kilter.analysis.margins.pushes import Push
@@ -48,6 +49,8 @@ class KnownLimits(Protocol):
     @property
     def friction(self) -> LeastFriction | None: ...
     @property
+    def bond(self) -> BondFactor | None: ...
+    @property
     def load_factor(self) -> tuple[Limit | None, Limit | None] | None: ...
     @property
     def pushes(self) -> tuple[Push, ...]: ...
@@ -65,7 +68,7 @@ def margin_proofs(found: KnownLimits, *, options: dict[str, Any]) -> list[About]
             value = within if held else beyond
             for step in steps:
                 at = value + sign * step * max(abs(value), 1.0)
-                if at < 0 and what == "friction":
+                if at < 0 and what in ("friction", "bond"):
                     break
                 data = _proof(found, change(at), held, None if held else motion, options)
                 if data is not None:
@@ -93,6 +96,9 @@ def _limits(
     if friction is not None and friction.value > 0 and friction.attained:
         sides = friction.value, friction.lower
         yield "friction", sides, lambda mu: {"mu": mu}, False, friction.mechanism
+    if found.bond is not None and found.bond.value > 0:
+        sides = found.bond.value, found.bond.value
+        yield "bond", sides, lambda share: {"strength": share}, False, found.bond.limit.mechanism
     if factor is not None and factor[1] is not None and np.isfinite(factor[1].value):
         greatest = factor[1]
         sides = greatest.value, greatest.value

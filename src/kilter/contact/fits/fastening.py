@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 
-from kilter.assembly import Assembly, Joint
+from kilter.assembly import Assembly, Bond, Joint
 from kilter.contact import detect
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.fits.suggestions import Suggestion, suggest_joints, touching_pairs
@@ -107,14 +107,46 @@ def fasten_as_read(
     if not reading.fastens:
         return assembly, None
     contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
+    bonded = assembly.with_bonds(_bonds(assembly, contacts, reading.bond))
     joined = fastened(
-        assembly,
+        bonded,
         reading.fasten,
         suggested=reading.fasten_suggested,
         overlaps=reading.fasten_overlaps,
         contacts=contacts,
     )
     return joined, contacts.of(joined)
+
+
+def _bonds(
+    assembly: Assembly, contacts: ContactSet, wanted: Sequence[tuple[str, str, float]]
+) -> list[Bond]:
+    """Bonds of every two parts that touch, one of each side of a pair; the last word counts."""
+    found: dict[frozenset[str], Bond] = {}
+    for one, other, pull in wanted:
+        first, second = _chosen(assembly, one), _chosen(assembly, other)
+        pairs = _matching(assembly, contacts, (one, other), first, second)
+        found |= {frozenset(pair): Bond((pair[0], pair[1]), pull=pull) for pair in pairs}
+    return list(found.values())
+
+
+def _matching(
+    assembly: Assembly,
+    contacts: ContactSet,
+    pair: Sequence[str],
+    first: set[str],
+    second: set[str],
+) -> list[Pair]:
+    """Every two parts that touch, one of each set; the names of the sets are for the message."""
+    matching: list[Pair] = [
+        (a, b)
+        for x, y in _touching(assembly, contacts)
+        for a, b in ((x, y), (y, x))
+        if a in first and b in second
+    ]
+    if not matching:
+        raise _nothing_touches(assembly, contacts, pair, first, second)
+    return matching
 
 
 def _chosen(assembly: Assembly, pattern: str) -> set[str]:
@@ -141,16 +173,10 @@ def _named(
     chosen: Sequence[Sequence[set[str]]],
 ) -> list[Joint]:
     """Joints of every two parts that touch, one of each side of a pair."""
-    touching = _touching(assembly, contacts)
     there = {frozenset(joint.parts) for joint in assembly.joints if joint.kind == "fixed"}
     joints = []
     for pair, (first, second) in zip(wanted, chosen, strict=True):
-        matching = [
-            (a, b) for x, y in touching for a, b in ((x, y), (y, x)) if a in first and b in second
-        ]
-        if not matching:
-            raise _nothing_touches(assembly, contacts, pair, first, second)
-        for a, b in matching:
+        for a, b in _matching(assembly, contacts, pair, first, second):
             if frozenset((a, b)) not in there:
                 there.add(frozenset((a, b)))
                 joints.append(Joint((a, b)))

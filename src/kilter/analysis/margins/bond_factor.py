@@ -1,0 +1,98 @@
+"""Which share of their strength bonds need: the least with which forces hold the assembly.
+
+    min s:  J^T f' + w + s c = 0,  f' in the cones          c: the clamps of all bonds
+
+below 1 it stands, above 1 it falls; the bond that takes up most work in the motion that starts
+there is the one that breaks first.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from kilter.analysis.margins.load_limit import Limit, NoLimit, find_limit, finite, starting
+from kilter.assembly import Assembly
+from kilter.contact import ContactSet
+from kilter.mechanics.program import Program
+from kilter.mechanics.rows import CONTACT
+
+__all__ = ["BondFactor", "find_bond_factor"]
+
+NEEDLESS = 1e-9
+"""A share of the strength up to which bonds are not needed: a certificate tells no less [-]."""
+GIVES = 1e-6
+"""Share of the work from which on a bond counts as one that gives way [-]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BondFactor:
+    """The share of its strength that every bond needs at least, all alike.
+
+    Attributes
+    ----------
+    value : float
+        s [-]; 0 where none is needed.
+    limit : Limit
+        Forces and mechanism there; its value is 1 - s.
+    opens : tuple of pairs (int, float)
+        Bonds that give way in the mechanism, by position in the assembly, and the share of the
+        work that each takes up [-]; the greatest first.
+    """
+
+    value: float
+    limit: Limit
+    opens: tuple[tuple[int, float], ...]
+
+    def to_dict(self, program: Program, assembly: Assembly) -> dict[str, Any]:
+        """As JSON data of the answer of margins."""
+        return {
+            "gap": finite(self.limit.gap),
+            "moves": starting(program, self.limit.mechanism),
+            "opens": [
+                {"parts": list(assembly.bonds[k].parts), "share": share} for k, share in self.opens
+            ],
+        }
+
+
+def find_bond_factor(program: Program, contacts: ContactSet) -> BondFactor | NoLimit:
+    """The least share of the strength of all bonds with which an assembly holds.
+
+    Parameters
+    ----------
+    program : Program
+        ``build_program(assembly, contacts)``.
+    contacts : ContactSet
+
+    Examples
+    --------
+    >>> from kilter import Assembly, Bond, Box, Part, Pose
+    >>> from kilter.contact import contacts
+    >>> from kilter.mechanics.program import build_program
+    >>> top = Part("top", Box([1, 1, 1]), Pose([0, 0, 1]), grounded=True)
+    >>> hung = Assembly([top, Part("low", Box([1, 1, 1]))], bonds=[Bond(("low", "top"), pull=9810)])
+    >>> touching = contacts(hung)
+    >>> round(find_bond_factor(build_program(hung, touching), touching).value, 8)
+    0.25
+    """
+    limit = find_limit(program, -program.clamp, most=1.0)
+    if isinstance(limit, NoLimit):
+        return limit
+    value = 0.0 if np.isinf(limit.value) else 1.0 - limit.value
+    value = 0.0 if value <= NEEDLESS else value
+    return BondFactor(value, limit, _opens(program, contacts, limit) if value else ())
+
+
+def _opens(program: Program, contacts: ContactSet, limit: Limit) -> tuple[tuple[int, float], ...]:
+    """Bonds that give way in the mechanism at a limit."""
+    if limit.mechanism is None:
+        return ()
+    rows = np.flatnonzero((program.kind == CONTACT) & (program.pull > 0))
+    opening = np.maximum(program.velocities(limit.mechanism.motion)[rows], 0.0)
+    bond = contacts.patch_bond[program.source[rows]]
+    work = np.bincount(bond, program.pull[rows] * opening).astype(np.float64)
+    share = work / max(float(work.sum()), np.finfo(float).tiny)
+    order = np.argsort(-share, kind="stable")
+    return tuple((int(k), float(share[k])) for k in order if share[k] > GIVES)

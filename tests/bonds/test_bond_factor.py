@@ -1,0 +1,66 @@
+"""Which share of their strength bonds need: closed forms, both sides proved, and on a command."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from test_closed_forms import WEIGHT, cantilever, cube, hung
+
+import kilter
+from kilter import Assembly, Bond
+from kilter.cli import main
+
+
+@pytest.mark.parametrize("strength", [0.4, 1.0, 40.0])
+@pytest.mark.parametrize("count", [1, 3])
+def test_the_root_of_a_cantilever_needs_its_moment_and_gives_way_first(count, strength):
+    """N W n / 2 by two points at a height of 1; at every strength, whether it stands or falls."""
+    needed = WEIGHT * count**2 / 4
+    assembly = cantilever(count, strength * needed)
+    margin = kilter.margin(assembly, pushed=[])
+    assert margin.bond.value == pytest.approx(1 / strength, rel=1e-8)
+    (bond, share), *rest = margin.bond.opens
+    assert (bond, rest) == (0, [])
+    assert share == pytest.approx(1.0)
+    proof = json.loads(json.dumps(margin.proof()))
+    assert {p["held"] for p in proof["proofs"] if p["about"] == "bond"} == {True, False}
+    assert kilter.verify(assembly, proof).holds
+    for one in proof["proofs"]:
+        one["change"] = {"strength": 0.99 * one["value"]} if one["held"] else one["change"]
+    assert not kilter.verify(assembly, proof).holds
+
+
+def test_bonds_that_nothing_needs_are_null_and_those_that_never_suffice_are_said():
+    stands = Assembly(
+        [cube("top", z=1.0), cube("low", grounded=True)], bonds=[Bond(("low", "top"), pull=1.0)]
+    )
+    answer = kilter.margin(stands).to_dict()
+    assert answer["bond"] is None
+    assert answer["missing"] == {}
+    slides = hung(WEIGHT, shear="mu")
+    slides = Assembly(slides.parts, gravity=[9.81, 0, 0], bonds=slides.bonds)
+    answer = kilter.margin(slides, pushed=[]).to_dict()
+    assert answer["bond"] is None
+    assert answer["missing"]["bond"] == "none"
+
+
+def test_a_bond_on_the_command_line_is_kept_in_the_proof(tmp_path, capsys, monkeypatch):
+    """An arm beside a post: 200 N at .5 by two points at a height of 1, 50 N each."""
+    monkeypatch.chdir(tmp_path)
+    parts = [cube("post", grounded=True), cube("arm-1", x=1.0, mass=200.0 / 9.81)]
+    kilter.dump(Assembly(parts), "a.kilter.json")
+    for pull, code in ((49.9, 1), (50.1, 0)):
+        words = ["a.kilter.json", "--bond", "arm*", "post", str(pull)]
+        assert main(["check", *words, "--proof", f"{pull}.json", "--quiet"]) == code
+        assert main(["verify", "a.kilter.json", f"{pull}.json"]) == 0
+    capsys.readouterr()
+    assert main(["margin", *words]) == 0
+    assert "of their strength is needed; arm-1 on post gives way first" in capsys.readouterr().out
+    for wrong, why in (
+        (["--bond", "arm*", "post"], "--bond needs two names and newtons"),
+        (["--bond", "arm*", "post", "much"], "give two names and newtons"),
+        (["--bond", "arm*", "pst", "1"], "did you mean 'post'"),
+    ):
+        assert main(["check", "a.kilter.json", *wrong]) == 2
+        assert why in capsys.readouterr().err
