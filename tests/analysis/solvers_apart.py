@@ -5,9 +5,9 @@
 records each program that a test has judged, asks each solver alone when the test is over, and
 fails the test where one has a proof of the other side. The file gets a row a test: how many
 programs there were, and of each solver how many it proved as `judge` does, how many it left
-open, which `judge` asked another for, and of how many both sides have a proof: within the
-tolerance of a certificate about a limit there are forces that balance to it, and a motion too.
-Forces that balance to rounding leave no room for that.
+open, which `judge` asked another for or left open itself, and of how many both sides have a
+proof: within the tolerance of a certificate about a limit there are forces that balance to it,
+and a motion too. Forces that balance to rounding leave no room for that.
 """
 
 from __future__ import annotations
@@ -104,9 +104,11 @@ def each_solver(test: str, file: Path) -> Iterator[None]:
     row |= {"test": test, "programs": len(small), "larger": len(programs) - len(small)}
     wrong = []
     for program in small:
-        known = judge(program)
-        for solver in SOLVERS:
-            found = judge(program, solver=solver)
+        answers = {solver: judge(program, solver=solver) for solver in SOLVERS}
+        # what `judge` leaves open one of them may prove, but no two of them both sides
+        told = [judge(program), *answers.values()]
+        known = next((one for one in told if one.stable is not None), told[0])
+        for solver, found in answers.items():
             both = both_hold(known, found)
             row[f"{solver} {'both' if both else 'open' if found.stable is None else 'proved'}"] += 1
             if found.stable is not None and found.stable is not known.stable and not both:

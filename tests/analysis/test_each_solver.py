@@ -92,12 +92,20 @@ def test_a_proof_of_the_other_side_is_found(monkeypatch, tmp_path):
     assert row == "tower,1,0,1,0,0,1,0,0,1,0,0"
     answer = judging.judge
 
-    def lying(program, *, work=None, solver=None):
-        said = answer(program, work=work, solver=solver)
-        return dataclasses.replace(said, stable=not said.stable) if solver == "highs" else said
+    def told(otherwise):
+        def judge(program, *, work=None, solver=None):
+            said = answer(program, work=work, solver=solver)
+            return dataclasses.replace(said, stable=otherwise.get(solver, said.stable))
+
+        return judge
 
     import solvers_apart
 
-    monkeypatch.setattr(solvers_apart, "judge", lying)
-    with pytest.raises(AssertionError), each_solver("tower", tmp_path / "sides.csv"):
+    monkeypatch.setattr(solvers_apart, "judge", told({None: None}))  # left open: no other side
+    with each_solver("open", tmp_path / "sides.csv"):
         check(tower)
+    assert (tmp_path / "sides.csv").read_text().splitlines()[-1] == "open,1,0,1,0,0,1,0,0,1,0,0"
+    for otherwise in ({"highs": False}, {None: None, "highs": False}):
+        monkeypatch.setattr(solvers_apart, "judge", told(otherwise))
+        with pytest.raises(AssertionError), each_solver("tower", tmp_path / "sides.csv"):
+            check(tower)
