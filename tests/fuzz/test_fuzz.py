@@ -48,6 +48,21 @@ def test_files_that_were_faults_once(path: Path, tmp_path: Path) -> None:
     assert faults_of_loading(copy, effort=0.2)[1] == []
 
 
+def test_an_arch_of_wedges_that_was_a_fault_once() -> None:
+    """Nine prisms over a half circle, a fifth as thick as its radius: no cone had a size."""
+    angle = np.linspace(0, np.pi, 10)
+    ring = [radius * np.column_stack([np.cos(angle), np.sin(angle)]) for radius in (0.9, 1.1)]
+    parts = []
+    for k in range(9):
+        corners = [ring[0][k], ring[1][k], ring[1][k + 1], ring[0][k + 1]]
+        parts.append(kilter.Part(f"v{k}", kilter.Prism(corners, depth=0.3), grounded=k in (0, 8)))
+    arch = kilter.Assembly(parts, friction=0.7)
+    region = kilter.region(arch)
+    assert region.kind == "cone"
+    assert region.contains(arch.down)
+    assert kilter.orient(arch).found
+
+
 @pytest.mark.parametrize("name", sorted(corpus()))
 def test_a_whole_file_is_answered_and_its_damage_is_seeded(name: str, tmp_path: Path) -> None:
     path = tmp_path / name
