@@ -5,8 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import kilter
 from kilter.contact import broad
+from kilter.contact.broad import make_boxes, part_pairs
+from kilter.contact.planar.facets import find_facets
 from kilter.contact.triangle_distance import near_triangles, surface_distance
+from kilter.errors import InputError
 
 
 def crowd(rng, owners):
@@ -83,3 +87,32 @@ def test_triangles_that_come_near_are_those_whose_points_do():
                 assert len(near) == 0
             seen[bool(len(near))] += 1
     assert min(seen.values()) > 30
+
+
+def piled(count: int, apart: float, floor: bool = False) -> kilter.Assembly:
+    """Cubes in a row, on a floor that comes first."""
+    parts = [
+        kilter.Part(f"c{k}", kilter.Box([1, 1, 1]), kilter.Pose([k * apart, 0, 0.5]))
+        for k in range(count)
+    ]
+    size = [2 * count * max(apart, 1), 3, 1]
+    held = [kilter.Part("floor", kilter.Box(size), kilter.Pose([0, 0, -0.5]), grounded=True)]
+    return kilter.Assembly([*(held if floor else []), *parts])
+
+
+def pairs_of(assembly: kilter.Assembly) -> int:
+    geometry = assembly.geometry
+    boxes = make_boxes(geometry, find_facets(geometry))
+    return len(part_pairs(boxes, geometry.grounded, np.zeros(len(assembly))))
+
+
+def test_parts_that_all_lie_in_one_another_are_refused() -> None:
+    """Before their pairs are listed: a file of 1 MB could ask for all of the memory."""
+    assert pairs_of(piled(1000, 0.0)) == 1000 * 999 // 2
+    for count in (1002, 5000):
+        with pytest.raises(InputError, match="lie in each other's boxes"):
+            pairs_of(piled(count, 0.0))
+
+
+def test_a_floor_under_many_parts_is_no_crowd() -> None:
+    assert pairs_of(piled(20_000, 2.0, floor=True)) == 20_000

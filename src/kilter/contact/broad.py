@@ -17,6 +17,7 @@ from kilter.arrays import TINY, Array, Index, Mask, counted, ragged
 from kilter.assembly.geometry import Geometry
 from kilter.contact.contact_tolerances import BOX_ROUNDING
 from kilter.contact.planar.facets import Facets
+from kilter.errors import InputError
 from kilter.rigid import common_frame, common_frames
 
 __all__ = ["Boxes", "facet_pairs", "facets_in", "joins", "make_boxes", "pairs_apart", "part_pairs"]
@@ -30,6 +31,11 @@ TREE = 500_000
 """Boxes of one tree."""
 BATCH = 2_000_000
 """Combinations compared in one go."""
+MOST_PAIRS, MOST_NEAR = 500_000, 20
+"""Pairs of parts that are looked at: so many, or so many for each part. Walls have 3 for each,
+packings 10; parts that lie in one another have all with all, at some kilobytes a pair."""
+SAMPLE = 100
+"""Boxes whose neighbours are counted before those of all are listed."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -80,7 +86,13 @@ def _extremes(points: Array, start: Index) -> tuple[Array, Array]:
 
 
 def part_pairs(boxes: Boxes, grounded: Mask, margin: Array) -> Index:
-    """Pairs (a, b), a < b, not both held, whose boxes, grown by `margin`, meet; shape (n, 2)."""
+    """Pairs (a, b), a < b, not both held, whose boxes, grown by `margin`, meet; shape (n, 2).
+
+    Raises
+    ------
+    InputError
+        If they are more than are looked at.
+    """
     low, high = boxes.part_low - margin[:, None], boxes.part_high + margin[:, None]
     count = len(low)
     if count <= FEW:
@@ -89,7 +101,16 @@ def part_pairs(boxes: Boxes, grounded: Mask, margin: Array) -> Index:
         a, b = _tree_pairs(low, high)
     keep = ((low[a] <= high[b]) & (low[b] <= high[a])).all(axis=1)
     keep &= ~(grounded[a] & grounded[b])
+    _require_few(int(keep.sum()), count)
     return np.column_stack([a[keep], b[keep]]).astype(np.int64)
+
+
+def _require_few(pairs: int, parts: int) -> None:
+    if pairs > max(MOST_PAIRS, MOST_NEAR * parts):
+        raise InputError(
+            f"{pairs:,} pairs of {parts:,} parts or more lie in each other's boxes: too many",
+            hint="check the places of the parts, or leave copies out",
+        )
 
 
 def pairs_apart(boxes: Boxes, grounded: Mask, margin: Array, start: Index) -> Index:
@@ -122,8 +143,13 @@ def _all_pairs(start: Index) -> Index:
 
 
 def _tree_pairs(low: Array, high: Array) -> tuple[Index, Index]:
-    """Pairs a < b of boxes that meet."""
+    """Pairs a < b of boxes that meet; refused from a sample where there are far too many."""
     boxes = low, high, np.zeros(len(low), dtype=np.int64)
+    some = np.linspace(0, len(low) - 1, SAMPLE, dtype=np.int64)
+    near, _ = _tree_join((low[some], high[some], boxes[2][some]), boxes)
+    # what a fifth of all have at least; a floor may meet all the others
+    least = np.sort(np.bincount(near, minlength=SAMPLE))[-SAMPLE // 5] - 1
+    _require_few(int(least) * len(low) // 10, len(low))
     a, b = _tree_join(boxes, boxes)
     order = a < b
     return a[order], b[order]
