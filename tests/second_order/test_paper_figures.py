@@ -1,0 +1,132 @@
+"""The paper's figures 1 (b), 11 and 12, turned, in space: the blocks twist on their walls and sink.
+
+As the library's scenes model them: blocks of a depth, without friction. The configurations are
+held apart by a test of separating planes of its own.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+from scipy.spatial.transform import Rotation
+
+import kilter
+from kilter import Assembly
+from kilter.arrays import Array, unit_rows
+from kilter.mechanics.program import Program, build_program
+from kilter.scenes import scene
+from kilter.scenes.paper import figure_1
+from kilter.second_order.decide import decide
+from kilter.second_order.features_of import features_of
+from kilter.second_order.gap_form import gap_forms
+from kilter.second_order.paths import Path
+from kilter.second_order.stationary import Stationary, stationary
+
+TURNED = ("paper-figure-1-turned", "paper-figure-11-turned", "paper-figure-12-turned")
+
+
+def problem_of(assembly: Assembly) -> tuple[Program, Stationary]:
+    contacts = kilter.contacts(assembly)
+    program = build_program(assembly, contacts)
+    return program, stationary(program, gap_forms(program, features_of(program, contacts)))
+
+
+def near_path(problem: Stationary, path: Path) -> tuple[Array, Array]:
+    """First and second derivative of a path, the second no longer than it need be."""
+    bends = problem.bends(path.first)
+    count = problem.rows.shape[1]
+    lower = np.vstack(
+        [np.column_stack([-problem.rows, np.ones(len(bends))]), [*-problem.load, 0.0]]
+    )
+    most = linprog(
+        [*np.zeros(count), -1.0], lower, [*bends, -0.1], bounds=[(-20, 20)] * count + [(0, None)]
+    )
+    assert most.status == 0
+    assert most.x[-1] > 1e-3  # every gap opens
+    return path.first, most.x[:count]
+
+
+@dataclass
+class Moved:
+    """A block elsewhere: its corners, and the directions of its faces and edges."""
+
+    corners: Array
+    normals: Array
+    edges: Array
+
+
+def block(assembly: Assembly, part: int, center: Array, motion: Array) -> Moved:
+    triangles = assembly.geometry.corners_of(part)
+    turn = Rotation.from_rotvec(motion[3:]).as_matrix()
+    sides = triangles - np.roll(triangles, 1, axis=1)
+    normals = unit_rows(np.cross(sides[:, 0], sides[:, 1]))
+    edges = unit_rows(sides.reshape(-1, 3))
+    corners = triangles.reshape(-1, 3)
+    return Moved(
+        (corners - center) @ turn.T + center + motion[:3], normals @ turn.T, edges @ turn.T
+    )
+
+
+def apart(one: Moved, other: Moved) -> float:
+    """Greatest separation along normals of faces and cross products of edges: exact if convex."""
+    products = np.cross(one.edges[:, None], other.edges[None]).reshape(-1, 3)
+    long = np.linalg.norm(products, axis=1) > 1e-6
+    axes = np.vstack([one.normals, -other.normals, unit_rows(products[long])])
+    axes = np.vstack([axes, -axes])
+    gaps = (other.corners @ axes.T).min(axis=0) - (one.corners @ axes.T).max(axis=0)
+    return float(gaps.max())
+
+
+def least_gap(assembly: Assembly, program: Program, motion: Array) -> float:
+    """Least separation of blocks from each other and from the walls that they touch."""
+    free = np.flatnonzero(program.free)
+    blocks = {k: block(assembly, k, program.center[k], motion[k]) for k in free.tolist()}
+    gaps = [apart(blocks[a], blocks[b]) for a, b in itertools.combinations(blocks, 2)]
+    for a, b, x, n in zip(
+        program.part_a, program.part_b, program.point, program.normal, strict=True
+    ):
+        if not program.free[a]:
+            gaps.append(float(((blocks[int(b)].corners - x) @ n).min()))
+        elif not program.free[b]:
+            gaps.append(float(((x - blocks[int(a)].corners) @ n).min()))
+    return min(gaps)
+
+
+@pytest.mark.parametrize("name", TURNED)
+def test_blocks_twist_and_sink_with_every_gap_open(name: str) -> None:
+    assembly = scene(name)
+    program, problem = problem_of(assembly)
+    found = decide(problem)
+    assert found.state == "balanced"
+    assert isinstance(found.proof, Path)
+    first, second = near_path(problem, found.proof)
+    assert least_gap(assembly, program, np.zeros((len(program.names), 6))) > -1e-12
+    assert problem.scale is not None
+    energies = []
+    for t in (0.02, 0.01, 0.005):
+        step = t * first + t**2 * second / 2
+        motion = program.full(step * problem.scale)
+        assert least_gap(assembly, program, motion) > 0
+        energies.append(-float(problem.load @ step) / t**2)
+    assert max(energies) < -0.04  # it sinks as t^2
+    assert np.ptp(energies) < 1e-9
+
+
+def test_figure_1_b_in_the_plane_slides_only() -> None:
+    neutral = kilter.check(figure_1("b", planar=True)).neutral
+    assert neutral is not None
+    assert (neutral.two_sided, neutral.one_sided) == (1, 0)
+
+
+def test_nothing_but_the_contacts_of_the_walls_holds_the_blocks() -> None:
+    """The separating test fails where a block enters a wall or the other block."""
+    assembly = scene(TURNED[0])
+    program, _ = problem_of(assembly)
+    for part, normal in ((int(program.part_b[0]), program.normal[0]),):
+        motion = np.zeros((len(program.names), 6))
+        motion[part, :3] = -1e-3 * normal
+        assert least_gap(assembly, program, motion) < -5e-4
