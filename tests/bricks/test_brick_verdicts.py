@@ -150,3 +150,15 @@ def test_a_hanging_brick_needs_its_weight_over_its_points() -> None:
         verdict = proved(assembly_of_bricks(model, rules=StudRules(pull=factor * least)))
         assert verdict.verdict == word
     assert verdict.stable
+
+
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
+def test_large_models_by_their_proofs(seed: int) -> None:
+    """As many bricks as make the program large: forces or a motion, and the other side of it."""
+    model = random_bricks(300, seed=seed)
+    weak, strong = (
+        proved(assembly_of_bricks(model, rules=StudRules(pull=pull))) for pull in (0.02, 20.0)
+    )
+    assert (weak.verdict, strong.verdict) == ("unstable", "stable")
+    assert "least forces of bonds" in strong.judgement.solvers[0]
+    assert any("total imbalance" in word for word in weak.judgement.solvers)

@@ -1,7 +1,7 @@
 """Problem 1: is there an equilibrium? Solve, then judge; never believe a solver.
 
 Without friction an equilibrium is all that stability needs. An order that ends where exactly
-one certificate passes:
+one certificate passes; with bonds after their least forces and, if large, the total imbalance:
 
 1. the load factor by simplex (small), or equilibrium by interior point (large);
 2. the load factor by the other method;
@@ -45,7 +45,9 @@ from kilter.mechanics.forms import (
     least_imbalance,
     load_factor,
     scaled,
+    total_imbalance,
 )
+from kilter.mechanics.least_forces import least_forces
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 from kilter.solvers.cone_interior_point import iterates
@@ -190,6 +192,9 @@ def _candidates(program: Program, work: Work, solver: Solver | None) -> Iterator
 def _without_friction(program: Program, work: Work) -> Iterator[_Candidate]:
     """Candidate forces and motions, the cheapest way first."""
     problem = scaled(program)
+    bonded = least_forces(problem)
+    if bonded is not None:
+        yield _Candidate("least forces of bonds", bonded[0], motion=bonded[1])
     small = len(problem.right) <= SIMPLEX_ROWS
     if small:
         # presolve costs a tiny program more than it saves; the other way is the second try
@@ -199,6 +204,8 @@ def _without_friction(program: Program, work: Work) -> Iterator[_Candidate]:
             yield from _by_least_imbalance(problem, method="simplex", presolve=presolve, work=work)
         yield from _by_load_factor(problem, method="interior", work=work)
         return
+    if bonded is not None:
+        yield from _by_total_imbalance(problem, work)
     yield from _by_equilibrium(problem, work)
     yield from _by_load_factor(problem, method="interior", work=work)
     yield from _by_least_imbalance(problem, method="interior", work=work)
@@ -243,6 +250,19 @@ def _by_least_imbalance(problem: Scaled, **options: Unpack[_Options]) -> Iterato
         multipliers = answer.multipliers[:rows] + answer.multipliers[rows:]
         motion = problem.motion(problem.over_weight(-multipliers))
     yield _Candidate(word, problem.forces(answer.x[:-1]), motion=motion)
+
+
+def _by_total_imbalance(problem: Scaled, work: Work) -> Iterator[_Candidate]:
+    answer, word = _solved(
+        total_imbalance(problem), "total imbalance", method="interior", work=work
+    )
+    if not answer.found:
+        yield _Candidate(word)
+        return
+    motion = None
+    if len(answer.multipliers):
+        motion = problem.motion(problem.over_weight(-answer.multipliers))
+    yield _Candidate(word, problem.forces(answer.x[: len(problem.program.part_a)]), motion=motion)
 
 
 def _in_cones(program: Program, work: Work) -> Iterator[_Candidate]:

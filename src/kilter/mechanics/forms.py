@@ -9,6 +9,7 @@ hand side: a new direction keeps a factorised basis.
     load factor        max lambda:  A f - lambda b = 0, 0 <= lambda <= 1       is 0 or 1
     largest share      max t:  A f - t d = b,  t <= T,  f >= 0
     least imbalance    min t:  -t <= A f - b <= t, f >= 0
+    total imbalance    min sum |A f - b|,  f >= 0
     displacement       LP (9) of the paper, as published, in the units of the file
     impending motion   min 1/2 (a - M^-1 w)^T M (a - M^-1 w),  J a >= 0        Gauss
 
@@ -20,7 +21,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csc_array, hstack, vstack
+from scipy.sparse import csc_array, eye_array, hstack, vstack
 
 from kilter.arrays import TINY, Array
 from kilter.mechanics.mechanics_tolerances import ZERO_ENTRY
@@ -37,6 +38,7 @@ __all__ = [
     "least_imbalance",
     "load_factor",
     "scaled",
+    "total_imbalance",
 ]
 
 
@@ -191,6 +193,27 @@ def least_imbalance(problem: Scaled) -> LinearProgram:
         np.concatenate([unbounded, problem.right]),
         np.append(lower, 0.0),
         np.append(upper, np.inf),
+    )
+
+
+def total_imbalance(problem: Scaled) -> LinearProgram:
+    """Forces of the least sum of imbalances over weight. x = (f, what lacks, what is too much).
+
+    Minus its multipliers are a motion of at most 1 in each freedom: where the sum is above 0, of
+    that power. It has as few entries as `equilibrium`, and a solution whatever the load.
+    """
+    lower, upper = _force_bounds(problem.program)
+    rows = len(problem.right)
+    one = eye_array(rows, format="csc")
+    matrix = csc_array(hstack([problem.matrix, one, -one], format="csc"))
+    cost = np.append(np.zeros(len(lower)), np.ones(2 * rows))
+    return LinearProgram(
+        cost,
+        matrix,
+        problem.right,
+        problem.right,
+        np.append(lower, np.zeros(2 * rows)),
+        np.append(upper, np.full(2 * rows, np.inf)),
     )
 
 
