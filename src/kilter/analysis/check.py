@@ -41,6 +41,7 @@ from kilter.mechanics.program import Program, build_program
 from kilter.tell.levels import REQUIRE, require_level
 from kilter.tell.numbers import number as text_of
 from kilter.tell.open_words import undecided_sentence
+from kilter.tell.second_order_words import balanced_sentence
 from kilter.tell.words import verdict_sentence
 from kilter.threads import on_one_thread
 from kilter.validate import number
@@ -48,6 +49,7 @@ from kilter.work import EFFORT, Work, units_of
 
 if TYPE_CHECKING:
     from kilter.friction.answer import FrictionAnswer
+    from kilter.second_order.second_order_answer import SecondOrder
 
 __all__ = ["check"]
 
@@ -79,8 +81,7 @@ def check(
     tolerance : Tolerance, optional
         When faces count as touching.
     require : {"equilibrium", "settles", "proved", "strict"}
-        The level at which `Verdict.stable` is true; "strict" is refused until second order is
-        built.
+        The level at which `Verdict.stable` is true; "strict": no small push makes it fall.
     measures : bool
         Also z, kappa and the displacements of LP (9) where friction plays a part. They leave
         it out.
@@ -111,7 +112,7 @@ def check(
     tell = progress or (lambda stage: None)
     if contacts is not None and not isinstance(contacts, ContactSet):
         raise InputError(f"contacts are {contacts!r:.60}", hint="give what kilter.contacts returns")
-    require = require_level(require)
+    require = require_level(require, strict=True)
     work = _work(effort, time_limit, progress)
     require_assembly(assembly, "check")
     assembly.require_grounded()
@@ -126,8 +127,11 @@ def check(
     started = time.perf_counter()
     decision = _as_stated(assembly, contacts, _decide(assembly, contacts, work))
     word, program = decision.verdict, decision.program
+    second = _second_order(decision, assembly, contacts, work)
     seconds["solve"] = time.perf_counter() - started
     sentence = _sentence(decision, assembly, contacts)
+    if second is not None and second.state == "balanced":
+        sentence = balanced_sentence([program.names[k] for k in second.moving])
     warnings = _warnings(assembly, contacts, decision)
     if work.cut:
         warnings.append(_late(time_limit))
@@ -146,7 +150,19 @@ def check(
         decision.question,
         require,
         measures,
+        second,
     )
+
+
+def _second_order(
+    decision: _Decision, assembly: Assembly, contacts: ContactSet, work: Work
+) -> SecondOrder | None:
+    """What second order says of what is stable without friction."""
+    if decision.verdict != "stable" or decision.friction is not None or work.late:
+        return None
+    from kilter.second_order.second_order_answer import find_second_order  # takes its time
+
+    return find_second_order(assembly, contacts, decision.program)
 
 
 def _work(effort: float, time_limit: float | None, progress: Callable[[str], None] | None) -> Work:

@@ -57,6 +57,7 @@ from kilter.work import EFFORT
 
 if TYPE_CHECKING:
     from kilter.friction.answer import FrictionAnswer
+    from kilter.second_order.second_order_answer import SecondOrder
 
 __all__ = ["Verdict", "Word"]
 
@@ -98,6 +99,9 @@ class Verdict(InCells):
         The level that is asked for (`kilter.tell.levels`).
     measures : bool
         Z, kappa and displacements of LP (9) are asked for where friction plays a part.
+    second_order : SecondOrder or None
+        Of what is stable without friction, wherever a motion is neutral: is it a minimum of its
+        energy?
     """
 
     verdict: Word
@@ -114,10 +118,11 @@ class Verdict(InCells):
     question: OpenQuestion | None = None
     require: str = REQUIRE
     measures: bool = False
+    second_order: SecondOrder | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "seconds", MappingProxyType(dict(self.seconds)))
-        sealed((self.program, self.judgement, self.friction))
+        sealed((self.program, self.judgement, self.friction, self.second_order))
 
     @property
     def stable(self) -> bool:
@@ -126,8 +131,27 @@ class Verdict(InCells):
 
     @property
     def level(self) -> str | None:
-        """The level that it reaches: proved, settles, equilibrium, or None."""
-        return level_of(self.verdict)
+        """The level that it reaches, or None; strict only where that is asked for."""
+        asked = self.require == "strict" and self.verdict == "stable" and self.friction is None
+        return level_of(self.verdict, strict=asked and self._strict)
+
+    @property
+    def _strict(self) -> bool:
+        """Whether no small push makes it fall, as far as that is proved."""
+        known = self.second_order is not None and self.second_order.state in ("minimum", "free")
+        return known or self._none_neutral
+
+    @property
+    def _none_neutral(self) -> bool:
+        """Whether no motion costs nothing to first order."""
+        neutral = self.neutral
+        return neutral is not None and neutral.two_sided == neutral.one_sided == 0
+
+    def _second_order(self) -> dict[str, Any] | None:
+        """What second order says, wherever it is asked."""
+        if self.second_order is None or self._none_neutral:
+            return None
+        return self.second_order.to_dict(self.program.names)
 
     @property
     def why(self) -> str | None:
@@ -326,6 +350,7 @@ class Verdict(InCells):
             "neutral": None
             if neutral is None
             else {"two_sided": neutral.two_sided, "one_sided": neutral.one_sided},
+            "second_order": self._second_order(),
             "down": assembly.down.tolist(),
             "gravity": assembly.gravity.tolist(),
             "units": assembly.units,

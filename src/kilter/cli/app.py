@@ -43,8 +43,9 @@ app = typer.Typer(
     name="kilter",
     cls=_Group,
     help="Does an assembly of rigid parts stay together under gravity? An exact verdict, with a "
-    "proof. All answers are of first order: where motions that cost no energy to first order "
-    "are left (see 'neutral'), second order decides, a ball on a ball among them.",
+    "proof. Answers are of first order; where motions that cost no energy to first order are "
+    "left (see 'neutral'), check says what second order makes of them ('second_order'): a ball "
+    "on a ball is balanced.",
     invoke_without_command=True,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},

@@ -59,10 +59,11 @@ def check(
 
     Exit 0 it holds at the level of --require, 1 unstable, 3 it holds at a lower level only, 4
     undecided; of several files, a line each, the worst. Levels: equilibrium (forces that hold it
-    exist), settles (put down loosely it comes to rest, and no motion was found), proved. All of
-    it is of first order.
+    exist), settles (put down loosely it comes to rest, and no motion was found), proved (to first
+    order), strict (nor does a small push make it fall).
 
-    Displacements of LP (9) are given for up to 300 free parts, neutral motions for up to 100.
+    Displacements of LP (9) are given for up to 300 free parts, neutral motions for up to 100;
+    what second order says of them for up to 20.
     """
     from kilter.contact.fits.suggestions import suggest_joints
     from kilter.tell.tables import forces_table

@@ -10,5 +10,8 @@
 - `paths`: paths that lead down
 - `minimum_proof`: proofs of a minimum, judged without a solver
 - `decide`: minimum, balanced or open
+- `touched_surfaces`, `free_motions`, `free_span`: motions that keep every gap and the energy
+- `separation`: parts in other places, held apart exactly
+- `second_order_answer`: what a check says
 - `second_order_tolerances`: its tolerances
 """

@@ -24,7 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.arrays import TINY, Array, unit_rows
-from kilter.second_order.second_order_tolerances import ACROSS, BALANCED, CARRIES, CURVED
+from kilter.second_order.second_order_tolerances import ACROSS, BALANCED, CARRIES, CURVED, LEVEL
 from kilter.second_order.stationary import Stationary
 
 __all__ = [
@@ -127,10 +127,15 @@ def judge_minimum(problem: Stationary, proof: MinimumProof) -> str:
     """
     if not proof.leaves:
         return "it has no forces"
-    wrong = [_wrong_forces(problem, leaf.forces) for leaf in proof.leaves]
-    wrong.append(_wrong_spaces(problem, proof))
-    if any(wrong):
-        return next(filter(None, wrong))
+    for leaf in proof.leaves:
+        wrong = _wrong_forces(problem, leaf.forces)
+        if wrong:
+            return wrong
+    wrong = _wrong_spaces(problem, proof) or next(
+        filter(None, (_wrong_free(problem, proof, leaf.forces) for leaf in proof.leaves)), ""
+    )
+    if wrong:
+        return wrong
     try:
         half = not len(proof.sides)
         cones = list(leaf_cones(proof.basis.shape[1], proof.splits, half=half))
@@ -185,6 +190,15 @@ def _wrong_spaces(problem: Stationary, proof: MinimumProof) -> str:
         if not all(((r < ACROSS) & s).any() for r, s in zip(residual, signs, strict=True)):
             return "a side is not the row of a contact"
     return ""
+
+
+def _wrong_free(problem: Stationary, proof: MinimumProof, forces: Array) -> str:
+    """Does the energy stay level to second order along the motions that are divided out?"""
+    both = np.hstack([proof.basis, proof.free])
+    curvature = problem.curvature(forces, both)
+    size = max(1.0, float(np.abs(curvature).max(initial=0.0)))
+    level = np.abs(curvature[:, proof.basis.shape[1] :]).max(initial=0.0) <= LEVEL * size
+    return "" if level else "the energy is not level along its free motions"
 
 
 def _definite(matrix: Array) -> bool:

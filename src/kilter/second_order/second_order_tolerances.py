@@ -15,6 +15,7 @@ __all__ = [
     "CURVED",
     "DROPS",
     "FLAT",
+    "LEVEL",
     "REACH",
     "ROUND",
     "SLIPS",
@@ -42,6 +43,8 @@ CARRIES = 1e-9
 """A row carries where its force is above this, over the largest."""
 ACROSS = 1e-7
 """What a motion may open a row that it is to leave as it is."""
+LEVEL = 1e-7
+"""Curvature of the energy, over the largest, along a motion that is proved free."""
 FLAT = 2e-9
 """Forms below this, over the largest, leave a motion flat."""
 DROPS = 2e-8

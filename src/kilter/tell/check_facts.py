@@ -7,6 +7,7 @@ from collections.abc import Iterable
 
 from kilter.tell.numbers import counts, force, mass, number, percent, plain
 from kilter.tell.open_words import open_facts
+from kilter.tell.second_order_words import second_order_words
 from kilter.tell.shared_facts import (
     Answer,
     Fact,
@@ -66,9 +67,12 @@ def check_facts(answer: Answer) -> list[Fact]:
         found.append(("forces", forces))
     if answer["z"] is not None and answer["verdict"] != "stable":
         found.append(("instability", instability_phrase(answer)))
+    second = answer.get("second_order")
+    if second is not None and second["state"] != "open":
+        found.append(("second order", second_order_words(second)))
     if answer["neutral"] is not None:
         closed = answer["counted_gap"] is not None
-        found.append(("neutral", _neutral(**answer["neutral"], closed=closed)))
+        found.append(("neutral", _neutral(**answer["neutral"], second=second, closed=closed)))
     return [*found, *_seconds(answer)]
 
 
@@ -159,17 +163,22 @@ def _pair(patch: Answer) -> str:
     return f"{plain(first)} on {plain(second)}"
 
 
-def _neutral(two_sided: int, one_sided: int, *, closed: bool = False) -> str:
+def _neutral(
+    two_sided: int, one_sided: int, *, second: Answer | None = None, closed: bool = False
+) -> str:
     if two_sided + one_sided == 0:
         return (
             "none, counting gaps as closed"
             if closed
             else "none: strictly held, every motion costs energy"
         )
-    return (
+    words = (
         f"motions that neither cost nor gain energy to first order: {two_sided} can go both ways, "
         f"{one_sided} one way only; only for these could second order (curvature) matter"
     )
+    if second is None or second["state"] != "open":
+        return words
+    return f"{words}, which is {second_order_words(second)}"
 
 
 def _seconds(answer: Answer) -> list[Fact]:

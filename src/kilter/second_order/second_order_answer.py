@@ -1,0 +1,304 @@
+"""What second order says of an assembly that is stable to first order, with its evidence.
+
+    minimum    a strict minimum of its energy, parts of revolution may spin: small pushes do
+               not move it away, whatever the friction
+    free       the same across motions that keep every gap and the energy: it rolls or slides freely
+    balanced   a path leads down: the slightest push makes it fall, unless friction holds it
+    open       neither is known; `why` says what is missing
+
+A path counts where the parts have an exact configuration on it that is apart and lower, which needs
+no theory; where contacts are given, with their features, the path itself is all there is to know.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from kilter.arrays import TINY, Array, Index, Mask
+from kilter.assembly import Assembly
+from kilter.contact.contact_set import ContactSet
+from kilter.contact.open_pairs import still_open
+from kilter.mechanics.program import Program
+from kilter.mechanics.rows import CONTACT
+from kilter.second_order.decide import Decision, decide
+from kilter.second_order.features_of import features_of
+from kilter.second_order.free_motions import find_free_motions
+from kilter.second_order.free_span import free_span, moving_free
+from kilter.second_order.gap_form import formed, gap_forms
+from kilter.second_order.minimum_proof import MinimumProof
+from kilter.second_order.paths import Path
+from kilter.second_order.separation import least_separation
+from kilter.second_order.stationary import Stationary, stationary
+from kilter.units import metres_per_unit
+from kilter.work import Work
+
+__all__ = ["MOST_PARTS", "Configuration", "SecondOrder", "find_second_order"]
+
+MOST_PARTS = 20
+"""Second order is looked at for up to this many free parts."""
+STEPS = (0.05, 0.02, 0.01, 0.004, 0.002, 0.001)
+"""How far along a path of length 1 an exact configuration is sought."""
+APART = 1e-12
+"""What a configuration must be apart, over the length, and lower, over weight and length."""
+
+State = Literal["minimum", "free", "balanced", "open"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Configuration:
+    """Parts elsewhere: all apart, and lower.
+
+    Attributes
+    ----------
+    motion : ndarray, shape (N, 6)
+        Shift of each centre of mass [length unit] and rotation vector [rad].
+    apart : float
+        Least separation of two parts [length unit].
+    energy : float
+        Of the loads, less than that at the start [N x length unit].
+    """
+
+    motion: Array
+    apart: float
+    energy: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SecondOrder:
+    """What second order says.
+
+    Attributes
+    ----------
+    state : {"minimum", "free", "balanced", "open"}
+    neutral, free, blocked, undecided : int
+        Dimensions of the motions that cost nothing to first order, and of those among them that
+        are proved free, that cost energy or may gain some, and of which neither is known.
+    rate : float or None
+        Of a minimum, the least angular frequency of small oscillations that is proved; of a
+        balanced one, the rate of growth along its path [1/s].
+    motion : ndarray or None, shape (N, 6)
+        How it falls, or moves freely: the part that moves most by 1 length unit.
+    moving : ndarray of int
+        Parts that move so.
+    why : str
+        Why it is open.
+    decision : Decision or None
+        The numbers, with their proof.
+    problem : Stationary or None
+        What the proof is about.
+    configuration : Configuration or None
+        Of a balanced one, where all contacts are of bodies that can be held apart exactly.
+    """
+
+    state: State
+    neutral: int
+    free: int
+    blocked: int
+    undecided: int
+    rate: float | None
+    motion: Array | None
+    moving: Index
+    why: str
+    decision: Decision | None = None
+    problem: Stationary | None = None
+    configuration: Configuration | None = None
+
+    def to_dict(self, names: tuple[str, ...]) -> dict[str, Any]:
+        """The answer of `kilter check --json`; the motion by part."""
+        by_part = None if self.motion is None else {
+            names[k]: (self.motion[k] + 0.0).tolist() for k in self.moving.tolist()
+        }  # fmt: skip
+        return {
+            "state": self.state,
+            "neutral": self.neutral,
+            "free": self.free,
+            "blocked": self.blocked,
+            "undecided": self.undecided,
+            "rate": self.rate,
+            "motion": by_part,
+            "why": self.why or None,
+        }
+
+
+def find_second_order(
+    assembly: Assembly, contacts: ContactSet, program: Program, *, work: Work | None = None
+) -> SecondOrder | None:
+    """What second order says of a place of equilibrium; None where no motion is neutral.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    contacts : ContactSet
+        Found in it.
+    program : Program
+        Of these contacts, without friction; forces of equilibrium are known to exist.
+    """
+    if not program.free.any():
+        return None
+    why = _out_of_reach(assembly, contacts, program)
+    if why:
+        return _open(why)
+    features = features_of(program, contacts)
+    known = formed(program, features)
+    if not known.any():
+        return _open(_unknown(program, known))
+    problem = stationary(program, np.nan_to_num(gap_forms(program, features)))
+    if not known.all():
+        part = decide(problem.taking(known), work=work)
+        if part.state == "minimum":
+            return _of(assembly, program, problem.taking(known), part)
+        return _open(_unknown(program, known))
+    kinds = contacts.patch_kind[program.source]
+    free = find_free_motions(
+        program, features, assembly.geometry, kinds == "plane", kinds == "given"
+    )
+    decision = decide(problem, free_span(program, problem, free), work=work)
+    if decision.free < decision.neutral:
+        free = free.symmetries
+        decision = decide(problem, free_span(program, problem, free), work=work)
+    if not decision.neutral and decision.state == "minimum":
+        return None
+    if decision.state == "minimum":
+        found = _of(assembly, program, problem, decision)
+        moving = moving_free(assembly, free)
+        if not len(moving):
+            return found
+        motion = free.motions[int(np.argmax([_moves(one, moving) for one in free.motions]))]
+        size = float(np.linalg.norm(motion.reshape(-1, 3), axis=1).max())
+        return replace(found, state="free", rate=None, motion=motion / size, moving=moving)
+    if decision.state == "balanced":
+        return _falling(assembly, program, problem, decision, kinds == "given")
+    return _of(assembly, program, problem, decision)
+
+
+def _moves(motion: Array, parts: Index) -> float:
+    return float(np.abs(motion[parts, :3]).sum())
+
+
+def _out_of_reach(assembly: Assembly, contacts: ContactSet, program: Program) -> str:
+    """Why nothing is said at all."""
+    if int(program.free.sum()) > MOST_PARTS:
+        return f"more than {MOST_PARTS} parts are free"
+    if (program.kind != CONTACT).any():
+        return "joints are not looked at in second order"
+    if program.pull.any():
+        return "bonds are not looked at in second order"
+    if np.abs(program.applied[program.free, 3:]).max(initial=0.0) > 0:
+        return "loads beside a centre of mass are not looked at in second order"
+    if still_open(contacts.open_pairs, assembly) or len(contacts.possible):
+        return "pairs are left open, or their kind of contact is not modelled"
+    return ""
+
+
+def _unknown(program: Program, known: Mask) -> str:
+    k = int(np.flatnonzero(~known)[0])
+    names = (*program.names, "the ground")
+    pair = f"{names[program.part_a[k]]} and {names[program.part_b[k]]}"
+    return f"how the surfaces of {pair} curve where they touch is not known"
+
+
+def _open(why: str) -> SecondOrder:
+    none = np.zeros(0, dtype=np.int64)
+    return SecondOrder("open", 0, 0, 0, 0, None, None, none, why)
+
+
+def _of(
+    assembly: Assembly, program: Program, problem: Stationary, decision: Decision
+) -> SecondOrder:
+    """A decision without more."""
+    none = np.zeros(0, dtype=np.int64)
+    return SecondOrder(
+        decision.state,
+        decision.neutral,
+        decision.free,
+        decision.blocked,
+        decision.undecided,
+        _frequency(program, problem, decision),
+        None,
+        none,
+        decision.why,
+        decision,
+        problem,
+    )
+
+
+def _frequency(program: Program, problem: Stationary, decision: Decision) -> float | None:
+    """The least frequency under the forces of a proof by one set of them [rad/s]."""
+    proof = decision.proof
+    if not isinstance(proof, MinimumProof) or not proof.basis.shape[1] or len(proof.leaves) > 1:
+        return None
+    curvature = problem.curvature(proof.leaves[0].forces, proof.basis)
+    mass = proof.basis.T @ _mass(program, problem) @ proof.basis
+    lower = np.linalg.inv(np.linalg.cholesky(mass))
+    least = float(np.linalg.eigvalsh(lower @ curvature @ lower.T).min())
+    return float(np.sqrt(max(least, 0.0))) * _per_second(program)
+
+
+def _mass(program: Program, problem: Stationary) -> Array:
+    """Masses and inertias in scaled unknowns over weight x length, shape (n, n) [s^2]."""
+    assert problem.scale is not None
+    free, per = np.flatnonzero(program.free), len(program.freedoms)
+    total = np.zeros((len(problem.scale), len(problem.scale)))
+    for i, part in enumerate(free):
+        six = np.zeros((6, 6))
+        six[:3, :3] = program.mass[part] * np.eye(3)
+        six[3:, 3:] = program.inertia[part]
+        own = slice(per * i, per * (i + 1))
+        total[own, own] = six[np.ix_(program.freedoms, program.freedoms)]
+    return total * np.outer(problem.scale, problem.scale) / (problem.weight * problem.length)
+
+
+def _per_second(program: Program) -> float:
+    """A square root of N / (kg x length unit) in 1/s."""
+    return float(1.0 / np.sqrt(metres_per_unit(program.units)))
+
+
+def _falling(
+    assembly: Assembly, program: Program, problem: Stationary, decision: Decision, given: Array
+) -> SecondOrder:
+    """A balanced place with its configuration; open where none was found."""
+    path = decision.proof
+    assert isinstance(path, Path)
+    assert problem.scale is not None
+    found = _of(assembly, program, problem, decision)
+    motion = program.full(path.first * problem.scale)
+    sizes = np.maximum(
+        np.linalg.norm(motion[:, :3], axis=1),
+        np.linalg.norm(motion[:, 3:], axis=1) * program.radius,
+    )
+    moving = np.flatnonzero(sizes > 1e-6 * sizes.max(initial=TINY))
+    configuration, why = None, ""
+    if not given.all():
+        configuration, why = _configuration(assembly, program, problem, path)
+    if why:
+        return replace(found, state="open", why=why)
+    first = path.first
+    growth = path.power / float(first @ _mass(program, problem) @ first)
+    return replace(
+        found,
+        rate=float(np.sqrt(growth)) * _per_second(program),
+        motion=motion / sizes.max(),
+        moving=moving,
+        configuration=configuration,
+    )
+
+
+def _configuration(
+    assembly: Assembly, program: Program, problem: Stationary, path: Path
+) -> tuple[Configuration | None, str]:
+    """A place on a path where all parts are apart and lower, or why none is known."""
+    assert problem.scale is not None
+    for step in STEPS:
+        columns = step * path.first + step**2 * path.second / 2
+        motion = program.full(columns * problem.scale)
+        energy = -float(problem.load @ columns)
+        beyond = 0.01 * problem.length
+        apart = least_separation(assembly, program, motion, beyond=beyond)
+        if apart is None:
+            return None, "a path leads down, but its surfaces cannot be held apart exactly"
+        if apart > APART * problem.length and energy < -APART:
+            return Configuration(motion, apart, energy * problem.weight * problem.length), ""
+    return None, "a path leads down, but no exact configuration on it was found to be apart"
