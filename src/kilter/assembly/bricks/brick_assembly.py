@@ -5,6 +5,7 @@ Nothing is detected: which stud is in which brick is a question of whole numbers
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
@@ -15,12 +16,13 @@ from kilter.assembly import Assembly, Bond, GivenContact, Part
 from kilter.assembly.brick import Brick
 from kilter.assembly.bricks.brick_library import BRICK_PLATES, is_stated
 from kilter.assembly.bricks.brick_model import NO_COLOR, BrickModel
-from kilter.assembly.bricks.stud_rules import GRAVITY, LAYER, UNIT, StudRules
+from kilter.assembly.bricks.stud_rules import GRAVITY, LAYER, UNIT, UNLIMITED, StudRules
 from kilter.assembly.bricks.studs import Sides, Studs, sides_of, studs_of
+from kilter.errors import InputError
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box
 
-__all__ = ["BASEPLATE", "assembly_of_bricks"]
+__all__ = ["BASEPLATE", "assembly_of_bricks", "bricks_of"]
 
 BASEPLATE = "baseplate"
 """Name of the held plate under the lowest layer."""
@@ -82,6 +84,40 @@ def assembly_of_bricks(
         source=source,
         notes=[*notes, *_estimated(model)],
     )
+
+
+def bricks_of(assembly: Assembly) -> tuple[BrickModel, StudRules, float]:
+    """The bricks of an assembly in the order of its parts, their rules, a cell's width [mm].
+
+    Raises
+    ------
+    InputError
+        If a part is no brick, or something else than studs and sides acts on them.
+    """
+    for part in assembly.parts:
+        if part.brick is None or not isinstance(part.shape, Box):
+            hint = "give an assembly as it was read from a file of bricks"
+            raise InputError("it is no brick", part=part.name, hint=hint)
+    if assembly.loads or assembly.joints or not assembly.bonds:
+        raise InputError("bricks with loads, with joints or without bonds", hint="leave them out")
+    parts, bricks = assembly.parts, [part.brick for part in assembly.parts if part.brick]
+    size = np.array([(*brick.cells, brick.plates) for brick in bricks])
+    box = np.array([part.shape.size for part in parts if isinstance(part.shape, Box)])
+    low = np.array([part.pose.position for part in parts]) - box / 2
+    numbers = [re.search(r"-(\d+)$", part.name) for part in parts]
+    model = BrickModel(
+        np.round(low * size / box).astype(np.int64),
+        size,
+        np.array([part.mass or 1.0 for part in parts]),
+        np.array([NO_COLOR if brick.color is None else brick.color for brick in bricks]),
+        np.array([part.grounded for part in parts]),
+        np.array([int(found[1]) if found else 0 for found in numbers]),
+        np.zeros(len(parts), dtype=np.int64),
+    )
+    bond, sides = assembly.bonds[0], {len(one.points) for one in assembly.contacts}
+    shear = UNLIMITED if bond.bears is None else bond.bears
+    rules = StudRules(bond.pull or 0.0, shear, "face" if 4 in sides else "lower-edge")
+    return model, rules, float(box[0, 0] / size[0, 0])
 
 
 def _baseplate(model: BrickModel) -> BrickModel:

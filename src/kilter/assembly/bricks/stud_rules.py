@@ -19,7 +19,7 @@ from kilter.arrays import Array
 from kilter.errors import InputError
 from kilter.validate import number
 
-__all__ = ["GRAVITY", "LAYER", "NARROW", "SIDES", "UNIT", "WIDE", "StudRules"]
+__all__ = ["GRAVITY", "LAYER", "NARROW", "SIDES", "UNIT", "UNLIMITED", "WIDE", "StudRules"]
 
 UNIT = 7.8
 """Width of a cell in StableLego [mm]."""
