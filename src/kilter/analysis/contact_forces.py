@@ -48,7 +48,10 @@ class ContactForces:
         Where it presses: the mean of its points, weighted by normal force; NaN where
         nothing presses.
     utilisation : ndarray, shape (P,)
-        Friction over what Coulomb's law allows, of the resultant [-]; NaN without friction.
+        Friction over what Coulomb's law allows, of the resultant and what bonds press [-]; NaN
+        without friction.
+    bond_utilisation : ndarray, shape (P,)
+        Pull over the strength of the bond, of the point where that is most [-]; NaN without one.
     residual : float
         Worst imbalance of a part over its weight [-].
     least : bool
@@ -63,6 +66,7 @@ class ContactForces:
     normal_force: Array
     center: Array
     utilisation: Array
+    bond_utilisation: Array
     residual: float
     least: bool
 
@@ -98,8 +102,13 @@ def find_contact_forces(program: Program, proof: ForceProof) -> ContactForces:
     mu[patch_of] = program.mu[rows]
     aside = np.linalg.norm(_sums(patch_of, across, count), axis=1)
     utilisation = np.full(count, np.nan)
-    rubs = presses & (mu > 0)
-    utilisation[rubs] = aside[rubs] / (mu[rubs] * normal_force[rubs])
+    pull = program.pull[rows]
+    pressed = normal_force + np.bincount(patch_of, pull, minlength=count)
+    rubs = (pressed > PRESSES * float(program.weight.max(initial=0.0))) & (mu > 0)
+    utilisation[rubs] = aside[rubs] / (mu[rubs] * pressed[rubs])
+    bonded = np.flatnonzero(pull > 0)
+    drawn = np.full(count, -np.inf)
+    np.maximum.at(drawn, patch_of[bonded], np.maximum(-along[bonded], 0.0) / pull[bonded])
     return ContactForces(
         rows=rows,
         force=force,
@@ -109,6 +118,7 @@ def find_contact_forces(program: Program, proof: ForceProof) -> ContactForces:
         normal_force=normal_force,
         center=center,
         utilisation=utilisation,
+        bond_utilisation=np.where(np.isfinite(drawn), drawn, np.nan),
         residual=used.residual,
         least=least is not None,
     )

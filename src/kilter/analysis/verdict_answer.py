@@ -86,6 +86,7 @@ def forces_answer(
     for k, own in enumerate(np.split(rows, ends[:-1]) if len(ends) else []):
         patch = found.patch[k]
         presses, rubs = np.isfinite(found.center[k]).all(), np.isfinite(found.utilisation[k])
+        used = found.bond_utilisation[k]
         patches.append(
             {
                 "parts": [program.names[i] for i in contacts.patch_parts[patch]],
@@ -94,6 +95,7 @@ def forces_answer(
                 "normal_force": float(found.normal_force[k]),
                 "center": found.center[k].tolist() if presses else None,
                 "utilisation": float(found.utilisation[k]) if rubs else None,
+                "bond_utilisation": float(used) if np.isfinite(used) else None,
                 "points": points[own].tolist(),
                 "forces": (found.force[own] + 0.0).tolist(),
             }

@@ -12,7 +12,16 @@ from kilter.errors import InputError, nearest_name
 from kilter.rigid import in_brackets, unit
 from kilter.validate import frozen, in_range, number
 
-__all__ = ["KINDS", "NOT_SET", "NO_CONE", "Bond", "BondKind", "require_apart", "require_no_bonds"]
+__all__ = [
+    "KINDS",
+    "NOT_RANGED",
+    "NOT_SET",
+    "NO_CONE",
+    "Bond",
+    "BondKind",
+    "require_apart",
+    "require_no_bonds",
+]
 
 BondKind = Literal["glue", "mortar", "magnet", "suction", "press-fit"]
 KINDS: dict[BondKind, str | None] = {
@@ -27,6 +36,8 @@ NO_CONE = "what they hold depends on the size of gravity, so directions that are
 """Why a set of directions is not asked of bonds."""
 NOT_SET = "it does not say when each one sets"
 """Why an order of assembly is not asked of bonds."""
+NOT_RANGED = "what they hold does not grow with the masses"
+"""Why a worst case over intervals is not asked of bonds."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -18,6 +18,8 @@ from kilter.arrays import Array, Index, Mask, cross
 from kilter.assembly.geometry import Geometry
 from kilter.contact.contact_set import ContactSet
 from kilter.errors import InputError
+from kilter.mechanics.area_shares import area_shares
+from kilter.mechanics.mechanics_tolerances import SAME_AREA
 
 __all__ = ["BondedPoints", "bonded_points", "clamp_of"]
 
@@ -68,12 +70,46 @@ def bonded_points(contacts: ContactSet) -> BondedPoints:
 
 
 def _pulls(contacts: ContactSet, point_bond: Index) -> Array:
-    """T of each point [N], shape (K,)."""
+    """T of each point [N], shape (K,): of a bond by area, its strength times the corner's share."""
     bonds = contacts.assembly.bonds
     for bond in bonds:
-        if bond.pull is None or isinstance(bond.bears, float):
-            raise InputError(f"{bond!r} is of a kind that is not counted yet")
-    return np.array([bond.pull for bond in bonds] + [0.0])[point_bond]
+        if isinstance(bond.bears, float):
+            raise InputError(
+                f"a bond of {' and '.join(map(repr, bond.parts))} bears shear up to a force, which "
+                "is not counted yet",
+                file=contacts.assembly.source or None,
+                hint='leave shear out, or give "mu"',
+            )
+    pull = np.array([bond.pull or 0.0 for bond in bonds] + [0.0])[point_bond]
+    stress = np.array([bond.pull_per_area or 0.0 for bond in bonds] + [0.0])
+    if not stress.any():
+        return pull
+    spread = pull + stress[point_bond] * _areas(contacts, stress[contacts.patch_bond] > 0)
+    return np.asarray(spread)
+
+
+def _areas(contacts: ContactSet, by_area: Mask) -> Array:
+    """What of its patch's area each contact point stands for, shape (K,).
+
+    Raises
+    ------
+    InputError
+        If a patch that counts, `by_area`, shape (P,), is not flat, or not the convex hull of its
+        points: their shares would have another middle than the area.
+    """
+    patch = contacts.point_patch
+    shares = area_shares(contacts.points, patch, contacts.patch_normal)
+    hull = np.bincount(patch, shares, minlength=len(contacts))
+    notched = np.abs(hull - contacts.patch_area) > SAME_AREA * hull
+    wrong = np.flatnonzero(by_area & (notched | (contacts.patch_kind != "plane")))
+    if len(wrong):
+        a, b = (contacts.assembly.names[k] for k in contacts.patch_parts[wrong[0]])
+        raise InputError(
+            f"the bond of {a!r} and {b!r} is by area, and where they touch is no flat convex area",
+            file=contacts.assembly.source or None,
+            hint="give pull, of each point",
+        )
+    return shares
 
 
 def _require_touching(contacts: ContactSet, patch_bond: Index) -> None:

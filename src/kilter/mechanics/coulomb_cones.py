@@ -195,14 +195,17 @@ def least_forces(wide: Spread) -> ConicProgram:
     """Forces of the least sum of squares that balance. x = f.
 
     Unique, and not at a corner of the set of all equilibria: equal contacts take equal shares.
+    Of a bonded contact it is the square of what acts, which is less than f by its pull.
     """
     problem = wide.problem
     total = problem.matrix.shape[1]
     cone, positive, sizes = wide.cone_rows()
     matrix = vstack([problem.matrix, -cone], format="csc")
     bound = np.concatenate([problem.right, np.zeros(cone.shape[0])])
+    cost = np.zeros(total)
+    cost[: len(wide.program.pull)] = -wide.program.pull / problem.unit
     return ConicProgram(
-        csc_array(eye_array(total)), np.zeros(total), matrix, bound,
+        csc_array(eye_array(total)), cost, matrix, bound,
         len(problem.right), positive, sizes,
     )  # fmt: skip
 

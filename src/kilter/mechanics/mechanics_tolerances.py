@@ -33,6 +33,7 @@ __all__ = [
     "OPENS_MORE",
     "POWER_ROUNDING",
     "RULED_OUT",
+    "SAME_AREA",
     "STILL",
     "TOLERANCE",
     "WITNESS_EXACT",
@@ -89,3 +90,5 @@ MIRROR_CELL = 1e-6
 """Places over the radius of a part, and directions, are compared in cells of this size."""
 NORMAL_ANGLE = 1e-6
 """A line lies across a normal up to this angle [rad]."""
+SAME_AREA = 1e-6
+"""The hull of a patch and its area are one up to this fraction of it."""

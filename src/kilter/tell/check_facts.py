@@ -155,6 +155,10 @@ def forces_phrase(forces: Answer | None) -> str | None:
     if rubs:
         most = max(rubs, key=lambda patch: float(patch["utilisation"]))
         words += f"; friction used up to {percent(most['utilisation'])}, {_pair(most)}"
+    bonded = [patch for patch in patches if patch.get("bond_utilisation")]
+    if bonded:
+        most = max(bonded, key=lambda patch: float(patch["bond_utilisation"]))
+        words += f"; bonds used up to {percent(most['bond_utilisation'])}, {_pair(most)}"
     return words
 
 

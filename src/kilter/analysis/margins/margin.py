@@ -45,6 +45,7 @@ from kilter.analysis.turning_tolerances import (
 from kilter.analysis.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly, require_assembly
+from kilter.assembly.bonds import NO_CONE, NOT_RANGED, require_no_bonds
 from kilter.contact import ContactSet, Tolerance
 from kilter.errors import InputError, some_names
 from kilter.mechanics.bundle import make_bundle
@@ -259,7 +260,7 @@ def margin(
     ------
     InputError
         If a direction is of length zero, the axis is not across gravity, or a part is held or
-        unknown, also one that a load pulls on.
+        unknown, also one that a load pulls on; if `about` or `ranges` come with bonds.
 
     Examples
     --------
@@ -272,6 +273,10 @@ def margin(
     require_assembly(assembly, "margin")
     direction = None if push is None else unit(push, "push")
     axis = None if about is None else _axis(assembly, about)
+    if axis is not None:
+        require_no_bonds(assembly, "a tilt about an axis", NO_CONE)
+    if ranges is not None:
+        require_no_bonds(assembly, "the worst case over ranges", NOT_RANGED)
     parts = _pushed(assembly, pushed)
     verdict = check(
         assembly,

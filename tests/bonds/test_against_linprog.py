@@ -1,0 +1,156 @@
+"""Random bonded clusters against a program written apart: numpy, scipy.linprog, nothing of kilter.
+
+Of kilter it takes contact points and normals alone. Forces at a point: along its normal from -s T
+on, across it any where the bond bears any shear, else within a pyramid inside Coulomb's cone, or
+one around it, which bound the truth from both sides.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+
+import kilter
+from kilter import Assembly, Bond, Box, Part, Pose
+from kilter.analysis.judge import judge
+from kilter.mechanics.program import build_program
+
+STEPS = np.vstack([np.eye(3), -np.eye(3)])
+SIDES = 24
+
+
+def cluster(seed, mu=None):
+    """Unit cells grown from a held one, of random densities, most neighbours bonded."""
+    random = np.random.default_rng(seed)
+    cells = [np.zeros(3)]
+    while len(cells) < random.integers(4, 9):
+        grown = cells[random.integers(len(cells))] + STEPS[random.integers(6)]
+        if not any((grown == cell).all() for cell in cells):
+            cells.append(grown)
+    sizes = [1.0, 2.0, 0.5] * np.ones((len(cells), 3))
+    parts = [
+        Part(
+            f"p{k}",
+            Box(size),
+            Pose(cell * size),
+            grounded=k == 0,
+            density=random.uniform(300, 3000),
+        )
+        for k, (cell, size) in enumerate(zip(cells, sizes, strict=True))
+    ]
+    bonds = []
+    for a in range(len(cells)):
+        for b in range(a + 1, len(cells)):
+            if np.abs(cells[a] - cells[b]).sum() == 1 and random.random() < 0.9:
+                shear = "mu" if mu is not None and random.random() < 0.4 else None
+                pull = float(10 ** random.uniform(4, 5.5))
+                bonds.append(Bond((f"p{a}", f"p{b}"), pull=pull, shear=shear))
+    down = random.normal(size=3)
+    gravity = 9.81 * down / np.linalg.norm(down)
+    return Assembly(parts, gravity=gravity, friction=mu or 0.0, bonds=bonds)
+
+
+def least_share(assembly, contacts, stretch=1.0):
+    """The least s, or None where no s is enough; `stretch` times the pyramids' radius."""
+    geometry, bonds = assembly.geometry, assembly.bonds
+    of_pair = {frozenset(assembly.index_of(n) for n in bond.parts): bond for bond in bonds}
+    free = np.flatnonzero(~geometry.grounded)
+    place = {part: 6 * k for k, part in enumerate(free)}
+    columns, low, clamp = [], [], np.zeros(6 * len(free))
+    patch = np.repeat(np.arange(len(contacts.patch_parts)), np.diff(contacts.patch_start))
+
+    def wrench(a, b, point, force):
+        column = np.zeros(6 * len(free))
+        for part, sign in ((a, -1.0), (b, 1.0)):
+            if part in place:
+                arm = point - geometry.center[part]
+                column[place[part] :][:6] = np.append(sign * force, np.cross(arm, sign * force))
+        return column
+
+    for point, normal, own in zip(contacts.points, contacts.normals, patch, strict=True):
+        a, b = contacts.patch_parts[own]
+        bond = of_pair.get(frozenset((int(a), int(b))))
+        u = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
+        u /= np.linalg.norm(u)
+        v = np.cross(normal, u)
+        if bond is not None:
+            clamp -= bond.pull * wrench(a, b, point, normal)
+        if bond is not None and bond.shear is None:
+            rays, ends = [normal, u, v], [0.0, -np.inf, -np.inf]
+        else:
+            angle = 2 * np.pi * np.arange(SIDES) / SIDES
+            around = np.outer(np.cos(angle), u) + np.outer(np.sin(angle), v)
+            rays = list(normal + assembly.friction * stretch * around)
+            ends = [0.0] * SIDES
+        columns += [wrench(a, b, point, ray) for ray in rays]
+        low += ends
+    load = np.zeros(6 * len(free))
+    for part in free:
+        load[place[part] :][:3] = geometry.mass[part] * assembly.gravity
+    scale = np.abs(load).max()
+    answer = linprog(
+        np.append(np.zeros(len(columns)), 1.0),
+        A_eq=np.column_stack([*columns, clamp / scale]),
+        b_eq=-load / scale,
+        bounds=[*((end, None) for end in low), (0, None)],
+    )
+    return answer.x[-1] if answer.status == 0 else None
+
+
+def agrees(seed, mu):
+    assembly = cluster(seed, mu)
+    found = kilter.margin(assembly, pushed=[], effort=0)
+    contacts = kilter.contacts(assembly)
+    most = least_share(assembly, contacts)
+    least = most if mu is None else least_share(assembly, contacts, 1 / np.cos(np.pi / SIDES))
+    if least is None:
+        assert found.missing["bond"] == "none"
+        assert found.verdict.verdict in ("unstable", "undecided")
+        return "none"
+    share = found.bond.value
+    assert "bond" not in found.missing
+    assert share >= least * (1 - 1e-6) - 1e-9
+    assert most is None or share <= most * (1 + 1e-6) + 1e-9
+    if found.verdict.verdict != "undecided":  # edges on edges may leave it open
+        assert abs(share - 1) < 1e-6 or (found.verdict.verdict == "unstable") is (share > 1)
+    return "falls" if share > 1 else "stands" if share > 0 else "needs none"
+
+
+@pytest.mark.parametrize("mu", [None, 0.6])
+def test_a_program_written_apart_agrees(mu):
+    seen = {agrees(seed, mu) for seed in range(6)}
+    assert {"falls", "stands"} <= seen
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mu", [None, 0.2, 0.6])
+def test_a_program_written_apart_agrees_on_hundreds(mu):
+    seen = {agrees(seed, mu) for seed in range(100, 250)}
+    assert {"falls", "stands"} <= seen
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_no_pull_and_shear_by_friction_is_a_contact_with_that_friction(seed):
+    """And strength only helps."""
+    whole = cluster(seed, 0.6)
+    plain = Assembly(whole.parts, gravity=whole.gravity, friction=0.6)
+    contacts = kilter.contacts(plain)
+    held = [judge(build_program(plain, contacts)).stable]
+    for pull in (0.0, 1e3, 1e4, 1e9):
+        bonds = [Bond(bond.parts, pull=pull, shear="mu") for bond in whole.bonds]
+        bonded = Assembly(whole.parts, gravity=whole.gravity, friction=0.6, bonds=bonds)
+        held.append(judge(build_program(bonded, contacts.of(bonded))).stable)
+    assert None not in held
+    assert held[0] == held[1]
+    assert held == sorted(held)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_very_strong_bond_is_a_fixed_joint(seed):
+    whole = cluster(seed)
+    strong = [Bond(bond.parts, pull=1e9) for bond in whole.bonds]
+    joined = [kilter.Joint(bond.parts) for bond in whole.bonds]
+    one = Assembly(whole.parts, gravity=whole.gravity, bonds=strong)
+    other = Assembly(whole.parts, gravity=whole.gravity, joints=joined)
+    assert kilter.check(one).verdict == kilter.check(other).verdict
