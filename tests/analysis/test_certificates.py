@@ -12,7 +12,7 @@ from judged import judged, program_of
 
 from kilter.analysis.judge import judge
 from kilter.assembly import Assembly
-from kilter.mechanics.certificate import check_forces, check_motion, part_sizes
+from kilter.mechanics.certificate import check_forces, check_motion, part_sizes, violations
 from kilter.mechanics.forms import least_imbalance, load_factor, scaled
 from kilter.mechanics.mechanics_tolerances import NO_EXCUSE, RULED_OUT, TOLERANCE
 from kilter.scenes import friction, packings, paper, scene, stacks, walls
@@ -365,3 +365,43 @@ def test_of_a_motion_what_is_held_out_of_the_plane_or_no_number_is_left_out():
     assert part_sizes(built, judged_.motion, per_radius=False).max() == pytest.approx(1.0)
     nothing = check_motion(built, 0 * motion)
     assert (nothing.power, nothing.violation, nothing.ratio, nothing.holds) == (0, 0, 0, False)
+
+
+def test_forces_that_are_no_numbers_are_none():
+    built, forces = resting(0.5)
+    broken = forces.copy()
+    broken[1] = np.nan
+    assert check_forces(built, broken).forces[1] == 0.0
+    aside = np.full((len(forces), 3), 1e-3)
+    aside[2, 0] = np.inf
+    assert check_forces(built, forces, aside).friction[2, 0] == 0.0
+    assert check_forces(built, forces).holds  # without friction where there might be some
+
+
+def test_where_nothing_touches_nothing_is_violated():
+    built, _ = resting()
+    alone = built.taking(np.arange(0))
+    motion = np.where(alone.free[:, None], [0.0, 0, -2, 0, 0, 0], 0.0)
+    proof = check_motion(alone, motion)
+    assert proof.violation == 0.0
+    assert proof.holds
+    assert proof.power == pytest.approx(built.weight[built.free][0])
+
+
+def test_what_a_row_is_violated_by_is_a_length_or_none():
+    """Of angular rows the turn times their arm; of rows that may pull either way, at most 0."""
+    built = program_of(hanging_pair())
+    assert built.angular.any()
+    assert (built.arm[built.angular] != 1.0).any()
+    motion = np.random.default_rng(5).normal(size=(len(built.names), 6))
+    opening = np.array(built.velocities(motion)) * built.arm
+    expected = [
+        -abs(one) if tied else min(one, 0.0)
+        for one, tied in zip(opening, built.two_sided, strict=True)
+    ]
+    found = violations(built, motion)
+    assert found == pytest.approx(expected)
+    assert (found <= 0).all()
+    lifted = np.where(built.free[:, None], [0.0, 0, 1, 0, 0, 0], 0.0)
+    open_ = violations(built, lifted)[~built.two_sided]
+    assert (open_ == 0.0).all()

@@ -16,7 +16,12 @@ from judged import reloaded
 
 import kilter
 from kilter import InputError
-from kilter.analysis.verification import Verification, verify_bundle, verify_proof
+from kilter.analysis.verification import (
+    Verification,
+    proof_tolerance,
+    verify_bundle,
+    verify_proof,
+)
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet, detect
 from kilter.mechanics.mechanics_tolerances import AGREES
@@ -385,6 +390,8 @@ def test_several_proofs_in_one_file(files: tuple[Path, Path]) -> None:
     each = [one.split(" x ") for one in found.notes]
     assert sum(int(count) for count, _ in each) == len(bundle["proofs"])
     assert {what.split(": ")[1] for _, what in each} == {"held by forces", "a motion starts"}
+    held = [count for count, what in each if what.endswith("held by forces")]
+    assert sum(map(int, held)) == sum("forces" in one["proof"] for one in again["proofs"])
     unsigned = {**again, "digest": "0"}
     assert verify_bundle(whole, touching, unsigned).reasons == (
         "the file was changed after it was written (its digest does not fit)",
@@ -398,7 +405,7 @@ def test_several_proofs_in_one_file(files: tuple[Path, Path]) -> None:
 
 
 def test_the_worst_of_several_proofs_is_told() -> None:
-    assembly = example("tower")
+    assembly = example("corner-wedges")
     bundle = json.loads(json.dumps(kilter.region(assembly).proof()))
     contacts = detect.contacts(assembly)
     found = verify_bundle(assembly, contacts, bundle)
@@ -407,8 +414,12 @@ def test_the_worst_of_several_proofs_is_told() -> None:
 
     for about, proof in unbundled(bundle):
         own.append(verify_proof(*changed(assembly, contacts, about["change"]), proof))
+    residuals = [one.residual for one in own if one.residual is not None]
+    assert len(set(residuals)) > 1
     assert found.residual == max(one.residual for one in own if one.residual is not None)
-    assert found.power == min(one.power for one in own if one.power is not None)
+    powers = [one.power for one in own if one.power is not None]
+    assert len(set(powers)) > 1
+    assert found.power == min(powers)
 
 
 def test_a_plan_that_is_none_is_refused_in_words() -> None:
@@ -420,3 +431,20 @@ def test_a_plan_that_is_none_is_refused_in_words() -> None:
     bundle["digest"] = digest_of(bundle)
     with pytest.raises(InputError, match="the proof of a plan is not of its form"):
         verify_bundle(assembly, contacts, bundle)
+
+
+def test_what_is_no_proof_is_refused_whoever_is_asked() -> None:
+    assembly, contacts, proof = made("forces")
+    for ask in (proof_tolerance, lambda one: verify_proof(assembly, contacts, one)):
+        with pytest.raises(InputError, match="no kilter proof"):
+            ask({})
+        with pytest.raises(InputError, match="parts is missing"):
+            ask({key: value for key, value in proof.items() if key != "parts"})
+
+
+def test_a_proof_is_read_with_the_tolerance_that_it_was_made_with() -> None:
+    given = kilter.Tolerance(gap=2e-3, relative_gap=3e-4, angle=4e-3, clearance=5e-3)
+    proof = kilter.check(example("tower"), tolerance=given).proof()
+    found = proof_tolerance(proof)
+    for name in ("gap", "relative_gap", "angle", "clearance"):
+        assert getattr(found, name) == getattr(given, name), name

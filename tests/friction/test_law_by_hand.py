@@ -41,6 +41,7 @@ PROGRAMS = {
     "smooth": paper.figure_8,
     "planar": lambda: paper.figure_9(planar=True).with_friction(0.3),
     "joints": hanging_pair,
+    "planar joints": lambda: hanging_pair()._replace(planar=True),
     "bracket": lambda: friction.bracket(1.1 / 1.2, pad=1e-3),
 }
 FIELDS = ("balance", "opening", "cone", "normal", "angle", "stretch")

@@ -112,8 +112,7 @@ def _in_cones(program: Program, forces: Array, friction: Array | None) -> tuple[
             given[:, 1] = 0.0
         size = np.linalg.norm(given, axis=1)
         most = program.mu[rows] * forces[rows]
-        shrink = np.minimum(most / np.maximum(np.maximum(size, most), np.finfo(float).tiny), 1.0)
-        shrink = np.where(size > most, shrink, 1.0)
+        shrink = most / np.maximum(np.maximum(size, most), np.finfo(float).tiny)  # 1 within it
         aside[rows] = given * shrink[:, None]
     return forces, aside
 
