@@ -31,6 +31,15 @@ def test_the_root_of_a_cantilever_needs_its_moment_and_gives_way_first(count, st
     assert not kilter.verify(assembly, proof).holds
 
 
+@pytest.mark.parametrize("strength", [1e3, 1e6, 1e9])
+def test_a_bond_far_stronger_than_needed_is_needed_still(strength):
+    assembly = hung(strength * WEIGHT / 4)
+    margin = kilter.margin(assembly, pushed=[])
+    assert margin.bond.value == pytest.approx(1 / strength, rel=1e-7)
+    assert margin.bond.opens == ((0, pytest.approx(1.0)),)
+    assert kilter.verify(assembly, json.loads(json.dumps(margin.proof()))).holds
+
+
 def test_bonds_that_nothing_needs_are_null_and_those_that_never_suffice_are_said():
     stands = Assembly(
         [cube("top", z=1.0), cube("low", grounded=True)], bonds=[Bond(("low", "top"), pull=1.0)]

@@ -22,7 +22,10 @@ from kilter.mechanics.rows import CONTACT
 __all__ = ["BondFactor", "find_bond_factor"]
 
 NEEDLESS = 1e-9
-"""A share of the strength up to which bonds are not needed: a certificate tells no less [-]."""
+"""Pulls of all bonds, over the weight, up to which they are not needed: a certificate tells no
+less [-]."""
+STRONG = 1e-3
+"""A share below this is asked again with the weight as unit, which it is small beside [-]."""
 GIVES = 1e-6
 """Share of the work from which on a bond counts as one that gives way [-]."""
 
@@ -36,7 +39,7 @@ class BondFactor:
     value : float
         s [-]; 0 where none is needed.
     limit : Limit
-        Forces and mechanism there; its value is 1 - s.
+        Forces and mechanism there.
     opens : tuple of pairs (int, float)
         Bonds that give way in the mechanism, by position in the assembly, and the share of the
         work that each takes up [-]; the greatest first.
@@ -81,7 +84,13 @@ def find_bond_factor(program: Program, contacts: ContactSet) -> BondFactor | NoL
     if isinstance(limit, NoLimit):
         return limit
     value = 0.0 if np.isinf(limit.value) else 1.0 - limit.value
-    value = 0.0 if value <= NEEDLESS else value
+    if value < STRONG and program.clamp.any():
+        unit = float(program.weight[program.free].sum() / program.pull.sum())
+        loose = program.with_rows(clamp=np.zeros_like(program.clamp))
+        limit = find_limit(loose, -unit * program.clamp, most=1.0)
+        if isinstance(limit, NoLimit):
+            return limit
+        value = 0.0 if limit.value >= -NEEDLESS else -limit.value * unit
     return BondFactor(value, limit, _opens(program, contacts, limit) if value else ())
 
 
