@@ -1,6 +1,6 @@
 """Random bodies on round feet, in balance, with the exact gaps of their contacts.
 
-A body stands with one to four balls or corners on planes, balls, in bowls, on cylinders, in
+A body stands with one to three balls or corners on planes, balls, in bowls, on cylinders, in
 troughs and on rings, whose normals meet the z axis: so there are forces that carry it, with its
 centre of mass where they turn nothing. It may carry a ball on a face, a bowl, a ball or a trough.
 """
@@ -20,6 +20,8 @@ Random = np.random.Generator
 ANY = ("plane", "ball", "bowl", "cylinder", "trough", "ring")
 HOLLOW = ("bowl", "bowl", "trough")
 """Surfaces; an assembly has any, or hollow ones alone."""
+LEAST_FORCE = 0.05
+"""Every contact carries this share of the weight: what carries less is a well of no depth."""
 GROUND = exact.Pose(np.zeros(3), np.zeros(3), np.eye(3))
 
 
@@ -82,7 +84,7 @@ def random_round(seed: int) -> Round:
 
 
 def _attempt(random: Random) -> Round | None:
-    count, kinds = int(random.integers(1, 5)), ANY if random.uniform() < 0.4 else HOLLOW
+    count, kinds = int(random.integers(1, 4)), ANY if random.uniform() < 0.4 else HOLLOW
     angle = 2 * np.pi * (np.arange(count) + 0.3 * random.uniform(-1, 1, count)) / count
     lean = random.uniform(0.1, 0.9, count)
     if count == 1:
@@ -96,7 +98,7 @@ def _attempt(random: Random) -> Round | None:
         points[:] = 0.0
     normals = np.cos(lean)[:, None] * np.array([0, 0, 1.0]) - np.sin(lean)[:, None] * away
     forces, off = nnls(normals.T, np.array([0, 0, 1.0]))
-    if off > 1e-12 or forces.min() < 1e-3:
+    if off > 1e-12 or forces.min() < LEAST_FORCE:
         return None
     moment = (forces[:, None] * np.cross(points, normals)).sum(axis=0)
     center = np.array([-moment[1], moment[0], random.uniform(-2.0, 0.6)])

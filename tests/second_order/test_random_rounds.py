@@ -19,7 +19,7 @@ from kilter.second_order.gap_form import formed, gap_forms
 from kilter.second_order.paths import Path
 from kilter.second_order.stationary import Stationary, stationary
 
-RADII = (0.04, 0.02, 0.01)
+RADII = (0.02, 0.01, 0.005)
 """Sizes of the motions over which the least energy is sought."""
 
 
