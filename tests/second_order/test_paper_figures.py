@@ -7,6 +7,7 @@ held apart by a test of separating planes of its own.
 from __future__ import annotations
 
 import itertools
+import pathlib
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,6 +27,7 @@ from kilter.second_order.gap_form import gap_forms
 from kilter.second_order.paths import Path
 from kilter.second_order.stationary import Stationary, stationary
 
+FINDINGS = pathlib.Path(__file__).parents[2] / "docs" / "findings.md"
 TURNED = ("paper-figure-1-turned", "paper-figure-11-turned", "paper-figure-12-turned")
 
 
@@ -114,6 +116,20 @@ def test_blocks_twist_and_sink_with_every_gap_open(name: str) -> None:
         energies.append(-float(problem.load @ step) / t**2)
     assert max(energies) < -0.04  # it sinks as t^2
     assert np.ptp(energies) < 1e-9
+
+
+def test_the_configuration_of_the_page_is_lower_and_apart() -> None:
+    assembly = scene(TURNED[0])
+    program, _ = problem_of(assembly)
+    motion = np.zeros((len(program.names), 6))
+    for line in FINDINGS.read_text(encoding="utf-8").splitlines():
+        words = [word.strip() for word in line.strip("|").split("|")]
+        if words[0] in program.names:
+            motion[program.names.index(words[0])] = [float(word) for word in words[1:]]
+    free = program.free
+    assert np.abs(motion[free]).max(axis=1).min() > 0.01
+    assert least_gap(assembly, program, motion) == pytest.approx(3.1e-5, abs=1e-6)
+    assert motion[free, 2].sum() == pytest.approx(-3.0e-5, abs=1e-6)
 
 
 def test_figure_1_b_in_the_plane_slides_only() -> None:
