@@ -362,6 +362,11 @@ def test_of_a_motion_what_is_held_out_of_the_plane_or_no_number_is_left_out():
     assert not judged_.motion[~built.free].any()
     assert not judged_.motion[:, [1, 3, 5]].any()
     assert judged_.motion[-1, 0] == 0.0
+    free = built.free.copy()
+    free[-1] = False
+    kept = judged_.motion[free][:, [0, 2, 4]]  # two ways and a turn, all as they were to each other
+    assert len(kept)
+    assert (kept == kept[0, 0]).all()
     assert part_sizes(built, judged_.motion, per_radius=False).max() == pytest.approx(1.0)
     nothing = check_motion(built, 0 * motion)
     assert (nothing.power, nothing.violation, nothing.ratio, nothing.holds) == (0, 0, 0, False)
