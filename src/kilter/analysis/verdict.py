@@ -45,7 +45,7 @@ from kilter.contact import ContactSet
 from kilter.mechanics.certificate import ForceProof, MotionProof
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program, build_program
-from kilter.mechanics.proof import make_proof
+from kilter.mechanics.proof import digest_of, make_proof
 from kilter.mechanics.rows import POSSIBLE
 from kilter.tell.cells import InCells
 from kilter.tell.html import html_of
@@ -316,7 +316,7 @@ class Verdict(InCells):
 
     def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
         """The proof as data; `options`: how the assembly was read, for `verify`."""
-        return make_proof(
+        proof = make_proof(
             self.assembly,
             self.contacts,
             self.program,
@@ -324,6 +324,12 @@ class Verdict(InCells):
             options or {},
             evidence=None if self.friction is None else self.friction.evidence,
         )
+        if self.second_order is not None:
+            from kilter.second_order.second_order_file import second_order_data  # takes its time
+
+            proof["second_order"] = second_order_data(self.program, self.second_order)
+            proof["digest"] = digest_of(proof)
+        return proof
 
     def with_seconds(self, **more: float) -> Verdict:
         """The same verdict with times of further stages [s]; what was found is kept."""

@@ -27,6 +27,7 @@ from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
 from kilter.mechanics.proof_form import require_form
 from kilter.mechanics.recheck import recheck
+from kilter.second_order.second_order_file import recheck_second_order
 
 __all__ = ["Verification", "proof_tolerance", "verify", "verify_proof"]
 
@@ -254,6 +255,11 @@ def verify_proof(assembly: Assembly, contacts: ContactSet, proof: dict[str, Any]
         program = build_program(assembly, contacts)
         more, also = recheck_exclusion(program, friction["exclusion"])
         reasons, notes = reasons + more, notes + also
+    second = proof.get("second_order")
+    if not reasons and second is not None:
+        program = build_program(assembly, contacts).frictionless
+        reasons = recheck_second_order(assembly, contacts, program, second)
+        notes += [] if reasons else [f"second order: {second['state']}"]
     return Verification(
         not reasons,
         proof["verdict"],

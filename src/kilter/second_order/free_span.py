@@ -12,7 +12,7 @@ from kilter.second_order.second_order_tolerances import ACROSS
 from kilter.second_order.stationary import Stationary
 from kilter.shape.primitives import Cylinder, Sphere
 
-__all__ = ["free_span", "moving_free"]
+__all__ = ["free_span", "moving_free", "scaled_columns"]
 
 
 def free_span(program: Program, problem: Stationary, free: FreeMotions) -> Array:

@@ -172,8 +172,8 @@ def _wrong_spaces(problem: Stationary, proof: MinimumProof) -> str:
     held = problem.rows[carries]
     values = np.linalg.svd(held, compute_uv=False)
     rank = int((values > problem.blur * values.max(initial=TINY)).sum())
-    if np.linalg.matrix_rank(spanned, tol=ACROSS) != spanned.shape[1]:
-        return "its motions depend on one another"
+    if np.abs(spanned.T @ spanned - np.eye(spanned.shape[1])).max(initial=0.0) > ACROSS:
+        return "its motions are not of length 1 and across one another"
     if (
         spanned.shape[1] != spanned.shape[0] - rank
         or np.abs(held @ spanned).max(initial=0) > ACROSS

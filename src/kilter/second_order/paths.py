@@ -15,10 +15,8 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from kilter.arrays import TINY, Array
-from kilter.second_order.second_order_tolerances import DROPS, REACH, SLIPS
+from kilter.second_order.second_order_tolerances import DROPS, REACHES, SLIPS
 from kilter.second_order.stationary import Stationary
-from kilter.solvers.highs import find_optimum
-from kilter.solvers.problem import LinearProgram
 
 __all__ = ["Path", "find_path", "judge_path"]
 
@@ -47,6 +45,20 @@ class Path:
 def find_path(problem: Stationary, motion: Array) -> Path | None:
     """The path along a critical motion, shape (n,), that opens and falls most."""
     first = motion / max(float(np.linalg.norm(motion)), TINY)
+    found = None
+    for reach in REACHES:
+        second = _second_derivative(problem, first, reach)
+        found = None if second is None else judge_path(problem, first, second)
+        if found is not None and found.falls:
+            break
+    return found
+
+
+def _second_derivative(problem: Stationary, first: Array, reach: float) -> Array | None:
+    """Max m:  J d2 + dp.H dp >= m where dp keeps closed,  w.d2 >= m,  |d2| <= reach."""
+    from kilter.solvers.highs import find_optimum  # who judges loads no solver
+    from kilter.solvers.problem import LinearProgram
+
     closed = problem.rows @ first <= DROPS
     rows, bends = problem.rows[closed], problem.bends(first)[closed]
     freedoms = len(first)
@@ -56,18 +68,18 @@ def find_path(problem: Stationary, motion: Array) -> Path | None:
             np.append(problem.load, -1.0)[None],
         ]
     )
-    reach = np.append(np.full(freedoms, REACH), 1.0)
+    bound = np.append(np.full(freedoms, reach), 1.0)
     answer = find_optimum(
         LinearProgram(
             np.append(np.zeros(freedoms), -1.0),
             csc_array(matrix),
             np.append(-bends, 0.0),
             np.full(len(matrix), np.inf),
-            -reach,
-            reach,
+            -bound,
+            bound,
         )
     )
-    return judge_path(problem, first, answer.x[:-1]) if answer.optimal else None
+    return answer.x[:-1] if answer.optimal else None
 
 
 def judge_path(problem: Stationary, first: Array, second: Array) -> Path:

@@ -30,6 +30,7 @@ from kilter.second_order.free_span import free_span, moving_free
 from kilter.second_order.gap_form import formed, gap_forms
 from kilter.second_order.minimum_proof import MinimumProof
 from kilter.second_order.paths import Path
+from kilter.second_order.second_order_tolerances import APART
 from kilter.second_order.separation import least_separation
 from kilter.second_order.stationary import Stationary, stationary
 from kilter.units import metres_per_unit
@@ -39,11 +40,10 @@ __all__ = ["MOST_PARTS", "Configuration", "SecondOrder", "find_second_order"]
 
 MOST_PARTS = 20
 """Second order is looked at for up to this many free parts."""
-STEPS = (0.05, 0.02, 0.01, 0.004, 0.002, 0.001)
-"""How far along a path of length 1 an exact configuration is sought."""
-APART = 1e-12
-"""What a configuration must be apart, over the length, and lower, over weight and length."""
-
+STEPS = (0.004, 0.002, 0.001, 0.01, 0.02, 0.05)
+"""How far along a path of length 1 an exact configuration is sought: near by first."""
+BENT = 0.5
+"""Second-order part of a step over its first, above which it is no neighbour of the start."""
 State = Literal["minimum", "free", "balanced", "open"]
 
 
@@ -155,10 +155,16 @@ def find_second_order(
     free = find_free_motions(
         program, features, assembly.geometry, kinds == "plane", kinds == "given"
     )
-    decision = decide(problem, free_span(program, problem, free), work=work)
+    span = free_span(program, problem, free)
+    decision = decide(problem, span, work=work)
     if decision.free < decision.neutral:
         free = free.symmetries
         decision = decide(problem, free_span(program, problem, free), work=work)
+        if decision.state == "open" and span.shape[1] > decision.free:
+            more = span.shape[1] - decision.free
+            decision = replace(
+                decision, free=span.shape[1], undecided=max(decision.undecided - more, 0)
+            )
     if not decision.neutral and decision.state == "minimum":
         return None
     if decision.state == "minimum":
@@ -292,7 +298,10 @@ def _configuration(
     """A place on a path where all parts are apart and lower, or why none is known."""
     assert problem.scale is not None
     for step in STEPS:
-        columns = step * path.first + step**2 * path.second / 2
+        bent = step**2 * path.second / 2
+        if np.linalg.norm(bent) > BENT * step:
+            continue
+        columns = step * path.first + bent
         motion = program.full(columns * problem.scale)
         energy = -float(problem.load @ columns)
         beyond = 0.01 * problem.length

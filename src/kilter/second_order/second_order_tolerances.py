@@ -9,6 +9,7 @@ from __future__ import annotations
 __all__ = [
     "ACROSS",
     "AGREE",
+    "APART",
     "BALANCED",
     "CARRIES",
     "CROSSING",
@@ -16,7 +17,7 @@ __all__ = [
     "DROPS",
     "FLAT",
     "LEVEL",
-    "REACH",
+    "REACHES",
     "ROUND",
     "SLIPS",
     "SPLITS",
@@ -51,7 +52,9 @@ DROPS = 2e-8
 """Least opening and least power of the second derivative of a path of length 1."""
 SLIPS = 1e-4
 """What a path enters to first order, over what it opens to second: it is open from there on."""
-REACH = 1e3
-"""A second derivative is looked for up to this length, where the motion has length 1."""
+REACHES = (30.0, 1000.0)
+"""Bounds of a second derivative, in turn, where the motion has length 1: the nearest first."""
 SPLITS = 150
 """Cones into which the critical motions are split at most."""
+APART = 1e-12
+"""What a configuration must be apart, over the length, and lower, over weight and length."""

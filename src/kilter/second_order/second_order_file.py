@@ -1,0 +1,187 @@
+"""The proof of second order as data of a proof file, and judged again from it without a solver.
+
+A minimum: forces of each cone [N], motions of the parts that span what is neutral across the free
+ones, the free ones, sides, splits and weights. What falls: both derivatives of its path, and the
+exact configuration on it. Features, forms, free motions and separations are found anew.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kilter.arrays import Array
+from kilter.assembly import Assembly
+from kilter.contact.contact_set import ContactSet
+from kilter.mechanics.program import Program
+from kilter.second_order.critical import null_space
+from kilter.second_order.features_of import features_of
+from kilter.second_order.free_motions import FreeMotions, find_free_motions
+from kilter.second_order.free_span import free_span, moving_free, scaled_columns
+from kilter.second_order.gap_form import formed, gap_forms
+from kilter.second_order.minimum_proof import Leaf, MinimumProof, judge_minimum
+from kilter.second_order.paths import Path, judge_path
+from kilter.second_order.second_order_tolerances import ACROSS, APART
+from kilter.second_order.separation import least_separation
+from kilter.second_order.stationary import Stationary, stationary
+
+if TYPE_CHECKING:
+    from kilter.second_order.second_order_answer import SecondOrder
+
+__all__ = ["recheck_second_order", "second_order_data"]
+
+
+def second_order_data(program: Program, found: SecondOrder) -> dict[str, Any] | None:
+    """The proof of an answer; None where it is open."""
+    problem, decision = found.problem, found.decision
+    if found.state == "open" or problem is None or decision is None:
+        return None
+    data: dict[str, Any] = {"state": found.state, "neutral": found.neutral, "free": found.free}
+    proof = decision.proof
+    if isinstance(proof, Path):
+        place = found.configuration
+        return data | {
+            "first": _by_part(program, problem, proof.first),
+            "second": _by_part(program, problem, proof.second),
+            "configuration": None if place is None else _named(program, place.motion),
+        }
+    assert isinstance(proof, MinimumProof)
+    return data | {
+        "basis": [_by_part(program, problem, one) for one in proof.basis.T],
+        "across": [_by_part(program, problem, one) for one in proof.free.T],
+        "sides": proof.sides.tolist(),
+        "splits": [None if one is None else list(one) for one in proof.splits],
+        "forces": [(leaf.forces * problem.weight).tolist() for leaf in proof.leaves],
+        "weights": [leaf.weights.tolist() for leaf in proof.leaves],
+    }
+
+
+def recheck_second_order(
+    assembly: Assembly, contacts: ContactSet, program: Program, data: Any
+) -> list[str]:
+    """Why the proof of second order of a proof file does not hold; empty where it does.
+
+    Parameters
+    ----------
+    program : Program
+        Of these contacts, without friction.
+    """
+    try:
+        return _wrong(assembly, contacts, program, data)
+    except (KeyError, IndexError, TypeError, ValueError, OverflowError, AttributeError) as fault:
+        return [f"its second order is not of its form ({fault})"]
+
+
+def _wrong(
+    assembly: Assembly, contacts: ContactSet, program: Program, data: dict[str, Any]
+) -> list[str]:
+    features = features_of(program, contacts)
+    known = formed(program, features)
+    problem = stationary(program, np.nan_to_num(gap_forms(program, features)))
+    kinds = contacts.patch_kind[program.source]
+    if data["state"] == "balanced":
+        if not known.all():
+            return ["not every contact has a second order"]
+        return _wrong_path(assembly, program, problem, data, given=bool((kinds == "given").all()))
+    flat, given = kinds == "plane", kinds == "given"
+    free = find_free_motions(program, features, assembly.geometry, flat, given)
+    problem = problem.taking(known)
+    proof = _minimum(program, problem, data)
+    neutral = proof.basis.shape[1] + proof.free.shape[1]
+    reasons = [f"its second order: {word}" for word in [judge_minimum(problem, proof)] if word]
+    if (neutral, proof.free.shape[1]) != (data["neutral"], data["free"]):
+        reasons.append("its counts of motions are not its own")
+    if not known.all() and proof.free.shape[1]:
+        reasons.append("motions count as free past contacts whose second order is not known")
+    return reasons + _wrong_free(assembly, program, problem, (free, proof), data["state"])
+
+
+def _wrong_free(
+    assembly: Assembly,
+    program: Program,
+    problem: Stationary,
+    motions: tuple[FreeMotions, MinimumProof],
+    state: str,
+) -> list[str]:
+    """Are its free motions free, and is the state theirs?"""
+    free, proof = motions
+    if proof.basis.shape[1]:
+        free = free.symmetries
+    span = free_span(program, problem, free)
+    missing = null_space(span.T, ACROSS).T @ proof.free if span.shape[1] else proof.free
+    if np.abs(missing).max(initial=0.0) > ACROSS * max(1.0, np.abs(proof.free).max(initial=0.0)):
+        return ["a motion that it calls free is not proved to be"]
+    moves = bool(proof.free.shape[1]) and len(moving_free(assembly, free)) > 0
+    if state != ("free" if moves else "minimum"):
+        return [f"its state is not {state!r:.20}"]
+    return []
+
+
+def _wrong_path(
+    assembly: Assembly, program: Program, problem: Stationary, data: dict[str, Any], *, given: bool
+) -> list[str]:
+    """Does the path fall, and is the configuration apart and lower?"""
+    first, second = (_columns(program, problem, data[key]) for key in ("first", "second"))
+    reasons = []
+    size = float(np.linalg.norm(first))
+    if abs(size - 1) > ACROSS or not judge_path(problem, first, second).falls:
+        reasons.append("its path does not lead down")
+    if data["configuration"] is None:
+        return reasons if given else [*reasons, "it has no configuration that is apart and lower"]
+    motion = _motion(program, data["configuration"])
+    columns = scaled_columns(program, problem, motion[None])[:, 0]
+    apart = least_separation(assembly, program, motion, beyond=0.01 * problem.length)
+    if apart is None or not apart > APART * problem.length:
+        reasons.append("its configuration is not apart")
+    if not problem.load @ columns > APART:
+        reasons.append("its configuration is not lower")
+    return reasons
+
+
+def _minimum(program: Program, problem: Stationary, data: dict[str, Any]) -> MinimumProof:
+    leaves = [
+        Leaf(np.asarray(forces, dtype=float) / problem.weight, _square(weights))
+        for forces, weights in zip(data["forces"], data["weights"], strict=True)
+    ]
+    basis = _stacked(program, problem, data["basis"])
+    sides = np.asarray(data["sides"], dtype=float).reshape(len(data["sides"]), basis.shape[1])
+    splits = tuple(None if one is None else (int(one[0]), int(one[1])) for one in data["splits"])
+    free = _stacked(program, problem, data["across"])
+    return MinimumProof(basis, sides, free, splits, tuple(leaves))
+
+
+def _square(weights: Any) -> Array:
+    size = len(weights)
+    return np.asarray(weights, dtype=float).reshape(size, size)
+
+
+def _stacked(program: Program, problem: Stationary, motions: list[Any]) -> Array:
+    columns = [_columns(program, problem, one) for one in motions]
+    return np.array(columns).T if columns else np.zeros((len(problem.load), 0))
+
+
+def _by_part(program: Program, problem: Stationary, columns: Array) -> dict[str, list[float]]:
+    assert problem.scale is not None
+    return _named(program, program.full(columns * problem.scale))
+
+
+def _named(program: Program, motion: Array) -> dict[str, list[float]]:
+    """A motion by the names of the free parts."""
+    return {program.names[k]: motion[k].tolist() for k in np.flatnonzero(program.free)}
+
+
+def _motion(program: Program, named: dict[str, Any]) -> Array:
+    """A motion of all parts, shape (N, 6); of no others, and of every free one."""
+    free = [program.names[k] for k in np.flatnonzero(program.free)]
+    if set(named) != set(free):
+        raise ValueError("a motion is not one of the free parts")
+    motion = np.zeros((len(program.names), 6))
+    motion[program.free] = np.array([named[name] for name in free], dtype=float).reshape(-1, 6)
+    if np.delete(motion, program.freedoms, axis=1).any():
+        raise ValueError("a motion leaves the plane")
+    return motion
+
+
+def _columns(program: Program, problem: Stationary, named: dict[str, Any]) -> Array:
+    return scaled_columns(program, problem, _motion(program, named)[None])[:, 0]
