@@ -47,6 +47,7 @@ from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import digest_of, make_proof
 from kilter.mechanics.rows import POSSIBLE
+from kilter.second_order.second_order_file import second_order_data
 from kilter.tell.cells import InCells
 from kilter.tell.html import html_of
 from kilter.tell.levels import REQUIRE, holds, level_of
@@ -325,8 +326,6 @@ class Verdict(InCells):
             evidence=None if self.friction is None else self.friction.evidence,
         )
         if self.second_order is not None:
-            from kilter.second_order.second_order_file import second_order_data  # takes its time
-
             proof["second_order"] = second_order_data(self.program, self.second_order)
             proof["digest"] = digest_of(proof)
         return proof

@@ -16,6 +16,7 @@ from scipy.sparse import csc_array, eye_array, hstack, vstack
 
 from kilter.arrays import TINY, Array, Mask
 from kilter.second_order.stationary import Stationary
+from kilter.solvers.problem import LinearProgram
 
 __all__ = ["Critical", "find_critical", "null_space"]
 
@@ -59,7 +60,6 @@ def find_critical(problem: Stationary) -> Critical | None:
 def _carrying(problem: Stationary) -> tuple[Array, Mask] | None:
     """Max sum t:  J^T f + s w = 0,  0 <= t <= 1,  f >= t,  s >= 1;  f / s, and where t is 1."""
     from kilter.solvers.highs import find_optimum  # who judges loads no solver
-    from kilter.solvers.problem import LinearProgram
 
     count, freedoms = problem.rows.shape
     if count == 0:

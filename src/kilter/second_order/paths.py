@@ -17,6 +17,7 @@ from scipy.sparse import csc_array
 from kilter.arrays import TINY, Array
 from kilter.second_order.second_order_tolerances import DROPS, REACHES, SLIPS
 from kilter.second_order.stationary import Stationary
+from kilter.solvers.problem import LinearProgram
 
 __all__ = ["Path", "find_path", "judge_path"]
 
@@ -57,7 +58,6 @@ def find_path(problem: Stationary, motion: Array) -> Path | None:
 def _second_derivative(problem: Stationary, first: Array, reach: float) -> Array | None:
     """Max m:  J d2 + dp.H dp >= m where dp keeps closed,  w.d2 >= m,  |d2| <= reach."""
     from kilter.solvers.highs import find_optimum  # who judges loads no solver
-    from kilter.solvers.problem import LinearProgram
 
     closed = problem.rows @ first <= DROPS
     rows, bends = problem.rows[closed], problem.bends(first)[closed]
