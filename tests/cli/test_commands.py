@@ -77,7 +77,7 @@ def test_check_says_everything_that_its_users_rely_on(capsys: pytest.CaptureFixt
             "certificate",
             "tolerance",
         ),
-        *("nearest", "joints", "friction", "forces", "warnings", "time_limit", "seconds"),
+        *("nearest", "joints", "bonds", "friction", "forces", "warnings", "time_limit", "seconds"),
     }
     assert set(answer["seconds"]) == {"read", "contacts", "solve", "total"}
     assert set(answer["tolerance"]) == {"gap", "angle_deg", "clearance", "verdict", "moves"}

@@ -374,6 +374,7 @@ class Verdict(InCells):
             "if_joined": None if self.question is None else self.question.to_dict(assembly.names),
             "nearest": contacts.of(assembly).nearest(),
             "joints": joints_answer(assembly),
+            "bonds": assembly.bonds_data(),
             "certificate": certificate_answer(self.certificate, self.judgement),
             "friction": friction_answer(self.friction, self.effort),
             "forces": forces_answer(self.forces, contacts, self.program),

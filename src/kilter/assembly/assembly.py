@@ -219,6 +219,10 @@ class Assembly:
             for joint in self.joints
         ]
 
+    def bonds_data(self) -> list[dict[str, Any]]:
+        """The bonds as JSON data of an answer: of whom, and how strong."""
+        return [bond.to_dict() for bond in self.bonds]
+
     @cached_property
     def index(self) -> dict[str, int]:
         """Position of each part by name."""

@@ -155,6 +155,12 @@ class Bond:
         """What bears shear: "mu", a force a point [N], or None for any force."""
         return KINDS[self.kind] if self.shear is None and self.kind is not None else self.shear
 
+    def to_dict(self) -> dict[str, Any]:
+        """What is said of it, as JSON data of an answer: pull of each point [N], or of an area."""
+        said = {name: getattr(self, name) for name in ("pull", "pull_per_area", "kind")}
+        given = {name: value for name, value in said.items() if value is not None}
+        return {"parts": list(self.parts), **given, "shear": self.bears}
+
     def with_strength(self, share: float) -> Bond:
         """The bond with a share of its pull and of its limit of shear."""
 

@@ -42,11 +42,11 @@ def least_forces(problem: Scaled) -> tuple[Array, Array] | None:
     problem : Scaled
         Of a program without friction.
     """
-    from scipy.sparse.linalg import splu  # takes its time
-
     program, matrix = problem.program, problem.matrix
     if not program.pull.any():
         return None
+    from scipy.sparse.linalg import splu  # takes its time
+
     strength = program.pull / (problem.unit * program.arm)
     acts = (program.pull > 0) | program.two_sided
     y = np.zeros(len(problem.right))

@@ -30,6 +30,7 @@ AFTER_CHECK = {
     "unstable": HOLD,
     "undecided": CONTACTS,
 }
+STRONGER = NextStep(("margin",), "how much stronger its bonds would have to be, and which give way")
 PLAN = NextStep(("plan",), "in which order it can be put together")
 CHECK = NextStep(("check",), "whether it stays together under gravity")
 
@@ -53,7 +54,8 @@ def next_step(answer: Answer, name: str) -> NextStep | None:
     """
     kind = kind_of(answer)
     if kind == "check":
-        return AFTER_CHECK[answer["verdict"]]
+        falls = answer["verdict"] == "unstable" and answer["bonds"]
+        return STRONGER if falls else AFTER_CHECK[answer["verdict"]]
     if kind == "orient":
         down = tuple(number(c, 9) for c in answer["down"])
         turned = NextStep(("check", "--down", *down), "what is guaranteed as it is turned")
