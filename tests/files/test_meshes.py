@@ -408,7 +408,7 @@ def test_an_unknown_ending_lists_what_is_read(name: str, kind: str, write) -> No
     message = str(refused(write(name, "x")))
     assert (
         f"files of {kind} are not read; give .json, .obj, .stl, .3mf, .glb, .step, .stp, .xml, .mjcf, "
-        ".urdf, or a folder" in message
+        ".urdf, .ldr, .mpd, .txt, or a folder" in message
     )
 
 

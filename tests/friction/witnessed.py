@@ -38,8 +38,9 @@ def bare(rng, parts, points, *, planar):
         names=tuple(f"part-{k}" for k in range(count)),
         free=np.arange(count) > 0, center=center, mass=rng.uniform(0.5, 2.0, count),
         inertia=inertia, radius=np.ones(count), gravity=np.array([0.0, 0, -9.81]),
-        applied=np.zeros((count, 6)), part_a=ints, part_b=ints, point=empty, normal=empty,
-        kind=ints, two_sided=mask, angular=mask, mu=np.zeros(0), source=ints, doubt=np.zeros(0),
+        applied=np.zeros((count, 6)), clamp=np.zeros((count, 6)), part_a=ints, part_b=ints,
+        point=empty, normal=empty, kind=ints, two_sided=mask, angular=mask, mu=np.zeros(0),
+        source=ints, doubt=np.zeros(0), pull=np.zeros(0), tied=mask,
         tolerance=np.full(count, 1e-9), planar=planar, units="m",
     )  # fmt: skip
 
