@@ -108,3 +108,27 @@ def test_a_large_program_is_ended_while_it_is_set_up(large: Path, command: str, 
     code, errors, seconds = ended(process, signal.SIGINT)
     assert (code, errors.splitlines()[-1:]) == (130, ["kilter: interrupted"])
     assert seconds < SOON
+
+
+SLOW_DISK = """
+import os, sys, numpy, kilter.cli
+from kilter.files import write_text
+many = numpy.ones((5000, 5000))
+def deaf(handle):
+    print("begun", flush=True)
+    many @ many  # as a disk that takes its time: one step of Python
+os.fsync = deaf
+kilter.cli._run = lambda words: write_text(sys.argv[1], "new")
+sys.exit(kilter.cli.main())
+"""
+
+
+def test_a_write_that_is_ended_leaves_nothing_beside(tmp_path: Path) -> None:
+    target = tmp_path / "a.json"
+    target.write_text("old", "utf-8")
+    process = begun("-c", SLOW_DISK, str(target))
+    assert process.stdout is not None
+    assert process.stdout.readline() == "begun\n"
+    assert ended(process, signal.SIGTERM)[:2] == (130, "kilter: interrupted\n")
+    assert [path.name for path in tmp_path.iterdir()] == ["a.json"]
+    assert target.read_text("utf-8") == "old"

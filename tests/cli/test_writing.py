@@ -162,12 +162,12 @@ def test_a_command_that_is_asked_to_end_leaves_nothing_beside(
         assert "Traceback" not in said
         assert {path.name for path in folder.iterdir()} == {FILE, SLIDES, SAID, name}
         if code == 130:
-            assert said == "kilter: interrupted\n"
+            assert said.endswith("kilter: interrupted\n")  # a plan says what it knew so far
             assert target.read_bytes() == OLD or whole(target)
         elif code == -number:
             assert not ignored  # before it listened: the system ends it
         else:
-            assert whole(target)
+            assert whole(target), (code, said)
 
 
 @pytest.fixture(params=["full", "read-only"])

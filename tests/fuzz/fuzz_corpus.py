@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -162,7 +163,8 @@ def _step() -> dict[str, bytes]:
         whole = STEPControl_StepModelType.STEPControl_AsIs
         writer.Transfer(BRepPrimAPI_MakeBox(10.0, 20.0, 30.0).Shape(), whole)
         writer.Write(str(path))
-        return {"box.step": path.read_bytes()}
+        # without the time at which it was written: a case is the same at any other
+        return {"box.step": re.sub(rb"\d{4}-\d\d-\d\dT[\d:]+", b"", path.read_bytes())}
 
 
 def numbers(rng: np.random.Generator) -> str:

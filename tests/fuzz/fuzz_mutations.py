@@ -90,6 +90,7 @@ def nudged(content: bytes, rng: Random) -> bytes:
 
 def _near(value: float, rng: Random) -> str:
     size = 10.0 ** rng.uniform(-16, 0) * rng.choice([-1, 1])
+    value = min(max(value, -1e300), 1e300)
     near = [
         value * (1 + size),
         value + size,

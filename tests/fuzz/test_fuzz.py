@@ -43,8 +43,9 @@ def test_a_short_round_finds_no_fault_and_goes_on(tmp_path: Path) -> None:
 @pytest.mark.parametrize("path", sorted((HERE / "found").iterdir()), ids=lambda path: path.name)
 def test_files_that_were_faults_once(path: Path, tmp_path: Path) -> None:
     copy = Path(shutil.copy(path, tmp_path))
-    for command in ("check", "contacts"):
-        assert faults_of_command([command, str(copy), "--ground", "*"])[1] == []
+    for command in ("check", "contacts", "region"):
+        for held in (["--ground", "*"], ["--floor"]):
+            assert faults_of_command([command, str(copy), *held])[1] == []
     assert faults_of_loading(copy, effort=0.2)[1] == []
 
 

@@ -84,6 +84,10 @@ def end_interrupted() -> NoReturn:
     for one in SIGNALS:
         with suppress(ValueError):  # not the main thread, which hears nothing any more
             signal.signal(one, signal.SIG_IGN)
+    writing = sys.modules.get("kilter.files.writing")
+    for beside in tuple(writing.UNDER_WAY) if writing is not None else ():
+        with suppress(OSError):
+            os.unlink(beside)
     with suppress(OSError, ValueError):
         clear = "\r\x1b[K" if sys.stderr.isatty() else ""
         print(f"{clear}kilter: interrupted", file=sys.stderr, flush=True)

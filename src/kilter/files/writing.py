@@ -16,6 +16,10 @@ from kilter.files.kilter_json import to_dict
 __all__ = ["dump", "to_text", "write_bytes", "write_text"]
 
 
+UNDER_WAY: set[str] = set()
+"""Files beside those that they will replace: who ends the process at once removes them."""
+
+
 def dump(assembly: Assembly, path: str | Path) -> None:
     """The assembly written as a kilter file, one part a line.
 
@@ -94,6 +98,7 @@ def _replace(target: Path, data: bytes) -> None:
     if target.is_dir():
         raise IsADirectoryError(None, "it is a folder")
     handle, beside = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name[:40]}.")
+    UNDER_WAY.add(beside)
     try:
         with os.fdopen(handle, "wb") as stream:
             stream.write(data)
@@ -105,6 +110,8 @@ def _replace(target: Path, data: bytes) -> None:
         with contextlib.suppress(OSError):
             os.unlink(beside)
         raise
+    finally:
+        UNDER_WAY.discard(beside)
 
 
 def _mode(target: Path) -> int:

@@ -39,6 +39,11 @@ KINDS = {
 """Kinds by dimension and number of lines."""
 
 
+ROUGHEST = 0.5
+"""Sine below which a normal may be taken for none; orthonormal equations have singular values of 1
+and more."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Cone:
     """A polyhedral cone of directions, world frame; every vector has length 1.
@@ -187,7 +192,7 @@ def make_cone(equations: ArrayLike, facets: ArrayLike, points: ArrayLike, blur: 
     """
     e, q = (np.asarray(rows, dtype=np.float64).reshape(-1, 3) for rows in (equations, facets))
     _, values, vectors = np.linalg.svd(np.vstack([e, q, np.zeros((3, 3))]))
-    lines = vectors[values <= blur]
+    lines = vectors[values <= min(blur, ROUGHEST)]  # an equation stays one, however rough
     on_lines = lines.T @ lines
     q = _units(q - q @ on_lines)
     rays = _rays(e, q, lines, np.asarray(points, dtype=np.float64).reshape(-1, 3), blur)
