@@ -162,9 +162,10 @@ def part_sizes(program: Program, six: Array, *, per_radius: bool) -> Array:
         They are wrenches, else twists.
     """
     length = 1 / program.radius if per_radius else program.radius
-    total: Array = np.sqrt(
-        (six[:, :3] ** 2).sum(axis=1) + (six[:, 3:] ** 2).sum(axis=1) * length**2
-    )
+    with np.errstate(over="ignore"):  # what is beyond all numbers is no proof of anything
+        total: Array = np.sqrt(
+            (six[:, :3] ** 2).sum(axis=1) + (six[:, 3:] ** 2).sum(axis=1) * length**2
+        )
     if program.planar and per_radius:
         total = np.sqrt(six[:, 0] ** 2 + six[:, 2] ** 2 + (six[:, 4] * length) ** 2)
     return total
