@@ -168,3 +168,18 @@ def test_wrong_bonds_are_one_sentence():
     ):
         with pytest.raises(kilter.InputError, match=why):
             wrong()
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_proofs_of_bonds_that_rub_hold_though_forces_are_the_rest_of_larger_numbers(seed):
+    """Piles that gravity pulls anywhere: f_n + T is near 0 at points that are about to open."""
+    random = np.random.default_rng(seed)
+    parts, bonds = [cube("0", grounded=True)], []
+    for k in range(1, 4):
+        density = float(random.uniform(500, 2000))
+        parts.append(cube(f"{k}", x=float(random.uniform(-0.3, 0.3)), z=float(k), density=density))
+        pull = float(random.uniform(0, 3000))
+        bonds.append(Bond((f"{k - 1}", f"{k}"), pull=pull, shear="mu"))
+    gravity = random.normal(size=3)
+    gravity *= G / np.linalg.norm(gravity)
+    judged(Assembly(parts, friction=0.4, gravity=gravity, bonds=bonds), effort=0.1)

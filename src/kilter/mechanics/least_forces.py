@@ -61,8 +61,11 @@ def least_forces(problem: Scaled) -> tuple[Array, Array] | None:
             permc_spec="MMD_AT_PLUS_A",
             options={"SymmetricMode": True},
         )
-        for _ in range(REFINED):
-            y = y + factor.solve(problem.right - matrix @ (used * (strength + matrix.T @ y)))
+        with np.errstate(all="ignore"):  # nothing is left that acts: beyond all numbers
+            for _ in range(REFINED):
+                y = y + factor.solve(problem.right - matrix @ (used * (strength + matrix.T @ y)))
+        if not np.isfinite(y).all():
+            break
         pressed = strength + matrix.T @ y
         acts = (pressed > 0) | program.two_sided
         found = np.where(acts, pressed, 0.0)

@@ -189,13 +189,15 @@ def _given_forces(program: Program, given: Any, joints: Any) -> tuple[Array, Arr
         return forces, friction, ["it has not one force a row of a joint"]
     forces[np.flatnonzero(program.kind == JOINT)] = joints
     aside = np.linalg.norm(friction[rows], axis=1)
-    slack = AGREES * np.maximum(np.abs(forces[rows]), float(program.weight.min()) * AGREES) + TINY
+    bond = np.maximum(program.pull[rows], program.tied[rows] * np.linalg.norm(vectors, axis=1))
+    size = np.maximum(np.abs(forces[rows]), float(program.weight.min()) * AGREES)
+    slack = AGREES * np.maximum(size, bond) + TINY  # of a bond, f' is the rest of larger numbers
     reasons = []
     if (aside > program.mu[rows] * np.maximum(forces[rows], 0) + slack).any():
         rough = bool(program.mu.any())
         why = "its friction is above mu times its push" if rough else "it is not along the normal"
         reasons.append(f"a force leaves its cone: {why}")
-    if (forces[rows] < -AGREES * program.pull[rows]).any():
+    if (forces[rows] < -AGREES * bond).any():
         bonded = bool(program.pull.any())
         reasons.append("a force pulls more than its bond" if bonded else "a contact force pulls")
     return forces, friction, reasons
