@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import kilter
-from kilter.assembly.bricks.brick_library import BRICK_PLATES
+from kilter.assembly.brick import BRICK_PLATES
 from kilter.scenes.random_bricks import random_bricks
 
 SIZES = ("10", "30", "100", "300", "1000", "2000", "5000")

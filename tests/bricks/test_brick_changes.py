@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +11,11 @@ from bricks_apart import least_share
 
 import kilter
 from kilter.analysis.margins.brick_changes import what_to_change
+from kilter.assembly.brick import BRICK_PLATES
 from kilter.assembly.bricks.brick_assembly import assembly_of_bricks, bricks_of
-from kilter.assembly.bricks.brick_library import BRICK_PLATES, brick_mass
+from kilter.assembly.bricks.brick_library import brick_mass
+from kilter.assembly.bricks.stud_rules import StudRules
+from kilter.rigid import Pose
 from kilter.scenes.random_bricks import random_bricks
 
 
@@ -51,6 +55,27 @@ def test_the_bricks_of_an_assembly_are_those_it_was_made_of() -> None:
     for name in ("corner", "size", "mass", "color", "number"):
         assert np.array_equal(getattr(again, name)[:20], getattr(model, name))
     assert again.held.tolist() == [False] * 20 + [True]
+
+
+def test_a_model_written_as_a_kilter_file_is_of_the_same_bricks(tmp_path: Path) -> None:
+    model = replace(random_bricks(12, seed=2), color=np.arange(12))
+    made = assembly_of_bricks(model, rules=StudRules(pull=0.5, sides="face"))
+    kilter.dump(made, tmp_path / "a.kilter.json")
+    again = kilter.load(tmp_path / "a.kilter.json")
+    assert [part.brick for part in again.parts] == [part.brick for part in made.parts]
+    (one, rules, cell), (other, same, width) = bricks_of(made), bricks_of(again)
+    assert (rules, cell) == (same, width)
+    assert all(np.array_equal(getattr(one, n), getattr(other, n)) for n in ("corner", "size"))
+
+
+@pytest.mark.parametrize("pose", [Pose([0, 0, 1e-3]), Pose(rotation=[1, 0, 0, 1])])
+def test_a_brick_off_the_grid_is_named(pose: Pose) -> None:
+    made = assembly_of_bricks(random_bricks(5, seed=1))
+    part = made.parts[3]
+    moved = Pose(part.pose.position + pose.position, pose.rotation)
+    parts = [*made.parts[:3], replace(part, pose=moved), *made.parts[4:]]
+    with pytest.raises(kilter.InputError, match=f"part '{part.name}': it is not in the cells"):
+        bricks_of(replace(made, parts=parts))
 
 
 def test_what_is_no_brick_is_named() -> None:

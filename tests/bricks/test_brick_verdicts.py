@@ -12,8 +12,9 @@ from judged import reloaded, verified
 
 import kilter
 from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
+from kilter.assembly.brick import BRICK_PLATES
 from kilter.assembly.bricks import BrickModel, StudRules, assembly_of_bricks
-from kilter.assembly.bricks.brick_library import BRICK_PLATES, STABLE_LEGO
+from kilter.assembly.bricks.brick_library import STABLE_LEGO
 from kilter.mechanics.program import build_program
 from kilter.scenes.random_bricks import random_bricks
 from sampled import sampled

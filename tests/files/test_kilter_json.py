@@ -17,6 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kilter.assembly import Assembly, Feature, FrictionPair, GivenContact, Joint, Load, Part
+from kilter.assembly.brick import Brick
 from kilter.errors import InputError
 from kilter.files import dump, from_dict, load, schema, to_dict
 from kilter.rigid import Pose, unit
@@ -40,6 +41,8 @@ def full() -> Assembly:
             Part("C5", Mesh(*TETRAHEDRON)),
             Part("C6", Mesh(single, TETRAHEDRON[1])),
             Part("C7", Mesh(*TETRAHEDRON, accuracy=1e-4)),
+            Part("C8", Box([16, 32, 9.6]), brick=Brick((2, 4))),
+            Part("C9", Box([8, 8, 3.2]), brick=Brick((1, 1), plates=1, color=4)),
         ],
         units="in",
         gravity=[0, 1 / 3, -9.81],
@@ -79,14 +82,39 @@ def test_everything_reads_back_to_the_last_digit(tmp_path: Path) -> None:
     again = load(path)
     assert to_dict(again) == to_dict(full())
     assert again.source == str(path)
+    assert [part.brick for part in again.parts] == [part.brick for part in full().parts]
     assert (
-        [p.shape.accuracy for p in again.parts[4:]]
+        [p.shape.accuracy for p in again.parts[4:7]]
         == [  # type: ignore[union-attr]
             p.shape.accuracy
-            for p in full().parts[4:]  # type: ignore[union-attr]
+            for p in full().parts[4:7]  # type: ignore[union-attr]
         ]
     )
     assert again.parts[5].shape.accuracy == pytest.approx(0.1 * 2**-24)  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize(
+    ("brick", "says"),
+    [
+        ({"cells": [2, 0]}, "cells of a brick are (2, 0)"),
+        ({"cells": [2, 4], "plates": 0}, "height of a brick in plates is 0"),
+        ({"cells": [2, 4], "color": -1}, "colour of a brick is -1"),
+        ({"cells": [2, 4], "colour": 1}, "did you mean 'color'?"),
+        ({"cells": [2]}, "brick"),
+    ],
+)
+def test_a_brick_that_is_none(brick: dict[str, object], says: str) -> None:
+    part = {"name": "C1", "box": [16, 32, 9.6], "brick": brick}
+    with pytest.raises(InputError) as caught:
+        from_dict({"kilter": 1, "parts": [part]})
+    assert says in str(caught.value)
+    assert "C1" in str(caught.value)
+
+
+def test_a_brick_is_a_box() -> None:
+    part = {"name": "C1", "sphere": {"radius": 1}, "brick": {"cells": [2, 4]}}
+    with pytest.raises(InputError, match="give a box, or no brick"):
+        from_dict({"kilter": 1, "parts": [part]})
 
 
 def test_a_planar_assembly_reads_back(tmp_path: Path) -> None:
@@ -341,7 +369,7 @@ def test_a_file_is_replaced_with_its_rights_and_through_a_link(tmp_path: Path) -
 def test_one_part_a_line(tmp_path: Path) -> None:
     dump(full(), tmp_path / "a.json")
     lines = (tmp_path / "a.json").read_text(encoding="utf-8").split("\n")
-    assert sum('"name"' in line for line in lines) == 7
+    assert sum('"name"' in line for line in lines) == len(full().parts)
     assert all(line.count('"name"') <= 1 for line in lines)
 
 

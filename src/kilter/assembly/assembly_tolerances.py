@@ -1,7 +1,7 @@
 """Tolerances of assemblies: sizes that are read, and what counts as flat, level or the same.
 
     UPRIGHT < SAME_SURFACE = PLANAR_AXIS = FLAT_PART = INSIDE_OUT < COPLANAR < BESIDE_SEAM
-            = ACROSS < CREASE < SMOOTH
+            = ACROSS = ON_GRID < CREASE < SMOOTH
 
 all relative, or angles in rad.
 
@@ -18,6 +18,7 @@ __all__ = [
     "FLAT_PART",
     "INSIDE_OUT",
     "LARGEST",
+    "ON_GRID",
     "PLANAR_AXIS",
     "SAME_SURFACE",
     "SMOOTH",
@@ -45,6 +46,8 @@ BESIDE_SEAM = 1e-6
 """A face reaches this fraction of its radius over its seams, an edge over its chord [-]."""
 ACROSS = 1e-6
 """Cosine of the angle up to which the direction of a given feature is across the normal [-]."""
+ON_GRID = 1e-6
+"""How far a brick may be off its cells or turned, in cells and rad [-]."""
 CREASE = 1e-3
 """Faces that meet at less than this have no edge: the seam of a fillet [rad]."""
 SMALL_HOLES = 0.1

@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import Any
 
-import numpy as np
+from kilter.errors import InputError
 
-__all__ = ["Brick"]
+__all__ = ["BRICK_PLATES", "COLOR_CODES", "Brick"]
+
+BRICK_PLATES = 3
+"""Plates as high as one brick."""
+
+MOST = 10_000
+"""Cells along a side, and plates, that a brick may have."""
+COLOR_CODES = 2**32
+"""Codes of LDraw's colours are below."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,13 +33,44 @@ class Brick:
         Height in plates: 3 of a brick.
     color : int or None
         Code of LDraw's colours; None where the file states none.
+
+    Raises
+    ------
+    InputError
+        If a number is not whole, or out of range.
+
+    Examples
+    --------
+    >>> Brick((2, 4)).studs
+    8
+    >>> Brick((2, 0))
+    Traceback (most recent call last):
+    ...
+    kilter.errors.InputError: cells of a brick are (2, 0); give two whole numbers from 1 to 10000
     """
 
     cells: tuple[int, int]
-    plates: int = 3
+    plates: int = BRICK_PLATES
     color: int | None = None
+
+    def __post_init__(self) -> None:
+        cells = tuple(self.cells) if isinstance(self.cells, tuple | list) else ()
+        if len(cells) != 2 or not all(_whole(one, 1, MOST) for one in cells):
+            hint = f"give two whole numbers from 1 to {MOST}"
+            raise InputError(f"cells of a brick are {self.cells!r:.60}", hint=hint)
+        if not _whole(self.plates, 1, MOST):
+            hint = f"give a whole number from 1 to {MOST}"
+            raise InputError(f"height of a brick in plates is {self.plates!r:.60}", hint=hint)
+        if self.color is not None and not _whole(self.color, 0, COLOR_CODES - 1):
+            hint = "give a code of LDraw's colours"
+            raise InputError(f"colour of a brick is {self.color!r:.60}", hint=hint)
+        object.__setattr__(self, "cells", cells)
 
     @property
     def studs(self) -> int:
         """How many studs it has on top."""
-        return int(np.prod(self.cells))
+        return math.prod(self.cells)
+
+
+def _whole(value: Any, low: int, high: int) -> bool:
+    return type(value) is int and low <= value <= high

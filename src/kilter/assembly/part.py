@@ -10,7 +10,7 @@ import numpy as np
 from kilter.assembly.brick import Brick
 from kilter.errors import InputError
 from kilter.rigid import Pose, in_brackets
-from kilter.shape.primitives import Shape
+from kilter.shape.primitives import Box, Shape
 from kilter.validate import finite, in_range, number
 
 __all__ = ["GROUND", "Part"]
@@ -42,7 +42,7 @@ class Part:
     table : bool
         The table of `Assembly.with_floor`: nothing is taken for fastened to it.
     brick : Brick, optional
-        What it is as a toy brick: drawn with studs, in its colour.
+        What it is as a toy brick: drawn with studs, in its colour. Its shape is a box then.
 
     Raises
     ------
@@ -79,6 +79,8 @@ class Part:
             raise InputError(f"the name {GROUND!r} is reserved", hint="give it another name")
         if not isinstance(self.shape, Shape):
             raise _no_shape(self.shape)
+        if self.brick is not None and not isinstance(self.shape, Box):
+            raise InputError("a brick whose shape is no box", hint="give a box, or no brick")
         object.__setattr__(self, "pose", Pose.of(self.pose))
         object.__setattr__(self, "grounded", _flag(self.grounded, "grounded"))
         object.__setattr__(self, "table", _flag(self.table, "table"))

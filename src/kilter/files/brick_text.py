@@ -13,8 +13,9 @@ from pathlib import Path
 import numpy as np
 
 from kilter.assembly import Assembly
+from kilter.assembly.brick import BRICK_PLATES
 from kilter.assembly.bricks import BrickModel, StudRules, assembly_of_bricks
-from kilter.assembly.bricks.brick_library import BRICK_PLATES, STATED, brick_mass, is_stated
+from kilter.assembly.bricks.brick_library import STATED, brick_mass, is_stated
 from kilter.assembly.bricks.brick_model import NO_COLOR
 from kilter.errors import InputError
 from kilter.files.raw import read_bytes

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kilter.assembly import Assembly, Bond, Feature, FrictionPair, GivenContact, Joint, Load, Part
+from kilter.assembly.brick import BRICK_PLATES, Brick
 from kilter.errors import InputError, nearest_name
 from kilter.files.checked_solid import checked
 from kilter.files.complaints import complaint
@@ -26,7 +27,7 @@ from kilter.shape.solid import Solid, Surface
 from kilter.validate import frozen
 
 if TYPE_CHECKING:
-    from kilter.files.models import AssemblyFile, PartEntry, SolidEntry
+    from kilter.files.models import AssemblyFile, BrickEntry, PartEntry, SolidEntry
 
 __all__ = ["from_dict", "schema", "to_dict"]
 
@@ -136,9 +137,15 @@ def _part(entry: PartEntry, named: NamedFiles, tally: Tally) -> Part:
             density=entry.density,
             mass=entry.mass,
             center_of_mass=entry.center_of_mass,
+            brick=None if entry.brick is None else _brick(entry.brick),
         )
     except InputError as error:
         raise error.located(part=entry.name) from None
+
+
+def _brick(entry: BrickEntry) -> Brick:
+    across, along = entry.cells
+    return Brick((across, along), entry.plates, entry.color)
 
 
 def _shape(entry: PartEntry, named: NamedFiles) -> Shape:
@@ -323,8 +330,14 @@ def _part_dict(part: Part) -> dict[str, Any]:
             density=part.density,
             mass=part.mass,
             center_of_mass=part.center_of_mass,
+            brick=None if part.brick is None else _brick_dict(part.brick),
         ),
     }
+
+
+def _brick_dict(brick: Brick) -> dict[str, Any]:
+    plates = None if brick.plates == BRICK_PLATES else brick.plates
+    return _given(cells=list(brick.cells), plates=plates, color=brick.color)
 
 
 def _shape_dict(shape: Shape) -> dict[str, Any]:

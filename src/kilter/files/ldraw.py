@@ -23,6 +23,7 @@ import numpy as np
 
 from kilter.arrays import Array, Index
 from kilter.assembly import Assembly
+from kilter.assembly.brick import COLOR_CODES
 from kilter.assembly.bricks import BrickModel, StudRules, assembly_of_bricks
 from kilter.assembly.bricks.brick_library import LDRAW, brick_mass
 from kilter.assembly.bricks.brick_model import NO_COLOR
@@ -129,6 +130,8 @@ def _line(number: int, text: str) -> _PartLine:
         if len(words) < NUMBERS + 2 or not np.isfinite(values).all():
             raise ValueError
         color = int(words[1], 0)
+        if not 0 <= color < COLOR_CODES:
+            raise ValueError
     except ValueError:
         raise InputError(
             f"line {number}: {text.strip()!r:.60} does not place a part",

@@ -105,6 +105,16 @@ class SphereEntry(_Entry):
     radius: Positive
 
 
+class BrickEntry(_Entry):
+    """What a box is as a toy brick: it is drawn with studs, in its colour."""
+
+    cells: Annotated[list[Whole], Field(min_length=2, max_length=2)] = Field(
+        description="studs along x and along y"
+    )
+    plates: Whole = Field(3, description="height in plates: 3 of a brick")
+    color: Whole | None = Field(None, description="code of LDraw's colours")
+
+
 def _mesh_kind(value: Any) -> str:
     return "as path" if isinstance(value, str) else "inline"
 
@@ -148,6 +158,7 @@ class PartEntry(_Entry):
     density: Positive | None = Field(None, description="[kg/m^3]; 1000 where no mass is given")
     mass: Positive | None = Field(None, description="[kg]")
     center_of_mass: Vector | None = Field(None, description="in the part's own frame")
+    brick: BrickEntry | None = None
 
     @staticmethod
     def shapes() -> tuple[str, ...]:

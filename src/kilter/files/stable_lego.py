@@ -18,8 +18,9 @@ import numpy as np
 
 from kilter.arrays import Index
 from kilter.assembly import Assembly
+from kilter.assembly.brick import BRICK_PLATES
 from kilter.assembly.bricks import BrickModel, StudRules, assembly_of_bricks
-from kilter.assembly.bricks.brick_library import BRICK_PLATES, STABLE_LEGO
+from kilter.assembly.bricks.brick_library import STABLE_LEGO
 from kilter.assembly.bricks.brick_model import NO_COLOR
 from kilter.errors import InputError
 

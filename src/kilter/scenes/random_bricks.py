@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from kilter.assembly.brick import BRICK_PLATES
 from kilter.assembly.bricks import BrickModel
-from kilter.assembly.bricks.brick_library import BRICK_PLATES, STATED, brick_mass
+from kilter.assembly.bricks.brick_library import STATED, brick_mass
 
 __all__ = ["random_bricks"]
 

@@ -16,9 +16,10 @@ import numpy as np
 from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
 from kilter.arrays import Array
 from kilter.assembly import Assembly
+from kilter.assembly.brick import BRICK_PLATES
 from kilter.assembly.bricks import BrickModel, assembly_of_bricks
 from kilter.assembly.bricks.brick_assembly import bricks_of
-from kilter.assembly.bricks.brick_library import BRICK_PLATES, STATED, brick_mass
+from kilter.assembly.bricks.brick_library import STATED, brick_mass
 from kilter.assembly.bricks.brick_model import NO_COLOR, cells_of
 from kilter.contact.detect import contacts
 from kilter.mechanics.program import Program, build_program

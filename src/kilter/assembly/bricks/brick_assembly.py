@@ -11,10 +11,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from kilter.arrays import Index, distinct_rows
+from kilter.arrays import Array, Index, distinct_rows
 from kilter.assembly import Assembly, Bond, GivenContact, Part
-from kilter.assembly.brick import Brick
-from kilter.assembly.bricks.brick_library import BRICK_PLATES, is_stated
+from kilter.assembly.assembly_tolerances import ON_GRID
+from kilter.assembly.brick import BRICK_PLATES, Brick
+from kilter.assembly.bricks.brick_library import is_stated
 from kilter.assembly.bricks.brick_model import NO_COLOR, BrickModel
 from kilter.assembly.bricks.stud_rules import GRAVITY, LAYER, UNIT, UNLIMITED, StudRules
 from kilter.assembly.bricks.studs import Sides, Studs, sides_of, studs_of
@@ -104,6 +105,7 @@ def bricks_of(assembly: Assembly) -> tuple[BrickModel, StudRules, float]:
     size = np.array([(*brick.cells, brick.plates) for brick in bricks])
     box = np.array([part.shape.size for part in parts if isinstance(part.shape, Box)])
     low = np.array([part.pose.position for part in parts]) - box / 2
+    _require_grid(assembly, low * size / box, box / size)
     numbers = [re.search(r"-(\d+)$", part.name) for part in parts]
     model = BrickModel(
         np.round(low * size / box).astype(np.int64),
@@ -118,6 +120,18 @@ def bricks_of(assembly: Assembly) -> tuple[BrickModel, StudRules, float]:
     shear = UNLIMITED if bond.bears is None else bond.bears
     rules = StudRules(bond.pull or 0.0, shear, "face" if 4 in sides else "lower-edge")
     return model, rules, float(box[0, 0] / size[0, 0])
+
+
+def _require_grid(assembly: Assembly, corner: Array, cell: Array) -> None:
+    """Refuse bricks that are turned, or not in the cells of one grid."""
+    turned = np.array([np.abs(part.pose.rotation[1:]).max() > ON_GRID for part in assembly.parts])
+    apart = np.abs(corner - np.round(corner)).max(axis=1) > ON_GRID
+    odd = np.abs(cell / cell[0] - 1).max(axis=1) > ON_GRID
+    wrong = np.flatnonzero(turned | apart | odd)
+    if len(wrong):
+        hint = "give an assembly as it was read from a file of bricks"
+        name = assembly.names[wrong[0]]
+        raise InputError("it is not in the cells of the grid of all", part=name, hint=hint)
 
 
 def _baseplate(model: BrickModel) -> BrickModel:

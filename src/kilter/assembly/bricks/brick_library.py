@@ -19,11 +19,9 @@ from functools import cache
 import numpy as np
 
 from kilter.arrays import Array, Index
+from kilter.assembly.brick import BRICK_PLATES
 
-__all__ = ["BRICK_PLATES", "LDRAW", "STABLE_LEGO", "STATED", "brick_mass", "is_stated"]
-
-BRICK_PLATES = 3
-"""Plates as high as one brick."""
+__all__ = ["LDRAW", "STABLE_LEGO", "STATED", "brick_mass", "is_stated"]
 
 STABLE_LEGO: dict[int, tuple[int, int, float]] = {
     1: (2, 2, 0.2),
