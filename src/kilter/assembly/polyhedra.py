@@ -60,7 +60,8 @@ def polyhedron_moments(
         surface_centroid = _group_sum(area[:, None] * total, start) / (
             3 * _group_sum(area, start)[:, None]
         )
-    second = second - volume[:, None, None] * centroid[:, :, None] * centroid[:, None, :]
+        # of no volume there is no centroid: what asks for one refuses it
+        second = second - volume[:, None, None] * centroid[:, :, None] * centroid[:, None, :]
     return volume, centroid + origin, second, surface_centroid + origin
 
 
