@@ -440,6 +440,8 @@ def test_what_is_no_proof_is_refused_whoever_is_asked() -> None:
             ask({})
         with pytest.raises(InputError, match="parts is missing"):
             ask({key: value for key, value in proof.items() if key != "parts"})
+        with pytest.raises(InputError, match=r"tolerance\.clearance"):
+            ask({**proof, "tolerance": {**proof["tolerance"], "clearance": [0.1]}})
 
 
 def test_a_proof_is_read_with_the_tolerance_that_it_was_made_with() -> None:

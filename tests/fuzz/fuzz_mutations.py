@@ -221,6 +221,8 @@ def rezipped(content: bytes, rng: Random) -> bytes:
         return flipped(content, rng)
     except Exception:  # a damaged member: whatever zlib says
         return flipped(content, rng)
+    if not members:
+        return flipped(content, rng)
     name = str(rng.choice(list(members)))
     change = int(rng.integers(6))
     if change == 0:

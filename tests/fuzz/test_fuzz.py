@@ -64,6 +64,17 @@ def test_an_arch_of_wedges_that_was_a_fault_once() -> None:
     assert kilter.orient(arch).found
 
 
+def test_of_a_part_thinner_than_a_gap_no_share_is_told() -> None:
+    """A sliver in a ball was refused in one frame: rounding was most of its volume."""
+    ball = kilter.Part("ball", kilter.Sphere(0.03), pose=kilter.Pose([0.0, 0.0, 0.045]))
+    for thick, refused in ((5e-11, False), (1e-3, True)):
+        corners = [[0.0, 0.0], [thick, 0.0], [thick / 2, 0.05]]
+        shape, pose = kilter.Prism(corners, depth=0.066), kilter.Pose([0.0, 0.0, 0.02])
+        sliver = kilter.Part("sliver", shape, pose)
+        shares = [one.share for one in kilter.contacts(kilter.Assembly([sliver, ball])).overlaps]
+        assert any((share or 0.0) > 0.5 for share in shares) == refused
+
+
 @pytest.mark.parametrize("name", sorted(corpus()))
 def test_a_whole_file_is_answered_and_its_damage_is_seeded(name: str, tmp_path: Path) -> None:
     path = tmp_path / name

@@ -161,6 +161,8 @@ def _filled(
     import shapely
 
     flat = parameters * stretch
+    if not np.isfinite(flat).all():
+        return None
     rings = sorted(loops, key=lambda loop: -shapely.Polygon(flat[loop]).area)
     outline = shapely.Polygon(flat[rings[0]], [flat[ring] for ring in rings[1:]])
     if not outline.is_valid or not outline.area > 0:

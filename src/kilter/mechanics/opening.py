@@ -89,7 +89,7 @@ class Opening:
     def mended(self, motion: Array) -> Array:
         """The motion made admissible; itself where that cannot be."""
         worst = -_least_opening(self.program, motion)
-        if worst <= 0.0 or self.m0 is None:
+        if worst <= 0.0 or not np.isfinite(worst) or self.m0 is None:
             return motion
         mended: Array = motion + (1 + OPENS_MORE) * worst * self.m0
         return mended
@@ -99,7 +99,8 @@ def _least_opening(program: Program, motion: Array) -> float:
     """Least u_n - mu |u_t| of the one-sided rows [length unit]."""
     openings = program.velocities(motion) * program.arm
     rows = program.rough
-    openings[rows] -= program.mu[rows] * np.linalg.norm(program.slips(motion, rows), axis=1)
+    with np.errstate(over="ignore"):  # what is beyond all numbers opens nothing
+        openings[rows] -= program.mu[rows] * np.linalg.norm(program.slips(motion, rows), axis=1)
     return float(openings[~program.two_sided].min(initial=np.inf))
 
 

@@ -105,7 +105,9 @@ PROOF = _keys(
     down=VECTOR,
     digest=WORD,
     options=_keys(),
-    tolerance=_keys(gap=_maybe(NUMBER), relative_gap=NUMBER, angle=NUMBER),
+    tolerance=_each(
+        _keys(gap=_maybe(NUMBER), relative_gap=NUMBER, angle=NUMBER), _if_there(clearance=NUMBER)
+    ),
     parts=_list(_keys(name=WORD, grounded=FLAG, mass=NUMBER, center=VECTOR)),
     points=_list(
         _each(

@@ -75,7 +75,7 @@ def find_overlaps(
             overlap = _overlap(of, row, parts, float(tolerance[row]))
         if overlap is not None:
             found.append(overlap)
-    return tuple(_measured(of, overlap) for overlap in _named(assembly, found, allowed))
+    return tuple(_measured(of, overlap, allowed) for overlap in _named(assembly, found, allowed))
 
 
 FINER = 2
@@ -92,15 +92,29 @@ def _named(assembly: Assembly, found: list[Overlap], tolerance: Tolerance) -> li
     ]
 
 
-def _measured(of: _Overlapping, overlap: Overlap) -> Overlap:
-    """An overlap with its volume and that over the volume of the smaller part."""
+def _measured(of: _Overlapping, overlap: Overlap, tolerance: Tolerance) -> Overlap:
+    """An overlap with its volume and that over the volume of the smaller part.
+
+    Of a part that is thinner than a gap may be no share can be told.
+    """
     volume, geometry, both = overlap.volume, of.geometry, list(overlap.parts)
     if volume is None or (geometry.slack[both] > 0).any():
         body = shared_body(of.solids, *overlap.parts)
         volume = _exact_volume(geometry, overlap.parts, body) if body is not None else volume
-    smaller = float(geometry.volume[both].min())
-    share = None if volume is None else volume / smaller
+    smaller = int(both[int(np.argmin(geometry.volume[both]))])
+    thinnest = float(tolerance.gap_of(geometry.size[[smaller]])[0])
+    share = None
+    if volume is not None and _thickness(geometry, smaller) > thinnest:
+        share = volume / float(geometry.volume[smaller])
     return replace(overlap, volume=volume, share=share)
+
+
+def _thickness(geometry: Geometry, part: int) -> float:
+    """Twice the volume over the surface: of a thin plate its thickness [length unit]."""
+    rows = slice(*geometry.triangle_start[part : part + 2].tolist())
+    a, b, c = geometry.vertices[geometry.triangles[rows]].transpose(1, 0, 2)
+    surface = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
+    return float(2 * geometry.volume[part] / surface) if surface > 0 else 0.0
 
 
 def _exact_volume(geometry: Geometry, parts: tuple[int, int], body: SharedBody) -> float:
