@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 import kilter
-from kilter import Assembly, Cylinder, Part, Pose
+from kilter import Assembly, Bond, Box, Cylinder, Part, Pose
 from kilter.scenes import scene
 from kilter.scenes.pieces import tube
+from kilter.tell.palette import RAMP, rgb
 
 pytestmark = pytest.mark.browser
 
@@ -119,3 +120,32 @@ def test_a_round_contact_is_a_surface_with_rings_and_no_beads(opened: Callable) 
     with_patch = page.drawn()
     page.page.uncheck("#show-contacts")
     assert page.drawn() != with_patch
+
+
+def test_parts_are_coloured_by_the_bond_that_they_use_most(opened: Callable) -> None:
+    cubes = [Part(f"c{k}", Box([1, 1, 1]), Pose([0, 0, -k]), grounded=k == 0) for k in range(4)]
+    bonds = [Bond((f"c{k + 1}", f"c{k}"), pull=9810.0) for k in range(3)]
+    assembly = Assembly(cubes, bonds=bonds)
+    page = opened(assembly)
+    used = kilter.check(assembly).forces.bond_utilisation
+    assert np.allclose(sorted(one["bond"] for one in page.js(SHOWN)), np.sort(used), atol=1e-5)
+    assert page.js("document.getElementById('use-words').textContent") == "bond"
+    data = "window.kilter.stage.parts.data"
+    colour = f"Array.from({{length: 4}}, (_, k) => [...{data}.slice(16 * k + 8, 16 * k + 11)])"
+    own = np.array(page.js(colour))
+    choose = (
+        "(of) => { const s = document.getElementById('colour-of'); s.value = of;"
+        " s.dispatchEvent(new Event('change')); }"
+    )
+    page.page.evaluate(choose, "bond")
+    assert page.js("document.getElementById('bond-key').innerText").endswith("9.81 kN a point")
+    table = np.array([rgb(one) for one in RAMP]) / 255
+    shares = [0, 0.75, 0.5, 0.25]  # held parts keep their colour
+    painted = np.array(page.js(colour))
+    for k in range(1, 4):
+        at = shares[k] * (len(RAMP) - 1)
+        expected = [np.interp(at, range(len(RAMP)), column) for column in table.T]
+        assert np.allclose(painted[k], expected, atol=1 / 255)
+    assert np.array_equal(painted[0], own[0])
+    page.page.evaluate(choose, "own")
+    assert np.array_equal(page.js(colour), own)

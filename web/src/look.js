@@ -78,7 +78,9 @@ export class Look {
       return;
     }
     id("show-names").checked = page.parts.names.length <= NAMED;
-    id("show-contacts").checked = page.patches.start.length - 1 <= PATCHES;
+    const { start, kinds } = page.patches;
+    // points of studs would hide the bricks
+    id("show-contacts").checked = start.length - 1 <= PATCHES && kinds.join() !== "bond";
     this.stage.parts.patches.visible = id("show-contacts").checked;
     this.label();
     this.picking();

@@ -35,21 +35,21 @@ export function motionArrows(stage, motion, moving, long) {
  * arrows, the largest force [N], what is shown, as {part, force} [N], and what all are.
  */
 export function forceArrows(stage, forces, long, each = false) {
-  const all = resultants(stage.page, each ? { ...forces, patch: null } : forces);
+  const all = resultants(stage.page, forces, each);
   const sizes = all.map((one) => norm(one.force));
   const most = sizes.reduce((a, b) => Math.max(a, b), 0);
   const order = sizes.map((_, k) => k).filter((k) => sizes[k] > 1e-9 * most);
   order.sort((a, b) => sizes[b] - sizes[a]);
   const [straight, shown] = [[], []];
   for (const k of order.slice(0, MANY)) {
-    const { at: rest, parts, force, use } = all[k];
+    const { at: rest, parts, force, use, bond } = all[k];
     for (const [part, sign] of [[parts[1], 1], [parts[0], -1]]) {
       const at = stage.parts.placeOf(part, rest);
       if (!stage.parts.seen(part, at)) continue;
       const size = (long * sizes[k]) / most;
       const along = scaled(force, sign);
-      straight.push({ at, along, size, wide: Math.max(0.8 * size, 0.15 * long), tint: use || 0 });
-      shown.push({ part, other: parts[sign > 0 ? 0 : 1], force: along, at, use });
+      straight.push({ at, along, size, wide: Math.max(0.8 * size, 0.15 * long), tint: Math.max(use || 0, bond || 0) });
+      shown.push({ part, other: parts[sign > 0 ? 0 : 1], force: along, at, use, bond });
       break;
     }
   }
@@ -82,4 +82,14 @@ export function openMarks(stage) {
     balls.push({ at: now, along: [0, 1, 0], size });
   }
   return { ball: balls };
+}
+
+/** The most that any bond of each part uses of its pull, 0 to 1; null where no force is known. */
+export function bondUse(page, forces) {
+  if (!forces || !forces.pull) return null;
+  const most = new Float32Array(page.parts.names.length);
+  for (const { parts, bond } of resultants(page, forces)) {
+    for (const part of parts) most[part] = Math.max(most[part], bond || 0);
+  }
+  return most;
 }

@@ -82,8 +82,8 @@ export class Parts {
     for (const child of [this.faces, this.edges, ...this.patches.children, ...this.cut.children]) {
       child.frustumCulled = false; // the texture moves what the bounds do not know of
     }
+    this.paint(page.parts.colour);
     for (let k = 0; k < this.count; k += 1) {
-      for (let i = 0; i < 3; i += 1) this.put(k, 2, i, page.parts.colour[3 * k + i] / 255);
       this.put(k, 2, 3, k);
       this.put(k, 3, 1, page.parts.grounded[k]);
     }
@@ -141,6 +141,14 @@ export class Parts {
 
   put(part, row, channel, value) {
     this.data[4 * (TEXELS * part + row) + channel] = value;
+  }
+
+  /** Colours of the parts: red, green and blue from 0 to 255 of each. */
+  paint(colour) {
+    for (let k = 0; k < this.count; k += 1) {
+      for (let i = 0; i < 3; i += 1) this.put(k, 2, i, colour[3 * k + i] / 255);
+    }
+    this.texture.needsUpdate = true;
   }
 
   /** Move the parts along a motion, and apart. */

@@ -2,15 +2,16 @@
 
 import { answer, nearestHeld } from "./answer.js";
 import { Ball } from "./ball.js";
+import { ramp, rampOf, themeOf } from "./colours.js";
 import { distance, isThin } from "./cone.js";
 import { Look, id, on } from "./look.js";
 import { deepest } from "./map.js";
-import { forceArrows, motionArrows, thrustRods } from "./overlay.js";
+import { bondUse, forceArrows, motionArrows, thrustRods } from "./overlay.js";
 import { keepPlace } from "./place.js";
 import { reachOf } from "./pose.js";
 import { clearAmount } from "./sweep.js";
 import { angleBetween, unit } from "./vector.js";
-import { basis, gapWords, degrees, direction, force, marginWords, movingWords, number, plainly } from "./words.js";
+import { basis, gapWords, degrees, direction, force, marginWords, movingWords, number, plainly, pullWords } from "./words.js";
 
 const SIGNS = {
   stable: "✓",
@@ -114,7 +115,7 @@ export class Report extends Look {
       const rod = id("show-thrust").checked ? thrustRods(stage, all, 0.5 * this.long) : [];
       stage.forces.set({ straight, rod });
       this.shown = shown;
-      id("use-key").hidden = !all.some((one) => one.use !== null);
+      this.useKey(all);
       label = `contact forces ${found.forceWords || `at points up to ${force(most)}`}`;
     } else {
       stage.forces.set({});
@@ -122,7 +123,33 @@ export class Report extends Look {
       id("use-key").hidden = true;
     }
     id("force-label").textContent = label;
+    this.paint();
     this.marks();
+  }
+
+  /** What the colour of forces says: the friction or the bond that they use. */
+  useKey(all) {
+    const [rubs, pulls] = ["use", "bond"].map((name) => all.some((one) => one[name] !== null));
+    id("use-key").hidden = !rubs && !pulls;
+    id("use-words").textContent = [...(rubs ? ["friction"] : []), ...(pulls ? ["bond"] : [])].join(" or ");
+  }
+
+  /** Parts in their own colours, or in that of the bond that each uses most. */
+  paint() {
+    const { stage, found, page } = this;
+    if (found.bondUse === undefined) found.bondUse = bondUse(page, found.forces);
+    const use = found.bondUse;
+    id("colour-row").hidden = !use;
+    const shown = use && id("colour-of").value === "bond" ? use : null;
+    id("bond-key").hidden = !shown;
+    if (shown === this.painted) return;
+    this.painted = shown;
+    const colour = page.parts.colour.slice();
+    const table = rampOf(themeOf(document.body));
+    (shown || []).forEach((share, k) => {
+      if (!page.parts.grounded[k]) colour.set(ramp(share, table).map(Math.round), 3 * k);
+    });
+    stage.parts.paint(colour);
   }
 
   /** Of the longest arrow of a force: within a part or two, so that each is seen by itself. */
@@ -196,6 +223,8 @@ export class Report extends Look {
     this.keys();
     on("motion", "input", () => this.slide("amount", "motion"));
     on("play", "click", () => this.play());
+    on("colour-of", "change", () => this.repose());
+    id("bond-pull").textContent = pullWords(page.given.forces && page.given.forces.pull);
     const points = page.given.forces ? page.given.forces.points.length / 3 : 0;
     if (this.stage) id("show-forces").checked = points <= QUIET;
   }

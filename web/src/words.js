@@ -24,6 +24,14 @@ export function force(newtons) {
   return `${number(newtons / size)} ${unit}`;
 }
 
+/** What bonds pull by at most at a point, from the strength of each point [N]. */
+export function pullWords(pull) {
+  const bonded = pull ? [...pull].filter((most) => most > 0) : [];
+  const [low, high] = bonded.reduce(([a, b], most) => [Math.min(a, most), Math.max(b, most)], [Infinity, 0]);
+  if (!bonded.length) return "";
+  return low === high ? `${force(low)} a point` : `${force(low)} to ${force(high)} a point`;
+}
+
 /** A direction as text: (0, 0, −1). */
 export const direction = (u, digits = 4) =>
   `(${u.map((c) => (Math.abs(c) < 5e-7 ? 0 : Number(c.toFixed(digits)))).join(", ")})`.replaceAll("-", "−");

@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import test from "node:test";
+import { bondUse } from "../src/overlay.js";
 import { resultants, thrust } from "../src/resultant.js";
 
 const near = (a, b) => a.forEach((c, k) => assert.ok(Math.abs(c - b[k]) < 1e-9, `${a} is not ${b}`));
@@ -36,6 +37,24 @@ test("normals of a curved patch are those of its points", () => {
   const [one] = resultants(curved, forces);
   near(one.at, [2, 0, 0]); // 1 N along the first normal, 1 N along the second
   assert.ok(Math.abs(one.use - 3 / (0.5 * 2)) < 1e-12);
+});
+
+test("of a bond the force is drawn where it pulls, and says how much of the pull it uses", () => {
+  // 2 N down at one point and 1 N up at the other, of up to 4 N each; friction counts the pull
+  const moved = { ...forces, forces: [1, 0, -2, 0, 0, 1, 0, 0, 0] };
+  const pulled = { ...moved, pull: [4, 4, 0] };
+  const [one, ...more] = resultants(page, pulled);
+  assert.equal(more.length, 0);
+  near(one.force, [1, 0, -1]);
+  near(one.at, [4 / 3, 0, 0]);
+  assert.equal(one.bond, 0.5);
+  assert.ok(Math.abs(one.use - 1 / (0.5 * (-1 + 8))) < 1e-12);
+  assert.equal(resultants(page, moved).length, 0); // nothing pulls without a bond
+  assert.deepEqual(resultants(page, pulled, true).map((point) => point.bond), [0.5, 0]);
+  const names = { ...page, parts: { names: ["a", "b", "c"] } };
+  assert.deepEqual([...bondUse(names, pulled)], [0.5, 0.5, 0]);
+  assert.equal(bondUse(names, moved), null);
+  assert.equal(thrust(page, [one]).length, 0);
 });
 
 test("the line of thrust joins two patches, begins at a centre of mass, or meets in the middle", () => {

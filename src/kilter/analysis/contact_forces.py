@@ -45,8 +45,8 @@ class ContactForces:
     normal_force : ndarray, shape (P,)
         Sum of the forces along the normals [N].
     center : ndarray, shape (P, 3)
-        Where it presses: the mean of its points, weighted by normal force; NaN where
-        nothing presses.
+        Where it presses: the mean of its points, weighted by normal force; of a patch with a bond
+        by its size, push or pull. NaN where nothing does.
     utilisation : ndarray, shape (P,)
         Friction over what Coulomb's law allows, of the resultant and what bonds press [-]; NaN
         without friction.
@@ -92,17 +92,12 @@ def find_contact_forces(program: Program, proof: ForceProof) -> ContactForces:
     patch, patch_of = np.unique(program.source[rows], return_inverse=True)
     count = len(patch)
     normal_force = np.bincount(patch_of, along, minlength=count).astype(np.float64)
-    weighted = np.column_stack(
-        [np.bincount(patch_of, along * x, minlength=count) for x in program.point[rows].T]
-    )
-    presses = normal_force > PRESSES * float(program.weight.max(initial=0.0))
-    center = np.full((count, 3), np.nan)
-    center[presses] = weighted[presses] / normal_force[presses][:, None]
+    pull = program.pull[rows]
+    center = _centers(program, patch_of, count, along)
     mu = np.zeros(count)
     mu[patch_of] = program.mu[rows]
     aside = np.linalg.norm(_sums(patch_of, across, count), axis=1)
     utilisation = np.full(count, np.nan)
-    pull = program.pull[rows]
     pressed = normal_force + np.bincount(patch_of, pull, minlength=count)
     rubs = (pressed > PRESSES * float(program.weight.max(initial=0.0))) & (mu > 0)
     utilisation[rubs] = aside[rubs] / (mu[rubs] * pressed[rubs])
@@ -122,6 +117,19 @@ def find_contact_forces(program: Program, proof: ForceProof) -> ContactForces:
         residual=used.residual,
         least=least is not None,
     )
+
+
+def _centers(program: Program, patch_of: Index, count: int, along: Array) -> Array:
+    """Where each patch presses, from the normal forces at points, shape (P, 3)."""
+    rows = np.flatnonzero(program.kind == CONTACT)
+    bonded = np.bincount(patch_of, program.pull[rows], minlength=count) > 0
+    sizes = np.where(bonded[patch_of], np.abs(along), along)
+    size = np.bincount(patch_of, sizes, minlength=count)
+    weighted = _sums(patch_of, sizes[:, None] * program.point[rows], count)
+    presses = size > PRESSES * float(program.weight.max(initial=0.0))
+    center = np.full((count, 3), np.nan)
+    center[presses] = weighted[presses] / size[presses][:, None]
+    return center
 
 
 def _sums(group: Index, vectors: Array, count: int) -> Array:

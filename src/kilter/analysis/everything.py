@@ -8,7 +8,7 @@ ray) only where the assembly is small, and `notes` says what was left out.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -63,12 +63,15 @@ class Balance:
     parts : ndarray of int, shape (K, 2)
     forces : ndarray, shape (K, 3)
         On the second part [N].
+    pull : ndarray, shape (K,), or None
+        What bonds pull by at most there [N]; None where there are none.
     """
 
     down: Array
     points: Array
     parts: Index
     forces: Array
+    pull: Array | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -227,6 +230,9 @@ def _answered(verdict: Verdict, sentence: str = "") -> Answered:
         parts,
         [force for patch in patches for force in patch["forces"]],
     )
+    if verdict.assembly.bonds and verdict.forces is not None:
+        rows = verdict.forces.rows[np.argsort(verdict.forces.patch_of, kind="stable")]
+        balance = replace(balance, pull=verdict.program.pull[rows])
     return Answered(down, answer, balance, sentence)
 
 

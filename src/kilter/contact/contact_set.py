@@ -290,6 +290,14 @@ class ContactSet:
         return found
 
     @property
+    def patch_pull(self) -> Array:
+        """The pull that each patch's bond takes in all its points [N], shape (P,); NaN of none."""
+        bonds, bond = self.assembly.bonds, self.patch_bond
+        pull = np.array([one.pull or 0.0 for one in bonds] + [np.nan])[bond]
+        stress = np.array([one.pull_per_area or 0.0 for one in bonds] + [np.nan])[bond]
+        return pull * np.diff(self.patch_start) + stress * self.patch_area
+
+    @property
     def counted_gap(self) -> float | None:
         """The widest gap of a patch that only a widened tolerance takes for contact.
 
@@ -351,7 +359,7 @@ class ContactSet:
         sizes = assembly.geometry.size
         return {
             "units": assembly.units,
-            "patches": [self._patch(k) for k in range(len(self))],
+            "patches": [self._patch(k, pull) for k, pull in enumerate(self.patch_pull.tolist())],
             "unsupported": [
                 {"parts": self._names(u.parts), "kind": u.kind, "point": list(u.point)}
                 for u in self.unsupported
@@ -407,7 +415,7 @@ class ContactSet:
     def _names(self, parts: Any) -> list[str]:
         return [self.assembly.names[k] for k in parts]
 
-    def _patch(self, k: int) -> dict[str, Any]:
+    def _patch(self, k: int, pull: float) -> dict[str, Any]:
         gap = self.patch_gap[k]
         return {
             "parts": self._names(self.patch_parts[k]),
@@ -417,5 +425,6 @@ class ContactSet:
             "gap_range": gap.tolist(),
             "normal": self.patch_normal[k].tolist(),
             "mu": float(self.patch_mu[k]),
+            "pull": None if np.isnan(pull) else pull,
             "points": self.points[self.patch_start[k] : self.patch_start[k + 1]].tolist(),
         }

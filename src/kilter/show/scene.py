@@ -203,7 +203,8 @@ def _orientation(answers: Everything, one: Answered, center: Array) -> dict[str,
 
 
 def _balance(balance: Balance, contacts: ContactSet, center: Array) -> dict[str, Any]:
-    return {**_points(balance, contacts, center), "forces": pack(balance.forces)}
+    pull = None if balance.pull is None else pack(balance.pull, "f8")
+    return {**_points(balance, contacts, center), "forces": pack(balance.forces), "pull": pull}
 
 
 def _points(balance: Balance, contacts: ContactSet, center: Array) -> dict[str, Any]:

@@ -195,17 +195,20 @@ def fastened_table(answer: Answer) -> Table:
 
 
 def forces_table(answer: Answer) -> Table:
-    """The contact forces of an equilibrium, the greatest first."""
+    """The contact forces of an equilibrium, the greatest first; of bonds what they use."""
     found = answer["forces"]
-    head = ("part", "on part", "force", "direction", f"at {answer['units']}", "friction used")
+    head = ["part", "on part", "force", "direction", f"at {answer['units']}", "friction used"]
     if found is None:
         return Table("No contact forces: there is no equilibrium.", (), (), tuple)
+    bonded = any(patch["bond_utilisation"] is not None for patch in found["patches"])
+    head += ["bond used"] * bonded
     patches = sorted(found["patches"], key=lambda patch: -math.hypot(*patch["resultant"]))
     most = math.hypot(*patches[0]["resultant"]) if patches else 0.0
     patches = [one for one in patches if math.hypot(*one["resultant"]) > NO_FORCE * most]
 
     def row(patch: Answer) -> Sequence[str]:
-        size, used = math.hypot(*patch["resultant"]), patch["utilisation"]
+        size = math.hypot(*patch["resultant"])
+        used = [patch["utilisation"], *[patch["bond_utilisation"]] * bonded]
         along = [c / size for c in patch["resultant"]] if size else [0.0, 0.0, 0.0]
         first, second = patch["parts"]
         return (
@@ -214,7 +217,7 @@ def forces_table(answer: Answer) -> Table:
             force(size),
             vector(along, 3) if size else "-",
             "-" if patch["center"] is None else vector(patch["center"], 4),
-            "-" if used is None else percent(used),
+            *("-" if share is None else percent(share) for share in used),
         )
 
     which = "least sum of squares" if found["least"] else "as the verdict's proof has them"
@@ -258,7 +261,8 @@ def push_table(answer: Answer) -> Table:
 
 def _patches(answer: Answer) -> Table:
     unit = answer["units"]
-    head = ("part a", "part b", "kind", f"area [{unit}^2]", f"gap [{unit}]", "normal a to b")
+    head = ["part a", "part b", "kind", f"area [{unit}^2]", f"gap [{unit}]", "normal a to b"]
+    bonded = any(patch["pull"] is not None for patch in answer["patches"])
     largest = answer["sizes"][1]
 
     def row(patch: Answer) -> Sequence[str]:
@@ -270,9 +274,11 @@ def _patches(answer: Answer) -> Table:
             vector(patch["normal"], 4),
             number(patch["mu"], 4),
             str(len(patch["points"])),
+            *["-" if patch["pull"] is None else force(patch["pull"])] * bonded,
         )
 
-    return Table("Where they touch:", (*head, "mu", "points"), answer["patches"], row)
+    head += ["mu", "points", *["bond pulls up to"] * bonded]
+    return Table("Where they touch:", head, answer["patches"], row)
 
 
 def open_table(answer: Answer) -> Table:
