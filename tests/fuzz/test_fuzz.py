@@ -75,6 +75,27 @@ def test_of_a_part_thinner_than_a_gap_no_share_is_told() -> None:
         assert any((share or 0.0) > 0.5 for share in shares) == refused
 
 
+SMALL = {
+    "sphere": kilter.Sphere,
+    "cylinder": lambda radius: kilter.Cylinder(radius, 2 * radius),
+    "box": lambda radius: kilter.Box([2 * radius] * 3),
+}
+
+
+@pytest.mark.parametrize("shape", SMALL)
+def test_a_part_that_rounding_is_larger_than_is_refused(shape: str) -> None:
+    """One was called unstable, others ended with a warning of numpy."""
+    floor = kilter.Part("floor", kilter.Box([1.0, 1.0, 1.0]), grounded=True)
+    for radius in (1e-13, 1e-16, 1e-18):
+        part = kilter.Part("small", SMALL[shape](radius), kilter.Pose([0.3, 0.2, 0.5 + radius]))
+        assembly = kilter.Assembly([floor, part])
+        if radius > 1e-14:
+            assert kilter.check(assembly).verdict != "unstable"
+            continue
+        with pytest.raises(kilter.InputError, match=r"'small': its size is .*too small"):
+            kilter.check(assembly)
+
+
 @pytest.mark.parametrize("name", sorted(corpus()))
 def test_a_whole_file_is_answered_and_its_damage_is_seeded(name: str, tmp_path: Path) -> None:
     path = tmp_path / name

@@ -11,7 +11,7 @@ import numpy as np
 
 from kilter.arrays import Array, Index, Mask, cross, ragged, starts
 from kilter.assembly.assembly_arrays import AssemblyArrays
-from kilter.assembly.assembly_tolerances import FLAT_PART, INSIDE_OUT, LARGEST
+from kilter.assembly.assembly_tolerances import FLAT_PART, INSIDE_OUT, LARGEST, RESOLVED
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.hexahedra import box_moments, box_orders
 from kilter.assembly.masses import DEFAULT_DENSITY
@@ -168,6 +168,7 @@ def _geometry(
     volume, center, second, middle = _moments(arrays, vertices, faces, is_box)
     reach = np.maximum.reduceat(np.linalg.norm(vertices - middle[owner], axis=1), first)
     sound = (reach > 1 / LARGEST) & (reach < LARGEST) & (volume > FLAT_PART * reach**3)
+    sound &= reach >= RESOLVED * np.maximum.reduceat(np.abs(vertices).max(axis=1), first)
     others = np.flatnonzero(~is_box)
     spread = np.linalg.eigvalsh(np.where(np.isfinite(second), second, 0.0)[others])
     sound[others] &= spread[:, 0] >= -INSIDE_OUT * np.abs(spread).max(axis=1, initial=0.0)

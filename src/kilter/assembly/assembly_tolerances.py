@@ -1,7 +1,7 @@
 """Tolerances of assemblies: sizes that are read, and what counts as flat, level or the same.
 
-    UPRIGHT < SAME_SURFACE = PLANAR_AXIS = FLAT_PART = INSIDE_OUT < COPLANAR < BESIDE_SEAM
-            = ACROSS = ON_GRID < CREASE < SMOOTH
+    RESOLVED < UPRIGHT < SAME_SURFACE = PLANAR_AXIS = FLAT_PART = INSIDE_OUT < COPLANAR
+             < BESIDE_SEAM = ACROSS = ON_GRID < CREASE < SMOOTH
 
 all relative, or angles in rad.
 
@@ -20,6 +20,7 @@ __all__ = [
     "LARGEST",
     "ON_GRID",
     "PLANAR_AXIS",
+    "RESOLVED",
     "SAME_SURFACE",
     "SMOOTH",
     "UPRIGHT",
@@ -28,6 +29,9 @@ __all__ = [
 LARGEST = 1e30
 """Sizes of parts above this, or below its inverse, are refused: moments of inertia, fifth
 powers of a size, must stay within float64 [length unit]."""
+RESOLVED = 1e-14
+"""A part smaller than this times the largest of its coordinates is refused: numbers, which have
+sixteen digits, do not tell its corners apart [-]."""
 FLAT_PART = 1e-9
 """A part of less volume than this times the cube of its reach is flat, and refused [-]."""
 INSIDE_OUT = 1e-9

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, read_only, starts
-from kilter.assembly.assembly_tolerances import FLAT_PART, INSIDE_OUT, LARGEST
+from kilter.assembly.assembly_tolerances import FLAT_PART, INSIDE_OUT, LARGEST, RESOLVED
 from kilter.assembly.masses import box_sizes, part_masses, part_moments
 from kilter.assembly.mesh_surface import MeshSurface, mesh_surfaces
 from kilter.assembly.part import Part
@@ -179,6 +179,15 @@ def build_geometry(parts: Sequence[Part], units: str = "m") -> Geometry:
     moment = np.einsum("nij,njk,nlk->nil", rotation, second, rotation)
     inertia = np.trace(moment, axis1=1, axis2=2)[:, None, None] * np.eye(3) - moment
     largest = _group_max(np.abs(world).max(axis=1), vertex_start)
+    lost = np.flatnonzero(reach < RESOLVED * largest)
+    if len(lost):
+        size, off = 2 * reach[lost[0]], largest[lost[0]]
+        raise InputError(
+            f"its size is {size:.3g}, too small for numbers to tell its corners apart {off:.3g} "
+            "from the origin",
+            part=parts[int(lost[0])].name,
+            hint="check its units, or put the assembly about the origin",
+        )
     accuracy = np.array(
         [part.shape.accuracy if isinstance(part.shape, Mesh | Solid) else 0.0 for part in parts]
     )
