@@ -8,11 +8,12 @@ import json
 
 import numpy as np
 import pytest
-from judged import judged
+from judged import judged, random_turn
 
 import kilter
 from kilter import Assembly, Bond, Box, GivenContact, Part, Pose
 from kilter.mechanics.proof import digest_of
+from kilter.scenes.transform import moved
 
 G, WEIGHT = 9.81, 9810.0
 BOTH = pytest.mark.parametrize("share", [0.999, 1.001])
@@ -170,16 +171,36 @@ def test_wrong_bonds_are_one_sentence():
             wrong()
 
 
-@pytest.mark.parametrize("seed", range(6))
-def test_proofs_of_bonds_that_rub_hold_though_forces_are_the_rest_of_larger_numbers(seed):
-    """Piles that gravity pulls anywhere: f_n + T is near 0 at points that are about to open."""
-    random = np.random.default_rng(seed)
-    parts, bonds = [cube("0", grounded=True)], []
-    for k in range(1, 4):
-        density = float(random.uniform(500, 2000))
-        parts.append(cube(f"{k}", x=float(random.uniform(-0.3, 0.3)), z=float(k), density=density))
-        pull = float(random.uniform(0, 3000))
-        bonds.append(Bond((f"{k - 1}", f"{k}"), pull=pull, shear="mu"))
-    gravity = random.normal(size=3)
-    gravity *= G / np.linalg.norm(gravity)
-    judged(Assembly(parts, friction=0.4, gravity=gravity, bonds=bonds), effort=0.1)
+def leaning(degrees, **bond):
+    """A post of two cubes on a base, beneath a bond of four points, in gravity at an angle."""
+    turn = np.radians(degrees)
+    parts = [
+        Part("base", Box([3, 1, 1]), Pose([0, 0, -0.5]), grounded=True),
+        Part("post", Box([1, 1, 2]), Pose([0, 0, 1])),
+    ]
+    down = [G * np.sin(turn), 0, -G * np.cos(turn)]
+    return Assembly(parts, gravity=down, friction=3.0, bonds=[Bond(("base", "post"), **bond)])
+
+
+def refused_once_turned(assembly):
+    """Why proofs are refused, over some turns of the whole, which round each otherwise."""
+    random, why = np.random.default_rng(0), set()
+    for _ in range(12):
+        turned = moved(assembly, random_turn(random))
+        verdict = kilter.check(turned, effort=0.1)
+        assert verdict.verdict in ("stable", "settles")
+        why |= set(kilter.verify(turned, json.loads(json.dumps(verdict.proof()))).reasons)
+    return why
+
+
+def test_a_point_about_to_open_rubs_by_the_rest_of_larger_numbers():
+    """f_n + T is near 0 at the upper points, W (2 sin a - cos a) / 4 each just holds the post."""
+    turn = np.radians(60)
+    pull = 2 * WEIGHT * (2 * np.sin(turn) - np.cos(turn)) / 4
+    assert refused_once_turned(leaning(60, pull=(1 + 1e-7) * pull, shear="mu")) == set()
+    assert kilter.check(leaning(60, pull=(1 - 1e-6) * pull, shear="mu")).verdict == "unstable"
+
+
+def test_a_bond_that_bears_shear_alone_pulls_by_the_rounding_of_its_shear():
+    assert refused_once_turned(leaning(26, pull=0.0)) == set()
+    assert kilter.check(leaning(27, pull=0.0)).verdict == "unstable"  # tan a > 1 / 2

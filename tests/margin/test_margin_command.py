@@ -89,6 +89,18 @@ def test_wrong_input_is_refused_in_one_line(tower, capsys, words, said):
     assert said in error
 
 
+def test_a_tilt_about_an_axis_of_what_bears_loads_is_refused(tower, capsys):
+    """They do not turn with gravity."""
+    data = json.loads(Path(tower).read_text())
+    data["loads"] = [{"part": "cube-1", "force": [1, 0, 0]}]
+    Path(tower).write_text(json.dumps(data))
+    assert main(["margin", tower, "--about", "0", "1", "0"]) == 2
+    out, error = capsys.readouterr()
+    assert (out, error.count("\n")) == ("", 1)
+    assert "'cube-1'" in error
+    assert "a tilt about an axis does not take loads" in error
+
+
 @pytest.mark.parametrize("part", ["base", "nobody"])
 def test_a_load_on_a_held_or_unknown_part_is_refused(tower, capsys, part):
     data = json.loads(Path(tower).read_text())

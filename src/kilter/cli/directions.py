@@ -124,7 +124,7 @@ def margin(
         typer.Option(
             "--about",
             metavar="X Y Z",
-            help="Also how far gravity may turn about this axis, across gravity.",
+            help="Also how far gravity may turn about this axis, across it; no loads or bonds.",
             rich_help_panel=ASKED,
             show_default=False,
         ),

@@ -260,7 +260,8 @@ def margin(
     ------
     InputError
         If a direction is of length zero, the axis is not across gravity, or a part is held or
-        unknown, also one that a load pulls on; if `about` or `ranges` come with bonds.
+        unknown, also one that a load pulls on; if `about` comes with bonds or loads, or `ranges`
+        with bonds.
 
     Examples
     --------
@@ -274,7 +275,7 @@ def margin(
     direction = None if push is None else unit(push, "push")
     axis = None if about is None else _axis(assembly, about)
     if axis is not None:
-        require_no_bonds(assembly, "a tilt about an axis", NO_CONE)
+        _require_turnable(assembly)
     if ranges is not None:
         require_no_bonds(assembly, "the worst case over ranges", NOT_RANGED)
     parts = _pushed(assembly, pushed)
@@ -376,6 +377,18 @@ def _axis(assembly: Assembly, about: Any) -> Array:
     if assembly.planar and abs(abs(float(axis[1])) - 1) > ACROSS_GRAVITY:
         raise InputError("the axis leaves the plane", hint="give 0 1 0 where planar")
     return axis
+
+
+def _require_turnable(assembly: Assembly) -> None:
+    """Refuse a tilt about an axis of what does not turn with gravity."""
+    require_no_bonds(assembly, "a tilt about an axis", NO_CONE)
+    if assembly.loads:
+        raise InputError(
+            "a tilt about an axis does not take loads: they do not turn with gravity",
+            file=assembly.source or None,
+            part=assembly.loads[0].part,
+            hint="leave the loads out, or ask margin as it lies",
+        )
 
 
 def _pushed(assembly: Assembly, names: list[str] | None) -> list[int]:

@@ -114,7 +114,14 @@ def tilt_about(program: Program, axis: Array) -> tuple[float, Limit] | NoLimit:
 
     By the right-hand rule, from 0 to pi, infinite where a full turn is held. Not held as given:
     no limit. One conic program for each right angle.
+
+    Raises
+    ------
+    ValueError
+        If there are given loads or bonds: they do not turn.
     """
+    if program.applied.any() or program.pull.any():
+        raise ValueError("given loads and bonds do not turn with gravity")
     start = program.down
     aside = cross(axis / float(np.linalg.norm(axis)), start)
     quarter = ((start, aside), (aside, -start), (-start, -aside), (-aside, start))
