@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import kilter
+from kilter.cli.interruption import GRACE
 from kilter.scenes import walls
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
@@ -67,6 +68,65 @@ def test_a_process_that_is_deaf_is_ended(number: signal.Signals) -> None:
     code, errors, seconds = ended(process, number)
     assert (code, errors) == (130, "kilter: interrupted\n")
     assert seconds < SOON
+
+
+LOST = """
+import sys, time, kilter.cli
+class Waits:
+    def wait(self, *given):
+        print("begun", flush=True)
+        time.sleep(60)
+    __set_name__ = wait
+class WaitsAtItsEnd(Waits):
+    __del__ = Waits.wait
+def loads():
+    sys.path.insert(0, sys.argv[1])
+    import waits
+def drops():
+    WaitsAtItsEnd()
+def makes_another():
+    type("Owner", (), {"one": Waits()})
+kilter.cli._run = lambda words: WHERE()
+sys.exit(kilter.cli.main())
+"""
+
+
+@pytest.mark.parametrize("where", ["loads", "drops", "makes_another"])
+def test_an_interruption_is_not_lost(where: str, tmp_path: Path) -> None:
+    """In a module being loaded, in what cannot pass it on, and where Python turns it."""
+    (tmp_path / "waits.py").write_text("from __main__ import Waits\nWaits().wait()\n", "utf-8")
+    process = begun("-c", LOST.replace("WHERE", where), str(tmp_path))
+    assert process.stdout is not None
+    assert process.stdout.readline() == "begun\n"
+    code, errors, seconds = ended(process, signal.SIGINT)
+    assert (code, errors) == (130, "kilter: interrupted\n")
+    assert seconds < SOON
+
+
+PATIENT = """
+import sys, time, kilter.cli
+def patient(words):
+    for _ in range(2):
+        try:
+            print("begun", flush=True)
+            time.sleep(60)
+        except KeyboardInterrupt:
+            pass
+kilter.cli._run = patient
+sys.exit(kilter.cli.main())
+"""
+
+
+def test_a_second_interruption_ends_what_went_on_after_the_first() -> None:
+    process = begun("-c", PATIENT)
+    assert process.stdout is not None
+    assert process.stdout.readline() == "begun\n"
+    process.send_signal(signal.SIGINT)
+    assert process.stdout.readline() == "begun\n"
+    process.send_signal(signal.SIGINT)  # the same, told by a parent too
+    time.sleep(1.5 * GRACE)
+    assert process.poll() is None
+    assert ended(process, signal.SIGINT)[:2] == (130, "kilter: interrupted\n")
 
 
 @pytest.mark.slow

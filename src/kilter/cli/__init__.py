@@ -30,15 +30,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if arguments is None else arguments)
     alone = arguments is None
     try:
-        with warnings.catch_warnings(), interruptible(alone=alone):
+        with warnings.catch_warnings(), interruptible(alone=alone) as heard:
             warnings.simplefilter("ignore")
             try:
                 return _run(words)
+            except BrokenPipeError:
+                raise
             except KeyboardInterrupt:
-                if alone:
-                    end_interrupted()
-                _say("interrupted")
-                return INTERRUPTED
+                pass
+            except Exception as error:
+                if not heard():  # else it is what was made of an interruption on its way
+                    _say(fault_words(error, words))
+                    return FAULT
+            if alone:
+                end_interrupted()
+            _say("interrupted")
+            return INTERRUPTED
     except BrokenPipeError:
         # the reader of a pipe has seen enough; nothing is left to tell it
         sys.stdout = None
@@ -82,15 +89,12 @@ def _run(words: list[str]) -> int:
     except InputError as error:
         _say(error.for_command)
         return USAGE
-    except (KeyboardInterrupt, BrokenPipeError):
-        raise
     except MemoryError:
         _say(NO_MEMORY)
         return USAGE
     except OSError as error:
         if not is_full(error):
-            _say(fault_words(error, words))
-            return FAULT
+            raise
         _say(f"the answer cannot be written: {error.strerror}; write to where there is room")
         sys.stdout = None  # what is left in it is not tried again
         return USAGE
@@ -98,8 +102,7 @@ def _run(words: list[str]) -> int:
         if hasattr(error, "format_message"):  # a usage error of the parser of options
             _say(usage_words(error))
             return USAGE
-        _say(fault_words(error, words))
-        return FAULT
+        raise
 
 
 def _say(message: str) -> None:
