@@ -160,9 +160,11 @@ def _second_order(
     """What second order says of what is stable without friction."""
     if decision.verdict != "stable" or decision.friction is not None or work.late:
         return None
-    from kilter.second_order.second_order_answer import find_second_order  # takes its time
+    from kilter.second_order.whole import find_second_order  # takes its time
 
-    return find_second_order(assembly, contacts, decision.program)
+    proof = decision.judgement.forces
+    forces = None if proof is None else proof.forces
+    return find_second_order(assembly, contacts, decision.program, forces)
 
 
 def _work(effort: float, time_limit: float | None, progress: Callable[[str], None] | None) -> Work:

@@ -326,7 +326,7 @@ class Verdict(InCells):
             evidence=None if self.friction is None else self.friction.evidence,
         )
         if self.second_order is not None:
-            proof["second_order"] = second_order_data(self.program, self.second_order)
+            proof["second_order"] = second_order_data(self.second_order)
             proof["digest"] = digest_of(proof)
         return proof
 

@@ -12,6 +12,10 @@
 - `decide`: minimum, balanced or open
 - `touched_surfaces`, `free_motions`, `free_span`: motions that keep every gap and the energy
 - `separation`: parts in other places, held apart exactly
-- `second_order_answer`: what a check says
+- `clusters`: free parts that contacts join
+- `level_rest`: what stands on level faces is free by proof, at any size
+- `held`: forces that leave no motion neutral
+- `second_order_answer`: what is said of one cluster
+- `whole`: what a check says of all of them
 - `second_order_tolerances`: its tolerances
 """

@@ -23,6 +23,8 @@ import numpy as np
 from kilter.arrays import TINY, Array
 from kilter.second_order.critical import Critical, find_critical, null_space
 from kilter.second_order.curved_energy import best_curvature, blocking_stress
+from kilter.second_order.held import Held
+from kilter.second_order.level_rest import LevelRest
 from kilter.second_order.minimum_proof import (
     Leaf,
     MinimumProof,
@@ -59,7 +61,7 @@ class Decision:
     neutral, free, blocked, undecided : int
         Dimensions: of the span of the critical motions, and of its parts: proved free; those
         that cost energy, or may gain some; those of which neither is known.
-    proof : MinimumProof or Path or None
+    proof : MinimumProof or Path or LevelRest or Held or None
     why : str
         Why it is open.
     """
@@ -69,11 +71,17 @@ class Decision:
     free: int
     blocked: int
     undecided: int
-    proof: MinimumProof | Path | None = None
+    proof: MinimumProof | Path | LevelRest | Held | None = None
     why: str = ""
 
 
-def decide(problem: Stationary, free: Array | None = None, *, work: Work | None = None) -> Decision:
+def decide(
+    problem: Stationary,
+    free: Array | None = None,
+    *,
+    critical: Critical | None = None,
+    work: Work | None = None,
+) -> Decision:
     """Minimum, balanced or open.
 
     Parameters
@@ -81,9 +89,11 @@ def decide(problem: Stationary, free: Array | None = None, *, work: Work | None 
     problem : Stationary
     free : ndarray, shape (n, f), optional
         Motions that are proved to keep every gap and the energy, independent of one another.
+    critical : Critical, optional
+        Of this problem, where it is known already.
     """
     work = work or Work()
-    critical = find_critical(problem)
+    critical = critical or find_critical(problem)
     if critical is None:
         return Decision("open", 0, 0, 0, 0, why="no forces of equilibrium were found")
     free = np.zeros((len(problem.load), 0)) if free is None else free

@@ -17,7 +17,7 @@ from kilter.second_order.gap_form import formed
 from kilter.second_order.part_features import part_features
 from kilter.second_order.second_order_tolerances import CROSSING
 
-__all__ = ["features_of"]
+__all__ = ["FLAT", "detected_rows", "features_of"]
 
 
 def features_of(program: Program, contacts: ContactSet) -> Features:
@@ -37,7 +37,7 @@ def features_of(program: Program, contacts: ContactSet) -> Features:
     """
     found = _nothing_known(program)
     _set_given(found, program, contacts)
-    rows = _detected(program, contacts)
+    rows = detected_rows(program, contacts)
     if len(rows):
         _set_detected(found, program, contacts, rows)
         _set_conformal(found, program, contacts, rows)
@@ -88,7 +88,7 @@ FLAT = ("plane", "edge-edge", "edge-face", "vertex-face")
 ROUND = ("sphere", "cylinder", "cone", "torus")
 
 
-def _detected(program: Program, contacts: ContactSet) -> Index:
+def detected_rows(program: Program, contacts: ContactSet) -> Index:
     """Rows of contacts that were found where the parts are, with exact normals."""
     rows = np.flatnonzero((program.kind == CONTACT) & (program.doubt == 0))
     patch = program.source[rows]

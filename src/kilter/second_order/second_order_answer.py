@@ -1,4 +1,4 @@
-"""What second order says of an assembly that is stable to first order, with its evidence.
+"""What second order says of parts that are stable to first order, with its evidence.
 
     minimum    a strict minimum of its energy, parts of revolution may spin: small pushes do
                not move it away, whatever the friction
@@ -13,18 +13,18 @@ no theory; where contacts are given, with their features, the path itself is all
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from kilter.arrays import TINY, Array, Index, Mask
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
-from kilter.contact.open_pairs import still_open
 from kilter.mechanics.program import Program
-from kilter.mechanics.rows import CONTACT
+from kilter.second_order.clusters import State
+from kilter.second_order.critical import Critical
 from kilter.second_order.decide import Decision, decide
-from kilter.second_order.features_of import features_of
+from kilter.second_order.features import Features
 from kilter.second_order.free_motions import find_free_motions
 from kilter.second_order.free_span import free_span, moving_free
 from kilter.second_order.gap_form import formed, gap_forms
@@ -36,15 +36,12 @@ from kilter.second_order.stationary import Stationary, stationary
 from kilter.units import metres_per_unit
 from kilter.work import Work
 
-__all__ = ["MOST_PARTS", "Configuration", "SecondOrder", "find_second_order"]
+__all__ = ["Configuration", "SecondOrder", "answer_alone", "open_answer"]
 
-MOST_PARTS = 20
-"""Second order is looked at for up to this many free parts."""
 STEPS = (0.004, 0.002, 0.001, 0.01, 0.02, 0.05)
 """How far along a path of length 1 an exact configuration is sought: near by first."""
 BENT = 0.5
 """Second-order part of a step over its first, above which it is no neighbour of the start."""
-State = Literal["minimum", "free", "balanced", "open"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,6 +88,11 @@ class SecondOrder:
         What the proof is about.
     configuration : Configuration or None
         Of a balanced one, where all contacts are of bodies that can be held apart exactly.
+    program : Program or None
+        What `problem` and `decision` are about; its free parts are those of one cluster.
+    clusters : tuple of SecondOrder
+        The answers that this one joins, where there are several clusters; what moves is that of
+        all, the numbers and the configuration are those of the one that decides.
     """
 
     state: State
@@ -105,6 +107,8 @@ class SecondOrder:
     decision: Decision | None = None
     problem: Stationary | None = None
     configuration: Configuration | None = None
+    program: Program | None = None
+    clusters: tuple[SecondOrder, ...] = ()
 
     def to_dict(self, names: tuple[str, ...]) -> dict[str, Any]:
         """The answer of `kilter check --json`; the motion by part."""
@@ -123,10 +127,16 @@ class SecondOrder:
         }
 
 
-def find_second_order(
-    assembly: Assembly, contacts: ContactSet, program: Program, *, work: Work | None = None
-) -> SecondOrder | None:
-    """What second order says of a place of equilibrium; None where no motion is neutral.
+def answer_alone(
+    assembly: Assembly,
+    contacts: ContactSet,
+    program: Program,
+    features: Features,
+    *,
+    critical: Critical | None = None,
+    work: Work | None = None,
+) -> SecondOrder:
+    """What second order says of a place of equilibrium.
 
     Parameters
     ----------
@@ -135,38 +145,34 @@ def find_second_order(
         Found in it.
     program : Program
         Of these contacts, without friction; forces of equilibrium are known to exist.
+    features : Features
+        Of its rows.
+    critical : Critical, optional
+        Where it is known already.
     """
-    if not program.free.any():
-        return None
-    why = _out_of_reach(assembly, contacts, program)
-    if why:
-        return _open(why)
-    features = features_of(program, contacts)
     known = formed(program, features)
     if not known.any():
-        return _open(_unknown(program, known))
+        return open_answer(_unknown(program, known), program)
     problem = stationary(program, np.nan_to_num(gap_forms(program, features)))
     if not known.all():
         part = decide(problem.taking(known), work=work)
         if part.state == "minimum":
             return _of(assembly, program, problem.taking(known), part)
-        return _open(_unknown(program, known))
+        return open_answer(_unknown(program, known), program)
     kinds = contacts.patch_kind[program.source]
     free = find_free_motions(
         program, features, assembly.geometry, kinds == "plane", kinds == "given"
     )
     span = free_span(program, problem, free)
-    decision = decide(problem, span, work=work)
+    decision = decide(problem, span, critical=critical, work=work)
     if decision.free < decision.neutral:
         free = free.symmetries
-        decision = decide(problem, free_span(program, problem, free), work=work)
+        decision = decide(problem, free_span(program, problem, free), critical=critical, work=work)
         if decision.state == "open" and span.shape[1] > decision.free:
             more = span.shape[1] - decision.free
             decision = replace(
                 decision, free=span.shape[1], undecided=max(decision.undecided - more, 0)
             )
-    if not decision.neutral and decision.state == "minimum":
-        return None
     if decision.state == "minimum":
         found = _of(assembly, program, problem, decision)
         moving = moving_free(assembly, free)
@@ -184,21 +190,6 @@ def _moves(motion: Array, parts: Index) -> float:
     return float(np.abs(motion[parts, :3]).sum())
 
 
-def _out_of_reach(assembly: Assembly, contacts: ContactSet, program: Program) -> str:
-    """Why nothing is said at all."""
-    if int(program.free.sum()) > MOST_PARTS:
-        return f"more than {MOST_PARTS} parts are free"
-    if (program.kind != CONTACT).any():
-        return "joints are not looked at in second order"
-    if program.pull.any():
-        return "bonds are not looked at in second order"
-    if np.abs(program.applied[program.free, 3:]).max(initial=0.0) > 0:
-        return "loads beside a centre of mass are not looked at in second order"
-    if still_open(contacts.open_pairs, assembly) or len(contacts.possible):
-        return "pairs are left open, or their kind of contact is not modelled"
-    return ""
-
-
 def _unknown(program: Program, known: Mask) -> str:
     k = int(np.flatnonzero(~known)[0])
     names = (*program.names, "the ground")
@@ -206,9 +197,10 @@ def _unknown(program: Program, known: Mask) -> str:
     return f"how the surfaces of {pair} curve where they touch is not known"
 
 
-def _open(why: str) -> SecondOrder:
+def open_answer(why: str, program: Program) -> SecondOrder:
+    """That nothing is known, and why."""
     none = np.zeros(0, dtype=np.int64)
-    return SecondOrder("open", 0, 0, 0, 0, None, None, none, why)
+    return SecondOrder("open", 0, 0, 0, 0, None, None, none, why, program=program)
 
 
 def _of(
@@ -228,6 +220,7 @@ def _of(
         decision.why,
         decision,
         problem,
+        program=program,
     )
 
 

@@ -2,11 +2,14 @@
 
 A minimum: forces of each cone [N], motions of the parts that span what is neutral across the free
 ones, the free ones, sides, splits and weights. What falls: both derivatives of its path, and the
-exact configuration on it. Features, forms, free motions and separations are found anew.
+exact configuration on it. What stands on level faces: forces and a level motion; what is held:
+forces. Several clusters have one of these each, None where it is open. Clusters, features, forms,
+free motions and separations are found anew.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,11 +18,15 @@ from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
+from kilter.second_order.clusters import clusters, joined_state
 from kilter.second_order.critical import null_space
+from kilter.second_order.features import Features
 from kilter.second_order.features_of import features_of
 from kilter.second_order.free_motions import FreeMotions, find_free_motions
 from kilter.second_order.free_span import free_span, moving_free, scaled_columns
 from kilter.second_order.gap_form import formed, gap_forms
+from kilter.second_order.held import Held, judge_held
+from kilter.second_order.level_rest import LevelRest, judge_level_rest, level_rows
 from kilter.second_order.minimum_proof import Leaf, MinimumProof, judge_minimum
 from kilter.second_order.paths import Path, judge_path
 from kilter.second_order.second_order_tolerances import ACROSS, APART
@@ -32,13 +39,24 @@ if TYPE_CHECKING:
 __all__ = ["recheck_second_order", "second_order_data"]
 
 
-def second_order_data(program: Program, found: SecondOrder) -> dict[str, Any] | None:
+def second_order_data(found: SecondOrder) -> dict[str, Any] | None:
     """The proof of an answer; None where it is open."""
-    problem, decision = found.problem, found.decision
-    if found.state == "open" or problem is None or decision is None:
+    if found.state == "open":
+        return None
+    if found.clusters:
+        entries = [second_order_data(one) for one in found.clusters]
+        return {"state": found.state, **_counts(entries), "clusters": entries}
+    problem, decision, program = found.problem, found.decision, found.program
+    if decision is None or program is None:
         return None
     data: dict[str, Any] = {"state": found.state, "neutral": found.neutral, "free": found.free}
     proof = decision.proof
+    if isinstance(proof, Held):
+        return data | {"held": proof.forces.tolist()}
+    if isinstance(proof, LevelRest):
+        named = _named(program, proof.motion)
+        return data | {"level": proof.forces.tolist(), "motion": named}
+    assert problem is not None
     if isinstance(proof, Path):
         place = found.configuration
         return data | {
@@ -76,7 +94,66 @@ def recheck_second_order(
 def _wrong(
     assembly: Assembly, contacts: ContactSet, program: Program, data: dict[str, Any]
 ) -> list[str]:
-    features = features_of(program, contacts)
+    parted = clusters(program)
+    entries = data.get("clusters", [data])
+    if len(entries) != len(parted):
+        return ["its second order is not one of each cluster"]
+    reasons = []
+    features: Features | None = None
+    for cluster, entry in zip(parted, entries, strict=True):
+        if entry is None:
+            continue
+        if "held" in entry or "level" in entry:
+            reasons += _wrong_forces(contacts, cluster.program, entry)
+            continue
+        features = features or features_of(program, contacts)
+        own = features.take(cluster.rows)
+        reasons += _wrong_gaps(assembly, contacts, cluster.program, own, entry)
+    if "clusters" in data and not reasons:
+        reasons += _wrong_joined(data)
+    return reasons
+
+
+def _wrong_joined(data: dict[str, Any]) -> list[str]:
+    """Are state and counts those of the clusters?"""
+    given = [one for one in data["clusters"] if one is not None]
+    states = [one["state"] for one in given] + ["open"] * (len(data["clusters"]) - len(given))
+    if data["state"] == "open" or data["state"] != joined_state(states):
+        return [f"its state is not {data['state']!r:.20}"]
+    own = all(data[key] == count for key, count in _counts(given).items())
+    return [] if own else ["its counts of motions are not its own"]
+
+
+def _counts(entries: Iterable[dict[str, Any] | None]) -> dict[str, int]:
+    """Motions of the clusters that are proved."""
+    given = [one for one in entries if one is not None]
+    return {key: sum(one[key] for one in given) for key in ("neutral", "free")}
+
+
+def _wrong_forces(contacts: ContactSet, program: Program, data: dict[str, Any]) -> list[str]:
+    """Is it held by its forces, or does it stand on level faces, and is the state that?"""
+    count = int(program.free.sum())
+    if "held" in data:
+        word = judge_held(program, Held(np.asarray(data["held"], dtype=float)))
+        own = ("minimum", 0)
+    else:
+        forces = np.asarray(data["level"], dtype=float)
+        proof = LevelRest(forces, _motion(program, data["motion"]))
+        word = judge_level_rest(program, level_rows(program, contacts), proof)
+        own = ("free", count * (1 if program.planar else 3))
+    reasons = [f"its second order: {word}"] if word else []
+    if (data["state"], data["neutral"], data["free"]) != (*own, own[1]):
+        reasons.append("its state or its counts are not those of its forces")
+    return reasons
+
+
+def _wrong_gaps(
+    assembly: Assembly,
+    contacts: ContactSet,
+    program: Program,
+    features: Features,
+    data: dict[str, Any],
+) -> list[str]:
     known = formed(program, features)
     problem = stationary(program, np.nan_to_num(gap_forms(program, features)))
     kinds = contacts.patch_kind[program.source]

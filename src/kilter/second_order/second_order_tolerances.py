@@ -21,6 +21,7 @@ __all__ = [
     "ROUND",
     "SLIPS",
     "SPLITS",
+    "SPREAD",
 ]
 
 # gaps ---------------------------------------------------------------------------------------
@@ -56,5 +57,8 @@ REACHES = (30.0, 1000.0)
 """Bounds of a second derivative, in turn, where the motion has length 1: the nearest first."""
 SPLITS = 150
 """Cones into which the critical motions are split at most."""
+SPREAD = 1e-10
+"""Points of touch are on no line: least eigenvalue of the sum of their (1, u, v), u and v over the
+size of the part, each times itself."""
 APART = 1e-12
 """What a configuration must be apart, over the length, and lower, over weight and length."""

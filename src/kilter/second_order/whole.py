@@ -1,0 +1,196 @@
+"""What second order says of a whole assembly: of each of its clusters, joined.
+
+1  what stands on level faces alone is free by proof (`level_rest`), at any size
+2  forces that leave no motion neutral hold a cluster to first order: nothing to ask (`held`)
+3  else, up to a number of parts, its gaps to second order (`second_order_answer`)
+
+An assembly is balanced where one of its clusters is, else open where one is, else free where one
+is, else at a minimum.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from kilter.arrays import Array
+from kilter.assembly import Assembly
+from kilter.contact.contact_set import ContactSet
+from kilter.contact.open_pairs import still_open
+from kilter.mechanics.program import Program
+from kilter.mechanics.rows import CONTACT
+from kilter.second_order.clusters import Cluster, clusters, joined_state
+from kilter.second_order.critical import find_critical
+from kilter.second_order.decide import Decision
+from kilter.second_order.features import Features
+from kilter.second_order.features_of import features_of
+from kilter.second_order.held import Held, judge_held
+from kilter.second_order.level_rest import LevelRest, find_level_rest, level_rows
+from kilter.second_order.second_order_answer import SecondOrder, answer_alone, open_answer
+from kilter.second_order.stationary import stationary
+from kilter.work import Work
+
+__all__ = ["MOST_IN_ALL", "MOST_PARTS", "find_second_order"]
+
+MOST_PARTS = 20
+"""A cluster of up to this many free parts is asked for its second order, ..."""
+MOST_IN_ALL = 120
+"""... and clusters of up to this many together."""
+MOST_LEVEL = 10_000
+"""Level faces are looked at for up to this many free parts."""
+MOST_HELD = 120
+"""Forces are asked whether they leave a motion neutral for up to this many free parts."""
+
+
+def find_second_order(
+    assembly: Assembly,
+    contacts: ContactSet,
+    program: Program,
+    forces: Array | None = None,
+    *,
+    work: Work | None = None,
+) -> SecondOrder | None:
+    """What second order says of a place of equilibrium; None where no motion is neutral.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    contacts : ContactSet
+        Found in it.
+    program : Program
+        Of these contacts, without friction; forces of equilibrium are known to exist.
+    forces : ndarray, shape (K,), optional
+        Such forces [N].
+    """
+    if not program.free.any():
+        return None
+    if still_open(contacts.open_pairs, assembly) or len(contacts.possible):
+        why = "pairs are left open, or their kind of contact is not modelled"
+        return open_answer(why, program)
+    search = _ClusterSearch(assembly, contacts, program, forces, work)
+    found = tuple(search.answer(one) for one in clusters(program))
+    if all(one.state == "minimum" and not one.neutral for one in found):
+        return None
+    return _joined(found)
+
+
+class _ClusterSearch:
+    """What the clusters of an assembly share."""
+
+    def __init__(
+        self,
+        assembly: Assembly,
+        contacts: ContactSet,
+        program: Program,
+        forces: Array | None,
+        work: Work | None,
+    ) -> None:
+        self.assembly, self.contacts, self.program = assembly, contacts, program
+        self.forces, self.work = forces, work
+        self.features: Features | None = None
+        self.asked = 0
+
+    def answer(self, cluster: Cluster) -> SecondOrder:
+        """Of one cluster."""
+        program, count = cluster.program, int(cluster.program.free.sum())
+        why = _beyond(program)
+        if why:
+            return open_answer(why, program)
+        forces = None if self.forces is None else self.forces[cluster.rows]
+        if count <= MOST_LEVEL:
+            rest = find_level_rest(program, level_rows(program, self.contacts), forces)
+            if rest is not None:
+                return _on_level(program, rest)
+        if count <= MOST_HELD and forces is not None and not judge_held(program, Held(forces)):
+            return _without_neutral(program, Held(forces))
+        if count > MOST_PARTS:
+            return open_answer(f"more than {MOST_PARTS} free parts touch one another", program)
+        self.asked += count
+        if self.asked > MOST_IN_ALL:
+            return open_answer(f"more than {MOST_IN_ALL} parts are to be looked at", program)
+        return self._alone(cluster)
+
+    def _alone(self, cluster: Cluster) -> SecondOrder:
+        """By the gaps of its contacts, where forces do not leave it without neutral motions."""
+        program = cluster.program
+        no_forms = np.zeros((len(program.part_a), 12, 12))
+        first = stationary(program, no_forms)
+        critical = find_critical(first)
+        if critical is not None and not critical.basis.shape[1]:
+            held = Held(critical.forces * first.weight)
+            if not judge_held(program, held):
+                return _without_neutral(program, held)
+        if critical is not None:
+            level = level_rows(program, self.contacts)
+            rest = find_level_rest(program, level, critical.forces * first.weight)
+            if rest is not None:
+                return _on_level(program, rest)
+        if self.features is None:
+            self.features = features_of(self.program, self.contacts)
+        return answer_alone(
+            self.assembly,
+            self.contacts,
+            program,
+            self.features.take(cluster.rows),
+            critical=critical,
+            work=self.work,
+        )
+
+
+def _beyond(program: Program) -> str:
+    """Why nothing is said of a cluster."""
+    if (program.kind != CONTACT).any():
+        return "joints are not looked at in second order"
+    if program.pull.any():
+        return "bonds are not looked at in second order"
+    if np.abs(program.applied[program.free, 3:]).max(initial=0.0) > 0:
+        return "loads beside a centre of mass are not looked at in second order"
+    return ""
+
+
+def _on_level(program: Program, rest: LevelRest) -> SecondOrder:
+    """Every part slides and turns freely on level faces."""
+    parts = np.flatnonzero(program.free)
+    free = len(parts) * (1 if program.planar else 3)
+    decision = Decision("minimum", free, free, 0, 0, rest)
+    return SecondOrder(
+        "free", free, free, 0, 0, None, rest.motion, parts, "", decision, program=program
+    )
+
+
+def _without_neutral(program: Program, held: Held) -> SecondOrder:
+    none = np.zeros(0, dtype=np.int64)
+    decision = Decision("minimum", 0, 0, 0, 0, held)
+    return SecondOrder("minimum", 0, 0, 0, 0, None, None, none, "", decision, program=program)
+
+
+def _joined(found: tuple[SecondOrder, ...]) -> SecondOrder:
+    """The answer of several clusters; that of one is its own."""
+    if len(found) == 1:
+        return found[0]
+    state = joined_state(one.state for one in found)
+    same = [one for one in found if one.state == state]
+    first = max(same, key=lambda one: one.rate or 0.0) if state == "balanced" else same[0]
+    motions = [one.motion for one in same if one.motion is not None]
+    moving = np.sort(np.concatenate([one.moving for one in same]))
+    return replace(
+        first,
+        neutral=sum(one.neutral for one in found),
+        free=sum(one.free for one in found),
+        blocked=sum(one.blocked for one in found),
+        undecided=sum(one.undecided for one in found),
+        rate=_rate(same),
+        motion=np.sum(motions, axis=0) if motions else None,
+        moving=moving,
+        clusters=found,
+    )
+
+
+def _rate(same: list[SecondOrder]) -> float | None:
+    """What falls fastest; of minima the slowest to swing, where all are known."""
+    rates = [one.rate for one in same if one.blocked or one.state == "balanced"]
+    known = [rate for rate in rates if rate is not None]
+    if same[0].state == "balanced":
+        return max(known, default=None)
+    return min(known, default=None) if len(known) == len(rates) else None

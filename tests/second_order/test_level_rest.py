@@ -1,0 +1,225 @@
+"""What stands on level faces: free at any size, with a proof that needs no form of a gap."""
+
+from __future__ import annotations
+
+import copy
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import kilter
+from kilter import Assembly, Cylinder, Part, Pose
+from kilter.analysis.neutral import find_neutral
+from kilter.mechanics.program import Program, build_program
+from kilter.mechanics.proof import digest_of
+from kilter.scenes import scene
+from kilter.scenes.walls import wall_of
+from kilter.second_order.level_rest import (
+    LevelRest,
+    find_level_rest,
+    judge_level_rest,
+    level_rows,
+)
+from kilter.second_order.second_order_answer import SecondOrder
+from kilter.shape.primitives import Box
+
+
+def posed(assembly: Assembly) -> tuple[Program, np.ndarray]:
+    contacts = kilter.contacts(assembly)
+    program = build_program(assembly, contacts).frictionless
+    return program, level_rows(program, contacts)
+
+
+def rest_of(assembly: Assembly) -> LevelRest | None:
+    program, level = posed(assembly)
+    return find_level_rest(program, level, None)
+
+
+def answer(assembly: Assembly) -> SecondOrder:
+    second = kilter.check(assembly).second_order
+    assert second is not None
+    return second
+
+
+def table(*parts: Part) -> Assembly:
+    return Assembly([Part("base", Box([8, 8, 1]), Pose([0, 0, -0.5]), grounded=True), *parts])
+
+
+@pytest.mark.parametrize("bricks", [1, 12, 105, 1000])
+def test_a_wall_is_free_whatever_its_size(bricks: int) -> None:
+    """Three motions a brick, as many as the linear programs count where they do."""
+    wall = wall_of(bricks)
+    second = answer(wall)
+    free = len(wall.parts) - 1
+    assert second.state == "free"
+    assert (second.neutral, second.free, second.undecided) == (3 * free, 3 * free, 0)
+    if free <= 20:
+        counted = find_neutral(posed(wall)[0])
+        assert counted is not None
+        assert counted.two_sided + counted.one_sided == 3 * free
+
+
+def stack(seed: int) -> Assembly:
+    """Boxes on one another, each stack of them in balance on the one below."""
+    random = np.random.default_rng(seed)
+    count = int(random.integers(2, 30))
+    off = random.uniform(-0.45, 0.45, (count, 2)) / np.arange(count, 0, -1)[:, None]
+    at = np.cumsum(off, axis=0)
+    boxes = [Part(f"{k}", Box([1, 1, 0.2]), Pose([*at[k], 0.1 + 0.2 * k])) for k in range(count)]
+    return table(*boxes)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_stack_that_leans_is_free(seed: int) -> None:
+    assembly = stack(seed)
+    program, level = posed(assembly)
+    proof = find_level_rest(program, level, None)
+    assert proof is not None
+    # the energy rises along every motion of height and tilt that keeps the contacts
+    rows = program.jacobian().toarray()[proof.forces > 0]
+    upright = np.tile([False, False, True, True, True, False], int(program.free.sum()))
+    values = np.linalg.svd(rows[:, upright], compute_uv=False)
+    assert values[-1] > 1e-6 * values[0]
+    np.testing.assert_allclose(rows[:, ~upright], 0, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_on_a_slope_there_is_no_such_rest(seed: int) -> None:
+    program, level = posed(stack(seed).with_down([0.01, 0, -1]))
+    assert not level.any()
+    assert find_level_rest(program, level, None) is None
+
+
+@pytest.mark.parametrize(("off", "holds"), [(0.499, True), (0.501, False)])
+def test_the_middle_of_a_box_is_above_what_bears_it(off: float, holds: bool) -> None:
+    assembly = table(
+        Part("low", Box([1, 1, 1]), Pose([0, 0, 0.5])),
+        Part("high", Box([1, 1, 1]), Pose([off, 0, 1.5])),
+    )
+    assert kilter.check(assembly).stable == holds
+    assert (rest_of(assembly) is not None) == holds
+
+
+def test_points_on_one_line_hold_no_tilt() -> None:
+    """A board on a lying cylinder rests on a line, a level one: no rest on faces."""
+    round_ = Cylinder(0.5, 2)
+    lying = Part("c", round_, Pose([0, 0, 0.5], [np.sqrt(0.5), np.sqrt(0.5), 0, 0]), grounded=True)
+    board = Part("b", Box([1, 1, 0.1]), Pose([0, 0, 1.05]))
+    assembly = Assembly([lying, board])
+    assert rest_of(assembly) is None
+    second = kilter.check(assembly).second_order
+    assert second is None or second.state != "free"
+
+
+def test_between_walls_the_gaps_themselves_are_asked() -> None:
+    """A box that two walls hold along x slides along y alone."""
+    held = [
+        Part(name, Box([1, 4, 1]), Pose([x, 0, 0.5]), grounded=True)
+        for name, x in (("left", -1), ("right", 1))
+    ]
+    assembly = table(*held, Part("b", Box([1, 1, 1]), Pose([0, 0, 0.5])))
+    assert rest_of(assembly) is None
+    second = answer(assembly)
+    assert (second.state, second.neutral, second.free) == ("free", 1, 1)
+    beside = table(held[0], Part("b", Box([1, 1, 1]), Pose([0, 0, 0.5])))
+    second = answer(beside)
+    assert (second.state, second.neutral, second.free) == ("free", 3, 3)
+
+
+def test_the_motion_opens_every_joint_between_bricks() -> None:
+    """Away from their middle the bricks of a wall part; the exact gaps say so."""
+    wall = scene("wall", size=(4, 5))
+    second = answer(wall)
+    assert second.motion is not None
+    apart = Assembly(
+        [
+            Part(part.name, part.shape, Pose(part.pose.position + 1e-3 * move[:3]),
+                 grounded=part.grounded)
+            for part, move in zip(wall.parts, second.motion, strict=True)
+        ]
+    )  # fmt: skip
+    contacts = kilter.contacts(apart)
+    program = build_program(apart, contacts)
+    assert len(program.part_a)
+    assert np.abs(program.normal[:, :2]).max() < 1e-9
+    assert kilter.check(apart).stable
+
+
+def test_in_the_plane_each_part_slides_along_one_line() -> None:
+    assembly = scene("tower")
+    flat = Assembly(assembly.parts, planar=True)
+    second = answer(flat)
+    count = sum(not part.grounded for part in flat.parts)
+    assert (second.state, second.neutral, second.free) == ("free", count, count)
+
+
+def test_turned_moved_scaled_and_renamed_it_is_the_same() -> None:
+    turn = Pose([3.0, -2.0, 5.0], [0.5, 0.3, -0.7, 0.41])
+    wall = wall_of(30)
+    parts = [
+        Part(f"{part.name}'s", Box(37 * np.asarray(part.shape.size)),
+             Pose(turn.apply(37 * part.pose.position[None])[0], turn.rotation),
+             grounded=part.grounded, mass=1.0)
+        for part in wall.parts
+    ]  # fmt: skip
+    down = turn.matrix @ np.array([0.0, 0, -1])
+    for order in (parts, parts[::-1]):
+        second = answer(Assembly(order).with_down(down))
+        assert second.state == "free"
+        assert second.free == second.neutral == 3 * (len(parts) - 1)
+
+
+def test_a_changed_number_is_refused() -> None:
+    program, level = posed(wall_of(12))
+    proof = find_level_rest(program, level, None)
+    assert proof is not None
+    assert judge_level_rest(program, level, proof) == ""
+    for k in np.flatnonzero(level):
+        forces = proof.forces.copy()
+        forces[k] *= 1 + 1e-6
+        assert judge_level_rest(program, level, LevelRest(forces, proof.motion))
+    steep = int(np.flatnonzero(~level)[0])
+    forces = proof.forces.copy()
+    forces[steep] = 1e-3
+    assert "level face" in judge_level_rest(program, level, LevelRest(forces, proof.motion))
+    for column, by in ((0, 2.0), (2, 0.5), (3, 0.5), (4, 0.5), (5, 0.5)):
+        motion = proof.motion.copy()
+        motion[3, column] += by  # past its neighbour, or not level
+        assert judge_level_rest(program, level, LevelRest(proof.forces, motion))
+    for bad in (np.nan, np.inf, -1.0):
+        forces = proof.forces.copy()
+        forces[int(np.flatnonzero(level)[0])] = bad
+        assert judge_level_rest(program, level, LevelRest(forces, proof.motion))
+
+
+def test_its_proof_file_is_judged_again() -> None:
+    wall = wall_of(30)
+    proof = kilter.check(wall).proof()
+    assert kilter.verify(wall, proof).holds
+    for key, value in (("state", "minimum"), ("neutral", 3), ("free", 3)):
+        other = copy.deepcopy(proof)
+        other["second_order"][key] = value
+        other["digest"] = digest_of(other)
+        assert not kilter.verify(wall, other).holds
+
+
+def test_no_solver_is_loaded_to_judge_it() -> None:
+    program = (
+        "import sys, kilter\n"
+        "from kilter.scenes.walls import wall_of\n"
+        "wall = wall_of(12)\n"
+        "proof = kilter.check(wall).proof()\n"
+        "import json; json.dump(proof, sys.stdout)"
+    )
+    made = subprocess.run([sys.executable, "-c", program], capture_output=True, check=True)
+    judge = (
+        "import sys, json, kilter\n"
+        "from kilter.scenes.walls import wall_of\n"
+        "found = kilter.verify(wall_of(12), json.load(sys.stdin))\n"
+        "assert found.holds, found.reasons\n"
+        "assert 'second order: free' in found.notes\n"
+        "assert not {'highspy', 'clarabel'} & set(sys.modules), 'a solver was loaded'"
+    )
+    subprocess.run([sys.executable, "-c", judge], input=made.stdout, check=True)
