@@ -18,7 +18,7 @@ KEYS = {
     "tilt_upper_deg", "tilt_down",
     "tilt_limit", "about", "friction", "friction_limit", "load_factor", "load_factor_bracket",
     "bond", "bond_limit",
-    "load_limits", "pushes", "missing", "uncertainty", "helps", "warnings", "seconds", "open_pairs",
+    "load_limits", "pushes", "loads", "missing", "uncertainty", "helps", "warnings", "seconds", "open_pairs",
     "exact",
 }  # fmt: skip
 

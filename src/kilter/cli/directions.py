@@ -140,6 +140,14 @@ def margin(
             show_default=False,
         ),
     ] = None,
+    loads: Annotated[
+        bool,
+        typer.Option(
+            "--loads",
+            help="Also the load that each part still takes straight down, or each of --part.",
+            rich_help_panel=ASKED,
+        ),
+    ] = False,
     bracket: Annotated[
         bool,
         typer.Option(
@@ -206,6 +214,7 @@ def margin(
             push=push,
             about=about,
             pushed=part,
+            loads=loads,
             ranges=ranges,
             bracket=bracket,
             contacts=contacts,

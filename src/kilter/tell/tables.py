@@ -7,10 +7,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from kilter.errors import some
 from kilter.tell.contact_words import gap_words
 from kilter.tell.facts import kind_of
 from kilter.tell.hold_words import support_cells
-from kilter.tell.numbers import count, counts, force, number, percent, vector
+from kilter.tell.numbers import count, counts, force, mass, number, percent, plain, vector
 from kilter.tell.open_words import settling_options
 from kilter.tell.plan_words import step_cells
 from kilter.tell.shared_facts import Answer
@@ -20,6 +21,7 @@ __all__ = [
     "Name",
     "Table",
     "forces_table",
+    "load_table",
     "moving_table",
     "open_table",
     "push_table",
@@ -131,8 +133,8 @@ def _region_sentence(answer: Answer) -> str:
 def tables(answer: Answer) -> list[Table]:
     """What an answer lists after its facts."""
     kind = kind_of(answer)
-    if kind == "margin" and answer["pushes"]:
-        return [push_table(answer)]
+    if kind == "margin":
+        return [one for one in (push_table(answer), load_table(answer)) if len(one.items)]
     if kind == "plan" and answer["steps"]:
         return [_steps(answer)]
     if kind == "hold" and answer["supports"]:
@@ -257,6 +259,23 @@ def push_table(answer: Answer) -> Table:
         return math.inf if push["force"] is None else float(push["force"])
 
     return Table("Weakest push at the centre of mass:", (), sorted(answer["pushes"], key=size), row)
+
+
+def load_table(answer: Answer) -> Table:
+    """The load that each part takes straight down, the least first."""
+
+    def row(one: Answer) -> Sequence[str]:
+        if one["load"] is None:
+            return Name(one["part"]), "unlimited", "", ""
+        starts = some([plain(name) for name in one["moves"]], 3)
+        words = f"then {starts} start{'s' if len(one['moves']) == 1 else ''} to move"
+        return Name(one["part"]), force(one["load"]), mass(one["mass"]), words * bool(starts)
+
+    def size(one: Answer) -> float:
+        return math.inf if one["load"] is None else float(one["load"])
+
+    title = "Load that is still taken, straight down at the centre of mass:"
+    return Table(title, (), sorted(answer["loads"], key=size), row)
 
 
 def _patches(answer: Answer) -> Table:

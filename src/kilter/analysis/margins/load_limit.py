@@ -188,7 +188,9 @@ def find_limit(
     0.5
     """
     opening = opening or Opening(spread(program))
-    if most <= MODEST and not program.planar and len(program.part_a) > EXACT:
+    # its starts are far from forces that pull: 50 steps and no proof where the conic solver has 15
+    large = len(program.part_a) > EXACT
+    if most <= MODEST and not program.planar and large and not program.pull.any():
         own = _by_own_cones(program, wrench, most, shared)
         if own.closed or own.held >= most * (1 - NEARLY):
             return _limit(own, most)
@@ -197,7 +199,7 @@ def find_limit(
         if not (isinstance(near, Limit) and np.isinf(near.value)):
             return near
     conic = _in_cones(program, opening, wrench, most)
-    enough = conic.sides.gap <= SIDES_NEAR and len(program.part_a) > EXACT
+    enough = conic.sides.gap <= SIDES_NEAR and large
     whole = conic.sides.held >= most * (1 - NEARLY)
     if conic.sides.closed or conic.sides.none or enough or whole:
         return _limit(conic.sides, most)

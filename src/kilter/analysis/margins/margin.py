@@ -28,6 +28,7 @@ from kilter.analysis.margins.load_limit import (
     gravity_wrench,
 )
 from kilter.analysis.margins.margin_proofs import margin_proofs
+from kilter.analysis.margins.part_loads import PartLoad, find_part_load
 from kilter.analysis.margins.pushes import Push, find_weakest_push
 from kilter.analysis.margins.tilt import (
     NearestHeld,
@@ -100,12 +101,14 @@ class Margin:
         does not dilate (not associative) the limits lie between these and `load_factor`.
         None where it was not asked for.
     pushes : tuple of Push
+    loads : tuple of PartLoad
+        What parts take straight down; none where that was not asked for.
     push : ndarray, shape (3,), or None
         The direction that `load_factor` was asked of; None: of the given loads.
     missing : dict
         What was asked for and is not there, "tilt", "about", "friction", "load_factor",
-        "bracket" or "push of NAME", and why: "none", proved that there is none (it is not held
-        as given, or no friction or factor is enough); "failed", the numbers did.
+        "bracket", "push of NAME" or "load on NAME", and why: "none", proved that there is none (it
+        is not held as given, or no friction or factor is enough); "failed", the numbers did.
     uncertainty : Uncertainty or None
         The worst case over `ranges`; None where none were given, or it is too large.
     helps : tuple of Help
@@ -128,6 +131,7 @@ class Margin:
     load_factor: tuple[Limit | None, Limit | None] | None
     guaranteed: tuple[Limit | None, Limit | None] | None
     pushes: tuple[Push, ...]
+    loads: tuple[PartLoad, ...]
     push: Array | None
     missing: dict[str, Why]
     uncertainty: Uncertainty | None
@@ -166,6 +170,7 @@ class Margin:
             "load_factor_bracket": self._bracket(),
             "load_limits": None if factor is None else [_limit(program, f) for f in factor],
             "pushes": [push.to_dict(program) for push in self.pushes],
+            "loads": [load.to_dict(program) for load in self.loads],
             "missing": dict(self.missing),
             "uncertainty": None if self.uncertainty is None else self.uncertainty.to_dict(program),
             "helps": [one.to_dict() for one in self.helps],
@@ -225,6 +230,7 @@ def margin(
     push: Any = None,
     about: Any = None,
     pushed: list[str] | None = None,
+    loads: bool = False,
     ranges: Ranges | None = None,
     bracket: bool = False,
     tolerance: Tolerance | None = None,
@@ -246,6 +252,8 @@ def margin(
     pushed : list of str, optional
         Parts whose weakest push is sought, and which are held in turn to see what that adds;
         where not given all, up to `PUSHED` free parts.
+    loads : bool
+        Also the load straight down that each free part takes, or each of `pushed`.
     ranges : Ranges, optional
         Also the worst tilt margin and load factor over these intervals.
     bracket : bool
@@ -313,8 +321,13 @@ def margin(
     for part in parts:
         pushes[part] = find_weakest_push(program, part, opening=opening)
         tell(f"pushes: {len(pushes)} of {len(parts)}")
+    taken, loaded = {}, _pushed(assembly, pushed, most=None) if loads else []
+    for part in loaded:
+        taken[part] = find_part_load(program, part, opening=opening)
+        tell(f"loads: {len(taken)} of {len(loaded)}")
     asked: dict[str, object] = {"about": turned, "friction": friction, "bond": bond}
     asked |= {f"push of {program.names[part]}": push for part, push in pushes.items()}
+    asked |= {f"load on {program.names[part]}": load for part, load in taken.items()}
     missing |= {what: one.why for what, one in asked.items() if isinstance(one, NoLimit)}
     for what, ends in (("load_factor", factor), ("bracket", sure)):
         whys = [end.why for end in ends or () if isinstance(end, NoLimit)]
@@ -345,6 +358,7 @@ def margin(
         load_factor=None if factor is None else (_known(factor[0]), _known(factor[1])),
         guaranteed=None if sure is None else (_known(sure[0]), _known(sure[1])),
         pushes=tuple(push for push in pushes.values() if isinstance(push, Push)),
+        loads=tuple(load for load in taken.values() if isinstance(load, PartLoad)),
         push=direction,
         missing=missing,
         uncertainty=worst,
@@ -363,8 +377,10 @@ def _missing_words(missing: dict[str, Why]) -> list[str]:
     """Warnings: what the numbers failed to give, and that nothing resists a push."""
     failed = [what for what, why in missing.items() if why == "failed"]
     words = [f"the numbers failed, so this is not said: {some_names(failed)}"] if failed else []
-    if any(what.startswith("push of") and why == "none" for what, why in missing.items()):
-        words.append("not in balance as given, so no push is resisted")
+    if any(
+        what.startswith(("push of", "load on")) and why == "none" for what, why in missing.items()
+    ):
+        words.append("not in balance as given, so no push is resisted and no load taken")
     return words
 
 
@@ -391,10 +407,11 @@ def _require_turnable(assembly: Assembly) -> None:
         )
 
 
-def _pushed(assembly: Assembly, names: list[str] | None) -> list[int]:
+def _pushed(assembly: Assembly, names: list[str] | None, *, most: int | None = PUSHED) -> list[int]:
+    """The parts that are named; without names all free ones, where they are not above `most`."""
     free = [k for k, part in enumerate(assembly.parts) if not part.grounded]
     if names is None:
-        return free if len(free) <= PUSHED else []
+        return free if most is None or len(free) <= most else []
     chosen = []
     for name in names:
         k = assembly.index_of(name)

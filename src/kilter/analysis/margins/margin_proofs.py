@@ -16,6 +16,7 @@ from kilter.analysis.judge import judge
 from kilter.analysis.margins.bond_factor import BondFactor
 from kilter.analysis.margins.least_friction import LeastFriction
 from kilter.analysis.margins.load_limit import Limit
+from kilter.analysis.margins.part_loads import PartLoad
 from kilter.analysis.margins.pushes import Push
 from kilter.analysis.margins.tilt import NearestHeld, TiltMargin
 from kilter.analysis.turning_tolerances import AROUND_LIMIT
@@ -55,11 +56,13 @@ class KnownLimits(Protocol):
     @property
     def pushes(self) -> tuple[Push, ...]: ...
     @property
+    def loads(self) -> tuple[PartLoad, ...]: ...
+    @property
     def push(self) -> Array | None: ...
 
 
 def margin_proofs(found: KnownLimits, *, options: dict[str, Any]) -> list[About]:
-    """Proofs of tilt or nearest held direction, least friction, load factor, pushes: all known."""
+    """Proofs of tilt or nearest held direction, least friction, load factor, pushes, loads."""
     proofs = []
     for what, (within, beyond), change, upwards, motion in _limits(found):
         steps = AROUND_LIMIT if within == beyond else (0.0, *AROUND_LIMIT)
@@ -109,6 +112,12 @@ def _limits(
             pushed = _pushed(found.assembly, push.part, push.direction * weight)
             sides = push.force / weight, push.force / weight
             yield f"push of {push.part}", sides, pushed, True, push.limit.mechanism
+    for load in found.loads:
+        if 0 < load.load < np.inf:
+            share, beyond = load.load / load.unit, load.beyond / load.unit
+            sides = share, beyond if np.isfinite(beyond) else share
+            pressed = _pushed(found.assembly, load.part, down * load.unit)
+            yield f"load on {load.part}", sides, pressed, True, load.limit.mechanism
 
 
 def _turned(down: Array, toward: Array) -> Change:

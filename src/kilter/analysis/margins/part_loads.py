@@ -1,0 +1,106 @@
+"""The load straight down that each part still takes before nothing holds.
+
+    max t:  J^T f + w + t d = 0,  f in the cones          d: along gravity at a centre of mass
+
+One limit a part, by itself: the forces there hold it, the motion beyond shows that no forces do.
+It is asked in units that suit it, first of all that weighs or holds, then of the load found, so
+that its two sides are near as seen from the load.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from kilter.analysis.margins.load_limit import Limit, NoLimit, find_limit, finite, starting
+from kilter.analysis.turning_tolerances import SIDES_NEAR
+from kilter.mechanics.coulomb_cones import spread
+from kilter.mechanics.opening import Opening
+from kilter.mechanics.program import Program
+
+__all__ = ["PartLoad", "find_part_load"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PartLoad:
+    """The load that a part takes straight down at its centre of mass.
+
+    Attributes
+    ----------
+    part : str
+    load : float
+        Proved to be held [N]; infinite where unlimited.
+    beyond : float
+        Proved not to be [N]; infinite where that proof is missing.
+    limit : Limit
+        Forces and mechanism at the limit, in units of `unit`.
+    unit : float
+        [N]
+    """
+
+    part: str
+    load: float
+    beyond: float
+    limit: Limit
+    unit: float
+
+    def to_dict(self, program: Program) -> dict[str, Any]:
+        """As JSON data of the answer of margins."""
+        return {
+            "part": self.part,
+            "load": finite(self.load),
+            "mass": finite(self.load / program.g),
+            "beyond": finite(self.beyond),
+            "residual": self.limit.forces.residual,
+            "moves": starting(program, self.limit.mechanism),
+        }
+
+
+def find_part_load(
+    program: Program, part: int, *, opening: Opening | None = None
+) -> PartLoad | NoLimit:
+    """The largest load straight down that a part takes; no limit: no balance without it.
+
+    Parameters
+    ----------
+    part : int
+        A free part, by position.
+    opening : Opening, optional
+        ``Opening(spread(program))``, where it is at hand.
+
+    Examples
+    --------
+    A cube that hangs under another by a bond takes what the bond holds, less its weight.
+
+    >>> from kilter import Assembly, Bond, Box, Part, Pose
+    >>> from kilter.contact import contacts
+    >>> from kilter.mechanics.program import build_program
+    >>> top = Part("top", Box([1, 1, 1]), Pose([0, 0, 1]), grounded=True)
+    >>> bond = Bond(("low", "top"), pull=9810)
+    >>> hung = Assembly([top, Part("low", Box([1, 1, 1]))], bonds=[bond])
+    >>> round(find_part_load(build_program(hung, contacts(hung)), 1).load, 3)
+    29430.0
+    """
+    opening = opening or Opening(spread(program))
+    unit = float(program.weight[program.free].sum() + program.pull.sum())
+    found = _asked(program, part, unit, opening)
+    if isinstance(found, NoLimit) or not 0 < found.load < np.inf:
+        return found
+    if found.beyond - found.load <= SIDES_NEAR * found.load:
+        return found
+    nearer = _asked(program, part, found.load, opening)
+    better = isinstance(nearer, PartLoad) and nearer.beyond < found.beyond
+    return nearer if better else found
+
+
+def _asked(program: Program, part: int, unit: float, opening: Opening) -> PartLoad | NoLimit:
+    wrench = np.zeros((len(program.names), 6))
+    wrench[part, :3] = unit * program.down
+    limit = find_limit(program, wrench, opening=opening)
+    if isinstance(limit, NoLimit) or limit.value < 0:
+        return limit if isinstance(limit, NoLimit) else NoLimit("none")
+    beyond = limit.value + limit.gap * max(limit.value, 1.0)
+    load = limit.value * unit
+    return PartLoad(program.names[part], load, max(beyond * unit, load), limit, unit)
