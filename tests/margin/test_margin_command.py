@@ -18,8 +18,8 @@ KEYS = {
     "tilt_upper_deg", "tilt_down",
     "tilt_limit", "about", "friction", "friction_limit", "load_factor", "load_factor_bracket",
     "bond", "bond_limit",
-    "load_limits", "pushes", "loads", "missing", "uncertainty", "helps", "warnings", "seconds", "open_pairs",
-    "exact",
+    "load_limits", "pushes", "loads", "missing", "uncertainty", "helps", "warnings", "seconds",
+    "exact", "open_pairs",
 }  # fmt: skip
 
 
