@@ -1,4 +1,4 @@
-"""What all tests share: hypothesis without deadlines, since cores are shared; `--each-solver`."""
+"""What all tests share: hypothesis without deadlines, since cores are shared; their options."""
 
 from __future__ import annotations
 
@@ -15,8 +15,9 @@ settings.load_profile("kilter")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """`--each-solver FILE`: see `solvers_apart`."""
+    """`--each-solver FILE`: see `solvers_apart`; `--kills N`: see `tests/cli/test_writing.py`."""
     parser.addoption("--each-solver", metavar="FILE", type=Path, help="ask each solver by itself")
+    parser.addoption("--kills", type=int, default=40, help="moments at which a writer is killed")
 
 
 @pytest.fixture(autouse=True)

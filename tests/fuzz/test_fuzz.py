@@ -21,7 +21,7 @@ from fuzz_oracles import faults_of_command, faults_of_loading, faults_of_proof, 
 import kilter
 
 HERE = Path(__file__).parent
-ROUND = {"files": 300, "scenes": 30, "options": 40, "proofs": 40}
+ROUND = {"files": 160, "scenes": 16, "options": 24, "proofs": 24}
 """Cases of each kind."""
 
 
