@@ -24,28 +24,28 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; the exit code is returned, and used by the console script."""
     import warnings
 
-    if arguments is None:  # a program of its own
-        make_no_threads()
-        open_closed_streams()
     words = list(sys.argv[1:] if arguments is None else arguments)
     alone = arguments is None
     try:
+        if alone:  # a program of its own
+            make_no_threads()
+            open_closed_streams()
         with warnings.catch_warnings(), interruptible(alone=alone) as heard:
             warnings.simplefilter("ignore")
             try:
                 return _run(words)
             except BrokenPipeError:
                 raise
-            except KeyboardInterrupt:
-                pass
             except Exception as error:
-                if not heard():  # else it is what was made of an interruption on its way
-                    _say(fault_words(error, words))
-                    return FAULT
-            if alone:
-                end_interrupted()
-            _say("interrupted")
-            return INTERRUPTED
+                if heard():  # this is what was made of an interruption on its way
+                    raise KeyboardInterrupt from None
+                _say(fault_words(error, words))
+                return FAULT
+    except KeyboardInterrupt:
+        if alone:
+            end_interrupted()
+        _say("interrupted")
+        return INTERRUPTED
     except BrokenPipeError:
         # the reader of a pipe has seen enough; nothing is left to tell it
         sys.stdout = None

@@ -63,13 +63,13 @@ def interruptible(*, alone: bool) -> Iterator[Callable[[], bool]]:
         heard.append(now)
         raise KeyboardInterrupt
 
-    for one in SIGNALS:
-        if inherited[one] in OURS:
-            signal.signal(one, hear)
     watched = _watch(heard) if alone and os.name == "posix" else None
     if alone:
         sys.unraisablehook = _end_where_dropped
     try:
+        for one in SIGNALS:
+            if inherited[one] in OURS:
+                signal.signal(one, hear)
         yield lambda: bool(heard)
     finally:
         if watched is not None:

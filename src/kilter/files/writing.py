@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import tempfile
+import secrets
 from pathlib import Path
 from typing import Any
 
@@ -97,10 +97,10 @@ def write_bytes(path: str | Path, data: bytes) -> None:
 def _replace(target: Path, data: bytes) -> None:
     if target.is_dir():
         raise IsADirectoryError(None, "it is a folder")
-    handle, beside = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name[:40]}.")
-    UNDER_WAY.add(beside)
+    beside = str(target.with_name(f".{target.name[:40]}.{secrets.token_hex(8)}"))
+    UNDER_WAY.add(beside)  # before it is there: who is interrupted knows of it
     try:
-        with os.fdopen(handle, "wb") as stream:
+        with open(beside, "xb", opener=_for_its_owner) as stream:
             stream.write(data)
             stream.flush()
             os.fsync(stream.fileno())
@@ -112,6 +112,10 @@ def _replace(target: Path, data: bytes) -> None:
         raise
     finally:
         UNDER_WAY.discard(beside)
+
+
+def _for_its_owner(path: str, flags: int) -> int:
+    return os.open(path, flags, 0o600)
 
 
 def _mode(target: Path) -> int:
