@@ -32,6 +32,11 @@ def test_a_program_written_apart_agrees(census, seed):
     assert answer
 
 
+def test_that_no_share_is_enough_is_said_where_the_numbers_of_a_limit_fail(census):
+    """Bonds of 4 kN and of 1 MN: a brick slides off its bond, however strong."""
+    assert census.asked(1069) == ("grown, space, friction: no share is enough", [])
+
+
 def test_the_census_would_see_a_share_that_is_off(census):
     """Half of the strength of every bond is another assembly: twice the share."""
     made = random_bonded(1)

@@ -9,7 +9,11 @@ from test_closed_forms import WEIGHT, cantilever, cube, hung
 
 import kilter
 from kilter import Assembly, Bond
+from kilter.analysis.judge import judge
+from kilter.analysis.margins.bond_factor import find_bond_factor, unbreakable
+from kilter.analysis.margins.load_limit import NoLimit
 from kilter.cli import main
+from kilter.mechanics.program import build_program
 
 
 @pytest.mark.parametrize("strength", [0.4, 1.0, 40.0])
@@ -52,6 +56,20 @@ def test_bonds_that_nothing_needs_are_null_and_those_that_never_suffice_are_said
     answer = kilter.margin(slides, pushed=[]).to_dict()
     assert answer["bond"] is None
     assert answer["missing"]["bond"] == "none"
+
+
+@pytest.mark.parametrize(("mu", "holds"), [(0.0, False), (1e-3, True)])
+def test_bonds_that_never_break_hold_what_some_strength_holds(mu, holds):
+    """A cube hung sideways: any friction at all is enough, for a bond that is strong enough."""
+    bond = Bond(("low", "top"), pull=WEIGHT, shear="mu")
+    aside = Assembly(hung(WEIGHT).parts, gravity=[9.81, 0, 0], friction=mu, bonds=[bond])
+    contacts = kilter.contacts(aside)
+    program = build_program(aside, contacts)
+    assert judge(unbreakable(program)).stable is holds
+    found = find_bond_factor(program, contacts)
+    assert isinstance(found, NoLimit) is not holds
+    if holds:
+        assert found.value == pytest.approx(1 / (4 * mu), rel=1e-6)
 
 
 def test_a_bond_on_the_command_line_is_kept_in_the_proof(tmp_path, capsys, monkeypatch):

@@ -68,21 +68,6 @@ def test_a_mortar_joint_in_bending_takes_its_tension_times_half_its_height(share
     assert kilter.verify(assembly, json.loads(json.dumps(verdict.proof()))).holds
 
 
-@pytest.mark.parametrize("stress", [0.0, 2e4, 2e5])
-def test_a_wall_without_tension_overturns_at_its_edge_and_mortar_adds_its_own_moment(stress):
-    """Rankine: the resultant stays within the base. alpha W H / 2 = (W + p B L) B / 2."""
-    height, width = 3.0, 0.5
-    base = Part("base", Box([2, 2, 1]), Pose([0, 0, -0.5]), grounded=True)
-    wall = Part("wall", Box([width, 1, height]), Pose([0, 0, height / 2]))
-    weight = WEIGHT * height * width
-    mortar = Bond(("base", "wall"), pull_per_area=stress, kind="mortar")
-    assembly = Assembly([base, wall], friction=5.0, bonds=[mortar])
-    found = kilter.margin(assembly, push=[1, 0, 0], pushed=[], effort=0)
-    limit = width / height * (1 + stress * width / weight)
-    assert found.load_factor[1].value == pytest.approx(limit, rel=1e-7)
-    assert found.bond.value == 0.0
-
-
 @BOTH
 def test_a_prism_hangs_by_the_area_of_its_triangle(share):
     corners = [[0, 0], [1, 0], [0, 1]]

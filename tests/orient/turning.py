@@ -41,6 +41,7 @@ _REGISTERED = [
     name
     for name in SCENES
     if name not in ("laden-slab", "books", "three-cylinders", "wall-with-opening", "tilted-wall")
+    and not SCENES[name].build().bonds
 ]
 
 _MORE: dict[str, Callable[[], Assembly]] = {
@@ -65,7 +66,7 @@ ALL: dict[str, Callable[[], Assembly]] = {
     **{name: SCENES[name].build for name in _REGISTERED},
     **_MORE,
 }
-"""Scenes without loads, by name."""
+"""Scenes without loads and bonds, by name."""
 
 UNSTABLE = (
     "wedge-on-wedge", "inverted-triangle", "wall-on-short-base", "hanging-brick", "arch", "bracket",

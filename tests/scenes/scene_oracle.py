@@ -24,6 +24,8 @@ class Touching:
     mu: np.ndarray
     gap: np.ndarray
     pairs: set
+    pressed: list
+    """Of bonds by area: parts a and b, the middle of a piece of the area, the force on b."""
 
 
 def touching(assembly, *, scale=1.0):
@@ -35,7 +37,8 @@ def touching(assembly, *, scale=1.0):
     low, high = corners.min(axis=1) - PLANE * scale, corners.max(axis=1) + PLANE * scale
     part = geometry.triangle_part
     given = {frozenset(map(assembly.index_of, c.parts)) for c in assembly.contacts}
-    rows = []
+    stress = {frozenset(map(assembly.index_of, bond.parts)): bond for bond in assembly.bonds}
+    rows, pressed = [], []
     for t in range(len(corners)):
         near = (low <= high[t]).all(axis=1) & (high >= low[t]).all(axis=1) & (part > part[t])
         near &= normals @ normals[t] < -1 + 1e-9
@@ -48,6 +51,9 @@ def touching(assembly, *, scale=1.0):
                 gap = np.abs((corners[s] - corners[t, 0]) @ normals[t]).max()
                 mu = friction_of(assembly, part[t], part[s])
                 rows += [(part[t], part[s], p, normals[t], mu, gap) for p in points]
+                if bond := stress.get(frozenset((part[t], part[s]))):
+                    force = -bond.pull_per_area * area(points) * normals[t]
+                    pressed.append((part[t], part[s], middle(points), force))
     for c in assembly.contacts:
         a, b = map(assembly.index_of, c.parts)
         mu = friction_of(assembly, a, b) if c.mu is None else c.mu
@@ -59,7 +65,7 @@ def touching(assembly, *, scale=1.0):
     return Touching(
         np.array(a, dtype=int), np.array(b, dtype=int),
         np.array(x).reshape(-1, 3), np.array(n).reshape(-1, 3),
-        np.array(mu), np.array(gap), pairs,
+        np.array(mu), np.array(gap), pairs, pressed,
     )  # fmt: skip
 
 
@@ -97,6 +103,29 @@ def area(points):
     return 0.5 * float(np.linalg.norm(np.cross(p[:-1], p[1:]).sum(axis=0)))
 
 
+def middle(points):
+    """Centroid of a convex polygon, from the triangles about its first corner."""
+    fan = [(points[0], p, q) for p, q in itertools.pairwise(points[1:])]
+    sizes = [float(np.linalg.norm(np.cross(p - o, q - o))) for o, p, q in fan]
+    return np.average(np.mean(fan, axis=1), axis=0, weights=sizes)
+
+
+def given_load(assembly, pressed):
+    """Loads and the tension of bonds, counted from full strength, in units of |g|: shape (N, 6)."""
+    center = assembly.geometry.center
+    forces = [
+        (k, load.force, load.torque, center[k] if load.point is None else load.point)
+        for load in assembly.loads
+        for k in [assembly.index_of(load.part)]
+    ]
+    for a, b, x, force in pressed:
+        forces += [(a, -force, np.zeros(3), x), (b, force, np.zeros(3), x)]
+    load = np.zeros((len(center), 6))
+    for k, force, torque, x in forces:
+        load[k] += np.append(force, torque + np.cross(x - center[k], force))
+    return load / np.linalg.norm(assembly.gravity)
+
+
 def program(assembly):
     """Rows of J dp >= 0 and the load w, weights in units of |g|; held parts left out."""
     geometry = assembly.geometry
@@ -108,6 +137,7 @@ def program(assembly):
         jacobian[rows, part, 3:] += sign * np.cross(c.x - geometry.center[part], c.n)
     load = np.zeros((len(geometry.mass), 6))
     load[:, :3] = geometry.mass[:, None] * assembly.down
+    load += given_load(assembly, c.pressed)
     free = ~geometry.grounded
     axes = [0, 2, 4] if assembly.planar else list(range(6))
     jacobian = jacobian[:, free][:, :, axes].reshape(len(c.a), int(free.sum()) * len(axes))

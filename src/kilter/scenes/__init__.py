@@ -28,6 +28,7 @@ ROOMS = (
     "stacks",
     "accelerations",
     "walls",
+    "mortar",
     "arches",
     "wedges",
     "packings",
@@ -70,6 +71,6 @@ def example(
     >>> example("wall", size=(8, 5))
     <Assembly: 43 parts, 1 held, in m>
     >>> len(example()), example()[0]
-    (48, <Example: paper-figure-1, unstable: a block drives another out of a right-angled one>)
+    (51, <Example: paper-figure-1, unstable: a block drives another out of a right-angled one>)
     """
     return list(SCENES.values()) if name is None else scene(name, size=size)

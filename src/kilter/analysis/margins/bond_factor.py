@@ -3,21 +3,24 @@
     min s:  J^T f' + w + s c = 0,  f' in the cones          c: the clamps of all bonds
 
 below 1 it stands, above 1 it falls; the bond that takes up most work in the motion that starts
-there is the one that breaks first.
+there is the one that breaks first. Where no share is enough, bonds that hold whatever they are
+asked do not either: then forces have both signs along the normals of all bonded points, and with
+friction any size across them.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from kilter.analysis.judge import judge
 from kilter.analysis.margins.load_limit import Limit, NoLimit, find_limit, finite, starting
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.mechanics.program import Program
-from kilter.mechanics.rows import CONTACT
+from kilter.mechanics.rows import CONTACT, ForceRows, bonded_rows
 
 __all__ = ["BondFactor", "find_bond_factor"]
 
@@ -82,6 +85,8 @@ def find_bond_factor(program: Program, contacts: ContactSet) -> BondFactor | NoL
     """
     limit = find_limit(program, -program.clamp, most=1.0)
     if isinstance(limit, NoLimit):
+        if limit.why == "failed" and judge(unbreakable(program)).stable is False:
+            return NoLimit("none")
         return limit
     value = 0.0 if np.isinf(limit.value) else 1.0 - limit.value
     if value < STRONG and program.clamp.any():
@@ -92,6 +97,20 @@ def find_bond_factor(program: Program, contacts: ContactSet) -> BondFactor | NoL
             return limit
         value = 0.0 if limit.value >= -NEEDLESS else -limit.value * unit
     return BondFactor(value, limit, _opens(program, contacts, limit) if value else ())
+
+
+def unbreakable(program: Program) -> Program:
+    """The program as if bonds held whatever they are asked: the limit of ever stronger ones."""
+    held = program.pull > 0
+    rows = replace(
+        program.force_rows,
+        two_sided=program.two_sided | held,
+        mu=np.where(held, 0.0, program.mu),
+        pull=np.zeros(len(held)),
+    )
+    across = bonded_rows(replace(rows, tied=held & (program.mu > 0)))
+    loose = program.with_rows(clamp=np.zeros_like(program.clamp))
+    return loose.with_force_rows(ForceRows.join([rows, across]))
 
 
 def _opens(program: Program, contacts: ContactSet, limit: Limit) -> tuple[tuple[int, float], ...]:

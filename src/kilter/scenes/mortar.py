@@ -1,0 +1,147 @@
+"""Masonry whose joints take tension: piers in wind and under eccentric loads, corbelled courses.
+
+Blocks of length b along x, depth d along y and height h on a held one or on the floor, one a
+course. A joint opens about its edge where the moment M of what is above it about that edge, the
+weights W counted, is more than the tension p of the mortar bears at the middle of its area A,
+
+    M = p A a / 2                a: length of the joint across its edge; compression has no limit
+
+and without tension the resultant stays within the section (Rankine). Shear is borne by friction,
+mu (f_n + p A). Strengths are in N/mm2, as tables of mortar have them.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+from kilter.assembly import Assembly, Bond, Load, Part
+from kilter.rigid import Pose
+from kilter.scenes.pieces import floor
+from kilter.scenes.registry import listed
+from kilter.shape.primitives import Box
+
+__all__ = ["corbel", "eccentric_pier", "pier_in_wind"]
+
+BLOCK = (0.4, 0.2, 0.2)
+"""Length, depth and height of a block [m]."""
+DENSITY = 2000.0
+"""Of masonry [kg/m^3]."""
+N_PER_MM2 = 1e6
+"""In N/m^2."""
+
+
+def _course(number: int, x: float = 0.0) -> Part:
+    """The block of a course, by its number from 1; 0 is below the joint at z = 0."""
+    name = f"course-{number}" if number else "base"
+    at = Pose([x, 0.0, (number - 0.5) * BLOCK[2]])
+    return Part(name, Box(BLOCK), at, grounded=not number, density=DENSITY)
+
+
+def _mortared(
+    parts: list[Part], strength: float, friction: float, loads: list[Load] | None = None
+) -> Assembly:
+    """Each part in mortar on the one before it; the strength in N/mm2."""
+    bonds = [
+        Bond((low.name, high.name), pull_per_area=strength * N_PER_MM2, kind="mortar")
+        for low, high in pairwise(parts)
+    ]
+    return Assembly(parts, friction=friction, loads=loads or [], bonds=bonds)
+
+
+def _on_floor(count: int) -> list[Part]:
+    """A pier of so many courses."""
+    length, depth, _ = BLOCK
+    pier = [_course(k) for k in range(1, count + 1)]
+    return [floor([-length, -depth], [length, depth]), *pier]
+
+
+@listed(
+    "mortared-corbel",
+    "eight courses, each a quarter of its length beyond the one below",
+    source="cohesive cantilever courses",
+    answer="stable",
+)
+def corbel(
+    count: int = 8, *, step: float = 0.1, strength: float = 0.1, friction: float = 0.6
+) -> Assembly:
+    """Courses on a held one, each `step` beyond the one below it toward +x.
+
+    The lowest joint opens about the edge of the held block: n W ((n + 1) step - b) / 2 against
+    p d (b - step)^2 / 2. Dry courses stand up to (n + 1) step = b.
+
+    Parameters
+    ----------
+    count : int
+    step : float
+        [m]
+    strength : float
+        Tension that the mortar bears [N/mm2].
+    friction : float
+        [-]
+    """
+    parts = [_course(k, k * step) for k in range(count + 1)]
+    return _mortared(parts, strength, friction)
+
+
+@listed(
+    "pier-in-wind",
+    "a mortared pier in a wind that would overturn it dry",
+    source="Rankine, resultant within the section",
+    answer="stable",
+)
+def pier_in_wind(
+    count: int = 4, *, wind: float = 2000.0, strength: float = 0.1, friction: float = 0.6
+) -> Assembly:
+    """A pier of courses, with wind toward +y at the middle of each.
+
+    Overturns about its foot, H = n h: q b H^2 / 2 against (n W + p b d) d / 2.
+
+    Parameters
+    ----------
+    count : int
+    wind : float
+        q [N/m2].
+    strength : float
+        Tension that the mortar bears [N/mm2].
+    friction : float
+        [-]
+    """
+    parts = _on_floor(count)
+    length, _, height = BLOCK
+    loads = [Load(part.name, [0, wind * length * height, 0]) for part in parts[1:]]
+    return _mortared(parts, strength, friction, loads)
+
+
+@listed(
+    "eccentric-pier",
+    "a mortared pier under a load beside it",
+    source="Rankine, resultant within the section",
+    answer="stable",
+)
+def eccentric_pier(
+    count: int = 3,
+    *,
+    load: float = 5000.0,
+    eccentricity: float = 0.25,
+    strength: float = 0.1,
+    friction: float = 0.6,
+) -> Assembly:
+    """A pier of courses, with a load on the upper one, off the axis toward +x.
+
+    The upper joint opens about its edge: P (e - b / 2) against (W + p b d) b / 2.
+
+    Parameters
+    ----------
+    count : int
+    load : float
+        P [N].
+    eccentricity : float
+        e [m].
+    strength : float
+        Tension that the mortar bears [N/mm2].
+    friction : float
+        [-]
+    """
+    parts = _on_floor(count)
+    top = [eccentricity, 0.0, count * BLOCK[2]]
+    return _mortared(parts, strength, friction, [Load(parts[-1].name, [0, 0, -load], point=top)])
