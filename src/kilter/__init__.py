@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from kilter.analysis.many.batch import batch as batch
     from kilter.analysis.many.check_many import check_many as check_many
     from kilter.analysis.many.verdicts import Verdicts as Verdicts
+    from kilter.analysis.margins.improve import Improvement as Improvement
+    from kilter.analysis.margins.improve import improve as improve
     from kilter.analysis.margins.margin import Margin as Margin
     from kilter.analysis.margins.margin import margin as margin
     from kilter.analysis.planning.fixture import Fixture as Fixture
@@ -87,6 +89,7 @@ _HOMES = {
     "dump": "kilter.files.writing",
     "example": "kilter.scenes",
     "hold": "kilter.analysis.planning.hold",
+    "improve": "kilter.analysis.margins.improve",
     "load": "kilter.files.reading",
     "margin": "kilter.analysis.margins.margin",
     "orient": "kilter.analysis.turning.orientation",
@@ -125,6 +128,7 @@ _HOMES = {
     "Example": "kilter.scenes.registry",
     "Fixture": "kilter.analysis.planning.fixture",
     "Health": "kilter.health",
+    "Improvement": "kilter.analysis.margins.improve",
     "Margin": "kilter.analysis.margins.margin",
     "Order": "kilter.analysis.planning.order",
     "Orientation": "kilter.analysis.turning.orientation",

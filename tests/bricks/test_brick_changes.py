@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,13 +11,14 @@ import pytest
 from bricks_apart import least_share
 
 import kilter
-from kilter.analysis.margins.brick_changes import what_to_change
 from kilter.assembly.brick import BRICK_PLATES
 from kilter.assembly.bricks.brick_assembly import assembly_of_bricks, bricks_of
 from kilter.assembly.bricks.brick_library import brick_mass
 from kilter.assembly.bricks.stud_rules import StudRules
+from kilter.cli import main
 from kilter.rigid import Pose
 from kilter.scenes.random_bricks import random_bricks
+from kilter.tell.improve_words import improve_sentence
 
 
 def rows(assembly: kilter.Assembly) -> np.ndarray:
@@ -31,7 +33,7 @@ def test_a_stair_that_falls_needs_a_prop_or_a_step_less(tmp_path: Path) -> None:
     path.write_text("\n".join(f"4x2 ({2 * k},0,{k})" for k in range(7)))
     pull = 0.98 * 0.95 * least_share(rows(kilter.load(path)))
     assembly = kilter.load(path, stud_pull=pull)
-    found = what_to_change(assembly)
+    found = kilter.improve(assembly)
     assert found.share == pytest.approx(1 / 0.95, rel=1e-6)
     assert found.weakest in (("2x4-1", "2x4-2"), ("2x4-1", "baseplate"), ("baseplate", "2x4-1"))
     assert found.best is not None
@@ -46,6 +48,77 @@ def test_a_stair_that_falls_needs_a_prop_or_a_step_less(tmp_path: Path) -> None:
             after[key] = np.array([*key, brick_mass(*change.cells)])
         apart = least_share(list(after.values()), pull=pull)
         assert change.share == (np.inf if apart == np.inf else pytest.approx(apart, rel=1e-5))
+
+
+def test_a_brick_in_the_air_is_taken_away_or_reached(tmp_path: Path) -> None:
+    path = tmp_path / "air.txt"
+    path.write_text("2x4 (0,0,0)\n2x4 (0,0,2)\n")
+    found = kilter.improve(kilter.load(path))
+    assert (found.verdict, found.share, found.weakest) == ("unstable", np.inf, None)
+    assert found.stands
+    assert found.best.what == "add"
+    assert found.best.corner[2] == BRICK_PLATES
+    assert {change.name for change in found.tried if change.what == "remove"} == {"2x4-2"}
+    assert kilter.check(found.best.assembly).verdict == "stable"
+    assert found.to_dict()["share"] is None
+    assert found.sentence.startswith("It falls: no strength of its studs is enough. Add a brick")
+
+
+def test_what_no_one_brick_mends_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "air.txt"
+    path.write_text("2x4 (0,0,0)\n" + "".join(f"1x1 ({8 * k},0,5)\n" for k in range(1, 4)))
+    found = kilter.improve(kilter.load(path))
+    assert not found.stands
+    assert found.best is None
+    assert found.sentence.endswith("None of the changes that were tried lowers that.")
+
+
+def test_the_command_names_the_brick_and_writes_the_model(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, better = tmp_path / "stair.txt", tmp_path / "better.kilter.json"
+    path.write_text("\n".join(f"4x2 ({2 * k},0,{k})" for k in range(6)))
+    words = ["improve", str(path), "--stud-pull", "0.05"]
+    assert main([*words, "--write", str(better)]) == 0
+    told = capsys.readouterr().out
+    found = kilter.improve(kilter.load(path, stud_pull=0.05))
+    assert told.splitlines()[0] == found.sentence
+    assert "weakest  the studs between" in told
+    assert f"changed model  written to {better}" in told
+    assert main(["check", str(better), "--quiet"]) == 0
+    again = kilter.improve(kilter.load(better))
+    assert again.share == pytest.approx(found.best.share, rel=1e-6)
+    capsys.readouterr()
+    assert main([*words, "--json", "--quiet"]) == 0
+    assert json.loads(capsys.readouterr().out) == json.loads(json.dumps(found.to_dict()))
+    alone = tmp_path / "alone.txt"
+    alone.write_text("2x4 (0,0,0)\n" + "".join(f"1x1 ({8 * k},0,5)\n" for k in range(1, 4)))
+    assert main(["improve", str(alone), "--write", str(better), "--quiet"]) == 1
+    assert "changed model  none to write" in capsys.readouterr().out
+    assert main(["improve", str(path), "--write", str(path)]) == 2
+    assert main(["example", "tower", "-o", str(tmp_path / "tower.json")]) == 0
+    assert main(["improve", str(tmp_path / "tower.json")]) == 2
+    assert "it is no brick" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("answer", "said"),
+    [
+        ({"share": 0.4, "stands": True}, "It stands: its studs need 40 % of their strength."),
+        ({"share": 1.00005, "stands": True}, "need 100.005 % of their strength."),
+        ({"share": 0.0, "stands": True}, "no pull of its studs is needed."),
+    ],
+)
+def test_the_sentence_tells_what_is_needed(answer: dict[str, object], said: str) -> None:
+    whole = {"verdict": "stable", "best": None, **answer}
+    assert said in improve_sentence(whole)
+    best = {"what": "remove", "name": "2x4-3", "corner": [1, 2, 6], "layer": 2.0, "cells": [2, 4]}
+    one = improve_sentence({**whole, "best": {**best, "share": 0.25}})
+    assert one.endswith("Take away 2x4-3 in layer 2 at cell (1, 2), and 25 % is needed.")
+    falls = {**whole, "verdict": "unstable", "stands": False, "best": {**best, "share": 1.5}}
+    assert improve_sentence(falls).endswith(
+        "No one brick is enough; the most helps: take away 2x4-3 in layer 2 at cell (1, 2)."
+    )
 
 
 def test_the_bricks_of_an_assembly_are_those_it_was_made_of() -> None:
@@ -80,4 +153,4 @@ def test_a_brick_off_the_grid_is_named(pose: Pose) -> None:
 
 def test_what_is_no_brick_is_named() -> None:
     with pytest.raises(kilter.InputError, match="part 'base': it is no brick"):
-        what_to_change(kilter.example("tower"))
+        kilter.improve(kilter.example("tower"))

@@ -20,7 +20,7 @@ from kilter.scenes import scene
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="processes of POSIX")
 
-FILE, SLIDES = "tower.kilter.json", "slope.kilter.json"
+FILE, SLIDES, BRICKS = "tower.kilter.json", "slope.kilter.json", "stair.txt"
 WRITERS = {
     "proof.json": ["check", FILE, "--quiet", "--proof"],
     "check.json": ["check", FILE, "--quiet", "--json", "-o"],
@@ -29,6 +29,7 @@ WRITERS = {
     "margin.json": ["margin", FILE, "--quiet", "--proof"],
     "orient.json": ["orient", FILE, "--quiet", "--json", "-o"],
     "contacts.json": ["contacts", FILE, "--quiet", "--json", "-o"],
+    "improve.json": ["improve", BRICKS, "--quiet", "--write"],
     "hold.json": ["hold", FILE, "--quiet", "--json", "-o"],
     "plan.json": ["plan", FILE, "--quiet", "--json", "-o"],
     "plan.csv": ["plan", FILE, "--quiet", "-o"],
@@ -62,9 +63,10 @@ def commands() -> Iterator[Commands]:
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A tower of three cubes, and a block that slides: all is soon done."""
+    """A tower of three cubes, a block that slides, two bricks: all is soon done."""
     kilter.dump(scene("tower"), tmp_path / FILE)
     kilter.dump(scene("slope"), tmp_path / SLIDES)
+    (tmp_path / BRICKS).write_text("4x2 (0,0,0)\n4x2 (2,0,1)\n", encoding="utf-8")
     return tmp_path
 
 
@@ -161,7 +163,7 @@ def test_a_command_that_is_asked_to_end_leaves_nothing_beside(
         code, _ = commands.run(words, folder, after=after, number=number, ignored=ignored)
         said = (folder / SAID).read_text("utf-8")
         assert "Traceback" not in said
-        assert {path.name for path in folder.iterdir()} == {FILE, SLIDES, SAID, name}
+        assert {path.name for path in folder.iterdir()} == {FILE, SLIDES, BRICKS, SAID, name}
         if code == 130:
             assert said.endswith("kilter: interrupted\n")  # a plan says what it knew so far
             assert target.read_bytes() == OLD or whole(target)

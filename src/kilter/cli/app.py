@@ -11,6 +11,7 @@ from kilter.cli.batches import batch
 from kilter.cli.directions import margin, orient, region
 from kilter.cli.doctoring import doctor
 from kilter.cli.holding import hold
+from kilter.cli.improving import improve
 from kilter.cli.judging import check, contacts, example, verify
 from kilter.cli.pages import draw, report, view
 from kilter.cli.planning import plan
@@ -18,7 +19,7 @@ from kilter.cli.planning import plan
 __all__ = ["command"]
 
 JUDGING = (check, orient, region, margin, plan, hold)
-COMMANDS = (*JUDGING, report, view, draw, contacts, verify, batch, example, doctor)
+COMMANDS = (*JUDGING, improve, report, view, draw, contacts, verify, batch, example, doctor)
 
 
 def _untyped(params: list[Any]) -> list[Any]:

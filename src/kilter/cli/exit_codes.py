@@ -7,6 +7,7 @@ __all__ = [
     "FAULT",
     "HOLD",
     "HOLDS",
+    "IMPROVE",
     "INTERRUPTED",
     "LOWER",
     "ORIENT",
@@ -30,6 +31,8 @@ PLAN = {"impossible": 1, "fails": 1, "none-found": 4}
 VERIFY = {True: 0, False: 1}
 """Of whether a proof holds."""
 HOLD = {"held": 0, "impossible": 1, "undecided": 4}
+IMPROVE = {True: 0, False: 1}
+"""Of whether it stands as it is, or with the one brick that is named."""
 DOCTOR = {True: 0, False: 1}
 """Of whether all that is installed works."""
 SOME_ERRORS = 1

@@ -13,6 +13,7 @@ from typing import Any
 from kilter.errors import some
 from kilter.tell.check_facts import check_facts
 from kilter.tell.hold_words import hold_facts
+from kilter.tell.improve_words import improve_facts
 from kilter.tell.margin_facts import margin_facts
 from kilter.tell.numbers import number, plain, vector
 from kilter.tell.plan_words import order_facts
@@ -32,6 +33,7 @@ __all__ = ["facts", "kind_of"]
 TELLING = {
     "held_steps": "plan",
     "candidates": "hold",
+    "tried": "improve",
     "kilter": "assembly",
     "rotation": "orient",
     "facets": "region",
@@ -152,6 +154,7 @@ _TELLERS: dict[str, Callable[[Answer], list[Fact]]] = {
     "check": check_facts,
     "contacts": _contacts,
     "hold": hold_facts,
+    "improve": improve_facts,
     "margin": margin_facts,
     "orient": orient_facts,
     "plan": order_facts,

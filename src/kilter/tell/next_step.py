@@ -32,6 +32,7 @@ AFTER_CHECK = {
 }
 STRONGER = NextStep(("margin",), "how much stronger its bonds would have to be, and which give way")
 PLAN = NextStep(("plan",), "in which order it can be put together")
+LOADS = NextStep(("margin", "--loads"), "what each brick still takes, and the push that it resists")
 CHECK = NextStep(("check",), "whether it stays together under gravity")
 
 
@@ -68,6 +69,8 @@ def next_step(answer: Answer, name: str) -> NextStep | None:
     if kind == "plan":
         shown = NextStep(("plan", "-o", f"{name}.html"), "a page that plays the steps")
         return shown if answer["found"] else None
+    if kind == "improve":
+        return None if answer["verdict"] == "unstable" else LOADS
     if kind == "hold":
         return PLAN if answer["verdict"] == "held" else None
     return CHECK if kind == "contacts" else None

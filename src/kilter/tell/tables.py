@@ -11,6 +11,7 @@ from kilter.errors import some
 from kilter.tell.contact_words import gap_words
 from kilter.tell.facts import kind_of
 from kilter.tell.hold_words import support_cells
+from kilter.tell.improve_words import HEAD, change_cells, improve_sentence
 from kilter.tell.numbers import count, counts, force, mass, number, percent, plain, vector
 from kilter.tell.open_words import settling_options
 from kilter.tell.plan_words import step_cells
@@ -48,6 +49,7 @@ KINDS = {
     "all": "Every direction of gravity is stable: it is locked.",
 }
 HELD = "With friction, where forces that hold it exist ('kilter check --down' tells the rest):"
+TRIED = "Changes that were tried, the best first:"
 LEFT_OUT = "Without friction and contacts not modelled:"
 
 
@@ -104,6 +106,8 @@ def sentences(answer: Answer) -> list[str]:
         if not answer["holds"]:
             return ["The proof does not hold."]
         return [f"The proof holds: {answer['verdict']}."]
+    if kind == "improve":
+        return [improve_sentence(answer)]
     lines = [str(answer["sentence"])]
     moving = sum(part["moves"] for part in answer.get("parts", ()))
     if kind == "check" and answer["verdict"] == "unstable" and moving > NAMED:
@@ -139,6 +143,10 @@ def tables(answer: Answer) -> list[Table]:
         return [_steps(answer)]
     if kind == "hold" and answer["supports"]:
         return [_supports(answer)]
+    if kind == "improve" and answer["tried"]:
+        return [
+            Table("Changes that were tried, the best first:", HEAD, answer["tried"], change_cells)
+        ]
     if kind == "check":
         return [table for table in [fastened_table(answer)] if len(table.items)]
     if kind == "contacts":

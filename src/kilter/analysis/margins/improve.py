@@ -3,19 +3,23 @@
 At the least share s of the strength of all studs with which it holds, a mechanism starts. A brick
 whose weight drives it is worth taking away; one that spans studs which the mechanism moves apart
 is worth adding. The mechanism only says which bricks to try: of each kind the best few are put in,
-or taken out, and s is found anew.
+or taken out, and s is found anew. Where no strength is enough it is the motion of the fall.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
+from kilter.analysis.check import check
 from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
+from kilter.analysis.margins.load_limit import finite
+from kilter.analysis.turning_tolerances import MOVES
 from kilter.arrays import Array
-from kilter.assembly import Assembly
+from kilter.assembly import Assembly, require_assembly
 from kilter.assembly.brick import BRICK_PLATES
 from kilter.assembly.bricks import BrickModel, assembly_of_bricks
 from kilter.assembly.bricks.brick_assembly import bricks_of
@@ -23,17 +27,21 @@ from kilter.assembly.bricks.brick_library import STATED, brick_mass
 from kilter.assembly.bricks.brick_model import NO_COLOR, cells_of
 from kilter.contact.detect import contacts
 from kilter.mechanics.program import Program, build_program
+from kilter.tell.improve_words import improve_sentence
+from kilter.threads import on_one_thread
 
-__all__ = ["BrickChange", "BrickChanges", "what_to_change"]
+__all__ = ["BrickChange", "Improvement", "improve"]
 
 TRIED = 8
 """Bricks of each kind that are tried."""
 WEAKEST = 3
-"""Bonds about which bricks are put in."""
+"""Bonds about which bricks are put in; twice as many bricks where no strength is enough."""
+SAME_DIGITS = 9
+"""Shares that agree to so many decimals count as one: of those a brick more comes first."""
 Cell = tuple[int, int, int]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class BrickChange:
     """One brick put in or taken out, and the share of strength that is then needed.
 
@@ -48,6 +56,8 @@ class BrickChange:
         Along x and y.
     share : float
         Of the strength of studs that is needed then [-]; below 1 it stands.
+    assembly : Assembly
+        With this change.
     """
 
     what: str
@@ -55,67 +65,133 @@ class BrickChange:
     corner: Cell
     cells: tuple[int, int]
     share: float
+    assembly: Assembly
+
+    def to_dict(self) -> dict[str, Any]:
+        """The change as JSON data."""
+        return {
+            "what": self.what,
+            "name": self.name,
+            "corner": list(self.corner),
+            "layer": self.corner[2] / BRICK_PLATES,
+            "cells": list(self.cells),
+            "share": finite(self.share),
+        }
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class BrickChanges:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Improvement:
     """The share that is needed as it is, the weakest studs, and the change that helps most.
 
     Attributes
     ----------
+    assembly : Assembly
+        What was asked about.
+    verdict : str
+        Of `kilter.check` as it is.
     share : float
-        Of the strength of studs [-]; infinite where no strength is enough.
+        Of the strength of studs that is needed [-]; infinite where no strength is enough.
     weakest : tuple of str or None
         The two bricks whose studs give way first.
     best : BrickChange or None
         None where nothing that was tried helps.
     tried : tuple of BrickChange
         All that were tried, the best first.
+    warnings : tuple of str
     """
 
+    assembly: Assembly
+    verdict: str
     share: float
     weakest: tuple[str, str] | None
     best: BrickChange | None
     tried: tuple[BrickChange, ...]
+    warnings: tuple[str, ...]
+
+    @property
+    def stands(self) -> bool:
+        """Whether it stands as it is, or with the best change."""
+        with_it = self.best is not None and self.best.share < 1
+        return self.verdict != "unstable" or with_it
+
+    @property
+    def sentence(self) -> str:
+        """What to change, in a sentence."""
+        return improve_sentence(self.to_dict())
+
+    def to_dict(self) -> dict[str, Any]:
+        """The answer as JSON data, that of ``kilter improve --json``."""
+        return {
+            "verdict": self.verdict,
+            "stands": self.stands,
+            "bricks": sum(not part.grounded for part in self.assembly.parts),
+            "share": finite(self.share),
+            "weakest": None if self.weakest is None else list(self.weakest),
+            "best": None if self.best is None else self.best.to_dict(),
+            "tried": [one.to_dict() for one in self.tried],
+            "warnings": list(self.warnings),
+        }
+
+    def __repr__(self) -> str:
+        best = "nothing" if self.best is None else f"{self.best.what} {self.best.name}"
+        return f"Improvement({self.verdict}, needs {self.share:.6g}, {best})"
 
 
-def what_to_change(assembly: Assembly) -> BrickChanges:
+@on_one_thread
+def improve(assembly: Assembly, *, progress: Callable[[str], None] | None = None) -> Improvement:
     """The one brick whose addition or removal helps most.
 
     Parameters
     ----------
     assembly : Assembly
         Of bricks, as `kilter.load` reads them.
+    progress : callable, optional
 
     Raises
     ------
     InputError
-        If a part is no brick.
+        If a part is no brick, or no cell of the grid is its own.
+
+    Examples
+    --------
+    >>> import kilter
+    >>> from kilter.scenes.random_bricks import random_bricks
+    >>> found = improve(assembly_of_bricks(random_bricks(5, seed=3)))
+    >>> found.stands, found.best is None or found.best.share < found.share
+    (True, True)
     """
+    tell = progress or (lambda stage: None)
+    require_assembly(assembly, "improve")
     model, rules, cell = bricks_of(assembly)
-    touching = contacts(assembly)
-    program = build_program(assembly, touching)
-    found = find_bond_factor(program, touching)
-    if not isinstance(found, BondFactor) or found.limit.mechanism is None:
-        share = found.value if isinstance(found, BondFactor) else np.inf
-        return BrickChanges(share, None, None, ())
-    motion = found.limit.mechanism.motion
-    weakest = assembly.bonds[found.opens[0][0]].parts if found.opens else None
-    tried = []
-    for what, row, other in [
-        *_without(model, program, motion),
-        *_with(model, cell, motion, _about(assembly, found)),
-    ]:
+    tell("weakest studs")
+    verdict = check(assembly)
+    program = build_program(assembly, verdict.contacts)
+    found = find_bond_factor(program, verdict.contacts)
+    share, weakest, motion, near = np.inf, None, None, list[int]()
+    if isinstance(found, BondFactor):
+        share = found.value
+        weakest = assembly.bonds[found.opens[0][0]].parts if found.opens else None
+        motion = None if found.limit.mechanism is None else found.limit.mechanism.motion
+        near = _about(assembly, found)
+    elif verdict.judgement.motion is not None:
+        motion = verdict.judgement.motion.motion
+        near = _fastest(motion)
+    tried: list[BrickChange] = []
+    trials = [] if motion is None else _trials(model, program, cell, motion, near)
+    for what, row, other in trials:
+        tell(f"changes: {len(tried)} of {len(trials)}")
         changed = assembly_of_bricks(other, rules=rules, cell=cell)
         changed = replace(changed, gravity=assembly.gravity, friction=assembly.friction)
         own = (assembly if what == "remove" else changed).names[row]
         brick = (model if what == "remove" else other).take([row])
         x, y, z = brick.corner[0].tolist()
         a, b, _ = brick.size[0].tolist()
-        tried.append(BrickChange(what, own, (x, y, z), (a, b), _share(changed)))
-    tried.sort(key=lambda change: change.share)
-    best = tried[0] if tried and tried[0].share < found.value else None
-    return BrickChanges(found.value, weakest, best, tuple(tried))
+        tried.append(BrickChange(what, own, (x, y, z), (a, b), _share(changed), changed))
+    tried.sort(key=lambda change: round(change.share, SAME_DIGITS))
+    best = tried[0] if tried and tried[0].share < share else None
+    return Improvement(
+        assembly, verdict.verdict, share, weakest, best, tuple(tried), tuple(verdict.warnings)
+    )
 
 
 def _share(assembly: Assembly) -> float:
@@ -130,7 +206,21 @@ def _about(assembly: Assembly, found: BondFactor) -> list[int]:
     return sorted({assembly.index_of(name) for bond in bonds for name in bond.parts})
 
 
+def _fastest(motion: Array) -> list[int]:
+    """The bricks that move most in a motion."""
+    speed = np.linalg.norm(motion[:, :3], axis=1)
+    order = np.argsort(-speed, kind="stable")[: 2 * WEAKEST]
+    return sorted(k for k in order.tolist() if speed[k] > 0)
+
+
 Try = tuple[str, int, BrickModel]
+
+
+def _trials(
+    model: BrickModel, program: Program, cell: float, motion: Array, near: list[int]
+) -> list[Try]:
+    """What is worth trying, by the motion."""
+    return [*_with(model, cell, motion, near), *_without(model, program, motion)]
 
 
 def _without(model: BrickModel, program: Program, motion: Array) -> Iterator[Try]:
@@ -138,7 +228,7 @@ def _without(model: BrickModel, program: Program, motion: Array) -> Iterator[Try
     power = program.mass * (motion[:, :3] @ program.gravity)
     power[model.held] = 0.0
     for k in np.argsort(-power, kind="stable")[:TRIED].tolist():
-        if power[k] > 0 and np.count_nonzero(~model.held) > 1:
+        if power[k] > MOVES * power.max() and np.count_nonzero(~model.held) > 1:
             yield "remove", k, model.take(np.arange(len(model)) != k)
 
 
