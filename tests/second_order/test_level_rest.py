@@ -61,6 +61,18 @@ def test_a_wall_is_free_whatever_its_size(bricks: int) -> None:
         assert counted.two_sided + counted.one_sided == 3 * free
 
 
+@pytest.mark.parametrize("name", ["harmonic-stack", "diamond", "pierced-wall"])
+def test_where_loads_must_be_shared_a_program_shares_them(name: str) -> None:
+    """At its limit, held down by others, over an opening: as many motions as are counted."""
+    verdict = kilter.check(scene(name))
+    second = verdict.second_order
+    assert second is not None
+    counted = find_neutral(verdict.program)
+    assert counted is not None
+    assert second.state == "free"
+    assert second.free == second.neutral == counted.two_sided + counted.one_sided
+
+
 def stack(seed: int) -> Assembly:
     """Boxes on one another, each stack of them in balance on the one below."""
     random = np.random.default_rng(seed)

@@ -12,13 +12,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csc_array, eye_array, hstack, vstack
+from scipy.sparse import csc_array, csr_array, eye_array, hstack, vstack
 
 from kilter.arrays import TINY, Array, Mask
 from kilter.second_order.stationary import Stationary
 from kilter.solvers.problem import LinearProgram
 
-__all__ = ["Critical", "find_critical", "null_space"]
+__all__ = ["Critical", "carrying_forces", "find_critical", "null_space"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,7 +44,7 @@ class Critical:
 
 def find_critical(problem: Stationary) -> Critical | None:
     """The critical motions; None where there is no equilibrium, or no solver finds one."""
-    forces = _carrying(problem)
+    forces = carrying_forces(csr_array(problem.rows), problem.load)
     if forces is None:
         return None
     found, carries = forces
@@ -57,15 +57,23 @@ def find_critical(problem: Stationary) -> Critical | None:
     return Critical(found, carries, basis, unit[np.sort(first)])
 
 
-def _carrying(problem: Stationary) -> tuple[Array, Mask] | None:
-    """Max sum t:  J^T f + s w = 0,  0 <= t <= 1,  f >= t,  s >= 1;  f / s, and where t is 1."""
+def carrying_forces(rows: csr_array, load: Array) -> tuple[Array, Mask] | None:
+    """Forces of equilibrium that carry on every row that can, and which do, shape (K,).
+
+    Max sum t:  J^T f + s w = 0,  0 <= t <= 1,  f >= t,  s >= 1;  f / s, and where t is 1.
+
+    Parameters
+    ----------
+    rows : csr_array, shape (K, n)
+    load : ndarray, shape (n,)
+    """
     from kilter.solvers.highs import find_optimum  # who judges loads no solver
 
-    count, freedoms = problem.rows.shape
+    count, freedoms = rows.shape
     if count == 0:
         return None
     none = csc_array((freedoms, count))
-    balance = hstack([csc_array(problem.rows.T), csc_array(problem.load[:, None]), none])
+    balance = hstack([rows.T, csc_array(load[:, None]), none])
     above = hstack([eye_array(count), csc_array((count, 1)), -eye_array(count)])
     cost = np.concatenate([np.zeros(count + 1), -np.ones(count)])
     answer = find_optimum(

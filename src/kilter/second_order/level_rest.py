@@ -19,22 +19,29 @@ motion that opens all the other contacts shows that they span what is neutral.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.sparse import csr_array, diags_array
 
 from kilter.arrays import TINY, Array, Index, Mask, across, read_only
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
+from kilter.second_order.critical import carrying_forces
 from kilter.second_order.features_of import FLAT, detected_rows
 from kilter.second_order.held import unbalanced
 from kilter.second_order.second_order_tolerances import ACROSS, BALANCED, CARRIES, DROPS, SPREAD
 
 __all__ = ["LevelRest", "find_level_rest", "judge_level_rest", "level_rows"]
 
+MOST_ASKED = 100
+"""A linear program spreads the load of up to this many parts, where all else fails."""
+POLISHED = 2
+"""Times that its forces are balanced."""
 PULLS = 1e-3
 """Forces of least squares below this share of a part's load are found again so that all push."""
-STEPS = 80
+STEPS = 30
 """Of Newton's method, ..."""
 ROUNDING = 1e-13
 """... until this share of the load is left."""
@@ -80,10 +87,51 @@ def find_level_rest(program: Program, level: Mask, forces: Array | None) -> Leve
     motion = _opening(program, level)
     if motion is None:
         return None
-    for offered in (_from_above(program, level), forces):
-        if offered is not None and not _wrong_forces(program, level, offered):
+    for offered in _offered(program, level, forces):
+        if not _wrong_forces(program, level, offered):
             return LevelRest(offered, motion)
     return None
+
+
+def _offered(program: Program, level: Mask, forces: Array | None) -> Iterator[Array]:
+    """Forces of equilibrium [N], the cheapest first, where every part has a footing."""
+    bearing = _bearing(program, level)
+    if bearing is None:
+        return
+    above = bearing.footing(program, bearing.upper)
+    grams = _grams(program, bearing.upper, above)
+    if not _spread(grams[program.free]):
+        return
+    from_above = _from_above(program, bearing, above, grams)
+    if from_above is not None:
+        yield from_above
+    if forces is not None:
+        yield forces
+    if program.free.sum() <= MOST_ASKED:
+        asked = _asked(program, level)
+        if asked is not None:
+            yield asked
+
+
+def _asked(program: Program, level: Mask) -> Array | None:
+    """Forces on every level row that can carry [N], by a linear program, then balanced."""
+    units = np.where(np.arange(6) < 3, 1.0, 1 / program.radius[program.free, None])
+    units = units[:, program.freedoms].reshape(-1)
+    weight = float(program.weight[program.free].max())
+    load = program.load[np.ix_(program.free, program.freedoms)].reshape(-1) * units / weight
+    rows = csr_array(program.jacobian()[level] @ diags_array(units))
+    found = carrying_forces(rows, load)
+    if found is None:
+        return None
+    forces, carries = found
+    own = rows[carries]
+    gram = (own.T @ own).toarray() + ROUNDING * np.eye(len(load))
+    for _ in range(POLISHED):
+        miss = own.T @ forces[carries] + load
+        forces[carries] -= own @ np.linalg.solve(gram, miss)
+    spread = np.zeros(len(level))
+    spread[level] = forces * weight
+    return spread
 
 
 def judge_level_rest(program: Program, level: Mask, proof: LevelRest) -> str:
@@ -195,21 +243,14 @@ def _spread(grams: Array) -> bool:
     return bool((np.linalg.eigvalsh(grams)[:, 0] > SPREAD).all())
 
 
-def _from_above(program: Program, level: Mask) -> Array | None:
+def _from_above(program: Program, bearing: _Bearing, above: Array, grams: Array) -> Array | None:
     """Forces [N], each part's load spread over what it stands on, the highest part first.
 
     Of all that balance it, the least squares; where one pulls, those of most entropy.
     """
-    bearing = _bearing(program, level)
-    if bearing is None:
-        return None
     rows, upper, lower = bearing.rows, bearing.upper, bearing.lower
-    above = bearing.footing(program, upper)
-    grams = _grams(program, upper, above)[program.free]
-    if not _spread(grams):
-        return None
-    inverse = np.zeros((len(program.names), *grams.shape[1:]))
-    inverse[program.free] = np.linalg.inv(grams)
+    inverse = np.zeros_like(grams)
+    inverse[program.free] = np.linalg.inv(grams[program.free])
     share = np.einsum("ki,kij->kj", above, inverse[upper])
     free = np.append(program.free, False)[lower]
     below = np.zeros_like(above)
@@ -217,7 +258,7 @@ def _from_above(program: Program, level: Mask) -> Array | None:
     below[free] = own.footing(program, lower[free])
     need = np.zeros((len(program.names) + 1, above.shape[1]))
     need[:-1, 0] = program.mass * program.g + program.applied[:, :3] @ program.down
-    forces = np.zeros(len(level))
+    forces = np.zeros(len(program.part_a))
     for some in _by_depth(bearing.depth[upper]):
         if not (need[upper[some], 0] > 0).all():
             return None  # a load lifts it

@@ -94,6 +94,8 @@ def recheck_second_order(
 def _wrong(
     assembly: Assembly, contacts: ContactSet, program: Program, data: dict[str, Any]
 ) -> list[str]:
+    if _by_forces(data):
+        return _wrong_forces(contacts, program, data)
     parted = clusters(program)
     entries = data.get("clusters", [data])
     if len(entries) != len(parted):
@@ -103,7 +105,7 @@ def _wrong(
     for cluster, entry in zip(parted, entries, strict=True):
         if entry is None:
             continue
-        if "held" in entry or "level" in entry:
+        if _by_forces(entry):
             reasons += _wrong_forces(contacts, cluster.program, entry)
             continue
         features = features or features_of(program, contacts)
@@ -128,6 +130,10 @@ def _counts(entries: Iterable[dict[str, Any] | None]) -> dict[str, int]:
     """Motions of the clusters that are proved."""
     given = [one for one in entries if one is not None]
     return {key: sum(one[key] for one in given) for key in ("neutral", "free")}
+
+
+def _by_forces(data: dict[str, Any]) -> bool:
+    return "held" in data or "level" in data
 
 
 def _wrong_forces(contacts: ContactSet, program: Program, data: dict[str, Any]) -> list[str]:

@@ -25,7 +25,7 @@ from kilter.second_order.critical import find_critical
 from kilter.second_order.decide import Decision
 from kilter.second_order.features import Features
 from kilter.second_order.features_of import features_of
-from kilter.second_order.held import Held, judge_held
+from kilter.second_order.held import Held, find_held, judge_held
 from kilter.second_order.level_rest import LevelRest, find_level_rest, level_rows
 from kilter.second_order.second_order_answer import SecondOrder, answer_alone, open_answer
 from kilter.second_order.stationary import stationary
@@ -69,6 +69,9 @@ def find_second_order(
         why = "pairs are left open, or their kind of contact is not modelled"
         return open_answer(why, program)
     search = _ClusterSearch(assembly, contacts, program, forces, work)
+    at_once = None if _beyond(program) else search.by_forces(program, forces)
+    if at_once is not None:
+        return at_once if at_once.neutral else None
     found = tuple(search.answer(one) for one in clusters(program))
     if all(one.state == "minimum" and not one.neutral for one in found):
         return None
@@ -92,24 +95,35 @@ class _ClusterSearch:
         self.asked = 0
 
     def answer(self, cluster: Cluster) -> SecondOrder:
-        """Of one cluster."""
+        """Of one cluster, where the whole has no answer at once."""
         program, count = cluster.program, int(cluster.program.free.sum())
         why = _beyond(program)
         if why:
             return open_answer(why, program)
-        forces = None if self.forces is None else self.forces[cluster.rows]
-        if count <= MOST_LEVEL:
-            rest = find_level_rest(program, level_rows(program, self.contacts), forces)
-            if rest is not None:
-                return _on_level(program, rest)
-        if count <= MOST_HELD and forces is not None and not judge_held(program, Held(forces)):
-            return _without_neutral(program, Held(forces))
+        if count < self.program.free.sum():
+            forces = None if self.forces is None else self.forces[cluster.rows]
+            found = self.by_forces(program, forces)
+            if found is not None:
+                return found
         if count > MOST_PARTS:
             return open_answer(f"more than {MOST_PARTS} free parts touch one another", program)
         self.asked += count
         if self.asked > MOST_IN_ALL:
             return open_answer(f"more than {MOST_IN_ALL} parts are to be looked at", program)
         return self._alone(cluster)
+
+    def by_forces(self, program: Program, forces: Array | None) -> SecondOrder | None:
+        """Steps 1 and 2 for a whole assembly or a cluster; None where they do not answer."""
+        count = int(program.free.sum())
+        if count <= MOST_LEVEL:
+            rest = find_level_rest(program, level_rows(program, self.contacts), forces)
+            if rest is not None:
+                return _on_level(program, rest)
+        if count <= MOST_HELD and forces is not None:
+            held = find_held(program, forces)
+            if held is not None:
+                return _without_neutral(program, held)
+        return None
 
     def _alone(self, cluster: Cluster) -> SecondOrder:
         """By the gaps of its contacts, where forces do not leave it without neutral motions."""
@@ -121,11 +135,6 @@ class _ClusterSearch:
             held = Held(critical.forces * first.weight)
             if not judge_held(program, held):
                 return _without_neutral(program, held)
-        if critical is not None:
-            level = level_rows(program, self.contacts)
-            rest = find_level_rest(program, level, critical.forces * first.weight)
-            if rest is not None:
-                return _on_level(program, rest)
         if self.features is None:
             self.features = features_of(self.program, self.contacts)
         return answer_alone(
