@@ -1,12 +1,14 @@
 """Load factors and pushes by bisection of the verdict: are they what `margin` says?
 
     python benchmarks/limit_census.py arch 40 -o limits.jsonl     seeds 0 to 39
+    python benchmarks/limit_census.py bonded 40                   of `kilter.scenes.random_bonded`
 
-Of each assembly of `region_census` that holds as given: the load factor of a body force in a
-random direction, and the largest push on a random part in another, are bisected by `judge` to
-`NEAR`, from doubled shares, without what `margin` found. Then `kilter.check` is asked at both
-ends, with the loads in the assembly; and pushes of the least size that is resisted in every
-direction are asked in random ones.
+Of each assembly of `region_census`, or "bonded", that holds as given: the load factor of a body
+force in a random direction, and the largest push on a random part in another, are bisected by
+`judge` to `NEAR`, from doubled shares, without what `margin` found. Then `kilter.check` is asked
+at both ends, with the loads in the assembly; and pushes of the least size that is resisted in
+every direction are asked in random ones. Of what is bonded also the least friction, and the least
+share of the strength of its bonds, are bisected, whether it holds or not.
 """
 
 from __future__ import annotations
@@ -35,12 +37,12 @@ def answered(family: str, seed: int, directions: int) -> Any:
     from kilter.analysis.margins.load_limit import gravity_wrench, with_more
     from kilter.analysis.margins.pushes import find_push
     from kilter.mechanics.program import build_program
-    from kilter.scenes.random_turned import random_turned
 
-    assembly = random_turned(family, seed)
+    assembly = made(family, seed)
     contacts = kilter.contacts(assembly)
     program = build_program(assembly, contacts)
-    yield {"held": judge(program).stable is True, "wrong": []}
+    wrong = least_wrong(assembly, contacts) if assembly.bonds else []
+    yield {"held": judge(program).stable is True, "wrong": wrong}
     if judge(program).stable is not True:
         return
     random = np.random.default_rng(seed)
@@ -63,7 +65,6 @@ def answered(family: str, seed: int, directions: int) -> Any:
         "load factor": (getattr(greatest, "value", np.nan), gravity_wrench(program, along)),
         "push": (getattr(getattr(push, "limit", None), "value", np.nan), pushed(aside)),
     }
-    wrong = []
     for what, (value, wrenches) in found.items():
 
         def held(share: float, wrenches: Any = wrenches) -> bool | None:
@@ -85,6 +86,43 @@ def answered(family: str, seed: int, directions: int) -> Any:
             if judge(with_more(program, pushed(direction()), share)).stable is False:
                 wrong.append(f"least push {one.lower} is not resisted")
     yield {"wrong": wrong}
+
+
+def made(family: str, seed: int) -> Any:
+    """The assembly of a seed."""
+    from kilter.scenes.random_bonded import random_bonded
+    from kilter.scenes.random_turned import random_turned
+
+    return random_bonded(seed).assembly if family == "bonded" else random_turned(family, seed)
+
+
+def least_wrong(assembly: Any, contacts: Any) -> list[str]:
+    """What bisection says otherwise of the least friction and strength of what has bonds."""
+    import kilter
+    from kilter.analysis.judge import judge
+
+    margin = kilter.margin(assembly, contacts=contacts, pushed=[], effort=0)
+    program = margin.program
+    asked = {
+        "friction": program.with_friction,
+        "bond": lambda share: program.with_rows(
+            clamp=share * program.clamp, pull=share * program.pull
+        ),
+    }
+    wrong = []
+    for what, changed in asked.items():
+
+        def falls(share: float, changed: Callable[[float], Any] = changed) -> bool | None:
+            stable = judge(changed(share)).stable
+            return None if stable is None else not stable
+
+        low, high, _ = bisected(falls)
+        found = getattr(margin, what)
+        value = float("inf") if found is None else found.value
+        slack = NEAR * max(1.0, low)
+        if not low - slack <= value <= high + slack:
+            wrong.append(f"{what} {value}, bisected {low} to {high}")
+    return wrong
 
 
 def checked(assembly: Any, contacts: Any, wrenches: Any) -> str:
@@ -139,7 +177,7 @@ def main() -> int:
                 file.write(json.dumps(rows[-1]) + "\n")
     held = [row for row in rows if row.get("held")]
     faults = [row for row in rows if "fault" in row]
-    wrong = [row for row in held if row["wrong"]]
+    wrong = [row for row in rows if row.get("wrong")]
     open_ends = sum(bool(row[what][3]) for row in held for what in ("load factor", "push"))
     print(
         f"{given.family}: {len(rows)} assemblies, {len(held)} hold as given, {len(faults)} faults,"

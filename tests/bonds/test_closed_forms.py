@@ -77,6 +77,16 @@ def test_a_magnet_on_a_slope_slides_past_mu_times_what_presses_it(share, degrees
     assert (judged(slope, effort=0.1).verdict == "unstable") is (share < 1)
 
 
+@BOTH
+@pytest.mark.parametrize("mu", [0.2, 0.9])
+def test_a_suction_cup_in_shear_bears_mu_times_its_suction(share, mu):
+    """On a wall: W against mu p A, however the thickness of the cup shifts the pressure."""
+    cup = Part("cup", Box([0.01, 0.5, 0.4]), Pose([0.505, 0, 0]), mass=10.0)
+    suction = Bond(("wall", "cup"), pull_per_area=share * 10 * G / (mu * 0.5 * 0.4), kind="suction")
+    wall = Assembly([cube("wall", grounded=True), cup], friction=mu, bonds=[suction])
+    assert (judged(wall, effort=0).verdict == "unstable") is (share < 1)
+
+
 def test_shear_of_any_size_is_borne_where_none_is_said():
     wall = Assembly(
         [cube("wall", grounded=True), Part("shelf", Box([0.01, 1, 1]), Pose([0.505, 0, 0]))],
