@@ -305,8 +305,7 @@ def common_frames(normals: Array, areas: Array, start: Index) -> Array:
 
 def _most_common_of(normals: Array, areas: Array, run: Index, default: Array) -> Array:
     """The direction of the largest area of each run; `default`, shape (M, 3), where none is."""
-    grid = np.rint(normals * 1e5).astype(np.int64) + 100_001
-    key = (grid[:, 0] * 200_003 + grid[:, 1]) * 200_003 + grid[:, 2]
+    key = _direction_keys(normals)
     order = np.lexsort((key, run))
     new = np.flatnonzero(np.diff(run[order], prepend=-1) | np.diff(key[order], prepend=-1))
     chosen = default.copy()
@@ -320,14 +319,20 @@ def _most_common_of(normals: Array, areas: Array, run: Index, default: Array) ->
     return chosen
 
 
+def _direction_keys(normals: Array) -> Index:
+    """A number for each direction, the same for those that agree to five digits, shape (n,)."""
+    grid = np.rint(normals * 1e5).astype(np.int64) + 100_001
+    keys: Index = (grid[:, 0] * 200_003 + grid[:, 1]) * 200_003 + grid[:, 2]
+    return keys
+
+
 def _most_common(normals: Array, areas: Array) -> Array:
     """The direction (up to a sense that is the same for all) with the largest area."""
     if len(normals) <= ALL_PAIRS:
         alike = np.abs(normals @ normals.T) > 1 - FRAME_ALIKE
         total = np.where(alike, areas, 0.0).sum(axis=1)
     else:
-        _, label = np.unique(np.round(normals, 5), axis=0, return_inverse=True)
-        label = label.reshape(-1)
+        _, label = np.unique(_direction_keys(normals), return_inverse=True)
         total = np.bincount(label, weights=areas)[label]
     best = total >= total.max() * (1 - FRAME_TIE)
     chosen: Array = normals[np.argmax(np.where(best, areas, -1.0))]

@@ -13,7 +13,7 @@ is a motion that proves it. Both are unjudged: their certificates judge.
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import csc_array, diags_array
+from scipy.sparse import csc_array, eye_array
 
 from kilter.arrays import TINY, Array
 from kilter.mechanics.forms import Scaled
@@ -50,20 +50,21 @@ def least_forces(problem: Scaled) -> tuple[Array, Array] | None:
     strength = program.pull / (problem.unit * program.arm)
     acts = (program.pull > 0) | program.two_sided
     y = np.zeros(len(problem.right))
+    one = eye_array(len(y), format="csc")
     least, idle = np.inf, 0
     forces, rest = strength, problem.right
     for _ in range(STEPS):
-        used = acts.astype(np.float64)
-        normal = csc_array(matrix @ diags_array(used) @ matrix.T)
+        used = matrix[:, np.flatnonzero(acts)]
+        normal = used @ used.T
         most = float(normal.diagonal().max(initial=TINY))
         factor = splu(
-            csc_array(normal + diags_array(np.full(len(y), REGULAR * most))),
+            csc_array(normal + REGULAR * most * one),
             permc_spec="MMD_AT_PLUS_A",
             options={"SymmetricMode": True},
         )
         with np.errstate(all="ignore"):  # nothing is left that acts: beyond all numbers
             for _ in range(REFINED):
-                y = y + factor.solve(problem.right - matrix @ (used * (strength + matrix.T @ y)))
+                y = y + factor.solve(problem.right - used @ (strength[acts] + used.T @ y))
         if not np.isfinite(y).all():
             break
         pressed = strength + matrix.T @ y
