@@ -36,7 +36,7 @@ def explained_by_accuracy(assembly: Assembly, contacts: ContactSet, program: Pro
         Without friction, of which a motion is proved.
     """
     off = _stated(assembly)
-    if not off.any() or assembly.loads or program.mu.any():
+    if not off.any() or assembly.loads or len(program.gripping):
         return ""
     motion = find_motion(program)
     if not motion.known:  # unstable as drawn, and no more is known

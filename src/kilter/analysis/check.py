@@ -257,8 +257,10 @@ def _with_friction(
     assembly: Assembly, contacts: ContactSet, program: Program, judgement: Judgement, work: Work
 ) -> _Decision:
     """What friction guarantees, with the open pairs as ordinary contacts too."""
-    from kilter.friction.answer import ask_friction  # takes its time
+    from kilter.friction.answer import ask_friction, not_asked  # takes its time
 
+    if program.cohesion.any():
+        return _Decision("potentially-stable", program, judgement, not_asked(program))
     answer, trial = ask_friction(program, work=work), None
 
     def level(other: Program) -> int:
@@ -328,6 +330,11 @@ def _unclear(contacts: ContactSet, work: Work) -> str:
 def _warnings(assembly: Assembly, contacts: ContactSet, decision: _Decision) -> list[str]:
     warnings = remarks(assembly, contacts)
     friction, program = decision.friction, decision.program
+    if friction is not None and program.cohesion.any():
+        warnings.append(
+            "what friction guarantees is not asked beside bonds that bear shear up to a force: only"
+            " that forces balance"
+        )
     if friction is not None and friction.exclusion is not None and friction.exclusion.assumes:
         warnings.append(f"the proof assumes {friction.exclusion.assumes}")
     left_open = still_open(contacts.open_pairs, assembly)

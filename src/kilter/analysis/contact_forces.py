@@ -51,7 +51,8 @@ class ContactForces:
         Friction over what Coulomb's law allows, of the resultant and what bonds press [-]; NaN
         without friction.
     bond_utilisation : ndarray, shape (P,)
-        Pull over the strength of the bond, of the point where that is most [-]; NaN without one.
+        Pull over the strength of the bond, or shear over its limit, of the point where that is
+        most [-]; NaN without one.
     residual : float
         Worst imbalance of a part over its weight [-].
     least : bool
@@ -104,6 +105,9 @@ def find_contact_forces(program: Program, proof: ForceProof) -> ContactForces:
     bonded = np.flatnonzero(pull > 0)
     drawn = np.full(count, -np.inf)
     np.maximum.at(drawn, patch_of[bonded], np.maximum(-along[bonded], 0.0) / pull[bonded])
+    borne = np.flatnonzero(program.cohesion[rows] > 0)
+    slid = np.linalg.norm(across[borne], axis=1) / program.cohesion[rows][borne]
+    np.maximum.at(drawn, patch_of[borne], slid)
     return ContactForces(
         rows=rows,
         force=force,

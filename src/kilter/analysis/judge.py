@@ -17,6 +17,9 @@ Then `undecided`, with the two figures. With friction an order of its own:
 5. pyramids of more and more sides, some where friction points in the solutions before; the
    inner ones for forces, the outer ones for a motion:
    by simplex, which is exact where the set of equilibria has no inside.
+
+Where bonds bear shear up to a force, planar or not: the least share of their strength that is
+enough, then 3 and 4.
 """
 
 from __future__ import annotations
@@ -28,6 +31,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypedDict, Unpack
 import numpy as np
 
 from kilter.analysis.cohesion import find_cohesion
+from kilter.analysis.strength import find_strength
 from kilter.arrays import Array
 from kilter.mechanics.balance_in_cones import load_share
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
@@ -172,7 +176,9 @@ def _better(one: MotionProof, other: MotionProof) -> bool:
 def _candidates(program: Program, work: Work, solver: Solver | None) -> Iterator[_Candidate]:
     """What all solvers offer, the cheapest way first, or what one does."""
     rough = bool(program.mu.any())
-    if rough and program.planar:
+    if program.cohesion.any():
+        yield from _with_limited_shear(program, work)
+    elif rough and program.planar:
         yield _by_pyramid(program, 2, work, solver=solver)
     elif solver == "kilter":
         yield from _by_own_cones(program, work)
@@ -187,6 +193,14 @@ def _candidates(program: Program, work: Work, solver: Solver | None) -> Iterator
         yield from _by_pyramids(program, [], work)
     else:
         yield from _in_cones(program, work)
+
+
+def _with_limited_shear(program: Program, work: Work) -> Iterator[_Candidate]:
+    """Candidates where bonds bear shear up to a force."""
+    wide = spread(program)
+    yield _by_strength(wide, work)
+    yield _by_cones(wide, work)
+    yield _by_cohesion(wide, work)
 
 
 def _without_friction(program: Program, work: Work) -> Iterator[_Candidate]:
@@ -361,6 +375,17 @@ def _by_cones(wide: Spread, work: Work) -> _Candidate:
         return _Candidate(word, forces, friction)
     motion = problem.motion(problem.over_weight(answer.multipliers[: len(problem.right)]))
     return _Candidate(word, motion=motion)
+
+
+def _by_strength(wide: Spread, work: Work) -> _Candidate:
+    """The least share of the strength of bonds: forces where it is below 1, above it a motion."""
+    found = find_strength(wide, work=work)
+    if found is None:
+        return _Candidate("least strength: clarabel, failed")
+    if found.share > 1.0:
+        return _Candidate(found.word, motion=found.motion)
+    forces = found.forces + (1.0 - found.share) * wide.program.pull
+    return _Candidate(found.word, forces, found.friction)
 
 
 def _by_cohesion(wide: Spread, work: Work) -> _Candidate:

@@ -217,6 +217,8 @@ class Verdict(InCells):
     def _motion(self) -> ImpendingMotion:
         if self.verdict in ("stable", "settles"):
             return still(self.program)
+        if self.modelled.cohesion.any():  # what slips is slowed by the bonds, by Gauss's not
+            return unknown(self.program)
         if self.verdict == "undecided" or not self.modelled.mu.any():
             return find_motion(self.modelled)
         if self.friction is not None:
@@ -230,7 +232,7 @@ class Verdict(InCells):
     @property
     def measured(self) -> bool:
         """Whether z and displacements of LP (9) are told: friction plays no part, or asked for."""
-        rubs = self.friction is not None or bool(self.program.mu.any())
+        rubs = self.friction is not None or bool(len(self.program.gripping))
         return self.measures or not rubs
 
     @property

@@ -40,13 +40,13 @@ from kilter.friction.exclusion_file import exclusion_data
 from kilter.friction.law import coulomb_law
 from kilter.friction.motion_search import CoulombMotion, find_coulomb_motion
 from kilter.friction.seating import Seating, find_seating
-from kilter.friction.settling import Settling, find_settling
+from kilter.friction.settling import TRIES, Settling, find_settling
 from kilter.mechanics.certificate import ForceProof, check_forces
 from kilter.mechanics.program import Program
 from kilter.mechanics.proof import Evidence
 from kilter.work import EFFORT, PER_EFFORT, Work
 
-__all__ = ["FrictionAnswer", "Why", "ask_friction"]
+__all__ = ["FrictionAnswer", "Why", "ask_friction", "not_asked"]
 
 SEATING = 2.0
 """Efforts of seating, beside those of the search."""
@@ -126,6 +126,17 @@ class FrictionAnswer:
             if exclusion is None or not exclusion.proved
             else exclusion_data(exclusion),
         )
+
+
+def not_asked(program: Program) -> FrictionAnswer:
+    """That forces balance, and nothing more.
+
+    What is asked here knows Coulomb's law only: not bonds that bear shear up to a force.
+    """
+    none = np.zeros((len(program.part_a), 3))
+    seating = Seating("not-found", none, np.inf, 0, 0, None)
+    settling = Settling((), (), TRIES, 0)
+    return FrictionAnswer("open", None, seating, None, settling, (), None, 0.0)
 
 
 def ask_friction(

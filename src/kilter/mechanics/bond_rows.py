@@ -5,7 +5,9 @@ f' >= 0, beside a known pair of loads T that clamps the parts together. So every
 and certificate stays what it is: a motion proves that it falls where gravity does more work than
 the clamps absorb, sum T (opening). Friction on a bonded point is mu (f_n + T) = mu f'.
 
-Shear of any size is two more rows across each point, whose forces have both signs.
+Shear of any size is two more rows across each point, whose forces have both signs. Shear up to
+a force S is a force across the row itself, |f_t| <= S, as friction is, but beside a push of any
+size: a motion that slips takes up S |u_t| there.
 """
 
 from __future__ import annotations
@@ -36,6 +38,8 @@ class BondedPoints:
         T [N].
     tied : ndarray of bool
         Shear of any size is borne.
+    shear : ndarray
+        Shear up to this force is borne [N]; NaN where there is no such limit.
     smooth : ndarray of bool
         Friction counts for nothing there: shear is borne otherwise.
     """
@@ -43,6 +47,7 @@ class BondedPoints:
     bond: Index
     pull: Array
     tied: Mask
+    shear: Array
     smooth: Mask
 
 
@@ -66,20 +71,14 @@ def bonded_points(contacts: ContactSet) -> BondedPoints:
     bears = [bond.bears for bond in bonds]
     tied = np.array([one is None for one in bears] + [False])[point_bond]
     rubs = np.array([one == "mu" for one in bears] + [True])[point_bond]
-    return BondedPoints(point_bond, pull, tied, ~rubs)
+    limits = [one if isinstance(one, float) else np.nan for one in bears]
+    shear = np.array([*limits, np.nan])[point_bond]
+    return BondedPoints(point_bond, pull, tied, shear, ~rubs)
 
 
 def _pulls(contacts: ContactSet, point_bond: Index) -> Array:
     """T of each point [N], shape (K,): of a bond by area, its strength times the corner's share."""
     bonds = contacts.assembly.bonds
-    for bond in bonds:
-        if isinstance(bond.bears, float):
-            raise InputError(
-                f"a bond of {' and '.join(map(repr, bond.parts))} bears shear up to a force, which "
-                "is not counted yet",
-                file=contacts.assembly.source or None,
-                hint='leave shear out, or give "mu"',
-            )
     pull = np.array([bond.pull or 0.0 for bond in bonds] + [0.0])[point_bond]
     stress = np.array([bond.pull_per_area or 0.0 for bond in bonds] + [0.0])
     if not stress.any():

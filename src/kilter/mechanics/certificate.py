@@ -103,7 +103,7 @@ def _in_cones(program: Program, forces: Array, friction: Array | None) -> tuple[
     forces = np.where(np.isfinite(forces), forces, 0.0)
     forces = np.where(program.two_sided, forces, np.maximum(forces, 0.0))
     aside = np.zeros((len(forces), 3))
-    rows = program.rough
+    rows = program.gripping
     if friction is not None and len(rows):
         given = np.where(np.isfinite(friction[rows]), friction[rows], 0.0)
         normal = program.normal[rows]
@@ -111,7 +111,7 @@ def _in_cones(program: Program, forces: Array, friction: Array | None) -> tuple[
         if program.planar:
             given[:, 1] = 0.0
         size = np.linalg.norm(given, axis=1)
-        most = program.mu[rows] * forces[rows]
+        most = program.mu[rows] * forces[rows] + program.cohesion[rows]
         shrink = most / np.maximum(np.maximum(size, most), np.finfo(float).tiny)  # 1 within it
         aside[rows] = given * shrink[:, None]
     return forces, aside
@@ -127,7 +127,7 @@ def check_motion(program: Program, motion: Array) -> MotionProof:
     if largest == 0.0:
         return MotionProof(motion, 0.0, 0.0, 0.0, False)
     motion = motion / largest
-    power = float((program.load * motion).sum())
+    power = program.power(motion)
     violation = float(-violations(program, motion).min(initial=0.0))
     moving = program.free & (sizes > STILL * largest)
     weight = float(program.weight[moving].sum())

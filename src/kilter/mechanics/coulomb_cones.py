@@ -9,6 +9,7 @@ unknowns, the same load.
     largest load       max t:  A f = b + t d,  t <= T,  f in K
     nearest load       min 1/2 |t - t0|^2:  A f = D t,  f in K
     least forces       min 1/2 |f|^2:  A f = b,  f in K          unique, inside the cones
+    least strength     min s:  A f = b - (1 - s) c,  |f_t| <= mu f_n + s S,  s >= 0   s of all bonds
     least cohesion     min c:  A f = b,  |f_t| <= mu f_n + c w,  c >= -1     sign tells: held or not
 
 A pyramid replaces each cone by rays, so that the program is linear: with rays on the cone it
@@ -37,6 +38,7 @@ __all__ = [
     "largest_load",
     "least_cohesion",
     "least_forces",
+    "least_strength",
     "load_factor_in_cones",
     "nearest_load",
     "pyramid",
@@ -85,7 +87,10 @@ class Spread:
         return replace(self, program=program, problem=problem)
 
     def cone_rows(self) -> tuple[csc_array, int, Index]:
-        """G with G f in nonnegative numbers, then second-order cones; how many, of what size."""
+        """G with G f + h in nonnegative numbers, then second-order cones; how many, of what size.
+
+        h is `heads`.
+        """
         program, total = self.program, self.problem.matrix.shape[1]
         count, rough = len(program.part_a), len(self.rough)
         alone = np.flatnonzero(~program.two_sided & (program.mu <= 0))
@@ -102,15 +107,25 @@ class Spread:
         matrix = csc_array((data, (rows, index)), shape=(len(index), total))
         return matrix, len(alone), np.full(rough, size)
 
+    @property
+    def heads(self) -> Array:
+        """What bonds add to the first entry of each cone, scaled, at the rows of G; else 0."""
+        alone = int((~self.program.two_sided & (self.program.mu <= 0)).sum())
+        size = 1 + self.directions.shape[1]
+        heads = np.zeros(alone + size * len(self.rough))
+        heads[alone::size] = self.program.cohesion[self.rough] / self.problem.unit
+        return heads
+
 
 def spread(program: Program) -> Spread:
     """The program with a row of its own for each direction of friction."""
-    rough = program.rough
+    rough = program.gripping
     directions = _directions(program, rough)
     rows = np.concatenate([np.arange(len(program.part_a)), *[rough] * directions.shape[1]])
     aside = [directions[:, k] for k in range(directions.shape[1])]
     normal = np.concatenate([program.normal, *aside])
-    wide = program.taking(rows).with_rows(normal=normal, mu=np.zeros(len(rows)))
+    nothing = {"mu": np.zeros(len(rows)), "shear": np.full(len(rows), np.nan)}
+    wide = program.taking(rows).with_rows(normal=normal, **nothing)
     return Spread(program, scaled(wide), rough, directions)
 
 
@@ -131,7 +146,7 @@ def load_factor_in_cones(wide: Spread) -> ConicProgram:
     cone, positive, sizes = wide.cone_rows()
     balance = hstack([problem.matrix, csc_array(-problem.right[:, None])])
     ends = csc_array((np.array([-1.0, 1.0]), ([0, 1], [total, total])), shape=(2, total + 1))
-    inside = hstack([-cone, csc_array((cone.shape[0], 1))])
+    inside = hstack([-cone, csc_array(-wide.heads[:, None])])
     matrix = vstack([balance, ends, inside], format="csc")
     bound = np.concatenate([np.zeros(len(problem.right)), [0.0, 1.0], np.zeros(cone.shape[0])])
     cost = np.zeros(total + 1)
@@ -161,7 +176,7 @@ def largest_load(wide: Spread, wrench: Array, most: float) -> ConicProgram:
     end = csc_array((np.array([1.0]), ([0], [total])), shape=(1, total + 1))
     inside = hstack([-cone, csc_array((cone.shape[0], 1))])
     matrix = vstack([balance, end, inside], format="csc")
-    bound = np.concatenate([problem.right, [most], np.zeros(cone.shape[0])])
+    bound = np.concatenate([problem.right, [most], wide.heads])
     cost = np.zeros(total + 1)
     cost[-1] = -1.0
     nothing = csc_array((total + 1, total + 1))
@@ -186,7 +201,7 @@ def nearest_load(wide: Spread, wrenches: Array, start: Array) -> ConicProgram:
     matrix = vstack([balance, inside], format="csc")
     diagonal = np.concatenate([np.zeros(total), np.ones(count)])
     cost = np.concatenate([np.zeros(total), -start])
-    bound = np.zeros(matrix.shape[0])
+    bound = np.concatenate([np.zeros(len(problem.right)), wide.heads])
     quadratic = csc_array(diags_array(diagonal))
     return ConicProgram(quadratic, cost, matrix, bound, len(problem.right), positive, sizes)
 
@@ -201,13 +216,34 @@ def least_forces(wide: Spread) -> ConicProgram:
     total = problem.matrix.shape[1]
     cone, positive, sizes = wide.cone_rows()
     matrix = vstack([problem.matrix, -cone], format="csc")
-    bound = np.concatenate([problem.right, np.zeros(cone.shape[0])])
+    bound = np.concatenate([problem.right, wide.heads])
     cost = np.zeros(total)
     cost[: len(wide.program.pull)] = -wide.program.pull / problem.unit
     return ConicProgram(
         csc_array(eye_array(total)), cost, matrix, bound,
         len(problem.right), positive, sizes,
     )  # fmt: skip
+
+
+def least_strength(wide: Spread, unit: float) -> ConicProgram:
+    """The least share s of the strength of all bonds with which contacts balance. x = (f, s/unit).
+
+    Well posed on both sides of 1, where the load factor jumps: forces at a share below 1 are
+    within the strength, and where s is above 1 the multipliers give a motion whose power the
+    bonds do not take up.
+    """
+    problem, program = wide.problem, wide.program
+    total = problem.matrix.shape[1]
+    cone, positive, sizes = wide.cone_rows()
+    clamp = problem.scaled_load(program.clamp)
+    balance = hstack([problem.matrix, csc_array(-unit * clamp[:, None])])
+    end = csc_array((np.array([-1.0]), ([0], [total])), shape=(1, total + 1))
+    inside = hstack([-cone, csc_array(-unit * wide.heads[:, None])])
+    matrix = vstack([balance, end, inside], format="csc")
+    bound = np.concatenate([problem.right - clamp, np.zeros(1 + cone.shape[0])])
+    cost = np.append(np.zeros(total), 1.0)
+    nothing = csc_array((total + 1, total + 1))
+    return ConicProgram(nothing, cost, matrix, bound, len(problem.right), positive + 1, sizes)
 
 
 def least_cohesion(wide: Spread) -> ConicProgram:
@@ -229,7 +265,7 @@ def least_cohesion(wide: Spread) -> ConicProgram:
     end = csc_array((np.array([-1.0]), ([0], [total])), shape=(1, total + 1))
     inside = hstack([-cone, csc_array(coheres[:, None])])
     matrix = vstack([balance, end, inside], format="csc")
-    bound = np.concatenate([problem.right, [1.0], np.zeros(cone.shape[0])])
+    bound = np.concatenate([problem.right, [1.0], wide.heads])
     cost = np.append(np.zeros(total), 1.0)
     nothing = csc_array((total + 1, total + 1))
     return ConicProgram(nothing, cost, matrix, bound, len(problem.right), positive + 1, sizes)

@@ -106,11 +106,11 @@ def _least_opening(program: Program, motion: Array) -> float:
 
 def _program(wide: Spread) -> ConicProgram:
     """The shortest of the scaled motions. x = m."""
-    program, rough = wide.program, wide.rough
+    program = wide.program
     opening, count = csr_array(wide.problem.openings()), len(program.part_a)
-    slips = [
-        count + k * len(rough) + np.arange(len(rough)) for k in range(wide.directions.shape[1])
-    ]
+    rubs = np.flatnonzero(program.mu[wide.rough] > 0)
+    rough = wide.rough[rubs]
+    slips = [count + k * len(wide.rough) + rubs for k in range(wide.directions.shape[1])]
     return opening_program(
         opening[np.flatnonzero(program.two_sided)],
         opening[np.flatnonzero(~program.two_sided & (program.mu <= 0))],

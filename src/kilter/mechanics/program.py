@@ -75,7 +75,8 @@ class Program:
         Given loads: force [N] and torque about the centre of mass [N x length unit].
     clamp : ndarray, shape (N, 6)
         The loads with which bonds press parts together, alike (`kilter.mechanics.bond_rows`).
-    part_a, part_b, point, normal, kind, two_sided, angular, mu, source, doubt, pull, tied : ndarray
+    part_a, part_b, point, normal, kind, two_sided, angular : ndarray
+    mu, source, doubt, pull, tied, shear : ndarray
         Of the K rows, as `kilter.mechanics.rows.ForceRows` has them.
     tolerance : ndarray, shape (N,)
         Relative tolerance of a verdict about each part [-].
@@ -104,6 +105,7 @@ class Program:
     doubt: Array
     pull: Array
     tied: Mask
+    shear: Array
     tolerance: Array
     planar: bool
     units: str
@@ -196,6 +198,21 @@ class Program:
         return np.flatnonzero(self.mu > 0)
 
     @property
+    def cohesion(self) -> Array:
+        """What each row bears across it beside friction [N], shape (K,): the limits of bonds."""
+        return np.where(np.isnan(self.shear), 0.0, self.shear)
+
+    @property
+    def gripping(self) -> Index:
+        """Rows with forces across them: by friction, or up to the limit of a bond; (R,)."""
+        return np.flatnonzero((self.mu > 0) | (self.cohesion > 0))
+
+    @property
+    def has_strength(self) -> bool:
+        """Whether bonds hold by forces, which do not grow with the load."""
+        return bool(self.pull.any() or self.cohesion.any())
+
+    @property
     def force_rows(self) -> ForceRows:
         """The rows by themselves."""
         return ForceRows(*(getattr(self, name) for name in ROW_FIELDS))
@@ -219,7 +236,7 @@ class Program:
         Contacts whose normals are in doubt by more than `mu` hold nothing for certain, and are
         left out.
         """
-        rubs = (self.kind == CONTACT) & ~self.tied
+        rubs = (self.kind == CONTACT) & ~self.tied & np.isnan(self.shear)
         less = np.where(rubs, certain_friction(mu, self.doubt), 0.0)
         changed = self.with_rows(mu=less)
         certain = changed.force_rows.certain
@@ -247,6 +264,12 @@ class Program:
         if self.planar:
             slip[:, 1] = 0.0
         return slip
+
+    def power(self, motion: Array) -> float:
+        """Work of the load on a motion, shape (N, 6), less what bonds take up where they slip."""
+        rows = np.flatnonzero(self.cohesion > 0)
+        slips = np.linalg.norm(self.slips(motion, rows), axis=1)
+        return float((self.load * motion).sum() - self.cohesion[rows] @ slips)
 
     def wrenches(self, forces: Array, friction: Array | None = None) -> Array:
         """J^T f: force and torque of the rows on each part, shape (N, 6).
@@ -313,6 +336,12 @@ class Program:
         motion = np.zeros((len(self.names), 6))
         motion[np.ix_(self.free, self.freedoms)] = columns.reshape(-1, len(self.freedoms))
         return motion
+
+    def with_strength(self, share: float) -> Program:
+        """The program with a share of the strength of every bond."""
+        return self.with_rows(
+            clamp=share * self.clamp, pull=share * self.pull, shear=share * self.shear
+        )
 
     def turned(self, down: Array) -> Program:
         """The program with gravity, at its size, along `down`, shape (3,), of any length."""

@@ -167,8 +167,9 @@ def _verdict(certificate: ForceProof | MotionProof, evidence: Evidence | None) -
 
 
 def coefficients(contacts: ContactSet, program: Program, rows: Index) -> Array:
-    """The friction coefficients of contact rows as the file has them; 0 where a bond is tied."""
-    mu: Array = np.where(program.tied[rows], 0.0, contacts.patch_mu[program.source[rows]])
+    """The friction coefficients of contact rows as the file has them; 0 where bonds bear shear."""
+    otherwise = program.tied[rows] | ~np.isnan(program.shear[rows])
+    mu: Array = np.where(otherwise, 0.0, contacts.patch_mu[program.source[rows]])
     return mu
 
 
@@ -179,6 +180,8 @@ def _bond(program: Program, row: int) -> dict[str, Any]:
         found["pull"] = float(program.pull[row])
     if program.tied[row]:
         found["tied"] = True
+    if not np.isnan(program.shear[row]):
+        found["shear"] = float(program.shear[row])
     return found
 
 

@@ -111,7 +111,8 @@ PROOF = _keys(
     parts=_list(_keys(name=WORD, grounded=FLAG, mass=NUMBER, center=VECTOR)),
     points=_list(
         _each(
-            _keys(parts=PAIR, x=VECTOR, normal=VECTOR, mu=NUMBER), _if_there(pull=NUMBER, tied=FLAG)
+            _keys(parts=PAIR, x=VECTOR, normal=VECTOR, mu=NUMBER),
+            _if_there(pull=NUMBER, tied=FLAG, shear=NUMBER),
         )
     ),
     loads=LOADS,

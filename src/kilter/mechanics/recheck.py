@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from kilter.arrays import TINY, Array
+from kilter.arrays import TINY, Array, Index
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.certificate import check_forces, check_motion, part_sizes
@@ -172,9 +172,19 @@ def _different_points(
     pulls = [p.get("pull", 0.0) for p in points]
     tied = [p.get("tied", False) for p in points]
     strongest = float(program.pull.max(initial=0.0))
-    if not _near(pulls, program.pull[rows], strongest) or tied != program.tied[rows].tolist():
+    same = _near(pulls, program.pull[rows], strongest) and tied == program.tied[rows].tolist()
+    if not same or not _same_shear(program, rows, [p.get("shear") for p in points]):
         reasons.append("its bonds are not the file's")
     return reasons
+
+
+def _same_shear(program: Program, rows: Index, given: list[float | None]) -> bool:
+    """Whether limits of shear, None where there is none, are those of the rows."""
+    own = program.shear[rows]
+    if [one is None for one in given] != np.isnan(own).tolist():
+        return False
+    strongest = float(program.cohesion.max(initial=0.0))
+    return _near([one or 0.0 for one in given], np.nan_to_num(own), strongest)
 
 
 def _given_forces(program: Program, given: Any, joints: Any) -> tuple[Array, Array, list[str]]:
@@ -193,7 +203,11 @@ def _given_forces(program: Program, given: Any, joints: Any) -> tuple[Array, Arr
     size = np.maximum(np.abs(forces[rows]), float(program.weight.min()) * AGREES)
     slack = AGREES * np.maximum(size, bond) + TINY  # of a bond, f' is the rest of larger numbers
     reasons = []
-    if (aside > program.mu[rows] * np.maximum(forces[rows], 0) + slack).any():
+    most = program.mu[rows] * np.maximum(forces[rows], 0) + program.cohesion[rows]
+    beyond = aside > most + np.maximum(slack, AGREES * program.cohesion[rows])
+    if (beyond & ~np.isnan(program.shear[rows])).any():
+        reasons.append("a force across a bond is above what it bears")
+    if (beyond & np.isnan(program.shear[rows])).any():
         rough = bool(program.mu.any())
         why = "its friction is above mu times its push" if rough else "it is not along the normal"
         reasons.append(f"a force leaves its cone: {why}")

@@ -71,6 +71,9 @@ class ForceRows(Rows):
         f_n + pull >= 0 (`kilter.mechanics.bond_rows`).
     tied : ndarray of bool, shape (K,)
         Contact rows whose bond bears any shear, by rows of the kind BONDED.
+    shear : ndarray, shape (K,)
+        What the bond of a contact row bears across it at most [N], in place of friction; NaN
+        where there is no such limit.
     """
 
     part_a: Index
@@ -85,6 +88,7 @@ class ForceRows(Rows):
     doubt: Array = columns()
     pull: Array = columns()
     tied: Mask = columns()
+    shear: Array = columns()
 
     @property
     def certain(self) -> Mask:
@@ -103,7 +107,7 @@ def _of_kind(
     count, none = len(a), np.zeros(len(a))
     return ForceRows(
         a, b, point, normal, np.full(count, kind), two_sided, none > 0, none, source, none, none,
-        none > 0,
+        none > 0, np.full(count, np.nan),
     )  # fmt: skip
 
 
@@ -123,7 +127,8 @@ def contact_rows(contacts: ContactSet, geometry: Geometry) -> ForceRows:
         return rows
     bonded = bonded_points(contacts)
     mu = np.where(bonded.smooth[live], 0.0, rows.mu)
-    return replace(rows, mu=mu, pull=bonded.pull[live], tied=bonded.tied[live])
+    pull, tied, shear = bonded.pull[live], bonded.tied[live], bonded.shear[live]
+    return replace(rows, mu=mu, pull=pull, tied=tied, shear=shear)
 
 
 def bonded_rows(touching: ForceRows) -> ForceRows:

@@ -151,7 +151,7 @@ def _beyond(program: Program) -> str:
     """Why nothing is said of a cluster."""
     if (program.kind != CONTACT).any():
         return "joints are not looked at in second order"
-    if program.pull.any():
+    if program.has_strength:
         return "bonds are not looked at in second order"
     if np.abs(program.applied[program.free, 3:]).max(initial=0.0) > 0:
         return "loads beside a centre of mass are not looked at in second order"

@@ -17,8 +17,12 @@ import numpy as np
 
 from kilter.analysis.judge import judge
 from kilter.analysis.margins.load_limit import Limit, NoLimit, find_limit, finite, starting
+from kilter.analysis.strength import find_strength
+from kilter.analysis.turning_tolerances import BEYOND_LIMIT
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
+from kilter.mechanics.certificate import check_forces, check_motion
+from kilter.mechanics.coulomb_cones import spread
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT, ForceRows, bonded_rows
 
@@ -83,6 +87,8 @@ def find_bond_factor(program: Program, contacts: ContactSet) -> BondFactor | NoL
     >>> round(find_bond_factor(build_program(hung, touching), touching).value, 8)
     0.25
     """
+    if program.cohesion.any():
+        return _by_strength(program, contacts)
     limit = find_limit(program, -program.clamp, most=1.0)
     if isinstance(limit, NoLimit):
         if limit.why == "failed" and judge(unbreakable(program)).stable is False:
@@ -113,14 +119,39 @@ def unbreakable(program: Program) -> Program:
     return loose.with_force_rows(ForceRows.join([rows, across]))
 
 
+def _by_strength(program: Program, contacts: ContactSet) -> BondFactor | NoLimit:
+    """The same where bonds bear shear up to a force, which is a share of the strength, too."""
+    wide = spread(program)
+    found = find_strength(wide)
+    if found is None or np.isinf(found.share):
+        return NoLimit("failed" if found is None else "none")
+    held = check_forces(program.with_strength(found.share), found.forces, found.friction)
+    limit, share = Limit(found.share, held, None, np.inf), found.share
+    used = share * float(program.pull.sum() + program.cohesion.sum())
+    if held.holds and used <= NEEDLESS * float(program.weight[program.free].sum()):
+        return BondFactor(0.0, limit, ())
+    for step in BEYOND_LIMIT:
+        below = share - step * max(share, 1.0)
+        moved = check_motion(program.with_strength(below), found.motion)
+        if below >= 0 and moved.holds:
+            limit = Limit(share, held, moved, (share - below) / max(share, 1.0))
+            break
+    if not held.holds:
+        return NoLimit("failed")
+    return BondFactor(share, limit, _opens(program, contacts, limit))
+
+
 def _opens(program: Program, contacts: ContactSet, limit: Limit) -> tuple[tuple[int, float], ...]:
     """Bonds that give way in the mechanism at a limit."""
     if limit.mechanism is None:
         return ()
-    rows = np.flatnonzero((program.kind == CONTACT) & (program.pull > 0))
+    strong = (program.pull > 0) | (program.cohesion > 0)
+    rows = np.flatnonzero((program.kind == CONTACT) & strong)
     opening = np.maximum(program.velocities(limit.mechanism.motion)[rows], 0.0)
+    slip = np.linalg.norm(program.slips(limit.mechanism.motion, rows), axis=1)
     bond = contacts.patch_bond[program.source[rows]]
-    work = np.bincount(bond, program.pull[rows] * opening).astype(np.float64)
+    taken = program.pull[rows] * opening + program.cohesion[rows] * slip
+    work = np.bincount(bond, taken).astype(np.float64)
     share = work / max(float(work.sum()), np.finfo(float).tiny)
     order = np.argsort(-share, kind="stable")
     return tuple((int(k), float(share[k])) for k in order if share[k] > GIVES)

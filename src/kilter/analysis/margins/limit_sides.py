@@ -188,7 +188,7 @@ def motion_share(program: Program, wrench: Array, motion: Array) -> float:
     """The share of further wrenches from which on a motion gains power; inf where it never does."""
     free = program.free[:, None]
     gain = float((np.where(free, wrench, 0.0) * motion).sum())
-    return -float((program.load * motion).sum()) / gain if gain > 0 else np.inf
+    return -program.power(motion) / gain if gain > 0 else np.inf
 
 
 def _of_patches(program: Program, aside: Array) -> Array:

@@ -190,7 +190,8 @@ def find_limit(
     opening = opening or Opening(spread(program))
     # its starts are far from forces that pull: 50 steps and no proof where the conic solver has 15
     large = len(program.part_a) > EXACT
-    if most <= MODEST and not program.planar and large and not program.pull.any():
+    limited = bool(program.cohesion.any())  # only the conic program takes shear up to a force
+    if most <= MODEST and not program.planar and large and not program.has_strength:
         own = _by_own_cones(program, wrench, most, shared)
         if own.closed or own.held >= most * (1 - NEARLY):
             return _limit(own, most)
@@ -203,7 +204,9 @@ def find_limit(
     whole = conic.sides.held >= most * (1 - NEARLY)
     if conic.sides.closed or conic.sides.none or enough or whole:
         return _limit(conic.sides, most)
-    sides = conic.sides.better(limit_sides(program, wrench, most, conic.across))
+    sides = conic.sides
+    if not limited:
+        sides = sides.better(limit_sides(program, wrench, most, conic.across))
     if not sides.none and sides.gap > SIDES_APART:
         sharp = _in_cones(program, opening, wrench, most, CONIC_SHARP).sides
         sides = sides.better(sharp)

@@ -448,7 +448,7 @@ def _tilt(
     if program.applied.any():
         warnings.append("given loads do not turn with gravity: no tilt margin")
         return None
-    if program.pull.any():
+    if program.has_strength:
         warnings.append("what bonds hold does not turn with gravity: no tilt margin")
         return None
     tilt = find_tilt_margin(program)

@@ -146,7 +146,7 @@ def _plane(program: Program, part: int, push: Push) -> tuple[Array, float]:
     size = float(np.linalg.norm(step))
     if size == 0.0:
         return push.direction, push.force
-    distance = -float((program.load * mechanism.motion).sum()) / size
+    distance = -program.power(mechanism.motion) / size
     # where the plane is no support (its motion too coarse), the limit itself bounds
     if not 0.0 <= distance <= push.force * (1 + PUSH_AGREES):
         return push.direction, push.force

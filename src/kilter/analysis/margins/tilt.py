@@ -120,7 +120,7 @@ def tilt_about(program: Program, axis: Array) -> tuple[float, Limit] | NoLimit:
     ValueError
         If there are given loads or bonds: they do not turn.
     """
-    if program.applied.any() or program.pull.any():
+    if program.applied.any() or program.has_strength:
         raise ValueError("given loads and bonds do not turn with gravity")
     start = program.down
     aside = cross(axis / float(np.linalg.norm(axis)), start)
