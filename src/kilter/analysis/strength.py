@@ -1,0 +1,84 @@
+"""The least share of the strength of all bonds with which contacts balance.
+
+    s = min s:  J^T f + w - (1 - s) c = 0,  f_n >= 0,  |f_t| <= mu f_n + s S      c: the clamps
+
+One conic program that has an inside whatever s is: its forces, where s is at most 1, are within
+the strength as it is, and its motion, where s is above 1, gains power beyond what bonds take up.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kilter.arrays import Array
+from kilter.mechanics.coulomb_cones import Spread, least_strength
+from kilter.work import Work
+
+__all__ = ["Strength", "find_strength"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Strength:
+    """The least share of the strength, and what its program offers as proofs.
+
+    Attributes
+    ----------
+    share : float
+        s, at least 0 [-]; infinite where no share is enough.
+    forces, friction : ndarray, shapes (K,), (K, 3)
+        Along and across the rows [N], which balance at that share.
+    motion : ndarray, shape (N, 6)
+        What starts there.
+    word : str
+        What was run.
+    """
+
+    share: float
+    forces: Array
+    friction: Array
+    motion: Array
+    word: str
+
+
+def find_strength(wide: Spread, *, work: Work | None = None) -> Strength | None:
+    """The least share of the strength of bonds; None where the numbers failed.
+
+    Parameters
+    ----------
+    wide : Spread
+    work : Work, optional
+        It is charged, and its time limit is kept.
+
+    Examples
+    --------
+    >>> from kilter import Assembly, Bond, Box, Part, Pose
+    >>> from kilter.contact import contacts
+    >>> from kilter.mechanics.coulomb_cones import spread
+    >>> from kilter.mechanics.program import build_program
+    >>> wall = Part("wall", Box([1, 1, 1]), Pose([1, 0, 0]), grounded=True)
+    >>> glue = Bond(("block", "wall"), pull=1e5, shear=9810 / 4)
+    >>> glued = Assembly([wall, Part("block", Box([1, 1, 1]))], bonds=[glue])
+    >>> found = find_strength(spread(build_program(glued, contacts(glued))))
+    >>> round(found.share, 6)  # four corners, the weight in the middle: all bear alike
+    1.0
+    """
+    from kilter.solvers.clarabel import solve_conic
+
+    program = wide.program
+    strength = float(program.pull.sum() + program.cohesion.sum())
+    unit = float(program.weight[program.free].sum()) / strength  # s near 1 where they are near
+    answer = solve_conic(least_strength(wide, unit), work=work)
+    none = answer.proves_none
+    if not (answer.found or none):
+        return None
+    problem = wide.problem
+    x = np.zeros(problem.matrix.shape[1] + 1) if none else answer.x
+    multipliers = answer.multipliers[: len(problem.right)]
+    return Strength(
+        np.inf if none else max(float(x[-1]), 0.0) * unit,
+        *wide.decoded(x[:-1]),
+        problem.motion(problem.over_weight(multipliers)),
+        f"least strength: clarabel, {answer.iterations} iterations, {answer.outcome}",
+    )
