@@ -59,7 +59,8 @@ def imbalance(proof: dict[str, Any]) -> float:
         mu = point["mu"] if "friction" in proof else 0.0
         aside = float(np.linalg.norm(force - size * np.array(point["normal"])))
         presses = size + pull
-        assert point.get("tied") or aside <= mu * presses + 1e-9 * max(presses, 1e-9)
+        most = mu * presses + point.get("shear", 0.0)
+        assert point.get("tied") or aside <= most + 1e-9 * max(presses, most, 1e-9)
         for name, sign in zip(point["parts"], (-1, 1), strict=True):
             _push(parts[name], sign * force, point["x"])
             parts[name]["sum"] += abs(size) + pull
@@ -114,7 +115,7 @@ def opening_and_power(proof: dict[str, Any]) -> tuple[float, float]:
         openings.append(float(u @ n - point["mu"] * slip))
         if point.get("tied"):
             openings.append(-slip)
-        absorbed += point.get("pull", 0.0) * float(u @ n)
+        absorbed += point.get("pull", 0.0) * float(u @ n) + point.get("shear", 0.0) * slip
     for joint in proof["joints"]:
         a, b = joint["parts"]
         slip = at(b, joint["point"]) - at(a, joint["point"])

@@ -199,7 +199,9 @@ def _least_constrained(program: Program) -> tuple[Array, float] | None:
     return min(found, key=lambda pair: pair[1])
 
 
-def optimality(program: Program, motion: Array, forces: Array) -> float:
+def optimality(
+    program: Program, motion: Array, forces: Array, friction: Array | None = None
+) -> float:
     """Worst residual of the conditions that make a motion the true one, in units of g.
 
         M a = w + J^T f,   J a >= 0,   f >= 0,   f . J a = 0
@@ -213,9 +215,11 @@ def optimality(program: Program, motion: Array, forces: Array) -> float:
         Accelerations over the size of gravity.
     forces : ndarray, shape (K,)
         Of the rows [N].
+    friction : ndarray, shape (K, 3), optional
+        Across the rows [N].
     """
     gravity = program.g
-    rest = -program.wrenches(forces) - program.load
+    rest = -program.wrenches(forces, friction) - program.load
     rest[:, :3] += program.mass[:, None] * motion[:, :3] * gravity
     rest[:, 3:] += np.einsum("nij,nj->ni", program.inertia, motion[:, 3:]) * gravity
     rest[:, 3:] /= program.radius[:, None]

@@ -33,6 +33,7 @@ from kilter.analysis.motion import (
 )
 from kilter.analysis.neutral import Neutral, find_neutral
 from kilter.analysis.open_question import OpenQuestion, open_pairs_answer
+from kilter.analysis.slipping_motion import find_slipping_motion
 from kilter.analysis.verdict_answer import (
     certificate_answer,
     density_answer,
@@ -217,8 +218,9 @@ class Verdict(InCells):
     def _motion(self) -> ImpendingMotion:
         if self.verdict in ("stable", "settles"):
             return still(self.program)
-        if self.modelled.cohesion.any():  # what slips is slowed by the bonds, by Gauss's not
-            return unknown(self.program)
+        if self.modelled.cohesion.any():
+            rubs = self.modelled.mu.any()  # beside friction it is not known
+            return unknown(self.program) if rubs else find_slipping_motion(self.modelled)
         if self.verdict == "undecided" or not self.modelled.mu.any():
             return find_motion(self.modelled)
         if self.friction is not None:

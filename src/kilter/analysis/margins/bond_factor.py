@@ -33,6 +33,8 @@ NEEDLESS = 1e-9
 less [-]."""
 STRONG = 1e-3
 """A share below this is asked again with the weight as unit, which it is small beside [-]."""
+MOST = 1e6
+"""Strength of all bonds together, over the weight, with which what falls is held by none [-]."""
 GIVES = 1e-6
 """Share of the work from which on a bond counts as one that gives way [-]."""
 
@@ -124,7 +126,10 @@ def _by_strength(program: Program, contacts: ContactSet) -> BondFactor | NoLimit
     wide = spread(program)
     found = find_strength(wide)
     if found is None or np.isinf(found.share):
-        return NoLimit("failed" if found is None else "none")
+        strength = float(program.pull.sum() + program.cohesion.sum())
+        most = MOST * float(program.weight[program.free].sum()) / strength
+        none = found is not None or judge(program.with_strength(most)).stable is False
+        return NoLimit("none" if none else "failed")
     held = check_forces(program.with_strength(found.share), found.forces, found.friction)
     limit, share = Limit(found.share, held, None, np.inf), found.share
     used = share * float(program.pull.sum() + program.cohesion.sum())

@@ -110,7 +110,7 @@ def find_least_friction(program: Program) -> LeastFriction | NoLimit:
     sticks = _sticks(program)
     if not sticks:
         return NoLimit("failed" if sticks is None else "none")
-    squeezed = held_by_squeeze(program)
+    squeezed = None if program.cohesion.any() else held_by_squeeze(program)
     if squeezed is not None:
         return LeastFriction(0.0, 0.0, False, squeezed, smooth.motion, 4)
     sides = _Sides(program, smooth.motion)
@@ -264,9 +264,9 @@ def _used(wide: Spread, proof: ForceProof) -> tuple[float, ForceProof]:
 
 
 def _greatest(program: Program, proof: ForceProof) -> float:
-    """The greatest |f_t| / f_n, and what their normals may be off."""
+    """The greatest |f_t| / f_n of friction, and what their normals may be off."""
     rows = np.flatnonzero(program.kind == CONTACT)
     along, across = proof.forces[rows], np.linalg.norm(proof.friction[rows], axis=1)
     doubt = program.doubt[rows]
-    rubs = (across > 0) | ((doubt > 0) & (along > 0))
+    rubs = ((across > 0) | ((doubt > 0) & (along > 0))) & np.isnan(program.shear[rows])
     return float((across[rubs] / along[rubs] + doubt[rubs]).max(initial=0.0))
