@@ -33,8 +33,6 @@ NEEDLESS = 1e-9
 less [-]."""
 STRONG = 1e-3
 """A share below this is asked again with the weight as unit, which it is small beside [-]."""
-MOST = 1e6
-"""Strength of all bonds together, over the weight, with which what falls is held by none [-]."""
 GIVES = 1e-6
 """Share of the work from which on a bond counts as one that gives way [-]."""
 
@@ -115,8 +113,9 @@ def unbreakable(program: Program) -> Program:
         two_sided=program.two_sided | held,
         mu=np.where(held, 0.0, program.mu),
         pull=np.zeros(len(held)),
+        shear=np.full(len(held), np.nan),
     )
-    across = bonded_rows(replace(rows, tied=held & (program.mu > 0)))
+    across = bonded_rows(replace(rows, tied=held & (program.mu > 0) | (program.cohesion > 0)))
     loose = program.with_rows(clamp=np.zeros_like(program.clamp))
     return loose.with_force_rows(ForceRows.join([rows, across]))
 
@@ -126,9 +125,7 @@ def _by_strength(program: Program, contacts: ContactSet) -> BondFactor | NoLimit
     wide = spread(program)
     found = find_strength(wide)
     if found is None or np.isinf(found.share):
-        strength = float(program.pull.sum() + program.cohesion.sum())
-        most = MOST * float(program.weight[program.free].sum()) / strength
-        none = found is not None or judge(program.with_strength(most)).stable is False
+        none = found is not None or judge(unbreakable(program)).stable is False
         return NoLimit("none" if none else "failed")
     held = check_forces(program.with_strength(found.share), found.forces, found.friction)
     limit, share = Limit(found.share, held, None, np.inf), found.share
