@@ -131,7 +131,9 @@ def check(
     seconds["solve"] = time.perf_counter() - started
     sentence = _sentence(decision, assembly, contacts)
     if second is not None and second.state == "balanced":
-        sentence = balanced_sentence([program.names[k] for k in second.moving])
+        rolling = None if second.rolling is None else second.rolling.state
+        moving = [program.names[k] for k in second.moving]
+        sentence = balanced_sentence(moving, rolling=rolling)
     warnings = _warnings(assembly, contacts, decision)
     if work.cut:
         warnings.append(_late(time_limit))
@@ -160,11 +162,14 @@ def _second_order(
     """What second order says of what is stable without friction."""
     if decision.verdict != "stable" or decision.friction is not None or work.late:
         return None
-    from kilter.second_order.whole import find_second_order  # takes its time
+    from kilter.second_order.whole import find_second_order, with_rolling  # takes its time
 
     proof = decision.judgement.forces
     forces = None if proof is None else proof.forces
-    return find_second_order(assembly, contacts, decision.program, forces)
+    found = find_second_order(assembly, contacts, decision.program, forces)
+    if found is None or found.state != "balanced":
+        return found
+    return with_rolling(found, contacts, build_program(assembly, contacts))
 
 
 def _work(effort: float, time_limit: float | None, progress: Callable[[str], None] | None) -> Work:

@@ -140,8 +140,10 @@ class Verdict(InCells):
     @property
     def _strict(self) -> bool:
         """Whether no small push makes it fall, as far as that is proved."""
-        known = self.second_order is not None and self.second_order.state in ("minimum", "free")
-        return known or self._none_neutral
+        second = self.second_order
+        if second is None:
+            return self._none_neutral
+        return second.strict or self._none_neutral
 
     @property
     def _none_neutral(self) -> bool:

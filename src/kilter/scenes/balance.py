@@ -508,8 +508,8 @@ def _weeble_on_slope(h: float) -> Assembly:
     return _rolls(PLANE, _ball(1.0), h, np.array([np.sin(SLOPE), 0, np.cos(SLOPE)]))
 
 
-@_case("R8", "a hook on a peg, centre h up", "minimum", limit=PEG * RING / (RING - PEG),
-       above="balanced", among=ROLLING)  # fmt: skip
+@_case("R8", "a hook on a peg in its plane, centre h up", "minimum",
+       limit=PEG * RING / (RING - PEG), above="balanced", among=ROLLING)  # fmt: skip
 def _hook_rolls(h: float) -> Assembly:
     return _hook(h, GRIP)
 

@@ -15,6 +15,7 @@
 - `clusters`: free parts that contacts join
 - `level_rest`: what stands on level faces is free by proof, at any size
 - `held`: forces that leave no motion neutral
+- `rolling`: does friction hold what is balanced, or does it roll off?
 - `second_order_answer`: what is said of one cluster
 - `whole`: what a check says of all of them
 - `second_order_tolerances`: its tolerances

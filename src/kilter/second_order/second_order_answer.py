@@ -30,6 +30,7 @@ from kilter.second_order.free_span import free_span, moving_free
 from kilter.second_order.gap_form import formed, gap_forms
 from kilter.second_order.minimum_proof import MinimumProof
 from kilter.second_order.paths import Path
+from kilter.second_order.rolling import Rolling
 from kilter.second_order.second_order_tolerances import APART
 from kilter.second_order.separation import least_separation
 from kilter.second_order.stationary import Stationary, stationary
@@ -90,6 +91,8 @@ class SecondOrder:
         Of a balanced one, where all contacts are of bodies that can be held apart exactly.
     program : Program or None
         What `problem` and `decision` are about; its free parts are those of one cluster.
+    rolling : Rolling or None
+        Of what is balanced with friction at its contacts: whether that holds it.
     clusters : tuple of SecondOrder
         The answers that this one joins, where there are several clusters; what moves is that of
         all, the numbers and the configuration are those of the one that decides.
@@ -108,7 +111,16 @@ class SecondOrder:
     problem: Stationary | None = None
     configuration: Configuration | None = None
     program: Program | None = None
+    rolling: Rolling | None = None
     clusters: tuple[SecondOrder, ...] = ()
+
+    @property
+    def strict(self) -> bool:
+        """Whether no small push makes it fall, as far as that is proved, friction as it is."""
+        if self.clusters:
+            return all(one.strict for one in self.clusters)
+        held = self.rolling is not None and self.rolling.state == "holds"
+        return self.state in ("minimum", "free") or (self.state == "balanced" and held)
 
     def to_dict(self, names: tuple[str, ...]) -> dict[str, Any]:
         """The answer of `kilter check --json`; the motion by part."""
@@ -123,6 +135,7 @@ class SecondOrder:
             "undecided": self.undecided,
             "rate": self.rate,
             "motion": by_part,
+            "rolling": None if self.rolling is None else self.rolling.state,
             "why": self.why or None,
         }
 

@@ -27,12 +27,15 @@ from kilter.second_order.features import Features
 from kilter.second_order.features_of import features_of
 from kilter.second_order.held import Held, find_held, judge_held
 from kilter.second_order.level_rest import LevelRest, find_level_rest, level_rows
+from kilter.second_order.rolling import find_rolling
 from kilter.second_order.second_order_answer import SecondOrder, answer_alone, open_answer
 from kilter.second_order.stationary import stationary
 from kilter.work import Work
 
-__all__ = ["MOST_IN_ALL", "MOST_PARTS", "find_second_order"]
+__all__ = ["MOST_IN_ALL", "MOST_PARTS", "find_second_order", "with_rolling"]
 
+ROLLS = ("falls", "open", "holds")
+"""Of the rollings of clusters, the first that one of them has is that of all."""
 MOST_PARTS = 20
 """A cluster of up to this many free parts is asked for its second order, ..."""
 MOST_IN_ALL = 120
@@ -76,6 +79,32 @@ def find_second_order(
     if all(one.state == "minimum" and not one.neutral for one in found):
         return None
     return _joined(found)
+
+
+def with_rolling(found: SecondOrder, contacts: ContactSet, program: Program) -> SecondOrder:
+    """An answer that is balanced, with what friction makes of it.
+
+    Parameters
+    ----------
+    found : SecondOrder
+    contacts : ContactSet
+    program : Program
+        Of these contacts, with friction.
+    """
+    own = found.clusters or (found,)
+    parted = clusters(program)
+    if found.state != "balanced" or len(parted) != len(own) or not program.mu.any():
+        return found
+    features = features_of(program, contacts)
+    asked = tuple(
+        replace(one, rolling=find_rolling(part.program, features.take(part.rows)))
+        if one.state == "balanced"
+        else one
+        for one, part in zip(own, parted, strict=True)
+    )
+    rolls = [one.rolling for one in asked if one.rolling is not None]
+    worst = min(rolls, key=lambda one: ROLLS.index(one.state))
+    return replace(found, rolling=worst, clusters=asked if found.clusters else ())
 
 
 class _ClusterSearch:

@@ -9,21 +9,39 @@ from kilter.tell.numbers import number, plain
 
 __all__ = ["balanced_sentence", "second_order_words"]
 
+FRICTION = {
+    None: "unless friction holds it",
+    "open": "unless friction holds it",
+    "holds": "but friction holds it",
+    "falls": "with friction, too",
+}
 NAMED = 3
 """Parts that are named; more are counted."""
 
 
-def balanced_sentence(parts: Sequence[str], within: str = "") -> str:
-    """The verdict on what is stable to first order and falls to second.
+def balanced_sentence(parts: Sequence[str], within: str = "", rolling: str | None = None) -> str:
+    """The verdict on what is stable to first order and falls to second, unless friction holds it.
+
+    `rolling`: "holds" or "falls" where it is proved whether friction does.
 
     Examples
     --------
     >>> balanced_sentence(["b"])[:60]
     'Balanced: it cannot start to move by itself, but the slighte'
     """
+    them = "it" if len(parts) == 1 else "them"
+    if rolling == "holds":
+        return (
+            f"Balanced{within}: friction holds {_names(parts)} against small pushes; without "
+            f"friction the slightest makes {them} fall."
+        )
+    falls = f"makes {_names(parts)} fall"
+    friction = f"unless friction holds {them}"
+    if rolling == "falls":
+        friction = f"and friction does not hold {them}: nothing needs to slip"
     return (
-        f"Balanced{within}: it cannot start to move by itself, but the slightest push makes "
-        f"{_names(parts)} fall, unless friction holds {'it' if len(parts) == 1 else 'them'}."
+        f"Balanced{within}: it cannot start to move by itself, but the slightest push {falls}, "
+        f"{friction}."
     )
 
 
@@ -53,7 +71,8 @@ def second_order_words(answer: Mapping[str, Any]) -> str:
         rate = answer["rate"]
         grows = f"; it grows {number(rate, 3)} times e a second" if rate else ""
         names = _names(list(answer["motion"]))
-        return f"balanced: the slightest push makes {names} fall, unless friction holds it{grows}"
+        friction = FRICTION[answer.get("rolling")]
+        return f"balanced: the slightest push makes {names} fall, {friction}{grows}"
     return f"open: {answer['why']}"
 
 

@@ -1,0 +1,129 @@
+"""What rolls with friction: both sides of each limit, against closed forms; else open."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from places import side_by_side
+
+import kilter
+from kilter import Assembly
+from kilter.mechanics.program import Program, build_program
+from kilter.scenes.balance import GRIP, ROLLING, Case
+from kilter.second_order.features_of import features_of
+from kilter.second_order.rolling import Rolling, find_rolling
+
+OFF = 1e-6
+
+
+def rolling_case(number: str) -> Case:
+    return next(case for case in ROLLING if case.number == number)
+
+
+def rolled(assembly: Assembly) -> tuple[Program, Rolling]:
+    contacts = kilter.contacts(assembly)
+    program = build_program(assembly, contacts)
+    return program, find_rolling(program, features_of(program, contacts))
+
+
+def in_the_plane(assembly: Assembly, mu: float = GRIP) -> Assembly:
+    """Each pair of parts on its first contact, in the plane y = 0."""
+    first = {one.parts: one for one in reversed(assembly.contacts)}
+    contacts = list(first.values())
+    return Assembly(assembly.parts, contacts=contacts, friction=mu, planar=True, detect=False)
+
+
+@pytest.mark.parametrize("number", ["R1", "R3", "R7", "R8"])
+def test_in_the_plane_both_sides_of_a_limit_are_proved(number: str) -> None:
+    case = rolling_case(number)
+    assert case.limit is not None
+    for off, state in ((-OFF, "holds"), (OFF, "falls")):
+        _, found = rolled(in_the_plane(case.build(case.limit + off)))
+        assert (found.state, found.dimension) == (state, 1)
+
+
+@pytest.mark.parametrize(("number", "state"), [("R4", "falls"), ("R5", "holds")])
+def test_a_ball_rolls_off_a_ball_and_back_in_a_bowl(number: str, state: str) -> None:
+    assert rolled(in_the_plane(rolling_case(number).build(0.0)))[1].state == state
+
+
+@pytest.mark.parametrize("number", ["R1", "R2", "R3", "R6"])
+def test_in_space_falling_is_proved_above_a_limit_and_nothing_below(number: str) -> None:
+    """Below it the energy rises, but rolling is not holonomic, or friction not determined."""
+    case = rolling_case(number)
+    assert case.limit is not None
+    assert rolled(case.build(case.limit + OFF))[1].state == "falls"
+    below = rolled(case.build(case.limit - OFF))[1]
+    assert below.state == "open"
+    assert below.why
+    assert below.curvature > -1e-9
+
+
+def test_a_hook_falls_over_sideways_in_space() -> None:
+    """Its limit is one of its own plane: across it, it rolls on its wire, a thin one."""
+    case = rolling_case("R8")
+    assert case.limit is not None
+    assert rolled(case.build(case.limit - 0.1))[1].state == "falls"
+
+
+def test_a_board_on_two_rollers_does_not_roll() -> None:
+    _, found = rolled(rolling_case("R9").build(0.0))
+    assert (found.state, found.dimension) == ("open", 0)
+    assert "not determined" in found.why
+
+
+@pytest.mark.parametrize("h", [0.3, 0.6, 0.9])
+def test_the_energy_of_a_rocking_stone_curves_as_its_height_does(h: float) -> None:
+    """Rolled by p on a hill of radius R, it has turned by p (R + r) / r."""
+    hill, stone = 1.0, 2.0
+
+    def height(p: float) -> float:
+        return (hill + stone) * np.cos(p) - (stone - h) * np.cos(p * (hill + stone) / stone)
+
+    step = 1e-3
+    curved = (height(step) - 2 * height(0.0) + height(-step)) / step**2
+    turn = (hill + stone) / stone  # of the stone, for each of p
+    program, found = rolled(in_the_plane(rolling_case("R3").build(h)))
+    free = int(np.flatnonzero(program.free)[0])
+    unit = float(program.weight[free] * program.radius[free])
+    own = found.curvature * unit / found.motion[free, 4] ** 2
+    assert own == pytest.approx(float(program.weight[free]) * curved / turn**2, rel=1e-5)
+
+
+@pytest.mark.parametrize("h", [0.5, 0.99, 1.01])
+def test_it_does_not_depend_on_where_or_how_large(h: float) -> None:
+    made = side_by_side([rolling_case("R2").build(h)]).with_friction(GRIP)
+    assert rolled(made)[1].state == ("falls" if h > 1 else "open")
+
+
+@pytest.mark.parametrize(("mu", "state"), [(0.4, "open"), (0.45, "holds")])
+def test_what_slips_at_once_is_not_said_to_hold(mu: float, state: str) -> None:
+    """A weeble on a slope of .4 needs a coefficient of tan(.4) = .423."""
+    assert rolled(in_the_plane(rolling_case("R7").build(0.5), mu))[1].state == state
+
+
+def test_a_check_says_whether_friction_holds() -> None:
+    board = rolling_case("R1")
+    low, high = (kilter.check(in_the_plane(board.build(h))) for h in (0.9, 1.1))
+    for verdict in (low, high):
+        assert verdict.second_order is not None
+        assert verdict.second_order.state == "balanced"
+    assert low.to_dict()["second_order"]["rolling"] == "holds"
+    assert "friction holds b against small pushes" in low.sentence
+    assert high.to_dict()["second_order"]["rolling"] == "falls"
+    assert "friction does not hold it" in high.sentence
+    assert kilter.check(in_the_plane(board.build(0.9)), require="strict").stable
+    assert not kilter.check(in_the_plane(board.build(1.1)), require="strict").stable
+    slick = kilter.check(in_the_plane(board.build(0.9), 0.0))
+    assert slick.to_dict()["second_order"]["rolling"] is None
+    assert "unless friction holds it" in slick.sentence
+
+
+def test_of_several_the_one_that_rolls_off_is_told() -> None:
+    stone = rolling_case("R2")
+    row = side_by_side([stone.build(0.9), stone.build(1.1)]).with_friction(GRIP)
+    second = kilter.check(row).second_order
+    assert second is not None
+    assert [one.rolling and one.rolling.state for one in second.clusters] == ["open", "falls"]
+    assert second.rolling is not None
+    assert second.rolling.state == "falls"
