@@ -8,7 +8,8 @@ The assemblies are those of `kilter.scenes.random_bonded`. Nothing of kilter but
 the other side: where blocks touch follows from their sizes, a stress acts at the middle of a
 rectangle, friction lies in pyramids inside and around Coulomb's cone, and linprog says the least
 share. Asked are: contacts; verdict and share; verdicts on both sides of the share; that proofs are
-verified; that no bond is used beyond its strength. The command ends with 1 where they disagree.
+verified; that no bond is used beyond its strength; that no margin fails. The command ends with 1
+where they disagree.
 """
 
 from __future__ import annotations
@@ -156,6 +157,7 @@ def judged(scene: Bonded) -> tuple[str, list[str]]:
     if not assembly.bonds:
         return "no bonds", wrong
     most, least = least_share(scene, 1.0), least_share(scene, 1 / np.cos(np.pi / SIDES))
+    wrong += [f"margin has no {what}" for what, why in margin.missing.items() if why == "failed"]
     why = margin.missing.get("bond")
     if why == "none":
         if np.isfinite(most):
@@ -164,7 +166,7 @@ def judged(scene: Bonded) -> tuple[str, list[str]]:
             wrong.append(f"{margin.verdict.verdict}, and no share is enough")
         return "no share is enough", wrong
     if why is not None:
-        return "no share", [*wrong, f"margin has no share: {why}"]
+        return "no share", wrong
     share = margin.bond.value
     if not least - NEAR * max(1.0, least) <= share <= most + NEAR * max(1.0, most):
         wrong.append(f"share {share}, not {least} to {most}")

@@ -181,6 +181,11 @@ def test_wrong_bonds_are_one_sentence():
             wrong()
 
 
+def test_what_no_bond_holds_any_more_falls():
+    """Half of its weight is borne at most, and no point is left that presses."""
+    assert judged(hung(WEIGHT / 8, shear="mu")).verdict == "unstable"
+
+
 def leaning(degrees, **bond):
     """A post of two cubes on a base, beneath a bond of four points, in gravity at an angle."""
     turn = np.radians(degrees)
