@@ -74,3 +74,19 @@ def test_a_name_that_is_no_file_starts_nothing(fresh, word, capsys):
     assert main(["check", word, "--floor"]) == 2
     assert step_process._kept == []
     assert "Traceback" not in capsys.readouterr().err
+
+
+def test_what_comes_to_no_end_is_tried_once_more_and_refused(fresh, tmp_path, monkeypatch):
+    path = box(tmp_path / "one.step", 1.0, 2.0, 3.0)
+    made = []
+    start = step_process._Process.__init__
+    monkeypatch.setattr(
+        step_process._Process, "__init__", lambda one: (made.append(one), start(one))[1]
+    )
+    with monkeypatch.context() as short:
+        short.setattr(step_process, "STALLS", 1e-4)
+        short.setattr(step_process, "STALLS_PER_BYTE", 0.0)
+        with pytest.raises(InputError, match="OCCT breaks down over it"):
+            read_step(path)
+    assert len(made) == 2
+    assert depth(read_step(path)) == pytest.approx(3.0)

@@ -1,9 +1,10 @@
 """OCCT in a process of its own, started as early as a STEP file is known of, and kept.
 
-Over a damaged file OCCT may end the process that it is in. Then the file is refused, or, where a
-solid was at work, the file is read once more with a stand-in for that solid. Python and OCCT start
-in it, and the file is read ahead, while kilter loads what it needs itself: so this module imports
-nothing that takes time.
+Over a damaged file OCCT may end the process that it is in, or now and then come to no end: past a
+time of computing that no sound file takes the process ends itself. Then the file is read once more,
+where a solid was at work with a stand-in for that solid, and else refused the second time. Python
+and OCCT start in it, and the file is read ahead, while kilter loads what it needs itself: so this
+module imports nothing that takes time.
 
 Requests and answers are pickled, each with its length before it. Only our own process writes them.
 """
@@ -27,12 +28,19 @@ if TYPE_CHECKING:
 
 __all__ = ["begin_early", "read_apart", "serve"]
 
-Request = tuple[str, tuple[int, int], tuple[str, ...], set[int]]
-"""Path, when it was written and its size, names that are left out, solids that break OCCT down."""
+Request = tuple[str, tuple[int, int], tuple[str, ...], set[int], float]
+"""Path, when it was written and its size, names that are left out, solids that break OCCT down,
+time of computing that one solid may take [s]."""
 MEMORY = 16 << 30
 """Address space of the process, whatever a damaged file asks for [bytes]."""
 BREAKDOWNS = 50
 """Solids of one file over which OCCT may break down before the file is given up."""
+
+
+STALLS = 12.0
+"""Time of computing that one solid, or what is read before them, may take at least [s]..."""
+STALLS_PER_BYTE = 12e-6
+"""... and for each byte of the file; sound files take a fifth of this at most [s]."""
 
 
 class _Process:
@@ -87,7 +95,8 @@ def begin_early(ahead: Path | None = None) -> None:
 
 def _request(path: Path, without: tuple[str, ...], broken: set[int]) -> Request:
     state = path.stat()
-    return str(path.absolute()), (state.st_mtime_ns, state.st_size), without, broken
+    most = STALLS + STALLS_PER_BYTE * state.st_size
+    return str(path.absolute()), (state.st_mtime_ns, state.st_size), without, broken, most
 
 
 def _end() -> None:
@@ -108,7 +117,7 @@ def read_apart(path: Path, without: tuple[str, ...], progress: Callable[[str], N
 
         return step_bodies(path, without, lambda stage, solid: progress(stage))
     broken: set[int] = set()
-    at_work = -1
+    at_work, again = -1, False
 
     def tell(stage: str, solid: int) -> None:
         nonlocal at_work
@@ -124,11 +133,14 @@ def read_apart(path: Path, without: tuple[str, ...], progress: Callable[[str], N
             kind, value = _kept[0].ask(request, tell)
         except EOFError:
             _end()
-            if at_work < 0 or at_work in broken or len(broken) >= BREAKDOWNS:
+            if (at_work < 0 and again) or at_work in broken or len(broken) >= BREAKDOWNS:
                 raise InputError(
-                    "damaged STEP: OCCT breaks down over it", hint="export it again as STEP"
+                    "damaged STEP: OCCT breaks down over it, or comes to no end",
+                    hint="export it again as STEP",
                 ) from None
-            broken.add(at_work)
+            if at_work >= 0:
+                broken.add(at_work)
+            at_work, again = -1, at_work < 0
             continue
         except BaseException:  # interrupted half-way: what it would answer next is not asked
             _end()
@@ -161,21 +173,30 @@ def serve() -> None:
 
     while True:
         try:
-            path, _, without, broken = receive(incoming)
+            path, _, without, broken, most = receive(incoming)
         except EOFError:
             return
 
-        def tell(stage: str, solid: int) -> None:
+        def tell(stage: str, solid: int, most: float = most) -> None:
+            _end_after(most)
             send(outgoing, ("step", (stage, solid)))
 
         answer: Any
+        _end_after(most)
         try:
             answer = "read", step_bodies(Path(path), without, tell, broken)
         except InputError as error:
             answer = "refused", (error.what, error.part, error.hint)
         except Exception as error:
             answer = "fault", f"{type(error).__name__}: {error}"
+        _end_after(0.0)
         send(outgoing, answer)
+
+
+def _end_after(seconds: float) -> None:
+    """Have the system end this process after so long a time of computing; 0: no more."""
+    with contextlib.suppress(AttributeError):  # where there is no such limit
+        signal.setitimer(signal.ITIMER_PROF, seconds)
 
 
 def _bound_memory() -> None:
