@@ -484,3 +484,21 @@ def test_without_open_pairs_nothing_is_said_of_them(opened: Callable) -> None:
     page = opened("tower")
     assert page.js("document.getElementById('open-row').hidden")
     assert page.js("window.kilter.stage.open.group.children.length") == 0
+
+
+def test_the_brick_to_add_is_shown_among_parts_at_rest(opened: Callable, tmp_path: Path) -> None:
+    path = tmp_path / "stair.txt"
+    path.write_text("\n".join(f"4x2 ({2 * k},0,{k})" for k in range(6)))
+    page = opened(kilter.load(path, stud_pull=0.05))
+    ghost = "window.kilter.stage.ghost.group.visible"
+    assert not page.js(ghost)
+    plain = page.drawn()
+    page.page.click("#show-change")
+    assert page.js(ghost)
+    assert page.drawn() != plain
+    page.slide("explode", 0.5)
+    assert not page.js(ghost)
+    page.slide("explode", 0)
+    assert page.js(ghost)
+    page.page.click("#show-change")
+    assert not page.js(ghost)

@@ -82,9 +82,25 @@ export class Report extends Look {
     const { parts } = this.stage;
     const { motion } = this.found;
     parts.pose(motion, motion && this.amount ? this.amount * this.farthest() : 0, this.apart);
+    // the brick to add has a place among parts at rest
+    this.stage.ghost.group.visible = Boolean(this.added && !this.amount && !this.apart);
     this.arrows();
     this.names.place();
     this.stage.draw();
+  }
+
+  /** The brick to add in its place, or the one to take away picked; or neither any more. */
+  showChange() {
+    const { part, shape, at } = this.page.change;
+    this.changed = !this.changed;
+    id("show-change").setAttribute("aria-pressed", String(this.changed));
+    if (part !== null) {
+      this.select(this.changed ? part : -1);
+    } else if (this.stage) {
+      this.added = this.changed;
+      this.stage.ghost.set(shape, at);
+      this.repose();
+    }
   }
 
   /** The amount of the motion at the end of its slider: before any part enters another. */
@@ -223,6 +239,7 @@ export class Report extends Look {
     this.keys();
     on("motion", "input", () => this.slide("amount", "motion"));
     on("play", "click", () => this.play());
+    if (page.change) on("show-change", "click", () => this.showChange());
     on("colour-of", "change", () => this.repose());
     id("bond-pull").textContent = pullWords(page.given.forces && page.given.forces.pull);
     const points = page.given.forces ? page.given.forces.points.length / 3 : 0;

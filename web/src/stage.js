@@ -20,6 +20,7 @@ import {
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { Arrows } from "./arrows.js";
+import { Ghost } from "./ghost.js";
 import { Parts } from "./parts.js";
 import { sphereView } from "./sphere.js";
 import { scaled, unit } from "./vector.js";
@@ -50,7 +51,8 @@ export class Stage {
     this.hands = new Arrows();
     this.lines = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
     this.lines.frustumCulled = false;
-    this.root.add(this.parts.group, this.lines);
+    this.ghost = new Ghost();
+    this.root.add(this.parts.group, this.lines, this.ghost.group);
     this.scene.add(this.root);
     // arrows lie over the parts: drawn after, with a depth of their own
     this.over = new Scene();
@@ -181,7 +183,7 @@ export class Stage {
   /** Numbers of parts, counted from 1, as the camera sees them in so many pixels, from below. */
   numbers(width, height) {
     const { renderer, camera, parts } = this;
-    const hidden = [parts.edges, parts.patches, parts.cut, this.lines];
+    const hidden = [parts.edges, parts.patches, parts.cut, this.lines, this.ghost.group];
     const were = hidden.map((one) => one.visible);
     hidden.forEach((one) => (one.visible = false));
     parts.faces.material = parts.material.number;
@@ -314,6 +316,7 @@ export class Stage {
     this.loads.theme(style("ink"), style("surface"));
     this.open.theme(style("open"), style("ink"));
     this.lines.material.color.set(style("soft"));
+    this.ghost.theme(style);
     this.draw();
   }
 }

@@ -15,6 +15,7 @@ import numpy as np
 
 from kilter.analysis.check import check
 from kilter.analysis.displacement import find_displacement
+from kilter.analysis.margins.improve import Improvement, improve
 from kilter.analysis.margins.margin import PUSHED, margin
 from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.region import Region, common_region, region
@@ -47,6 +48,8 @@ MAP_MOTIONS = 12_000
 """Vertices of the map times free parts: above this its motions take too long."""
 MARGIN_PARTS = PUSHED
 """Up to this many free parts margins are looked for, each part's weakest push among them."""
+CHANGE_PARTS = 40
+"""Up to this many free bricks it is looked for which one to add or to take away."""
 RAY_FORCES = 60_000
 """Rays times contact points: above this their forces would fill the page."""
 
@@ -137,6 +140,8 @@ class Everything:
     map : MapMotions or None
     margin : dict or None
         The answer of `kilter margin --json`, for gravity as given.
+    change : Improvement or None
+        Of bricks, which one to add or to take away.
     notes : sequence of str
         What is not shown, and why.
     """
@@ -151,6 +156,7 @@ class Everything:
     rays: Sequence[Balance]
     map: MapMotions | None
     margin: dict[str, Any] | None
+    change: Improvement | None
     notes: Sequence[str]
 
     def __repr__(self) -> str:
@@ -177,7 +183,8 @@ def everything(
     contacts, tolerance, effort, time_limit, progress
         As of `kilter.check`.
     margins : bool
-        Margins at every size, not only up to `MARGIN_PARTS` free parts.
+        Margins at every size, not only up to `MARGIN_PARTS` free parts; of bricks what to change
+        too, not only up to `CHANGE_PARTS`.
 
     Raises
     ------
@@ -213,6 +220,7 @@ def everything(
         rays=() if found is None else _rays(assembly, contacts, found),
         map=None if found is None else _map(assembly, contacts, tell, notes),
         margin=_margin(assembly, contacts, margins, tell, notes),
+        change=_change(assembly, margins, tell, notes),
         notes=tuple(notes),
     )
 
@@ -336,7 +344,25 @@ def _margin(
         )
         return None
     # what friction guarantees is said by the check
-    return margin(assembly, contacts=contacts, effort=0, progress=tell).to_dict()
+    loads = bool(assembly.bonds)
+    return margin(assembly, contacts=contacts, loads=loads, effort=0, progress=tell).to_dict()
+
+
+def _change(assembly: Assembly, always: bool, tell: Tell, notes: list[str]) -> Improvement | None:
+    """Which brick to add or to take away, where the model is small enough or it is asked for."""
+    if not assembly.bonds or any(part.brick is None for part in assembly.parts):
+        return None
+    if _free(assembly) > CHANGE_PARTS and not always:
+        notes.append(
+            f"which brick to add or to take away is looked for up to {CHANGE_PARTS} bricks; "
+            "'kilter report --margins' and 'kilter improve' look at every size"
+        )
+        return None
+    try:
+        return improve(assembly, progress=tell)
+    except InputError as error:
+        notes.append(f"which brick to add or to take away is not said: {error.what}")
+        return None
 
 
 def _map(

@@ -17,7 +17,7 @@ from kilter.show.packing import as_json, readable
 from kilter.show.plan_scene import build_plan_scene
 from kilter.show.plan_sections import plan_sections
 from kilter.show.scene import build_scene
-from kilter.show.sections import margin_card, sections, text
+from kilter.show.sections import change_card, margin_card, sections, text
 from kilter.tell.palette import as_css
 
 if TYPE_CHECKING:
@@ -50,7 +50,9 @@ def render(answers: Everything, title: str, *, command: str = "", live: bool = F
     """
     data = as_json({"title": readable(title), **build_scene(answers)})
     body = sections(answers, command=command, versions=_versions())
-    return _filled(title, body, data, live=live, margins=margin_card(answers))
+    return _filled(
+        title, body, data, live=live, margins=change_card(answers) + margin_card(answers)
+    )
 
 
 def render_plan(order: Order, explained: Explained, title: str, *, command: str = "") -> str:

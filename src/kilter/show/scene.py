@@ -15,7 +15,7 @@ from kilter.arrays import Array
 from kilter.show.colours import assembly_colours
 from kilter.show.packing import pack, readable
 from kilter.show.round_patches import round_patches
-from kilter.show.shapes import placed
+from kilter.show.shapes import Drawn, placed
 from kilter.tell.check_facts import forces_phrase
 from kilter.tell.facts import facts
 from kilter.tell.words import VERDICTS, live_words
@@ -52,6 +52,7 @@ def build_scene(answers: Everything) -> dict[str, Any]:
         "region": _region(answers),
         "rays": _rays(answers, center),
         "map": _map(answers.map),
+        "change": _change(answers, center),
         "notes": list(answers.notes),
     }
 
@@ -107,14 +108,27 @@ def _view(assembly: Assembly) -> tuple[Array, Array]:
 
 
 def _shapes(assembly: Assembly) -> list[dict[str, Any]]:
-    return [
-        {
-            "positions": pack(shape.positions),
-            "triangles": pack(shape.triangles, "index"),
-            "edges": pack(shape.edges, "index"),
-        }
-        for shape in placed(assembly).shapes
-    ]
+    return [_shape(shape) for shape in placed(assembly).shapes]
+
+
+def _shape(shape: Drawn) -> dict[str, Any]:
+    return {
+        "positions": pack(shape.positions),
+        "triangles": pack(shape.triangles, "index"),
+        "edges": pack(shape.edges, "index"),
+    }
+
+
+def _change(answers: Everything, center: Array) -> dict[str, Any] | None:
+    """The brick to take away, by its number, or the one to add: its shape, and where."""
+    best = None if answers.change is None else answers.change.best
+    if best is None:
+        return None
+    if best.what == "remove":
+        return {"part": answers.assembly.index_of(best.name)}
+    places, k = placed(best.assembly), best.assembly.index_of(best.name)
+    at = (places.position[k] - center).tolist()
+    return {"part": None, "shape": _shape(places.shapes[places.shape[k]]), "at": at}
 
 
 def _parts(assembly: Assembly, center: Array) -> dict[str, Any]:

@@ -15,13 +15,14 @@ from kilter.show.scene import coincide
 from kilter.tell.facts import facts
 from kilter.tell.numbers import number, vector
 from kilter.tell.region_facts import region_words
-from kilter.tell.tables import Name, Table, forces_table, open_table, push_table, tables
+from kilter.tell.tables import Name, Table, forces_table, load_table, open_table, push_table, tables
 
 if TYPE_CHECKING:
     from kilter.analysis.everything import Everything
 
 __all__ = [
     "LISTED",
+    "change_card",
     "facts_html",
     "made_section",
     "margin_card",
@@ -65,7 +66,7 @@ def named(name: str) -> str:
 def sections(answers: Everything, *, command: str, versions: dict[str, str]) -> str:
     """The sections below the picture."""
     parts = [_verdict(answers), _left_open(answers), _parts(answers), _contacts(answers)]
-    parts.insert(2, _pushes(answers))
+    parts[2:2] = [_tried(answers), _pushes(answers), _loads(answers)]
     warned = [
         *answers.given.check["warnings"],
         *(answers.region or {}).get("warnings", ()),
@@ -145,6 +146,44 @@ def margin_card(answers: Everything) -> str:
         '<section class="card" id="margins" aria-labelledby="margins-title">'
         f'<h2 id="margins-title">Margins, gravity as given</h2>{facts_html(rows)}</section>\n'
     )
+
+
+def change_card(answers: Everything) -> str:
+    """Which brick to add or to take away, and a button that shows it; nothing of other parts."""
+    found = answers.change
+    if found is None:
+        return ""
+    added = found.best is not None and found.best.what == "add"
+    button = (
+        f'<p class="buttons"><button id="show-change" type="button" aria-pressed="false">'
+        f"Show the brick to {'add' if added else 'take away'}</button></p>"
+        if found.best is not None
+        else ""
+    )
+    key = '<p class="key"><span><i class="swatch added"></i> to add</span></p>' if added else ""
+    rows = facts_html((term, text(words)) for term, words in facts(found.to_dict()))
+    return (
+        '<section class="card" id="change" aria-labelledby="change-title">'
+        f'<h2 id="change-title">What to change</h2><p>{text(found.sentence)}</p>{rows}{button}{key}'
+        "</section>\n"
+    )
+
+
+def _tried(answers: Everything) -> str:
+    """The changes that were tried."""
+    if answers.change is None or not answers.change.tried:
+        return ""
+    [table] = tables(answers.change.to_dict())
+    return section(f"Changes tried ({len(table.items)})", _table(table), rows=len(table.items))
+
+
+def _loads(answers: Everything) -> str:
+    """The load that each part still takes."""
+    table = None if answers.margin is None else load_table(answers.margin)
+    if table is None or not table.items:
+        return ""
+    title = f"Loads that are still taken ({len(table.items)})"
+    return section(title, f"<p>{text(table.title)}</p>", _table(table), rows=len(table.items))
 
 
 def _pushes(answers: Everything) -> str:

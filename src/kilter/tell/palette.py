@@ -31,7 +31,7 @@ ROLES = {
     "stable": Role("#0066b4", "#4fa8f0", "sign", "stable: a verdict, a region and its boundary"),
     "unstable": Role("#c24e00", "#ff8a3d", "sign", "unstable, and motion: arrows, edges, ghosts"),
     "force": Role("#006b50", "#4fdcab", "sign", "contact force, line of thrust"),
-    "limit": Role("#6a0018", "#fff3b0", "sign", "contact force that uses up its friction"),
+    "limit": Role("#6a0018", "#fff3b0", "sign", "force that uses up its friction or bond"),
     "patch": Role("#a3307f", "#e070b8", "sign", "contact patch"),
     "open": Role(
         "#f5b800", "#e8b400", "sign", "open pair: the geometry does not say how it touches"
@@ -42,7 +42,9 @@ ROLES = {
     "link": Role("#005a8d", "#7cc8f7", "word", "link"),
     "soft": Role("#5b6673", "#a3afbb", "word", "text of less weight"),
     "focus": Role("#0066b4", "#7cc8f7", "fill", "what has the keyboard"),
-    "picked": Role("#ffdb00", "#ffdb00", "fill", "the part that was picked, in stripes"),
+    "picked": Role(
+        "#ffdb00", "#ffdb00", "fill", "the part that was picked, in stripes; the brick to add"
+    ),
     "stable-fill": Role("#4aa3dc", "#3b9bd8", "fill", "stable directions of the ball"),
     "stable-edge": Role("#ffffff", "#0b1620", "fill", "rim of the boundary of the region"),
     "unstable-fill": Role(
@@ -73,7 +75,8 @@ PALETTE = (
 )
 """Of free parts, in the order they are given out: pale, so that signs stand out."""
 RAMP = ("#fff6de", "#fdd68c", "#f3a14b", "#d55e00", "#8c3006")
-"""Instability from none to the most: from light to dark, so that no hue is needed to read it."""
+"""Instability, or use of bonds, from none to the most: from light to dark, so that no hue is
+needed to read it."""
 VERDICT_ROLE = {
     "stable": "stable",
     "found": "stable",

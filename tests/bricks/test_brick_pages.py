@@ -1,0 +1,76 @@
+"""The page of a model of bricks: what to change, what is still taken, how bricks look."""
+
+from __future__ import annotations
+
+import base64
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kilter
+from kilter.analysis import everything as limits
+from kilter.analysis.everything import everything
+from kilter.show.page import render
+from kilter.show.scene import build_scene
+
+
+def stair(path: Path, steps: int, **options: object) -> kilter.Assembly:
+    path.write_text("\n".join(f"4x2 ({2 * k},0,{k})" for k in range(steps)))
+    return kilter.load(path, **options)
+
+
+def test_the_page_says_and_shows_which_brick_to_add(tmp_path: Path) -> None:
+    found = everything(stair(tmp_path / "stair.txt", 6, stud_pull=0.05))
+    best = found.change.best
+    assert best.what == "add"
+    page = render(found, "stair")
+    assert found.change.sentence in page
+    assert "Show the brick to add" in page
+    scene = build_scene(found)
+    assert scene["change"]["part"] is None
+    # the brick is where the changed model has it
+    added = best.assembly.parts[best.assembly.index_of(best.name)]
+    shape = base64.b64decode(scene["change"]["shape"]["positions"]["data"])
+    positions = np.frombuffer(shape, dtype=np.float32).reshape(-1, 3)
+    low = positions.min(axis=0) + scene["change"]["at"] + scene["center"]
+    corner = np.array(added.pose.position) - np.array(added.shape.size) / 2
+    assert np.allclose(low, corner, atol=1e-3)
+
+
+def test_the_page_of_what_stands_lists_what_is_still_taken(tmp_path: Path) -> None:
+    found = everything(stair(tmp_path / "stair.txt", 3))
+    page = render(found, "stair")
+    assert "Loads that are still taken (3)" in page
+    assert "Changes tried" in page
+    assert [one["part"] for one in found.margin["loads"]] == ["2x4-1", "2x4-2", "2x4-3"]
+
+
+def test_a_brick_to_take_away_is_the_part_of_the_page(tmp_path: Path) -> None:
+    assembly = stair(tmp_path / "stair.txt", 3)
+    found = everything(assembly)
+    removed = next(one for one in found.change.tried if one.what == "remove")
+    found = replace(found, change=replace(found.change, best=removed))
+    part = build_scene(found)["change"]["part"]
+    assert assembly.names[part] == removed.name
+    assert "Show the brick to take away" in render(found, "stair")
+
+
+def test_large_models_say_that_it_is_left_out_unless_it_is_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(limits, "CHANGE_PARTS", 2)
+    assembly = stair(tmp_path / "stair.txt", 3)
+    found = everything(assembly)
+    assert found.change is None
+    assert any("up to 2 bricks" in note for note in found.notes)
+    assert build_scene(found)["change"] is None
+    assert everything(assembly, margins=True).change is not None
+
+
+def test_other_assemblies_have_nothing_to_change() -> None:
+    found = everything(kilter.example("tower"))
+    assert found.change is None
+    assert not any("brick" in note for note in found.notes)
+    assert "What to change" not in render(found, "tower")

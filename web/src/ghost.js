@@ -1,0 +1,31 @@
+// A part that is not there: the brick to add, in one colour with dark edges.
+
+import { BufferAttribute, BufferGeometry, Group, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial } from "three";
+
+export class Ghost {
+  constructor() {
+    this.faces = new Mesh(
+      new BufferGeometry(),
+      new MeshBasicMaterial({ polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 }),
+    );
+    this.edges = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
+    this.group = new Group();
+    this.group.add(this.faces, this.edges);
+    this.group.visible = false;
+  }
+
+  /** Its shape, and where its middle is in the frame of the assembly. */
+  set({ positions, triangles, edges }, at) {
+    const vertices = new BufferAttribute(new Float32Array(positions), 3);
+    for (const [mesh, index] of [[this.faces, triangles], [this.edges, edges]]) {
+      mesh.geometry.setAttribute("position", vertices);
+      mesh.geometry.setIndex(new BufferAttribute(Uint32Array.from(index), 1));
+    }
+    this.group.position.set(...at);
+  }
+
+  theme(style) {
+    this.faces.material.color.set(style("picked"));
+    this.edges.material.color.set(style("edge"));
+  }
+}
