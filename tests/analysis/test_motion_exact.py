@@ -93,11 +93,12 @@ def test_both_ways_and_baraffs_forces_agree(number):
 
 
 @pytest.mark.parametrize("kind", ["unstable", "hanging", "stable"])
-def test_walls_are_exact_whole_and_halved(kind):
+@pytest.mark.parametrize("size", sampled(1, [7, 17]))
+def test_walls_are_exact_whole_and_halved(kind, size):
     made = {
-        "unstable": lambda: walls.short_base(17, 17, held=7.65),
-        "hanging": lambda: walls.hanging_brick(17, 17),
-        "stable": lambda: walls.wall(17, 17),
+        "unstable": lambda: walls.short_base(size, size, held=0.45 * size),
+        "hanging": lambda: walls.hanging_brick(size, size),
+        "stable": lambda: walls.wall(size, size),
     }
     program = program_of(made[kind]())
     ways = both_ways(program)
@@ -112,8 +113,9 @@ def test_walls_are_exact_whole_and_halved(kind):
     assert int(found.moves.sum()) == moving[kind]
 
 
-def test_without_exact_forces_a_large_wall_is_good_to_a_millionth():
-    program = program_of(walls.hanging_brick(17, 17))
+@pytest.mark.parametrize("size", sampled(1, [7, 17]))
+def test_without_exact_forces_a_wall_is_good_to_a_millionth(size):
+    program = program_of(walls.hanging_brick(size, size))
     exact, rough = both_ways(program)[1], both_ways(program, enough=1e-8)[1]
     assert 0 < size_of(program, exact[0] - rough[0]) < 1e-7
     assert rough[1] < 1e-7

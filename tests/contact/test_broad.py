@@ -72,7 +72,7 @@ def test_triangles_that_come_near_are_those_whose_points_do():
 
     rng = np.random.default_rng(5)
     seen = {True: 0, False: 0}
-    for _ in range(150):
+    for _ in range(50):
         one, other = rng.normal(size=(2, 3, 3))
         other += rng.normal(size=3) * 1.5
         cloud = cKDTree(sampled(one, rng))
@@ -86,7 +86,7 @@ def test_triangles_that_come_near_are_those_whose_points_do():
             elif least > reach + 0.1:
                 assert len(near) == 0
             seen[bool(len(near))] += 1
-    assert min(seen.values()) > 30
+    assert min(seen.values()) > 10
 
 
 def piled(count: int, apart: float, floor: bool = False) -> kilter.Assembly:
