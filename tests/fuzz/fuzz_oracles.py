@@ -20,6 +20,10 @@ from kilter.scenes.transform import moved, permuted, renamed, scaled
 
 ANSWERS = {0, 1, 3, 4}
 DECIDED = {"stable", "unstable"}
+STANDS = {"stable", "settles", "potentially-stable"}
+"""Verdicts that have forces of equilibrium, of which there are none where it is unstable."""
+APART, ROUGH, THIN = 1e6, 1e3, 1e4
+"""Masses, friction and sizes that leave a solver few of its sixteen digits."""
 CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
 """What moves the cursor of a terminal, colours it, or turns its writing."""
 Outcome = tuple[str, list[str]]
@@ -118,19 +122,59 @@ def faults_of_scene(assembly: Callable[[], Assembly], rng: Random, effort: float
             return "refused", []
         found = _unproved(first, rng)
         verdict, ways = first.verdict, _ways(made, rng)
-        again = _again(made, list(ways.values()), effort)
+        again, second = _again(made, list(ways.values()), effort)
+        how = verdict if again in ("refused", verdict) else f"{verdict}, again {again}"
+        if second is not None and "undecided" in {verdict, again} and again != verdict:
+            cause = why_undecided(first, second)
+            how = f"{how}: {cause}"
+            if not cause:
+                found.append(f"{how}{first.sentence} {second.sentence}")
         if not _contrary(verdict, again):
-            how = verdict if again in ("refused", verdict) else f"{verdict}, again {again}"
             return how, found
         for name, way in ways.items():
-            alone = _again(made, [way], effort)
+            alone, _ = _again(made, [way], effort)
             if _contrary(verdict, alone):
                 found.append(f"{name}: {verdict} became {alone}")
-        return f"{verdict}, again {again}", found or [f"all at once: {verdict} became {again}"]
+        return how, found or [f"all at once: {verdict} became {again}"]
 
 
 def _contrary(verdict: str, other: str) -> bool:
-    return {verdict, other} == DECIDED or other.startswith("refused: ")
+    words = {verdict, other}
+    return ("unstable" in words and bool(words & STANDS)) or other.startswith("refused: ")
+
+
+def why_undecided(first: kilter.Verdict, second: kilter.Verdict) -> str:
+    """Why one of two answers about a scene is undecided and the other is not; empty: unknown.
+
+    Another pair is open: a gap is at its tolerance, or an open mesh fills another box. Else its
+    numbers leave no solver the digits that a proof needs, and what makes them so is named.
+    """
+    undecided = first if first.verdict == "undecided" else second
+    if _open_pairs(first) != _open_pairs(second):
+        return "another pair is open"
+    if "do not carry a proof" not in undecided.sentence:
+        return ""
+    return _extreme(first.assembly)
+
+
+def _open_pairs(answer: kilter.Verdict) -> set[frozenset[str]]:
+    """Names of parts, as they were before they had others."""
+    names = [name.removeprefix("x-") for name in answer.assembly.names]
+    return {frozenset(names[k] for k in pair.parts) for pair in answer.contacts.open_pairs}
+
+
+def _extreme(assembly: Assembly) -> str:
+    """What of an assembly is far from anything that stands on a table; empty: nothing."""
+    geometry = assembly.geometry
+    free = [k for k, part in enumerate(assembly.parts) if not part.grounded]
+    mass, size = geometry.mass[free], geometry.size
+    if mass.max() > APART * mass.min():
+        return "masses far apart"
+    if assembly.friction > ROUGH / 2:
+        return "friction without bound"
+    if size.max() > THIN * size.min():
+        return "sizes far apart"
+    return ""
 
 
 def _unproved(verdict: kilter.Verdict, rng: Random) -> list[str]:
@@ -141,15 +185,18 @@ def _unproved(verdict: kilter.Verdict, rng: Random) -> list[str]:
     return [] if found.holds else [f"proof of {verdict.verdict} refused: {found.reasons}"[:300]]
 
 
-def _again(assembly: Assembly, ways: list[Callable[[Assembly], Assembly]], effort: float) -> str:
-    """The verdict after changes."""
+def _again(
+    assembly: Assembly, ways: list[Callable[[Assembly], Assembly]], effort: float
+) -> tuple[str, kilter.Verdict | None]:
+    """The verdict after changes, and all of its answer; or why there is none."""
     try:
         for way in ways:
             assembly = way(assembly)
-        return kilter.check(assembly, effort=effort).verdict
+        answer = kilter.check(assembly, effort=effort)
+        return answer.verdict, answer
     except kilter.InputError as error:
         # what a scene of 1e-90 m is scaled to may be out of range; nothing else may be refused
-        return "refused" if "out of range" in str(error) else f"refused: {error}"
+        return "refused" if "out of range" in str(error) else f"refused: {error}", None
 
 
 Random = np.random.Generator

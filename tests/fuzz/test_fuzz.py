@@ -13,12 +13,20 @@ from typing import Any
 
 import numpy as np
 import pytest
-from fuzz_cases import KINDS
+from fuzz_cases import EFFORT, KINDS
 from fuzz_corpus import corpus
 from fuzz_mutations import damaged
-from fuzz_oracles import faults_of_command, faults_of_loading, faults_of_proof, said
+from fuzz_oracles import (
+    faults_of_command,
+    faults_of_loading,
+    faults_of_proof,
+    said,
+    why_undecided,
+)
+from fuzz_scenes import random_scene
 
 import kilter
+from kilter.scenes.transform import moved, scaled
 
 HERE = Path(__file__).parent
 ROUND = {"files": 160, "scenes": 16, "options": 24, "proofs": 24}
@@ -40,12 +48,50 @@ def test_a_short_round_finds_no_fault_and_goes_on(tmp_path: Path) -> None:
         assert json.loads(log.read_text("utf-8"))["done"] == {k: ROUND[k] // part for k in KINDS}
 
 
+def scene_of(number: int) -> kilter.Assembly:
+    """As the fuzzer makes it."""
+    return random_scene(np.random.default_rng([KINDS.index("scenes"), number]))()
+
+
+def test_why_one_answer_is_undecided_has_a_name() -> None:
+    """Two slivers whose masses are 20 orders apart overlap: turned, they are proved to fall."""
+    scene = scene_of(700769)
+    undecided = kilter.check(scene, effort=EFFORT)
+    assert undecided.verdict == "undecided"
+    assert "of what could hold it the numbers do not carry a proof" in undecided.sentence
+    falls = kilter.check(moved(scene, [0.9, 0.1, 0.3, 0.3], [0, 0, 0]), effort=EFFORT)
+    assert why_undecided(undecided, falls) == "masses far apart"
+    left_out = kilter.check(kilter.Assembly(scene.parts[:1]), effort=EFFORT)
+    assert why_undecided(undecided, left_out) == "another pair is open"
+    blocks = [
+        kilter.Part(name, kilter.Box([1, 1, 1]), kilter.Pose([x, 0, 0]), grounded=x == 0)
+        for name, x in (("a", 0.0), ("b", 0.5))
+    ]
+    plain = kilter.check(kilter.Assembly(blocks))
+    assert plain.verdict == "undecided"
+    assert why_undecided(plain, plain) == ""  # nothing about it is far from usual
+
+
+def test_what_moves_is_told_without_a_warning_where_masses_are_far_apart() -> None:
+    """Scene 700182: forces that a solver left at its end were beyond all numbers."""
+    scene = scene_of(700182)
+    for factor in (1.0, 1e-3, 1e2):
+        verdict = kilter.check(scaled(scene, factor), effort=EFFORT)
+        assert verdict.to_dict()["verdict"] in ("unstable", "undecided")
+        assert any("masses differ" in warning for warning in verdict.warnings)
+
+
 @pytest.mark.parametrize("path", sorted((HERE / "found").iterdir()), ids=lambda path: path.name)
 def test_files_that_were_faults_once(path: Path, tmp_path: Path) -> None:
     copy = Path(shutil.copy(path, tmp_path))
-    for command in ("check", "contacts", "region"):
-        for held in (["--ground", "*"], ["--floor"]):
-            assert faults_of_command([command, str(copy), *held])[1] == []
+    all_held, stands = ["--ground", "*"], ["--floor"]
+    for command, *held in (
+        ["check", *all_held],
+        ["check", *stands],
+        ["contacts", *all_held],
+        ["region", *stands],
+    ):
+        assert faults_of_command([command, str(copy), *held])[1] == []
     assert faults_of_loading(copy, effort=0.2)[1] == []
 
 

@@ -253,7 +253,7 @@ def _decide(assembly: Assembly, contacts: ContactSet, work: Work) -> _Decision:
     question = ask_open(
         assembly, contacts, program, lambda other: _decide(other, contacts, work).verdict, work=work
     )
-    unclear = () if question is not None or fits else (_unclear(contacts, work),)
+    unclear = () if question is not None or fits else (_unclear(contacts, bound, work),)
     why = (*unclear, *fits, *sharp.words)
     return _Decision("undecided", program, judgement, why=why, question=question)
 
@@ -323,10 +323,12 @@ def _figures(judgement: Judgement) -> str:
     )
 
 
-def _unclear(contacts: ContactSet, work: Work) -> str:
-    """Why it is undecided where no joined pairs decide."""
+def _unclear(contacts: ContactSet, bound: Judgement, work: Work) -> str:
+    """Why it is undecided where no joined pairs decide; `bound`: of all that could touch."""
     if work.cut:
         return "the time limit was met"
+    if bound.stable is None:
+        return f"of what could hold it {_figures(bound)}"
     if contacts.open_pairs:
         return "pairs that are left open could hold it together with round rims"
     return "the polygon that stands for a round face could hold it, a circle might not"

@@ -173,7 +173,9 @@ def _least_constrained(program: Program) -> tuple[Array, float] | None:
 
     def tried(one: LeastConstraint, unknowns: Array, multipliers: Array) -> float:
         motion = problem.motion(one.accelerations(unknowns))
-        residual = optimality(program, motion, one.forces(multipliers) * _heaviest(program))
+        with np.errstate(over="ignore", invalid="ignore"):  # forces beyond all numbers meet nothing
+            residual = optimality(program, motion, one.forces(multipliers) * _heaviest(program))
+        residual = np.inf if np.isnan(residual) else residual
         found.append((motion, residual))
         return residual
 

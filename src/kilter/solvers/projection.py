@@ -70,6 +70,8 @@ LEAST = 1e-12
 """Slacks, forces and their falls below this, of the load or of themselves, are taken as this."""
 ROUNDS, NEWTON = 6, 60
 """Steps of the method of multipliers, and of Newton's method in each, at most."""
+LIGHTEST = 1e-200
+"""Least weight of a product: of parts lighter still there are no numbers left."""
 EXACT = 3e-12
 """Least change of forces over the load that ends all."""
 
@@ -121,7 +123,7 @@ def solve_projection(problem: ConeProjection, *, enough: float = 0.0) -> Project
     if size == 0.0 or not len(problem.unit):
         return ProjectionSolution(problem.load.copy(), np.zeros(len(problem.unit)), 0)
     # light parts have small numbers: products of theirs are to vanish sooner
-    weight = (problem.unit.min() / problem.unit) ** 2
+    weight = np.maximum((problem.unit.min() / problem.unit) ** 2, LIGHTEST)
     data = _Data(
         LinkedRows(problem.rows, problem.block, problem.place),
         problem.load / size,
