@@ -13,7 +13,7 @@ from kilter.cli import main
 from kilter.errors import InputError
 from kilter.files import load
 
-CASES = {"mesh": 24, "STEP": 8}
+CASES = {"mesh": 24, "STEP": 5}
 """In the usual round; the slow one has more."""
 MANY = 300
 
