@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+
 import numpy as np
 import pytest
 from places import side_by_side
@@ -9,6 +11,7 @@ from places import side_by_side
 import kilter
 from kilter import Assembly
 from kilter.mechanics.program import Program, build_program
+from kilter.mechanics.proof import digest_of
 from kilter.scenes.balance import GRIP, ROLLING, Case
 from kilter.second_order.features_of import features_of
 from kilter.second_order.rolling import Rolling, find_rolling
@@ -127,3 +130,18 @@ def test_of_several_the_one_that_rolls_off_is_told() -> None:
     assert [one.rolling and one.rolling.state for one in second.clusters] == ["open", "falls"]
     assert second.rolling is not None
     assert second.rolling.state == "falls"
+
+
+def test_a_proof_says_of_rolling_what_is_found_again() -> None:
+    board, stone = rolling_case("R1"), rolling_case("R2")
+    row = side_by_side([stone.build(0.9), stone.build(1.1)]).with_friction(GRIP)
+    for assembly in (in_the_plane(board.build(0.9)), in_the_plane(board.build(1.1)), row):
+        proof = kilter.check(assembly).proof()
+        assert kilter.verify(assembly, proof).holds
+        told = proof["second_order"]["rolling"]
+        for other in {"holds", "falls", "open", 3, None} - {told}:
+            changed = copy.deepcopy(proof)
+            changed["second_order"]["rolling"] = other
+            changed["digest"] = digest_of(changed)
+            assert not kilter.verify(assembly, changed).holds
+    assert [one.get("rolling") for one in proof["second_order"]["clusters"]] == [None, "falls"]

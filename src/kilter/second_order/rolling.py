@@ -25,6 +25,7 @@ as all do that `check` asks this of, has no other start.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -38,7 +39,11 @@ from kilter.second_order.features import EDGE, FACE, Features
 from kilter.second_order.gap_form import formed
 from kilter.second_order.second_order_tolerances import BALANCED, CURVED, SLIPS
 
-__all__ = ["Rolling", "find_rolling"]
+__all__ = ["Rolling", "Rolls", "find_rolling", "worst_rolling"]
+
+Rolls = Literal["holds", "falls", "open"]
+ORDER: tuple[Rolls, ...] = ("falls", "open", "holds")
+"""Of the rollings of clusters, the first that one of them has is that of all."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,7 +65,7 @@ class Rolling:
         The rolling of least E'', of length 1; 0 where there is none.
     """
 
-    state: Literal["holds", "falls", "open"]
+    state: Rolls
     dimension: int
     curvature: float
     why: str
@@ -69,6 +74,11 @@ class Rolling:
 
     def __post_init__(self) -> None:
         read_only(self)
+
+
+def worst_rolling(states: Iterable[Rolls]) -> Rolls:
+    """Of several clusters that balance."""
+    return min(states, key=ORDER.index, default="open")
 
 
 def find_rolling(program: Program, features: Features) -> Rolling:

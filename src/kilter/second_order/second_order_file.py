@@ -17,7 +17,7 @@ import numpy as np
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
-from kilter.mechanics.program import Program
+from kilter.mechanics.program import Program, build_program
 from kilter.second_order.clusters import clusters, joined_state
 from kilter.second_order.critical import null_space
 from kilter.second_order.features import Features
@@ -29,6 +29,7 @@ from kilter.second_order.held import Held, judge_held
 from kilter.second_order.level_rest import LevelRest, judge_level_rest, level_rows
 from kilter.second_order.minimum_proof import Leaf, MinimumProof, judge_minimum
 from kilter.second_order.paths import Path, judge_path
+from kilter.second_order.rolling import find_rolling, worst_rolling
 from kilter.second_order.second_order_tolerances import ACROSS, APART
 from kilter.second_order.separation import least_separation
 from kilter.second_order.stationary import Stationary, stationary
@@ -45,7 +46,8 @@ def second_order_data(found: SecondOrder) -> dict[str, Any] | None:
         return None
     if found.clusters:
         entries = [second_order_data(one) for one in found.clusters]
-        return {"state": found.state, **_counts(entries), "clusters": entries}
+        joint = {"state": found.state, **_counts(entries), "clusters": entries}
+        return joint | _rolling_of(found)
     problem, decision, program = found.problem, found.decision, found.program
     if decision is None or program is None:
         return None
@@ -59,11 +61,15 @@ def second_order_data(found: SecondOrder) -> dict[str, Any] | None:
     assert problem is not None
     if isinstance(proof, Path):
         place = found.configuration
-        return data | {
-            "first": _by_part(program, problem, proof.first),
-            "second": _by_part(program, problem, proof.second),
-            "configuration": None if place is None else _named(program, place.motion),
-        }
+        return (
+            data
+            | _rolling_of(found)
+            | {
+                "first": _by_part(program, problem, proof.first),
+                "second": _by_part(program, problem, proof.second),
+                "configuration": None if place is None else _named(program, place.motion),
+            }
+        )
     assert isinstance(proof, MinimumProof)
     return data | {
         "basis": [_by_part(program, problem, one) for one in proof.basis.T],
@@ -73,6 +79,12 @@ def second_order_data(found: SecondOrder) -> dict[str, Any] | None:
         "forces": [(leaf.forces * problem.weight).tolist() for leaf in proof.leaves],
         "weights": [leaf.weights.tolist() for leaf in proof.leaves],
     }
+
+
+def _rolling_of(found: SecondOrder) -> dict[str, str]:
+    """What is proved of rolling."""
+    rolling = found.rolling
+    return {} if rolling is None or rolling.state == "open" else {"rolling": rolling.state}
 
 
 def recheck_second_order(
@@ -113,7 +125,25 @@ def _wrong(
         reasons += _wrong_gaps(assembly, contacts, cluster.program, own, entry)
     if "clusters" in data and not reasons:
         reasons += _wrong_joined(data)
+    if any("rolling" in one for one in (data, *entries) if one is not None):
+        reasons += _wrong_rolling(assembly, contacts, data, entries)
     return reasons
+
+
+def _wrong_rolling(
+    assembly: Assembly, contacts: ContactSet, data: dict[str, Any], entries: list[Any]
+) -> list[str]:
+    """Does friction hold what is said to be balanced, or not, as it says?"""
+    program = build_program(assembly, contacts)
+    parted, features = clusters(program), features_of(program, contacts)
+    states = []
+    for part, entry in zip(parted, entries, strict=True):
+        if entry is not None and entry["state"] == "balanced":
+            states.append(find_rolling(part.program, features.take(part.rows)).state)
+            if entry.get("rolling", "open") != states[-1]:
+                return ["it does not roll as it says"]
+    own = worst_rolling(states) == data.get("rolling", "open")
+    return [] if own else ["it does not roll as it says"]
 
 
 def _wrong_joined(data: dict[str, Any]) -> list[str]:

@@ -27,15 +27,13 @@ from kilter.second_order.features import Features
 from kilter.second_order.features_of import features_of
 from kilter.second_order.held import Held, find_held, judge_held
 from kilter.second_order.level_rest import LevelRest, find_level_rest, level_rows
-from kilter.second_order.rolling import find_rolling
+from kilter.second_order.rolling import find_rolling, worst_rolling
 from kilter.second_order.second_order_answer import SecondOrder, answer_alone, open_answer
 from kilter.second_order.stationary import stationary
 from kilter.work import Work
 
 __all__ = ["MOST_IN_ALL", "MOST_PARTS", "find_second_order", "with_rolling"]
 
-ROLLS = ("falls", "open", "holds")
-"""Of the rollings of clusters, the first that one of them has is that of all."""
 MOST_PARTS = 20
 """A cluster of up to this many free parts is asked for its second order, ..."""
 MOST_IN_ALL = 120
@@ -103,7 +101,8 @@ def with_rolling(found: SecondOrder, contacts: ContactSet, program: Program) -> 
         for one, part in zip(own, parted, strict=True)
     )
     rolls = [one.rolling for one in asked if one.rolling is not None]
-    worst = min(rolls, key=lambda one: ROLLS.index(one.state))
+    state = worst_rolling(one.state for one in rolls)
+    worst = next(one for one in rolls if one.state == state)
     return replace(found, rolling=worst, clusters=asked if found.clusters else ())
 
 
