@@ -156,6 +156,8 @@ def test_text_without_a_brick_and_of_other_bytes(tmp_path: Path) -> None:
         ("1 4 0 0 0 1 0 0 0 -1 0 0 0 -1 3001.dat", "line 5: the part is turned askew or upside"),
         ("1 4 0 -23 0 1 0 0 0 1 0 0 0 1 3001.dat", "line 5: the part is off the grid of .* line 2"),
         ("1 4 60 -32 40 1 0 0 0 1 0 0 0 1 3001.dat", r"line 5: cell .* is taken by .* line 2"),
+        ("1 -4 0 0 0 1 0 0 0 1 0 0 0 1 3001.dat", "line 5: .* does not place a part"),
+        ("1 0x100000000 0 0 0 1 0 0 0 1 0 0 0 1 3001.dat", "line 5: .* does not place a part"),
         ("2x4 (0,0,0)", r"line 5: '2x4 \(0,0,0\)' is no line of LDraw"),
         ("0 FILE a\n0 FILE a", "line 6: two models are named 'a'"),
     ],
@@ -192,6 +194,32 @@ def test_a_baseplate_of_the_file_is_what_is_held(tmp_path: Path) -> None:
     # beside it nothing holds the stair
     beside = text.replace("1 2 80 0 40", "1 2 800 0 40")
     assert kilter.check(loaded(tmp_path / "off.ldr", beside)).verdict == "unstable"
+
+
+BAD = {
+    "a.json": '{\n "1": {"x": 0, "y": 0, "z": 0, "brick_id": 99, "ori": 0}\n}',
+    "b.json": '{\n "1": {"x": 0, "y": 0, "z": -1, "brick_id": 2, "ori": 0}\n}',
+    "c.json": '{"1": {"x": 0, "y": 0, "z": 0, "brick_id": 2, "ori": 0},\n "2": 5}',
+    "d.txt": "2x4 (0,0,0)\n1x1 (1,1,0)\n",
+    "e.txt": "\n2x4 (0,0,-1)\n",
+    "f.txt": "\n2x4 (0,0\n",
+    "g.ldr": "\n1 4 0 0 0 1 0 0 0 1 0 0 0 1 9999.dat\n",
+    "h.ldr": "\n1 4 0 0 0 1 0 0 0 1 0 0 0 1\n",
+    "i.mpd": "1 4 0 0 0 1 0 0 0 1 0 0 0 1 3001.dat\n1 4 20 0 0 1 0 0 0 1 0 0 0 1 3001.dat\n",
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_a_bad_file_is_exit_2_and_names_the_line(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / name).write_text(BAD[name])
+    assert main(["check", str(tmp_path / name)]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert name in error
+    assert "line 2: " in error
+    assert "; " in error  # what to do
 
 
 def test_a_bad_file_is_exit_2_with_one_line(
