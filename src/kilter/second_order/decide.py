@@ -25,6 +25,7 @@ from kilter.second_order.critical import Critical, find_critical, null_space
 from kilter.second_order.curved_energy import best_curvature, blocking_stress
 from kilter.second_order.held import Held
 from kilter.second_order.level_rest import LevelRest
+from kilter.second_order.locked import LockedTurns
 from kilter.second_order.minimum_proof import (
     Leaf,
     MinimumProof,
@@ -61,7 +62,7 @@ class Decision:
     neutral, free, blocked, undecided : int
         Dimensions: of the span of the critical motions, and of its parts: proved free; those
         that cost energy, or may gain some; those of which neither is known.
-    proof : MinimumProof or Path or LevelRest or Held or None
+    proof : MinimumProof or Path or LevelRest or LockedTurns or Held or None
     why : str
         Why it is open.
     """
@@ -71,7 +72,7 @@ class Decision:
     free: int
     blocked: int
     undecided: int
-    proof: MinimumProof | Path | LevelRest | Held | None = None
+    proof: MinimumProof | Path | LevelRest | LockedTurns | Held | None = None
     why: str = ""
 
 

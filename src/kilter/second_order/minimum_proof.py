@@ -30,6 +30,7 @@ from kilter.second_order.stationary import Stationary
 __all__ = [
     "Leaf",
     "MinimumProof",
+    "definite",
     "judge_minimum",
     "leaf_cones",
     "orthants",
@@ -148,7 +149,7 @@ def judge_minimum(problem: Stationary, proof: MinimumProof) -> str:
         if leaf.weights.shape != (len(own), len(own)) or (leaf.weights < 0).any():
             return "the weights of its sides are not positive"
         curvature = problem.curvature(leaf.forces, proof.basis)
-        if not _definite(curvature - own.T @ leaf.weights @ own):
+        if not definite(curvature - own.T @ leaf.weights @ own):
             return "the energy does not curve upward under its forces"
     return ""
 
@@ -201,7 +202,7 @@ def _wrong_free(problem: Stationary, proof: MinimumProof, forces: Array) -> str:
     return "" if level else "the energy is not level along its free motions"
 
 
-def _definite(matrix: Array) -> bool:
+def definite(matrix: Array) -> bool:
     """Whether a symmetric matrix is positive definite by more than rounding."""
     size = max(1.0, float(np.abs(matrix).max(initial=0.0)))
     try:

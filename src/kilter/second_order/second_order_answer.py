@@ -22,16 +22,18 @@ from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
 from kilter.second_order.clusters import State
-from kilter.second_order.critical import Critical
+from kilter.second_order.critical import Critical, find_critical
 from kilter.second_order.decide import Decision, decide
 from kilter.second_order.features import Features
 from kilter.second_order.free_motions import find_free_motions
 from kilter.second_order.free_span import free_span, moving_free
 from kilter.second_order.gap_form import formed, gap_forms
+from kilter.second_order.locked import faces_of, shifts
+from kilter.second_order.locking_stress import find_locked
 from kilter.second_order.minimum_proof import MinimumProof
 from kilter.second_order.paths import Path
 from kilter.second_order.rolling import Rolling
-from kilter.second_order.second_order_tolerances import APART
+from kilter.second_order.second_order_tolerances import ACROSS, APART
 from kilter.second_order.separation import least_separation
 from kilter.second_order.stationary import Stationary, stationary
 from kilter.units import metres_per_unit
@@ -170,7 +172,7 @@ def answer_alone(
     if not known.all():
         part = decide(problem.taking(known), work=work)
         if part.state == "minimum":
-            return _of(assembly, program, problem.taking(known), part)
+            return _of(program, problem.taking(known), part)
         return open_answer(_unknown(program, known), program)
     kinds = contacts.patch_kind[program.source]
     free = find_free_motions(
@@ -187,7 +189,7 @@ def answer_alone(
                 decision, free=span.shape[1], undecided=max(decision.undecided - more, 0)
             )
     if decision.state == "minimum":
-        found = _of(assembly, program, problem, decision)
+        found = _of(program, problem, decision)
         moving = moving_free(assembly, free)
         if not len(moving):
             return found
@@ -196,7 +198,40 @@ def answer_alone(
         return replace(found, state="free", rate=None, motion=motion / size, moving=moving)
     if decision.state == "balanced":
         return _falling(assembly, program, problem, decision, kinds == "given")
-    return _of(assembly, program, problem, decision)
+    if decision.state == "open":
+        sliding = _sliding(program, contacts, problem, critical, work)
+        if sliding is not None:
+            return sliding
+    return _of(program, problem, decision)
+
+
+def _sliding(
+    program: Program,
+    contacts: ContactSet,
+    problem: Stationary,
+    critical: Critical | None,
+    work: Work | None,
+) -> SecondOrder | None:
+    """That parts slide on faces, all else locked; None where that was not proved."""
+    critical = critical or find_critical(problem)
+    if critical is None or program.planar:
+        return None
+    faces = faces_of(program, contacts, problem)
+    proof = find_locked(problem, faces, critical, work=work or Work())
+    if proof is None:
+        return None
+    free, across = shifts(problem)
+    count, blocked = free.shape[1], across.shape[1]
+    decision = Decision("minimum", count + blocked, count, blocked, 0, proof)
+    own = free @ (free.T @ np.ones(len(free)))
+    motion = program.full((own if np.abs(own).max() > ACROSS else free[:, 0]) * problem.length)
+    sizes = np.linalg.norm(motion[:, :3], axis=1)
+    return replace(
+        _of(program, problem, decision),
+        state="free",
+        motion=motion / sizes.max(),
+        moving=np.flatnonzero(sizes > ACROSS * sizes.max()),
+    )
 
 
 def _moves(motion: Array, parts: Index) -> float:
@@ -216,9 +251,7 @@ def open_answer(why: str, program: Program) -> SecondOrder:
     return SecondOrder("open", 0, 0, 0, 0, None, None, none, why, program=program)
 
 
-def _of(
-    assembly: Assembly, program: Program, problem: Stationary, decision: Decision
-) -> SecondOrder:
+def _of(program: Program, problem: Stationary, decision: Decision) -> SecondOrder:
     """A decision without more."""
     none = np.zeros(0, dtype=np.int64)
     return SecondOrder(
@@ -275,7 +308,7 @@ def _falling(
     path = decision.proof
     assert isinstance(path, Path)
     assert problem.scale is not None
-    found = _of(assembly, program, problem, decision)
+    found = _of(program, problem, decision)
     motion = program.full(path.first * problem.scale)
     sizes = np.maximum(
         np.linalg.norm(motion[:, :3], axis=1),

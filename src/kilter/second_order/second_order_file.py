@@ -3,8 +3,9 @@
 A minimum: forces of each cone [N], motions of the parts that span what is neutral across the free
 ones, the free ones, sides, splits and weights. What falls: both derivatives of its path, and the
 exact configuration on it. What stands on level faces: forces and a level motion; what is held:
-forces. Several clusters have one of these each, None where it is open. Clusters, features, forms,
-free motions and separations are found anew.
+forces; what slides on faces and is locked else: forces and self-stress. Several clusters have one
+of these each, None where it is open. Clusters, features, forms, free motions and separations are
+found anew.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from kilter.second_order.free_span import free_span, moving_free, scaled_columns
 from kilter.second_order.gap_form import formed, gap_forms
 from kilter.second_order.held import Held, judge_held
 from kilter.second_order.level_rest import LevelRest, judge_level_rest, level_rows
+from kilter.second_order.locked import LockedTurns, faces_of, judge_locked, shifts
 from kilter.second_order.minimum_proof import Leaf, MinimumProof, judge_minimum
 from kilter.second_order.paths import Path, judge_path
 from kilter.second_order.rolling import find_rolling, worst_rolling
@@ -59,6 +61,9 @@ def second_order_data(found: SecondOrder) -> dict[str, Any] | None:
         named = _named(program, proof.motion)
         return data | {"level": proof.forces.tolist(), "motion": named}
     assert problem is not None
+    if isinstance(proof, LockedTurns):
+        forces = (proof.forces * problem.weight).tolist()
+        return data | {"locked": forces, "stress": proof.stress.tolist()}
     if isinstance(proof, Path):
         place = found.configuration
         return (
@@ -192,6 +197,8 @@ def _wrong_gaps(
 ) -> list[str]:
     known = formed(program, features)
     problem = stationary(program, np.nan_to_num(gap_forms(program, features)))
+    if "locked" in data:
+        return _wrong_locked(contacts, program, problem, data)
     kinds = contacts.patch_kind[program.source]
     if data["state"] == "balanced":
         if not known.all():
@@ -208,6 +215,21 @@ def _wrong_gaps(
     if not known.all() and proof.free.shape[1]:
         reasons.append("motions count as free past contacts whose second order is not known")
     return reasons + _wrong_free(assembly, program, problem, (free, proof), data["state"])
+
+
+def _wrong_locked(
+    contacts: ContactSet, program: Program, problem: Stationary, data: dict[str, Any]
+) -> list[str]:
+    """Does self-stress lock all but shifts, and are state and counts those?"""
+    forces, stress = (np.asarray(data[key], dtype=float) for key in ("locked", "stress"))
+    proof = LockedTurns(forces / problem.weight, stress)
+    word = judge_locked(problem, faces_of(program, contacts, problem), proof)
+    if word:
+        return [f"its second order: {word}"]
+    free, across = (one.shape[1] for one in shifts(problem))
+    own = ("free", free + across, free)
+    given = (data["state"], data["neutral"], data["free"])
+    return [] if given == own else ["its state or its counts are not those of its forces"]
 
 
 def _wrong_free(
