@@ -25,6 +25,8 @@ from kilter.tell.text import text_of
 EXAMPLES = sorted((Path(__file__).resolve().parents[2] / "examples").glob("*.json"))
 WORK = {"check": 45, "orient": 12, "region": 12, "margin": 4}
 """Parts above which a question takes long, so that it is asked with the slow tests."""
+EACH = {"check": 1, "contacts": 1}
+"""Of other questions every third scene is always asked."""
 EFFORT = {"check": 0.0, "margin": 0.0}
 """Quick: it is the voice that is asked about."""
 
@@ -32,7 +34,8 @@ EFFORT = {"check": 0.0, "margin": 0.0}
 def asked(command: str) -> list[Any]:
     """The scenes of a command; the slow ones marked."""
     limit = WORK.get(command, 100)
-    few = {name for name in SCENES if len(scene(name).parts) <= limit}
+    small = [name for name in SCENES if len(scene(name).parts) <= limit]
+    few = small[:: EACH.get(command, 3)]
     return [pytest.param(n, marks=() if n in few else pytest.mark.slow) for n in SCENES]
 
 
