@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from itertools import pairwise
 
 import pytest
 from test_closed_forms import WEIGHT, cantilever, cube, hung
@@ -13,6 +14,7 @@ from kilter.analysis.judge import judge
 from kilter.analysis.margins.bond_factor import find_bond_factor, unbreakable
 from kilter.analysis.margins.load_limit import NoLimit
 from kilter.cli import main
+from kilter.contact import contacts
 from kilter.mechanics.program import build_program
 
 
@@ -91,3 +93,15 @@ def test_a_bond_on_the_command_line_is_kept_in_the_proof(tmp_path, capsys, monke
     ):
         assert main(["check", "a.kilter.json", *wrong]) == 2
         assert why in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("share", [0.5, 0.05, 0.005, 0.0005])
+def test_a_small_share_is_told_as_near_as_a_large_one(share):
+    cubes = [cube("wall", grounded=True), *[cube(f"c{k}", x=k) for k in range(1, 40)]]
+    strength = (len(cubes) - 1) ** 2 * WEIGHT / 4 / share
+    bonds = [Bond((a.name, b.name), pull=strength) for a, b in pairwise(cubes)]
+    assembly = Assembly(cubes, bonds=bonds)
+    touching = contacts(assembly)
+    found = find_bond_factor(build_program(assembly, touching), touching)
+    assert found.value == pytest.approx(share, rel=1e-6)
+    assert found.limit.gap <= 1e-4 * share

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from dataclasses import replace
 from pathlib import Path
 
@@ -62,6 +63,20 @@ def test_a_brick_in_the_air_is_taken_away_or_reached(tmp_path: Path) -> None:
     assert kilter.check(found.best.assembly).verdict == "stable"
     assert found.to_dict()["share"] is None
     assert found.sentence.startswith("It falls: no strength of its studs is enough. Add a brick")
+
+
+def test_the_next_step_has_the_options_of_bricks(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "stair.txt"
+    path.write_text("4x2 (0,0,0)\n4x2 (2,0,1)\n")
+    options = ["--stud-pull", "0.5", "--stud-shear", "mu", "--brick-sides", "face"]
+    assert main(["improve", str(path), *options, "--friction", "0.3", "--quiet"]) == 0
+    step = capsys.readouterr().out.split("next: kilter ")[1].splitlines()[0]
+    assert step.startswith("margin ")
+    assert " ".join(options) in step
+    assert step.endswith("--loads")
+    assert main([*shlex.split(step), "--quiet"]) == 0
 
 
 def test_what_no_one_brick_mends_is_told(tmp_path: Path) -> None:

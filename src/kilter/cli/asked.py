@@ -189,6 +189,7 @@ class Asked:
         """The command, as it is typed."""
         found: list[str] = []
         for key, value in self.reading.options().items():
+            option = f"--{key.replace('_', '-')}"
             if key == "floor":
                 found += ["--floor"] if value == LOWEST else ["--floor", str(value)]
             elif key == "down":
@@ -198,11 +199,11 @@ class Asked:
             elif key == "bond":
                 found += [word for a, b, pull in value for word in ("--bond", a, b, f"{pull:.15g}")]
             elif value is True:
-                found.append(f"--{key.replace('_', '-')}")
+                found.append(option)
             elif isinstance(value, list):
-                found += [word for one in value for word in (f"--{key}", str(one))]
+                found += [word for one in value for word in (option, str(one))]
             else:
-                found += [f"--{key}", f"{value:g}" if isinstance(value, float) else str(value)]
+                found += [option, f"{value:g}" if isinstance(value, float) else str(value)]
         return shell_words(["kilter", name, self.file, *found, *self.touch, *rest])
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from kilter.analysis.judge import judge
 from kilter.analysis.margins.load_limit import Limit, NoLimit, find_limit, finite, starting
 from kilter.analysis.strength import find_strength
-from kilter.analysis.turning_tolerances import BEYOND_LIMIT
+from kilter.analysis.turning_tolerances import BEYOND_LIMIT, SIDES_NEAR
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.mechanics.certificate import check_forces, check_motion
@@ -32,7 +32,7 @@ NEEDLESS = 1e-9
 """Pulls of all bonds, over the weight, up to which they are not needed: a certificate tells no
 less [-]."""
 STRONG = 1e-3
-"""A share below this is asked again with the weight as unit, which it is small beside [-]."""
+"""A share below this, or near its gap, is asked again with the weight as unit [-]."""
 GIVES = 1e-6
 """Share of the work from which on a bond counts as one that gives way [-]."""
 
@@ -95,14 +95,25 @@ def find_bond_factor(program: Program, contacts: ContactSet) -> BondFactor | NoL
             return NoLimit("none")
         return limit
     value = 0.0 if np.isinf(limit.value) else 1.0 - limit.value
-    if value < STRONG and program.clamp.any():
-        unit = float(program.weight[program.free].sum() / program.pull.sum())
-        loose = program.with_rows(clamp=np.zeros_like(program.clamp))
-        limit = find_limit(loose, -unit * program.clamp, most=1.0)
-        if isinstance(limit, NoLimit):
-            return limit
-        value = 0.0 if limit.value >= -NEEDLESS else -limit.value * unit
+    if program.clamp.any() and (value < STRONG or limit.gap > SIDES_NEAR * value):
+        nearer = _by_weight(program)
+        if isinstance(nearer, NoLimit) and value < STRONG:
+            return nearer
+        if isinstance(nearer, Limit) and (value < STRONG or nearer.gap < limit.gap):
+            limit, value = nearer, -nearer.value
     return BondFactor(value, limit, _opens(program, contacts, limit) if value else ())
+
+
+def _by_weight(program: Program) -> Limit | NoLimit:
+    """The limit of minus the share, asked of pulls that are together as large as the weight."""
+    unit = float(program.weight[program.free].sum() / program.pull.sum())
+    loose = program.with_rows(clamp=np.zeros_like(program.clamp))
+    found = find_limit(loose, -unit * program.clamp, most=1.0)
+    if isinstance(found, NoLimit):
+        return found
+    value = 0.0 if found.value >= -NEEDLESS else found.value * unit
+    gap = found.gap * max(abs(found.value), 1.0) * unit / max(abs(value), 1.0)
+    return replace(found, value=value, gap=gap)
 
 
 def unbreakable(program: Program) -> Program:
