@@ -243,3 +243,33 @@ def test_the_path_of_a_pivot_falls_as_its_formula_says() -> None:
 def test_a_leaf_has_forces_and_weights() -> None:
     leaf = Leaf(np.ones(2), np.zeros((0, 0)))
     assert leaf.forces.shape == (2,)
+
+
+def pressed_between_plates() -> Stationary:
+    """A point that shifts and turns, on a hump along y, between planes across x: none may open."""
+    rows = np.zeros((3, 6))
+    rows[0, 2], rows[1, 0], rows[2, 0] = 1.0, 1.0, -1.0
+    forms = np.zeros((3, 12, 12))
+    forms[0, 7, 7] = 1.0
+    forms[1, 6, 9] = forms[1, 9, 6] = 1.0  # a turn opens the one, and closes the other
+    forms[2] = -forms[1]
+    columns = np.tile(np.append(np.full(6, -1), np.arange(6)), (3, 1))
+    load = np.array([0.0, 0, -1, 0, 0, 0])
+    return Stationary(rows, load, forms, columns, on_plane=np.array([False, True, True]))
+
+
+def test_what_is_pressed_between_planes_falls_along_them() -> None:
+    problem = pressed_between_plates()
+    spins = np.eye(6)[:, 3:]
+    found = decide(problem, spins)
+    assert found.state == "balanced"
+    assert isinstance(found.proof, Path)
+    first, second = found.proof.first, found.proof.second
+    assert judge_path(problem, first, second).falls
+    assert not judge_path(dataclasses.replace(problem, on_plane=None), first, second).falls
+    for k in (0, 3):  # off the planes, or turning against them
+        for bent in (first, second):
+            path = [first.copy(), second.copy()]
+            path[0 if bent is first else 1][k] += 1e-9
+            assert not judge_path(problem, *path).falls
+    assert decide(dataclasses.replace(problem, on_plane=None), spins).state == "open"

@@ -11,7 +11,9 @@
               corners, and leave parts that touch otherwise together: all gaps are affine
 
 The first two are symmetries: from any place near by, they keep all gaps and the energy, so that
-they may be divided out. The others keep them from places that they lead to, which need not be
+they may be divided out. So may pivots: after one the only force on the part is at the same place,
+along the same normal and through the centre of mass, which leaves balance and all that is neutral
+as they were. The others keep them from places that they lead to, which need not be
 places of equilibrium (a cylinder across another slides along itself, and tips). They count only
 where every neutral motion is free: then the motions that open nothing are those of the family all
 along it, forces of equilibrium go with it, and the energy is least on all of it.
@@ -57,7 +59,7 @@ class FreeMotions:
     @property
     def symmetries(self) -> FreeMotions:
         """Those that may be divided out wherever they are."""
-        own = [k for k, kind in enumerate(self.kinds) if kind in ("spin", "level")]
+        own = [k for k, kind in enumerate(self.kinds) if kind in ("spin", "level", "pivot")]
         return FreeMotions(self.motions[own], tuple(self.kinds[k] for k in own))
 
 

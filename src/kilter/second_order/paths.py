@@ -5,17 +5,21 @@
 Then each gap is at least m t^2 / 2 + O(t^3) or opens to first order, and the energy is
 -t^2 w.d2 / 2: no minimum. By duality such a d2 exists with m = 0 iff no forces of equilibrium
 curve the energy upward along dp.
+
+What is pressed between planes has no such path: no motion opens both. There contacts may also be
+kept: parts that only shift, along a plane of one of them, leave its gap as it is to all orders.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import csc_array
 
-from kilter.arrays import TINY, Array
-from kilter.second_order.second_order_tolerances import DROPS, REACHES, SLIPS
+from kilter.arrays import TINY, Array, Index, Mask
+from kilter.second_order.critical import null_space
+from kilter.second_order.second_order_tolerances import ACROSS, DROPS, KEEPS, REACHES, SLIPS
 from kilter.second_order.stationary import Stationary
 from kilter.solvers.problem import LinearProgram
 
@@ -51,16 +55,51 @@ def find_path(problem: Stationary, motion: Array) -> Path | None:
         second = _second_derivative(problem, first, reach)
         found = None if second is None else judge_path(problem, first, second)
         if found is not None and found.falls:
-            break
-    return found
+            return found
+    return _along_planes(problem, first) or found
 
 
-def _second_derivative(problem: Stationary, first: Array, reach: float) -> Array | None:
+def _along_planes(problem: Stationary, motion: Array) -> Path | None:
+    """The path that keeps every contact with a plane along which a motion shifts its parts."""
+    fixed = _turns_of(problem, problem.planes)
+    if not problem.planes.any() or np.abs(motion[fixed]).max(initial=0.0) > ACROSS:
+        return None
+    keep = problem.planes & (np.abs(problem.rows @ motion) < ACROSS)
+    fixed = _turns_of(problem, keep)
+    held = np.vstack([problem.rows[keep], np.eye(len(motion))[fixed]])
+    within = null_space(held, problem.blur)
+    first = within @ (within.T @ motion)
+    first[fixed] = 0.0
+    size = float(np.linalg.norm(first))
+    if not keep.any() or size < 0.5:
+        return None
+    first = first / size
+    loose = replace(
+        problem.taking(~keep), rows=problem.rows[~keep] @ within, load=problem.load @ within
+    )
+    second = _second_derivative(loose, within.T @ first, REACHES[0], problem.bends(first)[~keep])
+    if second is None:
+        return None
+    bent = within @ second
+    bent[fixed] = 0.0
+    return judge_path(problem, first, bent)
+
+
+def _turns_of(problem: Stationary, rows: Mask) -> Index:
+    """Places of the turns of the parts of some rows."""
+    places = np.unique(problem.columns[rows][:, [3, 4, 5, 9, 10, 11]])
+    return np.asarray(places[places >= 0], dtype=np.int64)
+
+
+def _second_derivative(
+    problem: Stationary, first: Array, reach: float, bends: Array | None = None
+) -> Array | None:
     """Max m:  J d2 + dp.H dp >= m where dp keeps closed,  w.d2 >= m,  |d2| <= reach."""
     from kilter.solvers.highs import find_optimum  # who judges loads no solver
 
     closed = problem.rows @ first <= DROPS
-    rows, bends = problem.rows[closed], problem.bends(first)[closed]
+    rows = problem.rows[closed]
+    bends = (problem.bends(first) if bends is None else bends)[closed]
     freedoms = len(first)
     matrix = np.vstack(
         [
@@ -85,8 +124,17 @@ def _second_derivative(problem: Stationary, first: Array, reach: float) -> Array
 def judge_path(problem: Stationary, first: Array, second: Array) -> Path:
     """A path judged from the numbers of the problem alone."""
     first_opens = problem.rows @ first
-    closed = first_opens <= DROPS
+    closed = (first_opens <= DROPS) & ~_kept(problem, first, second)
     second_opens = (problem.rows @ second + problem.bends(first))[closed]
     slips = max(float(-first_opens.min(initial=0.0)), abs(float(problem.load @ first)))
     least = float(second_opens.min()) if len(second_opens) else 1.0
     return Path(first, second, least, float(problem.load @ second), slips)
+
+
+def _kept(problem: Stationary, first: Array, second: Array) -> Mask:
+    """Rows with a plane along which their parts shift, and turn nothing, shape (K,)."""
+    path = np.column_stack([first, second])
+    moved = np.abs(problem.rows @ path).max(axis=1, initial=0.0)
+    turned = np.append(np.abs(path).max(axis=1), 0.0)[problem.columns[:, [3, 4, 5, 9, 10, 11]]]
+    kept: Mask = problem.planes & (moved < KEEPS) & (turned.max(axis=1, initial=0.0) == 0)
+    return kept

@@ -36,6 +36,7 @@ from kilter.second_order.rolling import Rolling
 from kilter.second_order.second_order_tolerances import ACROSS, APART
 from kilter.second_order.separation import least_separation
 from kilter.second_order.stationary import Stationary, stationary
+from kilter.second_order.touched_surfaces import stated_planes
 from kilter.units import metres_per_unit
 from kilter.work import Work
 
@@ -175,6 +176,7 @@ def answer_alone(
             return _of(program, problem.taking(known), part)
         return open_answer(_unknown(program, known), program)
     kinds = contacts.patch_kind[program.source]
+    problem = replace(problem, on_plane=stated_planes(features, kinds == "given"))
     free = find_free_motions(
         program, features, assembly.geometry, kinds == "plane", kinds == "given"
     )

@@ -11,6 +11,7 @@ found anew.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,6 +36,7 @@ from kilter.second_order.rolling import find_rolling, worst_rolling
 from kilter.second_order.second_order_tolerances import ACROSS, APART
 from kilter.second_order.separation import least_separation
 from kilter.second_order.stationary import Stationary, stationary
+from kilter.second_order.touched_surfaces import stated_planes
 
 if TYPE_CHECKING:
     from kilter.second_order.second_order_answer import SecondOrder
@@ -203,6 +205,7 @@ def _wrong_gaps(
     if data["state"] == "balanced":
         if not known.all():
             return ["not every contact has a second order"]
+        problem = replace(problem, on_plane=stated_planes(features, kinds == "given"))
         return _wrong_path(assembly, program, problem, data, given=bool((kinds == "given").all()))
     flat, given = kinds == "plane", kinds == "given"
     free = find_free_motions(program, features, assembly.geometry, flat, given)

@@ -16,6 +16,7 @@ __all__ = [
     "CURVED",
     "DROPS",
     "FLAT",
+    "KEEPS",
     "LEVEL",
     "REACHES",
     "ROUND",
@@ -55,7 +56,9 @@ SLIPS = 1e-4
 """What a path enters to first order, over what it opens to second: it is open from there on."""
 REACHES = (30.0, 1000.0)
 """Bounds of a second derivative, in turn, where the motion has length 1: the nearest first."""
-SPLITS = 150
+KEEPS = 1e-12
+"""What a path of length 1 opens a contact that it keeps: rounding."""
+SPLITS = 250
 """Cones into which the critical motions are split at most."""
 SPREAD = 1e-10
 """Points of touch are on no line: least eigenvalue of the sum of their (1, u, v), u and v over the

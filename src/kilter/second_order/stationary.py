@@ -41,6 +41,8 @@ class Stationary:
         L [length unit] and W [N].
     scale : ndarray, shape (n,)
         A displacement is its unknown times this [length unit, rad].
+    on_plane : ndarray of bool, shape (K,), optional
+        Rows in which one part touches by a plane, to all orders.
     """
 
     rows: Array
@@ -51,6 +53,7 @@ class Stationary:
     length: float = 1.0
     weight: float = 1.0
     scale: Array | None = None
+    on_plane: Mask | None = None
 
     def __post_init__(self) -> None:
         read_only(self)
@@ -66,7 +69,15 @@ class Stationary:
             self.length,
             self.weight,
             self.scale,
+            None if self.on_plane is None else self.on_plane[rows],
         )
+
+    @property
+    def planes(self) -> Mask:
+        """Rows with a plane, shape (K,)."""
+        if self.on_plane is None:
+            return np.zeros(len(self.rows), dtype=bool)
+        return self.on_plane
 
     def _spread(self, vectors: Array) -> Array:
         """The unknowns of each row's parts, shape (K, 12, d), for vectors (n, d)."""

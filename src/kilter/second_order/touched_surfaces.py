@@ -28,7 +28,16 @@ from kilter.mechanics.program import Program
 from kilter.rigid import skew
 from kilter.second_order.features import EDGE, FACE, VERTEX, Features
 
-__all__ = ["AXIS", "LINE", "PLANE", "POINT", "UNKNOWN", "Touched", "touched_surfaces"]
+__all__ = [
+    "AXIS",
+    "LINE",
+    "PLANE",
+    "POINT",
+    "UNKNOWN",
+    "Touched",
+    "stated_planes",
+    "touched_surfaces",
+]
 
 UNKNOWN, PLANE, POINT, LINE, AXIS = range(-1, 4)
 ON = 1e-7
@@ -81,6 +90,17 @@ def touched_surfaces(
         side.kind[flat], side.direction[flat] = PLANE, program.normal[flat]
         side.point[flat] = program.point[flat]
     return first, second
+
+
+def stated_planes(features: Features, given: Mask) -> Mask:
+    """Rows of given contacts, shape (K,), in which one part touches by a plane."""
+    planes = np.zeros(len(given), dtype=bool)
+    for kind, curvature in (
+        (features.kind_a, features.curvature_a),
+        (features.kind_b, features.curvature_b),
+    ):
+        planes |= (kind == FACE) & ~np.abs(curvature).max(axis=(1, 2), initial=0.0).astype(bool)
+    return planes & given
 
 
 def _touched(
