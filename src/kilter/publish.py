@@ -245,13 +245,13 @@ def view(
     watched = None if path is None else _Watched(path, made, tell, command)
     first = made()
     with PageServer(first.html, port) as server:
-        tell(f"{server.url}  ({first.verdict}; Ctrl-C ends it)")
-        if browser:
-            import webbrowser
-
-            webbrowser.open(server.url)
-        last = first.html
         try:
+            tell(f"{server.url}  ({first.verdict}; Ctrl-C ends it)")
+            if browser:
+                import webbrowser
+
+                webbrowser.open(server.url)
+            last = first.html
             while True:
                 time.sleep(PAUSE)
                 if watched is not None:

@@ -362,6 +362,25 @@ def test_view_serves_sees_changes_and_faults_and_ends_well(tmp_path: Path) -> No
             process.kill()
 
 
+@pytest.mark.skipif(os.name == "nt", reason="Ctrl-C is sent otherwise there")
+def test_view_ends_well_where_a_script_started_it_in_the_background() -> None:
+    """There interruptions are inherited as ignored."""
+    command = "trap '' INT; exec \"$0\" -m kilter view tower.kilter.json --no-browser"
+    with subprocess.Popen(
+        ["sh", "-c", command, sys.executable],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        try:
+            assert "Ctrl-C ends it" in process.stdout.readline()
+            process.send_signal(signal.SIGINT)
+            _, errors = process.communicate(timeout=20)
+            assert (process.returncode, errors) == (0, "")
+        finally:
+            process.kill()
+
+
 def wait_for(url: str, version: str) -> None:
     deadline = time.monotonic() + 60
     while asked(url + "version")[1] != version:
