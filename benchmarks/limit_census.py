@@ -105,9 +105,7 @@ def least_wrong(assembly: Any, contacts: Any) -> list[str]:
     program = margin.program
     asked = {
         "friction": program.with_friction,
-        "bond": lambda share: program.with_rows(
-            clamp=share * program.clamp, pull=share * program.pull
-        ),
+        "bond": program.with_strength,
     }
     wrong = []
     for what, changed in asked.items():
@@ -134,7 +132,7 @@ def checked(assembly: Any, contacts: Any, wrenches: Any) -> str:
 
     forces = zip(assembly.parts, wrenches[:, :3], strict=True)
     loads = [Load(part.name, force=force) for part, force in forces if force.any()]
-    loaded = dataclasses.replace(assembly, loads=loads)
+    loaded = dataclasses.replace(assembly, loads=[*assembly.loads, *loads])
     verdict: str = kilter.check(loaded, contacts=contacts, effort=0).verdict
     return verdict
 

@@ -11,6 +11,7 @@ from judged import judged
 from margins import by_points, force_of, leaning, loaded, program_of, small_assembly
 
 import kilter
+from kilter import Assembly, Box, Part, Pose
 from kilter.analysis.judge import judge
 from kilter.analysis.margins import load_limit, tilt
 from kilter.analysis.margins.least_friction import find_least_friction
@@ -442,3 +443,16 @@ def test_parts_above_the_limit_are_asked_for_by_name():
     # the rest of the tower is one lower
     gain = np.arctan(1 / PUSHED) - np.arctan(1 / (PUSHED + 1))
     assert held[0].gain == pytest.approx(np.degrees(gain), abs=1e-5)
+
+
+@pytest.mark.parametrize("small", [0.5, 0.05, 1e-3, 1e-5])
+def test_loads_that_hold_only_many_times_over_have_both_ends(small):
+    """A cube at a wall, pressed and lifted at an angle a: s k (sin a -+ mu cos a) = 1."""
+    angle, mu = np.radians(60), 0.3
+    wall = Part("wall", Box([1, 3, 3]), Pose([-1, 0, 0]), grounded=True)
+    cube = Part("cube", Box([1, 1, 1]))
+    force = small * 9810 * np.array([-np.cos(angle), 0, np.sin(angle)])
+    held = Assembly([wall, cube], friction=mu, loads=[Load("cube", force)])
+    found = kilter.margin(held, pushed=[], effort=0).to_dict()["load_factor"]
+    ends = [1 / (small * (np.sin(angle) + side * mu * np.cos(angle))) for side in (1, -1)]
+    assert found == pytest.approx(ends, rel=1e-6)

@@ -156,6 +156,7 @@ def find_limit(
     opening: Opening | None = None,
     most: float = UNLIMITED,
     shared: SharedCones | None = None,
+    from_none: bool = False,
 ) -> Limit | NoLimit:
     """The largest share of further wrenches that contacts can hold.
 
@@ -174,6 +175,8 @@ def find_limit(
         Shares looked at.
     shared : SharedCones, optional
         ``SharedCones(program)``, where several limits of it are asked for.
+    from_none : bool
+        A share of 0 has to be held, so that where small ones are not no larger one is asked.
 
     Examples
     --------
@@ -197,8 +200,9 @@ def find_limit(
             return _limit(own, most)
     if most > MODEST:  # fewer steps of the solver, and an interval of numbers near 1
         near = find_limit(program, wrench, opening=opening, most=MODEST, shared=shared)
-        if not (isinstance(near, Limit) and np.isinf(near.value)):
-            return near
+        known = isinstance(near, Limit) and np.isfinite(near.value)
+        if known or (from_none and isinstance(near, NoLimit)):
+            return near  # else larger shares may be held, though none of these is
     conic = _in_cones(program, opening, wrench, most)
     enough = conic.sides.gap <= SIDES_NEAR and large
     whole = conic.sides.held >= most * (1 - NEARLY)

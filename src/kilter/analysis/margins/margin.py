@@ -482,4 +482,6 @@ def _load_factor(
         wrench = program.applied
     else:
         return None
-    return find_limit(base, -wrench), find_limit(base, wrench)
+    ends = find_limit(base, -wrench), find_limit(base, wrench)
+    whys = {end.why for end in ends if isinstance(end, NoLimit)}
+    return (NoLimit("none"), NoLimit("none")) if whys == {"none", "failed"} else ends

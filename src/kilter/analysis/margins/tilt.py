@@ -205,7 +205,7 @@ def held_limit(
     shared: SharedCones | None = None,
 ) -> Limit | NoLimit:
     """The limit, where a share of 0 is held too."""
-    limit = find_limit(program, wrench, opening=opening, most=most, shared=shared)
+    limit = find_limit(program, wrench, opening=opening, most=most, shared=shared, from_none=True)
     below = isinstance(limit, Limit) and limit.value < NOT_HELD
     return NoLimit("none") if below else limit
 
