@@ -149,11 +149,8 @@ def why_undecided(first: kilter.Verdict, second: kilter.Verdict) -> str:
     Another pair is open: a gap is at its tolerance, or an open mesh fills another box. Else its
     numbers leave no solver the digits that a proof needs, and what makes them so is named.
     """
-    undecided = first if first.verdict == "undecided" else second
     if _open_pairs(first) != _open_pairs(second):
         return "another pair is open"
-    if "do not carry a proof" not in undecided.sentence:
-        return ""
     return _extreme(first.assembly)
 
 

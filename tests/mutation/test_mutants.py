@@ -6,6 +6,7 @@ import ast
 import tomllib
 from pathlib import Path
 
+import pytest
 from mutants import mutants
 
 HERE = Path(__file__).resolve().parent
@@ -37,6 +38,7 @@ def test_every_mutant_is_one_change_and_runs() -> None:
         assert ast.unparse(one.tree) != ast.unparse(ast.parse(SOURCE))
 
 
+@pytest.mark.slow
 def test_reasons_are_of_modules_and_mutants_that_are_there() -> None:
     guards = tomllib.loads((HERE / "guards.toml").read_text(encoding="utf-8"))
     reasons = tomllib.loads((HERE / "survivors.toml").read_text(encoding="utf-8"))
