@@ -166,6 +166,11 @@ class _Question:
 
     def _on(self, basis: Array, stress: Array) -> Decision:
         """Steps 4 to 7 on what is left."""
+        if self._only_forces():
+            forces = self.critical.forces[self.critical.carries]
+            proved = self._strengthened(forces, stress)
+            if proved is not None:
+                return proved
         best = best_curvature(self.carrying, basis, self.sides_of(basis), work=self.work)
         candidates = list(self._from_forces(basis))
         if best is not None:
@@ -179,6 +184,12 @@ class _Question:
         if basis.shape[1] == self.across.shape[1] <= EXACT_DIMENSION:
             return self._by_cones(basis)
         return self._open("neither forces that prove a minimum nor a path down were found")
+
+    def _only_forces(self) -> bool:
+        """Whether no other forces balance, and none need weights of sides."""
+        rows = self.carrying.rows
+        rank = int(np.linalg.matrix_rank(rows, tol=self.problem.blur))
+        return not len(self.sides) and rank == len(rows)
 
     def sides_of(self, basis: Array) -> Array:
         """The sides over coordinates of a basis within `across`."""

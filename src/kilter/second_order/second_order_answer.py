@@ -182,7 +182,7 @@ def answer_alone(
     )
     span = free_span(program, problem, free)
     decision = decide(problem, span, critical=critical, work=work)
-    if decision.free < decision.neutral:
+    if decision.free < decision.neutral and len(free.symmetries.kinds) < len(free.kinds):
         free = free.symmetries
         decision = decide(problem, free_span(program, problem, free), critical=critical, work=work)
         if decision.state == "open" and span.shape[1] > decision.free:
