@@ -6,12 +6,13 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from random_rounds import Round, random_round
+from random_rounds import Round, beside, random_round
 from scipy.optimize import minimize
 
 import kilter
 from kilter.arrays import Array
 from kilter.mechanics.program import build_program
+from kilter.second_order.clusters import joined_state
 from kilter.second_order.critical import find_critical
 from kilter.second_order.decide import Decision, decide
 from kilter.second_order.features_of import features_of
@@ -63,7 +64,11 @@ def least_energy(made: Round, problem: Stationary, starts: Array, t: float) -> f
 
 def compared(seed: int, radii: tuple[float, ...] = RADII) -> str:
     """The state of a random assembly, after its energy has been looked at directly."""
-    made = random_round(seed)
+    return survived(random_round(seed), seed, radii)
+
+
+def survived(made: Round, seed: int, radii: tuple[float, ...]) -> str:
+    """The state of an assembly, after its energy has been looked at directly."""
     assert np.abs(made.open(np.zeros(6 * len(made.masses)))).max() < 1e-12
     decision, problem = decided(made)
     if decision.state == "open":
@@ -94,6 +99,18 @@ def compared(seed: int, radii: tuple[float, ...] = RADII) -> str:
 def test_minima_rise_and_balanced_ones_fall() -> None:
     states = Counter(compared(seed, RADII[1:2]) for seed in (0, 4, 5, 6))
     assert states == {"minimum": 2, "balanced": 2}
+
+
+@pytest.mark.parametrize("seeds", [(4, 5), (6, 4)])
+def test_clusters_rise_and_fall_as_their_energy_does_together(seeds: tuple[int, int]) -> None:
+    """Both are asked as one problem, and directly; and each by itself."""
+    made = [random_round(seed) for seed in seeds]
+    together = beside(*made)
+    alone = [decided(one)[0].state for one in made]
+    second = kilter.check(together.assembly).second_order
+    assert second is not None
+    assert [one.state for one in second.clusters] == alone
+    assert second.state == joined_state(alone) == survived(together, 0, RADII[1:2])
 
 
 @pytest.mark.slow
