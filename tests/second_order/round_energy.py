@@ -1,0 +1,125 @@
+"""Random round assemblies against direct minimisation of the energy over their exact gaps.
+
+    python tests/second_order/round_energy.py              500 assemblies, counted by state
+    python tests/second_order/round_energy.py 50 --first 0
+
+Every minimum must survive at three radii, every balanced one must be beaten: the command ends with
+1 where one does not.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections import Counter
+
+import numpy as np
+from random_rounds import Round, random_round
+from scipy.optimize import minimize
+
+import kilter
+from kilter.arrays import Array
+from kilter.mechanics.program import build_program
+from kilter.second_order.critical import find_critical
+from kilter.second_order.decide import Decision, decide
+from kilter.second_order.features_of import features_of
+from kilter.second_order.gap_form import formed, gap_forms
+from kilter.second_order.paths import Path
+from kilter.second_order.stationary import Stationary, stationary
+
+RADII = (0.02, 0.01, 0.005)
+"""Sizes of the motions over which the least energy is sought."""
+
+
+def decided(made: Round) -> tuple[Decision, Stationary]:
+    contacts = kilter.contacts(made.assembly)
+    program = build_program(made.assembly, contacts)
+    features = features_of(program, contacts)
+    assert formed(program, features).all()
+    problem = stationary(program, gap_forms(program, features))
+    assert problem.scale is not None
+    spins = np.array(made.spins).reshape(-1, len(problem.load)).T / problem.scale[:, None]
+    return decide(problem, spins), problem
+
+
+def least_energy(made: Round, problem: Stationary, starts: Array, t: float) -> float:
+    """Least energy over t^2 of motions of size t across the spins, all gaps open or closed.
+
+    Local minima from the given starts: an upper bound on the least.
+    """
+    assert problem.scale is not None
+    spins = np.array(made.spins).reshape(-1, len(problem.load)).T
+    off = np.eye(len(problem.load))
+    if spins.size:
+        q, _ = np.linalg.qr(spins)
+        off = off - q @ q.T
+    up, best = made.weights(), np.inf
+    closed = {"type": "ineq", "fun": lambda z: made.open(t * z) / t**2}
+    sphere = {"type": "eq", "fun": lambda z: z @ off @ z - 1, "jac": lambda z: 2 * off @ z}
+    for start in starts:
+        z0 = off @ start
+        z0 = z0 / np.linalg.norm(z0)
+        found = minimize(
+            lambda z: up @ z / t, z0, jac=lambda z: up / t, method="SLSQP",
+            constraints=[closed, sphere], options={"maxiter": 200, "ftol": 1e-10},
+        )  # fmt: skip
+        entered = made.open(t * found.x).min() / t**2
+        if entered > -1e-6 and abs(found.x @ off @ found.x - 1) < 1e-6:
+            best = min(best, float(found.fun))
+    return best
+
+
+def compared(seed: int, radii: tuple[float, ...] = RADII) -> str:
+    """The state of a random assembly, after its energy has been looked at directly."""
+    return survived(random_round(seed), seed, radii)
+
+
+def survived(made: Round, seed: int, radii: tuple[float, ...]) -> str:
+    """The state of an assembly, after its energy has been looked at directly."""
+    assert np.abs(made.open(np.zeros(6 * len(made.masses)))).max() < 1e-12
+    decision, problem = decided(made)
+    if decision.state == "open":
+        return "open"
+    random = np.random.default_rng(seed)
+    critical = find_critical(problem)
+    assert critical is not None
+    assert problem.scale is not None
+    basis = critical.basis * problem.scale[:, None]
+    starts = (basis @ random.normal(size=(basis.shape[1], 5))).T
+    if isinstance(decision.proof, Path):
+        starts = np.vstack([decision.proof.first * problem.scale, starts])
+    if not basis.shape[1]:
+        starts = random.normal(size=(5, len(problem.load)))
+    for t in radii:
+        least = least_energy(made, problem, starts, t)
+        if not np.isfinite(least):  # no start came to an end
+            more = (basis @ random.normal(size=(basis.shape[1], 20))).T
+            least = least_energy(made, problem, more, t)
+        assert np.isfinite(least), (seed, t)
+        if decision.state == "balanced":
+            assert least < 0, (seed, t, least)
+        else:
+            assert least > 0, (seed, t, least)
+    return decision.state
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser.add_argument("count", nargs="?", type=int, default=500)
+    parser.add_argument("--first", type=int, default=100, help="seed of the first")
+    asked = parser.parse_args()
+    begun, states = time.process_time(), Counter[str]()
+    for seed in range(asked.first, asked.first + asked.count):
+        try:
+            states[compared(seed)] += 1
+        except AssertionError as wrong:
+            states["CONTRADICTED"] += 1
+            sys.stdout.write(f"seed {seed}: {wrong}\n")
+    counts = ", ".join(f"{times} {state}" for state, times in states.most_common())
+    sys.stdout.write(f"{counts}; {time.process_time() - begun:.0f} s\n")
+    return 1 if states["CONTRADICTED"] else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
