@@ -67,14 +67,21 @@ class Commands:
         self.server.communicate()
 
 
+DRAWING = ("figure", "backends.backend_agg", "backends.backend_svg")
+"""Of matplotlib: what takes a second to load before anything is drawn."""
+
+
 def load_all() -> None:
-    """Load every module of kilter."""
+    """Load every module of kilter, and what draws."""
     import kilter
 
     for module in pkgutil.walk_packages(kilter.__path__, "kilter."):
         if module.name != "kilter.__main__":
             with suppress(ImportError):
                 importlib.import_module(module.name)
+    for name in DRAWING:
+        with suppress(ImportError):
+            importlib.import_module(f"matplotlib.{name}")
 
 
 def begun(words: list[str], folder: str, ignored: bool) -> int:
