@@ -89,3 +89,10 @@ def test_another_format_of_several_proofs_is_refused(bundle: Any) -> None:
 def test_no_proof_at_all_is_no_file_of_proofs() -> None:
     with pytest.raises(InputError, match="it has no proofs"):
         require_bundle_form({**json.loads(region()), "proofs": []})
+
+
+@pytest.mark.parametrize("proof", [[], "x", None, {}, {"kilter_proof": 2}])
+def test_another_format_is_refused(proof: Any) -> None:
+    for asked in (proof, {**forces(), "kilter_proof": 2}):
+        with pytest.raises(InputError, match="no kilter proof of format 1"):
+            require_form(asked)

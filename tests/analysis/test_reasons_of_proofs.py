@@ -450,3 +450,32 @@ def test_a_proof_is_read_with_the_tolerance_that_it_was_made_with() -> None:
     found = proof_tolerance(proof)
     for name in ("gap", "relative_gap", "angle", "clearance"):
         assert getattr(found, name) == getattr(given, name), name
+
+
+def hinged_door() -> Assembly:
+    """A door on a vertical hinge, whose weight the hinge bears."""
+    parts = [
+        kilter.Part("frame", kilter.Box([0.2, 0.2, 2.0]), grounded=True),
+        kilter.Part("door", kilter.Box([1.0, 0.05, 2.0]), kilter.Pose([0.7, 0.0, 0.0])),
+    ]
+    hinge = kilter.Joint(("frame", "door"), "revolute", point=[0.15, 0, 0], axis=[0, 0, 1])
+    return Assembly(parts, joints=[hinge])
+
+
+@pytest.mark.parametrize(("place", "more"), [(5, 1.0), (2, 0.0)])
+def test_a_hinge_carries_no_torque_about_its_axis(place: int, more: float) -> None:
+    assembly = hinged_door()
+    proof = json.loads(json.dumps(kilter.check(assembly).proof()))
+    assert kilter.verify(assembly, proof).holds
+    proof["joints"][0]["wrench"][place] += more
+    proof["digest"] = digest_of(proof)
+    reasons = kilter.verify(assembly, proof).reasons
+    beyond = "the revolute joint of 'frame' and 'door' carries what its kind cannot"
+    assert (beyond in reasons) == (more > 0)
+
+
+def test_what_seats_it_has_one_force_a_row_of_a_joint() -> None:
+    def more(proof: Proof) -> None:
+        proof["friction"]["seated"]["joints"].append(1.0)
+
+    assert "seated: it has not one force a row of a joint" in said("slope", more)

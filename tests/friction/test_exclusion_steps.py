@@ -10,13 +10,17 @@ import pytest
 from cases import program
 
 from kilter.friction import exclusion_file
-from kilter.friction.exclusion import prove_no_motion
+from kilter.friction.contraction import power_bound
+from kilter.friction.enclosure import rescaled
+from kilter.friction.exclusion import prove_no_motion, start_proof
 from kilter.friction.exclusion_bounds import no_power
 from kilter.friction.exclusion_check import power_not_excluded
 from kilter.friction.exclusion_file import exclusion_data, recheck_exclusion
 from kilter.friction.exclusion_steps import CaseStep, PowerStep, Quantity, ShrinkStep
 from kilter.friction.moment_bound import MomentStep
+from kilter.friction.reduced_law import reduced_law
 from kilter.scenes import stacks
+from kilter.work import Work
 
 
 @pytest.fixture(scope="module")
@@ -114,13 +118,20 @@ def test_without_steps_all_power_is_left(slope):
     assert power_not_excluded(one, answer.opening, []) == (1.0, no_power(one))
 
 
-def test_a_power_step_bounds_the_power_by_its_own_multipliers(slope):
-    """Weak duality by hand: with none, the bound is the size of the motions."""
-    one, answer = slope
-    none = PowerStep(np.zeros(0, dtype=np.int64), np.zeros(0), None)
-    whole, _ = power_not_excluded(one, answer.opening, [none])
-    twice, _ = power_not_excluded(one, answer.opening, [none, none])
-    assert 0.0 < twice <= whole <= 1.0
+def test_each_power_step_leaves_what_its_search_found():
+    """Twice, so that the second speaks of motions that the first has made smaller."""
+    one = program(stacks.tower(3, tilt=15.0, friction=0.5))
+    law, whole = reduced_law(one), Work.of(2.0)
+    attempt, bounds = start_proof(law, no_power(one), None, whole)
+    steps, left = [], 1.0
+    for _ in range(3):
+        bounds, power, _, step = power_bound(attempt, bounds)
+        steps.append(step)
+        left = min(left, bounds.scale * power)
+        again, none = power_not_excluded(one, None, steps)
+        assert again == pytest.approx(left, rel=1e-6)
+        bounds = rescaled(attempt.relaxation.fastest, bounds, power)
+    assert none < left < 0.9
 
 
 def test_moments_of_motions_that_are_not_bounded_so_are_refused(slope):
@@ -135,3 +146,11 @@ def test_a_case_that_is_divided_nowhere_and_leaves_something_closes_nothing(slop
     one, answer = slope
     left, none = power_not_excluded(one, answer.opening, [CaseStep([], point, patch, [])])
     assert (left, none) == (1.0, no_power(one))
+
+
+@pytest.mark.parametrize("count", [0, 1, 20])
+def test_no_case_of_those_that_a_point_is_divided_into_may_be_missing(slope, count):
+    one, answer = slope
+    divided = CaseStep([], 0, -1, [CaseStep() for _ in range(count)])
+    with pytest.raises(ValueError, match="argument 2 is"):
+        power_not_excluded(one, answer.opening, [divided])
