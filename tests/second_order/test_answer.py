@@ -16,7 +16,7 @@ from kilter.files.kilter_json import to_dict
 from kilter.scenes import scene
 from kilter.scenes.balance import CASES, Case
 from kilter.second_order.minimum_proof import MinimumProof, judge_minimum
-from kilter.shape.primitives import Sphere
+from kilter.shape.primitives import Box, Cylinder, Sphere
 
 OPEN = {
     "14": "a given line of contact does not say that its cylinder is one",
@@ -138,3 +138,16 @@ def test_bonds_and_loads_beside_a_centre_leave_it_open() -> None:
     assert of(loads=[twisted]) == "open"
     bond = kilter.Bond(("base", "b"), 5.0, points=[[0, 0, 0]], normal=[0, 0, 1])
     assert of(bonds=[bond]) == "open"
+
+
+def test_what_was_not_looked_at_is_not_counted() -> None:
+    """A rim on a table is no contact that is modelled; a second part beside it changes nothing."""
+    table = Part("table", Box([9, 9, 1]), Pose([0, 0, -0.5]), grounded=True)
+    can = Part("can", Cylinder(0.5, 1.0), Pose([0, 0, 0.5]))
+    ball = Part("ball", Sphere(0.5), Pose([3, 0, 0.5]))
+    for parts in ([table, can], [table, can, ball]):
+        second = kilter.check(Assembly(parts)).to_dict()["second_order"]
+        assert second["state"] == "open"
+        assert [second[key] for key in ("neutral", "free", "blocked", "undecided")] == 4 * [None]
+    second = kilter.check(Assembly([table, ball])).to_dict()["second_order"]
+    assert [second[key] for key in ("neutral", "free", "blocked", "undecided")] == [5, 5, 0, 0]

@@ -125,6 +125,13 @@ class SecondOrder:
         held = self.rolling is not None and self.rolling.state == "holds"
         return self.state in ("minimum", "free") or (self.state == "balanced" and held)
 
+    @property
+    def counted(self) -> bool:
+        """Whether its motions were looked at; where not, its counts of 0 say nothing."""
+        if self.clusters:
+            return all(one.counted for one in self.clusters)
+        return self.decision is not None and (self.state != "open" or self.neutral > 0)
+
     def to_dict(self, names: tuple[str, ...]) -> dict[str, Any]:
         """The answer of `kilter check --json`; the motion by part."""
         by_part = None if self.motion is None else {
@@ -132,10 +139,10 @@ class SecondOrder:
         }  # fmt: skip
         return {
             "state": self.state,
-            "neutral": self.neutral,
-            "free": self.free,
-            "blocked": self.blocked,
-            "undecided": self.undecided,
+            "neutral": self.neutral if self.counted else None,
+            "free": self.free if self.counted else None,
+            "blocked": self.blocked if self.counted else None,
+            "undecided": self.undecided if self.counted else None,
             "rate": self.rate,
             "motion": by_part,
             "rolling": None if self.rolling is None else self.rolling.state,
