@@ -76,6 +76,14 @@ def region(
             "--common", help="The directions stable for all of the files: no reorientation between."
         ),
     ] = False,
+    rests: Annotated[
+        bool,
+        typer.Option(
+            "--rests",
+            help="Also which of its directions are strict minima of energy, how far each may be "
+            "tilted and how fast it swings; without friction.",
+        ),
+    ] = False,
 ) -> int:
     """Every direction of gravity for which it stays: exactly, with a proof for each boundary.
 
@@ -89,6 +97,8 @@ def region(
         raise InputError(
             "a common region has proofs about several files", hint="ask each by itself for its own"
         )
+    if common and rests:
+        raise InputError("rests are of one file", hint="ask each by itself")
     if len(files) > 1 and not common:
         raise InputError(f"{len(files)} files are given", hint="add --common, or give one")
     tolerance = asked.tolerance
@@ -99,7 +109,9 @@ def region(
             answer = common_region(each, tolerance=tolerance, progress=progress)
         else:
             [(assembly, contacts)] = given
-            answer = find(assembly, contacts=contacts, tolerance=tolerance, progress=progress)
+            answer = find(
+                assembly, contacts=contacts, rests=rests, tolerance=tolerance, progress=progress
+            )
     told, one = answer.to_dict(), asked if common else asked.of_file(files[0])
     one.tell(told, after=one.keep_proof(answer.proof, told))
     return WRITTEN

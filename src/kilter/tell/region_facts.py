@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from kilter.tell.numbers import angle, number, vector
+from kilter.tell.second_order_words import second_order_words
 from kilter.tell.shared_facts import Answer, Fact, balance_phrase, instability_phrase, joint_facts
 
-__all__ = ["orient_facts", "region_facts", "region_phrase", "region_words"]
+__all__ = ["orient_facts", "region_facts", "region_phrase", "region_words", "rest_words"]
 
 ROWS = 20
 """Vectors of a region that are told one by one."""
@@ -94,4 +95,30 @@ def region_facts(answer: Answer) -> list[Fact]:
         ]
         if len(answer[name]) > ROWS:
             found.append(("", f"and {len(answer[name]) - ROWS} more"))
-    return [*found, *joint_facts(answer), ("programs", f"{answer['programs']} solved")]
+    return [
+        *found,
+        *_rests(answer),
+        *joint_facts(answer),
+        ("programs", f"{answer['programs']} solved"),
+    ]
+
+
+def _rests(answer: Answer) -> list[Fact]:
+    """How it rests in each direction that was asked."""
+    words = [f"{vector(one['down'])}: {rest_words(one)}" for one in answer.get("rests", ())]
+    return [("" if k else "rests", one) for k, one in enumerate(words)]
+
+
+def rest_words(rest: Answer) -> str:
+    """How it rests in one direction.
+
+    Examples
+    --------
+    >>> corner = {"state": "minimum", "rate": None, "moving": [], "why": None, "tilt_deg": 35.3}
+    >>> rest_words(corner).split("; ")[1]
+    'tilted up to 35.3 deg it stays'
+    """
+    words = second_order_words({**rest, "motion": rest["moving"], "free": 0})
+    if rest["state"] == "minimum" and rest["tilt_deg"]:
+        return f"{words}; tilted up to {angle(rest['tilt_deg'])} it stays"
+    return words

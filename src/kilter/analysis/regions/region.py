@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -27,6 +27,7 @@ from kilter.analysis.regions.friction_cone import friction_cone
 from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.region_proofs import RegionProof, common_proofs, region_proof
 from kilter.analysis.regions.region_words import further_forces, warnings_of
+from kilter.analysis.regions.rests import PlaceOfRest, find_rests
 from kilter.analysis.regions.stable_cone import StableCone, stable_cone
 from kilter.analysis.turning_tolerances import GAP_DEG
 from kilter.arrays import Array, Mask
@@ -79,6 +80,8 @@ class Region(InCells):
     warnings : tuple of str
     seconds : dict
         Of each stage.
+    rests : tuple of PlaceOfRest
+        How it rests in its axis, lines and rays, where that was asked.
     """
 
     cone: Cone
@@ -91,6 +94,7 @@ class Region(InCells):
     programs: int
     warnings: tuple[str, ...]
     seconds: dict[str, float]
+    rests: tuple[PlaceOfRest, ...] = ()
 
     @property
     def kind(self) -> str:
@@ -236,6 +240,7 @@ class Region(InCells):
                 for assembly, own in zip(self.assemblies, self.contacts, strict=True)
                 for pair in open_pairs_answer(assembly, own)
             ],
+            "rests": [rest.to_dict() for rest in self.rests],
             "gap_deg": self.gap_deg,
             "proved": self.proved,
             "accuracy_deg": float(np.degrees(max(cone.blur, slack))),
@@ -260,6 +265,7 @@ def region(
     *,
     contacts: ContactSet | None = None,
     gap_deg: float = GAP_DEG,
+    rests: bool = False,
     tolerance: Tolerance | None = None,
     progress: Tell | None = None,
 ) -> Region:
@@ -273,6 +279,8 @@ def region(
         Found from the geometry where not given.
     gap_deg : float
         How far apart the inner and the outer cone may be, with friction in space [deg].
+    rests : bool
+        Also which of its axis, lines and rays are strict minima of energy (`Region.rests`).
     tolerance : Tolerance, optional
         When faces count as touching.
     progress : callable, optional
@@ -281,7 +289,8 @@ def region(
     Raises
     ------
     InputError
-        If nothing is held, loads are given, or the geometry is not usable.
+        If nothing is held, loads are given, the geometry is not usable, or `rests` are asked
+        of parts that rub.
 
     Examples
     --------
@@ -302,7 +311,12 @@ def region(
     if contacts is None:
         contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
     rubs = bool((contacts.patch_mu > 0).any())
-    return _region(assembly, contacts, rubs, gap_deg, started, progress)
+    if rests and rubs:
+        raise InputError("how it rests is known without friction only", hint="leave friction out")
+    found = _region(assembly, contacts, rubs, gap_deg, started, progress)
+    if not rests:
+        return found
+    return replace(found, rests=find_rests(found.cone, assembly, contacts))
 
 
 def _region(

@@ -1,0 +1,127 @@
+"""How an assembly rests in directions of its region: how far it may be tilted, how fast it swings.
+
+A place of rest is a well of energy. Its width to first order is the angle to the nearest
+unstable direction: within it the walls of the well are V-shaped, as those of a box in a corner.
+Where some tilt is too much at once (a ball in a bowl), its curvature is what is left: whether it
+curves up, and how fast the parts come back (`kilter.second_order`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kilter.analysis.check import check
+from kilter.analysis.regions.polyhedral_cone import Cone
+from kilter.arrays import Array
+from kilter.assembly import Assembly
+from kilter.contact import ContactSet
+
+if TYPE_CHECKING:
+    from kilter.second_order.clusters import State
+
+__all__ = ["MOST_RESTS", "PlaceOfRest", "find_rests"]
+
+MOST_RESTS = 20
+"""Directions that are looked at."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlaceOfRest:
+    """How an assembly rests in one direction of gravity, without friction.
+
+    Attributes
+    ----------
+    down : ndarray, shape (3,)
+        The direction, unit, in the frame of the assembly.
+    state : {"minimum", "free", "balanced", "open"}
+        "minimum": a strict one; no small push moves it away.
+    tilt_deg : float or None
+        The angle to the nearest direction that is not stable to first order [deg]; None where
+        all are stable.
+    rate : float or None
+        Of a minimum that curves, the least angular frequency of small oscillations that is
+        proved; of what is balanced, the rate of growth [1/s].
+    moving : tuple of str
+        What falls, or moves freely.
+    why : str
+        Why it is open.
+    """
+
+    down: Array
+    state: State
+    tilt_deg: float | None
+    rate: float | None
+    moving: tuple[str, ...]
+    why: str
+
+    @property
+    def strict(self) -> bool:
+        """Whether it is a strict minimum of its energy."""
+        return self.state == "minimum"
+
+    def to_dict(self) -> dict[str, Any]:
+        """The answer as JSON data."""
+        return {
+            "down": (self.down + 0.0).tolist(),
+            "state": self.state,
+            "tilt_deg": self.tilt_deg,
+            "rate": self.rate,
+            "moving": list(self.moving),
+            "why": self.why or None,
+        }
+
+
+def find_rests(cone: Cone, assembly: Assembly, contacts: ContactSet) -> tuple[PlaceOfRest, ...]:
+    """How an assembly rests in the axis, the lines and the rays of its region.
+
+    Parameters
+    ----------
+    cone : Cone
+        Its stable directions, without friction.
+    assembly : Assembly
+    contacts : ContactSet
+        Found in it.
+
+    Returns
+    -------
+    tuple of PlaceOfRest
+        `MOST_RESTS` at most; none of a cone without an axis, lines or rays.
+    """
+    return tuple(_rest(down, cone, assembly, contacts) for down in _directions(cone))
+
+
+def _directions(cone: Cone) -> Array:
+    """The directions that are looked at, each once, shape (d, 3)."""
+    center = np.zeros((0, 3)) if cone.center is None else cone.center[None]
+    listed = np.vstack([center, cone.lines, -cone.lines, cone.rays])
+    same = np.linalg.norm(listed[:, None] - listed, axis=-1) <= cone.blur
+    first = np.argmax(same, axis=1) == np.arange(len(listed))
+    found: Array = listed[first][:MOST_RESTS]
+    return found
+
+
+def _rest(down: Array, cone: Cone, assembly: Assembly, contacts: ContactSet) -> PlaceOfRest:
+    """How an assembly rests where gravity has a direction of its region."""
+    tilt = _tilt(down, cone)
+    verdict = check(assembly.with_down(down), contacts=contacts)
+    if verdict.verdict != "stable":
+        why = f"a check says {verdict.verdict} so near the boundary of the region"
+        return PlaceOfRest(down, "open", tilt, None, (), why)
+    second = verdict.to_dict()["second_order"]
+    if second is None:
+        return PlaceOfRest(down, "minimum", tilt, None, (), "")
+    moving = tuple(second["motion"] or ())
+    return PlaceOfRest(down, second["state"], tilt, second["rate"], moving, second["why"] or "")
+
+
+def _tilt(down: Array, cone: Cone) -> float | None:
+    """The angle to the nearest direction outside [deg]."""
+    if len(cone.equations):
+        return 0.0
+    if not len(cone.facets):
+        return None
+    least = float(np.clip((cone.facets @ down).min(), 0.0, 1.0))
+    return float(np.degrees(np.arcsin(least)))
