@@ -479,3 +479,8 @@ def test_what_seats_it_has_one_force_a_row_of_a_joint() -> None:
         proof["friction"]["seated"]["joints"].append(1.0)
 
     assert "seated: it has not one force a row of a joint" in said("slope", more)
+
+
+def test_a_proof_with_friction_has_one_force_a_contact_point_too() -> None:
+    few = said("slope", lambda proof: proof["forces"].pop())
+    assert "it has not one force a contact point" in few

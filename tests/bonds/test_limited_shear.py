@@ -11,6 +11,7 @@ from judged import judged
 
 import kilter
 from kilter import Assembly, Bond, Box, Part, Pose
+from kilter.mechanics.mechanics_tolerances import AGREES
 from kilter.mechanics.proof import digest_of
 from kilter.scenes.transform import moved, permuted, renamed, scaled
 
@@ -210,3 +211,59 @@ def test_how_it_slips_is_the_least_of_gausss_principle():
         if program.velocities(other).min() >= -1e-12:
             tried += 1
             assert cost(other) >= least - 1e-6 * abs(least)
+
+
+def said(assembly, change):
+    """The reasons against its proof after a change, signed anew."""
+    proof = json.loads(json.dumps(kilter.check(assembly).proof()))
+    change(proof)
+    proof["digest"] = digest_of(proof)
+    return kilter.verify(assembly, proof).reasons
+
+
+def beside_a_stone(pull, **more):
+    """A cup, and a stone that lies on the ground: points with a bond and without."""
+    bond = Bond(("cube", "wall"), pull=pull, **more)
+    table = Part("table", Box([1, 1, 1]), Pose([9, 0, 0]), grounded=True)
+    stone = Part("stone", Box([1, 1, 1]), Pose([9, 0, 1]))
+    light = Part("cube", Box([1, 1, 1]), mass=1e-5)
+    return Assembly([cube("wall", x=1.0, grounded=True), light, table, stone], bonds=[bond])
+
+
+@pytest.mark.parametrize("key", ["pull", "shear"])
+@pytest.mark.parametrize(("off", "refused"), [(0.5, False), (3.0, True)])
+def test_the_strength_of_a_bond_agrees_to_rounding_of_itself(key, off, refused):
+    """Also where it is far less than 1 N."""
+
+    def change(proof):
+        (point, *_) = (one for one in proof["points"] if key in one)
+        point[key] *= 1 + off * AGREES
+
+    reasons = said(beside_a_stone(1e-3, shear=2e-3), change)
+    assert ("its bonds are not the file's" in reasons) == refused
+
+
+@pytest.mark.parametrize("tied", [True, False])
+def test_what_bears_shear_is_asked_even_where_the_pull_agrees(tied):
+    assembly = beside_a_stone(1e-3, shear=None if tied else 2e-3)
+
+    def change(proof):
+        point = next(one for one in proof["points"] if "pull" in one)
+        point["tied"] = not tied
+
+    assert "its bonds are not the file's" in said(assembly, change)
+
+
+def test_a_push_of_less_than_a_newton_bears_friction_of_less_than_that():
+    """A block of a gram on a slope: more across and as much back, at two points."""
+    turn = np.radians(20)
+    thin = Part("thin", Box([1, 1, 0.01]), Pose([0, 0, 0.505]), mass=1e-3)
+    gravity = [G * np.sin(turn), 0, -G * np.cos(turn)]
+    assembly = Assembly([cube("slope", grounded=True), thin], friction=0.5, gravity=gravity)
+
+    def change(proof):
+        for sign, force in zip((1, -1, 1, -1), proof["forces"], strict=True):
+            force[1] += sign * 0.3
+
+    reasons = said(assembly, change)
+    assert "a force leaves its cone: its friction is above mu times its push" in reasons

@@ -76,6 +76,11 @@ def test_why_one_answer_is_undecided_has_a_name() -> None:
     assert why_undecided(plain, plain) == ""  # nothing about it is far from usual
 
 
+def test_forces_beyond_the_squares_of_numbers_are_not_polished() -> None:
+    """Scene 705427: a start of the search for motions had some; numpy warned."""
+    assert kilter.check(scene_of(705427), effort=EFFORT).verdict != "unstable"
+
+
 def test_what_moves_is_told_without_a_warning_where_masses_are_far_apart() -> None:
     """Scene 700182: forces that a solver left at its end were beyond all numbers."""
     scene = scene_of(700182)

@@ -75,6 +75,9 @@ def polished(
         When it is spent, what was found is all.
     """
     found: list[TrialMotion] = []
+    with np.errstate(over="ignore"):
+        if not np.isfinite(start.forces**2).all():  # beyond the squares of numbers
+            return found
     for least in (CLEAR, SLACK):
         found += _followed(law, _modes(law, start, least), start, seen, work)
     return found
