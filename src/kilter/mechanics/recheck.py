@@ -224,7 +224,8 @@ def _joint_forces(program: Program, joint: dict[str, Any], number: int) -> tuple
     frame = frame_of(program, rows)
     forces = carriers(*frame, wrench, about)
     force, torque = np.abs(wrench[:3]).max(), np.abs(wrench[3:]).max()
-    length = float(program.arm[rows].max(initial=0.0)) or float(program.radius.min())
+    turning = rows[program.angular[rows]]
+    length = float(program.arm[turning].max(initial=0.0)) or float(program.radius.min())
     reach = length + (float(np.linalg.norm(about - frame[2])) if len(rows) else 0.0)
     size = np.repeat([force + torque / length, reach * force + torque], 3)
     size += AGREES * float(program.weight.min()) * np.repeat([1.0, length], 3)
