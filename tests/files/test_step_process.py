@@ -85,7 +85,7 @@ def test_what_comes_to_no_end_is_tried_once_more_and_refused(fresh, tmp_path, mo
     )
     with monkeypatch.context() as short:
         short.setattr(step_process, "STALLS", 1e-4)
-        short.setattr(step_process, "STALLS_PER_BYTE", 0.0)
+        short.setattr(step_process, "STALLS_PER_MEGABYTE", 0.0)
         with pytest.raises(InputError, match="OCCT breaks down over it"):
             read_step(path)
     assert len(made) == 2

@@ -14,19 +14,29 @@ if TYPE_CHECKING:
 
 __all__ = ["complaint"]
 
-_TAGS = ("as path", "inline", "named")  # of kinds of mesh and step; pydantic puts them into places
+_TAGS = re.compile(r"as path|inline|named|constrained-\w+|literal\[.*\]")
+"""Of kinds of mesh and step, of what may be a number or a word: pydantic puts them into places."""
 
 
 def complaint(error: ValidationError, data: dict[str, Any], model: type[BaseModel]) -> InputError:
     """The first fault, unknown keys before all others, since they explain what is missing."""
     faults = error.errors(include_url=False, include_context=True)
     fault = next((f for f in faults if f["type"] == "extra_forbidden"), faults[0])
-    place = tuple(key for key in fault["loc"] if key not in _TAGS)
+    place = _untagged(fault)
     part, shown = _place(place, data)
-    what, hint = _said(fault, shown, _keys_at(model, place[:-1]))
-    if len(faults) > 1:
-        what += f" (and {len(faults) - 1} more faults)"
+    keys = _keys_at(model, place[:-1])
+    what, _ = _said(fault, shown, keys)
+    here = [one for one in faults if _untagged(one) == place]
+    hint = ", or ".join(dict.fromkeys(_said(one, shown, keys)[1] for one in here))
+    more = len({_untagged(one) for one in faults}) - 1
+    if more:
+        what += f" (and {more} more faults)"
     return InputError(what, part=part, hint=hint)
+
+
+def _untagged(fault: Any) -> tuple[Any, ...]:
+    """The place of a fault in the file."""
+    return tuple(key for key in fault["loc"] if not _TAGS.fullmatch(str(key)))
 
 
 def _place(place: tuple[Any, ...], data: dict[str, Any]) -> tuple[str | None, str]:

@@ -39,8 +39,8 @@ BREAKDOWNS = 50
 
 STALLS = 12.0
 """Time of computing that one solid, or what is read before them, may take at least [s]..."""
-STALLS_PER_BYTE = 12e-6
-"""... and for each byte of the file; sound files take a fifth of this at most [s]."""
+STALLS_PER_MEGABYTE = 12.0
+"""... and for each megabyte of the file; sound files take a fifth of this at most [s]."""
 
 
 class _Process:
@@ -95,7 +95,7 @@ def begin_early(ahead: Path | None = None) -> None:
 
 def _request(path: Path, without: tuple[str, ...], broken: set[int]) -> Request:
     state = path.stat()
-    most = STALLS + STALLS_PER_BYTE * state.st_size
+    most = STALLS + STALLS_PER_MEGABYTE * state.st_size / 2**20
     return str(path.absolute()), (state.st_mtime_ns, state.st_size), without, broken, most
 
 
