@@ -61,7 +61,10 @@ def full() -> Assembly:
                 ("C2", "C4"),
                 [[0, 0, 0]],
                 [0, 0, 2],
-                feature=[Feature("vertex"), Feature("face", curvature=0.1)],
+                feature=[
+                    Feature("vertex"),
+                    Feature("face", None, 0.1, [0, 0, 1 / 3], [0, 0, 3]),
+                ],
             ),
         ],
         joints=[

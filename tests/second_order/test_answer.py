@@ -19,8 +19,6 @@ from kilter.second_order.minimum_proof import MinimumProof, judge_minimum
 from kilter.shape.primitives import Box, Cylinder, Sphere
 
 OPEN = {
-    "14": "a given line of contact does not say that its cylinder is one",
-    "21": "a ring is given by its curvatures only",
     "24b": "sliding in, away from the stop, costs nothing: it is no strict minimum",
 }
 """Cases whose state is not proved, and why; never told otherwise."""

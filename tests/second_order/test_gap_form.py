@@ -35,7 +35,7 @@ def features(a: Side, b: Side, fibre: Array = NONE, *, conformal: bool = False) 
     kinds = [np.array([side[0]]) for side in (a, b)]
     return Features(
         *kinds, a[1][None], b[1][None], a[2][None], b[2][None], fibre[None],
-        np.array([conformal]), np.zeros(1, dtype=np.int64),
+        np.array([conformal]), np.zeros((1, 6)), np.zeros((1, 6)), np.zeros(1, dtype=np.int64),
     )  # fmt: skip
 
 

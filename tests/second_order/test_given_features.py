@@ -81,6 +81,53 @@ def test_scaled_parts_have_scaled_forms() -> None:
     np.testing.assert_allclose(large * np.outer(units, units) / 10, forms, rtol=1e-9, atol=1e-12)
 
 
+def around(axis: Array, radius: float, up: float, tube: float = np.inf) -> Feature:
+    """A torus above the origin, of which the lowest circle of its tube is there."""
+    other = np.cross(UP, axis)
+    curvature = (1 / radius, 1 / tube if np.isfinite(tube) else 0.0)
+    return Feature("face", other, curvature, [0, 0, up], axis)
+
+
+def test_an_axis_turns_moves_and_scales_with_its_part() -> None:
+    given = assembly((Feature("face"), around(np.array([0.0, 1, 0]), 2.0, 2.0, tube=0.3)))
+    at = replace(given, contacts=[replace(given.contacts[0], points=[[0.0, 0, 0], [0, 0.5, 0]])])
+    pose = Pose([3, -4, 5], turn([1, 2, 3], 50))
+    for other, factor in ((moved(at, pose.rotation, pose.position), 1.0), (scaled(at, 7.0), 7.0)):
+        features, _ = found(other)
+        line, points = features.axis_b, other.contacts[0].points
+        away = np.linalg.norm(np.cross(points - line[:, :3], line[:, 3:]), axis=1)
+        np.testing.assert_allclose(away, 2.0 * factor)
+        assert not features.axis_a.any()
+
+
+@pytest.mark.parametrize("off", [0.0, 1e-3])
+def test_a_surface_is_of_revolution_about_its_axis_or_refused(off: float) -> None:
+    y = np.array([0.0, 1, 0])
+    lean = np.array([0.3, 0, np.sqrt(1 - 0.09)])  # a rim whose plane leans from the normal
+    rim = 2.0 * np.array([0.0, 0, 1])
+    tries = [
+        lambda e: around(y, 2.0, 2.0 + e, tube=0.3),  # radius
+        lambda e: Feature("face", [1, 0, 0], (0.5, 3), rim, [e, 1, 0]),  # direction
+        lambda e: Feature("face", curvature=2, point=[e, 0, 1], axis=UP),  # a pole
+        lambda e: Feature("face", curvature=2, point=[0, 0, 1], axis=[e, 0, 1]),
+        lambda e: Feature("face", [1, 0, 0], (2, 2 + e), point=[0, 0, 1], axis=UP),
+        lambda e: Feature("face", point=[5, 6, 0], axis=[e, 0, 1]),  # a plane, upright
+        lambda e: Feature("edge", y, lean[2] / 2 + e, 2 * lean, np.cross(lean, y)),
+        lambda e: Feature("edge", [e, 1, 0], 0.5, rim, [1, 0, 0]),
+    ]
+    for make in tries:
+        one = make(off)
+        if off:
+            with pytest.raises(InputError, match="not of revolution about its axis"):
+                at_origin(one)
+        else:
+            at_origin(one)
+
+
+def at_origin(feature: Feature) -> GivenContact:
+    return GivenContact(("base", "part"), [[0, 0, 0]], UP, feature=(Feature("face"), feature))
+
+
 def test_contacts_of_other_lists_are_open() -> None:
     given = assembly((Feature("face"), Feature("vertex")))
     contacts = kilter.contacts(given)
@@ -98,6 +145,9 @@ def test_contacts_of_other_lists_are_open() -> None:
         (lambda: Feature("edge", [1, 0, 0], (1, 2)), "give one, along it"),
         (lambda: Feature("vertex", curvature=1), "leave it out"),
         (lambda: Feature("face", curvature=np.nan), "finite"),
+        (lambda: Feature("face", axis=UP), 'give both "point" and "axis"'),
+        (lambda: Feature("vertex", point=UP, axis=UP), "leave it out"),
+        (lambda: Feature("face", point=UP, axis=[0, 0, 0]), "axis of a face"),
         (lambda: assembly((Feature("face"), Feature("edge", UP))), "not across its normal"),
         (lambda: assembly((Feature("face"),)), "pair of kilter.Feature"),  # type: ignore[arg-type]
         (lambda: assembly(("face", "face")), "pair of kilter.Feature"),  # type: ignore[arg-type]

@@ -156,11 +156,17 @@ class GivenContact:
                 f"feature of the {label} is {self.feature!r:.60}",
                 hint="give a pair of kilter.Feature, of the first part and of the second",
             )
-        for one in given:
+        for one, outward in zip(given, (self.normal, -self.normal), strict=True):
             if one.along is not None and abs(float(one.along @ self.normal)) > ACROSS:
                 raise InputError(
                     f"a feature of the {label} is not across its normal",
                     hint="give it a direction in the tangent plane",
+                )
+            if one.axis is not None and one.off_axis(self.points, outward) > ACROSS:
+                raise InputError(
+                    f"a feature of the {label} is not of revolution about its axis",
+                    hint="its normal must meet the axis, and its curvature around it be "
+                    "1 / (distance to the axis along the normal), negative where hollow",
                 )
         return given[0], given[1]
 

@@ -212,9 +212,11 @@ def _contact(entry: Any) -> GivenContact:
 
 
 def _feature(entry: Any) -> Feature:
-    feature = Feature(entry.kind, entry.along, entry.curvature)
-    if entry.along is not None:
-        _keep(feature, "along", entry.along)
+    feature = Feature(entry.kind, entry.along, entry.curvature, entry.point, entry.axis)
+    for name in ("along", "axis"):
+        given = getattr(entry, name)
+        if given is not None:
+            _keep(feature, name, given)
     return feature
 
 
@@ -379,6 +381,8 @@ def _feature_dict(feature: Feature) -> dict[str, Any]:
         kind=feature.kind,
         along=feature.along,
         curvature=((k or None) if alone else [k, across]),
+        point=feature.point,
+        axis=feature.axis,
     )
 
 

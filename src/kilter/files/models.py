@@ -192,6 +192,10 @@ class FeatureEntry(_Entry):
     curvature: Number | Curvatures = Field(
         0.0, description="of an edge along it; of a face, along `along` and across it"
     )
+    point: Vector | None = Field(None, description="on `axis`")
+    axis: Vector | None = Field(
+        None, description="what the face or rim is of revolution about, through `point`"
+    )
 
 
 class ContactEntry(_Entry):

@@ -208,7 +208,7 @@ def _crossed(_: float) -> Assembly:
 
 def _parallel(radius: float) -> Assembly:
     """A cylinder of radius 1/2 on a parallel one, or within it."""
-    rim = Feature("edge", X, 2.0)
+    rim = Feature("edge", X, 2.0, 0.5 * Z, Y)
     line = [_touch(y * Y, Z, _cylinder(Y, radius), rim) for y in np.linspace(-2, 2, 5)]
     return _one(0.5 * Z, *line)
 
@@ -297,7 +297,7 @@ PEG, RING, WIRE = 0.3, 1.0, 0.1
 
 def _hook(h: float, mu: float = 0.0) -> Assembly:
     """A ring of inner radius 1 over a peg along y."""
-    wire = Feature("face", X, (-1 / RING, 1 / WIRE))
+    wire = Feature("face", X, (-1 / RING, 1 / WIRE), -RING * Z, Y)
     return _one(h * Z, _touch(0 * Z, Z, _cylinder(Y, PEG), wire), mu=mu)
 
 
@@ -313,7 +313,7 @@ def _hook_on_peg(h: float) -> Assembly:
 
 @_case("23", "a ring standing on a peg", "balanced")
 def _ring_standing(_: float) -> Assembly:
-    wire = Feature("face", X, (1 / (RING + WIRE), 1 / WIRE))
+    wire = Feature("face", X, (1 / (RING + WIRE), 1 / WIRE), (RING + WIRE) * Z, Y)
     return _one((RING + WIRE) * Z, _touch(0 * Z, Z, _cylinder(Y, PEG), wire))
 
 

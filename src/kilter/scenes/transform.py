@@ -64,7 +64,7 @@ def moved(
                 c,
                 points=pose.apply(c.points),
                 normal=matrix @ c.normal,
-                feature=_features(c, lambda along: matrix @ along, 1.0),
+                feature=_features(c, lambda v: matrix @ v, lambda p: pose.apply([p])[0], 1.0),
             )
             for c in assembly.contacts
         ],
@@ -142,7 +142,7 @@ def scaled(assembly: Assembly, factor: float) -> Assembly:
             dataclasses.replace(
                 c,
                 points=times(c.points),
-                feature=_features(c, lambda along: along, factor),
+                feature=_features(c, lambda v: v, times, factor),
             )
             for c in assembly.contacts
         ],
@@ -233,13 +233,22 @@ def _moved_joint(joint: Joint, pose: Pose) -> Joint:
 
 
 def _features(
-    contact: GivenContact, turned: Callable[[Array], Array], factor: float
+    contact: GivenContact,
+    turned: Callable[[Array], Array],
+    moved: Callable[[Array], Array],
+    factor: float,
 ) -> tuple[Feature, Feature] | None:
-    """The features of a contact, turned, of surfaces `factor` times as large."""
+    """The features of a contact, turned and moved, of surfaces `factor` times as large."""
     if contact.feature is None:
         return None
     a, b = (
-        Feature(one.kind, None if one.along is None else turned(one.along), one.curvature / factor)
+        Feature(
+            one.kind,
+            None if one.along is None else turned(one.along),
+            one.curvature / factor,
+            None if one.point is None else moved(one.point),
+            None if one.axis is None else turned(one.axis),
+        )
         for one in contact.feature
     )
     return a, b

@@ -41,6 +41,9 @@ class Features(Rows):
         stays along it, and only the way across is minimised over; else 0.
     conformal : ndarray of bool, shape (K,)
         The surfaces fit each other: the point of b is taken as a vertex on a.
+    axis_a, axis_b : ndarray, shape (K, 6)
+        Of what is said to be of revolution about a line: a point on it and its unit direction;
+        a direction of 0 where nothing is said.
     group : ndarray of int, shape (K,)
         The patch that the point belongs to; -1 of a row without.
     """
@@ -53,6 +56,8 @@ class Features(Rows):
     curvature_b: Array = columns(3, 3)
     fibre: Array = columns(3)
     conformal: Mask = columns()
+    axis_a: Array = columns(6)
+    axis_b: Array = columns(6)
     group: Index = columns()
 
     def __post_init__(self) -> None:

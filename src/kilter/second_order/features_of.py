@@ -56,6 +56,8 @@ def _nothing_known(program: Program) -> dict[str, Any]:
         "curvature_b": np.zeros((count, 3, 3)),
         "fibre": np.zeros((count, 3)),
         "conformal": np.zeros(count, dtype=bool),
+        "axis_a": np.zeros((count, 6)),
+        "axis_b": np.zeros((count, 6)),
         "group": np.where(program.kind == CONTACT, program.source, -1),
     }
 
@@ -82,6 +84,8 @@ def _set_side(
     found[f"curvature_{side}"][rows] = feature.tensor(normal)
     if feature.kind == "edge":
         found[f"edge_{side}"][rows] = unit(feature.along - (feature.along @ normal) * normal)
+    if feature.axis is not None:
+        found[f"axis_{side}"][rows] = np.append(feature.point, feature.axis)
 
 
 FLAT = ("plane", "edge-edge", "edge-face", "vertex-face")

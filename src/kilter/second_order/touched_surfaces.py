@@ -79,14 +79,18 @@ def touched_surfaces(
     """The surfaces of parts a and b at each row.
 
     Planes where `flat`, shape (K,). Where `given`, shape (K,), a face without curvature is a
-    plane, one that curves alike all around a sphere, one that curves one way a cylinder.
+    plane, one that curves alike all around a sphere, one that curves one way a cylinder; of any
+    other, or a rim, what counts is the axis that it is said to be of revolution about.
     """
     sides = (
         (program.part_a, program.normal, features.kind_a, features.edge_a, features.curvature_a),
         (program.part_b, -program.normal, features.kind_b, features.edge_b, features.curvature_b),
     )
     first, second = (_touched(program.point, *one, geometry, given) for one in sides)
-    for side in (first, second):
+    for side, axis in ((first, features.axis_a), (second, features.axis_b)):
+        said = (side.kind == UNKNOWN) & axis[:, 3:].any(axis=1)
+        side.kind[said] = AXIS
+        side.point[said], side.direction[said] = axis[said, :3], axis[said, 3:]
         side.kind[flat], side.direction[flat] = PLANE, program.normal[flat]
         side.point[flat] = program.point[flat]
     return first, second
