@@ -39,6 +39,8 @@ def pieces(
                 f.kind,
                 None if f.along is None else turn.matrix @ f.along,
                 f.curvature / factor if f.kind == "face" else f.curvature[0] / factor,
+                None if f.point is None else turn.apply(factor * f.point[None])[0],
+                None if f.axis is None else turn.matrix @ f.axis,
             )
             for f in one.feature
         ]

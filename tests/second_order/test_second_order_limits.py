@@ -13,7 +13,7 @@ import pytest
 from kilter.scenes.balance import CASES, Case
 
 FILE = Path(__file__).resolve().parents[2] / "benchmarks" / "second_order_limits.py"
-LIMITED = [case for case in CASES if case.limit is not None and case.number != "24b"]
+LIMITED = [case for case in CASES if case.limit is not None]
 
 
 @pytest.fixture(scope="module")

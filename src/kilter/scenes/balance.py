@@ -41,8 +41,8 @@ class Case:
     state : {"minimum", "free", "balanced"}
         Where there is no limit, or below it.
     free : int
-        Dimension of the motions that keep every gap and the energy to second order, where it
-        is not balanced.
+        Dimension of the motions that keep the energy, and every gap that carries, where it is
+        not balanced; some may be free to one side only.
     limit : float, optional
         Of the parameter.
     above : {"minimum", "free", "balanced"}, optional
@@ -331,7 +331,7 @@ def _table_edge(_: float) -> Assembly:
     return _one(-0.3 * Z, *_over_edge(-0.3))
 
 
-@_case("24b", "the same, stopped from sliding out", "free", 1, limit=0.0, above="balanced")
+@_case("24b", "the same, stopped from sliding out", "free", 3, limit=0.0, above="balanced")
 def _table_edge_stopped(h: float) -> Assembly:
     stops = [_touch([1, y, 0], -X, PLANE, VERTEX) for y in (0.5, -0.5)]
     return _one(h * Z, *_over_edge(h), *stops)

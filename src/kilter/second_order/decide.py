@@ -35,8 +35,9 @@ from kilter.second_order.minimum_proof import (
     split,
 )
 from kilter.second_order.paths import Path, find_path
-from kilter.second_order.second_order_tolerances import CURVED, FLAT, SPLITS
+from kilter.second_order.second_order_tolerances import CURVED, FLAT, LEVEL, SPLITS
 from kilter.second_order.stationary import Stationary
+from kilter.second_order.stopped import Stopped
 from kilter.work import Work
 
 __all__ = ["EXACT_DIMENSION", "Decision", "decide"]
@@ -62,7 +63,7 @@ class Decision:
     neutral, free, blocked, undecided : int
         Dimensions: of the span of the critical motions, and of its parts: proved free; those
         that cost energy, or may gain some; those of which neither is known.
-    proof : MinimumProof or Path or LevelRest or LockedTurns or Held or None
+    proof : MinimumProof or Path or LevelRest or LockedTurns or Stopped or Held or None
     why : str
         Why it is open.
     """
@@ -72,7 +73,7 @@ class Decision:
     free: int
     blocked: int
     undecided: int
-    proof: MinimumProof | Path | LevelRest | LockedTurns | Held | None = None
+    proof: MinimumProof | Path | LevelRest | LockedTurns | Stopped | Held | None = None
     why: str = ""
 
 
@@ -97,9 +98,19 @@ def decide(
     critical = critical or find_critical(problem)
     if critical is None:
         return Decision("open", 0, 0, 0, 0, why="no forces of equilibrium were found")
-    free = np.zeros((len(problem.load), 0)) if free is None else free
+    free = np.zeros((len(problem.load), 0)) if free is None else _even(problem, critical, free)
     across = critical.basis @ null_space(free.T @ critical.basis, problem.blur)
     return _Question(problem, critical, free, across, work).answer()
+
+
+def _even(problem: Stationary, critical: Critical, free: Array) -> Array:
+    """The free motions that the forces leave level: not past the edge of a table."""
+    curvature = problem.curvature(critical.forces, np.hstack([critical.basis, free]))
+    size = LEVEL * max(1.0, float(np.abs(curvature).max(initial=0.0)))
+    uneven = curvature[:, critical.basis.shape[1] :]
+    if np.abs(uneven).max(initial=0.0) <= size:
+        return free
+    return free @ null_space(np.where(np.abs(uneven) <= size, 0.0, uneven), FLAT)
 
 
 class _Question:

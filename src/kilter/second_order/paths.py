@@ -77,12 +77,17 @@ def _along_planes(problem: Stationary, motion: Array) -> Path | None:
     loose = replace(
         problem.taking(~keep), rows=problem.rows[~keep] @ within, load=problem.load @ within
     )
-    second = _second_derivative(loose, within.T @ first, REACHES[0], problem.bends(first)[~keep])
-    if second is None:
-        return None
-    bent = within @ second
-    bent[fixed] = 0.0
-    return judge_path(problem, first, bent)
+    found = None
+    for reach in REACHES:
+        second = _second_derivative(loose, within.T @ first, reach, problem.bends(first)[~keep])
+        if second is None:
+            return None
+        bent = within @ second
+        bent[fixed] = 0.0
+        found = judge_path(problem, first, bent)
+        if found.falls:
+            break
+    return found
 
 
 def _turns_of(problem: Stationary, rows: Mask) -> Index:

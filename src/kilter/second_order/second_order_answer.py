@@ -22,10 +22,10 @@ from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
 from kilter.second_order.clusters import State
-from kilter.second_order.critical import Critical, find_critical
+from kilter.second_order.critical import Critical, find_critical, null_space
 from kilter.second_order.decide import Decision, decide
 from kilter.second_order.features import Features
-from kilter.second_order.free_motions import find_free_motions
+from kilter.second_order.free_motions import FreeMotions, find_free_motions
 from kilter.second_order.free_span import free_span, moving_free
 from kilter.second_order.gap_form import formed, gap_forms
 from kilter.second_order.locked import faces_of, shifts
@@ -33,9 +33,11 @@ from kilter.second_order.locking_stress import find_locked
 from kilter.second_order.minimum_proof import MinimumProof
 from kilter.second_order.paths import Path
 from kilter.second_order.rolling import Rolling
-from kilter.second_order.second_order_tolerances import ACROSS, APART
+from kilter.second_order.second_order_tolerances import ACROSS, APART, CARRIES
 from kilter.second_order.separation import least_separation
 from kilter.second_order.stationary import Stationary, stationary
+from kilter.second_order.stopped import level_motions, straight_level
+from kilter.second_order.stopping_weights import find_stopped
 from kilter.second_order.touched_surfaces import stated_planes
 from kilter.units import metres_per_unit
 from kilter.work import Work
@@ -209,8 +211,9 @@ def answer_alone(
         return _falling(assembly, program, problem, decision, kinds == "given")
     if decision.state == "open":
         sliding = _sliding(program, contacts, problem, critical, work)
-        if sliding is not None:
-            return sliding
+        resting = sliding or _stopped(program, features, problem, free.symmetries)
+        if resting is not None:
+            return resting
     return _of(program, problem, decision)
 
 
@@ -233,12 +236,36 @@ def _sliding(
     count, blocked = free.shape[1], across.shape[1]
     decision = Decision("minimum", count + blocked, count, blocked, 0, proof)
     own = free @ (free.T @ np.ones(len(free)))
-    motion = program.full((own if np.abs(own).max() > ACROSS else free[:, 0]) * problem.length)
-    sizes = np.linalg.norm(motion[:, :3], axis=1)
+    own = own if np.abs(own).max() > ACROSS else free[:, 0]
+    return _sliding_by(program, problem, decision, own)
+
+
+def _stopped(
+    program: Program, features: Features, problem: Stationary, symmetries: FreeMotions
+) -> SecondOrder | None:
+    """That parts slide level, away from stops too; None where that was not proved."""
+    level, motions = straight_level(program, features), level_motions(program)
+    proof = find_stopped(problem, level, motions, free_span(program, problem, symmetries))
+    if proof is None:
+        return None
+    count = motions.shape[1]
+    carries = proof.forces > CARRIES * proof.forces.max()
+    neutral = null_space(problem.rows[carries], problem.blur).shape[1]
+    decision = Decision("minimum", neutral, count, neutral - count, 0, proof)
+    return _sliding_by(program, problem, decision, proof.opening)
+
+
+def _sliding_by(
+    program: Program, problem: Stationary, decision: Decision, motion: Array
+) -> SecondOrder:
+    """That parts slide as a motion, shape (n,), says."""
+    assert problem.scale is not None
+    moved = program.full(motion * problem.scale)
+    sizes = np.linalg.norm(moved[:, :3], axis=1)
     return replace(
         _of(program, problem, decision),
         state="free",
-        motion=motion / sizes.max(),
+        motion=moved / sizes.max(),
         moving=np.flatnonzero(sizes > ACROSS * sizes.max()),
     )
 

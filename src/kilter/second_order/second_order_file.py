@@ -33,9 +33,10 @@ from kilter.second_order.locked import LockedTurns, faces_of, judge_locked, shif
 from kilter.second_order.minimum_proof import Leaf, MinimumProof, judge_minimum
 from kilter.second_order.paths import Path, judge_path
 from kilter.second_order.rolling import find_rolling, worst_rolling
-from kilter.second_order.second_order_tolerances import ACROSS, APART
+from kilter.second_order.second_order_tolerances import ACROSS, APART, CARRIES
 from kilter.second_order.separation import least_separation
 from kilter.second_order.stationary import Stationary, stationary
+from kilter.second_order.stopped import Stopped, judge_stopped, level_motions, straight_level
 from kilter.second_order.touched_surfaces import stated_planes
 
 if TYPE_CHECKING:
@@ -66,6 +67,12 @@ def second_order_data(found: SecondOrder) -> dict[str, Any] | None:
     if isinstance(proof, LockedTurns):
         forces = (proof.forces * problem.weight).tolist()
         return data | {"locked": forces, "stress": proof.stress.tolist()}
+    if isinstance(proof, Stopped):
+        return data | {
+            "stopped": (proof.forces * problem.weight).tolist(),
+            "weights": proof.weights.tolist(),
+            "motion": _by_part(program, problem, proof.opening),
+        }
     if isinstance(proof, Path):
         place = found.configuration
         return (
@@ -202,6 +209,8 @@ def _wrong_gaps(
     if "locked" in data:
         return _wrong_locked(contacts, program, problem, data)
     kinds = contacts.patch_kind[program.source]
+    if "stopped" in data:
+        return _wrong_stopped(assembly, contacts, program, features, problem, data)
     if data["state"] == "balanced":
         if not known.all():
             return ["not every contact has a second order"]
@@ -233,6 +242,33 @@ def _wrong_locked(
     own = ("free", free + across, free)
     given = (data["state"], data["neutral"], data["free"])
     return [] if given == own else ["its state or its counts are not those of its forces"]
+
+
+def _wrong_stopped(
+    assembly: Assembly,
+    contacts: ContactSet,
+    program: Program,
+    features: Features,
+    problem: Stationary,
+    data: dict[str, Any],
+) -> list[str]:
+    """Do stops keep it from where it would fall, and are state and counts those?"""
+    kinds = contacts.patch_kind[program.source]
+    forces = np.asarray(data["stopped"], dtype=float) / problem.weight
+    weights = np.asarray(data["weights"], dtype=float)
+    proof = Stopped(forces, weights, _columns(program, problem, data["motion"]))
+    free = find_free_motions(
+        program, features, assembly.geometry, kinds == "plane", kinds == "given"
+    )
+    span = free_span(program, problem, free.symmetries)
+    motions = level_motions(program)
+    word = judge_stopped(problem, straight_level(program, features), motions, span, proof)
+    if word:
+        return [f"its second order: {word}"]
+    carries = forces > CARRIES * forces.max()
+    count, own = motions.shape[1], null_space(problem.rows[carries], problem.blur).shape[1]
+    given = (data["state"], data["neutral"], data["free"])
+    return [] if given == ("free", own, count) else ["its state or its counts are not its own"]
 
 
 def _wrong_free(

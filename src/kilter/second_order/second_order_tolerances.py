@@ -54,8 +54,9 @@ DROPS = 2e-8
 """Least opening and least power of the second derivative of a path of length 1."""
 SLIPS = 1e-4
 """What a path enters to first order, over what it opens to second: it is open from there on."""
-REACHES = (30.0, 1000.0)
-"""Bounds of a second derivative, in turn, where the motion has length 1: the nearest first."""
+REACHES = (1.0, 5.0, 30.0, 1000.0)
+"""Bounds of a second derivative, in turn, where the motion has length 1: the nearest first. The
+straighter a path, the farther it is what its derivatives say."""
 KEEPS = 1e-12
 """What a path of length 1 opens a contact that it keeps: rounding."""
 SPLITS = 250

@@ -1,0 +1,168 @@
+"""What would fall if it slid on, and is stopped: a box over the edge of its table."""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from places import case_of, moved
+from scipy.spatial.transform import Rotation
+
+import kilter
+from kilter import Assembly, Box, Part, Pose
+from kilter.arrays import Array, Mask
+from kilter.mechanics.program import build_program
+from kilter.mechanics.proof import digest_of
+from kilter.second_order.features_of import features_of
+from kilter.second_order.free_motions import find_free_motions
+from kilter.second_order.free_span import free_span
+from kilter.second_order.gap_form import gap_forms
+from kilter.second_order.stationary import Stationary, stationary
+from kilter.second_order.stopped import Stopped, judge_stopped, level_motions, straight_level
+from kilter.second_order.stopping_weights import find_stopped
+
+STOP = 0.15
+"""Height of the stop: it also keeps the box from tipping, so that its centre may be twice as high
+(E = STOP t^2 - h t^2 / 2 where it tips by t and stays at the stop)."""
+
+
+def overhanging(height: float, *, stop: float | None = STOP, slid: float = 0.0) -> Assembly:
+    """A box on a table that ends below its centre of mass, `height` above the table."""
+    parts = [
+        Part("table", Box([2, 2, 1]), Pose([-1, 0, -0.5]), grounded=True),
+        Part("box", Box([2, 1, 1]), Pose([-slid, 0, 0.5]), mass=1.0,
+             center_of_mass=[0, 0, height - 0.5]),
+    ]  # fmt: skip
+    if stop is not None:
+        at = Pose([1.5 - slid, 0, stop - 1])
+        parts.append(Part("stop", Box([1, 2, 2]), at, grounded=True))
+    return Assembly(parts)
+
+
+def state(assembly: Assembly) -> str:
+    second = kilter.check(assembly).second_order
+    assert second is not None
+    return second.state
+
+
+def test_a_stop_holds_up_to_twice_its_height() -> None:
+    for off in (0.1, 1e-3):
+        assert state(overhanging(2 * STOP - off)) == "free"
+        assert state(overhanging(2 * STOP + off)) in {"balanced", "open" if off < 0.01 else ""}
+        assert state(overhanging(2 * STOP - off, stop=None)) == "balanced"
+    assert state(overhanging(0.6, slid=0.1)) == "free"
+    assert state(overhanging(0.6, slid=0.1, stop=None)) == "free"
+
+
+@pytest.mark.parametrize("height", [-0.4, -0.01, 0.01, 0.4])
+def test_exact_places_of_a_box_over_an_edge_agree(height: float) -> None:
+    """The height of the centre, where the table x <= 0 bears the box, over random places."""
+    rng = np.random.default_rng(5)
+    bottom = np.array([[x, y, -height] for x, y in ((-1, -0.5), (1, -0.5), (1, 0.5), (-1, 0.5))])
+    rises = []
+    for _ in range(2_000):
+        size = abs(height) * 10 ** rng.uniform(-3, -1)  # E = -h t^2 / 2 + O(t^3)
+        share = 10 ** np.array([rng.uniform(-8, 0), 0, rng.uniform(-8, 0)])  # mostly about y
+        turn = Rotation.from_rotvec(rng.normal(size=3) * size * share).as_matrix()
+        corners = bottom @ turn.T
+        room = 1 - corners[1:3, 0].max()  # both low corners at the stop, or one
+        corners[:, 0] += room - size * abs(rng.normal()) * rng.integers(2)
+        rises.append(-lowest_on_table(corners) - height)
+    case = case_of("24b").build(height)
+    assert state(case) == ("free" if height < 0 else "balanced")
+    assert (min(rises) >= -1e-12) == (height < 0)
+
+
+def lowest_on_table(corners: Array) -> float:
+    """The least height of a plane polygon's points with x <= 0."""
+    inside = corners[corners[:, 0] <= 0]
+    following = np.roll(corners, -1, axis=0)
+    crosses = (corners[:, 0] <= 0) != (following[:, 0] <= 0)
+    a, b = corners[crosses], following[crosses]
+    share = a[:, 0] / (a[:, 0] - b[:, 0])
+    cut = a + share[:, None] * (b - a)
+    return float(np.vstack([inside, cut])[:, 2].min())
+
+
+# the proof ---------------------------------------------------------------------------------
+
+Question = tuple[Stationary, Mask, Array, Array]
+
+
+def asked(assembly: Assembly) -> Question:
+    contacts = kilter.contacts(assembly)
+    program = build_program(assembly, contacts)
+    features = features_of(program, contacts)
+    problem = stationary(program, np.nan_to_num(gap_forms(program, features)))
+    kinds = contacts.patch_kind[program.source]
+    free = find_free_motions(
+        program, features, assembly.geometry, kinds == "plane", kinds == "given"
+    )
+    span = free_span(program, problem, free.symmetries)
+    return problem, straight_level(program, features), level_motions(program), span
+
+
+def test_what_stops_nothing_is_refused() -> None:
+    question = asked(case_of("24b").build(-0.3))
+    proof = find_stopped(*question)
+    assert proof is not None
+    assert judge_stopped(*question, proof) == ""
+
+    def word(**changes: Array) -> str:
+        return judge_stopped(*question, replace(proof, **changes))
+
+    stops = ~question[1]
+    pressed = np.where(stops, 1e-3, proof.forces)
+    assert "none of a level contact" in word(forces=pressed)
+    assert "none of a level contact" in word(forces=-proof.forces)
+    assert "do not balance" in word(forces=1.01 * proof.forces)
+    assert "not those of the parts" in word(forces=proof.forces[1:])
+    assert "not finite" in word(weights=np.nan * proof.weights)
+    assert "not positive" in word(weights=-proof.weights)
+    assert "not positive" in word(weights=np.zeros_like(proof.weights))
+    assert "not positive" in word(weights=proof.weights[1:])
+    assert "not those of the energy" in word(weights=1.01 * proof.weights)
+    assert "does not open every stop" in word(opening=-proof.opening)
+    assert "not level" in word(opening=0 * proof.opening)
+    assert "not level" in word(opening=proof.opening + 0.1)
+    high = asked(case_of("24b").build(0.3))
+    assert "does not curve upward" in judge_stopped(*high, proof)
+
+
+def test_stops_that_leave_a_way_are_no_proof() -> None:
+    """One low stop in the middle: the box turns about it, and comes out at a corner."""
+    assembly = case_of("24b").build(-0.3)
+    table, stops = assembly.contacts[:4], assembly.contacts[4:]
+    middle = replace(stops[0], points=[[1, 0, 0]])
+    for given in ((*table, middle), table, (*table, stops[0])):
+        question = asked(Assembly(assembly.parts, contacts=given, detect=False))
+        assert find_stopped(*question) is None
+
+
+def test_the_proof_of_a_file_is_judged_again() -> None:
+    turn = Pose([3.0, -2.0, 5.0], [0.5, 0.3, -0.7, 0.41])
+    for assembly in (overhanging(0.1), moved(case_of("24b").build(-0.2), turn, 37.0)):
+        proof = kilter.check(assembly).proof()
+        assert kilter.verify(assembly, proof).holds
+        assert proof["second_order"]["state"] == "free"
+        for key in ("stopped", "weights"):
+            for k in range(len(proof["second_order"][key])):
+                other = copy.deepcopy(proof)
+                row = other["second_order"][key]
+                row[k] = [2 * x for x in row[k]] if key == "weights" else row[k] + 1.0
+                other["digest"] = digest_of(other)
+                assert not kilter.verify(assembly, other).holds, (key, k)
+        for key, value in (("neutral", 5), ("free", 4), ("state", "minimum"), ("motion", {})):
+            other = copy.deepcopy(proof)
+            other["second_order"][key] = value
+            other["digest"] = digest_of(other)
+            assert not kilter.verify(assembly, other).holds, key
+
+
+def test_stopped_is_a_record_of_its_own() -> None:
+    none = np.zeros(0)
+    proof = Stopped(none, np.zeros((0, 0)), none)
+    with pytest.raises(ValueError, match="read-only"):
+        proof.weights[...] = 1.0
