@@ -5,7 +5,8 @@
     level     a set of parts moves as one by level translations and turns about the vertical that
               leave the surface of whatever it touches where it is; all of that is held
     slide     a part moves level and leaves its own touched surfaces where they are; a set moves
-              level over level planes, or over surfaces of one other part
+              level over level planes, or over surfaces of one other part; level edges move level
+              over level edges and cylinders that they cross
     pivot     a part with one contact turns about its normal, vertical through its centre of mass
     shift     translations of all parts that open no contact of plane faces, straight edges and
               corners, and leave parts that touch otherwise together: all gaps are affine
@@ -34,7 +35,8 @@ from kilter.assembly.geometry import Geometry
 from kilter.mechanics.program import Program
 from kilter.rigid import skew
 from kilter.second_order.critical import null_space
-from kilter.second_order.features import FACE, Features
+from kilter.second_order.features import EDGE, FACE, Features
+from kilter.second_order.gap_form import formed
 from kilter.second_order.touched_surfaces import LINE, PLANE, POINT, Touched, touched_surfaces
 
 __all__ = ["FreeMotions", "find_free_motions"]
@@ -94,12 +96,21 @@ class _FreeSearch:
         self.program, self.features = program, features
         self.a, self.b = touched_surfaces(program, features, geometry, flat, given)
         free = np.append(program.free, False)
+        self.crossed = self._level_edges()
         self.free_a, self.free_b = free[program.part_a], free[program.part_b]
         self.parts = np.flatnonzero(program.free)
         self.origin = program.center[self.parts].mean(axis=0)
         self.length = float(program.radius[self.parts].max())
         self.motions: list[Array] = []
         self.kinds: list[str] = []
+
+    def _level_edges(self) -> Mask:
+        """Rows of a straight edge across one, or a cylinder: both are level, and stay in touch."""
+        program, features = self.program, self.features
+        level = np.linalg.norm(np.cross(program.normal, program.down), axis=1) < EXACT
+        level &= formed(program, features) & (self.a.kind == LINE) & (self.b.kind == LINE)
+        edge = (features.kind_a == EDGE) | (features.kind_b == EDGE)
+        return np.asarray(level & edge)
 
     def all(self) -> FreeMotions:
         for part in self.parts:
@@ -194,17 +205,26 @@ class _FreeSearch:
         """Level screws of a set, in the frame of what is held or of one part."""
         program, down = self.program, self.program.down
         inside = np.isin(program.part_a, chosen), np.isin(program.part_b, chosen)
-        across = np.flatnonzero(inside[0] != inside[1])
-        crossing = [int(k) for k in across if not (self.a.level(k, down) or self.b.level(k, down))]
+        across = np.flatnonzero(inside[0] != inside[1]).tolist()
+        crossing = [k for k in across if not (self.a.level(k, down) or self.b.level(k, down))]
+        self._level_across(chosen, across, crossing, "")
+        without = [k for k in crossing if not self.crossed[k]]
+        if len(without) < len(crossing):
+            self._level_across(chosen, across, without, "slide")
+
+    def _level_across(
+        self, chosen: Index, across: list[int], crossing: list[int], kind: str
+    ) -> None:
+        """Level screws of a set that leave some of the surfaces across its border be."""
         frames = [-1, *self.parts] if crossing else [-1]
         for frame in frames:
             rows = self._frame_rows(crossing, int(frame))
-            kind = self._kind_of(across, int(frame))
+            own = kind or self._kind_of(across, int(frame))
             if rows is not None:
                 for screw in null_space(np.vstack([self._upright(), *rows]), EXACT).T:
-                    self._add(chosen, screw, kind)
+                    self._add(chosen, screw, own)
 
-    def _kind_of(self, across: Index, frame: int) -> str:
+    def _kind_of(self, across: list[int], frame: int) -> str:
         """Whether a set's level motion leaves what is held where it is, and all it touches is."""
         for k in across:
             if self.free_a[k] and self.free_b[k]:
