@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import argparse
 import ast
+import functools
 import gc
 import importlib
 import json
@@ -84,8 +85,8 @@ class Round:
         return True
 
     def _concerns(self, mutant: Mutant, lines: set[int]) -> bool:
-        """Whether a test runs the line; of what is no line of a function, whether any."""
-        return bool(lines) and (mutant.function == "module" or mutant.line in lines)
+        """Whether a test runs the line; of what runs when the module is loaded, whether any."""
+        return bool(lines) and (mutant.function in at_load(self.path) or mutant.line in lines)
 
     def _lines(self, items: list[pytest.Item]) -> tuple[dict[str, set[int]], dict[str, float]]:
         """Lines of the module that each test runs, and what it takes [s]."""
@@ -183,7 +184,7 @@ def _apart(ask: Callable[[], Any], seconds: float) -> Any:
 def exchange(module: ModuleType, functions: list[FunctionType], mutant: Mutant, path: Path) -> None:
     """Put a mutant in the place of a module that is imported already, wherever it is used."""
     code = mutant.code(path)
-    if mutant.function == "module":
+    if mutant.function in at_load(path):
         _replaced(module, code)
         return
     new = {(one.co_qualname, one.co_firstlineno): one for one in _codes(code)}
@@ -193,6 +194,21 @@ def exchange(module: ModuleType, functions: list[FunctionType], mutant: Mutant, 
             function.__code__ = found
         else:  # it has lost the last use of a name around it
             _replaced(module, code)
+
+
+@functools.cache
+def at_load(path: Path) -> set[str]:
+    """What runs when a module is loaded: the module, and the functions that it calls itself."""
+    tree = ast.parse(path.read_text("utf-8"))
+    own = {one.name for one in tree.body if isinstance(one, ast.FunctionDef)}
+    called = {
+        node.func.id
+        for statement in tree.body
+        if not isinstance(statement, ast.FunctionDef | ast.ClassDef)
+        for node in ast.walk(statement)
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
+    }
+    return {"module", *(own & called)}
 
 
 def _functions(path: Path) -> list[FunctionType]:
