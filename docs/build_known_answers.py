@@ -51,7 +51,8 @@ GRIPPING = """
 With friction nothing here slips. It *holds* what rolls back, and what rolls off *falls*. What
 touches at one point of a plane is asked in that plane too, where rolling has one dimension. In
 space what rolls in a circle may come back shifted: where no energy bounds the sum of such shifts,
-the answer is *open* ([theory](theory.md)). `check` asks this of what is balanced without friction.
+the answer is *open* ([theory](theory.md)). A minimum without friction, or what is free there,
+holds with any.
 
 | | case | known | in the plane | in space | what it shows |
 |---|---|---|---|---|---|
@@ -106,7 +107,7 @@ SHOWS = {
     "R6": "curvatures across each other",
     "R7": "stands by friction alone",
     "R8": "a limit in its plane; across it, it falls",
-    "R9": "two lines of contact: it cannot roll, but its forces are not determined",
+    "R9": "two lines of contact: it cannot roll, and needs no friction",
 }
 
 
@@ -158,11 +159,17 @@ def rolls(assembly: Assembly | None) -> str:
     return find_rolling(program, features_of(program, contacts)).state
 
 
+def rests(assembly: Assembly) -> str:
+    """Whether it holds without friction already."""
+    second = kilter.check(assembly, effort=1).second_order
+    return "holds" if second is not None and second.state in ("minimum", "free") else ""
+
+
 def gripping(case: Case) -> list[str]:
     """The cells of a case that rolls."""
     built = [case.build(at) for at in asked(case)]
     flat = [rolls(in_the_plane(one)) for one in built]
-    space = [rolls(one) for one in built]
+    space = [rests(one) or rolls(one) for one in built]
     both = [", ".join(dict.fromkeys(found)) for found in (flat, space)]
     return [known(case, ROLLS), *both]
 

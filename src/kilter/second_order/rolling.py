@@ -18,7 +18,11 @@ dimension near by; f strictly within the cones, nothing slips at first. Then
     falls   E'' < 0 along some rolling, where the stiffness is symmetric: the same, or one contact
             with an upright normal (a root of the linear equations of motion grows)
 
-One body on two points has f up to a squeeze along their line, which does no work: it falls, too.
+One body on two points has f up to a squeeze along their line, which does no work. Points of one
+body slip alike along their line; so where one f is within the cones, none makes a point slip: a
+slip straight across the line needs the friction across it, which is unique, at its limit, and any
+other slips both points to the same side, each with all the friction that is left of the limit.
+
 That nothing else begins from rest is asked elsewhere (`guarantee`): what stands without friction,
 as all do that `check` asks this of, has no other start.
 """
@@ -125,16 +129,16 @@ def _said(
     upright = (
         np.abs(np.linalg.norm(np.cross(program.normal, program.down), axis=1)).max() < BALANCED
     )
-    pair = count == 2 and program.free.sum() == 1
+    sure = unique or (count == 2 and program.free.sum() == 1)
     why = "friction is not determined"
     if dimension and least < -CURVED:
-        if (holonomic and (unique or pair)) or (unique and count == 1 and upright):
+        if (holonomic and sure) or (unique and count == 1 and upright):
             return Rolling("falls", dimension, least, "", forces, motion)
         why = why if not unique else "rolling is not holonomic"
-    elif unique:
+    elif sure:
         if holonomic and (not dimension or least > CURVED):
             return Rolling("holds", dimension, least, "", forces, motion)
-        why = "rolling is not holonomic" if least > CURVED else "it is too near a limit"
+        why = "it is too near a limit" if holonomic else "rolling is not holonomic"
     return Rolling("open", dimension, least, why, forces, motion)
 
 
