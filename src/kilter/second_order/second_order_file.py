@@ -31,6 +31,7 @@ from kilter.second_order.held import Held, judge_held
 from kilter.second_order.level_rest import LevelRest, judge_level_rest, level_rows
 from kilter.second_order.locked import LockedTurns, faces_of, judge_locked, shifts
 from kilter.second_order.minimum_proof import Leaf, MinimumProof, judge_minimum
+from kilter.second_order.modelled import why_unmodelled
 from kilter.second_order.paths import Path, judge_path
 from kilter.second_order.rolling import find_rolling, worst_rolling
 from kilter.second_order.second_order_tolerances import ACROSS, APART, CARRIES
@@ -120,6 +121,9 @@ def recheck_second_order(
 def _wrong(
     assembly: Assembly, contacts: ContactSet, program: Program, data: dict[str, Any]
 ) -> list[str]:
+    unmodelled = why_unmodelled(assembly, contacts)
+    if unmodelled:
+        return [f"its second order: {unmodelled}"]
     if _by_forces(data):
         return _wrong_forces(contacts, program, data)
     parted = clusters(program)

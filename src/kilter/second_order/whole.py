@@ -17,7 +17,6 @@ import numpy as np
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
-from kilter.contact.open_pairs import still_open
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
 from kilter.second_order.clusters import Cluster, clusters, joined_state
@@ -27,6 +26,7 @@ from kilter.second_order.features import Features
 from kilter.second_order.features_of import features_of
 from kilter.second_order.held import Held, find_held, judge_held
 from kilter.second_order.level_rest import LevelRest, find_level_rest, level_rows
+from kilter.second_order.modelled import why_unmodelled
 from kilter.second_order.rolling import find_rolling, worst_rolling
 from kilter.second_order.second_order_answer import SecondOrder, answer_alone, open_answer
 from kilter.second_order.stationary import stationary
@@ -66,9 +66,9 @@ def find_second_order(
     """
     if not program.free.any():
         return None
-    if still_open(contacts.open_pairs, assembly) or len(contacts.possible):
-        why = "pairs are left open, or their kind of contact is not modelled"
-        return open_answer(why, program)
+    unmodelled = why_unmodelled(assembly, contacts)
+    if unmodelled:
+        return open_answer(unmodelled, program)
     search = _ClusterSearch(assembly, contacts, program, forces, work)
     at_once = None if _beyond(program) else search.by_forces(program, forces)
     if at_once is not None:
