@@ -11,7 +11,7 @@ from places import case_of, moved
 from scipy.spatial.transform import Rotation
 
 import kilter
-from kilter import Assembly, Box, Part, Pose
+from kilter import Assembly, Box, Cylinder, Part, Pose, Sphere
 from kilter.arrays import Array, Mask
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
@@ -20,8 +20,9 @@ from kilter.second_order.free_motions import find_free_motions
 from kilter.second_order.free_span import free_span
 from kilter.second_order.gap_form import gap_forms
 from kilter.second_order.stationary import Stationary, stationary
-from kilter.second_order.stopped import Stopped, judge_stopped, level_motions, straight_level
+from kilter.second_order.stopped import Stopped, judge_stopped, level_contacts, level_motions
 from kilter.second_order.stopping_weights import find_stopped
+from kilter.second_order.touched_surfaces import touched_surfaces
 
 STOP = 0.15
 """Height of the stop: it also keeps the box from tipping, so that its centre may be twice as high
@@ -86,6 +87,43 @@ def lowest_on_table(corners: Array) -> float:
     return float(np.vstack([inside, cut])[:, 2].min())
 
 
+def on_table(*parts: Part) -> Assembly:
+    return Assembly([Part("table", Box([10, 10, 1]), Pose([0, 0, -0.5]), grounded=True), *parts])
+
+
+WALLS = [
+    Part("left", Box([1, 10, 10]), Pose([-1.5, 0, 5]), grounded=True),
+    Part("behind", Box([10, 1, 10]), Pose([0, -1.5, 5]), grounded=True),
+]
+
+
+@pytest.mark.parametrize(
+    ("parts", "neutral"),
+    [
+        ([Part("ball", Sphere(1.0), Pose([0, 0, 1])), WALLS[0]], 5),
+        ([Part("ball", Sphere(1.0), Pose([0, 0, 1])), *WALLS], 5),
+        ([Part(f"ball {k}", Sphere(1.0), Pose([2 * k, 0, 1])) for k in range(3)], 15),
+        ([Part("can", Cylinder(1.0, 2.0), Pose([0, 0, 1])), WALLS[0]], 3),
+        ([Part("log", Cylinder(1.0, 2.0), Pose([0, 0, 1], [1, 1, 0, 0])), WALLS[0]], 4),
+    ],
+)
+def test_what_rolls_on_a_table_is_free_beside_a_wall(parts: list[Part], neutral: int) -> None:
+    assembly = on_table(*parts)
+    found = kilter.check(assembly)
+    second = found.second_order
+    assert second is not None
+    assert (second.state, second.neutral, second.free) == ("free", neutral, neutral)
+    assert kilter.verify(assembly, found.proof()).holds
+
+
+def test_between_two_walls_that_press_nothing_it_rolls_along() -> None:
+    right = Part("right", Box([1, 10, 10]), Pose([1.5, 0, 5]), grounded=True)
+    ball = Part("ball", Sphere(1.0), Pose([0, 0, 1]))
+    second = kilter.check(on_table(ball, WALLS[0], right)).second_order
+    assert second is not None
+    assert (second.state, second.neutral, second.free) == ("free", 4, 4)
+
+
 # the proof ---------------------------------------------------------------------------------
 
 Question = tuple[Stationary, Mask, Array, Array]
@@ -101,7 +139,10 @@ def asked(assembly: Assembly) -> Question:
         program, features, assembly.geometry, kinds == "plane", kinds == "given"
     )
     span = free_span(program, problem, free.symmetries)
-    return problem, straight_level(program, features), level_motions(program), span
+    touched = touched_surfaces(
+        program, features, assembly.geometry, kinds == "plane", kinds == "given"
+    )
+    return problem, level_contacts(program, features, touched), level_motions(program), span
 
 
 def test_what_stops_nothing_is_refused() -> None:

@@ -16,13 +16,15 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kilter.arrays import TINY, Array, Index, Mask
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
 from kilter.second_order.clusters import State
-from kilter.second_order.critical import Critical, find_critical, null_space
+from kilter.second_order.configuration import Configuration, find_configuration
+from kilter.second_order.critical import Critical, find_critical
 from kilter.second_order.decide import Decision, decide
 from kilter.second_order.features import Features
 from kilter.second_order.free_motions import FreeMotions, find_free_motions
@@ -30,43 +32,17 @@ from kilter.second_order.free_span import free_span, moving_free
 from kilter.second_order.gap_form import formed, gap_forms
 from kilter.second_order.locked import faces_of, shifts
 from kilter.second_order.locking_stress import find_locked
-from kilter.second_order.minimum_proof import MinimumProof
+from kilter.second_order.oscillation import growth_rate, least_frequency
 from kilter.second_order.paths import Path
 from kilter.second_order.rolling import Rolling
-from kilter.second_order.second_order_tolerances import ACROSS, APART, CARRIES
-from kilter.second_order.separation import least_separation
+from kilter.second_order.second_order_tolerances import ACROSS
 from kilter.second_order.stationary import Stationary, stationary
-from kilter.second_order.stopped import level_motions, straight_level
+from kilter.second_order.stopped import level_contacts, level_motions, stop_forms
 from kilter.second_order.stopping_weights import find_stopped
-from kilter.second_order.touched_surfaces import stated_planes
-from kilter.units import metres_per_unit
+from kilter.second_order.touched_surfaces import stated_planes, touched_surfaces
 from kilter.work import Work
 
 __all__ = ["Configuration", "SecondOrder", "answer_alone", "open_answer"]
-
-STEPS = (0.004, 0.002, 0.001, 0.01, 0.02, 0.05)
-"""How far along a path of length 1 an exact configuration is sought: near by first."""
-BENT = 0.5
-"""Second-order part of a step over its first, above which it is no neighbour of the start."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Configuration:
-    """Parts elsewhere: all apart, and lower.
-
-    Attributes
-    ----------
-    motion : ndarray, shape (N, 6)
-        Shift of each centre of mass [length unit] and rotation vector [rad].
-    apart : float
-        Least separation of two parts [length unit].
-    energy : float
-        Of the loads, less than that at the start [N x length unit].
-    """
-
-    motion: Array
-    apart: float
-    energy: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -189,6 +165,11 @@ def answer_alone(
     free = find_free_motions(
         program, features, assembly.geometry, kinds == "plane", kinds == "given"
     )
+    critical = critical or find_critical(problem)
+    if critical is not None and len(critical.sides):
+        stopped = _stopped(assembly, program, features, problem, free.symmetries, kinds)
+        if stopped is not None:
+            return stopped
     span = free_span(program, problem, free)
     decision = decide(problem, span, critical=critical, work=work)
     if decision.free < decision.neutral and len(free.symmetries.kinds) < len(free.kinds):
@@ -211,9 +192,8 @@ def answer_alone(
         return _falling(assembly, program, problem, decision, kinds == "given")
     if decision.state == "open":
         sliding = _sliding(program, contacts, problem, critical, work)
-        resting = sliding or _stopped(program, features, problem, free.symmetries)
-        if resting is not None:
-            return resting
+        if sliding is not None:
+            return sliding
     return _of(program, problem, decision)
 
 
@@ -241,17 +221,25 @@ def _sliding(
 
 
 def _stopped(
-    program: Program, features: Features, problem: Stationary, symmetries: FreeMotions
+    assembly: Assembly,
+    program: Program,
+    features: Features,
+    problem: Stationary,
+    symmetries: FreeMotions,
+    kinds: NDArray[np.str_],
 ) -> SecondOrder | None:
     """That parts slide level, away from stops too; None where that was not proved."""
-    level, motions = straight_level(program, features), level_motions(program)
-    proof = find_stopped(problem, level, motions, free_span(program, problem, symmetries))
+    touched = touched_surfaces(
+        program, features, assembly.geometry, kinds == "plane", kinds == "given"
+    )
+    level, motions = level_contacts(program, features, touched), level_motions(program)
+    span = free_span(program, problem, symmetries)
+    proof = find_stopped(problem, level, motions, span)
     if proof is None:
         return None
-    count = motions.shape[1]
-    carries = proof.forces > CARRIES * proof.forces.max()
-    neutral = null_space(problem.rows[carries], problem.blur).shape[1]
-    decision = Decision("minimum", neutral, count, neutral - count, 0, proof)
+    forms = stop_forms(problem, level, motions, span, proof.forces)
+    blocked = forms.tilts.shape[1]
+    decision = Decision("minimum", forms.neutral, forms.neutral - blocked, blocked, 0, proof)
     return _sliding_by(program, problem, decision, proof.opening)
 
 
@@ -296,7 +284,7 @@ def _of(program: Program, problem: Stationary, decision: Decision) -> SecondOrde
         decision.free,
         decision.blocked,
         decision.undecided,
-        _frequency(program, problem, decision),
+        least_frequency(program, problem, decision.proof),
         None,
         none,
         decision.why,
@@ -304,37 +292,6 @@ def _of(program: Program, problem: Stationary, decision: Decision) -> SecondOrde
         problem,
         program=program,
     )
-
-
-def _frequency(program: Program, problem: Stationary, decision: Decision) -> float | None:
-    """The least frequency under the forces of a proof by one set of them [rad/s]."""
-    proof = decision.proof
-    if not isinstance(proof, MinimumProof) or not proof.basis.shape[1] or len(proof.leaves) > 1:
-        return None
-    curvature = problem.curvature(proof.leaves[0].forces, proof.basis)
-    mass = proof.basis.T @ _mass(program, problem) @ proof.basis
-    lower = np.linalg.inv(np.linalg.cholesky(mass))
-    least = float(np.linalg.eigvalsh(lower @ curvature @ lower.T).min())
-    return float(np.sqrt(max(least, 0.0))) * _per_second(program)
-
-
-def _mass(program: Program, problem: Stationary) -> Array:
-    """Masses and inertias in scaled unknowns over weight x length, shape (n, n) [s^2]."""
-    assert problem.scale is not None
-    free, per = np.flatnonzero(program.free), len(program.freedoms)
-    total = np.zeros((len(problem.scale), len(problem.scale)))
-    for i, part in enumerate(free):
-        six = np.zeros((6, 6))
-        six[:3, :3] = program.mass[part] * np.eye(3)
-        six[3:, 3:] = program.inertia[part]
-        own = slice(per * i, per * (i + 1))
-        total[own, own] = six[np.ix_(program.freedoms, program.freedoms)]
-    return total * np.outer(problem.scale, problem.scale) / (problem.weight * problem.length)
-
-
-def _per_second(program: Program) -> float:
-    """A square root of N / (kg x length unit) in 1/s."""
-    return float(1.0 / np.sqrt(metres_per_unit(program.units)))
 
 
 def _falling(
@@ -353,36 +310,13 @@ def _falling(
     moving = np.flatnonzero(sizes > 1e-6 * sizes.max(initial=TINY))
     configuration, why = None, ""
     if not given.all():
-        configuration, why = _configuration(assembly, program, problem, path)
+        configuration, why = find_configuration(assembly, program, problem, path)
     if why:
         return replace(found, state="open", why=why)
-    first = path.first
-    growth = path.power / float(first @ _mass(program, problem) @ first)
     return replace(
         found,
-        rate=float(np.sqrt(growth)) * _per_second(program),
+        rate=growth_rate(program, problem, path),
         motion=motion / sizes.max(),
         moving=moving,
         configuration=configuration,
     )
-
-
-def _configuration(
-    assembly: Assembly, program: Program, problem: Stationary, path: Path
-) -> tuple[Configuration | None, str]:
-    """A place on a path where all parts are apart and lower, or why none is known."""
-    assert problem.scale is not None
-    for step in STEPS:
-        bent = step**2 * path.second / 2
-        if np.linalg.norm(bent) > BENT * step:
-            continue
-        columns = step * path.first + bent
-        motion = program.full(columns * problem.scale)
-        energy = -float(problem.load @ columns)
-        beyond = 0.01 * problem.length
-        apart = least_separation(assembly, program, motion, beyond=beyond)
-        if apart is None:
-            return None, "a path leads down, but its surfaces cannot be held apart exactly"
-        if apart > APART * problem.length and energy < -APART:
-            return Configuration(motion, apart, energy * problem.weight * problem.length), ""
-    return None, "a path leads down, but no exact configuration on it was found to be apart"

@@ -34,11 +34,17 @@ from kilter.second_order.minimum_proof import Leaf, MinimumProof, judge_minimum
 from kilter.second_order.modelled import why_unmodelled
 from kilter.second_order.paths import Path, judge_path
 from kilter.second_order.rolling import find_rolling, worst_rolling
-from kilter.second_order.second_order_tolerances import ACROSS, APART, CARRIES
+from kilter.second_order.second_order_tolerances import ACROSS, APART
 from kilter.second_order.separation import least_separation
 from kilter.second_order.stationary import Stationary, stationary
-from kilter.second_order.stopped import Stopped, judge_stopped, level_motions, straight_level
-from kilter.second_order.touched_surfaces import stated_planes
+from kilter.second_order.stopped import (
+    Stopped,
+    judge_stopped,
+    level_contacts,
+    level_motions,
+    stop_forms,
+)
+from kilter.second_order.touched_surfaces import stated_planes, touched_surfaces
 
 if TYPE_CHECKING:
     from kilter.second_order.second_order_answer import SecondOrder
@@ -265,14 +271,17 @@ def _wrong_stopped(
         program, features, assembly.geometry, kinds == "plane", kinds == "given"
     )
     span = free_span(program, problem, free.symmetries)
-    motions = level_motions(program)
-    word = judge_stopped(problem, straight_level(program, features), motions, span, proof)
+    touched = touched_surfaces(
+        program, features, assembly.geometry, kinds == "plane", kinds == "given"
+    )
+    level, motions = level_contacts(program, features, touched), level_motions(program)
+    word = judge_stopped(problem, level, motions, span, proof)
     if word:
         return [f"its second order: {word}"]
-    carries = forces > CARRIES * forces.max()
-    count, own = motions.shape[1], null_space(problem.rows[carries], problem.blur).shape[1]
+    forms = stop_forms(problem, level, motions, span, forces)
+    own = ("free", forms.neutral, forms.neutral - forms.tilts.shape[1])
     given = (data["state"], data["neutral"], data["free"])
-    return [] if given == ("free", own, count) else ["its state or its counts are not its own"]
+    return [] if given == own else ["its state or its counts are not its own"]
 
 
 def _wrong_free(

@@ -1,7 +1,7 @@
 """What rests on level faces and edges, and would fall if it slid on: stops keep it from that.
 
-Level motions F shift parts across gravity and turn them about the vertical. On level contacts, of
-faces, straight edges and corners with an upright normal, they keep every gap and the energy for
+Level motions F shift parts across gravity and turn them about the vertical. On level contacts, with
+a level plane on one side, or of level edges and corners, they keep every gap and the energy for
 good; the other contacts, the stops, carry nothing. With forces f of equilibrium on level contacts,
 Y what is neutral beside F, K the curvature of the energy under f, and over z = (x, y) in F and Y
 
@@ -12,8 +12,9 @@ let, with weights W > 0 entrywise and S positive definite,
     z.K z = y.S y + sum of W_ij (R_i z) (R_j y)
 
 Sliding on, R_i z < 0, is what would make it fall: a box whose centre is above the edge of its table
-may slide in, and not out. Level motions that are symmetries are divided out. If then the R_i are
-one to one on F and the R_j on Y, the sum is at least c |x| |y| - C |y|^2, and so, with c > 0,
+may slide in, and not out. Symmetries, level ones and spins, are divided out. Where nothing is left
+of Y, the energy is least on F: a ball on a table is free beside a wall. Else, if the R_i are one to
+one on F and the R_j on Y, the sum is at least c |x| |y| - C |y|^2, and so, with c > 0,
 
     z.K z >= c (|y|^2 + |x| |y|)        where all R z >= 0
 
@@ -37,8 +38,9 @@ from kilter.second_order.gap_form import formed
 from kilter.second_order.minimum_proof import definite
 from kilter.second_order.second_order_tolerances import ACROSS, BALANCED, CARRIES, DROPS, LEVEL
 from kilter.second_order.stationary import Stationary
+from kilter.second_order.touched_surfaces import Touched
 
-__all__ = ["StopForms", "Stopped", "judge_stopped", "level_motions", "stop_forms", "straight_level"]
+__all__ = ["StopForms", "Stopped", "judge_stopped", "level_contacts", "level_motions", "stop_forms"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,11 +63,13 @@ class Stopped:
 class StopForms:
     """What a proof weighs.
 
-    `level`, shape (n, f): F across the symmetries; `tilts`, (n, d): Y; `stops_level`, (s, f), and
+    `neutral`: dimension of what is; `level`, shape (n, f): F across the symmetries; `tilts`,
+    (n, d): Y; `stops_level`, (s, f), and
     `stops_tilts`, (s, d): the R_i; `rises`, (m, d): the R_j; `coupling`, (f, d): twice K between
     F and Y; `curvature`, (d, d): K on Y; `uneven`: the largest number of K where it is to be 0.
     """
 
+    neutral: int
     level: Array
     tilts: Array
     stops_level: Array
@@ -82,13 +86,19 @@ class StopForms:
         return max(1.0, float(most))
 
 
-def straight_level(program: Program, features: Features) -> Mask:
-    """Rows of planes, straight edges and corners with an upright normal, shape (K,)."""
+def level_contacts(program: Program, features: Features, touched: tuple[Touched, Touched]) -> Mask:
+    """Rows whose gap no level motion changes, shape (K,).
+
+    Their normal is upright, and one side is a plane, or both are of planes, straight edges and
+    corners.
+    """
     upright = np.linalg.norm(np.cross(program.normal, program.down), axis=1) < BALANCED
     bent = np.zeros(len(upright))
     for curvature in (features.curvature_a, features.curvature_b):
         bent = np.maximum(bent, np.abs(curvature).max(axis=(1, 2), initial=0.0))
-    level: Mask = upright & (bent == 0) & ~features.conformal & formed(program, features)
+    on_plane = [any(one.level(k, program.down) for one in touched) for k in range(len(bent))]
+    straight = (bent == 0) & ~features.conformal
+    level: Mask = upright & formed(program, features) & (straight | np.array(on_plane, dtype=bool))
     return level
 
 
@@ -107,20 +117,19 @@ def level_motions(program: Program) -> Array:
 def stop_forms(
     problem: Stationary, level: Mask, motions: Array, free: Array, forces: Array
 ) -> StopForms:
-    """Of forces (K,); `motions` (n, f) are level, `free` (n, g) symmetries among them."""
+    """Of forces (K,); `motions` (n, f) are level, `free` (n, g) symmetries."""
     carries = forces > CARRIES * forces.max(initial=TINY)
     neutral = null_space(problem.rows[carries], problem.blur)
-    tilts = neutral @ null_space(motions.T @ neutral, ACROSS)
-    rest = free - motions @ (motions.T @ free)
-    kept = free @ null_space(np.where(np.abs(rest) < ACROSS, 0.0, rest), ACROSS)
-    x = motions @ null_space(kept.T @ motions, ACROSS)
-    whole = np.hstack([x, tilts, kept])
+    tilts = neutral @ null_space(np.hstack([motions, free]).T @ neutral, ACROSS)
+    x = motions @ null_space(free.T @ motions, ACROSS)
+    whole = np.hstack([x, tilts, free])
     curvature = problem.curvature(forces, whole)
     f, d = x.shape[1], tilts.shape[1]
     between = slice(f, f + d)
     even = curvature.copy()
     even[:f, between], even[between, :f], even[between, between] = 0.0, 0.0, 0.0
     return StopForms(
+        neutral.shape[1],
         x,
         tilts,
         problem.rows[~level] @ x,
@@ -140,11 +149,11 @@ def judge_stopped(
     Parameters
     ----------
     level : ndarray of bool, shape (K,)
-        Rows of level contacts (`straight_level`).
+        Rows of `level_contacts`.
     motions : ndarray, shape (n, f)
         Level motions (`level_motions`).
     free : ndarray, shape (n, g)
-        Symmetries (`kilter.second_order.free_motions`); those among the level motions count.
+        Orthonormal: symmetries (`kilter.second_order.free_motions`).
     """
     if proof.forces.shape != level.shape or proof.opening.shape != problem.load.shape:
         return "its numbers are not those of the parts and contacts"
@@ -174,6 +183,8 @@ def _wrong_forms(forms: StopForms, weights: Array) -> str:
     """Are the weights positive, and the rest of the curvature?"""
     if forms.uneven > LEVEL * forms.size:
         return "the energy is not level along its level motions"
+    if not forms.tilts.shape[1]:
+        return ""
     if weights.shape != (len(forms.stops_level), len(forms.rises)) or not (weights > 0).all():
         return "the weights of its stops are not positive"
     coupling = forms.stops_level.T @ weights @ forms.rises

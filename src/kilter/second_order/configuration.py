@@ -1,0 +1,62 @@
+"""A place on a path that leads down where all parts are apart and lower, which needs no theory."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kilter.arrays import Array
+from kilter.assembly import Assembly
+from kilter.mechanics.program import Program
+from kilter.second_order.paths import Path
+from kilter.second_order.second_order_tolerances import APART
+from kilter.second_order.separation import least_separation
+from kilter.second_order.stationary import Stationary
+
+__all__ = ["Configuration", "find_configuration"]
+
+STEPS = (0.004, 0.002, 0.001, 0.01, 0.02, 0.05)
+"""How far along a path of length 1 an exact configuration is sought: near by first."""
+BENT = 0.5
+"""Second-order part of a step over its first, above which it is no neighbour of the start."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Configuration:
+    """Parts elsewhere: all apart, and lower.
+
+    Attributes
+    ----------
+    motion : ndarray, shape (N, 6)
+        Shift of each centre of mass [length unit] and rotation vector [rad].
+    apart : float
+        Least separation of two parts [length unit].
+    energy : float
+        Of the loads, less than that at the start [N x length unit].
+    """
+
+    motion: Array
+    apart: float
+    energy: float
+
+
+def find_configuration(
+    assembly: Assembly, program: Program, problem: Stationary, path: Path
+) -> tuple[Configuration | None, str]:
+    """A place on a path where all parts are apart and lower, or why none is known."""
+    assert problem.scale is not None
+    for step in STEPS:
+        bent = step**2 * path.second / 2
+        if np.linalg.norm(bent) > BENT * step:
+            continue
+        columns = step * path.first + bent
+        motion = program.full(columns * problem.scale)
+        energy = -float(problem.load @ columns)
+        beyond = 0.01 * problem.length
+        apart = least_separation(assembly, program, motion, beyond=beyond)
+        if apart is None:
+            return None, "a path leads down, but its surfaces cannot be held apart exactly"
+        if apart > APART * problem.length and energy < -APART:
+            return Configuration(motion, apart, energy * problem.weight * problem.length), ""
+    return None, "a path leads down, but no exact configuration on it was found to be apart"
