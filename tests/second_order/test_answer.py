@@ -135,11 +135,12 @@ def test_bonds_and_loads_beside_a_centre_leave_it_open() -> None:
 
 
 def test_what_was_not_looked_at_is_not_counted() -> None:
-    """A rim on a table is no contact that is modelled; a second part beside it changes nothing."""
+    """A post that all but touches is left open; a second part beside it changes nothing."""
     table = Part("table", Box([9, 9, 1]), Pose([0, 0, -0.5]), grounded=True)
     can = Part("can", Cylinder(0.5, 1.0), Pose([0, 0, 0.5]))
     ball = Part("ball", Sphere(0.5), Pose([3, 0, 0.5]))
-    for parts in ([table, can], [table, can, ball]):
+    post = Part("post", Box([1, 1, 1]), Pose([-1.0 - 2e-4, 0, 0.5]), grounded=True)
+    for parts in ([table, can, post], [table, can, post, ball]):
         second = kilter.check(Assembly(parts)).to_dict()["second_order"]
         assert second["state"] == "open"
         assert [second[key] for key in ("neutral", "free", "blocked", "undecided")] == 4 * [None]

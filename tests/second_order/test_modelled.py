@@ -68,7 +68,7 @@ def test_what_is_possible_out_of_the_plane_of_a_face_is_not_its_rim() -> None:
     assert why_unmodelled(contacts.assembly, contacts) == ""
     possible = contacts.possible
     for name, value in (
-        ("points", possible.points + [0, 0, 0.01]),
+        ("points", possible.points + 0.01),
         ("normals", np.tile([0.6, 0, 0.8], (len(possible), 1))),
         ("two_sided", ~possible.two_sided),
         ("part_b", possible.part_a),
