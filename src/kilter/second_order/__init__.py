@@ -12,6 +12,7 @@
 - `decide`: minimum, balanced or open
 - `touched_surfaces`, `free_motions`, `free_span`: motions that keep every gap and the energy
 - `separation`: parts in other places, held apart exactly
+- `parting_planes`, `path_places`: places along which what is balanced falls
 - `clusters`: free parts that contacts join
 - `level_rest`: what stands on level faces is free by proof, at any size
 - `held`: forces that leave no motion neutral

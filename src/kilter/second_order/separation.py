@@ -17,16 +17,31 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, cross, distinct_rows, unit_rows
+from kilter.arrays import Array, across, cross, distinct_rows, unit_rows
 from kilter.assembly import Assembly
 from kilter.contact.triangle_distance import surface_distance
 from kilter.mechanics.program import Program
 from kilter.shape.primitives import Cylinder, Sphere
 
-__all__ = ["Body", "bodies_of", "least_separation", "separation", "turn_of"]
+__all__ = [
+    "Body",
+    "bodies_of",
+    "least_separation",
+    "parting",
+    "parting_point",
+    "separation",
+    "turn_of",
+]
 
 CONVEX = 1e-9
 """No corner of a convex polyhedron is farther outside a face than this, over its size."""
+
+
+FAN, ZOOMS = 33, 8
+"""Directions across an axis that are tried at once, and how often those around the best are."""
+
+SIMPLEX = 1e-3
+"""How far about the best of those a direction is sought."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,6 +116,11 @@ def _hull(triangles: Array, corners: Array) -> Body:
 
 def separation(a: Body, b: Body, hints: Array) -> float:
     """The greatest s(n) that is found, from a to b; `hints`, shape (k, 3): where to begin."""
+    return parting(a, b, hints)[0]
+
+
+def parting(a: Body, b: Body, hints: Array, tries: int = 1000) -> tuple[float, Array]:
+    """The greatest s(n) that is found, and its n, from a to b; at cylinders in so many tries."""
     if a.radius == 0 and b.radius == 0:
         assert a.normals is not None
         assert b.normals is not None
@@ -110,11 +130,15 @@ def separation(a: Body, b: Body, hints: Array) -> float:
         size = np.linalg.norm(both, axis=1)
         both = both[size > 1e-6] / size[size > 1e-6][:, None]
         tried = np.vstack([a.normals, -b.normals, both, -both])
-        return float(_parted(a, b, tried).max())
+        values = _parted(a, b, tried)
+        best = int(values.argmax())
+        return float(values[best]), np.asarray(tried[best])
     if len(a.corners) == len(b.corners) == 1 and a.axis is None and b.axis is None:
-        return float(np.linalg.norm(b.corners[0] - a.corners[0])) - a.radius - b.radius
+        between = b.corners[0] - a.corners[0]
+        return float(np.linalg.norm(between)) - a.radius - b.radius, unit_rows(between[None])[0]
     middle = b.corners.mean(axis=0) - a.corners.mean(axis=0)
-    tried = unit_rows(np.vstack([hints, middle]))
+    tried = np.vstack([hints, middle, *_of_axes(a, b, hints[:1] if len(hints) else middle[None])])
+    tried = unit_rows(tried)
     start = tried[int(_parted(a, b, tried).argmax())]
 
     from scipy.optimize import minimize  # takes its time
@@ -122,8 +146,30 @@ def separation(a: Body, b: Body, hints: Array) -> float:
     def worth(n: Array) -> float:
         return -float(_parted(a, b, unit_rows(n[None]))[0])
 
-    found = minimize(worth, start, method="Nelder-Mead", options={"xatol": 1e-12, "fatol": 1e-14})
-    return -float(min(found.fun, worth(start)))
+    simplex = start + SIMPLEX * np.vstack([np.zeros(3), np.eye(3)])
+    options = {"xatol": 1e-12, "fatol": 1e-14, "initial_simplex": simplex, "maxfev": tries}
+    found = minimize(worth, start, method="Nelder-Mead", options=options)
+    best = found.x if found.fun <= worth(start) else start
+    return -worth(best), unit_rows(best[None])[0]
+
+
+def _of_axes(a: Body, b: Body, near: Array) -> list[Array]:
+    """Directions in which cylinders touch by an end, side by side, or by a side at anything."""
+    axes = [one.axis for one in (a, b) if one.axis is not None]
+    found = [sign * axis for axis in axes for sign in (1.0, -1.0)]
+    if len(axes) == 2:
+        both = np.cross(axes[0], axes[1])
+        found += [both, -both]
+    for axis in axes:
+        u, v = across(axis)
+        middle, span = float(np.arctan2(near[0] @ v, near[0] @ u)), np.pi
+        for _ in range(ZOOMS):  # s is a hill along the circle where it is positive
+            angle = middle + span * np.linspace(-1.0, 1.0, FAN)
+            fan = np.outer(np.cos(angle), u) + np.outer(np.sin(angle), v)
+            best = int(_parted(a, b, fan).argmax())
+            middle, span = float(angle[best]), 2 * span / (FAN - 1)
+        found.append(fan[best])
+    return found
 
 
 def _parted(a: Body, b: Body, directions: Array) -> Array:
@@ -218,20 +264,23 @@ def _ball(ball: Body, other: Body) -> float:
 
 def separation_of_point(body: Body, point: Array) -> float:
     """How far a point is from a convex polyhedron; negative within, then of the nearest face."""
+    return parting_point(body, point)[0]
+
+
+def parting_point(body: Body, point: Array) -> tuple[float, Array]:
+    """How far a point is from a convex polyhedron, or a triangle, and in which direction."""
     assert body.normals is not None
+    assert body.edges is not None
     heights = body.normals @ point - body.reach(body.normals)
     if heights.max() <= 0:
-        return float(heights.max())
-    tried = unit_rows(np.vstack([body.normals, point - body.corners]))
-    best = float((tried @ point - body.reach(tried)).max())
-    if len(body.corners) <= 3 or body.edges is None:
-        return best
+        return float(heights.max()), np.asarray(body.normals[int(heights.argmax())])
     apart = point - body.corners
-    for edge in body.edges:
-        across = apart - np.outer(apart @ edge, edge)
-        more = unit_rows(across[np.linalg.norm(across, axis=1) > 0])
-        best = max(best, float((more @ point - body.reach(more)).max(initial=-np.inf)))
-    return best
+    aside = apart[:, None] - (apart @ body.edges.T)[..., None] * body.edges
+    tried = np.vstack([body.normals, apart, aside.reshape(-1, 3)])
+    tried = unit_rows(tried[(tried != 0).any(axis=1)])
+    values = tried @ point - body.reach(tried)
+    best = int(values.argmax())
+    return float(values[best]), np.asarray(tried[best])
 
 
 def turn_of(rotation: Array) -> Array:
