@@ -22,7 +22,7 @@ from kilter.second_order.gap_form import gap_forms
 from kilter.second_order.stationary import Stationary, stationary
 from kilter.second_order.stopped import Stopped, judge_stopped, level_contacts, level_motions
 from kilter.second_order.stopping_weights import find_stopped
-from kilter.second_order.touched_surfaces import touched_surfaces
+from kilter.second_order.touched_surfaces import UNKNOWN, Touched, touched_surfaces
 
 STOP = 0.15
 """Height of the stop: it also keeps the box from tipping, so that its centre may be twice as high
@@ -170,6 +170,55 @@ def test_what_stops_nothing_is_refused() -> None:
     assert "not level" in word(opening=proof.opening + 0.1)
     high = asked(case_of("24b").build(0.3))
     assert "does not curve upward" in judge_stopped(*high, proof)
+
+
+@pytest.mark.parametrize(
+    ("number", "level"),
+    [
+        ("01", True),  # a ball on a plane
+        ("02", False),  # on a ball
+        ("05", False),  # in a V
+        ("10", True),  # rims on a plane
+        ("11", False),  # edges on a cylinder
+        ("24", True),  # edges across edges
+        ("32", True),  # a rim on a plane
+        ("33", True),  # corners on a plane
+    ],
+)
+def test_level_contacts_are_of_level_planes_or_straight_edges(number: str, level: bool) -> None:
+    assert (asked(case_of(number).build(0.2))[1] == level).all()
+
+
+def test_surfaces_that_fit_are_level_where_one_is_a_level_plane() -> None:
+    can = Part("can", Cylinder(0.5, 1.0), Pose([0, 0, 0.5]))
+    assert asked(on_table(can))[1].all()
+    assembly = case_of("24").build(-0.3)
+    contacts = kilter.contacts(assembly)
+    program = build_program(assembly, contacts)
+    features = features_of(program, contacts)
+    nothing = Touched(np.full(4, UNKNOWN), program.point, program.normal)
+    assert level_contacts(program, features, (nothing, nothing)).all()
+    fits = replace(features, conformal=np.array([True, False, True, False]))
+    found = level_contacts(program, fits, (nothing, nothing))
+    assert found.tolist() == [False, True, False, True]
+
+
+def test_level_motions_are_across_gravity() -> None:
+    case = case_of("35").build(0.0)
+    turned = moved(case, Pose([1, 2, 3], [0.5, 0.3, -0.7, 0.41]), 3.0)
+    for assembly in (case, turned):
+        program = build_program(assembly, kilter.contacts(assembly))
+        motions = level_motions(program)
+        np.testing.assert_allclose(motions.T @ motions, np.eye(6), atol=1e-12)
+        by_part = motions.T.reshape(6, 2, 6)
+        np.testing.assert_allclose(by_part[:, :, :3] @ program.down, 0, atol=1e-12)
+        np.testing.assert_allclose(np.cross(by_part[:, :, 3:], program.down), 0, atol=1e-12)
+    box = Part("box", Box([1, 1, 1]), Pose([0, 0, 0.5]))
+    flat = Assembly(on_table(box).parts, planar=True)
+    for down in ([0, 0, -1], [0.6, 0, -0.8]):
+        program = build_program(flat.with_down(down), kilter.contacts(flat))
+        level = np.abs(level_motions(program))
+        np.testing.assert_allclose(level, [[-down[2]], [down[0]], [0]], atol=1e-12)
 
 
 def test_stops_that_leave_a_way_are_no_proof() -> None:

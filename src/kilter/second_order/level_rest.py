@@ -33,7 +33,7 @@ from kilter.second_order.features_of import FLAT, detected_rows
 from kilter.second_order.held import unbalanced
 from kilter.second_order.second_order_tolerances import ACROSS, BALANCED, CARRIES, DROPS, SPREAD
 
-__all__ = ["LevelRest", "find_level_rest", "judge_level_rest", "level_rows"]
+__all__ = ["LevelRest", "find_level_rest", "judge_level_rest", "level_axes", "level_rows"]
 
 MOST_ASKED = 100
 """A linear program spreads the load of up to this many parts, where all else fails."""
@@ -164,7 +164,7 @@ def _wrong_motion(program: Program, level: Mask, motion: Array) -> str:
         return "its motion moves what is held"
     moved = np.vstack([motion[:, :3], np.zeros((1, 3))])
     size = float(np.abs(moved).max(initial=0.0))
-    flat = _level_axes(program)
+    flat = level_axes(program)
     off = np.abs(moved - moved @ flat.T @ flat).max(initial=0.0)
     if size == 0 or off > ACROSS * size or motion[:, 3:].any():
         return "its motion is not a level shift of the parts"
@@ -174,7 +174,7 @@ def _wrong_motion(program: Program, level: Mask, motion: Array) -> str:
     return ""
 
 
-def _level_axes(program: Program) -> Array:
+def level_axes(program: Program) -> Array:
     """Unit directions across gravity in which parts move, as rows."""
     if program.planar:
         return np.cross(program.down, [0.0, 1.0, 0.0])[None]
@@ -200,7 +200,7 @@ class _Bearing:
     def footing(self, program: Program, part: Index) -> Array:
         """(1, u, v) about the centre of mass of a part over its radius, shape (k, 2 or 3)."""
         arm = (program.point[self.rows] - program.center[part]) / program.radius[part, None]
-        return np.column_stack([np.ones(len(part)), arm @ _level_axes(program).T])
+        return np.column_stack([np.ones(len(part)), arm @ level_axes(program).T])
 
 
 def _bearing(program: Program, rows: Mask) -> _Bearing | None:
@@ -317,7 +317,7 @@ def _opening(program: Program, level: Mask) -> Array | None:
     """All parts away from one place, level: it opens what is not; None where it does not."""
     free = program.free
     middle = program.center[free].mean(axis=0)
-    axes = _level_axes(program)
+    axes = level_axes(program)
     away = (program.center[free] - middle) @ axes.T
     reach = 2 * float(np.abs(away).max(initial=0.0) + program.radius[free].max())
     held = np.append(~free, True)

@@ -30,11 +30,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import TINY, Array, Mask, across, read_only
+from kilter.arrays import TINY, Array, Mask, read_only
 from kilter.mechanics.program import Program
 from kilter.second_order.critical import null_space
 from kilter.second_order.features import Features
 from kilter.second_order.gap_form import formed
+from kilter.second_order.level_rest import level_axes
 from kilter.second_order.minimum_proof import definite
 from kilter.second_order.second_order_tolerances import ACROSS, BALANCED, CARRIES, DROPS, LEVEL
 from kilter.second_order.stationary import Stationary
@@ -82,8 +83,8 @@ class StopForms:
     @property
     def size(self) -> float:
         """The greatest curvature, at least 1."""
-        most = max(np.abs(one).max(initial=0.0) for one in (self.coupling, self.curvature))
-        return max(1.0, float(most))
+        both = (self.coupling, self.curvature)
+        return float(max(np.abs(one).max(initial=1.0) for one in both))
 
 
 def level_contacts(program: Program, features: Features, touched: tuple[Touched, Touched]) -> Mask:
@@ -104,12 +105,9 @@ def level_contacts(program: Program, features: Features, touched: tuple[Touched,
 
 def level_motions(program: Program) -> Array:
     """An orthonormal basis of the level motions of free parts, shape (n, f), scaled unknowns."""
-    axes, down = np.array(across(program.down)), program.down
-    if program.planar:
-        axes, down = np.cross(down, [0.0, 1.0, 0.0])[None], np.zeros((0, 3))
-    down = np.atleast_2d(down)
-    six = np.zeros((len(axes) + len(down), 6))
-    six[: len(axes), :3], six[len(axes) :, 3:] = axes, down
+    axes = level_axes(program)
+    six = np.zeros((len(axes) + (not program.planar), 6))
+    six[: len(axes), :3], six[len(axes) :, 3:] = axes, program.down
     one = six[:, program.freedoms].T
     return np.asarray(np.kron(np.eye(int(program.free.sum())), one), dtype=np.float64)
 

@@ -1,0 +1,187 @@
+"""The judge of what is stopped, asked of problems of a few numbers on both sides of each limit.
+
+Unknowns are x (level), y (a tilt), g (a symmetry) and the height z, which carries the weight. With
+
+    K = [[0, COUPLED / 2], [COUPLED / 2, CURVES]] over (x, y),     stop a x + b y,     rise c y
+
+a weight w holds where a w c = COUPLED, and what is left of y is CURVES - b w c.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from kilter.second_order.second_order_tolerances import ACROSS, CURVED, DROPS, LEVEL
+from kilter.second_order.stationary import Stationary
+from kilter.second_order.stopped import Stopped, judge_stopped
+
+COUPLED, CURVES = 6.0, 5.0
+X, Y, G, Z = np.eye(4)
+JUST = (0.9, 1.1)
+"""Of a limit, on both sides."""
+
+
+def word(
+    *,
+    stops: Any = (3 * X + Y,),
+    rises: Any = (2 * Y,),
+    weights: Any = ((1.0,),),
+    bears: Any = Z,
+    load: Any = -Z,
+    curvature: Any = ((0, COUPLED / 2, 0), (COUPLED / 2, CURVES, 0), (0, 0, 0)),
+    opening: Any = X,
+    motions: Any = X[:, None],
+    free: Any = G[:, None],
+    forces: Any = None,
+    blur: float = 1e-9,
+) -> str:
+    """What the judge says, with some of the numbers others; "" where it holds."""
+    rows = np.array([bears, *rises, *stops], dtype=float)
+    form = np.zeros((len(rows), 12, 12))
+    form[0, :3, :3] = -np.array(curvature, dtype=float)
+    places = np.tile(np.append(np.arange(4), np.full(8, -1)), (len(rows), 1))
+    problem = Stationary(rows, np.array(load, dtype=float), form, places, blur)
+    level = np.arange(len(rows)) <= len(rises)
+    own = np.eye(len(rows))[0] if forces is None else np.array(forces, dtype=float)
+    proof = Stopped(own, np.array(weights, dtype=float), np.array(opening, dtype=float))
+    return judge_stopped(problem, level, np.array(motions), np.array(free), proof)
+
+
+def test_it_holds_as_it_is() -> None:
+    assert word() == ""
+    assert word(opening=1e-7 * X) == ""
+    assert word(forces=[1.0, 1e-10, 0.0], bears=Z - 1e-10 * 2 * Y) == ""  # it carries nothing
+
+
+def test_forces_are_of_level_contacts_and_balance() -> None:
+    assert "not those of the parts" in word(forces=[1.0, 0.0])
+    assert "not those of the parts" in word(opening=[1.0, 0.0, 0.0])
+    assert "none of a level contact" in word(forces=[1.0, 0.0, 1e-12])
+    assert "none of a level contact" in word(forces=[1.0, -1e-12, 0.0])
+    assert "do not balance" in word(forces=[1.0 + 2e-9, 0.0, 0.0])
+    assert word(forces=[1.0 + 0.5e-9, 0.0, 0.0]) == ""
+    assert word(forces=[1.0 + 2e-9, 0.0, 0.0], blur=3e-9) == ""
+    assert "do not balance" in word(forces=[1.0 + 4e-9, 0.0, 0.0], blur=3e-9)
+    two = {"stops": (3 * X + Y, 3 * X + Y), "weights": [[0.5], [0.5]]}
+    assert word(**two) == ""
+    assert "none of a level contact" in word(**two, forces=[1.0, 0.0, 0.0, 1e-12])
+
+
+@pytest.mark.parametrize("weight", [1.0, 1e3])
+@pytest.mark.parametrize("over", JUST)
+def test_what_carries_less_than_rounding_counts_as_a_rise(over: float, weight: float) -> None:
+    """A second rise that carries takes the tilt away: there is nothing to hold then."""
+    own = over * 1e-9 * weight
+    matrix = np.array([[0, 3.0, 0], [3.0, CURVES, 0], [0, 0, 0]]) / weight
+    found = word(
+        forces=[weight, own, 0.0], load=-weight * Z - own * 2 * Y, curvature=matrix, weights=[[-1]]
+    )
+    assert ("not positive" in found) == (over < 1)
+
+
+@pytest.mark.parametrize("what", ["weights", "opening", "forces"])
+def test_numbers_are_finite(what: str) -> None:
+    given = {"weights": [[np.inf]], "opening": np.nan * X, "forces": [np.nan, 0.0, 0.0]}[what]
+    assert "not finite" in word(**{what: given})
+
+
+@pytest.mark.parametrize("over", JUST)
+def test_level_motions_open_no_level_contact_and_cost_nothing(over: float) -> None:
+    wrong = "opens a level contact, or costs energy"
+    tilted = over * ACROSS * X
+    both = np.column_stack([X, G])
+    assert wrong in word(motions=both, load=-Z - 2 * ACROSS * G, bears=Z + 2 * ACROSS * G)
+    heavy = word(motions=both, load=-Z - 2 * ACROSS * G, blur=1e-6)
+    assert wrong in heavy
+    assert word(rises=(2 * Y + ACROSS * X,)) == ""  # the limit itself
+    for changes in ({"rises": (2 * Y + tilted,)}, {"bears": Z + tilted, "load": -Z - tilted}):
+        assert (wrong in word(**changes)) == (over > 1)
+
+
+@pytest.mark.parametrize("over", JUST)
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+def test_the_motion_is_level_and_opens_every_stop(over: float, size: float) -> None:
+    off = size * (X + over * ACROSS * Y)
+    assert ("not level" in word(opening=off)) == (over > 1)
+    assert "not level" in word(opening=0 * X)
+    assert word(opening=X + ACROSS * Y) == ""
+    assert "not open every stop" in word(stops=(DROPS * X,))
+    near = (3 * X + Y, over * DROPS * X)
+    two = word(stops=near, weights=[[1.0], [1.0]], opening=size * X)
+    assert ("not open every stop" in two) == (over < 1)
+    assert "not open every stop" in word(opening=-size * X)
+    assert "not open every stop" in word(stops=(3 * X + Y, -X), weights=[[1.0], [1.0]])
+
+
+@pytest.mark.parametrize("over", JUST)
+@pytest.mark.parametrize("place", [(0, 0), (2, 2), (0, 2), (1, 2)])
+def test_the_energy_is_level_along_level_motions_and_symmetries(
+    over: float, place: tuple[int, int]
+) -> None:
+    matrix = np.array([[0, COUPLED / 2, 0], [COUPLED / 2, CURVES, 0], [0, 0, 0]])
+    matrix[place] += over * LEVEL * COUPLED
+    matrix[place[::-1]] = matrix[place]
+    assert ("not level along" in word(curvature=matrix)) == (over > 1)
+    matrix[place] = matrix[place[::-1]] = LEVEL * COUPLED
+    if place != (1, 2):
+        assert word(curvature=matrix) == ""
+
+
+def test_weights_are_positive_one_of_each_pair() -> None:
+    for weights in ([[-1.0]], [[0.0]], [1.0], [[1.0, 1.0]], [[1.0], [1.0]], []):
+        assert "not positive" in word(weights=weights)
+    both = {"stops": (3 * X + Y, 3 * X - Y)}
+    assert word(**both, weights=[[0.5], [0.5]]) == ""
+    assert "not positive" in word(**both, weights=[[1.0], [0.0]])
+    assert "not positive" in word(**both, weights=[[1.5], [-0.5]])
+
+
+@pytest.mark.parametrize("over", JUST)
+def test_weights_are_those_of_the_energy(over: float) -> None:
+    off = 1.0 + over * LEVEL * COUPLED / (3 * 2)
+    assert ("not those of the energy" in word(weights=[[off]])) == (over > 1)
+    assert ("not those of the energy" in word(weights=[[2.0 - off]])) == (over > 1)
+    off = 1.0 + over * LEVEL / (0.3 * 0.2)  # numbers below 1 are of size 1
+    small = ((0, 0.03, 0), (0.03, 0.5, 0), (0, 0, 0))
+    found = word(stops=(0.3 * X,), rises=(0.2 * Y,), weights=[[off]], curvature=small)
+    assert ("not those of the energy" in found) == (over > 1)
+
+
+@pytest.mark.parametrize("over", JUST)
+def test_what_is_left_of_the_tilt_curves_upward(over: float) -> None:
+    leans = (CURVES - over * CURVED) / 2  # what is left is over CURVED, of size 1
+    assert ("does not curve upward" in word(stops=(3 * X + leans * Y,))) == (over < 1)
+    assert word(stops=(3 * X - leans * Y,)) == ""
+
+
+@pytest.mark.parametrize("over", JUST)
+def test_stops_and_rises_are_one_to_one(over: float) -> None:
+    """The least weight times what stops and rises take of x and y is more than rounding."""
+    reach = over * LEVEL * COUPLED
+    small = reach / 2
+    coupled = ((0, 3.0, 0), (3.0, CURVES, 0), (0, 0, 0))
+    found = word(
+        stops=(small * X,), weights=[[COUPLED / (2 * small)]], curvature=coupled, opening=X
+    )
+    assert found == ""  # few, but with a great weight
+    weak = word(
+        stops=(3 * X, 3 * X),
+        weights=[[1.0 - reach / (2 * 3 * np.sqrt(2))], [reach / (2 * 3 * np.sqrt(2))]],
+    )
+    assert ("do not keep it" in weak) == (over < 1)
+    off = word(weights=[[reach / 6 * 1.5]])  # far from those of the energy, which counts too
+    assert "do not keep it" in off
+    second = np.eye(4)[[2]].T
+    both = np.hstack([X[:, None], second])  # another level motion, that no stop takes
+    assert "do not keep it" in word(motions=both, free=np.zeros((4, 0)))
+
+
+def test_without_tilts_nothing_is_coupled() -> None:
+    held = {"rises": (), "weights": np.zeros((1, 0)), "curvature": np.zeros((3, 3))}
+    both = np.column_stack([Y, G])
+    assert word(**held, free=both, stops=(3 * X,)) == ""
+    assert "not open every stop" in word(**held, free=both, stops=(-3 * X,))
+    assert "not positive" in word(**{**held, "weights": [[1.0]]})
