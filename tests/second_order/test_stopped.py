@@ -135,13 +135,9 @@ def asked(assembly: Assembly) -> Question:
     features = features_of(program, contacts)
     problem = stationary(program, np.nan_to_num(gap_forms(program, features)))
     kinds = contacts.patch_kind[program.source]
-    free = find_free_motions(
-        program, features, assembly.geometry, kinds == "plane", kinds == "given"
-    )
+    touched = touched_surfaces(program, features, assembly.geometry, kinds)
+    free = find_free_motions(program, features, touched)
     span = free_span(program, problem, free.symmetries)
-    touched = touched_surfaces(
-        program, features, assembly.geometry, kinds == "plane", kinds == "given"
-    )
     return problem, level_contacts(program, features, touched), level_motions(program), span
 
 

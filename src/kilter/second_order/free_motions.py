@@ -31,13 +31,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.arrays import Array, Index, Mask, connected, cross
-from kilter.assembly.geometry import Geometry
 from kilter.mechanics.program import Program
 from kilter.rigid import skew
 from kilter.second_order.critical import null_space
 from kilter.second_order.features import EDGE, FACE, Features
 from kilter.second_order.gap_form import formed
-from kilter.second_order.touched_surfaces import LINE, PLANE, POINT, Touched, touched_surfaces
+from kilter.second_order.touched_surfaces import LINE, PLANE, POINT, Touched
 
 __all__ = ["FreeMotions", "find_free_motions"]
 
@@ -66,7 +65,7 @@ class FreeMotions:
 
 
 def find_free_motions(
-    program: Program, features: Features, geometry: Geometry, flat: Mask, given: Mask
+    program: Program, features: Features, touched: tuple[Touched, Touched]
 ) -> FreeMotions:
     """All that can be proved free.
 
@@ -76,14 +75,10 @@ def find_free_motions(
         Contacts only, without friction.
     features : Features
         Of its rows.
-    geometry : Geometry
-        Of its parts.
-    flat : ndarray of bool, shape (K,)
-        Rows of patches in which a face lies on a face.
-    given : ndarray of bool, shape (K,)
-        Rows of contacts that are given, whose surfaces are as stated.
+    touched : pair of Touched
+        What its rows touch (`touched_surfaces`).
     """
-    search = _FreeSearch(program, features, geometry, flat, given)
+    search = _FreeSearch(program, features, touched)
     return search.planar() if program.planar else search.all()
 
 
@@ -91,10 +86,10 @@ class _FreeSearch:
     """The surfaces that touch, and what is found."""
 
     def __init__(
-        self, program: Program, features: Features, geometry: Geometry, flat: Mask, given: Mask
+        self, program: Program, features: Features, touched: tuple[Touched, Touched]
     ) -> None:
         self.program, self.features = program, features
-        self.a, self.b = touched_surfaces(program, features, geometry, flat, given)
+        self.a, self.b = touched
         free = np.append(program.free, False)
         self.crossed = self._level_edges()
         self.free_a, self.free_b = free[program.part_a], free[program.part_b]

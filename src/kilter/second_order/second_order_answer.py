@@ -16,7 +16,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kilter.arrays import TINY, Array, Index, Mask
 from kilter.assembly import Assembly
@@ -39,7 +38,7 @@ from kilter.second_order.second_order_tolerances import ACROSS
 from kilter.second_order.stationary import Stationary, stationary
 from kilter.second_order.stopped import level_contacts, level_motions, stop_forms
 from kilter.second_order.stopping_weights import find_stopped
-from kilter.second_order.touched_surfaces import stated_planes, touched_surfaces
+from kilter.second_order.touched_surfaces import Touched, planes_of, touched_surfaces
 from kilter.work import Work
 
 __all__ = ["Configuration", "SecondOrder", "answer_alone", "open_answer"]
@@ -161,13 +160,12 @@ def answer_alone(
             return _of(program, problem.taking(known), part)
         return open_answer(_unknown(program, known), program)
     kinds = contacts.patch_kind[program.source]
-    problem = replace(problem, on_plane=stated_planes(features, kinds == "given"))
-    free = find_free_motions(
-        program, features, assembly.geometry, kinds == "plane", kinds == "given"
-    )
+    touched = touched_surfaces(program, features, assembly.geometry, kinds)
+    problem = replace(problem, on_plane=planes_of(touched))
+    free = find_free_motions(program, features, touched)
     critical = critical or find_critical(problem)
     if critical is not None and len(critical.sides):
-        stopped = _stopped(assembly, program, features, problem, free.symmetries, kinds)
+        stopped = _stopped(program, features, touched, problem, free.symmetries)
         if stopped is not None:
             return stopped
     span = free_span(program, problem, free)
@@ -221,17 +219,13 @@ def _sliding(
 
 
 def _stopped(
-    assembly: Assembly,
     program: Program,
     features: Features,
+    touched: tuple[Touched, Touched],
     problem: Stationary,
     symmetries: FreeMotions,
-    kinds: NDArray[np.str_],
 ) -> SecondOrder | None:
     """That parts slide level, away from stops too; None where that was not proved."""
-    touched = touched_surfaces(
-        program, features, assembly.geometry, kinds == "plane", kinds == "given"
-    )
     level, motions = level_contacts(program, features, touched), level_motions(program)
     span = free_span(program, problem, symmetries)
     proof = find_stopped(problem, level, motions, span)

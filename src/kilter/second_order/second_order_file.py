@@ -44,7 +44,7 @@ from kilter.second_order.stopped import (
     level_motions,
     stop_forms,
 )
-from kilter.second_order.touched_surfaces import stated_planes, touched_surfaces
+from kilter.second_order.touched_surfaces import planes_of, touched_surfaces
 
 if TYPE_CHECKING:
     from kilter.second_order.second_order_answer import SecondOrder
@@ -224,10 +224,11 @@ def _wrong_gaps(
     if data["state"] == "balanced":
         if not known.all():
             return ["not every contact has a second order"]
-        problem = replace(problem, on_plane=stated_planes(features, kinds == "given"))
+        touched = touched_surfaces(program, features, assembly.geometry, kinds)
+        problem = replace(problem, on_plane=planes_of(touched))
         return _wrong_path(assembly, program, problem, data, given=bool((kinds == "given").all()))
-    flat, given = kinds == "plane", kinds == "given"
-    free = find_free_motions(program, features, assembly.geometry, flat, given)
+    touched = touched_surfaces(program, features, assembly.geometry, kinds)
+    free = find_free_motions(program, features, touched)
     problem = problem.taking(known)
     proof = _minimum(program, problem, data)
     neutral = proof.basis.shape[1] + proof.free.shape[1]
@@ -267,13 +268,9 @@ def _wrong_stopped(
     forces = np.asarray(data["stopped"], dtype=float) / problem.weight
     weights = np.asarray(data["weights"], dtype=float)
     proof = Stopped(forces, weights, _columns(program, problem, data["motion"]))
-    free = find_free_motions(
-        program, features, assembly.geometry, kinds == "plane", kinds == "given"
-    )
+    touched = touched_surfaces(program, features, assembly.geometry, kinds)
+    free = find_free_motions(program, features, touched)
     span = free_span(program, problem, free.symmetries)
-    touched = touched_surfaces(
-        program, features, assembly.geometry, kinds == "plane", kinds == "given"
-    )
     level, motions = level_contacts(program, features, touched), level_motions(program)
     word = judge_stopped(problem, level, motions, span, proof)
     if word:

@@ -20,6 +20,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kilter.arrays import Array, Index, Mask, across, cross
 from kilter.assembly.geometry import Geometry
@@ -35,7 +36,7 @@ __all__ = [
     "POINT",
     "UNKNOWN",
     "Touched",
-    "stated_planes",
+    "planes_of",
     "touched_surfaces",
 ]
 
@@ -74,18 +75,29 @@ class Touched:
 
 
 def touched_surfaces(
-    program: Program, features: Features, geometry: Geometry, flat: Mask, given: Mask
+    program: Program, features: Features, geometry: Geometry, kinds: NDArray[np.str_]
 ) -> tuple[Touched, Touched]:
     """The surfaces of parts a and b at each row.
 
-    Planes where `flat`, shape (K,). Where `given`, shape (K,), a face without curvature is a
+    Planes of patches of the kind "plane". Of those that are "given" a face without curvature is a
     plane, one that curves alike all around a sphere, one that curves one way a cylinder; of any
     other, or a rim, what counts is the axis that it is said to be of revolution about.
+
+    Parameters
+    ----------
+    program : Program
+    features : Features
+        Of its rows.
+    geometry : Geometry
+        Of its parts.
+    kinds : ndarray of str, shape (K,)
+        Of the patch of each row.
     """
     sides = (
         (program.part_a, program.normal, features.kind_a, features.edge_a, features.curvature_a),
         (program.part_b, -program.normal, features.kind_b, features.edge_b, features.curvature_b),
     )
+    flat, given = kinds == "plane", kinds == "given"
     first, second = (_touched(program.point, *one, geometry, given) for one in sides)
     for side, axis in ((first, features.axis_a), (second, features.axis_b)):
         said = (side.kind == UNKNOWN) & axis[:, 3:].any(axis=1)
@@ -96,15 +108,10 @@ def touched_surfaces(
     return first, second
 
 
-def stated_planes(features: Features, given: Mask) -> Mask:
-    """Rows of given contacts, shape (K,), in which one part touches by a plane."""
-    planes = np.zeros(len(given), dtype=bool)
-    for kind, curvature in (
-        (features.kind_a, features.curvature_a),
-        (features.kind_b, features.curvature_b),
-    ):
-        planes |= (kind == FACE) & ~np.abs(curvature).max(axis=(1, 2), initial=0.0).astype(bool)
-    return planes & given
+def planes_of(touched: tuple[Touched, Touched]) -> Mask:
+    """Rows in which a part touches by a plane, shape (K,)."""
+    planes: Mask = (touched[0].kind == PLANE) | (touched[1].kind == PLANE)
+    return planes
 
 
 def _touched(
