@@ -1,4 +1,8 @@
-"""A place on a path that leads down where all parts are apart and lower, which needs no theory."""
+"""A place on a path that leads down, exact and lower, which needs no theory.
+
+All parts are apart there. Those that touched at a plane may also have shifted along it, all that
+is on its one side, and all on the other, as far from it as they were.
+"""
 
 from __future__ import annotations
 
@@ -24,14 +28,14 @@ BENT = 0.5
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Configuration:
-    """Parts elsewhere: all apart, and lower.
+    """Parts elsewhere: all lower, and apart, but for those that have only shifted along a plane.
 
     Attributes
     ----------
     motion : ndarray, shape (N, 6)
         Shift of each centre of mass [length unit] and rotation vector [rad].
     apart : float
-        Least separation of two parts [length unit].
+        Least separation of two other parts [length unit].
     energy : float
         Of the loads, less than that at the start [N x length unit].
     """
@@ -54,7 +58,7 @@ def find_configuration(
         motion = program.full(columns * problem.scale)
         energy = -float(problem.load @ columns)
         beyond = 0.01 * problem.length
-        apart = least_separation(assembly, program, motion, beyond=beyond)
+        apart = least_separation(assembly, program, motion, beyond=beyond, planes=problem.on_plane)
         if apart is None:
             return None, "a path leads down, but its surfaces cannot be held apart exactly"
         if apart > APART * problem.length and energy < -APART:

@@ -315,7 +315,8 @@ def _wrong_path(
         return reasons if given else [*reasons, "it has no configuration that is apart and lower"]
     motion = _motion(program, data["configuration"])
     columns = scaled_columns(program, problem, motion[None])[:, 0]
-    apart = least_separation(assembly, program, motion, beyond=0.01 * problem.length)
+    beyond, planes = 0.01 * problem.length, problem.on_plane
+    apart = least_separation(assembly, program, motion, beyond=beyond, planes=planes)
     if apart is None or not apart > APART * problem.length:
         reasons.append("its configuration is not apart")
     if not problem.load @ columns > APART:

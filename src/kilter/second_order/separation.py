@@ -17,10 +17,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, across, cross, distinct_rows, unit_rows
+from kilter.arrays import Array, Mask, across, cross, distinct_rows, unit_rows
 from kilter.assembly import Assembly
 from kilter.contact.triangle_distance import surface_distance
 from kilter.mechanics.program import Program
+from kilter.second_order.second_order_tolerances import ACROSS, KEEPS
 from kilter.shape.primitives import Cylinder, Sphere
 
 __all__ = [
@@ -178,7 +179,12 @@ def _parted(a: Body, b: Body, directions: Array) -> Array:
 
 
 def least_separation(
-    assembly: Assembly, program: Program, motion: Array, *, beyond: float
+    assembly: Assembly,
+    program: Program,
+    motion: Array,
+    *,
+    beyond: float,
+    planes: Mask | None = None,
 ) -> float | None:
     """The least distance, or separation, of two parts of which one has moved.
 
@@ -191,6 +197,9 @@ def least_separation(
         Shift of the centre of mass and rotation vector of each part [length unit, rad].
     beyond : float
         Pairs that are farther apart than this in any case are left out [length unit].
+    planes : ndarray of bool, shape (K,), optional
+        Contacts with a plane: pairs that it parts as it did, which only shifted along it, are
+        left out.
 
     Returns
     -------
@@ -218,9 +227,28 @@ def least_separation(
             own = ((program.part_a == i) & (program.part_b == j)) | (
                 (program.part_a == j) & (program.part_b == i)
             )
-            sign = np.where(program.part_a[own] == i, 1.0, -1.0)[:, None]
-            least = min(least, _pair(found[0], found[1], program.normal[own] * sign, least))
+            normals = program.normal[own] * np.where(program.part_a[own] == i, 1.0, -1.0)[:, None]
+            if planes is not None and planes[own].any():
+                before = bodies_of(assembly, i), bodies_of(assembly, j)
+                size = float(program.radius[[i, j]].min())
+                if _parted_as_before(before, (found[0], found[1]), normals[planes[own]], size):
+                    continue
+            least = min(least, _pair(found[0], found[1], normals, least))
     return least
+
+
+Pieces = list[Body] | None
+
+
+def _parted_as_before(
+    before: tuple[Pieces, Pieces], now: tuple[Pieces, Pieces], normals: Array, size: float
+) -> bool:
+    """Whether a plane across a normal of contact parts two parts as it did where they touched."""
+    was, is_ = (
+        np.min([_parted(a, b, normals) for a in one or () for b in other or ()], axis=0)
+        for one, other in (before, now)
+    )
+    return bool(((was > -ACROSS * size) & (is_ >= was - KEEPS * size)).any())
 
 
 def _far(assembly: Assembly, motion: Array, pair: tuple[int, int], beyond: float) -> bool:

@@ -1,0 +1,77 @@
+"""What is pressed between planes: no motion opens both, so that its path keeps them."""
+
+from __future__ import annotations
+
+import copy
+
+import numpy as np
+import pytest
+
+import kilter
+from kilter import Assembly, Box, Part, Pose, Sphere
+from kilter.mechanics.program import build_program
+from kilter.mechanics.proof import digest_of
+from kilter.scenes.transform import moved
+from kilter.second_order.separation import least_separation
+
+WALLS = [
+    Part("left", Box([1, 10, 10]), Pose([-1, 0, 5]), grounded=True),
+    Part("right", Box([1, 10, 10]), Pose([1, 0, 5]), grounded=True),
+]
+ENDS = [
+    Part("behind", Box([1, 1, 10]), Pose([0, -1, 5]), grounded=True),
+    Part("before", Box([1, 1, 10]), Pose([0, 1, 5]), grounded=True),
+]
+FLOOR = Part("floor", Box([10, 10, 1]), Pose([0, 0, -0.5]), grounded=True)
+BALLS = [Part(f"ball {k}", Sphere(0.5), Pose([0, 0, 0.5 + k])) for k in range(2)]
+
+
+def test_balls_upright_between_two_walls_fall_along_them() -> None:
+    assembly = Assembly([FLOOR, *WALLS, *BALLS])
+    found = kilter.check(assembly)
+    second = found.second_order
+    assert second is not None
+    assert second.state == "balanced"
+    proof = found.proof()
+    assert kilter.verify(assembly, proof).holds
+    across = second.configuration
+    assert across is not None
+    assert np.abs(across.motion[4:, 0]).max() < 1e-15
+    for axis, by, holds in ((0, 1e-9, False), (0, -1e-9, False), (1, 1e-9, True)):
+        other = copy.deepcopy(proof)
+        other["second_order"]["configuration"]["ball 1"][axis] += by
+        other["digest"] = digest_of(other)
+        assert kilter.verify(assembly, other).holds == holds, (axis, by)
+
+
+def test_turned_as_a_whole_it_is_the_same() -> None:
+    rotation = np.array([0.5, 0.3, -0.7, 0.41])
+    assembly = moved(Assembly([FLOOR, *WALLS, *BALLS]), rotation, [3.0, -2.0, 5.0])
+    second = kilter.check(assembly).second_order
+    assert second is not None
+    assert second.state == "balanced"
+
+
+def test_balls_upright_in_a_square_tube_stay() -> None:
+    assembly = Assembly([FLOOR, *WALLS, *ENDS, *BALLS])
+    found = kilter.check(assembly)
+    second = found.second_order
+    assert second is not None
+    assert (second.state, second.neutral, second.free) == ("minimum", 6, 6)
+    assert kilter.verify(assembly, found.proof()).holds
+
+
+@pytest.mark.parametrize(("shift", "apart"), [(0.0, 0.1), (1e-10, None), (-1e-10, None)])
+def test_only_what_shifts_along_a_plane_counts_as_parted_by_it(
+    shift: float, apart: float | None
+) -> None:
+    assembly = Assembly([FLOOR, *WALLS, BALLS[0]])
+    program = build_program(assembly, kilter.contacts(assembly))
+    motion = np.zeros((4, 6))
+    motion[3, :3] = [shift, 0.3, 0.2]
+    every = np.ones(len(program.normal), dtype=bool)
+    found = least_separation(assembly, program, motion, beyond=0.1, planes=every)
+    assert found == (pytest.approx(-1e-10, rel=1e-4) if apart is None else apart)
+    without = least_separation(assembly, program, motion, beyond=0.1)
+    assert without is not None
+    assert without <= 0
