@@ -304,7 +304,8 @@ def animate(subject: Order | Region | Verdict, out: str | Path | None = None) ->
     """A plan or a motion as an animated GLB, for any viewer.
 
     Of a plan each part comes in along its way, and held parts are marked; at rest all is put
-    together. Of a verdict the parts that move start to move, and stop before one enters another.
+    together. Of a verdict the parts that move start to move, and stop before one enters another;
+    where it is balanced they fall along its path (`kilter.second_order.path_places`).
     Lengths in metres, y up, as glTF has it.
 
     Parameters
@@ -336,10 +337,7 @@ def animate(subject: Order | Region | Verdict, out: str | Path | None = None) ->
     if out is not None:
         require_ending(out, FILMS, "film")
     if isinstance(subject, Verdict):
-        from kilter.analysis.free_travel import free_travel
-        from kilter.show.motion_film import film_of_motion
-
-        film = film_of_motion(subject.assembly, free_travel(subject))
+        film = _film_of(subject)
     else:
         from kilter.show.plan_film import film_of_plan
 
@@ -355,6 +353,19 @@ def animate(subject: Order | Region | Verdict, out: str | Path | None = None) ->
 
         write_bytes(Path(out), film)
     return film
+
+
+def _film_of(verdict: Verdict) -> bytes:
+    """How parts start to move, or how what is balanced falls."""
+    from kilter.analysis.free_travel import free_travel
+    from kilter.second_order.path_places import find_path_places
+    from kilter.show.motion_film import film_of_fall, film_of_motion
+
+    assembly, second = verdict.assembly, verdict.second_order
+    path = None if second is None else find_path_places(assembly, second)
+    if path is not None:
+        return film_of_fall(assembly, path.motions, path.lengths)
+    return film_of_motion(assembly, free_travel(verdict))
 
 
 def _require_steps(order: Order) -> None:

@@ -11,7 +11,7 @@ import trimesh
 from glb_reader import Film
 
 import kilter
-from kilter import Assembly, Box, InputError, Part, Pose
+from kilter import Assembly, Box, InputError, Part, Pose, Sphere
 from kilter.analysis.free_travel import ENTERS, REACH, free_travel
 from kilter.cli import main
 from kilter.rigid import matrix_to_quaternion, quaternion_to_matrix, screwed
@@ -35,6 +35,20 @@ def test_a_wedge_drives_the_other_out_by_the_slope_of_its_side() -> None:
     assert slides[:, 0] == pytest.approx(-sinks[:, 2] / np.tan(np.radians(60)), abs=1e-6)
     speed = np.diff(np.linalg.norm(sinks, axis=1))[:-1]
     assert (np.diff(speed) > 0).all(), "ever faster, as what falls"
+
+
+def test_what_is_balanced_falls_along_its_path() -> None:
+    base = Part("base", Sphere(1.0), grounded=True)
+    film = Film(
+        kilter.animate(kilter.check(Assembly([base, Part("ball", Sphere(0.5), Pose([0, 0, 1.5]))])))
+    )
+    assert film.animation["name"] == "fall"
+    assert [film.names[c["target"]["node"]] for c in film.animation["channels"]] == ["ball"] * 2
+    way = gone(film, "ball") + np.array([0, 0, 1.5])
+    assert np.linalg.norm(way, axis=1) == pytest.approx(1.5, abs=1e-4)
+    assert (np.diff(way[:-1, 2]) < 0).all()
+    times, _, _ = film.channel("ball", "translation")
+    assert (np.diff(times) > 0).all()
 
 
 @pytest.mark.parametrize("gap", [0.1, 0.2])

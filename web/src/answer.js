@@ -73,7 +73,7 @@ function known_(page, name, known, down) {
     verdict: known.verdict,
     from: name,
     moving,
-    motion: known.motion,
+    motion: known.motion || (known.fall && !known.fall.places ? known.fall.begins : null),
     z: known.z,
     instability: known.instability,
     sentence: known.sentence,
@@ -81,6 +81,7 @@ function known_(page, name, known, down) {
     words: known.words,
     forceWords: known.force_words,
     forces: held ? known.forces : null,
+    fall: known.fall || null,
   };
 }
 

@@ -53,7 +53,7 @@ export class Look {
     on("show-motion", "change", () => this.repose());
     on("show-contacts", "change", () => {
       this.stage.parts.patches.visible = id("show-contacts").checked;
-      this.stage.draw();
+      this.repose();
     });
     on("show-open", "change", () => this.repose());
     const pairs = page.open.parts.length / 2;

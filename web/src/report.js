@@ -4,6 +4,7 @@ import { answer, nearestHeld } from "./answer.js";
 import { Ball } from "./ball.js";
 import { ramp, rampOf, themeOf } from "./colours.js";
 import { distance, isThin } from "./cone.js";
+import { Graph, fallen, frictionWords, paced, placeWords } from "./fall.js";
 import { Look, id, on } from "./look.js";
 import { deepest } from "./map.js";
 import { bondUse, forceArrows, motionArrows, thrustRods } from "./overlay.js";
@@ -29,6 +30,7 @@ const TONES = {
   undecided: "undecided",
 };
 const SNAP = (3 * Math.PI) / 180; // a thin region draws the arrow in from so near
+const FALLS = 2400; // milliseconds of a fall
 const QUIET = 1200; // forces at more points are not shown from the start
 
 export class Report extends Look {
@@ -36,6 +38,7 @@ export class Report extends Look {
     super(page);
     this.down = page.given.down;
     this.amount = 0;
+    this.fell = 0;
     this.ball = new Ball(id("ball"), page, (u, how, step) => this.pull(u, how, step));
     this.look();
     this.controls();
@@ -63,13 +66,15 @@ export class Report extends Look {
   /** Gravity along a direction: everything follows. */
   turn(u, { exactly = false, follow = false } = {}) {
     this.down = u;
+    const before = this.found;
     this.found = answer(this.page, u);
+    if (!before || before.fall !== this.found.fall) this.showFall();
     this.ball.tone = TONES[this.found.verdict];
     this.ball.set(u, follow);
     if (this.stage) {
       this.stage.turnTo(u, exactly);
       this.stage.parts.moving.fill(0);
-      for (const k of this.found.moving || []) this.stage.parts.moving[k] = 1;
+      for (const k of this.movers()) this.stage.parts.moving[k] = 1;
       this.stage.parts.states();
     }
     this.repose();
@@ -80,8 +85,9 @@ export class Report extends Look {
   repose() {
     if (!this.stage) return;
     const { parts } = this.stage;
-    const { motion } = this.found;
-    parts.pose(motion, motion && this.amount ? this.amount * this.farthest() : 0, this.apart);
+    const { motion, fall } = this.found;
+    if (fall && fall.places) this.fallTo(fall);
+    else parts.pose(motion, motion && this.amount ? this.amount * this.farthest() : 0, this.apart);
     // the brick to add has a place among parts at rest
     this.stage.ghost.group.visible = Boolean(this.added && !this.amount && !this.apart);
     this.arrows();
@@ -103,12 +109,85 @@ export class Report extends Look {
     }
   }
 
+  /** Parts that move, or, of what is balanced, that fall. */
+  movers() {
+    const { moving, fall } = this.found;
+    return fall ? fall.parts : moving || [];
+  }
+
+  /** Parts as they have fallen, pulled apart. */
+  fallTo(fall) {
+    const { center } = this.page.parts;
+    const { shifts, turns } = fallen(fall, this.fell);
+    const apart = (k) => [0, 1, 2].map((i) => this.apart * center[3 * k + i]);
+    const all = Array.from({ length: center.length / 3 }, (_, k) => apart(k));
+    const turned = [];
+    fall.parts.forEach((k, m) => {
+      all[k] = all[k].map((c, i) => c + shifts[m][i]);
+      turned[k] = turns[m];
+    });
+    this.stage.parts.carry(all, turned);
+  }
+
+  /** The card of what is balanced, where it has a path. */
+  showFall() {
+    const { fall } = this.found;
+    const shown = Boolean(fall && fall.places);
+    this.stopFall();
+    this.fell = 0;
+    id("fall").hidden = !shown;
+    id("motion-row").hidden = shown;
+    if (!shown) return;
+    this.graph = new Graph(id("fall-graph").querySelector("svg"), fall, this.page.units);
+    const words = fall.words.charAt(0).toUpperCase() + fall.words.slice(1);
+    id("fall-words").textContent = `${words}.`;
+    id("fall-friction").textContent = frictionWords(fall);
+    this.fall(0);
+  }
+
+  /** After a share of the way. */
+  fall(share) {
+    this.fell = share;
+    const place = fallen(this.found.fall, share);
+    const words = placeWords(this.page.units, place);
+    id("fall-at").value = String(share);
+    id("fall-at").setAttribute("aria-valuetext", words);
+    id("fall-place").textContent = words;
+    this.graph.show(place);
+    this.repose();
+  }
+
+  /** The fall from where it is, from the start where it is over; or stopped. */
+  playFall() {
+    if (this.falling) {
+      this.stopFall();
+      return;
+    }
+    const from = this.fell < 1 ? Math.sqrt(this.fell) : 0;
+    const started = performance.now();
+    this.falling = started;
+    id("fall-play").textContent = "Pause";
+    const step = (now) => {
+      if (this.falling !== started) return;
+      const time = from + Math.max(0, now - started) / FALLS;
+      this.fall(paced(time));
+      if (time >= 1) this.stopFall();
+      else requestAnimationFrame(step);
+    };
+    requestAnimationFrame(step);
+  }
+
+  stopFall() {
+    this.falling = null;
+    id("fall-play").textContent = "Play";
+  }
+
   /** The amount of the motion at the end of its slider: before any part enters another. */
   farthest() {
     const { found, page } = this;
     if (found.farthest === undefined) {
       // as far as the moving parts are large: more would say nothing
-      const sizes = (found.moving || []).map((k) => page.parts.radius[k]);
+      const sizes = this.movers().map((k) => page.parts.radius[k]);
       sizes.sort((a, b) => a - b);
       const reach = reachOf(found.motion, page.parts.radius, 1.1 * (sizes[sizes.length >> 1] || 0));
       found.farthest = clearAmount(page, found.motion, reach);
@@ -118,12 +197,15 @@ export class Report extends Look {
 
   arrows() {
     const { stage, found } = this;
-    const moving = found.motion && id("show-motion").checked ? found.moving : [];
+    const motion = found.fall ? found.fall.begins : found.motion;
+    const moving = motion && !this.fell && id("show-motion").checked ? this.movers() : [];
     // many arrows are drawn shorter
     const long = this.long * (moving.length > 20 ? 0.5 : 1);
-    stage.motion.set(moving.length ? motionArrows(stage, found.motion, moving, long) : {});
+    stage.motion.set(moving.length ? motionArrows(stage, motion, moving, long) : {});
     let label = found.forces ? "contact forces" : "contact forces: none to show here";
-    const forces = found.forces && id("show-forces").checked;
+    // what balances it at rest does not where it has fallen to
+    const forces = found.forces && !this.fell && id("show-forces").checked;
+    stage.parts.patches.visible = !this.fell && id("show-contacts").checked;
     if (forces) {
       const size = this.forceLength() * Number(id("force-size").value);
       const each = id("force-mode").value === "point";
@@ -206,7 +288,8 @@ export class Report extends Look {
     this.ball.canvas.setAttribute("aria-valuenow", String(Math.round((away * 180) / Math.PI)));
     id("motion").disabled = !found.motion;
     id("play").disabled = !found.motion;
-    id("motion-label").textContent = found.motion ? "motion" : "motion: none";
+    const motion = found.fall ? "how it begins to fall" : "motion";
+    id("motion-label").textContent = found.motion ? motion : "motion: none";
     if (this.selected >= 0) this.showPart(this.selected);
   }
 
@@ -239,6 +322,12 @@ export class Report extends Look {
     this.keys();
     on("motion", "input", () => this.slide("amount", "motion"));
     on("play", "click", () => this.play());
+    on("fall-at", "input", () => {
+      this.stopFall();
+      this.fall(Number(id("fall-at").value));
+    });
+    on("fall-play", "click", () => this.playFall());
+    id("fall-play").disabled = !this.stage;
     if (page.change) on("show-change", "click", () => this.showChange());
     on("colour-of", "change", () => this.repose());
     id("bond-pull").textContent = pullWords(page.given.forces && page.given.forces.pull);

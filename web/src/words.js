@@ -24,6 +24,13 @@ export function force(newtons) {
   return `${number(newtons / size)} ${unit}`;
 }
 
+/** An energy with a unit that suits its size. */
+export function energy(joules) {
+  const units = [[1e6, "MJ"], [1e3, "kJ"], [1, "J"], [1e-3, "mJ"], [1e-6, "µJ"]];
+  const [size, unit] = units.find(([least]) => Math.abs(joules) >= least) || [1, "J"];
+  return `${number(joules / size, 3)} ${unit}`;
+}
+
 /** What bonds pull by at most at a point, from the strength of each point [N]. */
 export function pullWords(pull) {
   const bonded = pull ? [...pull].filter((most) => most > 0) : [];

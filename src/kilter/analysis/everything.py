@@ -27,6 +27,7 @@ from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.errors import InputError, SolverError
 from kilter.mechanics.program import Program, build_program
+from kilter.second_order.path_places import PathPlaces, find_path_places
 from kilter.threads import on_one_thread
 from kilter.work import EFFORT
 
@@ -90,12 +91,15 @@ class Answered:
         The forces of that answer.
     sentence : str
         What is special about this direction.
+    path : PathPlaces or None
+        Of what is balanced, how it falls.
     """
 
     down: Array
     check: dict[str, Any]
     balance: Balance | None
     sentence: str = ""
+    path: PathPlaces | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -230,6 +234,8 @@ def _answered(verdict: Verdict, sentence: str = "") -> Answered:
     answer, down = verdict.to_dict(), verdict.assembly.down
     if answer["forces"] is None:
         return Answered(down, answer, None, sentence)
+    second = verdict.second_order
+    path = None if second is None else find_path_places(verdict.assembly, second)
     index, patches = verdict.assembly.index, answer["forces"]["patches"]
     parts = [[index[n] for n in patch["parts"]] for patch in patches for _ in patch["points"]]
     balance = _balance(
@@ -241,7 +247,7 @@ def _answered(verdict: Verdict, sentence: str = "") -> Answered:
     if verdict.assembly.bonds and verdict.forces is not None:
         rows = verdict.forces.rows[np.argsort(verdict.forces.patch_of, kind="stable")]
         balance = replace(balance, pull=verdict.program.pull[rows])
-    return Answered(down, answer, balance, sentence)
+    return Answered(down, answer, balance, sentence, path)
 
 
 def _balance(down: Any, points: Any, parts: Any, forces: Any) -> Balance:

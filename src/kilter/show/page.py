@@ -29,7 +29,7 @@ __all__ = ["error_page", "render", "render_plan"]
 
 MAIN = "<main>"
 """Where a page begins in its template; titles are escaped."""
-REPORT = {"motion": "motion.html", "side": "ball.html"}
+REPORT = {"motion": "motion.html", "player": "fall.html", "side": "ball.html"}
 PLAN = {"player": "player.html", "side": "step.html"}
 """What stands at the places of the template in which pages differ."""
 PACKAGES = ("kilter", "numpy", "scipy", "highspy", "clarabel")

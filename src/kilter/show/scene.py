@@ -18,6 +18,7 @@ from kilter.show.round_patches import round_patches
 from kilter.show.shapes import Drawn, placed
 from kilter.tell.check_facts import forces_phrase
 from kilter.tell.facts import facts
+from kilter.tell.second_order_words import second_order_words
 from kilter.tell.words import VERDICTS, live_words
 from kilter.units import metres_per_unit
 
@@ -213,6 +214,32 @@ def _orientation(answers: Everything, one: Answered, center: Array) -> dict[str,
         "words": words,
         "forces": None if one.balance is None else _balance(one.balance, answers.contacts, center),
         "force_words": forces_phrase(check["forces"]),
+        "fall": _fall(one, answers.assembly),
+    }
+
+
+def _fall(one: Answered, assembly: Assembly) -> dict[str, Any] | None:
+    """How what is balanced falls: its first derivative, and the places along its path [J]."""
+    second = one.check["second_order"]
+    if second is None or second["state"] != "balanced":
+        return None
+    begins = np.zeros((len(assembly.parts), 6))
+    for name, motion in second["motion"].items():
+        begins[assembly.index[name]] = motion
+    moves, places, path = begins.any(axis=1), None, one.path
+    if path is not None:
+        moves |= path.motions.any(axis=(0, 2))
+        places = {
+            "motions": pack(path.motions[:, moves]),
+            "energies": pack(path.energies * metres_per_unit(assembly.units), "f8"),
+            "lengths": pack(path.lengths, "f8"),
+        }
+    return {
+        "parts": np.flatnonzero(moves).tolist(),
+        "begins": pack(begins),
+        "places": places,
+        "friction": second["rolling"] or "open",
+        "words": readable(second_order_words(second)),
     }
 
 
