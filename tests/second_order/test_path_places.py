@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from test_figures_in_space import TURNED, least_gap
 
 import kilter
-from kilter import Assembly, Cylinder, Part, Pose, Sphere
+from kilter import Assembly, Box, Cylinder, Part, Pose, Sphere
 from kilter.arrays import Array
 from kilter.scenes import scene
 from kilter.second_order.path_places import ALLOWED, PathPlaces, find_path_places
@@ -119,9 +119,41 @@ def test_there_is_none_of_what_is_at_rest_or_of_given_contacts() -> None:
     assert find_path_places(upright.assembly, upright.second_order) is None
 
 
-def followed(seed: int) -> float:
-    """How far a random one falls [width of the part]; none of its places overlaps."""
+def test_a_box_tips_over_the_edge_of_its_table() -> None:
+    table = Part("table", Box([2, 2, 1]), grounded=True)
+    assembly = Assembly([table, Part("box", Box([1, 0.8, 0.6]), Pose([1, 0, 0.8]))])
+    _, path = path_of(assembly)
+    x, _, z, _, turn, _ = path.motions[-1, 1]
+    assert turn > 1
+    assert x > 0.3
+    assert z < -0.4
+    assert not any(overlap(assembly, motion, outside=True) for motion in path.motions[3:])
+
+
+def test_clusters_fall_at_once_each_as_it_does_alone() -> None:
+    far = np.array([20.0, 0, 0])
+    two = [
+        Part("other base", Sphere(1.0), Pose(far), grounded=True),
+        Part("other", Sphere(0.5), Pose([20, 0, 1.5]), mass=2.0),
+    ]
+    together = Assembly([*balls().parts, *two])
+    found, path = path_of(together)
+    assert len(found.clusters) == 2
+    _, alone = path_of(balls())
+    drop = path.motions[:, [1, 3], 2]
+    assert drop[-1].max() < -0.2
+    np.testing.assert_allclose(path.energies, drop.sum(axis=1) * 2.0 * 9.81, rtol=1e-6, atol=1e-9)
+    centres = path.motions[:, [1, 3], :3] + np.array([0, 0, 1.5])
+    np.testing.assert_allclose(np.linalg.norm(centres, axis=2), 1.5, atol=1e-4)
+    np.testing.assert_allclose(drop[-1], alone.motions[-1, 1, 2], atol=0.1)
+
+
+def followed(seed: int) -> float | None:
+    """How far a random one falls [width of the part], no place overlapping; None if it does not."""
     assembly = random_balance(seed)
+    verdict = kilter.check(assembly)
+    if verdict.second_order is None or verdict.second_order.state != "balanced":
+        return None
     found, path = path_of(assembly)
     assert found.program is not None
     for motion, apart in zip(path.motions[1:], path.apart, strict=True):
@@ -131,12 +163,17 @@ def followed(seed: int) -> float:
     return float(np.maximum(far, np.linalg.norm(path.motions[-1, :, 3:], axis=1)).max())
 
 
-def test_two_random_ones_fall() -> None:
-    assert min(followed(seed) for seed in (2, 14)) > 1
+@pytest.mark.parametrize("seed", [2, 14])
+def test_a_random_one_falls(seed: int) -> None:
+    far = followed(seed)
+    assert far is not None
+    assert far > 1
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("block", range(6))
 def test_sixty_random_ones_fall_and_none_overlaps(block: int) -> None:
     far = [followed(seed) for seed in range(10 * block, 10 * block + 10)]
-    assert np.mean(np.array(far) > 1) >= 0.8
+    falls = [one for one in far if one is not None]
+    assert len(falls) >= 5
+    assert min(falls) > 1

@@ -13,7 +13,7 @@ have moved by their own size. The way is one of places, not of times.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import csc_array
@@ -21,6 +21,7 @@ from scipy.sparse import csc_array
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.mechanics.program import Program
+from kilter.mechanics.rows import ForceRows
 from kilter.second_order.parting_planes import PartingPlanes, Places
 from kilter.second_order.second_order_answer import SecondOrder
 from kilter.second_order.second_order_tolerances import APART
@@ -91,7 +92,7 @@ def find_path_places(
     ----------
     assembly : Assembly
     found : SecondOrder
-        Its answer; of several clusters the one that decides moves, the others rest.
+        Its answer; of several clusters all that are balanced fall at once.
     work : Work, optional
         Where it ends, so does the path.
 
@@ -101,12 +102,24 @@ def find_path_places(
         None where the answer has no exact configuration, or contacts are given, which have no
         bodies.
     """
-    if found.state != "balanced" or found.configuration is None or assembly.contacts:
+    falling = [
+        one
+        for one in found.clusters or (found,)
+        if one.state == "balanced" and one.configuration is not None
+    ]
+    if not falling or assembly.contacts:
         return None
-    assert found.program is not None
-    assert found.motion is not None
-    way = _Descent(assembly, found.program, work or Work(ALLOWED))
-    return way.followed(found.configuration.motion, found.motion)
+    start = np.sum([one.configuration.motion for one in falling if one.configuration], axis=0)
+    first = np.sum([one.motion for one in falling if one.motion is not None], axis=0)
+    programs = [one.program for one in falling if one.program is not None]
+    return _Descent(assembly, _joined(programs), work or Work(ALLOWED)).followed(start, first)
+
+
+def _joined(programs: list[Program]) -> Program:
+    """The free parts and rows of several clusters as one."""
+    rows = ForceRows.join([one.force_rows for one in programs])
+    free = np.any([one.free for one in programs], axis=0)
+    return replace(programs[0].with_force_rows(rows), free=free)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
