@@ -66,6 +66,8 @@ class Decision:
     proof : MinimumProof or Path or LevelRest or LockedTurns or Stopped or Held or None
     why : str
         Why it is open.
+    others : tuple of Path
+        Paths that lead down as well, less steeply.
     """
 
     state: Literal["minimum", "balanced", "open"]
@@ -75,6 +77,7 @@ class Decision:
     undecided: int
     proof: MinimumProof | Path | LevelRest | LockedTurns | Stopped | Held | None = None
     why: str = ""
+    others: tuple[Path, ...] = ()
 
 
 def decide(
@@ -189,9 +192,9 @@ class _Question:
             if proved is not None:
                 return proved
             candidates += self._from_multiplier(basis, best.motions)
-        path = self._best_path(candidates)
-        if path is not None:
-            return self._decision("balanced", path)
+        paths = self._paths(candidates)
+        if paths:
+            return self._decision("balanced", *paths)
         if basis.shape[1] == self.across.shape[1] <= EXACT_DIMENSION:
             return self._by_cones(basis)
         return self._open("neither forces that prove a minimum nor a path down were found")
@@ -221,8 +224,8 @@ class _Question:
         signs = itertools.product((1.0, -1.0), repeat=most - 1)
         return single + [basis @ (axes[:, :most] @ np.array([1.0, *rest])) for rest in signs]
 
-    def _best_path(self, candidates: list[Array]) -> Path | None:
-        """The path that falls most along one of some motions, or of their nearest critical ones."""
+    def _paths(self, candidates: list[Array]) -> list[Path]:
+        """Paths that fall along motions, or along critical ones near by, the steepest first."""
         found = []
         for motion in candidates:
             for one in (motion, -motion) if len(self.sides) else (motion,):
@@ -230,7 +233,7 @@ class _Question:
                 path = find_path(self.problem, critical) if critical is not None else None
                 if path is not None and path.falls:
                     found.append(path)
-        return max(found, key=lambda path: min(path.opens, path.power), default=None)
+        return sorted(found, key=lambda path: -min(path.opens, path.power))
 
     def _critical(self, motion: Array) -> Array | None:
         """The nearest critical motion; None where that is no motion at all."""
@@ -282,9 +285,9 @@ class _Question:
                 splits.append(None)
                 leaves.append(Leaf(self._spread(self._balanced(best.forces)), best.sides))
                 continue
-            path = self._best_path([*(basis @ rays).T, basis @ rays.sum(axis=1)])
-            if path is not None:
-                return self._decision("balanced", path)
+            paths = self._paths([*(basis @ rays).T, basis @ rays.sum(axis=1)])
+            if paths:
+                return self._decision("balanced", *paths)
             apart, longest = max(
                 (float(np.linalg.norm(rays[:, i] - rays[:, j])), (i, j))
                 for i, j in [*itertools.combinations(range(dimension), 2), (0, 0)]
@@ -311,12 +314,11 @@ class _Question:
         return self._open(wrong) if wrong else self._decision("minimum", proof)
 
     def _decision(
-        self, state: Literal["minimum", "balanced"], proof: MinimumProof | Path
+        self, state: Literal["minimum", "balanced"], proof: MinimumProof | Path, *others: Path
     ) -> Decision:
         free = self.free.shape[1]
-        return Decision(
-            state, self.neutral, free, self.neutral - free - self.flat, self.flat, proof
-        )
+        blocked = self.neutral - free - self.flat
+        return Decision(state, self.neutral, free, blocked, self.flat, proof, others=others)
 
     def _open(self, why: str) -> Decision:
         free = self.free.shape[1]

@@ -124,8 +124,8 @@ def _set_conformal(
     """Points of faces that fit each other, where no feature of either gives a form.
 
     Corners of a flat patch that lie on an edge of both parts, or within a rim; points of round
-    patches all along which the surfaces touch; and lines that end on both parts at once: their
-    ends are those of the lines within.
+    patches all along which the surfaces touch; and lines that end within both faces, or on both
+    parts at once: their ends are points of the lines within.
     """
     left = rows[~formed(program, Features(**found))[rows]]
     patch = program.source[left]
@@ -140,7 +140,8 @@ def _set_conformal(
     ends = np.isin(contacts.patch_kind[patch], ROUND) & (count == 2)
     for side in "ab":
         across = np.abs(np.einsum("ij,ij->i", found[f"edge_{side}"][left], line))
-        ends &= (found[f"kind_{side}"][left] == EDGE) & (across < CROSSING)
+        own = found[f"kind_{side}"][left]
+        ends &= (own == FACE) | ((own == EDGE) & (across < CROSSING))
     found["fibre"][left[ends]] = line[ends]
     for side in "ab":
         found[f"kind_{side}"][left[flat | ends]] = FACE

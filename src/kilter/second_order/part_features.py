@@ -64,6 +64,7 @@ def part_features(
     foreign = _other_faces(geometry, near, triangle, round_[1])
     curved = round_[0]
     kind = np.where(curved.kind == OPEN, flat.kind, curved.kind)
+    kind[_within_rim(geometry, near, triangle, point, outward, reach[part])] = FACE
     kind[many | (foreign & (curved.kind == FACE) & ~region[order])] = OPEN
     own = (curved.kind != OPEN)[:, None]
     edge = np.where(own, curved.edge, flat.edge)
@@ -118,6 +119,24 @@ def _of_triangles(
     across = edge - _dot(edge, outward)[:, None] * outward
     edge = np.where((kind == EDGE)[:, None], unit_rows(across), 0.0)
     return PartFeatures(kind, edge, np.zeros((count, 3, 3)))
+
+
+def _within_rim(
+    geometry: Geometry, near: Index, triangle: Index, point: Array, outward: Array, reach: Array
+) -> Mask:
+    """Points on a chord of the rim of a flat face: the true circle is farther out."""
+    s, surface = geometry.surfaces, geometry.triangle_surface[triangle]
+    p = geometry.vertices[geometry.triangles[triangle]]
+    normal = unit_rows(cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]))
+    face = (surface < 0) & (_dot(normal, outward[near]) > np.cos(CROSSING))
+    side = np.zeros(len(near), dtype=bool)
+    k = np.flatnonzero(surface >= 0)
+    on = surface[k]
+    convex = np.isin(s.kind[on], (CYLINDER, CONE)) & ~s.hollow[on] & (s.doubt[on] == 0)
+    side[k] = convex & (s.distance(on, point[near[k]]) < -reach[near[k]])
+    counts = [np.bincount(near, one, minlength=len(point)) for one in (face, side, face | side)]
+    every = np.bincount(near, minlength=len(point))
+    return np.asarray((counts[0] > 0) & (counts[1] > 0) & (counts[2] == every))
 
 
 def _other_faces(geometry: Geometry, near: Index, triangle: Index, surface: Index) -> Mask:

@@ -292,21 +292,25 @@ def _falling(
     assembly: Assembly, program: Program, problem: Stationary, decision: Decision, given: Array
 ) -> SecondOrder:
     """A balanced place with its configuration; open where none was found."""
-    path = decision.proof
+    path, why = decision.proof, ""
     assert isinstance(path, Path)
     assert problem.scale is not None
-    found = _of(program, problem, decision)
+    configuration = None
+    for one in () if given.all() else (path, *decision.others):
+        configuration, wrong = find_configuration(assembly, program, problem, one)
+        if configuration is not None:
+            path, why = one, ""
+            break
+        why = why or wrong
+    if why:
+        return replace(_of(program, problem, decision), state="open", why=why)
+    found = _of(program, problem, replace(decision, proof=path))
     motion = program.full(path.first * problem.scale)
     sizes = np.maximum(
         np.linalg.norm(motion[:, :3], axis=1),
         np.linalg.norm(motion[:, 3:], axis=1) * program.radius,
     )
     moving = np.flatnonzero(sizes > 1e-6 * sizes.max(initial=TINY))
-    configuration, why = None, ""
-    if not given.all():
-        configuration, why = find_configuration(assembly, program, problem, path)
-    if why:
-        return replace(found, state="open", why=why)
     return replace(
         found,
         rate=growth_rate(program, problem, path),
