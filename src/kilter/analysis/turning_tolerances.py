@@ -43,6 +43,7 @@ __all__ = [
     "NO_GAIN",
     "NO_LENGTH",
     "NO_PROJECTION",
+    "NO_RISE",
     "NO_SHARE",
     "ON_PLANE",
     "OPPOSITE",
@@ -87,6 +88,8 @@ SAME_ON_DIAMOND = 1e-9
 """Two points of the diamond |g|_1 = 1 this near are one; a slack up to this is none [-]."""
 NO_LENGTH = 1e-9
 """A projection of a unit vector on lines, shorter than this, is none [-]."""
+NO_RISE = 1e-9
+"""A centre of mass that rises by less than this, over the size of its part, does not rise [-]."""
 
 # --- widths ---------------------------------------------------------------------------------
 

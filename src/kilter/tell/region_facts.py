@@ -118,7 +118,23 @@ def rest_words(rest: Answer) -> str:
     >>> rest_words(corner).split("; ")[1]
     'tilted up to 35.3 deg it stays'
     """
-    words = second_order_words({**rest, "motion": rest["moving"], "free": 0})
+    words = [second_order_words({**rest, "motion": rest["moving"], "free": 0})]
     if rest["state"] == "minimum" and rest["tilt_deg"]:
-        return f"{words}; tilted up to {angle(rest['tilt_deg'])} it stays"
+        words.append(f"tilted up to {angle(rest['tilt_deg'])} it stays")
+    if rest.get("well"):
+        words += _well_words(rest["well"])
+    return "; ".join(words)
+
+
+def _well_words(well: Answer) -> list[str]:
+    """How wide, deep and stiff the well of a body on a table is."""
+    words = []
+    if well["barrier"] is not None:
+        over = f"tilted on its table by less than {angle(well['over_deg'])} it comes back"
+        words += [over, f"to tip it takes {number(well['barrier'], 4)} J"]
+    elif well["over_deg"] is not None:
+        words.append("however it is tilted on its table, it comes back")
+    if well["stiffness"] is not None:
+        moment = f"it rights itself by {number(well['stiffness'], 4)} N m a radian at least"
+        words += [moment, f"its slowest swing takes {number(well['period'], 4)} s"]
     return words

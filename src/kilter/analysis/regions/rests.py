@@ -3,7 +3,9 @@
 A place of rest is a well of energy. Its width to first order is the angle to the nearest
 unstable direction: within it the walls of the well are V-shaped, as those of a box in a corner.
 Where some tilt is too much at once (a ball in a bowl), its curvature is what is left: whether it
-curves up, and how fast the parts come back (`kilter.second_order`).
+curves up, and how fast the parts come back (`kilter.second_order`). One body on a level table has a
+well of its own though it slides freely: how far it may be tilted there, and at what cost it goes
+over (`kilter.analysis.regions.well`).
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ import numpy as np
 
 from kilter.analysis.check import check
 from kilter.analysis.regions.polyhedral_cone import Cone
+from kilter.analysis.regions.well import Well, find_well
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
@@ -48,6 +51,8 @@ class PlaceOfRest:
         What falls, or moves freely.
     why : str
         Why it is open.
+    well : Well or None
+        Of one body on a level table: how wide, how deep, how stiff.
     """
 
     down: Array
@@ -56,6 +61,7 @@ class PlaceOfRest:
     rate: float | None
     moving: tuple[str, ...]
     why: str
+    well: Well | None = None
 
     @property
     def strict(self) -> bool:
@@ -71,6 +77,7 @@ class PlaceOfRest:
             "rate": self.rate,
             "moving": list(self.moving),
             "why": self.why or None,
+            "well": None if self.well is None else self.well.to_dict(),
         }
 
 
@@ -106,15 +113,17 @@ def _directions(cone: Cone) -> Array:
 def _rest(down: Array, cone: Cone, assembly: Assembly, contacts: ContactSet) -> PlaceOfRest:
     """How an assembly rests where gravity has a direction of its region."""
     tilt = _tilt(down, cone)
-    verdict = check(assembly.with_down(down), contacts=contacts)
+    turned = assembly.with_down(down)
+    verdict = check(turned, contacts=contacts)
     if verdict.verdict != "stable":
         why = f"a check says {verdict.verdict} so near the boundary of the region"
         return PlaceOfRest(down, "open", tilt, None, (), why)
     second = verdict.to_dict()["second_order"]
+    well = find_well(turned, contacts, verdict)
     if second is None:
-        return PlaceOfRest(down, "minimum", tilt, None, (), "")
-    moving = tuple(second["motion"] or ())
-    return PlaceOfRest(down, second["state"], tilt, second["rate"], moving, second["why"] or "")
+        return PlaceOfRest(down, "minimum", tilt, None, (), "", well)
+    moving, why = tuple(second["motion"] or ()), second["why"] or ""
+    return PlaceOfRest(down, second["state"], tilt, second["rate"], moving, why, well)
 
 
 def _tilt(down: Array, cone: Cone) -> float | None:

@@ -1,0 +1,182 @@
+"""The well of energy in which one body stands on a level table: how wide, how deep, how stiff.
+
+    width       the tilt below which it comes back, and the energy that it costs to tip it
+                (`kilter.analysis.regions.tipping`)
+    stiffness   where it stands on a round place: the moment by which it rights itself, over the
+                angle. With forces f_k, gaps phi_k and level turns t that open no gap,
+
+                    K = - sum of f_k phi_k''(t, t),
+
+                which is weight x (radius of the ground that it covers - height of c). On a face
+                or an edge it is V-shaped instead: the moment is there at once.
+    period      of the slowest swing without friction: c moves straight up and down, so that
+                K t = s^2 I t, I the inertia about c with the spin about the vertical left free.
+
+The table is taken as endless, and the body as free of friction: it slides at no cost.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from kilter.analysis.regions.tipping import find_tipping
+from kilter.analysis.turning_tolerances import NO_PROJECTION, NO_RISE, SAME_RAY
+from kilter.analysis.verdict import Verdict
+from kilter.arrays import Array, across, cross
+from kilter.assembly import Assembly
+from kilter.assembly.lowest import lowest_heights
+from kilter.contact import ContactSet
+from kilter.mechanics.program import Program
+from kilter.mechanics.rows import CONTACT
+from kilter.second_order.features import FACE, Features
+from kilter.second_order.features_of import features_of
+from kilter.second_order.gap_form import gap_forms
+from kilter.units import metres_per_unit
+
+__all__ = ["Well", "find_well"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Well:
+    """The well of energy of one body on an endless level table, without friction.
+
+    Attributes
+    ----------
+    part : str
+        The body.
+    over_deg : float or None
+        Tilted by less than this about any level axis it comes back [deg]; 180: from anywhere.
+        None where that is not known: of bodies with curved faces that are not of revolution
+        about the vertical through their centre of mass.
+    barrier : float or None
+        The least energy that can take it to another place of rest [J]; None where there is no
+        such place, or where it is not known.
+    stiffness : float or None
+        The least moment by which it rights itself, over the angle [N m/rad]; None where it
+        stands on a face, whose edges right it at once.
+    axis : ndarray, shape (3,), or None
+        The level axis of that turn, unit, in the frame of the assembly.
+    period : float or None
+        Of its slowest swing [s].
+    """
+
+    part: str
+    over_deg: float | None
+    barrier: float | None
+    stiffness: float | None
+    axis: Array | None
+    period: float | None
+
+    def to_dict(self) -> dict[str, Any]:
+        """The answer as JSON data."""
+        return {
+            "part": self.part,
+            "over_deg": self.over_deg,
+            "barrier": self.barrier,
+            "stiffness": self.stiffness,
+            "axis": None if self.axis is None else (self.axis + 0.0).tolist(),
+            "period": self.period,
+        }
+
+
+def find_well(assembly: Assembly, contacts: ContactSet, verdict: Verdict) -> Well | None:
+    """The well in which one body stands on a level table.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    contacts : ContactSet
+        Found in it.
+    verdict : Verdict
+        Of them: stable without friction.
+
+    Returns
+    -------
+    Well or None
+        None of several bodies, of what touches other than a level table, and where the body
+        stands in no well: it rolls, or only balances.
+    """
+    program = verdict.program
+    forces = verdict.judgement.forces
+    if program.planar or int(program.free.sum()) != 1 or forces is None:
+        return None
+    part = int(np.flatnonzero(program.free)[0])
+    features = features_of(program, contacts)
+    if not _on_table(assembly, program, features, part):
+        return None
+    metres, weight = metres_per_unit(assembly.units), float(program.weight[part])
+    tipping = find_tipping(assembly.geometry, part, program.down)
+    turns, stiffness = _stiffness(program, features, forces.forces, part)
+    least = (
+        np.inf if stiffness is None else float(np.linalg.eigvalsh(stiffness).min(initial=np.inf))
+    )
+    if least <= NO_RISE * weight * float(program.radius[part]):
+        return None
+    if tipping is None and (stiffness is None or not len(stiffness)):
+        return None
+    over = rise = None
+    if tipping is not None:
+        over, rise = float(np.degrees(tipping.angle)), tipping.rise
+    name = program.names[part]
+    barrier = None if rise is None else weight * rise * metres
+    if stiffness is None or not len(stiffness):
+        return Well(name, over, barrier, None, None, None)
+    values, ways = np.linalg.eigh(stiffness)
+    period = _period(program, part, turns, stiffness) * float(np.sqrt(metres))
+    return Well(name, over, barrier, float(values[0]) * metres, turns @ ways[:, 0], period)
+
+
+def _on_table(assembly: Assembly, program: Program, features: Features, part: int) -> bool:
+    """Whether all that touches the body is level, flat, of one height, and below all of it."""
+    if (program.kind != CONTACT).any() or program.two_sided.any() or program.applied.any():
+        return False
+    down = program.down
+    mine = program.part_b == part
+    normal = np.where(mine[:, None], program.normal, -program.normal)
+    height = program.point @ -down
+    near = NO_PROJECTION * float(assembly.geometry.size[part])
+    lowest = float(lowest_heights(assembly.geometry, -down)[part])
+    flat = np.where(mine, features.kind_a, features.kind_b) == FACE
+    bent = np.where(mine[:, None, None], features.curvature_a, features.curvature_b)
+    level = np.linalg.norm(normal + down, axis=1) <= NO_PROJECTION
+    alike = np.abs(height - lowest) <= near
+    known = ~features.open
+    return bool(len(height)) and bool((level & alike & flat & known).all()) and not bent.any()
+
+
+def _stiffness(
+    program: Program, features: Features, forces: Array, part: int
+) -> tuple[Array, Array | None]:
+    """Level turns that open no gap, orthonormal, shape (3, d), and their stiffness, shape (d, d).
+
+    In N x length unit/rad; None where a gap has no second derivative.
+    """
+    arm = program.point - program.center[part]
+    level = np.stack(across(program.down), axis=1)
+    opens = cross(arm, program.normal) @ level
+    near = SAME_RAY * float(program.radius[part])
+    _, sizes, ways = np.linalg.svd(opens, full_matrices=True)
+    sizes = np.append(sizes, np.zeros(2 - len(sizes)))
+    turns = level @ ways[sizes <= near * np.sqrt(len(opens))].T
+    if not turns.shape[1]:
+        return turns, np.zeros((0, 0))
+    forms = gap_forms(program, features)
+    mine = (program.part_b == part)[:, None, None]
+    own = np.where(mine, forms[:, 9:, 9:], forms[:, 3:6, 3:6])
+    if np.isnan(own).any():
+        return turns, None
+    bent = -np.tensordot(forces, own, axes=1)
+    return turns, turns.T @ (bent + bent.T) @ turns / 2
+
+
+def _period(program: Program, part: int, turns: Array, stiffness: Array) -> float:
+    """Of the slowest swing, over the square root of metres in a length unit."""
+    inertia, spin = program.inertia[part], program.down
+    along = turns.T @ inertia @ spin
+    moved = turns.T @ inertia @ turns - np.outer(along, along) / (spin @ inertia @ spin)
+    lower = np.linalg.inv(np.linalg.cholesky(moved))
+    least = float(np.linalg.eigvalsh(lower @ stiffness @ lower.T).min())
+    return float(2 * np.pi / np.sqrt(least))
