@@ -199,8 +199,15 @@ def test_on_a_phone_rows_are_cards_and_names_are_tails(opened: Callable) -> None
 
 def test_on_paper_are_picture_ball_and_tables_and_no_control(opened: Callable) -> None:
     page = opened("paper-figure-8", color_scheme="dark")
+    page.js(
+        "() => { const own = CanvasRenderingContext2D.prototype.fillText; window.written = [];"
+        " CanvasRenderingContext2D.prototype.fillText = function (words, ...rest) {"
+        " if (this.canvas.id === 'printed') window.written.push(words.slice(1, -1));"
+        " return own.call(this, words, ...rest); }; }"
+    )
     page.page.emulate_media(media="print")
     page.js("window.dispatchEvent(new Event('beforeprint'))")
+    assert sorted(page.js("window.written")) == ["C1", "C2", "C3"]
     for name in ("#printed", "#ball", "#margins", "table", "#verdict"):
         assert page.page.locator(name).first.is_visible(), name
     controls = "button, select, input, .gravity, .hint"

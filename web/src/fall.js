@@ -7,9 +7,9 @@ const WIDE = 360; // of the graph, in its own units; the page scales it
 const HIGH = 112;
 const EDGE = { left: 8, right: 8, top: 20, bottom: 20 };
 const FRICTION = {
-  open: "Drawn as it slides without friction, which may hold it.",
-  holds: "Friction holds it against small pushes; drawn as it would slide without.",
-  falls: "Friction does not hold it; drawn as it slides without, with friction it rolls.",
+  open: "Drawn as it slides without friction.",
+  holds: "Drawn as it would slide without.",
+  falls: "Drawn as it slides without friction; with friction it rolls.",
 };
 
 /** Between which places a share of the way lies, and how far between them. */
@@ -38,6 +38,14 @@ export function fallen(fall, share) {
     shifts: fall.parts.map((_, m) => three(6 * m)),
     turns: fall.parts.map((_, m) => turn(...three(6 * m + 3))),
   };
+}
+
+/** By how much parts that have fallen reach farther out of a box about the middle than at rest. */
+export function overhang(fall, { center, radius }, extent, shifts) {
+  const beyond = (k, i, shift) => Math.max(0, Math.abs(center[3 * k + i] + shift) + radius[k] - extent[i]);
+  return [0, 1, 2].map((i) =>
+    Math.max(0, ...fall.parts.map((k, m) => beyond(k, i, shifts[m][i]) - beyond(k, i, 0))),
+  );
 }
 
 /** How far it has fallen after a share of the time: ever faster. */

@@ -48,10 +48,11 @@ function picture({ stage, names }, canvas) {
   c.lineWidth = 4 * dense;
   c.strokeStyle = style("surface");
   c.fillStyle = style("ink");
-  for (const [part, tag] of names.tags) {
-    const at = !tag.hidden && stage.onScreen(stage.parts.centre(part));
+  for (const [part, { element, off }] of names.tags) {
+    const at = off && stage.onScreen(stage.parts.centre(part));
     if (!at) continue;
-    c.strokeText(tag.textContent, at[0] * dense, at[1] * dense);
-    c.fillText(tag.textContent, at[0] * dense, at[1] * dense);
+    const where = [0, 1].map((i) => (at[i] + off[i]) * dense);
+    c.strokeText(element.textContent, ...where);
+    c.fillText(element.textContent, ...where);
   }
 }

@@ -4,7 +4,7 @@ import { answer, nearestHeld } from "./answer.js";
 import { Ball } from "./ball.js";
 import { ramp, rampOf, themeOf } from "./colours.js";
 import { distance, isThin } from "./cone.js";
-import { Graph, fallen, frictionWords, paced, placeWords } from "./fall.js";
+import { Graph, fallen, frictionWords, overhang, paced, placeWords } from "./fall.js";
 import { Look, id, on } from "./look.js";
 import { deepest } from "./map.js";
 import { bondUse, forceArrows, motionArrows, thrustRods } from "./overlay.js";
@@ -134,7 +134,10 @@ export class Report extends Look {
     const { fall } = this.found;
     const shown = Boolean(fall && fall.places);
     this.stopFall();
-    this.fell = 0;
+    if (this.fell) {
+      this.fell = 0;
+      this.stage.spread(this.spreading());
+    }
     id("fall").hidden = !shown;
     id("motion-row").hidden = shown;
     if (!shown) return;
@@ -154,7 +157,15 @@ export class Report extends Look {
     id("fall-at").setAttribute("aria-valuetext", words);
     id("fall-place").textContent = words;
     this.graph.show(place);
+    this.outside = overhang(this.found.fall, this.page.parts, this.page.extent, place.shifts);
+    if (this.stage) this.stage.spread(this.spreading());
     this.repose();
+  }
+
+  /** The box that the view must hold, with what has fallen out of it. */
+  spreading() {
+    const box = super.spreading();
+    return this.fell ? box.map((e, i) => e + this.outside[i]) : box;
   }
 
   /** The fall from where it is, from the start where it is over; or stopped. */

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import test from "node:test";
-import { fallen, frictionWords, line, paced, placeWords } from "../src/fall.js";
+import { fallen, frictionWords, line, overhang, paced, placeWords } from "../src/fall.js";
 import { turned } from "../src/pose.js";
 import { energy } from "../src/words.js";
 
@@ -60,6 +60,14 @@ test("a place has its unit, and friction its words", () => {
   assert.equal(placeWords("mm", { length: 12.345, energy: -0.00321 }), "12.3 mm along, energy −3.21 mJ");
   assert.equal(energy(0), "0 J");
   assert.equal(energy(-4.2e6), "-4.2 MJ");
-  assert.match(frictionWords(fall), /may hold it/);
-  assert.match(frictionWords({ friction: "holds" }), /^Friction holds it/);
+  assert.match(frictionWords(fall), /without friction/);
+  assert.match(frictionWords({ friction: "holds" }), /would slide without/);
+});
+
+test("the view makes room for what falls out of it, and for nothing at rest", () => {
+  const parts = { center: new Float32Array([0, 0, 0, 2, 0, 1]), radius: [9, 1] };
+  const two = { parts: [1] };
+  near(overhang(two, parts, [3, 1, 2], [[0, 0, 0]]), [0, 0, 0]);
+  near(overhang(two, parts, [3, 1, 2], [[0.5, 0, -4]]), [0.5, 0, 2]);
+  near(overhang(two, parts, [9, 9, 9], [[0.5, 0, -4]]), [0, 0, 0]);
 });
