@@ -12,7 +12,7 @@ no theory; where contacts are given, with their features, the path itself is all
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -31,13 +31,14 @@ from kilter.second_order.free_span import free_span, moving_free
 from kilter.second_order.gap_form import formed, gap_forms
 from kilter.second_order.locked import faces_of, shifts
 from kilter.second_order.locking_stress import find_locked
+from kilter.second_order.minimum_proof import MinimumProof
 from kilter.second_order.oscillation import growth_rate, least_frequency
 from kilter.second_order.paths import Path
 from kilter.second_order.rolling import Rolling
 from kilter.second_order.second_order_tolerances import ACROSS
 from kilter.second_order.stationary import Stationary, stationary
 from kilter.second_order.stopped import level_contacts, level_motions, stop_forms
-from kilter.second_order.stopping_weights import find_stopped
+from kilter.second_order.stopping_weights import find_stopped, opening_motion
 from kilter.second_order.touched_surfaces import Touched, planes_of, touched_surfaces
 from kilter.work import Work
 
@@ -71,6 +72,9 @@ class SecondOrder:
         Of a balanced one, where all contacts are of bodies that can be held apart exactly.
     program : Program or None
         What `problem` and `decision` are about; its free parts are those of one cluster.
+    idle : ndarray of int
+        Contacts of its cluster that carry nothing, and were left out of `program`: without them
+        less keeps it, and it stays.
     rolling : Rolling or None
         Of what is balanced with friction at its contacts: whether that holds it.
     clusters : tuple of SecondOrder
@@ -91,6 +95,7 @@ class SecondOrder:
     problem: Stationary | None = None
     configuration: Configuration | None = None
     program: Program | None = None
+    idle: Index = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     rolling: Rolling | None = None
     clusters: tuple[SecondOrder, ...] = ()
 
@@ -150,6 +155,10 @@ def answer_alone(
     critical : Critical, optional
         Where it is known already.
     """
+    if critical is not None and len(critical.sides):
+        found = _without_idle(assembly, contacts, program, features, critical, work)
+        if found is not None:
+            return found
     known = formed(program, features)
     if not known.any():
         return open_answer(_unknown(program, known), program)
@@ -193,6 +202,45 @@ def answer_alone(
         if sliding is not None:
             return sliding
     return _of(program, problem, decision)
+
+
+def _without_idle(
+    assembly: Assembly,
+    contacts: ContactSet,
+    program: Program,
+    features: Features,
+    critical: Critical,
+    work: Work | None,
+) -> SecondOrder | None:
+    """Of contacts that carry alone: less keeps it, and if it stays then, it stays.
+
+    What is free then is free to one side: a motion that opens all the other contacts.
+    """
+    kept = critical.carries
+    own = Critical(
+        critical.forces[kept], kept[kept], critical.basis, critical.sides[:0]
+    )  # fmt: skip
+    part, rows = program.taking(kept), np.flatnonzero(kept)
+    found = answer_alone(
+        assembly, contacts, part, features.take(rows), critical=own, work=work
+    )  # fmt: skip
+    found = replace(found, idle=np.flatnonzero(~kept))
+    if found.state != "free":
+        return found if found.state == "minimum" else None
+    assert found.decision is not None
+    assert found.problem is not None
+    assert found.problem.scale is not None
+    proof = found.decision.proof
+    if not isinstance(proof, MinimumProof):
+        return None
+    free = proof.free * found.problem.scale[:, None] / found.problem.length
+    opening = opening_motion(program.taking(~kept).jacobian() @ free)
+    if opening is None:
+        return None
+    motion = program.full(free @ opening)
+    moving = moving_free(assembly, FreeMotions(motion[None], ("level",)))
+    size = float(np.linalg.norm(motion.reshape(-1, 3), axis=1).max())
+    return replace(found, motion=motion / size, moving=moving) if len(moving) else None
 
 
 def _sliding(

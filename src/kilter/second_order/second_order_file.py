@@ -34,7 +34,7 @@ from kilter.second_order.minimum_proof import Leaf, MinimumProof, judge_minimum
 from kilter.second_order.modelled import why_unmodelled
 from kilter.second_order.paths import Path, judge_path
 from kilter.second_order.rolling import find_rolling, worst_rolling
-from kilter.second_order.second_order_tolerances import ACROSS, APART
+from kilter.second_order.second_order_tolerances import ACROSS, APART, DROPS
 from kilter.second_order.separation import least_separation
 from kilter.second_order.stationary import Stationary, stationary
 from kilter.second_order.stopped import (
@@ -92,6 +92,11 @@ def second_order_data(found: SecondOrder) -> dict[str, Any] | None:
             }
         )
     assert isinstance(proof, MinimumProof)
+    if len(found.idle):
+        data["idle"] = found.idle.tolist()
+        if found.state == "free":
+            assert found.motion is not None
+            data["motion"] = _named(program, found.motion)
     return data | {
         "basis": [_by_part(program, problem, one) for one in proof.basis.T],
         "across": [_by_part(program, problem, one) for one in proof.free.T],
@@ -214,6 +219,8 @@ def _wrong_gaps(
     features: Features,
     data: dict[str, Any],
 ) -> list[str]:
+    if "idle" in data:
+        return _wrong_without_idle(assembly, contacts, program, features, data)
     known = formed(program, features)
     problem = stationary(program, np.nan_to_num(gap_forms(program, features)))
     if "locked" in data:
@@ -238,6 +245,37 @@ def _wrong_gaps(
     if not known.all() and proof.free.shape[1]:
         reasons.append("motions count as free past contacts whose second order is not known")
     return reasons + _wrong_free(assembly, program, problem, (free, proof), data["state"])
+
+
+def _wrong_without_idle(
+    assembly: Assembly,
+    contacts: ContactSet,
+    program: Program,
+    features: Features,
+    data: dict[str, Any],
+) -> list[str]:
+    """Does it stay without its idle contacts, and does what is free open all of them?"""
+    kept = np.ones(len(program.part_a), dtype=bool)
+    kept[np.asarray(data["idle"], dtype=np.int64)] = False
+    rest = {key: value for key, value in data.items() if key not in ("idle", "motion")}
+    if "basis" not in rest or rest["state"] not in ("minimum", "free") or kept.all():
+        return ["contacts are left out of what is no minimum"]
+    part, own = program.taking(kept), features.take(np.flatnonzero(kept))
+    reasons = _wrong_gaps(assembly, contacts, part, own, rest)
+    if reasons or rest["state"] == "minimum":
+        return reasons
+    none = np.zeros((len(program.part_a), 12, 12))
+    problem = stationary(program, none)
+    motion = _motion(program, data["motion"])
+    columns = scaled_columns(program, problem, motion[None])[:, 0]
+    free, size = _stacked(program, problem, data["across"]), float(np.linalg.norm(columns))
+    if np.abs(columns - free @ (free.T @ columns)).max(initial=0.0) > ACROSS * size:
+        reasons.append("its motion is none of those that are free")
+    if not (problem.rows[~kept] @ columns > DROPS * size).all() or size == 0:
+        reasons.append("its motion does not open the contacts that carry nothing")
+    if not len(moving_free(assembly, FreeMotions(motion[None], ("level",)))):
+        reasons.append("its motion only spins parts of revolution")
+    return reasons
 
 
 def _wrong_locked(

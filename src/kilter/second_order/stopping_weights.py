@@ -14,7 +14,7 @@ from kilter.second_order.stopped import StopForms, Stopped, judge_stopped, stop_
 from kilter.solvers.highs import find_optimum
 from kilter.solvers.problem import LinearProgram
 
-__all__ = ["find_stopped"]
+__all__ = ["find_stopped", "opening_motion"]
 
 SHARES = (0.1, 1e-3, 1e-5)
 """Of the most even weights, what each has at least where the curvature is to be great."""
@@ -31,7 +31,7 @@ def find_stopped(problem: Stationary, level: Mask, motions: Array, free: Array) 
     if not count or not stops or stops * count > MOST_WEIGHTS:
         return None
     found = carrying_forces(csr_array(problem.rows[level]), problem.load)
-    opening = _opening(problem.rows[~level] @ motions)
+    opening = opening_motion(problem.rows[~level] @ motions)
     if found is None or opening is None:
         return None
     forces = np.zeros(len(level))
@@ -44,8 +44,11 @@ def find_stopped(problem: Stationary, level: Mask, motions: Array, free: Array) 
     return None
 
 
-def _opening(rows: Array) -> Array | None:
-    """The level motion that opens stops most.  Max t:  rows x >= t,  |x| <= 1."""
+def opening_motion(rows: Array) -> Array | None:
+    """Of motions x, shape (f,), the one that opens rows (s, f) most; None where none opens all.
+
+    Max t:  rows x >= t,  |x| <= 1.
+    """
     count, freedoms = rows.shape
     answer = find_optimum(
         LinearProgram(
