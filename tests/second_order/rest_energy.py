@@ -1,0 +1,159 @@
+"""Random assemblies at rest: their state, their proof, and a descent of the energy beside it.
+
+    python tests/second_order/rest_energy.py              210 assemblies, counted by kind and state
+    python tests/second_order/rest_energy.py 50 --first 1000 --seconds 30
+
+Each proof is verified. Then the energy is lowered from random places near by, by linear programs
+over planes that part the bodies, within a box; a place counts where the bodies are apart there by
+their exact separation. None may be lower than a minimum, or than what is free; the place that a
+balanced one has must be lower. The command ends with 1 where one is not so, where a proof is
+refused, or where a case takes longer than `--seconds` of CPU.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections import Counter
+
+import numpy as np
+from random_rests import random_rest
+from scipy.optimize import linprog
+
+import kilter
+from kilter.arrays import Array
+from kilter.mechanics.program import Program, build_program
+from kilter.second_order.parting_planes import PartingPlanes, Places
+from kilter.second_order.second_order_answer import SecondOrder
+from kilter.second_order.separation import least_separation
+
+RADII = (0.02, 0.005)
+"""Of the boxes, over the size of the smallest part."""
+STARTS, STEPS = 3, 10
+"""Random places in a box, and linear programs from each."""
+LOWER = 1e-4
+"""Of the weight and the square of the box, over the size: what is lower by this is lower."""
+
+
+class Descent:
+    """The energy of an assembly about its place."""
+
+    def __init__(self, assembly: kilter.Assembly, program: Program) -> None:
+        self.assembly, self.program = assembly, program
+        self.planes = PartingPlanes(assembly, program)
+        self.size = float(program.radius[program.free].min())
+        self.weight = float(program.weight[program.free].sum())
+        six = np.ones((len(program.names), 6))
+        six[:, 3:] /= program.radius[:, None]
+        self.units = np.where(program.free[:, None], six * self.size, 0.0).reshape(-1)
+
+    def energy(self, place: Places) -> float:
+        """Less that at the start, over the weight and the size."""
+        return -float((place.shifts * self.program.load[:, :3]).sum()) / (self.weight * self.size)
+
+    def apart(self, place: Places) -> bool:
+        found = least_separation(self.assembly, self.program, place.motion, beyond=self.size)
+        return found is not None and found >= 0
+
+    def least(self, random: np.random.Generator, t: float) -> float:
+        """The least energy that is found within t of the place, bodies apart; 0 where none is."""
+        count = len(self.units)
+        place = Places.of((t * random.uniform(-1, 1, count) * self.units).reshape(-1, 6))
+        best, trust = 0.0, t
+        for _ in range(STEPS):
+            step = self._solved(place, t, trust)
+            if step is None:
+                break
+            place, trust = place.after((step * self.units).reshape(-1, 6)), trust / 1.5
+            if self.apart(place):
+                best = min(best, self.energy(place))
+        return best
+
+    def _solved(self, place: Places, t: float, trust: float) -> Array | None:
+        """The step that loses most energy in the box; where none is apart, the one least off."""
+        count = len(self.units)
+        rows, bound = self.planes.rows(
+            place, np.full(len(self.program.names), 8 * t * self.size), 1e-9 * self.size
+        )
+        now = np.divide(
+            place.motion.reshape(-1), self.units, where=self.units > 0, out=np.zeros(count)
+        )
+        low, high = np.maximum(-trust, -t - now), np.minimum(trust, t - now)
+        low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
+        scale = np.append(self.units, np.full(rows.shape[1] - count, self.size))
+        scale[count:] = np.where(np.arange(rows.shape[1] - count) % 3 < 2, 1.0, self.size)
+        matrix = np.hstack([rows * scale / self.size, -np.ones((len(rows), 1))])
+        load = self.program.load.reshape(-1) * self.units / (self.weight * self.size)
+        cost = np.concatenate([-load, np.zeros(rows.shape[1] - count), [1e3]])
+        box = [
+            *zip(low, high, strict=True),
+            *([(-1.0, 1.0)] * (rows.shape[1] - count)),
+            (0.0, None),
+        ]
+        found = linprog(cost, matrix, bound / self.size, bounds=box)
+        return np.asarray(found.x[:count]) if found.status == 0 else None
+
+
+def least_beside(assembly: kilter.Assembly, seed: int, t: float) -> float:
+    """The least energy within t of the place, over t^2."""
+    program = build_program(assembly, kilter.contacts(assembly)).frictionless
+    descent, random = Descent(assembly, program), np.random.default_rng(seed)
+    return min(descent.least(random, t) for _ in range(STARTS)) / t**2
+
+
+def contradicts(assembly: kilter.Assembly, found: SecondOrder, seed: int) -> tuple[str, bool]:
+    """What a descent says against a state, empty where it agrees; and whether it came lower."""
+    least = [least_beside(assembly, seed, t) for t in RADII]
+    lower = min(least) < -LOWER
+    if found.state == "balanced":
+        place = found.configuration
+        assert found.program is not None
+        good = place is not None and Descent(assembly, found.program).apart(Places.of(place.motion))
+        good = good and place is not None and place.energy < 0
+        return ("" if good else "its place is not lower and apart"), lower
+    return (f"{least} t^2 lower" if lower else ""), lower
+
+
+def told(line: str) -> None:
+    sys.stdout.write(line + "\n")
+    sys.stdout.flush()
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser.add_argument("count", type=int, nargs="?", default=210)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--seconds", type=float, default=10.0)
+    given = parser.parse_args()
+    counts: Counter[tuple[str, str]] = Counter()
+    wrong, beaten, longest = 0, 0, 0.0
+    for seed in range(given.first, given.first + given.count):
+        kind, assembly = random_rest(seed)
+        begun = time.process_time()
+        verdict = kilter.check(assembly)
+        took = time.process_time() - begun
+        longest = max(longest, took)
+        second = verdict.second_order
+        state = verdict.verdict if second is None else second.state
+        counts[kind, state] += 1
+        words = [f"{took:.1f} s"] if took > given.seconds else []
+        if second is not None and second.state == "open":
+            told(f"{seed} {kind}: open, {second.why}")
+        elif second is not None:
+            words += kilter.verify(assembly, verdict.proof()).reasons
+            against, lower = contradicts(assembly, second, seed)
+            words += [against] if against else []
+            beaten += lower and second.state == "balanced"
+        for word in words:
+            wrong += 1
+            told(f"{seed} {kind}: {state}, but {word}")
+    for (kind, state), number in sorted(counts.items()):
+        told(f"{kind:>10} {state:>10} {number:5}")
+    told(f"the descent came lower than {beaten} of those that balance")
+    told(f"longest check {longest:.2f} s of CPU, {wrong} contradictions")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

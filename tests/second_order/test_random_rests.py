@@ -1,0 +1,40 @@
+"""Random assemblies at rest: `rest_energy.py` compares their states with a descent of the energy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from random_rests import KINDS, random_rest
+from rest_energy import LOWER, contradicts, least_beside
+
+import kilter
+from kilter import Assembly, Box, Part, Pose, Sphere
+
+
+def test_every_kind_is_made_alike_by_its_seed() -> None:
+    kinds = [random_rest(seed)[0] for seed in range(len(KINDS))]
+    assert len(set(kinds)) == len(KINDS)
+    one, other = (random_rest(3)[1] for _ in range(2))
+    for a, b in zip(one.parts, other.parts, strict=True):
+        np.testing.assert_array_equal(a.pose.position, b.pose.position)
+
+
+def test_a_descent_comes_lower_than_what_balances_and_no_lower_than_a_minimum() -> None:
+    floor = Part("floor", Box([9, 9, 1]), Pose([0, 0, -0.5]), grounded=True)
+    ball = Part("ball", Sphere(0.5), Pose([0, 0, 0.5]))
+    box = Part("box", Box([1, 1, 1]), Pose([0, 0, 1.5]))
+    assert least_beside(Assembly([floor, ball, box]), 0, 0.02) < -0.01
+    can = Part("box below", Box([0.6, 0.6, 1]), Pose([0, 0, 0.5]))
+    assert least_beside(Assembly([floor, can, box]), 0, 0.02) > -LOWER
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("block", range(10))
+def test_seventy_without_a_contradiction(block: int) -> None:
+    for seed in range(1000 + 7 * block, 1007 + 7 * block):
+        kind, assembly = random_rest(seed)
+        verdict = kilter.check(assembly)
+        second = verdict.second_order
+        assert kilter.verify(assembly, verdict.proof()).holds, (seed, kind)
+        if second is not None and second.state != "open":
+            assert contradicts(assembly, second, seed)[0] == "", (seed, kind)
