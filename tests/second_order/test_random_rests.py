@@ -1,4 +1,4 @@
-"""Random assemblies at rest: `rest_energy.py` compares their states with a descent of the energy."""
+"""Random assemblies at rest: their states beside a descent of the energy (`rest_energy.py`)."""
 
 from __future__ import annotations
 
