@@ -505,3 +505,18 @@ def test_the_brick_to_add_is_shown_among_parts_at_rest(opened: Callable, tmp_pat
     assert page.js(ghost)
     page.page.click("#show-change")
     assert not page.js(ghost)
+
+
+def test_a_place_of_rest_says_how_it_rests_where_it_is_pointed_at(opened: Callable) -> None:
+    page = opened("corner-wedges")
+    rests = page.js("window.kilter.page.region.rests")
+    assert len(rests) > 1
+    assert page.js("document.getElementById('rests-key').hidden") is False
+    seen = [one for one in rests if page.js("d => window.kilter.ball.place(d).front", one["down"])]
+    assert seen
+    for rest in seen:
+        page.page.mouse.move(*knob(page, rest["down"]))
+        assert page.js("document.getElementById('ball').title") == rest["words"]
+    box = page.page.locator("#ball").bounding_box()
+    page.page.mouse.move(box["x"] + 1, box["y"] + 1)
+    assert page.js("document.getElementById('ball').title") == ""

@@ -91,3 +91,12 @@ def test_friction_is_refused() -> None:
 
 def test_nothing_is_told_that_was_not_asked() -> None:
     assert kilter.region(corner()).to_dict()["rests"] == []
+
+
+def test_where_no_direction_is_stable_there_is_no_rest() -> None:
+    floating = [
+        block("held", [0, 0, 0], [1, 1, 1], grounded=True),
+        block("b", [3, 0, 0], [4, 1, 1]),
+    ]
+    answer = kilter.region(Assembly(floating), rests=True)
+    assert (answer.kind, answer.rests) == ("none", ())

@@ -5,6 +5,7 @@ import { innerOf, outerOf } from "./answer.js";
 import { along, arcs, contains, isThin, outline } from "./cone.js";
 import { ramp, rampOf, rgb, themeOf } from "./colours.js";
 import { deepest, farthest } from "./map.js";
+import { paintRests, restAt } from "./rests.js";
 import { eyeFor, inPlane, onDisc, sphereView, underPoint } from "./sphere.js";
 import { angleBetween, cross, dot, norm, scaled, turnedAbout, unit, without } from "./vector.js";
 
@@ -78,7 +79,7 @@ export class Ball {
   }
 
   move(event) {
-    if (!this.drag) return;
+    if (!this.drag) return this.point(event);
     const [x, y] = [event.clientX - this.drag.at[0], event.clientY - this.drag.at[1]];
     this.drag.far = Math.max(this.drag.far, Math.hypot(x, y));
     if (this.drag.holds) {
@@ -90,6 +91,17 @@ export class Ball {
       this.stale = true;
       this.draw();
     }
+  }
+
+  /** Over a place of rest its words are the canvas's title. */
+  point(event) {
+    const { x, y, direction } = this.under(event);
+    const rest = Math.hypot(x, y) <= 1.05 ? restAt(this.rests, direction) : null;
+    this.canvas.title = rest ? rest.words : "";
+  }
+
+  get rests() {
+    return this.page.region?.rests ?? [];
   }
 
   release(event) {
@@ -157,6 +169,7 @@ export class Ball {
     else c.drawImage(this.layer, 0, 0, side, side);
     this.paintAxes(c, style);
     this.paintRegion(c, style);
+    paintRests(c, this.rests, (u) => this.onCanvas(u), style);
     this.paintMarks(c, style);
     this.paintArrow(c, style, true);
   }

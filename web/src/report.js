@@ -352,6 +352,7 @@ export class Report extends Look {
     id("question").hidden = !region;
     id("stable-key").hidden = !region || region.kind === "none";
     id("gap-key").hidden = !region || !region.inner;
+    id("rests-key").hidden = !region?.rests?.length;
     if (!region) return;
     id("question").textContent = region.words.question;
     id("stable-words").textContent = region.words.inside;

@@ -19,6 +19,7 @@ from kilter.analysis.margins.improve import Improvement, improve
 from kilter.analysis.margins.margin import PUSHED, margin
 from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.region import Region, common_region, region
+from kilter.analysis.regions.rests import find_rests
 from kilter.analysis.turning.orientation import orient
 from kilter.analysis.turning.stability_map import StabilityMap, stability_map
 from kilter.analysis.verdict import Verdict
@@ -49,6 +50,8 @@ MAP_MOTIONS = 12_000
 """Vertices of the map times free parts: above this its motions take too long."""
 MARGIN_PARTS = PUSHED
 """Up to this many free parts margins are looked for, each part's weakest push among them."""
+REST_PARTS = 6
+"""Up to this many free parts it is asked how it rests in each direction of its region."""
 CHANGE_PARTS = 40
 """Up to this many free bricks it is looked for which one to add or to take away."""
 RAY_FORCES = 60_000
@@ -218,7 +221,7 @@ def everything(
         contacts=contacts,
         given=given,
         recommended=recommended,
-        region=None if found is None else found.to_dict(),
+        region=None if found is None else _with_rests(found, assembly, contacts).to_dict(),
         inner=None if found is None or found.gap_deg is None else found.cone,
         none=none,
         rays=() if found is None else _rays(assembly, contacts, found),
@@ -306,6 +309,14 @@ def _region(assembly: Assembly, contacts: ContactSet, notes: list[str]) -> Regio
         "friction is shown; 'kilter region' looks at every size"
     )
     return common_region([assembly], contacts=[contacts])
+
+
+def _with_rests(found: Region, assembly: Assembly, contacts: ContactSet) -> Region:
+    """The region with how it rests there; as it is where friction counts or parts are many."""
+    rubs = bool((contacts.patch_mu > 0).any())
+    if rubs or assembly.planar or _free(assembly) > REST_PARTS:
+        return found
+    return replace(found, rests=find_rests(found.cone, assembly, contacts))
 
 
 def _first(found: Region, down: Array) -> Array | None:

@@ -18,6 +18,7 @@ from kilter.show.round_patches import round_patches
 from kilter.show.shapes import Drawn, placed
 from kilter.tell.check_facts import forces_phrase
 from kilter.tell.facts import facts
+from kilter.tell.region_facts import rest_words
 from kilter.tell.second_order_words import second_order_words
 from kilter.tell.words import VERDICTS, live_words
 from kilter.units import metres_per_unit
@@ -285,6 +286,10 @@ def _region(answers: Everything) -> dict[str, Any] | None:
     region, inner = answers.region, answers.inner
     if region is None:
         return None
+    rests = [
+        {"down": one["down"], "state": one["state"], "words": rest_words(one)}
+        for one in region["rests"]
+    ]
     keys = ("kind", "dimension", "lines", "rays", "equations", "facets", "center")
     band, rough = inner is not None, region["friction"]
     exact = region["exact"] or answers.none
@@ -298,6 +303,7 @@ def _region(answers: Everything) -> dict[str, Any] | None:
         if inner is None
         else {"facets": inner.facets.tolist(), "blur": -inner.inwards or inner.blur},
         "gap_deg": region["gap_deg"],
+        "rests": rests,
         "inside": "potentially-stable" if rough else "stable",
         "outside": "unstable" if region["complete"] or answers.none else "undecided",
         "words": live_words(exact=exact, band=band, friction=rough),

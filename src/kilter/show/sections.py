@@ -15,6 +15,7 @@ from kilter.show.scene import coincide
 from kilter.tell.facts import facts
 from kilter.tell.numbers import number, vector
 from kilter.tell.region_facts import region_words
+from kilter.tell.rest_table import rest_table
 from kilter.tell.tables import Name, Table, forces_table, load_table, open_table, push_table, tables
 
 if TYPE_CHECKING:
@@ -40,6 +41,10 @@ ABOVE = ("seconds", "level")
 """Facts that are not listed: the banner has the level, and no time belongs to an answer."""
 OPEN = 60
 """A section with more rows than this begins closed."""
+RESTS = (
+    "Without friction: a strict minimum comes back after small pushes. The tilt is that of gravity "
+    "up to which it stays, or of one body on a table, from which it comes back."
+)
 LIVE = (
     "Turning gravity solves nothing: a direction is answered by the cone of directions that is in "
     "this page, and its margin is the angle to the nearest side of that cone. Colour and moving "
@@ -66,7 +71,7 @@ def named(name: str) -> str:
 def sections(answers: Everything, *, command: str, versions: dict[str, str]) -> str:
     """The sections below the picture."""
     parts = [_verdict(answers), _left_open(answers), _parts(answers), _contacts(answers)]
-    parts[2:2] = [_tried(answers), _pushes(answers), _loads(answers)]
+    parts[2:2] = [_rests(answers), _tried(answers), _pushes(answers), _loads(answers)]
     warned = [
         *answers.given.check["warnings"],
         *(answers.region or {}).get("warnings", ()),
@@ -167,6 +172,14 @@ def change_card(answers: Everything) -> str:
         f'<h2 id="change-title">What to change</h2><p>{text(found.sentence)}</p>{rows}{button}{key}'
         "</section>\n"
     )
+
+
+def _rests(answers: Everything) -> str:
+    """How it rests in the directions of its region."""
+    if answers.region is None or not answers.region["rests"]:
+        return ""
+    table = rest_table(answers.region)
+    return section(f"How it rests ({len(table.items)})", f"<p>{text(RESTS)}</p>", _table(table))
 
 
 def _tried(answers: Everything) -> str:

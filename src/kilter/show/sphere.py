@@ -15,6 +15,7 @@ from kilter.show.canvas import INK, PAPER, blank, legend, title
 from kilter.show.painter import Camera
 from kilter.tell.numbers import angle as angle_words
 from kilter.tell.palette import ROLES
+from kilter.tell.rest_table import REST_SIGNS
 from kilter.tell.tables import region_sentence
 
 if TYPE_CHECKING:
@@ -29,6 +30,13 @@ __all__ = ["draw_region"]
 FILL, BORDER = ROLES["stable-fill"].light, ROLES["stable"].light
 BALL, GRID, GIVEN = (ROLES[name].light for name in ("page", "line", "ink"))
 PALE = ROLES["soft"].light
+REST_MARKS = {
+    "minimum": ("D", GIVEN),
+    "free": ("o", PALE),
+    "balanced": ("P", PALE),
+    "open": ("d", PALE),
+}
+"""Markers of places of rest and their colours."""
 SAMPLES = 241
 """Of the fill, across a half: its border is drawn apart, and exactly."""
 AROUND = np.linspace(0.0, 2 * np.pi, 721)
@@ -174,6 +182,12 @@ def _marks(axes: Axes, region: Region, camera: Camera, given: Array) -> dict[str
     elif region.center is not None:
         sign = _dots(axes, region.center[None], camera, "*", BORDER, 11)
         entries["widest margin"] = sign
+    for state, sign in REST_SIGNS.items():
+        rests = [rest.down for rest in region.rests if rest.state == state]
+        if rests:
+            marker, colour = REST_MARKS[state]
+            shown = _dots(axes, np.array(rests), camera, marker, colour, 7)
+            entries[f"rest: {sign}"] = shown
     entries["gravity as given"] = _dots(axes, given[None], camera, "X", GIVEN, 7)
     return entries
 

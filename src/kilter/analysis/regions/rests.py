@@ -18,9 +18,12 @@ import numpy as np
 from kilter.analysis.check import check
 from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.well import Well, find_well
+from kilter.analysis.turning_tolerances import NO_GAIN
+from kilter.analysis.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
+from kilter.mechanics.rows import CONTACT
 
 if TYPE_CHECKING:
     from kilter.second_order.clusters import State
@@ -49,6 +52,8 @@ class PlaceOfRest:
         proved; of what is balanced, the rate of growth [1/s].
     moving : tuple of str
         What falls, or moves freely.
+    on : tuple of str
+        The held parts that bear its weight there: what it lies on.
     why : str
         Why it is open.
     well : Well or None
@@ -62,6 +67,7 @@ class PlaceOfRest:
     moving: tuple[str, ...]
     why: str
     well: Well | None = None
+    on: tuple[str, ...] = ()
 
     @property
     def strict(self) -> bool:
@@ -72,6 +78,7 @@ class PlaceOfRest:
         """The answer as JSON data."""
         return {
             "down": (self.down + 0.0).tolist(),
+            "on": list(self.on),
             "state": self.state,
             "tilt_deg": self.tilt_deg,
             "rate": self.rate,
@@ -105,7 +112,7 @@ def _directions(cone: Cone) -> Array:
     center = np.zeros((0, 3)) if cone.center is None else cone.center[None]
     listed = np.vstack([center, cone.lines, -cone.lines, cone.rays])
     same = np.linalg.norm(listed[:, None] - listed, axis=-1) <= cone.blur
-    first = np.argmax(same, axis=1) == np.arange(len(listed))
+    first = ~np.tril(same, -1).any(axis=1)
     found: Array = listed[first][:MOST_RESTS]
     return found
 
@@ -119,11 +126,23 @@ def _rest(down: Array, cone: Cone, assembly: Assembly, contacts: ContactSet) -> 
         why = f"a check says {verdict.verdict} so near the boundary of the region"
         return PlaceOfRest(down, "open", tilt, None, (), why)
     second = verdict.to_dict()["second_order"]
-    well = find_well(turned, contacts, verdict)
+    well, on = find_well(turned, contacts, verdict), _bearing(verdict)
     if second is None:
-        return PlaceOfRest(down, "minimum", tilt, None, (), "", well)
+        return PlaceOfRest(down, "minimum", tilt, None, (), "", well, on)
     moving, why = tuple(second["motion"] or ()), second["why"] or ""
-    return PlaceOfRest(down, second["state"], tilt, second["rate"], moving, why, well)
+    return PlaceOfRest(down, second["state"], tilt, second["rate"], moving, why, well, on)
+
+
+def _bearing(verdict: Verdict) -> tuple[str, ...]:
+    """Held parts that press on free ones, by the forces of a verdict."""
+    proof, program = verdict.judgement.forces, verdict.program
+    if proof is None:
+        return ()
+    both = np.stack([program.part_a, program.part_b], axis=1)
+    held = ~np.append(program.free, True)[both] & (both < len(program.names))
+    presses = np.abs(proof.forces) > NO_GAIN * float(program.weight[program.free].max(initial=0.0))
+    bear = np.unique(both[held & presses[:, None] & (program.kind == CONTACT)[:, None]])
+    return tuple(program.names[k] for k in bear)
 
 
 def _tilt(down: Array, cone: Cone) -> float | None:
