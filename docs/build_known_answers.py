@@ -31,19 +31,33 @@ docs/build_known_answers.py`, which asks for it anew; how it is proved is in the
 [theory](theory.md), what the words mean in [what the answers mean](answers.md).
 
 The cases are `kilter.scenes.balance`. Contacts are given with what touches and how it curves
-([features](contacts.md#features)); the shapes of the parts are stand-ins, so there are no pictures.
-Where there is a limit, the first state is below it and the second above, as kilter finds them
-{beside} from it. *Costs nothing* counts the motions that cost nothing to first order, *free* those
-of them that are proved to cost nothing at all, below the limit. Lengths in m.
+([features](contacts.md#features)); the pictures are drawn from these, and choose what a case leaves
+open, as how thick a plank is. Where there is a limit, the first state is below it and the second
+above, as kilter finds them {beside} from it. *Costs nothing* counts the motions that cost nothing
+to first order, *free* those of them that are proved to cost nothing at all, below the limit.
+Lengths in m.
 
 """
 SLIPPERY = """## Without friction
 
 A *minimum* is strict but for free spins of round parts, *free* the same across motions that cost
-nothing; *balanced* falls at the slightest push. kilter finds {found} of {all} states; {open}.
+nothing; *balanced* falls at the slightest push.
 
-| | case | known | kilter finds | costs nothing | free | what it shows |
-|---|---|---|---|---|---|---|
+{signs}
+{cards}
+kilter finds {found} of {all} states; {open}.
+
+| | case | known | kilter finds | costs nothing | free |
+|---|---|---|---|---|---|
+"""
+SIGNS = """Held parts are striped. Quartered circles are centres of mass, below the limit, and the
+dashed line is where they are at it. One orange arrow away: it falls so. Two blue arrows back:
+pushed so, it returns. Two plain arrows away: it goes so at no cost.
+"""
+CARD = """
+-   ![{number}: {title}](images/known/{number}.svg){{ loading=lazy }}
+
+    **{number}. {heading}:** {known}. {shows}.
 """
 GRIPPING = """
 ## Rolling without slip
@@ -54,8 +68,9 @@ space what rolls in a circle may come back shifted: where no energy bounds the s
 the answer is *open* ([theory](theory.md)). A minimum without friction, or what is free there,
 holds with any.
 
-| | case | known | in the plane | in space | what it shows |
-|---|---|---|---|---|---|
+{cards}
+| | case | known | in the plane | in space |
+|---|---|---|---|---|
 """
 
 SHOWS = {
@@ -176,7 +191,22 @@ def gripping(case: Case) -> list[str]:
 
 def row(case: Case, cells: list[str]) -> str:
     """A line of a table."""
-    return "| " + " | ".join([case.number, case.title, *cells, SHOWS[case.number]]) + " |\n"
+    return "| " + " | ".join([case.number, case.title, *cells]) + " |\n"
+
+
+def cards(cases: list[Case], words: dict[str, str]) -> str:
+    """What is known of cases, with their pictures."""
+    told = [
+        CARD.format(
+            number=case.number,
+            title=case.title,
+            heading=case.title[0].upper() + case.title[1:],
+            known=known(case, words),
+            shows=SHOWS[case.number][0].upper() + SHOWS[case.number][1:],
+        )
+        for case in cases
+    ]
+    return '<div class="grid cards" markdown>\n' + "".join(told) + "\n</div>\n"
 
 
 def page() -> str:
@@ -188,9 +218,11 @@ def page() -> str:
     return "".join(
         [
             HEAD.format(beside=number(BESIDE, 2)),
-            SLIPPERY.format(found=sum(states), all=len(states), open=left),
+            SLIPPERY.format(
+                signs=SIGNS, cards=cards(CASES, {}), found=sum(states), all=len(states), open=left
+            ),
             *(row(case, cells) for case, cells, _ in without),
-            GRIPPING,
+            GRIPPING.format(cards=cards(ROLLING, ROLLS)),
             *(row(case, gripping(case)) for case in ROLLING),
         ]
     )
