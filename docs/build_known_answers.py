@@ -45,7 +45,7 @@ nothing; *balanced* falls at the slightest push.
 
 {signs}
 {cards}
-kilter finds {found} of {all} states; {open}.
+Of {all} states {found} are found; {open}.
 
 | | case | known | kilter finds | costs nothing | free |
 |---|---|---|---|---|---|
