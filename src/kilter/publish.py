@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from kilter.analysis.verdict import Verdict
     from kilter.assembly import Assembly
     from kilter.contact import ContactSet, Tolerance
+    from kilter.second_order.path_places import PathPlaces
     from kilter.show.serve import PageServer
 
 __all__ = ["Report", "animate", "draw", "report", "view"]
@@ -358,14 +359,20 @@ def animate(subject: Order | Region | Verdict, out: str | Path | None = None) ->
 def _film_of(verdict: Verdict) -> bytes:
     """How parts start to move, or how what is balanced falls."""
     from kilter.analysis.free_travel import free_travel
-    from kilter.second_order.path_places import find_path_places
     from kilter.show.motion_film import film_of_fall, film_of_motion
 
-    assembly, second = verdict.assembly, verdict.second_order
-    path = None if second is None else find_path_places(assembly, second)
+    path = _path_of(verdict)
     if path is not None:
-        return film_of_fall(assembly, path.motions, path.lengths)
-    return film_of_motion(assembly, free_travel(verdict))
+        return film_of_fall(verdict.assembly, path.motions, path.lengths)
+    return film_of_motion(verdict.assembly, free_travel(verdict))
+
+
+def _path_of(verdict: Verdict) -> PathPlaces | None:
+    """How what is balanced falls."""
+    from kilter.second_order.path_places import find_path_places
+
+    second = verdict.second_order
+    return None if second is None else find_path_places(verdict.assembly, second)
 
 
 def _require_steps(order: Order) -> None:
@@ -449,7 +456,9 @@ def draw(
         _require_steps(answer)
         figure = draw_plan(answer.states.assembly, answer.to_dict(), view=view)
     else:
-        figure = draw_assembly(answer, view=view, names=names, contacts=shown)
+        path = _path_of(answer)
+        fall = None if path is None else path.motions[path.half_way]
+        figure = draw_assembly(answer, view=view, names=names, contacts=shown, fall=fall)
     if out is not None:
         from kilter.files import write_bytes
 

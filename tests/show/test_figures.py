@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import kilter
-from kilter import Assembly, Box, Part, Pose
+from kilter import Assembly, Box, Part, Pose, Sphere
 from kilter.cli import main
 from kilter.files import to_text
 from kilter.scenes import scene
@@ -136,6 +136,22 @@ def test_a_stable_assembly_has_forces_and_no_motion() -> None:
     assert not [a for a in lines(figure, "FancyArrowPatch") if a.get_zorder() == 5]
     greatest = np.linalg.norm(verdict.forces.resultant, axis=1).max()
     assert any(f"{greatest / 1e3:.4g} kN" in text for text in words(figure))
+
+
+def test_a_ball_that_falls_is_outlined_where_it_comes_to() -> None:
+    base = Part("base", Sphere(1.0), grounded=True)
+    verdict = kilter.check(Assembly([base, Part("ball", Sphere(0.5), Pose([0, 0, 1.5]))]))
+    end = np.zeros((2, 6))
+    end[1, :3] = [0.9, 0.0, -0.3]
+    figure = draw_assembly(verdict, view=(0.0, 0.0), fall=end)
+    (drawn,) = [
+        one for one in lines(figure, "LineCollection") if one.get_linestyle() != [(0, None)]
+    ]
+    off = np.concatenate(drawn.get_segments()) - [0.9, 1.2]
+    assert np.linalg.norm(off, axis=1) == pytest.approx(0.5, abs=0.01)
+    assert "where a push leads, without friction" in words(figure)
+    assert "where a push leads, without friction" in words(kilter.draw(verdict))
+    assert "where a push leads, without friction" not in words(draw_assembly(verdict))
 
 
 @pytest.mark.parametrize("down", [[0, 0, 1], [1, 0, 0], [0.3, -0.5, 0.2]])

@@ -28,6 +28,7 @@ from kilter.second_order.second_order_tolerances import APART
 from kilter.second_order.separation import least_separation
 from kilter.solvers.clarabel import solve_conic
 from kilter.solvers.problem import ConicProgram
+from kilter.threads import on_one_thread
 from kilter.work import PER_EFFORT, Work
 
 __all__ = ["PathPlaces", "find_path_places"]
@@ -82,7 +83,13 @@ class PathPlaces:
     lengths: Array
     apart: Array
 
+    @property
+    def half_way(self) -> int:
+        """The place that is half as far along as the last, or the next one."""
+        return int(np.searchsorted(self.lengths, self.lengths[-1] / 2))
 
+
+@on_one_thread
 def find_path_places(
     assembly: Assembly, found: SecondOrder, *, work: Work | None = None
 ) -> PathPlaces | None:

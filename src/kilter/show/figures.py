@@ -13,7 +13,14 @@ import numpy as np
 from kilter.arrays import Array
 from kilter.rigid import quaternion_to_matrix, rotation_between
 from kilter.show.canvas import blank, legend, title
-from kilter.show.overlay import draw_forces, draw_gravity, draw_motion, draw_names, draw_patches
+from kilter.show.overlay import (
+    draw_fall,
+    draw_forces,
+    draw_gravity,
+    draw_motion,
+    draw_names,
+    draw_patches,
+)
 from kilter.show.painter import Camera
 from kilter.show.solids import draw_parts
 from kilter.show.sphere import draw_region
@@ -53,6 +60,7 @@ def draw_assembly(
     view: tuple[float, float] | None = None,
     names: bool | None = None,
     contacts: bool | None = None,
+    fall: Array | None = None,
 ) -> Figure:
     """The parts, and how they start to move, or the contact forces that balance them.
 
@@ -66,6 +74,8 @@ def draw_assembly(
         Write names; where not given, for up to `NAMED` parts.
     contacts : bool, optional
         Show contact patches; where not given, for up to `PATCHES`.
+    fall : ndarray, shape (N, 6), optional
+        Where parts of what is balanced fall to: shifts [length unit] and rotation vectors [rad].
 
     Returns
     -------
@@ -95,6 +105,8 @@ def draw_assembly(
         radius = assembly.geometry.radius[verdict.program.free]
         longest = min(ARROW * size, 2 * float(radius.max(initial=0.0)) or ARROW * size)
         entries += draw_forces(axes, verdict, camera, longest)
+    if fall is not None:
+        entries += draw_fall(axes, verdict, camera, fall)
     if names:
         draw_names(axes, assembly, faces)
     draw_gravity(axes, camera)

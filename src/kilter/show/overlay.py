@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kilter.arrays import Array
-from kilter.rigid import quaternion_to_matrix
+from kilter.arrays import Array, Index
+from kilter.rigid import quaternion_to_matrix, screwed
 from kilter.show.canvas import INK, PAPER, label
 from kilter.show.painter import Camera
 from kilter.show.shapes import placed
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from kilter.analysis.verdict import Verdict
     from kilter.assembly import Assembly
 
-__all__ = ["draw_forces", "draw_gravity", "draw_motion", "draw_names", "draw_patches"]
+__all__ = ["draw_fall", "draw_forces", "draw_gravity", "draw_motion", "draw_names", "draw_patches"]
 
 
 MOTION, FORCE, PATCH = (ROLES[name].light for name in ("unstable", "force", "patch"))
@@ -110,31 +110,60 @@ def draw_motion(
 
 def _ghosts(axes: Axes, verdict: Verdict, camera: Camera, farthest: float) -> list[tuple[Any, str]]:
     """Edges of the moving parts, moved along their first accelerations."""
-    from matplotlib.collections import LineCollection
-    from matplotlib.lines import Line2D
-
     motion, assembly = verdict.motion, verdict.assembly
     moving = np.flatnonzero(motion.moves)
     if len(moving) > GHOSTS:
         return []
-    places, center = placed(assembly), assembly.geometry.center
-    matrices = quaternion_to_matrix(places.rotation)
-    unit = metres_per_unit(assembly.units)
+    unit, center = metres_per_unit(assembly.units), assembly.geometry.center
     edges, paths = [], []
-    for k in moving:
-        shape = places.shapes[places.shape[k]]
-        corners = shape.positions.astype(np.float64) @ matrices[k].T + places.position[k]
+    for k, corners, pairs in _corners(assembly, moving):
+        ends = corners[pairs]
         angular = motion.acceleration[k, 3:] * unit
-        path = motion.acceleration[k, :3] + np.cross(angular, corners - center[k])
-        edges.append(corners[shape.edges])
-        paths.append(path[shape.edges])
+        edges.append(ends)
+        paths.append(motion.acceleration[k, :3] + np.cross(angular, ends - center[k]))
     start, path = np.concatenate(edges), np.concatenate(paths)
     most = float(np.linalg.norm(path, axis=-1).max())
-    lines = camera.flat(start + path * farthest / most)
+    return _outlines(
+        axes, camera.flat(start + path * farthest / most), "where that leads, enlarged"
+    )
+
+
+def draw_fall(axes: Axes, verdict: Verdict, camera: Camera, end: Array) -> list[tuple[Any, str]]:
+    """Edges of the parts where they have fallen to: shifts and rotation vectors, shape (N, 6)."""
+    from scipy.spatial import ConvexHull
+
+    assembly, center = verdict.assembly, verdict.assembly.geometry.center
+    fallen = np.flatnonzero(end.any(axis=1))
+    if len(fallen) > GHOSTS:
+        return []
+    lines = []
+    for k, corners, pairs in _corners(assembly, fallen):
+        turns, _ = screwed(np.append(np.zeros(3), end[k, 3:]), [1.0])
+        flat = camera.flat((corners - center[k]) @ turns[0].T + center[k] + end[k, :3])
+        lines.append(flat[pairs if len(pairs) else ConvexHull(flat).simplices])  # a ball
+    return _outlines(axes, np.concatenate(lines), "where a push leads, without friction")
+
+
+def _corners(assembly: Assembly, parts: Index) -> list[tuple[int, Array, Index]]:
+    """Parts with the corners of their triangles, shape (m, 3), and of their edges, shape (e, 2)."""
+    places = placed(assembly)
+    found = []
+    for k in parts.tolist():
+        shape, matrix = places.shapes[places.shape[k]], quaternion_to_matrix(places.rotation[k])
+        corners = shape.positions.astype(np.float64) @ matrix.T + places.position[k]
+        found.append((k, corners, shape.edges))
+    return found
+
+
+def _outlines(axes: Axes, lines: Array, words: str) -> list[tuple[Any, str]]:
+    """Lines of what is elsewhere, and their sign."""
+    from matplotlib.collections import LineCollection
+    from matplotlib.lines import Line2D
+
     style: dict[str, Any] = {"linewidths": 0.9, "linestyles": (0, (4, 2.4)), "alpha": 0.75}
     axes.add_collection(LineCollection(list(lines), colors=MOTION, zorder=3, **style))
     sign = Line2D([], [], color=MOTION, linewidth=0.9, linestyle=(0, (4, 2.4)), alpha=0.75)
-    return [(sign, "where that leads, enlarged")]
+    return [(sign, words)]
 
 
 def draw_forces(
