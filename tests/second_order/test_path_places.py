@@ -130,6 +130,24 @@ def test_a_box_tips_over_the_edge_of_its_table() -> None:
     assert not any(overlap(assembly, motion, outside=True) for motion in path.motions[3:])
 
 
+def test_balls_between_walls_fall_along_them() -> None:
+    """No place opens a wall: their centres stay half way between, and they never turn."""
+    walls = [Part(f"wall {x}", Box([1, 10, 10]), Pose([x, 0, 5]), grounded=True) for x in (-1, 1)]
+    floor = Part("floor", Box([10, 10, 1]), Pose([0, 0, -0.5]), grounded=True)
+    upright = [Part(f"ball {k}", Sphere(0.5), Pose([0, 0, 0.5 + k]), mass=1.0) for k in range(2)]
+    _, path = path_of(Assembly([floor, *walls, *upright]))
+    assert np.abs(path.motions[:, 3:, 0]).max() < 1e-12
+    assert np.abs(path.motions[:, 3:, 3:]).max() < 1e-12
+    low, high = path.motions[:, 3, :3], path.motions[:, 4, :3] + np.array([0, 0, 1.0])
+    apart = np.linalg.norm(high - low, axis=1)
+    assert apart.min() >= 1.0
+    assert apart.max() < 1.002
+    assert np.ptp(low[:, 2]) < 1e-3  # the lower one slides on the floor
+    assert high[-1, 2] < 0.9
+    energy = 9.81 * (path.motions[:, 3, 2] + path.motions[:, 4, 2])
+    np.testing.assert_allclose(path.energies, energy, rtol=1e-9, atol=1e-12)
+
+
 def test_clusters_fall_at_once_each_as_it_does_alone() -> None:
     far = np.array([20.0, 0, 0])
     two = [

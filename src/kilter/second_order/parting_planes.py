@@ -78,6 +78,8 @@ class PartingPlanes:
         self._program = program
         self._bodies = [bodies_of(assembly, k) or [] for k in range(len(program.names))]
         self._balls = [_balls(own) for own in self._bodies]
+        self.kept: set[tuple[int, int]] = set()
+        """Pairs of parts that other planes keep apart."""
         self._from: dict[Pair, Array] = {}
         """Normals that a plane is sought from, shape (k, 3)."""
 
@@ -134,7 +136,8 @@ class PartingPlanes:
         found = []
         for i in range(count):
             for j in range(i + 1, count):
-                if not (program.free[i] or program.free[j]):
+                held = not (program.free[i] or program.free[j])
+                if held or (i, j) in self.kept or (j, i) in self.kept:
                     continue
                 apart = np.linalg.norm(middles[i][:, None] - middles[j], axis=2)
                 room = reach[i] + reach[j]

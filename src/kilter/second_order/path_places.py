@@ -8,7 +8,8 @@ that loses most energy,
 
 linearised anew at each place that it leads to, until the bodies there are apart, by planes and
 distances, and lower; else h is halved. So parts hug one another, without friction, as far as they
-have moved by their own size. The way is one of places, not of times.
+have moved by their own size; what is pressed between planes stays on them. The way is one of
+places, not of times.
 """
 
 from __future__ import annotations
@@ -18,13 +19,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csc_array
 
-from kilter.arrays import Array
+from kilter.arrays import Array, Mask
 from kilter.assembly import Assembly
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import ForceRows
+from kilter.second_order.critical import null_space
 from kilter.second_order.parting_planes import PartingPlanes, Places
 from kilter.second_order.second_order_answer import SecondOrder
-from kilter.second_order.second_order_tolerances import APART
+from kilter.second_order.second_order_tolerances import APART, KEEPS
 from kilter.second_order.separation import least_separation
 from kilter.solvers.clarabel import solve_conic
 from kilter.solvers.problem import ConicProgram
@@ -56,6 +58,8 @@ TILT = 4.0
 """Planes tilt by at most this, over a step over the size."""
 STIFF = 1e-5
 """What the square of a tilt costs, over the loss of energy: planes turn for a gain alone."""
+BLUR = 1e-9
+"""Of what kept planes forbid, rounding."""
 PLANE = 600.0
 """Units of work of a plane that is sought."""
 ALLOWED = 4 * PER_EFFORT
@@ -106,20 +110,24 @@ def find_path_places(
     Returns
     -------
     PathPlaces or None
-        None where the answer has no exact configuration, or contacts are given, which have no
-        bodies.
+        None where the answer has no exact configuration, where contacts are given, which have no
+        bodies, of what joints or bonds hold, and where no place beyond the configuration is found.
     """
     falling = [
         one
         for one in found.clusters or (found,)
         if one.state == "balanced" and one.configuration is not None
     ]
-    if not falling or assembly.contacts:
+    if not falling or assembly.contacts or assembly.joints or assembly.bonds:
         return None
     start = np.sum([one.configuration.motion for one in falling if one.configuration], axis=0)
     first = np.sum([one.motion for one in falling if one.motion is not None], axis=0)
     programs = [one.program for one in falling if one.program is not None]
-    return _Descent(assembly, _joined(programs), work or Work(ALLOWED)).followed(start, first)
+    planes = np.concatenate([one.problem.planes for one in falling if one.problem is not None])
+    way = _Descent(assembly, _joined(programs), work or Work(ALLOWED))
+    way.keep(planes, start)
+    path = way.followed(start, first)
+    return path if len(path.lengths) > 2 else None
 
 
 def _joined(programs: list[Program]) -> Program:
@@ -147,6 +155,21 @@ class _Descent:
         self.length = float(program.radius[program.free].min())
         self.load = program.load
         self.weight = float(np.linalg.norm(self.load[:, :3], axis=1).sum())
+        self.kept = np.zeros(len(program.part_a), dtype=bool)
+
+    def keep(self, planes: Mask, start: Array) -> None:
+        """Stay on planes of contact, shape (K,), where a first place is apart only if it does.
+
+        Parts that are pressed between planes shift along them, and turn not at all.
+        """
+        if self._apart(start) > APART * self.length:
+            return
+        program = self.program
+        a, b = program.part_a, program.part_b
+        opened = np.einsum("ki,ki->k", start[b, :3] - start[a, :3], program.normal)
+        turned = np.abs(start[a, 3:]).max(axis=1) + np.abs(start[b, 3:]).max(axis=1)
+        self.kept = planes & (np.abs(opened) <= KEEPS * self.length) & (turned == 0)
+        self.planes.kept = set(zip(a[self.kept].tolist(), b[self.kept].tolist(), strict=True))
 
     def followed(self, start: Array, first: Array) -> PathPlaces:
         """The places, from rest by way of a first one, and its direction; shapes (N, 6)."""
@@ -193,7 +216,9 @@ class _Descent:
     def _apart(self, motion: Array) -> float:
         """Least separation, up to a limit; minus infinity where it is not known."""
         beyond = BEYOND * self.length
-        found = least_separation(self.assembly, self.program, motion, beyond=beyond)
+        found = least_separation(
+            self.assembly, self.program, motion, beyond=beyond, planes=self.kept
+        )
         return -np.inf if found is None else found
 
     def _step(self, place: Places, h: float, along: Array) -> _Lower | None:
@@ -245,7 +270,20 @@ class _Descent:
             six[3:, 3:] = turn @ program.inertia[part] @ turn.T
             root = np.linalg.cholesky(six[np.ix_(per, per)] / mean)
             basis[part, per, k] = np.linalg.inv(root).T
-        return basis.reshape(basis.shape[0] * 6, -1)
+        whole = basis.reshape(basis.shape[0] * 6, -1)
+        return whole @ null_space(self._across() @ whole, BLUR)
+
+    def _across(self) -> Array:
+        """What kept planes forbid: to shift across them, and to turn, shape (7 K, 6 N)."""
+        rows = np.flatnonzero(self.kept)
+        program, count = self.program, len(rows)
+        across = np.zeros((count, 7, len(self.load), 6))
+        for sign, part in ((-1.0, program.part_a[rows]), (1.0, program.part_b[rows])):
+            k = np.arange(count)
+            across[k, 0, part, :3] = sign * program.normal[rows]
+            first = 1 if sign < 0 else 4
+            across[k[:, None], first + np.arange(3), part[:, None], 3 + np.arange(3)] = 1.0
+        return across.reshape(7 * count, 6 * len(self.load))
 
     def _solved(
         self, place: Places, basis: Array, h: float, gap: float, holds: float = 0.0
