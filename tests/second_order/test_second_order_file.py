@@ -91,3 +91,20 @@ def test_a_proof_without_its_parts_is_refused() -> None:
         del short["second_order"][key]
         short["digest"] = digest_of(short)
         assert not kilter.verify(assembly, short).holds, key
+
+
+@pytest.mark.parametrize("word", ["nan", "inf", "1.0", True, None])
+def test_words_in_the_place_of_numbers_make_no_ball_on_a_ball_a_minimum(word: Any) -> None:
+    """Two motions are neutral beside the spins: cones of two sides each, whose weights are none."""
+    assembly, proof = proof_of("02")
+    bowl = proof_of("03")[1]["second_order"]
+    one = [[word, word], [word, word]]
+    forged = bowl | {"splits": [None, None], "weights": [one, one], "forces": bowl["forces"] * 2}
+    assert not kilter.verify(assembly, with_second_order(proof, forged)).holds
+
+
+def with_second_order(proof: dict[str, Any], data: Any) -> dict[str, Any]:
+    """The proof with another second order, and a digest that fits."""
+    other = copy.deepcopy(proof) | {"second_order": data}
+    other["digest"] = digest_of(other)
+    return other

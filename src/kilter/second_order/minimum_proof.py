@@ -146,12 +146,16 @@ def judge_minimum(problem: Stationary, proof: MinimumProof) -> str:
         return "it has not one set of forces for each cone"
     for rays, leaf in zip(cones, proof.leaves, strict=True):
         own = proof.sides if rays is None else np.vstack([sides_of_cone(rays), proof.sides])
-        if leaf.weights.shape != (len(own), len(own)) or (leaf.weights < 0).any():
+        if leaf.weights.shape != (len(own), len(own)) or not _positive(leaf.weights):
             return "the weights of its sides are not positive"
         curvature = problem.curvature(leaf.forces, proof.basis)
         if not definite(curvature - own.T @ leaf.weights @ own):
             return "the energy does not curve upward under its forces"
     return ""
+
+
+def _positive(weights: Array) -> bool:
+    return bool((np.isfinite(weights) & (weights >= 0)).all())
 
 
 def _wrong_forces(problem: Stationary, forces: Array) -> str:
@@ -175,20 +179,16 @@ def _wrong_spaces(problem: Stationary, proof: MinimumProof) -> str:
     rank = int((values > problem.blur * values.max(initial=TINY)).sum())
     if np.abs(spanned.T @ spanned - np.eye(spanned.shape[1])).max(initial=0.0) > ACROSS:
         return "its motions are not of length 1 and across one another"
-    if (
-        spanned.shape[1] != spanned.shape[0] - rank
-        or np.abs(held @ spanned).max(initial=0) > ACROSS
-    ):
+    opened = np.abs(held @ spanned).max(initial=0.0)
+    if spanned.shape[1] != spanned.shape[0] - rank or opened > ACROSS:
         return "its motions are not all that its forces leave neutral"
     if np.abs(problem.rows @ proof.free).max(initial=0.0) > ACROSS:
         return "a free motion opens a contact"
     if len(proof.sides):
         other = problem.rows[~carries] @ proof.basis
-        residual = [
-            np.linalg.norm(other - np.outer(other @ one, one), axis=1) for one in proof.sides
-        ]
-        signs = [other @ one > 0 for one in proof.sides]
-        if not all(((r < ACROSS) & s).any() for r, s in zip(residual, signs, strict=True)):
+        turns = np.linalg.norm(other, axis=1) > ACROSS  # what all but vanishes has no direction
+        apart = proof.sides[:, None] - unit_rows(other[turns])
+        if not (np.linalg.norm(apart, axis=2).min(axis=1, initial=np.inf) < ACROSS).all():
             return "a side is not the row of a contact"
     return ""
 
@@ -203,10 +203,16 @@ def _wrong_free(problem: Stationary, proof: MinimumProof, forces: Array) -> str:
 
 
 def definite(matrix: Array) -> bool:
-    """Whether a symmetric matrix is positive definite by more than rounding."""
-    size = max(1.0, float(np.abs(matrix).max(initial=0.0)))
+    """Whether the form of a matrix is positive definite by more than rounding.
+
+    Cholesky itself reads one half of a matrix, and lets numbers pass that are none.
+    """
+    if not np.isfinite(matrix).all():
+        return False
+    form = matrix / 2 + matrix.T / 2  # the sum may be too large
+    size = max(1.0, float(np.abs(form).max(initial=0.0)))
     try:
-        np.linalg.cholesky(matrix - CURVED * size * np.eye(len(matrix)))
+        np.linalg.cholesky(form - CURVED * size * np.eye(len(form)))
     except np.linalg.LinAlgError:
         return False
     return True

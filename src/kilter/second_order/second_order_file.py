@@ -199,10 +199,10 @@ def _wrong_forces(contacts: ContactSet, program: Program, data: dict[str, Any]) 
     """Is it held by its forces, or does it stand on level faces, and is the state that?"""
     count = int(program.free.sum())
     if "held" in data:
-        word = judge_held(program, Held(np.asarray(data["held"], dtype=float)))
+        word = judge_held(program, Held(_numbers(data["held"])))
         own = ("minimum", 0)
     else:
-        forces = np.asarray(data["level"], dtype=float)
+        forces = _numbers(data["level"])
         proof = LevelRest(forces, _motion(program, data["motion"]))
         word = judge_level_rest(program, level_rows(program, contacts), proof)
         own = ("free", count * (1 if program.planar else 3))
@@ -282,7 +282,7 @@ def _wrong_locked(
     contacts: ContactSet, program: Program, problem: Stationary, data: dict[str, Any]
 ) -> list[str]:
     """Does self-stress lock all but shifts, and are state and counts those?"""
-    forces, stress = (np.asarray(data[key], dtype=float) for key in ("locked", "stress"))
+    forces, stress = (_numbers(data[key]) for key in ("locked", "stress"))
     proof = LockedTurns(forces / problem.weight, stress)
     word = judge_locked(problem, faces_of(program, contacts, problem), proof)
     if word:
@@ -303,8 +303,8 @@ def _wrong_stopped(
 ) -> list[str]:
     """Do stops keep it from where it would fall, and are state and counts those?"""
     kinds = contacts.patch_kind[program.source]
-    forces = np.asarray(data["stopped"], dtype=float) / problem.weight
-    weights = np.asarray(data["weights"], dtype=float)
+    forces = _numbers(data["stopped"]) / problem.weight
+    weights = _numbers(data["weights"])
     proof = Stopped(forces, weights, _columns(program, problem, data["motion"]))
     touched = touched_surfaces(program, features, assembly.geometry, kinds)
     free = find_free_motions(program, features, touched)
@@ -364,19 +364,27 @@ def _wrong_path(
 
 def _minimum(program: Program, problem: Stationary, data: dict[str, Any]) -> MinimumProof:
     leaves = [
-        Leaf(np.asarray(forces, dtype=float) / problem.weight, _square(weights))
+        Leaf(_numbers(forces) / problem.weight, _square(weights))
         for forces, weights in zip(data["forces"], data["weights"], strict=True)
     ]
     basis = _stacked(program, problem, data["basis"])
-    sides = np.asarray(data["sides"], dtype=float).reshape(len(data["sides"]), basis.shape[1])
+    sides = _numbers(data["sides"]).reshape(len(data["sides"]), basis.shape[1])
     splits = tuple(None if one is None else (int(one[0]), int(one[1])) for one in data["splits"])
     free = _stacked(program, problem, data["across"])
     return MinimumProof(basis, sides, free, splits, tuple(leaves))
 
 
+def _numbers(data: Any) -> Array:
+    """An array of what are numbers, and not words for some, as "nan"."""
+    found = np.asarray(data)
+    if found.dtype.kind not in "iuf":
+        raise TypeError("not all are numbers")
+    return found.astype(float)
+
+
 def _square(weights: Any) -> Array:
     size = len(weights)
-    return np.asarray(weights, dtype=float).reshape(size, size)
+    return _numbers(weights).reshape(size, size)
 
 
 def _stacked(program: Program, problem: Stationary, motions: list[Any]) -> Array:
@@ -400,7 +408,7 @@ def _motion(program: Program, named: dict[str, Any]) -> Array:
     if set(named) != set(free):
         raise ValueError("a motion is not one of the free parts")
     motion = np.zeros((len(program.names), 6))
-    motion[program.free] = np.array([named[name] for name in free], dtype=float).reshape(-1, 6)
+    motion[program.free] = _numbers([named[name] for name in free]).reshape(-1, 6)
     if np.delete(motion, program.freedoms, axis=1).any():
         raise ValueError("a motion leaves the plane")
     return motion
