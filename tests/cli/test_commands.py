@@ -252,6 +252,23 @@ def test_the_next_step_that_is_named_runs(capsys: pytest.CaptureFixture[str]) ->
             assert main(shlex.split(step[1])) in (0, 1, 3, 4), step[1]
 
 
+def test_what_only_balances_is_looked_at_next(capsys: pytest.CaptureFixture[str]) -> None:
+    """A margin of first order says nothing of it; a model of bricks that falls is mended."""
+    balanced = written("paper-figure-1-turned")
+    assert main(["check", balanced]) == 0
+    assert f"next: kilter view {balanced}\n" in capsys.readouterr().out
+    Path("air.txt").write_text("2x4 (0,0,0)\n2x4 (0,0,2)\n")
+    assert main(["check", "air.txt"]) == 1
+    assert "next: kilter improve air.txt\n" in capsys.readouterr().out
+
+
+def test_what_strict_asked_for_in_vain_is_said(capsys: pytest.CaptureFixture[str]) -> None:
+    file = written("mortared-corbel")
+    for words, said in (([], False), (["--require", "strict"], True)):
+        assert main(["check", file, *words]) == (3 if said else 0)
+        assert ("second order  open: bonds" in capsys.readouterr().out) == said
+
+
 def test_several_files_have_a_line_each_and_the_worst_code(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

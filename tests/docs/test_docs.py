@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+import kilter
 from kilter.cli import main
 from kilter.cli.app import command
 from kilter.cli.arguments import with_floor_value
@@ -125,6 +126,14 @@ def test_a_page_that_names_a_missing_flag_fails(tmp_path: Path) -> None:
     page.write_text("kilter paint FILE\n", encoding="utf-8")
     with pytest.raises(AssertionError, match="no command 'paint'"):
         test_commands_of_a_page_exist_with_their_flags(page)
+
+
+def test_each_key_of_an_answer_is_explained() -> None:
+    text = (ROOT / "docs" / "answers.md").read_text(encoding="utf-8")
+    [table] = re.findall(r"\| key of `check --json` \|.*?\n\n", text, flags=re.S)
+    cells = " ".join(re.findall(r"^\| (`.*?) \|", table, flags=re.M))
+    named = re.findall(r"`(\w+)`", cells)
+    assert sorted(named) == sorted(kilter.check(kilter.example("tower")).to_dict())
 
 
 def test_every_page_is_in_the_site() -> None:

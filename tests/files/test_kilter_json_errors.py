@@ -134,6 +134,29 @@ def test_a_fault_of_the_file_names_the_place(change: dict[str, Any], message: st
     assert message in refused({**copy.deepcopy(BASE), **change})
 
 
+FACE = {"kind": "face", "curvature": 1.0}
+FEATURE = [
+    ([FACE], "feature has 1 entries"),
+    ([FACE, None], "feature[1] is null"),
+    ([{"kind": "edge", "curvature": 1}, FACE], "a feature, edge, has no direction"),
+    ([{"kind": "face", "curvature": [0, 1]}, FACE], "a feature, face, has no direction"),
+    ([{"kind": "face", "radius": 2}, FACE], "feature[0].radius'; give its curvature, 1 / radius"),
+    ([{"kind": "face", "curvature": "round"}, FACE], 'feature[0].curvature is "round"; give a num'),
+    ([{**FACE, "along": [1, 0, 0], "curvature": [0, 1, 2]}, FACE], "curvature is a list; give a n"),
+    ([{"kind": "vertex", "curvature": 1}, FACE], "a vertex has a curvature or a direction"),
+    ([{**FACE, "axis": [0, 0, 1]}, FACE], "of revolution about half a line"),
+    ([{**FACE, "along": [0, 0, 1]}, FACE], "is not across its normal"),
+]
+
+
+@pytest.mark.parametrize(("feature", "message"), FEATURE)
+def test_a_fault_of_a_feature_is_one_sentence(feature: Any, message: str) -> None:
+    contact = {"parts": ["C1", "C2"], "points": [[0, 0, 0]], "normal": [0, 0, 1]}
+    said = refused({**copy.deepcopy(BASE), "contacts": [{**contact, "feature": feature}]})
+    assert message in said
+    assert "more faults" not in said
+
+
 @pytest.mark.parametrize("data", [[], 5, None, "text", {}, {"kilte": 1}, {"parts": []}])
 def test_what_is_no_kilter_file(data: Any) -> None:
     said = refused(data)

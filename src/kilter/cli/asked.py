@@ -141,7 +141,12 @@ class Asked:
         return "\nproof file   none to write"
 
     def tell(
-        self, answer: Mapping[str, Any], *more: Table, after: str = "", typed: Sequence[str] = ()
+        self,
+        answer: Mapping[str, Any],
+        *more: Table,
+        after: str = "",
+        typed: Sequence[str] = (),
+        bricks: bool = False,
     ) -> None:
         """Warnings on the error stream, the answer as JSON or as text.
 
@@ -155,6 +160,8 @@ class Asked:
             What the text ends with; else it is the next step to take.
         typed : sequence of str
             Options of the command beside those of reading, for a next step of the same name.
+        bricks : bool
+            Whether it is about a model of bricks, for the next step.
         """
         from kilter.tell.text import text_of
 
@@ -163,10 +170,10 @@ class Asked:
             emit(as_json(answer), self.output)
             return
         text = text_of(answer, *more, brief=not self.verbose) + after
-        text += "" if "\n\n" in after else self._next(answer, typed)
+        text += "" if "\n\n" in after else self._next(answer, typed, bricks)
         emit(text if self.output else in_colour(text, answer), self.output)
 
-    def _next(self, answer: Mapping[str, Any], typed: Sequence[str]) -> str:
+    def _next(self, answer: Mapping[str, Any], typed: Sequence[str], bricks: bool) -> str:
         """The next step to take, as it is typed; none of what was piped in."""
         from kilter.tell.facts import kind_of
         from kilter.tell.next_step import next_step
@@ -174,7 +181,7 @@ class Asked:
         step = (
             None
             if self.file in ("", "-")
-            else next_step(answer, Path(self.file).stem.split(".")[0])
+            else next_step(answer, Path(self.file).stem.split(".")[0], bricks=bricks)
         )
         if step is None:
             return ""

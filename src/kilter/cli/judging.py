@@ -83,7 +83,9 @@ def check(
         listed = [one.to_dict() for one in suggest_joints(verdict.assembly, verdict.contacts)]
         answer["suggested_joints"] = listed
         after = "\n\n" + suggestions_text(listed) + after
-    asked.tell(answer, *([forces_table(answer)] if forces else []), after=after)
+    bricks = any(part.brick is not None for part in verdict.assembly.parts)
+    tables = [forces_table(answer)] if forces else []
+    asked.tell(answer, *tables, after=after, bricks=bricks)
     return code_of(answer)
 
 

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
 __all__ = ["complaint"]
 
-_TAGS = re.compile(r"as path|inline|named|constrained-\w+|literal\[.*\]")
-"""Of kinds of mesh and step, of what may be a number or a word: pydantic puts them into places."""
+_TAGS = re.compile(r"as path|inline|named|constrained-\w+|literal\[.*\]|float|list\[float\]")
+"""Of kinds of mesh and step, of what may be of several kinds: pydantic puts them into places."""
 
 
 def complaint(error: ValidationError, data: dict[str, Any], model: type[BaseModel]) -> InputError:
@@ -88,6 +88,8 @@ def _count(place: str, wanted: Any) -> str:
 def _unknown_key(place: str, keys: list[str]) -> tuple[str, str]:
     key = place.rpartition(".")[2]
     near = nearest_name(key, keys)
+    if key == "radius" and "curvature" in keys:
+        return f"unknown key {place!r}", "give its curvature, 1 / radius, negative where hollow"
     hint = f"did you mean {near!r}?" if near else f"known keys are {', '.join(keys)}"
     return f"unknown key {place!r}", hint
 

@@ -30,13 +30,17 @@ AFTER_CHECK = {
     "unstable": HOLD,
     "undecided": CONTACTS,
 }
+FALL = NextStep(("view",), "how it falls where it is pushed, and the forces, in the browser")
+BRICK = NextStep(
+    ("improve",), "which brick to add or to take away; margin: how much stronger studs had to be"
+)
 STRONGER = NextStep(("margin",), "how much stronger its bonds would have to be, and which give way")
 PLAN = NextStep(("plan",), "in which order it can be put together")
 LOADS = NextStep(("margin", "--loads"), "what each brick still takes, and the push that it resists")
 CHECK = NextStep(("check",), "whether it stays together under gravity")
 
 
-def next_step(answer: Answer, name: str) -> NextStep | None:
+def next_step(answer: Answer, name: str, *, bricks: bool = False) -> NextStep | None:
     """What to ask next; None where nothing follows.
 
     Parameters
@@ -45,6 +49,8 @@ def next_step(answer: Answer, name: str) -> NextStep | None:
         The data of an answer.
     name : str
         What a file that is written is called, without its ending.
+    bricks : bool
+        Whether it is a model of bricks.
 
     Examples
     --------
@@ -55,8 +61,7 @@ def next_step(answer: Answer, name: str) -> NextStep | None:
     """
     kind = kind_of(answer)
     if kind == "check":
-        falls = answer["verdict"] == "unstable" and answer["bonds"]
-        return STRONGER if falls else AFTER_CHECK[answer["verdict"]]
+        return _after_check(answer, bricks)
     if kind == "orient":
         down = tuple(number(c, 9) for c in answer["down"])
         turned = NextStep(("check", "--down", *down), "what is guaranteed as it is turned")
@@ -74,3 +79,13 @@ def next_step(answer: Answer, name: str) -> NextStep | None:
     if kind == "hold":
         return PLAN if answer["verdict"] == "held" else None
     return CHECK if kind == "contacts" else None
+
+
+def _after_check(answer: Answer, bricks: bool) -> NextStep:
+    """What falls is mended, what only balances is looked at."""
+    if answer["verdict"] == "unstable" and answer["bonds"]:
+        return BRICK if bricks else STRONGER
+    second = answer.get("second_order")
+    if second is not None and second["state"] == "balanced" and second["rolling"] != "holds":
+        return FALL
+    return AFTER_CHECK[answer["verdict"]]

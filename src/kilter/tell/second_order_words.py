@@ -10,9 +10,9 @@ from kilter.tell.numbers import number, plain
 __all__ = ["balanced_sentence", "second_order_words"]
 
 FRICTION = {
-    None: "unless friction holds it",
-    "open": "unless friction holds it",
-    "holds": "but friction holds it",
+    None: "unless friction holds {them}",
+    "open": "unless friction holds {them}",
+    "holds": "but friction holds {them}",
     "falls": "with friction, too",
 }
 NAMED = 3
@@ -54,6 +54,9 @@ def second_order_words(answer: Mapping[str, Any]) -> str:
     'a strict minimum of its energy: small pushes do not move it away'
     >>> second_order_words({"state": "free", "motion": {"b": []}})
     'neutral: b can move freely, at no cost'
+    >>> second_order_words({"state": "balanced", "rate": 0.5, "motion": {"b": [], "c": []}})
+    'balanced: the slightest push makes b and c fall, unless friction holds them; a push grows \
+e-fold in 2 s'
     """
     state = answer["state"]
     if state == "minimum":
@@ -69,9 +72,10 @@ def second_order_words(answer: Mapping[str, Any]) -> str:
         return f"neutral: {_names(list(answer['motion']))} can move freely, at no cost"
     if state == "balanced":
         rate = answer["rate"]
-        grows = f"; it grows {number(rate, 3)} times e a second" if rate else ""
+        grows = f"; a push grows e-fold in {number(1 / rate, 3)} s" if rate else ""
         names = _names(list(answer["motion"]))
-        friction = FRICTION[answer.get("rolling")]
+        them = "it" if len(answer["motion"]) == 1 else "them"
+        friction = FRICTION[answer.get("rolling")].format(them=them)
         return f"balanced: the slightest push makes {names} fall, {friction}{grows}"
     return f"open: {answer['why']}"
 
