@@ -12,6 +12,7 @@ import pytest
 import kilter
 from kilter import Assembly, Box, Part, Pose
 from kilter.scenes import scene
+from kilter.scenes.pieces import block
 from kilter.scenes.walls import wall_of
 
 pytestmark = pytest.mark.browser
@@ -508,7 +509,9 @@ def test_the_brick_to_add_is_shown_among_parts_at_rest(opened: Callable, tmp_pat
 
 
 def test_a_place_of_rest_says_how_it_rests_where_it_is_pointed_at(opened: Callable) -> None:
-    page = opened("corner-wedges")
+    corner = [([-1, -1, -1], [2, 2, 0]), ([-1, -1, 0], [0, 2, 2]), ([0, -1, 0], [2, 0, 2])]
+    walls = [block(f"w{k}", *ends, grounded=True) for k, ends in enumerate(corner)]
+    page = opened(Assembly([*walls, block("cube", [0, 0, 0], [1, 1, 1])]))
     rests = page.js("window.kilter.page.region.rests")
     assert len(rests) > 1
     assert page.js("document.getElementById('rests-key').hidden") is False

@@ -50,7 +50,7 @@ MAP_MOTIONS = 12_000
 """Vertices of the map times free parts: above this its motions take too long."""
 MARGIN_PARTS = PUSHED
 """Up to this many free parts margins are looked for, each part's weakest push among them."""
-REST_PARTS = 6
+REST_PARTS = 3
 """Up to this many free parts it is asked how it rests in each direction of its region."""
 CHANGE_PARTS = 40
 """Up to this many free bricks it is looked for which one to add or to take away."""
