@@ -64,14 +64,15 @@ def test_of_pairs_that_are_left_open_nothing_is_said_or_proved() -> None:
 
 
 def test_what_is_possible_out_of_the_plane_of_a_face_is_not_its_rim() -> None:
-    contacts = kilter.contacts(Assembly([TABLE, CAN]))
+    ball = Part("ball", Sphere(0.5), Pose([3, 0, 0.5]))
+    contacts = kilter.contacts(Assembly([TABLE, CAN, ball]))
     assert why_unmodelled(contacts.assembly, contacts) == ""
     possible = contacts.possible
     for name, value in (
         ("points", possible.points + 0.01),
         ("normals", np.tile([0.6, 0, 0.8], (len(possible), 1))),
         ("two_sided", ~possible.two_sided),
-        ("part_b", possible.part_a),
+        ("part_b", possible.part_b + 1),
     ):
         fields = {key: getattr(possible, key) for key in possible.__slots__}
         other = type(possible)(**{**fields, name: value})

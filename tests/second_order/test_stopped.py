@@ -134,8 +134,7 @@ def asked(assembly: Assembly) -> Question:
     program = build_program(assembly, contacts)
     features = features_of(program, contacts)
     problem = stationary(program, np.nan_to_num(gap_forms(program, features)))
-    kinds = contacts.patch_kind[program.source]
-    touched = touched_surfaces(program, features, assembly.geometry, kinds)
+    touched = touched_surfaces(program, features, contacts)
     free = find_free_motions(program, features, touched)
     span = free_span(program, problem, free.symmetries)
     return problem, level_contacts(program, features, touched), level_motions(program), span

@@ -169,7 +169,7 @@ def _second_order(
     found = find_second_order(assembly, contacts, decision.program, forces)
     if found is None or found.state != "balanced":
         return found
-    return with_rolling(found, contacts, build_program(assembly, contacts))
+    return with_rolling(found, assembly, contacts, build_program(assembly, contacts))
 
 
 def _work(effort: float, time_limit: float | None, progress: Callable[[str], None] | None) -> Work:

@@ -12,13 +12,15 @@ import numpy as np
 
 from kilter.arrays import Array
 from kilter.assembly import Assembly
+from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
 from kilter.second_order.paths import Path
+from kilter.second_order.rigid_groups import RigidGroups
 from kilter.second_order.second_order_tolerances import APART
 from kilter.second_order.separation import least_separation
 from kilter.second_order.stationary import Stationary
 
-__all__ = ["Configuration", "find_configuration"]
+__all__ = ["Configuration", "find_configuration", "separation_at"]
 
 STEPS = (0.004, 0.002, 0.001, 0.01, 0.02, 0.05)
 """How far along a path of length 1 an exact configuration is sought: near by first."""
@@ -33,7 +35,8 @@ class Configuration:
     Attributes
     ----------
     motion : ndarray, shape (N, 6)
-        Shift of each centre of mass [length unit] and rotation vector [rad].
+        Shift of each centre of mass [length unit] and rotation vector [rad]; of parts that fixed
+        joints tie that of all of them, as the motion of the first.
     apart : float
         Least separation of two other parts [length unit].
     energy : float
@@ -45,8 +48,26 @@ class Configuration:
     energy: float
 
 
+def separation_at(
+    assembly: Assembly, contacts: ContactSet, program: Program, problem: Stationary, motion: Array
+) -> float | None:
+    """The least separation where parts have moved, shape (N, 6), groups as their first parts.
+
+    Of parts that stay near; None where their surfaces cannot be held apart exactly.
+    """
+    groups = RigidGroups.of(assembly)
+    return least_separation(
+        assembly,
+        groups.apart(program, assembly, contacts),
+        groups.placed(motion),
+        beyond=0.01 * problem.length,
+        planes=problem.on_plane,
+        tied=groups.first,
+    )
+
+
 def find_configuration(
-    assembly: Assembly, program: Program, problem: Stationary, path: Path
+    assembly: Assembly, contacts: ContactSet, program: Program, problem: Stationary, path: Path
 ) -> tuple[Configuration | None, str]:
     """A place on a path where all parts are apart and lower, or why none is known."""
     assert problem.scale is not None
@@ -57,8 +78,7 @@ def find_configuration(
         columns = step * path.first + bent
         motion = program.full(columns * problem.scale)
         energy = -float(problem.load @ columns)
-        beyond = 0.01 * problem.length
-        apart = least_separation(assembly, program, motion, beyond=beyond, planes=problem.on_plane)
+        apart = separation_at(assembly, contacts, program, problem, motion)
         if apart is None:
             return None, "a path leads down, but its surfaces cannot be held apart exactly"
         if apart > APART * problem.length and energy < -APART:

@@ -68,6 +68,8 @@ class Decision:
         Why it is open.
     others : tuple of Path
         Paths that lead down as well, less steeply.
+    opening : ndarray, shape (n,), optional
+        A free motion that opens the contacts that were left out, scaled unknowns.
     """
 
     state: Literal["minimum", "balanced", "open"]
@@ -78,6 +80,7 @@ class Decision:
     proof: MinimumProof | Path | LevelRest | LockedTurns | Stopped | Held | None = None
     why: str = ""
     others: tuple[Path, ...] = ()
+    opening: Array | None = None
 
 
 def decide(

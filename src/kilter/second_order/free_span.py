@@ -8,6 +8,7 @@ from kilter.arrays import Array, Index
 from kilter.assembly import Assembly
 from kilter.mechanics.program import Program
 from kilter.second_order.free_motions import FreeMotions
+from kilter.second_order.rigid_groups import RigidGroups
 from kilter.second_order.second_order_tolerances import ACROSS
 from kilter.second_order.stationary import Stationary
 from kilter.shape.primitives import Cylinder, Sphere
@@ -38,12 +39,15 @@ def scaled_columns(program: Program, problem: Stationary, motions: Array) -> Arr
 
 
 def moving_free(assembly: Assembly, free: FreeMotions) -> Index:
-    """Parts that a free motion moves visibly: not balls and cylinders that spin."""
-    moving = np.zeros(len(assembly.parts), dtype=bool)
-    for motion in free.motions:
+    """Parts that a free motion moves visibly: not balls and cylinders that spin.
+
+    Of parts that fixed joints tie the first is told, as in the motions.
+    """
+    groups, moving = RigidGroups.of(assembly), np.zeros(len(assembly.parts), dtype=bool)
+    for motion in groups.spread(free.motions):
         for k in np.flatnonzero(np.abs(motion).max(axis=1) > 0):
             moving[k] |= not _spins_unseen(assembly, int(k), motion[k])
-    return np.flatnonzero(moving)
+    return np.unique(groups.first[moving])
 
 
 def _spins_unseen(assembly: Assembly, part: int, motion: Array) -> bool:

@@ -15,6 +15,7 @@ from kilter.arrays import Mask, counted
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.open_pairs import still_open
+from kilter.second_order.rigid_groups import RigidGroups
 from kilter.second_order.second_order_tolerances import AGREE
 
 __all__ = ["why_unmodelled"]
@@ -22,9 +23,17 @@ __all__ = ["why_unmodelled"]
 
 def why_unmodelled(assembly: Assembly, contacts: ContactSet) -> str:
     """Why second order says nothing of these contacts; empty where it may."""
-    if still_open(contacts.open_pairs, assembly) or not _on_rims(contacts).all():
+    known = _on_rims(contacts) | _within_groups(assembly, contacts)
+    if still_open(contacts.open_pairs, assembly) or not known.all():
         return "pairs are left open, or their kind of contact is not modelled"
     return ""
+
+
+def _within_groups(assembly: Assembly, contacts: ContactSet) -> Mask:
+    """Rows of what is possible between parts that fixed joints tie, shape (k,)."""
+    first = RigidGroups.of(assembly).first
+    within: Mask = first[contacts.possible.part_a] == first[contacts.possible.part_b]
+    return within
 
 
 def _on_rims(contacts: ContactSet) -> Mask:

@@ -168,8 +168,7 @@ def answer_alone(
         if part.state == "minimum":
             return _of(program, problem.taking(known), part)
         return open_answer(_unknown(program, known), program)
-    kinds = contacts.patch_kind[program.source]
-    touched = touched_surfaces(program, features, assembly.geometry, kinds)
+    touched = touched_surfaces(program, features, contacts)
     problem = replace(problem, on_plane=planes_of(touched))
     free = find_free_motions(program, features, touched)
     critical = critical or find_critical(problem)
@@ -196,7 +195,7 @@ def answer_alone(
         size = float(np.linalg.norm(motion.reshape(-1, 3), axis=1).max())
         return replace(found, state="free", rate=None, motion=motion / size, moving=moving)
     if decision.state == "balanced":
-        return _falling(assembly, program, problem, decision, kinds == "given")
+        return _falling(assembly, contacts, program, problem, decision)
     if decision.state == "open":
         sliding = _sliding(program, contacts, problem, critical, work)
         if sliding is not None:
@@ -240,7 +239,10 @@ def _without_idle(
     motion = program.full(free @ opening)
     moving = moving_free(assembly, FreeMotions(motion[None], ("level",)))
     size = float(np.linalg.norm(motion.reshape(-1, 3), axis=1).max())
-    return replace(found, motion=motion / size, moving=moving) if len(moving) else None
+    if not len(moving):
+        return None
+    decision = replace(found.decision, opening=proof.free @ opening)
+    return replace(found, motion=motion / size, moving=moving, decision=decision)
 
 
 def _sliding(
@@ -337,15 +339,20 @@ def _of(program: Program, problem: Stationary, decision: Decision) -> SecondOrde
 
 
 def _falling(
-    assembly: Assembly, program: Program, problem: Stationary, decision: Decision, given: Array
+    assembly: Assembly,
+    contacts: ContactSet,
+    program: Program,
+    problem: Stationary,
+    decision: Decision,
 ) -> SecondOrder:
     """A balanced place with its configuration; open where none was found."""
     path, why = decision.proof, ""
     assert isinstance(path, Path)
     assert problem.scale is not None
     configuration = None
+    given = contacts.patch_kind[program.source] == "given"
     for one in () if given.all() else (path, *decision.others):
-        configuration, wrong = find_configuration(assembly, program, problem, one)
+        configuration, wrong = find_configuration(assembly, contacts, program, problem, one)
         if configuration is not None:
             path, why = one, ""
             break

@@ -21,6 +21,7 @@ from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program, build_program
 from kilter.second_order.clusters import clusters, joined_state
+from kilter.second_order.configuration import separation_at
 from kilter.second_order.critical import null_space
 from kilter.second_order.features import Features
 from kilter.second_order.features_of import features_of
@@ -33,9 +34,9 @@ from kilter.second_order.locked import LockedTurns, faces_of, judge_locked, shif
 from kilter.second_order.minimum_proof import Leaf, MinimumProof, judge_minimum
 from kilter.second_order.modelled import why_unmodelled
 from kilter.second_order.paths import Path, judge_path
+from kilter.second_order.rigid_groups import RigidGroups
 from kilter.second_order.rolling import find_rolling, worst_rolling
 from kilter.second_order.second_order_tolerances import ACROSS, APART, DROPS
-from kilter.second_order.separation import least_separation
 from kilter.second_order.stationary import Stationary, stationary
 from kilter.second_order.stopped import (
     Stopped,
@@ -94,9 +95,8 @@ def second_order_data(found: SecondOrder) -> dict[str, Any] | None:
     assert isinstance(proof, MinimumProof)
     if len(found.idle):
         data["idle"] = found.idle.tolist()
-        if found.state == "free":
-            assert found.motion is not None
-            data["motion"] = _named(program, found.motion)
+        if decision.opening is not None:
+            data["motion"] = _by_part(program, problem, decision.opening)
     return data | {
         "basis": [_by_part(program, problem, one) for one in proof.basis.T],
         "across": [_by_part(program, problem, one) for one in proof.free.T],
@@ -135,6 +135,7 @@ def _wrong(
     unmodelled = why_unmodelled(assembly, contacts)
     if unmodelled:
         return [f"its second order: {unmodelled}"]
+    program = RigidGroups.of(assembly).merged(program, assembly)
     if _by_forces(data):
         return _wrong_forces(contacts, program, data)
     parted = clusters(program)
@@ -163,7 +164,7 @@ def _wrong_rolling(
     assembly: Assembly, contacts: ContactSet, data: dict[str, Any], entries: list[Any]
 ) -> list[str]:
     """Does friction hold what is said to be balanced, or not, as it says?"""
-    program = build_program(assembly, contacts)
+    program = RigidGroups.of(assembly).merged(build_program(assembly, contacts), assembly)
     parted, features = clusters(program), features_of(program, contacts)
     states = []
     for part, entry in zip(parted, entries, strict=True):
@@ -225,16 +226,15 @@ def _wrong_gaps(
     problem = stationary(program, np.nan_to_num(gap_forms(program, features)))
     if "locked" in data:
         return _wrong_locked(contacts, program, problem, data)
-    kinds = contacts.patch_kind[program.source]
     if "stopped" in data:
         return _wrong_stopped(assembly, contacts, program, features, problem, data)
     if data["state"] == "balanced":
         if not known.all():
             return ["not every contact has a second order"]
-        touched = touched_surfaces(program, features, assembly.geometry, kinds)
+        touched = touched_surfaces(program, features, contacts)
         problem = replace(problem, on_plane=planes_of(touched))
-        return _wrong_path(assembly, program, problem, data, given=bool((kinds == "given").all()))
-    touched = touched_surfaces(program, features, assembly.geometry, kinds)
+        return _wrong_path(assembly, contacts, program, problem, data)
+    touched = touched_surfaces(program, features, contacts)
     free = find_free_motions(program, features, touched)
     problem = problem.taking(known)
     proof = _minimum(program, problem, data)
@@ -302,11 +302,10 @@ def _wrong_stopped(
     data: dict[str, Any],
 ) -> list[str]:
     """Do stops keep it from where it would fall, and are state and counts those?"""
-    kinds = contacts.patch_kind[program.source]
     forces = _numbers(data["stopped"]) / problem.weight
     weights = _numbers(data["weights"])
     proof = Stopped(forces, weights, _columns(program, problem, data["motion"]))
-    touched = touched_surfaces(program, features, assembly.geometry, kinds)
+    touched = touched_surfaces(program, features, contacts)
     free = find_free_motions(program, features, touched)
     span = free_span(program, problem, free.symmetries)
     level, motions = level_contacts(program, features, touched), level_motions(program)
@@ -341,7 +340,11 @@ def _wrong_free(
 
 
 def _wrong_path(
-    assembly: Assembly, program: Program, problem: Stationary, data: dict[str, Any], *, given: bool
+    assembly: Assembly,
+    contacts: ContactSet,
+    program: Program,
+    problem: Stationary,
+    data: dict[str, Any],
 ) -> list[str]:
     """Does the path fall, and is the configuration apart and lower?"""
     first, second = (_columns(program, problem, data[key]) for key in ("first", "second"))
@@ -350,11 +353,11 @@ def _wrong_path(
     if abs(size - 1) > ACROSS or not judge_path(problem, first, second).falls:
         reasons.append("its path does not lead down")
     if data["configuration"] is None:
+        given = bool((contacts.patch_kind[program.source] == "given").all())
         return reasons if given else [*reasons, "it has no configuration that is apart and lower"]
     motion = _motion(program, data["configuration"])
     columns = scaled_columns(program, problem, motion[None])[:, 0]
-    beyond, planes = 0.01 * problem.length, problem.on_plane
-    apart = least_separation(assembly, program, motion, beyond=beyond, planes=planes)
+    apart = separation_at(assembly, contacts, program, problem, motion)
     if apart is None or not apart > APART * problem.length:
         reasons.append("its configuration is not apart")
     if not problem.load @ columns > APART:

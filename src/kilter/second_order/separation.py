@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Mask, across, cross, distinct_rows, unit_rows
+from kilter.arrays import Array, Index, Mask, across, cross, distinct_rows, unit_rows
 from kilter.assembly import Assembly
 from kilter.contact.triangle_distance import surface_distance
 from kilter.mechanics.program import Program
@@ -185,6 +185,7 @@ def least_separation(
     *,
     beyond: float,
     planes: Mask | None = None,
+    tied: Index | None = None,
 ) -> float | None:
     """The least distance, or separation, of two parts of which one has moved.
 
@@ -200,6 +201,8 @@ def least_separation(
     planes : ndarray of bool, shape (K,), optional
         Contacts with a plane: pairs that it parts as it did, which only shifted along it, are
         left out.
+    tied : ndarray of int, shape (N,), optional
+        A number for each part; pairs of the same number are left out.
 
     Returns
     -------
@@ -213,6 +216,8 @@ def least_separation(
     for i in range(count):
         for j in range(i + 1, count):
             if not (program.free[i] or program.free[j]) or _far(assembly, motion, (i, j), beyond):
+                continue
+            if tied is not None and tied[i] == tied[j]:
                 continue
             found = []
             for k in (i, j):

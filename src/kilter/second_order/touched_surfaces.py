@@ -20,11 +20,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kilter.arrays import Array, Index, Mask, across, cross
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import CYLINDER, FREE, SPHERE
+from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
 from kilter.rigid import skew
 from kilter.second_order.features import EDGE, FACE, VERTEX, Features
@@ -75,7 +75,7 @@ class Touched:
 
 
 def touched_surfaces(
-    program: Program, features: Features, geometry: Geometry, kinds: NDArray[np.str_]
+    program: Program, features: Features, contacts: ContactSet
 ) -> tuple[Touched, Touched]:
     """The surfaces of parts a and b at each row.
 
@@ -86,18 +86,18 @@ def touched_surfaces(
     Parameters
     ----------
     program : Program
+        Of contacts only.
     features : Features
         Of its rows.
-    geometry : Geometry
-        Of its parts.
-    kinds : ndarray of str, shape (K,)
-        Of the patch of each row.
+    contacts : ContactSet
+        That its rows are of.
     """
+    parts, kinds = contacts.patch_parts[program.source], contacts.patch_kind[program.source]
     sides = (
-        (program.part_a, program.normal, features.kind_a, features.edge_a, features.curvature_a),
-        (program.part_b, -program.normal, features.kind_b, features.edge_b, features.curvature_b),
+        (parts[:, 0], program.normal, features.kind_a, features.edge_a, features.curvature_a),
+        (parts[:, 1], -program.normal, features.kind_b, features.edge_b, features.curvature_b),
     )
-    flat, given = kinds == "plane", kinds == "given"
+    flat, given, geometry = kinds == "plane", kinds == "given", contacts.assembly.geometry
     first, second = (_touched(program.point, *one, geometry, given) for one in sides)
     for side, axis in ((first, features.axis_a), (second, features.axis_b)):
         said = (side.kind == UNKNOWN) & axis[:, 3:].any(axis=1)

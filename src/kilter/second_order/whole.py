@@ -27,6 +27,7 @@ from kilter.second_order.features_of import features_of
 from kilter.second_order.held import Held, find_held, judge_held
 from kilter.second_order.level_rest import LevelRest, find_level_rest, level_rows
 from kilter.second_order.modelled import why_unmodelled
+from kilter.second_order.rigid_groups import RigidGroups
 from kilter.second_order.rolling import find_rolling, worst_rolling
 from kilter.second_order.second_order_answer import SecondOrder, answer_alone, open_answer
 from kilter.second_order.stationary import stationary
@@ -69,27 +70,49 @@ def find_second_order(
     unmodelled = why_unmodelled(assembly, contacts)
     if unmodelled:
         return open_answer(unmodelled, program)
-    search = _ClusterSearch(assembly, contacts, program, forces, work)
-    at_once = None if _beyond(program) else search.by_forces(program, forces)
+    groups = RigidGroups.of(assembly)
+    whole = groups.merged(program, assembly)
+    if not whole.free.any():
+        return None
+    if forces is not None and groups.tied:
+        forces = forces[groups.between(program, assembly)]
+    search = _ClusterSearch(assembly, contacts, whole, forces, work)
+    at_once = None if _beyond(whole) else search.by_forces(whole, forces)
     if at_once is not None:
-        return at_once if at_once.neutral else None
-    found = tuple(search.answer(one) for one in clusters(program))
+        return _of_parts(at_once, groups) if at_once.neutral else None
+    found = tuple(search.answer(one) for one in clusters(whole))
     if all(one.state == "minimum" and not one.neutral for one in found):
         return None
-    return _joined(found)
+    return _of_parts(_joined(found), groups)
 
 
-def with_rolling(found: SecondOrder, contacts: ContactSet, program: Program) -> SecondOrder:
+def _of_parts(found: SecondOrder, groups: RigidGroups) -> SecondOrder:
+    """An answer of groups as one of their parts: what moves."""
+    if not groups.tied:
+        return found
+    return replace(
+        found,
+        motion=None if found.motion is None else groups.spread(found.motion),
+        moving=np.flatnonzero(np.isin(groups.first, found.moving)),
+        clusters=tuple(_of_parts(one, groups) for one in found.clusters),
+    )
+
+
+def with_rolling(
+    found: SecondOrder, assembly: Assembly, contacts: ContactSet, program: Program
+) -> SecondOrder:
     """An answer that is balanced, with what friction makes of it.
 
     Parameters
     ----------
     found : SecondOrder
+    assembly : Assembly
     contacts : ContactSet
     program : Program
         Of these contacts, with friction.
     """
     own = found.clusters or (found,)
+    program = RigidGroups.of(assembly).merged(program, assembly)
     parted = clusters(program)
     if found.state != "balanced" or len(parted) != len(own) or not program.mu.any():
         return found
