@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 import pathlib
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -130,6 +131,20 @@ def test_the_configuration_of_the_page_is_lower_and_apart() -> None:
     assert np.abs(motion[free]).max(axis=1).min() > 0.01
     assert least_gap(assembly, program, motion) == pytest.approx(3.1e-5, abs=1e-6)
     assert motion[free, 2].sum() == pytest.approx(-3.0e-5, abs=1e-6)
+
+
+def test_the_corners_of_the_page_are_those_of_the_scene() -> None:
+    geometry = scene(TURNED[0]).geometry
+    page = FINDINGS.read_text(encoding="utf-8")
+    [words] = re.findall(r"prism over the corners \(x, z\) = (.*?), with", page)
+    said = np.array([[float(a), float(b)] for a, b in re.findall(r"\((.*?), (.*?)\)", words)])
+    for part, mirror in ((1, 1), (2, -1)):
+        corners = geometry.corners_of(part).reshape(-1, 3)
+        assert np.allclose(np.unique(corners[:, 1]), [-0.5, 0.5])
+        flat = corners[:, [0, 2]] * np.sqrt(2) * [mirror, 1]
+        near = np.abs(flat[:, None] - said).max(axis=2) < 1e-9
+        assert near.any(axis=1).all()
+        assert near.any(axis=0).all()
 
 
 def test_figure_1_b_in_the_plane_slides_only() -> None:
