@@ -11,8 +11,8 @@ asked whether
 
     rises       that height grows along 200 random ways out, up to the tilt that is told
     costs       none of the 200 gets lower than the rest for less than the energy that is told
-    pass        over a net of 20,000 directions another rest is reached for that energy, and not
-                for less, to the width of the net (polyhedra)
+    pass        over a net of 20,000 directions, and along those between neighbouring faces,
+                another rest is reached for that energy, and not for 1e-3 of its size less
     falls       at the tilt that energy is reached, and beyond it falls (rounds)
     stiffness   the height of a tilt of 0.1 is that of a ball with it, to 1e-3
 
@@ -43,7 +43,7 @@ from kilter.scenes.pieces import floor
 Array = NDArray[np.float64]
 G = 9.81
 DOWN = np.array([0.0, 0.0, -1.0])
-WAYS, NET, PROFILE = 200, 20_000, 4_000
+WAYS, NET, ALONG, PROFILE = 200, 20_000, 60, 4_000
 LATE = 20.0
 """CPU seconds a case."""
 
@@ -150,7 +150,8 @@ def disagreements(case: Case, well: Well | None, random: np.random.Generator) ->
     if well.over_deg is not None:
         tilt = np.radians(well.over_deg)
         shares = np.linspace(0, tilt, 60)
-        rising = [np.diff(case.heights(way_out(shares, way))).min() for way in ways]
+        every = [*ways, *_over_edges(case)]
+        rising = [np.diff(case.heights(way_out(shares, way))).min() for way in every]
         wrong += ["rises"] if min(rising) < -blur else []
     if well.barrier is not None:
         top = rest + well.barrier / weight
@@ -183,11 +184,12 @@ def _passes(case: Case, tilt: float, top: float, rest: float, size: float) -> li
     k = np.arange(NET) + 0.5
     z, turn = 1 - 2 * k / NET, np.pi * (1 + np.sqrt(5)) * k
     flat = np.sqrt(1 - z**2)
-    net = np.vstack(
-        [DOWN, _other_rests(case), np.stack([flat * np.cos(turn), flat * np.sin(turn), z], axis=1)]
-    )
-    others = len(net) - NET
+    others = _other_rests(case)
+    ends, arcs = _arcs(case)
+    spread = np.stack([flat * np.cos(turn), flat * np.sin(turn), z], axis=1)
+    net = np.vstack([DOWN, others, spread, arcs])
     pairs = cKDTree(net).query_pairs(2.6 * np.sqrt(4 * np.pi / NET) / 2, output_type="ndarray")
+    pairs = np.vstack([pairs, ends + len(net) - len(arcs)])
     height = case.heights(net)
     cost = np.maximum(height[pairs[:, 0]], height[pairs[:, 1]])
 
@@ -195,10 +197,19 @@ def _passes(case: Case, tilt: float, top: float, rest: float, size: float) -> li
         kept = pairs[cost <= level]
         graph = coo_array((np.ones(len(kept)), kept.T), shape=(len(net), len(net)))
         _, group = connected_components(graph, directed=False)
-        return bool((group[1:others] == group[0]).any())
+        return bool((group[1 : len(others) + 1] == group[0]).any())
 
     wrong = ["pass: for less"] if reaches(top - 1e-3 * size) else []
-    return wrong if reaches(top + 0.03 * size) else [*wrong, "pass: not for it"]
+    return wrong if reaches(top + 1e-3 * size) else [*wrong, "pass: not for it"]
+
+
+def _over_edges(case: Case) -> list[float]:
+    """The ways straight over the edges of its base."""
+    if case.points.shape[1] == 2:
+        return []
+    base = case.points[case.points @ DOWN > (case.points @ DOWN).max() - 1e-9]
+    out = ConvexHull(base[:, :2]).equations
+    return [float(way) for way in np.arctan2(out[:, 1], out[:, 0])]
 
 
 def _other_rests(case: Case) -> Array:
@@ -213,6 +224,21 @@ def _other_rests(case: Case) -> Array:
         if (share > 0).all() and normal @ DOWN < 1 - 1e-9:
             found.append(normal)
     return np.array(found).reshape(-1, 3)
+
+
+def _arcs(case: Case) -> tuple[NDArray[np.int64], Array]:
+    """Directions between neighbouring faces, where it is cheapest to pass, and which are next."""
+    hull = ConvexHull(case.points)
+    first = np.repeat(np.arange(len(hull.simplices)), 3)
+    second = hull.neighbors.reshape(-1)
+    m, n = (
+        hull.equations[one, :3][:, None] for one in (first[first < second], second[first < second])
+    )
+    share = np.linspace(0, 1, ALONG)[:, None]
+    arcs = (1 - share) * m + share * n
+    arcs /= np.linalg.norm(arcs, axis=2)[:, :, None]
+    place = np.arange(arcs.shape[0] * ALONG).reshape(-1, ALONG)
+    return np.stack([place[:, :-1], place[:, 1:]], axis=2).reshape(-1, 2), arcs.reshape(-1, 3)
 
 
 def _nearly_flat(case: Case) -> bool:
