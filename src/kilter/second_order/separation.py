@@ -7,7 +7,9 @@ Two convex bodies are apart iff a plane parts them,
 Of polyhedra the greatest s is that of a normal of a face of either, or of the cross product of two
 edges. Of cylinders any n with s(n) > 0 is proof enough; it is sought from the normals of contact. A
 ball is apart from a polyhedron, convex or not, where its centre is outside and farther from each
-triangle than its radius. What is no ball, cylinder or polyhedron has no answer here.
+triangle than its radius. A solid whose curved faces are of balls and cylinders is taken as those,
+whole, where its flat faces lie within them: that is no less than its surface. What is no ball,
+cylinder or polyhedron otherwise has no answer here.
 A polyhedron that is not convex is taken as its triangles: whatever crosses its surface cuts one.
 """
 
@@ -19,6 +21,8 @@ import numpy as np
 
 from kilter.arrays import Array, Index, Mask, across, cross, distinct_rows, unit_rows
 from kilter.assembly import Assembly
+from kilter.assembly.geometry import Geometry
+from kilter.assembly.surfaces import CYLINDER, SPHERE
 from kilter.contact.triangle_distance import surface_distance
 from kilter.mechanics.program import Program
 from kilter.second_order.second_order_tolerances import ACROSS, KEEPS
@@ -37,6 +41,10 @@ __all__ = [
 CONVEX = 1e-9
 """No corner of a convex polyhedron is farther outside a face than this, over its size."""
 
+
+ON_QUARTIC = 8
+"""A torus that does not hold a circle meets it in up to 8 points, a quadric in 4: an edge of more
+of its points is the circle."""
 
 FAN, ZOOMS = 33, 8
 """Directions across an axis that are tried at once, and how often those around the best are."""
@@ -88,7 +96,7 @@ def bodies_of(assembly: Assembly, part: int) -> list[Body] | None:
         ends = pose.position + np.outer([0.5, -0.5], axis) * shape.height
         return [Body(ends, shape.radius, axis)]
     if geometry.surfaces.start[part] != geometry.surfaces.start[part + 1]:
-        return None
+        return _round_pieces(geometry, part)
     triangles = geometry.corners_of(part)
     normals = unit_rows(_normals(triangles))
     corners, _ = distinct_rows(triangles.reshape(-1, 3))
@@ -96,6 +104,43 @@ def bodies_of(assembly: Assembly, part: int) -> list[Body] | None:
     if outside <= CONVEX * geometry.size[part]:
         return [_hull(triangles, corners)]
     return [_hull(one[None], one) for one in triangles]
+
+
+def _round_pieces(geometry: Geometry, part: int) -> list[Body] | None:
+    """Whole balls and cylinders that hold all faces of a part; None where they do not."""
+    s, near = geometry.surfaces, CONVEX * float(geometry.size[part])
+    pieces = []
+    for row in range(s.start[part], s.start[part + 1]):
+        if s.kind[row] not in (SPHERE, CYLINDER) or s.hollow[row] or s.doubt[row] > 0:
+            return None
+        radius = float(s.radius[row])
+        if s.kind[row] == SPHERE:
+            pieces.append(Body(s.point[row][None], radius))
+            continue
+        axis = s.axis[row]
+        corners = geometry.vertices[np.unique(geometry.triangles[s.triangles_of(row)])]
+        along = (corners - s.point[row]) @ axis
+        low, high = float(along.min()), float(along.max())
+        ends = along - low <= near, high - along <= near
+        straight = min(int(end.sum()) for end in ends) > ON_QUARTIC
+        if not straight or not (ends[0] | ends[1]).all():
+            return None  # an end that is not straight across reaches farther than its corners
+        pieces.append(Body(s.point[row] + np.outer([low, high], axis), radius, axis))
+    own = slice(geometry.triangle_start[part], geometry.triangle_start[part + 1])
+    flat = geometry.vertices[geometry.triangles[own][geometry.triangle_surface[own] < 0]]
+    within = [_within(one, flat.reshape(-1, 3), near).reshape(-1, 3).all(axis=1) for one in pieces]
+    return pieces if np.any(within, axis=0).all() else None
+
+
+def _within(body: Body, points: Array, near: float) -> Mask:
+    """Whether points are in a ball or a cylinder, shape (n,)."""
+    off = points - body.corners[0]
+    if body.axis is None:
+        return np.asarray(np.linalg.norm(off, axis=1) <= body.radius + near)
+    along = off @ body.axis
+    length = float((body.corners[-1] - body.corners[0]) @ body.axis)
+    out = np.linalg.norm(off - along[:, None] * body.axis, axis=1)
+    return np.asarray((out <= body.radius + near) & (along >= -near) & (along <= length + near))
 
 
 def _normals(triangles: Array) -> Array:
