@@ -103,6 +103,15 @@ def test_words_in_the_place_of_numbers_make_no_ball_on_a_ball_a_minimum(word: An
     assert not kilter.verify(assembly, with_second_order(proof, forged)).holds
 
 
+def test_a_lift_by_next_to_nothing_makes_no_ball_in_a_bowl_balanced() -> None:
+    assembly, proof = proof_of("03")
+    first = [0.7, 0, 0.7e-7, 0, 0, 0]
+    for lift in ([0, 0, -0.7, 0, 0, 0], [0, 0, -7, 0, 0, 0]):
+        forged = {"state": "balanced", "neutral": 5, "free": 3, "configuration": None}
+        forged |= {"first": {"b": first}, "second": {"b": lift}}
+        assert not kilter.verify(assembly, with_second_order(proof, forged)).holds
+
+
 def with_second_order(proof: dict[str, Any], data: Any) -> dict[str, Any]:
     """The proof with another second order, and a digest that fits."""
     other = copy.deepcopy(proof) | {"second_order": data}

@@ -3,8 +3,9 @@
     J_k dp >= 0, w.dp = 0;   J_k d2 + dp.H_k dp >= m where J_k dp = 0;   w.d2 >= m,   m > 0
 
 Then each gap is at least m t^2 / 2 + O(t^3) or opens to first order, and the energy is
--t^2 w.d2 / 2: no minimum. By duality such a d2 exists with m = 0 iff no forces of equilibrium
-curve the energy upward along dp.
+-t^2 w.d2 / 2: no minimum. Of numbers that are not exact both hold from some t on, and a gap that
+opens to first order may have closed again by then: it must not, for some while. By duality such a
+d2 exists with m = 0 iff no forces of equilibrium curve the energy upward along dp.
 
 What is pressed between planes has no such path: no motion opens both. There contacts may also be
 kept: parts that only shift, along a plane of one of them, leave its gap as it is to all orders.
@@ -19,11 +20,21 @@ from scipy.sparse import csc_array
 
 from kilter.arrays import TINY, Array, Index, Mask
 from kilter.second_order.critical import null_space
-from kilter.second_order.second_order_tolerances import ACROSS, DROPS, KEEPS, REACHES, SLIPS
+from kilter.second_order.second_order_tolerances import (
+    ACROSS,
+    DROPS,
+    KEEPS,
+    LASTS,
+    REACHES,
+    SLIPS,
+)
 from kilter.second_order.stationary import Stationary
 from kilter.solvers.problem import LinearProgram
 
 __all__ = ["Path", "find_path", "judge_path"]
+
+FARTHEST = REACHES[-1] * (1 + ACROSS)
+"""A second derivative is at most this in each unknown, with rounding."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,7 +42,9 @@ class Path:
     """A path in scaled unknowns, judged.
 
     `first`, `second`, shape (n,): dp, of length 1, and d2; `opens`: least second derivative of a
-    gap that stays closed to first order; `power`: w.d2; `slips`: worst of -J dp and |w.dp|.
+    gap that stays closed to first order; `power`: w.d2; `slips`: worst of -J dp and |w.dp|;
+    `lasts`: the t at which the first gap that opens to first order closes again; `rounding`: what
+    of `opens` and `power` may be that of the data.
     """
 
     first: Array
@@ -39,12 +52,16 @@ class Path:
     opens: float
     power: float
     slips: float
+    lasts: float
+    rounding: float
 
     @property
     def falls(self) -> bool:
         """Whether it proves that the place is no minimum."""
         least = min(self.opens, self.power)
-        return least > DROPS and self.slips <= SLIPS * least
+        straight = float(np.linalg.norm(self.second)) <= FARTHEST * np.sqrt(len(self.second))
+        begins = min(SLIPS * least, self.lasts * least / (2 * LASTS))
+        return straight and least > max(DROPS, self.rounding) and self.slips <= begins
 
 
 def find_path(problem: Stationary, motion: Array) -> Path | None:
@@ -129,11 +146,16 @@ def _second_derivative(
 def judge_path(problem: Stationary, first: Array, second: Array) -> Path:
     """A path judged from the numbers of the problem alone."""
     first_opens = problem.rows @ first
-    closed = (first_opens <= DROPS) & ~_kept(problem, first, second)
-    second_opens = (problem.rows @ second + problem.bends(first))[closed]
+    second_opens = problem.rows @ second + problem.bends(first)
+    kept, later = _kept(problem, first, second), first_opens <= DROPS
+    closes = ~later & (second_opens < 0)
+    lasts = (2 * first_opens[closes] / -second_opens[closes]).min(initial=np.inf)
     slips = max(float(-first_opens.min(initial=0.0)), abs(float(problem.load @ first)))
-    least = float(second_opens.min()) if len(second_opens) else 1.0
-    return Path(first, second, least, float(problem.load @ second), slips)
+    opens = second_opens[later & ~kept]
+    least = float(opens.min()) if len(opens) else 1.0
+    power = float(problem.load @ second)
+    blurred = problem.blur * float(np.abs(second).max(initial=0.0))
+    return Path(first, second, least, power, slips, float(lasts), blurred)
 
 
 def _kept(problem: Stationary, first: Array, second: Array) -> Mask:

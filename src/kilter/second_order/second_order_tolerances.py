@@ -17,6 +17,7 @@ __all__ = [
     "DROPS",
     "FLAT",
     "KEEPS",
+    "LASTS",
     "LEVEL",
     "REACHES",
     "ROUND",
@@ -54,6 +55,8 @@ DROPS = 2e-8
 """Least opening and least power of the second derivative of a path of length 1."""
 SLIPS = 1e-4
 """What a path enters to first order, over what it opens to second: it is open from there on."""
+LASTS = 10.0
+"""What a path opens to first order stays open for this many times as long as it takes to fall."""
 REACHES = (1.0, 5.0, 30.0, 1000.0)
 """Bounds of a second derivative, in turn, where the motion has length 1: the nearest first. The
 straighter a path, the farther it is what its derivatives say."""
