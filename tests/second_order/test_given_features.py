@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +13,7 @@ import pytest
 import kilter
 from kilter import Assembly, Box, Feature, GivenContact, InputError, Part, Pose
 from kilter.arrays import Array
+from kilter.files import from_dict
 from kilter.mechanics.program import build_program
 from kilter.scenes.pieces import turn
 from kilter.scenes.transform import moved, permuted, renamed, scaled
@@ -163,3 +167,21 @@ def test_shown_in_one_line() -> None:
     given = assembly((CYLINDER, Feature("edge", [1, 0, 0], 2))).contacts[0]
     assert repr(given).endswith("face on edge)")
     assert repr(CYLINDER) == "Feature('face', along=(0, 1, 0), curvature=(0, 0.5))"
+
+
+def test_the_contact_of_the_page_is_a_ball_in_a_bowl() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "contacts.md").read_text(encoding="utf-8")
+    [text] = re.findall(r"```json\n(.*?)```", page, flags=re.S)
+    contact = json.loads(text)
+    parts = [
+        {"name": "bowl", "box": [1, 1, 1], "pose": {"position": [0, 0, -1]}, "grounded": True},
+        {"name": "ball", "sphere": {"radius": 0.8}, "pose": {"position": [0, 0, 0.8]}},
+    ]
+    for hollow, state in ((-0.5, "minimum"), (0.5, "balanced"), (-2.0, "open")):
+        contact["feature"][0]["curvature"] = hollow
+        whole = {"kilter": 1, "parts": parts, "contacts": [contact], "detect": False}
+        second = kilter.check(from_dict(whole, folder=".", source="page")).second_order
+        assert second is not None
+        assert second.state == state
+        if state != "open":  # the ball may spin
+            assert second.free == 3
