@@ -36,6 +36,7 @@ def features(a: Side, b: Side, fibre: Array = NONE, *, conformal: bool = False) 
     return Features(
         *kinds, a[1][None], b[1][None], a[2][None], b[2][None], fibre[None],
         np.array([conformal]), np.zeros((1, 6)), np.zeros((1, 6)), np.zeros(1, dtype=np.int64),
+        np.zeros(1), np.zeros(1),
     )  # fmt: skip
 
 

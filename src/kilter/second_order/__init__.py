@@ -10,6 +10,7 @@
 - `paths`: paths that lead down
 - `minimum_proof`: proofs of a minimum, judged without a solver
 - `decide`: minimum, balanced or open
+- `recognised`, `every_surface`: what holds for every surface that a mesh may stand for
 - `touched_surfaces`, `free_motions`, `free_span`: motions that keep every gap and the energy
 - `separation`: parts in other places, held apart exactly
 - `parting_planes`, `path_places`: places along which what is balanced falls

@@ -39,6 +39,9 @@ class Features(Rows):
     fibre : ndarray, shape (K, 3)
         Unit direction of a line of contact, at points within it: the material point of b
         stays along it, and only the way across is minimised over; else 0.
+    doubt_a, doubt_b : ndarray, shape (K,)
+        How far the curvature may be off in any tangent direction [1/length unit]: 0 but for
+        surfaces that were recognised in meshes.
     conformal : ndarray of bool, shape (K,)
         The surfaces fit each other: the point of b is taken as a vertex on a.
     axis_a, axis_b : ndarray, shape (K, 6)
@@ -59,9 +62,16 @@ class Features(Rows):
     axis_a: Array = columns(6)
     axis_b: Array = columns(6)
     group: Index = columns()
+    doubt_a: Array = columns()
+    doubt_b: Array = columns()
 
     def __post_init__(self) -> None:
         read_only(self)
+
+    @property
+    def doubted(self) -> bool:
+        """Whether a curvature is known to its doubt only."""
+        return bool(self.doubt_a.any() or self.doubt_b.any())
 
     @property
     def open(self) -> Mask:

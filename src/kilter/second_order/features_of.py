@@ -20,7 +20,7 @@ from kilter.second_order.second_order_tolerances import CROSSING
 __all__ = ["FLAT", "detected_rows", "features_of"]
 
 
-def features_of(program: Program, contacts: ContactSet) -> Features:
+def features_of(program: Program, contacts: ContactSet, *, recognised: bool = False) -> Features:
     """The feature of each row of a program, in their order.
 
     Parameters
@@ -28,18 +28,21 @@ def features_of(program: Program, contacts: ContactSet) -> Features:
     program : Program
         Of these contacts, or of some of them; its rows are as they were made.
     contacts : ContactSet
+    recognised : bool
+        Surfaces that were recognised in meshes are known too, to their doubt.
 
     Returns
     -------
     Features
         Open: rows that are no contact points, given contacts without a feature, and what is
-        not known exactly (fitted normals, surfaces recognised in meshes, closed clearances).
+        not known exactly (fitted normals, closed clearances, surfaces recognised in meshes but
+        where they are asked for).
     """
     found = _nothing_known(program)
     _set_given(found, program, contacts)
     rows = detected_rows(program, contacts)
     if len(rows):
-        _set_detected(found, program, contacts, rows)
+        _set_detected(found, program, contacts, rows, recognised)
         _set_conformal(found, program, contacts, rows)
     return Features(**found)
 
@@ -58,6 +61,8 @@ def _nothing_known(program: Program) -> dict[str, Any]:
         "conformal": np.zeros(count, dtype=bool),
         "axis_a": np.zeros((count, 6)),
         "axis_b": np.zeros((count, 6)),
+        "doubt_a": np.zeros(count),
+        "doubt_b": np.zeros(count),
         "group": np.where(program.kind == CONTACT, program.source, -1),
     }
 
@@ -103,19 +108,22 @@ def detected_rows(program: Program, contacts: ContactSet) -> Index:
 
 
 def _set_detected(
-    found: dict[str, Any], program: Program, contacts: ContactSet, rows: Index
+    found: dict[str, Any], program: Program, contacts: ContactSet, rows: Index, recognised: bool
 ) -> None:
     """What touches of either part at points that were found."""
     geometry = contacts.assembly.geometry
     reach = 2 * (contacts.tolerance.gap_of(geometry.size) + geometry.accuracy)
     parts = contacts.patch_parts[program.source[rows]]
     region = contacts.patch_area[program.source[rows]] > 0
+    meshes = np.isin(contacts.patch_kind[program.source[rows]], ROUND) & recognised
     for side, part, sense in (("a", parts[:, 0], 1.0), ("b", parts[:, 1], -1.0)):
         outward = sense * program.normal[rows]
-        one = part_features(geometry, part, program.point[rows], outward, reach, region)
+        point = program.point[rows]
+        one = part_features(geometry, part, point, outward, reach, region, meshes)
         found[f"kind_{side}"][rows] = one.kind
         found[f"edge_{side}"][rows] = one.edge
         found[f"curvature_{side}"][rows] = one.curvature
+        found[f"doubt_{side}"][rows] = one.doubt
 
 
 def _set_conformal(
@@ -133,6 +141,7 @@ def _set_conformal(
     count = np.diff(contacts.patch_start)[patch]
     faces = (found["kind_a"][left] == FACE) & (found["kind_b"][left] == FACE)
     fit = np.isin(contacts.patch_kind[patch], ROUND) & (count > 2) & faces
+    fit &= (found["doubt_a"][left] == 0) & (found["doubt_b"][left] == 0)
     found["conformal"][left[flat | fit]] = True
     first = contacts.patch_start[patch]
     last = np.minimum(first + count, len(contacts.points)) - 1

@@ -6,6 +6,8 @@ import numpy as np
 
 from kilter.arrays import Array, Index
 from kilter.assembly import Assembly
+from kilter.assembly.geometry import Geometry
+from kilter.assembly.surfaces import FREE, SPHERE
 from kilter.mechanics.program import Program
 from kilter.second_order.free_motions import FreeMotions
 from kilter.second_order.rigid_groups import RigidGroups
@@ -39,7 +41,7 @@ def scaled_columns(program: Program, problem: Stationary, motions: Array) -> Arr
 
 
 def moving_free(assembly: Assembly, free: FreeMotions) -> Index:
-    """Parts that a free motion moves visibly: not balls and cylinders that spin.
+    """Parts that a free motion moves visibly: not what spins about its axis of revolution.
 
     Of parts that fixed joints tie the first is told, as in the motions.
     """
@@ -52,15 +54,35 @@ def moving_free(assembly: Assembly, free: FreeMotions) -> Index:
 
 def _spins_unseen(assembly: Assembly, part: int, motion: Array) -> bool:
     """Whether a motion of a part only turns it about an axis of revolution of its shape."""
-    shape, turn = assembly.parts[part].shape, motion[3:]
-    center = assembly.geometry.center[part]
-    at = assembly.parts[part].pose.position - center
+    turn, center = motion[3:], assembly.geometry.center[part]
     radius = float(assembly.geometry.radius[part])
     speed = float(np.abs(turn).max()) * radius
     still = ACROSS * max(speed, float(np.abs(motion[:3]).max()))
-    if np.abs(motion[:3] + np.cross(turn, at)).max() > still or speed == 0:
+    if speed == 0 or abs(motion[:3] @ turn) * radius > still * speed:
         return False
-    if isinstance(shape, Sphere):
-        return True
-    axis = assembly.parts[part].pose.matrix[:, 2]
-    return isinstance(shape, Cylinder) and bool(np.abs(np.cross(turn, axis)).max() * radius < still)
+    shape, pose = assembly.parts[part].shape, assembly.parts[part].pose
+    if not isinstance(shape, Sphere | Cylinder):
+        return _of_revolution(assembly.geometry, part, motion, center)
+    if np.abs(motion[:3] + np.cross(turn, pose.position - center)).max() > still:
+        return False
+    across = np.abs(np.cross(turn, pose.matrix[:, 2])).max() * radius
+    return isinstance(shape, Sphere) or bool(across < still)
+
+
+def _of_revolution(geometry: Geometry, part: int, motion: Array, center: Array) -> bool:
+    """Whether every face of a part stays where it is when the part turns."""
+    surfaces, turn = geometry.surfaces, motion[3:] / np.linalg.norm(motion[3:])
+    near = ACROSS * float(geometry.radius[part]) + float(geometry.accuracy[part])
+    own = np.arange(surfaces.start[part], surfaces.start[part + 1])
+    if (surfaces.kind[own] == FREE).any():
+        return False
+    through = center + np.cross(motion[3:], motion[:3]) / (motion[3:] @ motion[3:])
+    off = np.linalg.norm(np.cross(surfaces.point[own] - through, turn), axis=1)
+    leans = np.linalg.norm(np.cross(surfaces.axis[own], turn), axis=1)
+    if (off > near).any() or (leans[surfaces.kind[own] != SPHERE] > ACROSS).any():
+        return False
+    span = slice(geometry.triangle_start[part], geometry.triangle_start[part + 1])
+    corners = geometry.vertices[geometry.triangles[span][geometry.triangle_surface[span] < 0]]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    aside = np.linalg.norm(np.cross(normal, turn), axis=1)
+    return bool(len(own)) and bool((aside <= ACROSS * np.linalg.norm(normal, axis=1)).all())

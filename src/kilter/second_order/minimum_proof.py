@@ -121,11 +121,14 @@ def leaf_cones(
         raise ValueError("cones are left over")
 
 
-def judge_minimum(problem: Stationary, proof: MinimumProof) -> str:
+def judge_minimum(problem: Stationary, proof: MinimumProof, worst: Stationary | None = None) -> str:
     """Why a proof does not hold; empty where it does.
 
     Only numbers of the problem and of the proof are used: signs, balance, null space, Cholesky.
+    `worst`: the same place with the gaps that curve the energy least across the free motions,
+    where they are not known exactly.
     """
+    worst = worst or problem
     if not proof.leaves:
         return "it has no forces"
     for leaf in proof.leaves:
@@ -148,7 +151,7 @@ def judge_minimum(problem: Stationary, proof: MinimumProof) -> str:
         own = proof.sides if rays is None else np.vstack([sides_of_cone(rays), proof.sides])
         if leaf.weights.shape != (len(own), len(own)) or not _positive(leaf.weights):
             return "the weights of its sides are not positive"
-        curvature = problem.curvature(leaf.forces, proof.basis)
+        curvature = worst.curvature(leaf.forces, proof.basis)
         if not definite(curvature - own.T @ leaf.weights @ own):
             return "the energy does not curve upward under its forces"
     return ""

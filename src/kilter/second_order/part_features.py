@@ -9,8 +9,10 @@ the plane of any of them. On an exact surface, with outward normal m and distanc
     torus     t t^T / tube + h h^T cos(psi) / rho,   cos(psi) = (rho - radius) / tube, t = h x m
     rim       an edge along h, (m . away) / rho, away the direction from the axis
 
-P the projection across m; minus for hollow ones. What was recognised in a mesh is in doubt,
-and open.
+P the projection across m; minus for hollow ones. What was recognised in a mesh is in doubt by
+the height d of its arcs over their triangles, and open, or known to its doubt where that is asked:
+radius and centre may each be off by d, an axis may lean by 2 d over a radius, so that with k the
+greatest curvature any may be off by 4 d k^2 / (1 - 4 d k).
 """
 
 from __future__ import annotations
@@ -29,6 +31,11 @@ from kilter.second_order.second_order_tolerances import AGREE, CROSSING
 
 __all__ = ["PartFeatures", "part_features"]
 
+OFF = 4.0
+"""Doubts by which the radius of curvature of a surface recognised in a mesh may be off."""
+ROUGH = 0.5
+"""What is off by more than this share of itself is not known."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartFeatures(Rows):
@@ -37,10 +44,17 @@ class PartFeatures(Rows):
     kind: Index
     edge: Array = columns(3)
     curvature: Array = columns(3, 3)
+    doubt: Array = columns()
 
 
 def part_features(
-    geometry: Geometry, part: Index, point: Array, outward: Array, reach: Array, region: Mask
+    geometry: Geometry,
+    part: Index,
+    point: Array,
+    outward: Array,
+    reach: Array,
+    region: Mask,
+    recognised: Mask,
 ) -> PartFeatures:
     """What touches of a part at points, shape (n, 3).
 
@@ -54,13 +68,16 @@ def part_features(
         How far a point may be from the surface that it is on [length unit].
     region : ndarray of bool, shape (n,)
         Points of an area of contact: a curved face is a face there up to its boundary.
+    recognised : ndarray of bool, shape (n,)
+        Points at which surfaces recognised in meshes are known, to their doubt.
     """
     order = np.argsort(part, kind="stable")
     back = np.argsort(order, kind="stable")
     part, point, outward = part[order], point[order], outward[order]
     near, triangle = _triangles_at(geometry, part, point, reach)
     flat = _of_triangles(geometry, near, triangle, point, outward, reach[part])
-    round_, many = _of_surfaces(geometry, part, point, outward, reach[part])
+    known = recognised[order]
+    round_, many = _of_surfaces(geometry, part, point, outward, reach[part], known)
     foreign = _other_faces(geometry, near, triangle, round_[1])
     curved = round_[0]
     kind = np.where(curved.kind == OPEN, flat.kind, curved.kind)
@@ -70,7 +87,8 @@ def part_features(
     edge = np.where(own, curved.edge, flat.edge)
     edge[kind != EDGE] = 0.0
     curvature = np.where((kind == OPEN)[:, None, None], 0.0, curved.curvature)
-    return PartFeatures(kind, edge, curvature).take(back)
+    doubt = np.where(kind == OPEN, 0.0, curved.doubt)
+    return PartFeatures(kind, edge, curvature, doubt).take(back)
 
 
 # triangles ---------------------------------------------------------------------------------
@@ -118,7 +136,7 @@ def _of_triangles(
     kind = np.where(plain, np.select([rank == 1, rank == 2], [FACE, EDGE], VERTEX), OPEN)
     across = edge - _dot(edge, outward)[:, None] * outward
     edge = np.where((kind == EDGE)[:, None], unit_rows(across), 0.0)
-    return PartFeatures(kind, edge, np.zeros((count, 3, 3)))
+    return PartFeatures(kind, edge, np.zeros((count, 3, 3)), np.zeros(count))
 
 
 def _within_rim(
@@ -149,7 +167,7 @@ def _other_faces(geometry: Geometry, near: Index, triangle: Index, surface: Inde
 
 
 def _of_surfaces(
-    geometry: Geometry, part: Index, point: Array, outward: Array, reach: Array
+    geometry: Geometry, part: Index, point: Array, outward: Array, reach: Array, recognised: Mask
 ) -> tuple[tuple[PartFeatures, Index], Mask]:
     """Features on exact surfaces, the surface of each point, and where more than one meet."""
     s, count = geometry.surfaces, len(part)
@@ -175,9 +193,13 @@ def _of_surfaces(
     edge[row[k]] = around
     curvature[row[k]] = bent[:, None, None] * around[:, :, None] * around[:, None, :]
     used = np.where(at >= 0, at, 0)
+    doubt = np.zeros(count)
     if len(s):
-        kind[(at >= 0) & (s.doubt[used] > 0)] = OPEN
-    return (PartFeatures(kind, edge, curvature), at), (touching > 1) | (rims > 1)
+        most = np.linalg.norm(curvature, 2, axis=(1, 2))
+        off = OFF * np.where(at >= 0, s.doubt[used], 0.0) * most
+        kind[(off > 0) & ~(recognised & (off < ROUGH))] = OPEN
+        doubt = np.where(off < ROUGH, most * off / (1 - np.minimum(off, ROUGH)), 0.0)
+    return (PartFeatures(kind, edge, curvature, doubt), at), (touching > 1) | (rims > 1)
 
 
 def _at_ends(geometry: Geometry, surface: Index, x: Array, reach: Array) -> Mask:

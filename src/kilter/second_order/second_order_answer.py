@@ -7,7 +7,8 @@
     open       neither is known; `why` says what is missing
 
 A path counts where the parts have an exact configuration on it that is apart and lower, which needs
-no theory; where contacts are given, with their features, the path itself is all there is to know.
+no theory; where contacts are given, with their features, or surfaces were recognised in meshes, the
+path itself is all there is to know (`recognised`).
 """
 
 from __future__ import annotations
@@ -25,15 +26,17 @@ from kilter.second_order.clusters import State
 from kilter.second_order.configuration import Configuration, find_configuration
 from kilter.second_order.critical import Critical, find_critical
 from kilter.second_order.decide import Decision, decide
+from kilter.second_order.every_surface import decided_for_all
 from kilter.second_order.features import Features
 from kilter.second_order.free_motions import FreeMotions, find_free_motions
 from kilter.second_order.free_span import free_span, moving_free
-from kilter.second_order.gap_form import formed, gap_forms
+from kilter.second_order.gap_form import gap_forms
 from kilter.second_order.locked import faces_of, shifts
 from kilter.second_order.locking_stress import find_locked
 from kilter.second_order.minimum_proof import MinimumProof
 from kilter.second_order.oscillation import growth_rate, least_frequency
 from kilter.second_order.paths import Path
+from kilter.second_order.recognised import formed_for_all
 from kilter.second_order.rolling import Rolling
 from kilter.second_order.second_order_tolerances import ACROSS
 from kilter.second_order.stationary import Stationary, stationary
@@ -159,20 +162,20 @@ def answer_alone(
         found = _without_idle(assembly, contacts, program, features, critical, work)
         if found is not None:
             return found
-    known = formed(program, features)
+    known, doubted = formed_for_all(program, features), features.doubted
     if not known.any():
         return open_answer(_unknown(program, known), program)
     problem = stationary(program, np.nan_to_num(gap_forms(program, features)))
     if not known.all():
         part = decide(problem.taking(known), work=work)
-        if part.state == "minimum":
+        if part.state == "minimum" and not doubted:
             return _of(program, problem.taking(known), part)
         return open_answer(_unknown(program, known), program)
     touched = touched_surfaces(program, features, contacts)
     problem = replace(problem, on_plane=planes_of(touched))
     free = find_free_motions(program, features, touched)
     critical = critical or find_critical(problem)
-    if critical is not None and len(critical.sides):
+    if critical is not None and len(critical.sides) and not doubted:
         stopped = _stopped(program, features, touched, problem, free.symmetries)
         if stopped is not None:
             return stopped
@@ -186,6 +189,8 @@ def answer_alone(
             decision = replace(
                 decision, free=span.shape[1], undecided=max(decision.undecided - more, 0)
             )
+    if doubted:
+        problem, decision = decided_for_all(program, features, problem, decision)
     if decision.state == "minimum":
         found = _of(program, problem, decision)
         moving = moving_free(assembly, free)
@@ -195,8 +200,8 @@ def answer_alone(
         size = float(np.linalg.norm(motion.reshape(-1, 3), axis=1).max())
         return replace(found, state="free", rate=None, motion=motion / size, moving=moving)
     if decision.state == "balanced":
-        return _falling(assembly, contacts, program, problem, decision)
-    if decision.state == "open":
+        return _falling(assembly, contacts, program, problem, decision, doubted=doubted)
+    if decision.state == "open" and not doubted:
         sliding = _sliding(program, contacts, problem, critical, work)
         if sliding is not None:
             return sliding
@@ -344,14 +349,16 @@ def _falling(
     program: Program,
     problem: Stationary,
     decision: Decision,
+    *,
+    doubted: bool,
 ) -> SecondOrder:
     """A balanced place with its configuration; open where none was found."""
     path, why = decision.proof, ""
     assert isinstance(path, Path)
     assert problem.scale is not None
     configuration = None
-    given = contacts.patch_kind[program.source] == "given"
-    for one in () if given.all() else (path, *decision.others):
+    by_path = doubted or bool((contacts.patch_kind[program.source] == "given").all())
+    for one in () if by_path else (path, *decision.others):
         configuration, wrong = find_configuration(assembly, contacts, program, problem, one)
         if configuration is not None:
             path, why = one, ""

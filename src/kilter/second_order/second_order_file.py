@@ -27,13 +27,14 @@ from kilter.second_order.features import Features
 from kilter.second_order.features_of import features_of
 from kilter.second_order.free_motions import FreeMotions, find_free_motions
 from kilter.second_order.free_span import free_span, moving_free, scaled_columns
-from kilter.second_order.gap_form import formed, gap_forms
+from kilter.second_order.gap_form import gap_forms
 from kilter.second_order.held import Held, judge_held
 from kilter.second_order.level_rest import LevelRest, judge_level_rest, level_rows
 from kilter.second_order.locked import LockedTurns, faces_of, judge_locked, shifts
 from kilter.second_order.minimum_proof import Leaf, MinimumProof, judge_minimum
 from kilter.second_order.modelled import why_unmodelled
 from kilter.second_order.paths import Path, judge_path
+from kilter.second_order.recognised import bounded, formed_for_all
 from kilter.second_order.rigid_groups import RigidGroups
 from kilter.second_order.rolling import find_rolling, worst_rolling
 from kilter.second_order.second_order_tolerances import ACROSS, APART, DROPS
@@ -150,7 +151,7 @@ def _wrong(
         if _by_forces(entry):
             reasons += _wrong_forces(contacts, cluster.program, entry)
             continue
-        features = features or features_of(program, contacts)
+        features = features or features_of(program, contacts, recognised=True)
         own = features.take(cluster.rows)
         reasons += _wrong_gaps(assembly, contacts, cluster.program, own, entry)
     if "clusters" in data and not reasons:
@@ -222,8 +223,10 @@ def _wrong_gaps(
 ) -> list[str]:
     if "idle" in data:
         return _wrong_without_idle(assembly, contacts, program, features, data)
-    known = formed(program, features)
+    known = formed_for_all(program, features)
     problem = stationary(program, np.nan_to_num(gap_forms(program, features)))
+    if features.doubted and ("locked" in data or "stopped" in data or not known.all()):
+        return ["its surfaces are known too roughly"]
     if "locked" in data:
         return _wrong_locked(contacts, program, problem, data)
     if "stopped" in data:
@@ -232,14 +235,17 @@ def _wrong_gaps(
         if not known.all():
             return ["not every contact has a second order"]
         touched = touched_surfaces(program, features, contacts)
+        problem = bounded(program, features, -1.0) if features.doubted else problem
         problem = replace(problem, on_plane=planes_of(touched))
-        return _wrong_path(assembly, contacts, program, problem, data)
+        return _wrong_path(assembly, contacts, program, problem, data, doubted=features.doubted)
     touched = touched_surfaces(program, features, contacts)
     free = find_free_motions(program, features, touched)
+    worst = bounded(program, features, 1.0).taking(known) if features.doubted else None
     problem = problem.taking(known)
     proof = _minimum(program, problem, data)
     neutral = proof.basis.shape[1] + proof.free.shape[1]
-    reasons = [f"its second order: {word}" for word in [judge_minimum(problem, proof)] if word]
+    word = judge_minimum(problem, proof, worst)
+    reasons = [f"its second order: {word}"] if word else []
     if (neutral, proof.free.shape[1]) != (data["neutral"], data["free"]):
         reasons.append("its counts of motions are not its own")
     if not known.all() and proof.free.shape[1]:
@@ -345,6 +351,8 @@ def _wrong_path(
     program: Program,
     problem: Stationary,
     data: dict[str, Any],
+    *,
+    doubted: bool,
 ) -> list[str]:
     """Does the path fall, and is the configuration apart and lower?"""
     first, second = (_columns(program, problem, data[key]) for key in ("first", "second"))
@@ -353,8 +361,8 @@ def _wrong_path(
     if abs(size - 1) > ACROSS or not judge_path(problem, first, second).falls:
         reasons.append("its path does not lead down")
     if data["configuration"] is None:
-        given = bool((contacts.patch_kind[program.source] == "given").all())
-        return reasons if given else [*reasons, "it has no configuration that is apart and lower"]
+        by_path = doubted or bool((contacts.patch_kind[program.source] == "given").all())
+        return reasons if by_path else [*reasons, "it has no configuration that is apart and lower"]
     motion = _motion(program, data["configuration"])
     columns = scaled_columns(program, problem, motion[None])[:, 0]
     apart = separation_at(assembly, contacts, program, problem, motion)

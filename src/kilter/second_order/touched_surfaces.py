@@ -162,7 +162,7 @@ def _on_surface(found: Touched, row: int, part: int, geometry: Geometry) -> None
     surfaces, at, out = geometry.surfaces, found.point[row], found.direction[row]
     near = ON * geometry.size[part]
     own = np.arange(surfaces.start[part], surfaces.start[part + 1])
-    own = own[(surfaces.kind[own] != FREE) & (surfaces.doubt[own] == 0)]
+    own = own[surfaces.kind[own] != FREE]
     points = np.tile(at, (len(own), 1))
     agrees = np.einsum("ij,j->i", surfaces.outward(own, points), out) > 1 - FACES
     on = own[(np.abs(surfaces.distance(own, points)) < near) & agrees]

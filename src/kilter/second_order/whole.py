@@ -187,7 +187,7 @@ class _ClusterSearch:
             if not judge_held(program, held):
                 return _without_neutral(program, held)
         if self.features is None:
-            self.features = features_of(self.program, self.contacts)
+            self.features = features_of(self.program, self.contacts, recognised=True)
         return answer_alone(
             self.assembly,
             self.contacts,
