@@ -141,7 +141,7 @@ def toppling(told: Drawing, seen: Seen) -> None:
     stacked(told, view, [])
     low, high = (view.flat(told.mass(name)) for name in "12")
     view.way("falls", high, low)
-    view.way("falls", low, low + 100 * UP)
+    view.way("falls", low, left=True)
     told.marked(view, "1", "2")
 
 

@@ -84,7 +84,7 @@ class View:
     name: str = ""
     close: bool = False
     shapes: list[tuple[str, Path2]] = field(default_factory=list)
-    ways: list[tuple[str, Path2, Path2 | None]] = field(default_factory=list)
+    ways: list[tuple[str, Path2, Path2 | None, bool]] = field(default_factory=list)
     turns: list[tuple[str, Path2, float]] = field(default_factory=list)
     centers: list[Path2] = field(default_factory=list)
     limits: list[Path2] = field(default_factory=list)
@@ -113,10 +113,12 @@ class View:
         """Where the centre of mass is at the limit."""
         self.limits.append(np.asarray(point, dtype=float))
 
-    def way(self, kind: str, start: ArrayLike, about: ArrayLike | None = None) -> None:
+    def way(
+        self, kind: str, start: ArrayLike, about: ArrayLike | None = None, left: bool = False
+    ) -> None:
         """How a centre of mass falls, returns or goes freely: about a point, or level."""
         middle = None if about is None else np.asarray(about, dtype=float)
-        self.ways.append((kind, np.asarray(start, dtype=float), middle))
+        self.ways.append((kind, np.asarray(start, dtype=float), middle, left))
 
     def turn(self, kind: str, about: ArrayLike, radius: float) -> None:
         """A turn about a point, shown over it."""
@@ -186,11 +188,12 @@ class Panel:
         for points in sides[: 1 if kind == "falls" else 2]:
             self.arrow(kind, points[::-1] if kind == "returns" else points)
 
-    def way(self, kind: str, start: Path2, about: Path2 | None) -> None:
+    def way(self, kind: str, start: Path2, about: Path2 | None, left: bool) -> None:
         """See `View.way`."""
+        order = (-1, 1) if left else (1, -1)
         here, reach = self.px(start), np.linspace(GAP, REACH, 9)
         if about is None:
-            self.branches(kind, [here + np.outer(reach, [s, 0]) for s in (1, -1)])
+            self.branches(kind, [here + np.outer(reach, [s, 0]) for s in order])
             return
         pivot = self.px(about)
         arm = here - pivot
@@ -198,7 +201,7 @@ class Panel:
         first = np.arctan2(arm[1], arm[0])
         level = np.sign(-arm[1]) or 1.0
         turned = reach / max(radius, REACH / 1.2)
-        turns = [first + s * level * turned for s in (1, -1)]
+        turns = [first + s * level * turned for s in order]
         self.branches(
             kind, [pivot + radius * np.column_stack([np.cos(t), np.sin(t)]) for t in turns]
         )
