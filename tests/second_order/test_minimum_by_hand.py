@@ -21,7 +21,7 @@ from kilter.second_order.minimum_proof import (
     sides_of_cone,
     split,
 )
-from kilter.second_order.second_order_tolerances import ACROSS, CURVED, LEVEL
+from kilter.second_order.second_order_tolerances import ACROSS, BEARS, CURVED, LEVEL
 from kilter.second_order.stationary import Stationary
 
 X, Y, G, Z = np.eye(4)
@@ -244,3 +244,39 @@ def test_definite_reads_all_of_a_matrix_and_only_numbers() -> None:
     assert not definite(np.array([[1.0, 4.0], [0.0, 1.0]]))
     assert not definite(np.array([[1.0, 0.0], [4.0, 1.0]]))
     assert definite(np.array([[1.0, 4.0], [-4.0, 1.0]]))
+
+
+def test_the_limits_themselves_are_within() -> None:
+    assert word(basis=np.column_stack([X + ACROSS * Y, Y])) == ""
+    assert word(basis=np.column_stack([X + ACROSS * Z, Y])) == ""
+    assert word(others=(ACROSS * G,)) == ""
+    matrix = np.array(BOWL) / 3
+    matrix[2, 2] = LEVEL
+    assert word(curvature=matrix) == ""
+
+
+def test_all_of_the_forces_are_numbers() -> None:
+    assert "not those of the contacts" in word(others=(Y,), forces=[1.0, np.nan])
+
+
+@pytest.mark.parametrize("weight", [1.0, 1e-3, 1e3])
+@pytest.mark.parametrize("over", JUST)
+def test_what_carries_less_than_may_be_out_of_balance_leaves_its_motions(
+    over: float, weight: float
+) -> None:
+    """A wall of tilted normal that carries nothing would else take away what it lets go."""
+    wall = (X + Y + G) / np.sqrt(3)
+    own = over * BEARS * 1e-9 * weight
+    given = {"load": -weight * Z, "others": (wall,), "curvature": np.array(BOWL) / weight}
+    found = word(**given, forces=[weight, own])
+    assert found != ""
+    assert ("do not balance" in found) == (own / np.sqrt(3) > 1e-9 * weight)
+    carried = word(**(given | {"load": -weight * Z - own * wall}), forces=[weight, own])
+    assert ("not all" in carried) == (over > 1)
+
+
+def test_forces_beside_which_the_load_is_rounding_balance_nothing() -> None:
+    """A self-stress of any size is no excuse: another contact would count as it likes."""
+    walls = {"others": (G, -G), "free": np.zeros((4, 0))}
+    assert "do not balance" in word(**walls, forces=[3.0, 1e12, 1e12])
+    assert word(**walls, forces=[1.0, 1e6, 1e6]) == ""

@@ -14,7 +14,7 @@ from scipy.sparse import csr_array, diags_array
 
 from kilter.arrays import TINY, Array, read_only
 from kilter.mechanics.program import Program
-from kilter.second_order.second_order_tolerances import BALANCED, CARRIES, SPREAD
+from kilter.second_order.second_order_tolerances import BALANCED, BEARS, SPREAD
 
 __all__ = ["Held", "find_held", "judge_held", "unbalanced"]
 
@@ -78,7 +78,7 @@ def judge_held(program: Program, proof: Held) -> str:
     limit = max(BALANCED, float(program.tolerance.max(initial=0.0)))
     if not unbalanced(program, forces) <= limit:
         return "its forces do not balance the load"
-    carries = forces > CARRIES * forces.max(initial=TINY)
+    carries = forces > BEARS * limit * forces.max(initial=TINY)
     rows = _scaled_rows(program)[carries]
     gram = (rows.T @ rows).toarray()
     least = SPREAD * max(float(gram.diagonal().max(initial=0.0)), TINY)

@@ -31,7 +31,7 @@ from kilter.mechanics.program import Program
 from kilter.second_order.critical import null_space
 from kilter.second_order.features_of import detected_rows
 from kilter.second_order.minimum_proof import definite
-from kilter.second_order.second_order_tolerances import ACROSS, BALANCED, CARRIES, SPREAD
+from kilter.second_order.second_order_tolerances import ACROSS, BALANCED, BEARS, SPREAD
 from kilter.second_order.stationary import Stationary
 
 __all__ = ["Faces", "LockedTurns", "faces_of", "judge_locked", "shifts"]
@@ -82,12 +82,13 @@ def judge_locked(problem: Stationary, faces: Faces, proof: LockedTurns) -> str:
         return "its numbers are not finite"
     if problem.rows.shape[1] % 6 or not faces.flat.all() or not _wide(faces):
         return "not every contact is of faces that lie on each other"
-    if (proof.forces < 0).any() or problem.imbalance(proof.forces) > max(BALANCED, problem.blur):
+    limit = max(BALANCED, problem.blur)
+    if (proof.forces < 0).any() or problem.imbalance(proof.forces) > limit:
         return "its forces do not balance the load"
     most = float(proof.stress.max(initial=TINY))
-    if not (proof.stress > CARRIES * most).all():
+    if not (proof.stress > BEARS * limit * most).all():
         return "its self-stress does not press on every contact"
-    if np.abs(problem.rows.T @ proof.stress).max(initial=0.0) > max(BALANCED, problem.blur) * most:
+    if np.abs(problem.rows.T @ proof.stress).max(initial=0.0) > limit * most:
         return "its self-stress does not balance"
     free, across = shifts(problem)
     if np.abs(problem.load @ free).max(initial=0.0) > ACROSS:

@@ -24,7 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.arrays import TINY, Array, unit_rows
-from kilter.second_order.second_order_tolerances import ACROSS, BALANCED, CARRIES, CURVED, LEVEL
+from kilter.second_order.second_order_tolerances import ACROSS, BALANCED, BEARS, CURVED, LEVEL
 from kilter.second_order.stationary import Stationary
 
 __all__ = [
@@ -166,14 +166,14 @@ def _wrong_forces(problem: Stationary, forces: Array) -> str:
         return "its forces are not those of the contacts"
     if (forces < 0).any():
         return "a contact force pulls"
-    limit = max(BALANCED, problem.blur)
-    return "" if problem.imbalance(forces) <= limit else "its forces do not balance the load"
+    balanced = problem.imbalance(forces) <= max(BALANCED, problem.blur)
+    return "" if balanced else "its forces do not balance the load"
 
 
 def _wrong_spaces(problem: Stationary, proof: MinimumProof) -> str:
     """Is every critical motion in the cone of the basis and the free motions?"""
     forces = np.max([leaf.forces for leaf in proof.leaves], axis=0)
-    carries = forces > CARRIES * forces.max(initial=TINY)
+    carries = forces > BEARS * max(BALANCED, problem.blur) * forces.max(initial=TINY)
     spanned = np.hstack([proof.basis, proof.free])
     if not np.isfinite(spanned).all() or spanned.shape[0] != problem.rows.shape[1]:
         return "its motions are not those of the free parts"

@@ -11,6 +11,7 @@ __all__ = [
     "AGREE",
     "APART",
     "BALANCED",
+    "BEARS",
     "CARRIES",
     "CROSSING",
     "CURVED",
@@ -43,6 +44,8 @@ CURVED = 2e-8
 """Least curvature of the energy, over the largest, that a proof must have."""
 BALANCED = 1e-9
 """Imbalance of forces over the load."""
+BEARS = 10.0
+"""In a proof, a row carries where its force is this many times what may be out of balance."""
 CARRIES = 1e-9
 """A row carries where its force is above this, over the largest."""
 ACROSS = 1e-7
