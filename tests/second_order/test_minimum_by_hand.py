@@ -206,7 +206,7 @@ def test_orthants_and_their_halves_cover_the_space(dimension: int) -> None:
         assert len(cones) == 2 ** (dimension - half)
         signs = {tuple(np.diag(one)) for one in cones}
         assert len(signs) == len(cones)
-        assert all(abs(np.array(one)).min() == 1 for one in signs)
+        assert all((np.abs(one) == 1).all() for one in signs)
         if half:
             assert all(one[0] == 1 for one in signs)
 
@@ -239,7 +239,7 @@ def test_definite_is_more_than_rounding(over: float, size: float) -> None:
 def test_definite_reads_all_of_a_matrix_and_only_numbers() -> None:
     assert definite(np.zeros((0, 0)))
     for value in (np.nan, np.inf, -np.inf):
-        assert not definite(np.full((1, 1), value))
+        assert definite(np.full((1, 1), value)) is False
         assert not definite(np.array([[1.0, value], [0.0, 1.0]]))
     assert not definite(np.array([[1.0, 4.0], [0.0, 1.0]]))
     assert not definite(np.array([[1.0, 0.0], [4.0, 1.0]]))
@@ -253,24 +253,49 @@ def test_the_limits_themselves_are_within() -> None:
     matrix = np.array(BOWL) / 3
     matrix[2, 2] = LEVEL
     assert word(curvature=matrix) == ""
+    wrong = "not the row of a contact"
+    assert wrong in word(others=(ACROSS * Y,), sides=(Y[:2],))
+    assert wrong in word(others=(2.5 * X,), sides=(X[:2] + ACROSS * Y[:2],))
+
+
+@pytest.mark.parametrize("over", JUST)
+def test_rows_are_of_rank_beyond_the_blur_of_the_largest(over: float) -> None:
+    thin = 100 * 1e-9 * over * G
+    rows = {"rows": (100 * Z,), "others": (thin,), "load": -100 * Z - thin, "forces": [1.0, 1.0]}
+    assert ("not all" in word(**rows, free=np.zeros((4, 0)))) == (over < 1)
+
+
+def test_a_contact_carries_where_the_forces_of_any_cone_do() -> None:
+    rows, form = np.array([Z, Z]), np.zeros((2, 12, 12))
+    form[:, :3, :3] = -np.array(BOWL)
+    places = np.tile(np.append(np.arange(4), np.full(8, -1)), (2, 1))
+    leaves = tuple(Leaf(one, np.zeros((2, 2))) for one in np.eye(2))
+    proof = MinimumProof(XY, np.zeros((0, 2)), G[:, None], (None, None), leaves)
+    assert judge_minimum(Stationary(rows, -Z, form, places), proof) == ""
 
 
 def test_all_of_the_forces_are_numbers() -> None:
     assert "not those of the contacts" in word(others=(Y,), forces=[1.0, np.nan])
 
 
+@pytest.mark.parametrize("blur", [1e-9, 1e-6])
 @pytest.mark.parametrize("weight", [1.0, 1e-3, 1e3])
 @pytest.mark.parametrize("over", JUST)
 def test_what_carries_less_than_may_be_out_of_balance_leaves_its_motions(
-    over: float, weight: float
+    over: float, weight: float, blur: float
 ) -> None:
     """A wall of tilted normal that carries nothing would else take away what it lets go."""
     wall = (X + Y + G) / np.sqrt(3)
-    own = over * BEARS * 1e-9 * weight
-    given = {"load": -weight * Z, "others": (wall,), "curvature": np.array(BOWL) / weight}
+    own = over * BEARS * blur * weight
+    given = {
+        "blur": blur,
+        "load": -weight * Z,
+        "others": (wall,),
+        "curvature": np.array(BOWL) / weight,
+    }
     found = word(**given, forces=[weight, own])
     assert found != ""
-    assert ("do not balance" in found) == (own / np.sqrt(3) > 1e-9 * weight)
+    assert ("do not balance" in found) == (own / np.sqrt(3) > blur * weight)
     carried = word(**(given | {"load": -weight * Z - own * wall}), forces=[weight, own])
     assert ("not all" in carried) == (over > 1)
 
