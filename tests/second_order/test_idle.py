@@ -96,3 +96,34 @@ def test_random_rests_are_decided_and_proved(seed: int) -> None:
     if second is not None and second.state == "open":
         assert "left open" in second.why, kind
     assert kilter.verify(assembly, verdict.proof()).holds
+
+
+def test_what_shifts_as_a_whole_is_free_past_contacts_that_it_does_not_open() -> None:
+    """A ball in a box that has walls on all its sides and touches them: they go along."""
+    walls = [
+        Part(f"wall {k}", Box([0.2, 3, 1] if k < 2 else [1.6, 0.2, 1]), Pose([*at, 0.5]))
+        for k, at in enumerate([(-0.9, 0), (0.9, 0), (0, -0.9), (0, 0.9)])
+    ]
+    ball = Part("ball", Sphere(0.8), Pose([0, 0, 0.8]))
+    for parts in ([FLOOR, *walls, ball], [FLOOR, WALL, *walls[1:2], ball]):
+        assembly = Assembly(parts)
+        found = kilter.check(assembly)
+        assert found.second_order is not None
+        assert found.second_order.state == "free", found.second_order.why
+        assert kilter.verify(assembly, found.proof()).holds
+
+
+def test_contacts_of_unknown_features_are_left_out_too() -> None:
+    """A part of given contacts without features on one that stands: all of it slides."""
+    touch = kilter.GivenContact(("low", "high"), [[0.3, 0, 1]], [1, 0, 0])
+    low = Part("low", Box([1, 1, 1]), Pose([0, 0, 0.5]))
+    high = Part("high", Box([1, 1, 1]), Pose([1.0, 0, 0.5]))
+    assembly = Assembly([FLOOR, low, high], contacts=[touch])
+    found = kilter.check(assembly)
+    assert found.second_order is not None
+    assert found.second_order.state == "free", found.second_order.why
+    proof = found.proof()
+    assert kilter.verify(assembly, proof).holds
+    if "motion" in proof["second_order"] and "idle" in proof["second_order"]:
+        apart = {"low": [1.0, 0, 0, 0, 0, 0], "high": [0.5, 0, 0, 0, 0, 0]}
+        assert not kilter.verify(assembly, changed(proof, motion=apart)).holds

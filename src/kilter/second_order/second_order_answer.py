@@ -31,6 +31,7 @@ from kilter.second_order.features import Features
 from kilter.second_order.free_motions import FreeMotions, find_free_motions
 from kilter.second_order.free_span import free_span, moving_free
 from kilter.second_order.gap_form import gap_forms
+from kilter.second_order.level_rest import level_axes
 from kilter.second_order.locked import faces_of, shifts
 from kilter.second_order.locking_stress import find_locked
 from kilter.second_order.minimum_proof import MinimumProof
@@ -159,18 +160,18 @@ def answer_alone(
         Where it is known already.
     """
     if critical is not None and len(critical.sides):
-        found = _without_idle(assembly, contacts, program, features, critical, work)
+        kept = critical.carries
+        own = Critical(critical.forces[kept], kept[kept], critical.basis, critical.sides[:0])
+        found = _without(assembly, contacts, program, features, kept, own, work)
         if found is not None:
             return found
     known, doubted = formed_for_all(program, features), features.doubted
     if not known.any():
         return open_answer(_unknown(program, known), program)
-    problem = stationary(program, np.nan_to_num(gap_forms(program, features)))
     if not known.all():
-        part = decide(problem.taking(known), work=work)
-        if part.state == "minimum" and not doubted:
-            return _of(program, problem.taking(known), part)
-        return open_answer(_unknown(program, known), program)
+        found = _without(assembly, contacts, program, features, known, None, work)
+        return found or open_answer(_unknown(program, known), program)
+    problem = stationary(program, np.nan_to_num(gap_forms(program, features)))
     touched = touched_surfaces(program, features, contacts)
     problem = replace(problem, on_plane=planes_of(touched))
     free = find_free_motions(program, features, touched)
@@ -208,26 +209,26 @@ def answer_alone(
     return _of(program, problem, decision)
 
 
-def _without_idle(
+def _without(
     assembly: Assembly,
     contacts: ContactSet,
     program: Program,
     features: Features,
-    critical: Critical,
+    kept: Mask,
+    critical: Critical | None,
     work: Work | None,
 ) -> SecondOrder | None:
-    """Of contacts that carry alone: less keeps it, and if it stays then, it stays.
+    """Of some of the contacts alone: less keeps it, and if it stays then, it stays.
 
-    What is free then is free to one side: a motion that opens all the other contacts.
+    What is free then is free where a motion opens all the other contacts, or shifts both parts
+    alike. None where it does not stay, or nothing is known to be free.
     """
-    kept = critical.carries
-    own = Critical(
-        critical.forces[kept], kept[kept], critical.basis, critical.sides[:0]
-    )  # fmt: skip
     part, rows = program.taking(kept), np.flatnonzero(kept)
     found = answer_alone(
-        assembly, contacts, part, features.take(rows), critical=own, work=work
+        assembly, contacts, part, features.take(rows), critical=critical, work=work
     )  # fmt: skip
+    if found.state not in ("minimum", "free") or len(found.idle):
+        return None
     found = replace(found, idle=np.flatnonzero(~kept))
     if found.state != "free":
         return found if found.state == "minimum" else None
@@ -238,7 +239,7 @@ def _without_idle(
     if not isinstance(proof, MinimumProof):
         return None
     free = proof.free * found.problem.scale[:, None] / found.problem.length
-    opening = opening_motion(program.taking(~kept).jacobian() @ free)
+    opening = _away(program, ~kept, free)
     if opening is None:
         return None
     motion = program.full(free @ opening)
@@ -248,6 +249,26 @@ def _without_idle(
         return None
     decision = replace(found.decision, opening=proof.free @ opening)
     return replace(found, motion=motion / size, moving=moving, decision=decision)
+
+
+def _away(program: Program, idle: Mask, free: Array) -> Array | None:
+    """Of free motions (n, f) one that opens all idle contacts, shape (f,); None where none does.
+
+    Or that shifts all parts alike, and opens those with what is held.
+    """
+    opening = opening_motion(program.taking(idle).jacobian() @ free)
+    if opening is not None:
+        return opening
+    count = int(program.free.sum())
+    shifts = np.zeros((3, 6))
+    shifts[: len(level_axes(program)), :3] = level_axes(program)
+    alike = np.tile(shifts[:, program.freedoms], count).T
+    inside, *_ = np.linalg.lstsq(free, alike, rcond=None)
+    inside = inside[:, np.abs(free @ inside - alike).max(axis=0) < ACROSS]
+    held = np.append(~program.free, True)
+    outer = idle & (held[program.part_a] | held[program.part_b])
+    found = opening_motion(program.taking(outer).jacobian() @ free @ inside)
+    return None if found is None else inside @ found
 
 
 def _sliding(

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kilter.arrays import Array
+from kilter.arrays import Array, Mask
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program, build_program
@@ -37,7 +37,7 @@ from kilter.second_order.paths import Path, judge_path
 from kilter.second_order.recognised import bounded, formed_for_all
 from kilter.second_order.rigid_groups import RigidGroups
 from kilter.second_order.rolling import find_rolling, worst_rolling
-from kilter.second_order.second_order_tolerances import ACROSS, APART, DROPS
+from kilter.second_order.second_order_tolerances import ACROSS, APART, DROPS, KEEPS
 from kilter.second_order.stationary import Stationary, stationary
 from kilter.second_order.stopped import (
     Stopped,
@@ -277,11 +277,25 @@ def _wrong_without_idle(
     free, size = _stacked(program, problem, data["across"]), float(np.linalg.norm(columns))
     if np.abs(columns - free @ (free.T @ columns)).max(initial=0.0) > ACROSS * size:
         reasons.append("its motion is none of those that are free")
-    if not (problem.rows[~kept] @ columns > DROPS * size).all() or size == 0:
+    opened = problem.rows[~kept] @ columns > DROPS * size
+    if not (opened | _alike(program, motion)[~kept]).all() or size == 0:
         reasons.append("its motion does not open the contacts that carry nothing")
     if not len(moving_free(assembly, FreeMotions(motion[None], ("level",)))):
         reasons.append("its motion only spins parts of revolution")
     return reasons
+
+
+def _alike(program: Program, motion: Array) -> Mask:
+    """Rows between free parts that a motion only shifts, both alike, shape (K,)."""
+    a, b = program.part_a, program.part_b
+    free, padded = np.append(program.free, False), np.vstack([motion, np.zeros((1, 6))])
+    most = KEEPS * float(np.abs(motion[:, :3]).max(initial=0.0))
+    radius = np.append(program.radius, 0.0)
+    shifts = np.abs(padded[a, :3] - padded[b, :3]).max(axis=1, initial=0.0)
+    turns = np.abs(padded[:, 3:]).max(axis=1) * radius
+    return np.asarray(
+        free[a] & free[b] & (shifts <= most) & (np.maximum(turns[a], turns[b]) <= most)
+    )
 
 
 def _wrong_locked(
