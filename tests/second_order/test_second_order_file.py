@@ -107,7 +107,7 @@ def test_a_lift_by_next_to_nothing_makes_no_ball_in_a_bowl_balanced() -> None:
     assembly, proof = proof_of("03")
     first = [0.7, 0, 0.7e-7, 0, 0, 0]
     for lift in ([0, 0, -0.7, 0, 0, 0], [0, 0, -7, 0, 0, 0]):
-        forged = {"state": "balanced", "neutral": 5, "free": 3, "configuration": None}
+        forged = {"state": "balanced", "configuration": None}
         forged |= {"first": {"b": first}, "second": {"b": lift}}
         assert not kilter.verify(assembly, with_second_order(proof, forged)).holds
 
@@ -117,3 +117,15 @@ def with_second_order(proof: dict[str, Any], data: Any) -> dict[str, Any]:
     other = copy.deepcopy(proof) | {"second_order": data}
     other["digest"] = digest_of(other)
     return other
+
+
+def test_what_falls_counts_no_motions() -> None:
+    """How many motions are neutral needs all forces of equilibrium: a path does not prove it."""
+    assembly, proof = proof_of("02")
+    assert kilter.verify(assembly, proof).holds
+    for key in ("neutral", "free"):
+        assert key not in proof["second_order"]
+        other = copy.deepcopy(proof)
+        other["second_order"][key] = 5
+        other["digest"] = digest_of(other)
+        assert not kilter.verify(assembly, other).holds

@@ -1,4 +1,4 @@
-"""The proof of second order as data of a proof file, and judged again from it without a solver.
+"""The proof of second order as data of a proof file, and read from it.
 
 A minimum: forces of each cone [N], motions of the parts that span what is neutral across the free
 ones, the free ones, sides, splits and weights. What falls: both derivatives of its path, and the
@@ -11,47 +11,35 @@ found anew.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kilter.arrays import Array, Mask
-from kilter.assembly import Assembly
-from kilter.contact.contact_set import ContactSet
-from kilter.mechanics.program import Program, build_program
-from kilter.second_order.clusters import clusters, joined_state
-from kilter.second_order.configuration import separation_at
-from kilter.second_order.critical import null_space
-from kilter.second_order.features import Features
-from kilter.second_order.features_of import features_of
-from kilter.second_order.free_motions import FreeMotions, find_free_motions
-from kilter.second_order.free_span import free_span, moving_free, scaled_columns
-from kilter.second_order.gap_form import gap_forms
-from kilter.second_order.held import Held, judge_held
-from kilter.second_order.level_rest import LevelRest, judge_level_rest, level_rows
-from kilter.second_order.locked import LockedTurns, faces_of, judge_locked, shifts
-from kilter.second_order.minimum_proof import Leaf, MinimumProof, judge_minimum
-from kilter.second_order.modelled import why_unmodelled
-from kilter.second_order.paths import Path, judge_path
-from kilter.second_order.recognised import bounded, formed_for_all
-from kilter.second_order.rigid_groups import RigidGroups
-from kilter.second_order.rolling import find_rolling, worst_rolling
-from kilter.second_order.second_order_tolerances import ACROSS, APART, DROPS, KEEPS
-from kilter.second_order.stationary import Stationary, stationary
+from kilter.arrays import Array
+from kilter.mechanics.program import Program
+from kilter.second_order.free_span import scaled_columns
+from kilter.second_order.held import Held
+from kilter.second_order.level_rest import LevelRest
+from kilter.second_order.locked import LockedTurns
+from kilter.second_order.minimum_proof import MinimumProof
+from kilter.second_order.paths import Path
+from kilter.second_order.stationary import Stationary
 from kilter.second_order.stopped import (
     Stopped,
-    judge_stopped,
-    level_contacts,
-    level_motions,
-    stop_forms,
 )
-from kilter.second_order.touched_surfaces import planes_of, touched_surfaces
 
 if TYPE_CHECKING:
     from kilter.second_order.second_order_answer import SecondOrder
 
-__all__ = ["recheck_second_order", "second_order_data"]
+__all__ = [
+    "counts",
+    "numbers",
+    "read_columns",
+    "read_motion",
+    "second_order_data",
+    "square",
+    "stacked",
+]
 
 
 def second_order_data(found: SecondOrder) -> dict[str, Any] | None:
@@ -60,17 +48,19 @@ def second_order_data(found: SecondOrder) -> dict[str, Any] | None:
         return None
     if found.clusters:
         entries = [second_order_data(one) for one in found.clusters]
-        joint = {"state": found.state, **_counts(entries), "clusters": entries}
+        joint = {"state": found.state, **counts(entries), "clusters": entries}
         return joint | _rolling_of(found)
     problem, decision, program = found.problem, found.decision, found.program
     if decision is None or program is None:
         return None
-    data: dict[str, Any] = {"state": found.state, "neutral": found.neutral, "free": found.free}
     proof = decision.proof
+    data: dict[str, Any] = {"state": found.state}
+    if not isinstance(proof, Path):  # what falls is proved, not how much may move
+        data |= {"neutral": found.neutral, "free": found.free}
     if isinstance(proof, Held):
         return data | {"held": proof.forces.tolist()}
     if isinstance(proof, LevelRest):
-        named = _named(program, proof.motion)
+        named = named_motion(program, proof.motion)
         return data | {"level": proof.forces.tolist(), "motion": named}
     assert problem is not None
     if isinstance(proof, LockedTurns):
@@ -80,7 +70,7 @@ def second_order_data(found: SecondOrder) -> dict[str, Any] | None:
         return data | {
             "stopped": (proof.forces * problem.weight).tolist(),
             "weights": proof.weights.tolist(),
-            "motion": _by_part(program, problem, proof.opening),
+            "motion": by_part(program, problem, proof.opening),
         }
     if isinstance(proof, Path):
         place = found.configuration
@@ -88,19 +78,19 @@ def second_order_data(found: SecondOrder) -> dict[str, Any] | None:
             data
             | _rolling_of(found)
             | {
-                "first": _by_part(program, problem, proof.first),
-                "second": _by_part(program, problem, proof.second),
-                "configuration": None if place is None else _named(program, place.motion),
+                "first": by_part(program, problem, proof.first),
+                "second": by_part(program, problem, proof.second),
+                "configuration": None if place is None else named_motion(program, place.motion),
             }
         )
     assert isinstance(proof, MinimumProof)
     if len(found.idle):
         data["idle"] = found.idle.tolist()
         if decision.opening is not None:
-            data["motion"] = _by_part(program, problem, decision.opening)
+            data["motion"] = by_part(program, problem, decision.opening)
     return data | {
-        "basis": [_by_part(program, problem, one) for one in proof.basis.T],
-        "across": [_by_part(program, problem, one) for one in proof.free.T],
+        "basis": [by_part(program, problem, one) for one in proof.basis.T],
+        "across": [by_part(program, problem, one) for one in proof.free.T],
         "sides": proof.sides.tolist(),
         "splits": [None if one is None else list(one) for one in proof.splits],
         "forces": [(leaf.forces * problem.weight).tolist() for leaf in proof.leaves],
@@ -114,292 +104,15 @@ def _rolling_of(found: SecondOrder) -> dict[str, str]:
     return {} if rolling is None or rolling.state == "open" else {"rolling": rolling.state}
 
 
-def recheck_second_order(
-    assembly: Assembly, contacts: ContactSet, program: Program, data: Any
-) -> list[str]:
-    """Why the proof of second order of a proof file does not hold; empty where it does.
-
-    Parameters
-    ----------
-    program : Program
-        Of these contacts, without friction.
-    """
-    try:
-        return _wrong(assembly, contacts, program, data)
-    except (KeyError, IndexError, TypeError, ValueError, OverflowError, AttributeError) as fault:
-        return [f"its second order is not of its form ({fault})"]
-
-
-def _wrong(
-    assembly: Assembly, contacts: ContactSet, program: Program, data: dict[str, Any]
-) -> list[str]:
-    unmodelled = why_unmodelled(assembly, contacts)
-    if unmodelled:
-        return [f"its second order: {unmodelled}"]
-    program = RigidGroups.of(assembly).merged(program, assembly)
-    if _by_forces(data):
-        return _wrong_forces(contacts, program, data)
-    parted = clusters(program)
-    entries = data.get("clusters", [data])
-    if len(entries) != len(parted):
-        return ["its second order is not one of each cluster"]
-    reasons = []
-    features: Features | None = None
-    for cluster, entry in zip(parted, entries, strict=True):
-        if entry is None:
-            continue
-        if _by_forces(entry):
-            reasons += _wrong_forces(contacts, cluster.program, entry)
-            continue
-        features = features or features_of(program, contacts, recognised=True)
-        own = features.take(cluster.rows)
-        reasons += _wrong_gaps(assembly, contacts, cluster.program, own, entry)
-    if "clusters" in data and not reasons:
-        reasons += _wrong_joined(data)
-    if any("rolling" in one for one in (data, *entries) if one is not None):
-        reasons += _wrong_rolling(assembly, contacts, data, entries)
-    return reasons
-
-
-def _wrong_rolling(
-    assembly: Assembly, contacts: ContactSet, data: dict[str, Any], entries: list[Any]
-) -> list[str]:
-    """Does friction hold what is said to be balanced, or not, as it says?"""
-    program = RigidGroups.of(assembly).merged(build_program(assembly, contacts), assembly)
-    parted, features = clusters(program), features_of(program, contacts)
-    states = []
-    for part, entry in zip(parted, entries, strict=True):
-        if entry is not None and entry["state"] == "balanced":
-            states.append(find_rolling(part.program, features.take(part.rows)).state)
-            if entry.get("rolling", "open") != states[-1]:
-                return ["it does not roll as it says"]
-    own = worst_rolling(states) == data.get("rolling", "open")
-    return [] if own else ["it does not roll as it says"]
-
-
-def _wrong_joined(data: dict[str, Any]) -> list[str]:
-    """Are state and counts those of the clusters?"""
-    given = [one for one in data["clusters"] if one is not None]
-    states = [one["state"] for one in given] + ["open"] * (len(data["clusters"]) - len(given))
-    if data["state"] == "open" or data["state"] != joined_state(states):
-        return [f"its state is not {data['state']!r:.20}"]
-    own = all(data[key] == count for key, count in _counts(given).items())
-    return [] if own else ["its counts of motions are not its own"]
-
-
-def _counts(entries: Iterable[dict[str, Any] | None]) -> dict[str, int]:
-    """Motions of the clusters that are proved."""
+def counts(entries: Iterable[dict[str, Any] | None]) -> dict[str, int]:
+    """Motions of the clusters that are proved; none where one falls."""
     given = [one for one in entries if one is not None]
+    if any(one["state"] == "balanced" for one in given):
+        return {}
     return {key: sum(one[key] for one in given) for key in ("neutral", "free")}
 
 
-def _by_forces(data: dict[str, Any]) -> bool:
-    return "held" in data or "level" in data
-
-
-def _wrong_forces(contacts: ContactSet, program: Program, data: dict[str, Any]) -> list[str]:
-    """Is it held by its forces, or does it stand on level faces, and is the state that?"""
-    count = int(program.free.sum())
-    if "held" in data:
-        word = judge_held(program, Held(_numbers(data["held"])))
-        own = ("minimum", 0)
-    else:
-        forces = _numbers(data["level"])
-        proof = LevelRest(forces, _motion(program, data["motion"]))
-        word = judge_level_rest(program, level_rows(program, contacts), proof)
-        own = ("free", count * (1 if program.planar else 3))
-    reasons = [f"its second order: {word}"] if word else []
-    if (data["state"], data["neutral"], data["free"]) != (*own, own[1]):
-        reasons.append("its state or its counts are not those of its forces")
-    return reasons
-
-
-def _wrong_gaps(
-    assembly: Assembly,
-    contacts: ContactSet,
-    program: Program,
-    features: Features,
-    data: dict[str, Any],
-) -> list[str]:
-    if "idle" in data:
-        return _wrong_without_idle(assembly, contacts, program, features, data)
-    known = formed_for_all(program, features)
-    problem = stationary(program, np.nan_to_num(gap_forms(program, features)))
-    if features.doubted and ("locked" in data or "stopped" in data or not known.all()):
-        return ["its surfaces are known too roughly"]
-    if "locked" in data:
-        return _wrong_locked(contacts, program, problem, data)
-    if "stopped" in data:
-        return _wrong_stopped(assembly, contacts, program, features, problem, data)
-    if data["state"] == "balanced":
-        if not known.all():
-            return ["not every contact has a second order"]
-        touched = touched_surfaces(program, features, contacts)
-        problem = bounded(program, features, -1.0) if features.doubted else problem
-        problem = replace(problem, on_plane=planes_of(touched))
-        return _wrong_path(assembly, contacts, program, problem, data, doubted=features.doubted)
-    touched = touched_surfaces(program, features, contacts)
-    free = find_free_motions(program, features, touched)
-    worst = bounded(program, features, 1.0).taking(known) if features.doubted else None
-    problem = problem.taking(known)
-    proof = _minimum(program, problem, data)
-    neutral = proof.basis.shape[1] + proof.free.shape[1]
-    word = judge_minimum(problem, proof, worst)
-    reasons = [f"its second order: {word}"] if word else []
-    if (neutral, proof.free.shape[1]) != (data["neutral"], data["free"]):
-        reasons.append("its counts of motions are not its own")
-    if not known.all() and proof.free.shape[1]:
-        reasons.append("motions count as free past contacts whose second order is not known")
-    return reasons + _wrong_free(assembly, program, problem, (free, proof), data["state"])
-
-
-def _wrong_without_idle(
-    assembly: Assembly,
-    contacts: ContactSet,
-    program: Program,
-    features: Features,
-    data: dict[str, Any],
-) -> list[str]:
-    """Does it stay without its idle contacts, and does what is free open all of them?"""
-    kept = np.ones(len(program.part_a), dtype=bool)
-    kept[np.asarray(data["idle"], dtype=np.int64)] = False
-    rest = {key: value for key, value in data.items() if key not in ("idle", "motion")}
-    if "basis" not in rest or rest["state"] not in ("minimum", "free") or kept.all():
-        return ["contacts are left out of what is no minimum"]
-    part, own = program.taking(kept), features.take(np.flatnonzero(kept))
-    reasons = _wrong_gaps(assembly, contacts, part, own, rest)
-    if reasons or rest["state"] == "minimum":
-        return reasons
-    none = np.zeros((len(program.part_a), 12, 12))
-    problem = stationary(program, none)
-    motion = _motion(program, data["motion"])
-    columns = scaled_columns(program, problem, motion[None])[:, 0]
-    free, size = _stacked(program, problem, data["across"]), float(np.linalg.norm(columns))
-    if np.abs(columns - free @ (free.T @ columns)).max(initial=0.0) > ACROSS * size:
-        reasons.append("its motion is none of those that are free")
-    opened = problem.rows[~kept] @ columns > DROPS * size
-    if not (opened | _alike(program, motion)[~kept]).all() or size == 0:
-        reasons.append("its motion does not open the contacts that carry nothing")
-    if not len(moving_free(assembly, FreeMotions(motion[None], ("level",)))):
-        reasons.append("its motion only spins parts of revolution")
-    return reasons
-
-
-def _alike(program: Program, motion: Array) -> Mask:
-    """Rows between free parts that a motion only shifts, both alike, shape (K,)."""
-    a, b = program.part_a, program.part_b
-    free, padded = np.append(program.free, False), np.vstack([motion, np.zeros((1, 6))])
-    most = KEEPS * float(np.abs(motion[:, :3]).max(initial=0.0))
-    radius = np.append(program.radius, 0.0)
-    shifts = np.abs(padded[a, :3] - padded[b, :3]).max(axis=1, initial=0.0)
-    turns = np.abs(padded[:, 3:]).max(axis=1) * radius
-    return np.asarray(
-        free[a] & free[b] & (shifts <= most) & (np.maximum(turns[a], turns[b]) <= most)
-    )
-
-
-def _wrong_locked(
-    contacts: ContactSet, program: Program, problem: Stationary, data: dict[str, Any]
-) -> list[str]:
-    """Does self-stress lock all but shifts, and are state and counts those?"""
-    forces, stress = (_numbers(data[key]) for key in ("locked", "stress"))
-    proof = LockedTurns(forces / problem.weight, stress)
-    word = judge_locked(problem, faces_of(program, contacts, problem), proof)
-    if word:
-        return [f"its second order: {word}"]
-    free, across = (one.shape[1] for one in shifts(problem))
-    own = ("free", free + across, free)
-    given = (data["state"], data["neutral"], data["free"])
-    return [] if given == own else ["its state or its counts are not those of its forces"]
-
-
-def _wrong_stopped(
-    assembly: Assembly,
-    contacts: ContactSet,
-    program: Program,
-    features: Features,
-    problem: Stationary,
-    data: dict[str, Any],
-) -> list[str]:
-    """Do stops keep it from where it would fall, and are state and counts those?"""
-    forces = _numbers(data["stopped"]) / problem.weight
-    weights = _numbers(data["weights"])
-    proof = Stopped(forces, weights, _columns(program, problem, data["motion"]))
-    touched = touched_surfaces(program, features, contacts)
-    free = find_free_motions(program, features, touched)
-    span = free_span(program, problem, free.symmetries)
-    level, motions = level_contacts(program, features, touched), level_motions(program)
-    word = judge_stopped(problem, level, motions, span, proof)
-    if word:
-        return [f"its second order: {word}"]
-    forms = stop_forms(problem, level, motions, span, forces)
-    own = ("free", forms.neutral, forms.neutral - forms.tilts.shape[1])
-    given = (data["state"], data["neutral"], data["free"])
-    return [] if given == own else ["its state or its counts are not its own"]
-
-
-def _wrong_free(
-    assembly: Assembly,
-    program: Program,
-    problem: Stationary,
-    motions: tuple[FreeMotions, MinimumProof],
-    state: str,
-) -> list[str]:
-    """Are its free motions free, and is the state theirs?"""
-    free, proof = motions
-    if proof.basis.shape[1]:
-        free = free.symmetries
-    span = free_span(program, problem, free)
-    missing = null_space(span.T, ACROSS).T @ proof.free if span.shape[1] else proof.free
-    if np.abs(missing).max(initial=0.0) > ACROSS * max(1.0, np.abs(proof.free).max(initial=0.0)):
-        return ["a motion that it calls free is not proved to be"]
-    moves = bool(proof.free.shape[1]) and len(moving_free(assembly, free)) > 0
-    if state != ("free" if moves else "minimum"):
-        return [f"its state is not {state!r:.20}"]
-    return []
-
-
-def _wrong_path(
-    assembly: Assembly,
-    contacts: ContactSet,
-    program: Program,
-    problem: Stationary,
-    data: dict[str, Any],
-    *,
-    doubted: bool,
-) -> list[str]:
-    """Does the path fall, and is the configuration apart and lower?"""
-    first, second = (_columns(program, problem, data[key]) for key in ("first", "second"))
-    reasons = []
-    size = float(np.linalg.norm(first))
-    if abs(size - 1) > ACROSS or not judge_path(problem, first, second).falls:
-        reasons.append("its path does not lead down")
-    if data["configuration"] is None:
-        by_path = doubted or bool((contacts.patch_kind[program.source] == "given").all())
-        return reasons if by_path else [*reasons, "it has no configuration that is apart and lower"]
-    motion = _motion(program, data["configuration"])
-    columns = scaled_columns(program, problem, motion[None])[:, 0]
-    apart = separation_at(assembly, contacts, program, problem, motion)
-    if apart is None or not apart > APART * problem.length:
-        reasons.append("its configuration is not apart")
-    if not problem.load @ columns > APART:
-        reasons.append("its configuration is not lower")
-    return reasons
-
-
-def _minimum(program: Program, problem: Stationary, data: dict[str, Any]) -> MinimumProof:
-    leaves = [
-        Leaf(_numbers(forces) / problem.weight, _square(weights))
-        for forces, weights in zip(data["forces"], data["weights"], strict=True)
-    ]
-    basis = _stacked(program, problem, data["basis"])
-    sides = _numbers(data["sides"]).reshape(len(data["sides"]), basis.shape[1])
-    splits = tuple(None if one is None else (int(one[0]), int(one[1])) for one in data["splits"])
-    free = _stacked(program, problem, data["across"])
-    return MinimumProof(basis, sides, free, splits, tuple(leaves))
-
-
-def _numbers(data: Any) -> Array:
+def numbers(data: Any) -> Array:
     """An array of what are numbers, and not words for some, as "nan"."""
     found = np.asarray(data)
     if found.dtype.kind not in "iuf":
@@ -407,37 +120,40 @@ def _numbers(data: Any) -> Array:
     return found.astype(float)
 
 
-def _square(weights: Any) -> Array:
+def square(weights: Any) -> Array:
+    """Rows of numbers as a square, shape (n, n)."""
     size = len(weights)
-    return _numbers(weights).reshape(size, size)
+    return numbers(weights).reshape(size, size)
 
 
-def _stacked(program: Program, problem: Stationary, motions: list[Any]) -> Array:
-    columns = [_columns(program, problem, one) for one in motions]
+def stacked(program: Program, problem: Stationary, motions: list[Any]) -> Array:
+    """Motions as columns of scaled unknowns, shape (n, d)."""
+    columns = [read_columns(program, problem, one) for one in motions]
     return np.array(columns).T if columns else np.zeros((len(problem.load), 0))
 
 
-def _by_part(program: Program, problem: Stationary, columns: Array) -> dict[str, list[float]]:
+def by_part(program: Program, problem: Stationary, columns: Array) -> dict[str, list[float]]:
     assert problem.scale is not None
-    return _named(program, program.full(columns * problem.scale))
+    return named_motion(program, program.full(columns * problem.scale))
 
 
-def _named(program: Program, motion: Array) -> dict[str, list[float]]:
+def named_motion(program: Program, motion: Array) -> dict[str, list[float]]:
     """A motion by the names of the free parts."""
     return {program.names[k]: motion[k].tolist() for k in np.flatnonzero(program.free)}
 
 
-def _motion(program: Program, named: dict[str, Any]) -> Array:
+def read_motion(program: Program, named: dict[str, Any]) -> Array:
     """A motion of all parts, shape (N, 6); of no others, and of every free one."""
     free = [program.names[k] for k in np.flatnonzero(program.free)]
     if set(named) != set(free):
         raise ValueError("a motion is not one of the free parts")
     motion = np.zeros((len(program.names), 6))
-    motion[program.free] = _numbers([named[name] for name in free]).reshape(-1, 6)
+    motion[program.free] = numbers([named[name] for name in free]).reshape(-1, 6)
     if np.delete(motion, program.freedoms, axis=1).any():
         raise ValueError("a motion leaves the plane")
     return motion
 
 
-def _columns(program: Program, problem: Stationary, named: dict[str, Any]) -> Array:
-    return scaled_columns(program, problem, _motion(program, named)[None])[:, 0]
+def read_columns(program: Program, problem: Stationary, named: dict[str, Any]) -> Array:
+    """A motion in scaled unknowns, shape (n,)."""
+    return scaled_columns(program, problem, read_motion(program, named)[None])[:, 0]
