@@ -3,8 +3,8 @@
     python tests/second_order/round_energy.py              500 assemblies, counted by state
     python tests/second_order/round_energy.py 50 --first 0
 
-Every minimum must survive at three radii, every balanced one must be beaten: the command ends with
-1 where one does not.
+Spins are divided out. Every minimum must survive at three radii, every balanced one must be beaten,
+and what `check` finds free besides must not be: the command ends with 1 where one does not.
 """
 
 from __future__ import annotations
@@ -28,6 +28,8 @@ from kilter.second_order.gap_form import formed, gap_forms
 from kilter.second_order.paths import Path
 from kilter.second_order.stationary import Stationary, stationary
 
+ENTERED = 1e-4
+"""How much lower what is free may seem, over t^2: gaps may be entered by a hundredth of it."""
 RADII = (0.02, 0.01, 0.005)
 """Sizes of the motions over which the least energy is sought."""
 
@@ -65,7 +67,7 @@ def least_energy(made: Round, problem: Stationary, starts: Array, t: float) -> f
             constraints=[closed, sphere], options={"maxiter": 200, "ftol": 1e-10},
         )  # fmt: skip
         entered = made.open(t * found.x).min() / t**2
-        if entered > -1e-6 and abs(found.x @ off @ found.x - 1) < 1e-6:
+        if entered > -ENTERED / 100 and abs(found.x @ off @ found.x - 1) < 1e-6:
             best = min(best, float(found.fun))
     return best
 
@@ -79,7 +81,10 @@ def survived(made: Round, seed: int, radii: tuple[float, ...]) -> str:
     """The state of an assembly, after its energy has been looked at directly."""
     assert np.abs(made.open(np.zeros(6 * len(made.masses)))).max() < 1e-12
     decision, problem = decided(made)
-    if decision.state == "open":
+    second = kilter.check(made.assembly).second_order
+    assert second is not None
+    state: str = second.state if decision.state == "open" else decision.state
+    if state == "open":
         return "open"
     random = np.random.default_rng(seed)
     critical = find_critical(problem)
@@ -97,11 +102,11 @@ def survived(made: Round, seed: int, radii: tuple[float, ...]) -> str:
             more = (basis @ random.normal(size=(basis.shape[1], 20))).T
             least = least_energy(made, problem, more, t)
         assert np.isfinite(least), (seed, t)
-        if decision.state == "balanced":
+        if state == "balanced":
             assert least < 0, (seed, t, least)
-        else:
-            assert least > 0, (seed, t, least)
-    return decision.state
+        else:  # what rolls or slides freely is level along that
+            assert least > (-ENTERED if state == "free" else 0), (seed, t, least)
+    return state
 
 
 def main() -> int:

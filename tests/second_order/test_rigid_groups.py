@@ -146,6 +146,23 @@ def test_what_is_tied_to_the_held_is_held_and_other_joints_leave_it_open() -> No
     assert "joints" in found.why
 
 
+def test_what_is_tied_to_the_ground_is_held() -> None:
+    hand = Part("hand", Box([1, 1, 1]), Pose([0, 0, 5]))
+    arm = Part("arm", Box([1, 1, 1]), Pose([0, 0, 6]))
+    joints = [Joint(("arm", "ground"), "fixed"), *tie("arm", "hand")]
+    for parts in ([FLOOR, BALL, hand, arm], [hand, arm]):
+        assembly = Assembly(parts, joints=joints)
+        groups = RigidGroups.of(assembly)
+        assert groups.held[-2:].all()
+        program = build_program(assembly, kilter.contacts(assembly))
+        merged = groups.merged(program, assembly)
+        assert not merged.free[-2:].any()
+        second = kilter.check(assembly).second_order
+        assert (None if second is None else second.moving.tolist()) == (
+            [1] if len(parts) == 4 else None
+        )
+
+
 def test_without_joints_nothing_is_grouped() -> None:
     assembly = Assembly([FLOOR, BALL])
     groups = RigidGroups.of(assembly)

@@ -32,27 +32,35 @@ class RigidGroups:
         The first part of the group of each.
     arms : ndarray, shape (N, 3)
         From the centre of mass of its group to its own [length unit].
+    held : ndarray of bool, shape (N,)
+        Whether its group is.
     """
 
     first: Index
     arms: Array
+    held: Mask
 
     def __post_init__(self) -> None:
         read_only(self)
 
     @classmethod
     def of(cls, assembly: Assembly) -> RigidGroups:
-        """The groups of an assembly; those that hold a held part are held."""
+        """The groups of an assembly; those of a held part, or tied to the ground, are held."""
         count, geometry = len(assembly.parts), assembly.geometry
-        own = np.arange(count)
-        if not any(one.kind == "fixed" for one in assembly.joints):
-            return cls(own, np.zeros((count, 3)))
+        own, index = np.arange(count), assembly.index
+        fixed = [one.parts for one in assembly.joints if one.kind == "fixed"]
+        if not fixed:
+            return cls(own, np.zeros((count, 3)), geometry.grounded)
         label = rigid_groups(assembly)
         _, at, place = np.unique(label, return_index=True, return_inverse=True)
         first = at[place]
         mass = geometry.mass[:, None]
         center = _sums(first, mass * geometry.center)[first] / _sums(first, mass)[first]
-        return cls(first, geometry.center - center)
+        held = geometry.grounded.copy()
+        for ends in fixed:
+            if not set(ends) <= set(index):
+                held[[index[one] for one in ends if one in index]] = True
+        return cls(first, geometry.center - center, np.isin(first, first[held]))
 
     @property
     def tied(self) -> bool:
@@ -65,7 +73,6 @@ class RigidGroups:
             return program
         first, arms = self.first, self.arms
         own = first == np.arange(len(first))
-        held = _sums(first, (~program.free)[:, None].astype(float))[:, 0] > 0
         size = np.sum(arms**2, axis=1)[:, None, None] * np.eye(3)
         spread = program.mass[:, None, None] * (size - arms[:, :, None] * arms[:, None, :])
         applied = program.applied.copy()
@@ -75,7 +82,7 @@ class RigidGroups:
         np.maximum.at(tolerance, first, program.tolerance)
         whole = replace(
             program,
-            free=own & ~held,
+            free=own & ~self.held,
             center=program.center - arms,
             mass=np.where(own, _sums(first, program.mass[:, None])[:, 0], program.mass),
             inertia=_sums(first, program.inertia + spread),
@@ -94,8 +101,7 @@ class RigidGroups:
 
     def between(self, program: Program, assembly: Assembly) -> Mask:
         """Rows of the parts' own program that are not within a group, shape (K,)."""
-        held = _sums(self.first, (~program.free)[:, None].astype(float))[:, 0] > 0
-        free = np.append(~held[self.first], False)
+        free = np.append(~self.held, False)
         joint = program.kind == JOINT
         fixed = np.array([one.kind == "fixed" for one in assembly.joints] or [False])
         tie = joint & fixed[np.where(joint, program.source, 0)]
