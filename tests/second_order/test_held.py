@@ -125,3 +125,39 @@ def test_forces_that_are_none_are_refused(bad: float) -> None:
     forces = np.full(6, 2.0 * 9.81 / (6 * np.sqrt(0.5)))
     forces[2] = bad
     assert judge_held(program, Held(forces))
+
+
+def over_the_edge(foot: float, off: float) -> Assembly:
+    """A block on four points, pinned across at its centre, which is `off` within their edge."""
+    parts = [
+        Part("base", Box([1, 1, 1]), Pose([0, 0, -1]), grounded=True),
+        Part("b", Box([1, 1, 1]), Pose([0, 0, 0.5])),
+    ]
+    corners = [[x, y, 0.0] for x in (off, off - foot) for y in (-0.4, 0.4)]
+    given = [GivenContact(("base", "b"), [at], Z) for at in corners]
+    for axis in (0, 1):
+        for sense in (1.0, -1.0):
+            given.append(GivenContact(("base", "b"), [[0, 0, 0.5]], sense * np.eye(3)[axis]))
+    for sense in (1.0, -1.0):  # against a turn about the vertical
+        given.append(GivenContact(("base", "b"), [[0.3, 0, 0.5]], [0, sense, 0]))
+    return Assembly(parts, contacts=given, detect=False)
+
+
+def forces_over_the_edge(program: Program, far: float) -> np.ndarray:
+    """Of which the far points have this share of the weight, the near ones the rest."""
+    weight = float(program.weight[1])
+    pins = np.full(6, 0.1 * weight)
+    return np.concatenate([np.repeat(weight * np.array([1 - far, far]) / 2, 2), pins])
+
+
+@pytest.mark.parametrize("foot", [0.3, 0.05, 0.003])
+@pytest.mark.parametrize("far", [1e-9, 2e-8, 1e-7, 1e-6])
+def test_far_points_within_rounding_hold_nothing_that_is_over_an_edge(
+    foot: float, far: float
+) -> None:
+    """The torque of a force at a short lever is soon within what may be out of balance."""
+    program = program_of(over_the_edge(foot, 0.0))
+    assert judge_held(program, Held(forces_over_the_edge(program, far)))
+    off = 1e-4 * foot
+    program = program_of(over_the_edge(foot, off))
+    assert judge_held(program, Held(forces_over_the_edge(program, off / foot))) == ""

@@ -235,3 +235,35 @@ def test_no_solver_is_loaded_to_judge_it() -> None:
         "assert not {'highspy', 'clarabel'} & set(sys.modules), 'a solver was loaded'"
     )
     subprocess.run([sys.executable, "-c", judge], input=made.stdout, check=True)
+
+
+@pytest.mark.parametrize("foot", [1.0, 0.5, 0.02])
+@pytest.mark.parametrize("far", [0.6e-9, 2e-9, 2e-8, 1e-7])
+def test_far_corners_within_rounding_bear_nothing_that_is_over_an_edge(
+    foot: float, far: float
+) -> None:
+    """A box whose centre is over an edge of what it stands on falls: no rest on faces."""
+    for off in (0.0, 1e-4):
+        low = Part("low", Box([foot, 2, 1]), Pose([-foot / 2, 0, 0.5]), grounded=True)
+        high = Part("high", Box([4, 1, 1]), Pose([-off * foot, 0, 1.5]))
+        program, level = posed(Assembly([low, high]))
+        weight, share = float(program.weight[1]), max(far, off)
+        away = program.point[:, 0] < -foot / 2
+        forces = np.where(away, share, 1 - share) * weight / 2
+        motion = np.zeros((2, 6))
+        motion[1, 0] = 1.0
+        holds = judge_level_rest(program, level, LevelRest(forces, motion)) == ""
+        assert holds == (off > 0)
+        assert (find_level_rest(program, level, None) is None) == (off == 0)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_a_part_bears_is_made_good_below(seed: int) -> None:
+    """Forces of a leaning stack, off by rounding, that each only all but balance."""
+    program, level = posed(stack(seed))
+    proof = find_level_rest(program, level, None)
+    assert proof is not None
+    random = np.random.default_rng(seed)
+    for size, holds in ((1e-10, True), (1e-7, False)):
+        off = proof.forces * (1 + size * random.uniform(-1, 1, len(level)))
+        assert (judge_level_rest(program, level, LevelRest(off, proof.motion)) == "") == holds

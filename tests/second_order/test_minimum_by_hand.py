@@ -305,3 +305,20 @@ def test_forces_beside_which_the_load_is_rounding_balance_nothing() -> None:
     walls = {"others": (G, -G), "free": np.zeros((4, 0))}
     assert "do not balance" in word(**walls, forces=[3.0, 1e12, 1e12])
     assert word(**walls, forces=[1.0, 1e6, 1e6]) == ""
+
+
+@pytest.mark.parametrize("lever", [0.1, 0.01, 1e-4])
+@pytest.mark.parametrize("over", JUST)
+def test_forces_at_short_levers_carry_by_rounding(lever: float, over: float) -> None:
+    """A second contact would keep x closed, by a torque that is lost in what is out of balance."""
+    bowl = ((-1.0, 0, 0), (0, 3.0, 0), (0, 0, 0))
+    far = over * 2e-9 / lever  # four unknowns may each be out of balance by 1e-9
+    found = word(
+        rows=(Z, Z + lever * X),
+        curvature=bowl,
+        basis=Y[:, None],
+        load=-Z - far * lever * X,
+        forces=[1 - far, far],
+    )
+    assert ("by rounding" in found) == (over < 1)
+    assert (found == "") == (over > 1)

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kilter.second_order.second_order_tolerances import ACROSS, CURVED, DROPS, LEVEL
+from kilter.second_order.second_order_tolerances import ACROSS, BEARS, CURVED, DROPS, LEVEL
 from kilter.second_order.stationary import Stationary
 from kilter.second_order.stopped import Stopped, judge_stopped
 
@@ -74,7 +74,7 @@ def test_forces_are_of_level_contacts_and_balance() -> None:
 @pytest.mark.parametrize("over", JUST)
 def test_what_carries_less_than_rounding_counts_as_a_rise(over: float, weight: float) -> None:
     """A second rise that carries takes the tilt away: there is nothing to hold then."""
-    own = over * 1e-9 * weight
+    own = over * BEARS * 1e-9 * weight
     matrix = np.array([[0, 3.0, 0], [3.0, CURVES, 0], [0, 0, 0]]) / weight
     found = word(
         forces=[weight, own, 0.0], load=-weight * Z - own * 2 * Y, curvature=matrix, weights=[[-1]]

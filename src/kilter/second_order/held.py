@@ -14,7 +14,8 @@ from scipy.sparse import csr_array, diags_array
 
 from kilter.arrays import TINY, Array, read_only
 from kilter.mechanics.program import Program
-from kilter.second_order.second_order_tolerances import BALANCED, BEARS, SPREAD
+from kilter.second_order.carrying import all_carry
+from kilter.second_order.second_order_tolerances import BALANCED, BEARS
 
 __all__ = ["Held", "find_held", "judge_held", "unbalanced"]
 
@@ -79,12 +80,12 @@ def judge_held(program: Program, proof: Held) -> str:
     if not unbalanced(program, forces) <= limit:
         return "its forces do not balance the load"
     carries = forces > BEARS * limit * forces.max(initial=TINY)
-    rows = _scaled_rows(program)[carries]
-    gram = (rows.T @ rows).toarray()
-    least = SPREAD * max(float(gram.diagonal().max(initial=0.0)), TINY)
-    try:
-        np.linalg.cholesky(gram - least * np.eye(len(gram)))
-    except np.linalg.LinAlgError:
+    sizes = np.maximum(program.weight, program.force_sums(forces))[program.free]
+    per = len(program.freedoms)
+    rows = _scaled_rows(program)[carries] @ diags_array(np.repeat(1 / sizes, per))
+    missing = 2 * limit * np.sqrt(per * len(sizes))
+    none = np.zeros((rows.shape[1], 0))
+    if not all_carry(csr_array(rows), forces[carries], missing, none):
         return "its forces leave a motion neutral"
     return ""
 

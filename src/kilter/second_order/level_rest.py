@@ -31,7 +31,14 @@ from kilter.mechanics.program import Program
 from kilter.second_order.critical import carrying_forces
 from kilter.second_order.features_of import FLAT, detected_rows
 from kilter.second_order.held import unbalanced
-from kilter.second_order.second_order_tolerances import ACROSS, BALANCED, CARRIES, DROPS, SPREAD
+from kilter.second_order.second_order_tolerances import (
+    ACROSS,
+    BALANCED,
+    BEARS,
+    CARRIES,
+    DROPS,
+    SPREAD,
+)
 
 __all__ = ["LevelRest", "find_level_rest", "judge_level_rest", "level_axes", "level_rows"]
 
@@ -41,6 +48,8 @@ POLISHED = 2
 """Times that its forces are balanced."""
 PULLS = 1e-3
 """Forces of least squares below this share of a part's load are found again so that all push."""
+MOST_CHANGED = 0.5
+"""Share of a force that may be lacking for it to balance the load exactly."""
 STEPS = 30
 """Of Newton's method, ..."""
 ROUNDING = 1e-13
@@ -98,11 +107,11 @@ def _offered(program: Program, level: Mask, forces: Array | None) -> Iterator[Ar
     bearing = _bearing(program, level)
     if bearing is None:
         return
-    above = bearing.footing(program, bearing.upper)
+    above, below = bearing.both_footings(program)
     grams = _grams(program, bearing.upper, above)
     if not _spread(grams[program.free]):
         return
-    from_above = _from_above(program, bearing, above, grams)
+    from_above = _from_above(program, bearing, (above, below), grams)
     if from_above is not None:
         yield from_above
     if forces is not None:
@@ -153,10 +162,50 @@ def _wrong_forces(program: Program, level: Mask, forces: Array) -> str:
     bearing = _bearing(program, level & carries)
     if bearing is None:
         return "parts bear one another around"
-    footing = bearing.footing(program, bearing.upper)
-    if not _spread(_grams(program, bearing.upper, footing)[program.free]):
+    if not _bear_all(program, bearing, forces):
         return "its forces leave the tilt of a part open"
     return ""
+
+
+def _bear_all(program: Program, bearing: _Bearing, forces: Array) -> bool:
+    """Whether forces that balance to the last digit, f (1 + y . (1, u, v)), all push.
+
+    y of each part makes good what its own forces miss of its load and of what bears on it, the
+    highest part first. What may be out of balance changes no force by more than that, either.
+    """
+    rows, upper, lower = bearing.rows, bearing.upper, bearing.lower
+    above, below = bearing.both_footings(program)
+    count, own = len(program.names), forces[rows, None]
+    grams = _sums(upper, own[:, :, None] * above[:, :, None] * above[:, None, :], count)
+    need = np.vstack([_in_footing(program, -program.load), np.zeros((1, above.shape[1]))])
+    need += _sums(lower % len(need), own * below, len(need))
+    borne = np.trace(grams, axis1=1, axis2=2)[program.free]
+    spread = np.linalg.eigvalsh(grams[program.free])[:, 0]
+    if not (spread > SPREAD * borne).all():
+        return False
+    inverse = np.zeros_like(grams)
+    inverse[program.free] = np.linalg.inv(grams[program.free])
+    most = BEARS * BALANCED * np.trace(grams, axis1=1, axis2=2)[upper]
+    reach = np.linalg.norm(np.einsum("kij,kj->ki", inverse[upper], above), axis=1)
+    if not (most * reach < MOST_CHANGED).all():
+        return False
+    miss = need[:-1] - _sums(upper, own * above, count)
+    miss = np.vstack([miss, np.zeros((1, miss.shape[1]))])
+    for some in _by_depth(bearing.depth[upper]):
+        y = np.einsum("kij,kj->ki", inverse[upper[some]], miss[upper[some]])
+        change = np.einsum("ki,ki->k", above[some], y)
+        if not (np.abs(change) < MOST_CHANGED).all():
+            return False
+        more = own[some] * change[:, None] * below[some]
+        miss += _sums(lower[some] % len(miss), more, len(miss))
+    return True
+
+
+def _in_footing(program: Program, wrench: Array) -> Array:
+    """Forces up and their (1, u, v), of wrenches about the centres of mass, shape (N, 3 or 2)."""
+    up = -program.down
+    moment = np.cross(up, wrench[:, 3:]) / program.radius[:, None]
+    return np.column_stack([wrench[:, :3] @ up, moment @ level_axes(program).T])
 
 
 def _wrong_motion(program: Program, level: Mask, motion: Array) -> str:
@@ -202,6 +251,15 @@ class _Bearing:
         arm = (program.point[self.rows] - program.center[part]) / program.radius[part, None]
         return np.column_stack([np.ones(len(part)), arm @ level_axes(program).T])
 
+    def both_footings(self, program: Program) -> tuple[Array, Array]:
+        """Of the upper parts, and of the lower ones, 0 where these are held."""
+        above = self.footing(program, self.upper)
+        below = np.zeros_like(above)
+        free = np.append(program.free, False)[self.lower]
+        own = replace(self, rows=self.rows[free])
+        below[free] = own.footing(program, self.lower[free])
+        return above, below
+
 
 def _bearing(program: Program, rows: Mask) -> _Bearing | None:
     """What bears what by these rows; None where parts bear one another around."""
@@ -243,21 +301,19 @@ def _spread(grams: Array) -> bool:
     return bool((np.linalg.eigvalsh(grams)[:, 0] > SPREAD).all())
 
 
-def _from_above(program: Program, bearing: _Bearing, above: Array, grams: Array) -> Array | None:
+def _from_above(
+    program: Program, bearing: _Bearing, footings: tuple[Array, Array], grams: Array
+) -> Array | None:
     """Forces [N], each part's load spread over what it stands on, the highest part first.
 
     Of all that balance it, the least squares; where one pulls, those of most entropy.
     """
     rows, upper, lower = bearing.rows, bearing.upper, bearing.lower
+    above, below = footings
     inverse = np.zeros_like(grams)
     inverse[program.free] = np.linalg.inv(grams[program.free])
     share = np.einsum("ki,kij->kj", above, inverse[upper])
-    free = np.append(program.free, False)[lower]
-    below = np.zeros_like(above)
-    own = replace(bearing, rows=rows[free])
-    below[free] = own.footing(program, lower[free])
-    need = np.zeros((len(program.names) + 1, above.shape[1]))
-    need[:-1, 0] = program.mass * program.g + program.applied[:, :3] @ program.down
+    need = np.vstack([_in_footing(program, -program.load), np.zeros((1, above.shape[1]))])
     forces = np.zeros(len(program.part_a))
     for some in _by_depth(bearing.depth[upper]):
         if not (need[upper[some], 0] > 0).all():

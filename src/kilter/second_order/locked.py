@@ -28,6 +28,7 @@ import numpy as np
 from kilter.arrays import TINY, Array, Index, Mask, read_only
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
+from kilter.second_order.carrying import carry_beyond_doubt
 from kilter.second_order.critical import null_space
 from kilter.second_order.features_of import detected_rows
 from kilter.second_order.minimum_proof import definite
@@ -90,10 +91,14 @@ def judge_locked(problem: Stationary, faces: Faces, proof: LockedTurns) -> str:
         return "its self-stress does not press on every contact"
     if np.abs(problem.rows.T @ proof.stress).max(initial=0.0) > limit * most:
         return "its self-stress does not balance"
+    neutral = null_space(problem.rows, problem.blur)
+    scaled, every = proof.stress / most, np.ones(count, dtype=bool)
+    if not carry_beyond_doubt(problem, scaled, every, neutral, np.zeros_like(problem.load)):
+        return "its self-stress presses by rounding"
     free, across = shifts(problem)
     if np.abs(problem.load @ free).max(initial=0.0) > ACROSS:
         return "its shifts cost energy"
-    if not definite(problem.curvature(proof.stress / most, across)):
+    if not definite(problem.curvature(scaled, across)):
         return "its self-stress does not lock every turn"
     return ""
 

@@ -24,7 +24,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.arrays import TINY, Array, unit_rows
-from kilter.second_order.second_order_tolerances import ACROSS, BALANCED, BEARS, CURVED, LEVEL
+from kilter.second_order.carrying import carry_beyond_doubt, carrying_rows
+from kilter.second_order.second_order_tolerances import ACROSS, BALANCED, CURVED, LEVEL
 from kilter.second_order.stationary import Stationary
 
 __all__ = [
@@ -172,8 +173,8 @@ def _wrong_forces(problem: Stationary, forces: Array) -> str:
 
 def _wrong_spaces(problem: Stationary, proof: MinimumProof) -> str:
     """Is every critical motion in the cone of the basis and the free motions?"""
-    forces = np.max([leaf.forces for leaf in proof.leaves], axis=0)
-    carries = forces > BEARS * max(BALANCED, problem.blur) * forces.max(initial=TINY)
+    forces = np.mean([leaf.forces for leaf in proof.leaves], axis=0)
+    carries = carrying_rows(problem, forces)
     spanned = np.hstack([proof.basis, proof.free])
     if not np.isfinite(spanned).all() or spanned.shape[0] != problem.rows.shape[1]:
         return "its motions are not those of the free parts"
@@ -185,6 +186,8 @@ def _wrong_spaces(problem: Stationary, proof: MinimumProof) -> str:
     opened = np.abs(held @ spanned).max(initial=0.0)
     if spanned.shape[1] != spanned.shape[0] - rank or opened > ACROSS:
         return "its motions are not all that its forces leave neutral"
+    if not carry_beyond_doubt(problem, forces, carries, spanned, problem.load):
+        return "its forces carry by rounding"
     if np.abs(problem.rows @ proof.free).max(initial=0.0) > ACROSS:
         return "a free motion opens a contact"
     if len(proof.sides):

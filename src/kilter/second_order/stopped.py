@@ -30,14 +30,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import TINY, Array, Mask, read_only
+from kilter.arrays import Array, Mask, read_only
 from kilter.mechanics.program import Program
+from kilter.second_order.carrying import carry_beyond_doubt, carrying_rows
 from kilter.second_order.critical import null_space
 from kilter.second_order.features import Features
 from kilter.second_order.gap_form import formed
 from kilter.second_order.level_rest import level_axes
 from kilter.second_order.minimum_proof import definite
-from kilter.second_order.second_order_tolerances import ACROSS, BALANCED, CARRIES, DROPS, LEVEL
+from kilter.second_order.second_order_tolerances import ACROSS, BALANCED, DROPS, LEVEL
 from kilter.second_order.stationary import Stationary
 from kilter.second_order.touched_surfaces import Touched
 
@@ -64,12 +65,13 @@ class Stopped:
 class StopForms:
     """What a proof weighs.
 
-    `neutral`: dimension of what is; `level`, shape (n, f): F across the symmetries; `tilts`,
-    (n, d): Y; `stops_level`, (s, f), and
+    `carried`: whether contacts carry beyond doubt; `neutral`: dimension of what is; `level`,
+    shape (n, f): F across the symmetries; `tilts`, (n, d): Y; `stops_level`, (s, f), and
     `stops_tilts`, (s, d): the R_i; `rises`, (m, d): the R_j; `coupling`, (f, d): twice K between
     F and Y; `curvature`, (d, d): K on Y; `uneven`: the largest number of K where it is to be 0.
     """
 
+    carried: bool
     neutral: int
     level: Array
     tilts: Array
@@ -116,7 +118,7 @@ def stop_forms(
     problem: Stationary, level: Mask, motions: Array, free: Array, forces: Array
 ) -> StopForms:
     """Of forces (K,); `motions` (n, f) are level, `free` (n, g) symmetries."""
-    carries = forces > CARRIES * forces.max(initial=TINY)
+    carries = carrying_rows(problem, forces)
     neutral = null_space(problem.rows[carries], problem.blur)
     tilts = neutral @ null_space(np.hstack([motions, free]).T @ neutral, ACROSS)
     x = motions @ null_space(free.T @ motions, ACROSS)
@@ -127,6 +129,7 @@ def stop_forms(
     even = curvature.copy()
     even[:f, between], even[between, :f], even[between, between] = 0.0, 0.0, 0.0
     return StopForms(
+        carry_beyond_doubt(problem, forces, carries, neutral, problem.load),
         neutral.shape[1],
         x,
         tilts,
@@ -179,6 +182,8 @@ def judge_stopped(
 
 def _wrong_forms(forms: StopForms, weights: Array) -> str:
     """Are the weights positive, and the rest of the curvature?"""
+    if not forms.carried:
+        return "its forces carry by rounding"
     if forms.uneven > LEVEL * forms.size:
         return "the energy is not level along its level motions"
     if not forms.tilts.shape[1]:
