@@ -14,7 +14,7 @@ from kilter import Assembly, Box, GivenContact, Part, Pose
 from kilter.arrays import Array, across
 from kilter.mechanics.program import Program, build_program
 from kilter.second_order.features import EDGE, FACE, OPEN, VERTEX, Features
-from kilter.second_order.gap_form import formed, gap_forms
+from kilter.second_order.gap_form import corner_slips, formed, gap_forms
 
 Side = tuple[int, Array, Array]
 """Kind, edge and curvature of one part's feature."""
@@ -31,12 +31,14 @@ def program_of(point: Array, normal: Array, center_a: Array, center_b: Array) ->
     return replace(program, center=np.array([center_a, center_b]))
 
 
-def features(a: Side, b: Side, fibre: Array = NONE, *, conformal: bool = False) -> Features:
+def features(
+    a: Side, b: Side, fibre: Array = NONE, *, conformal: bool = False, flush: bool = False
+) -> Features:
     kinds = [np.array([side[0]]) for side in (a, b)]
     return Features(
         *kinds, a[1][None], b[1][None], a[2][None], b[2][None], fibre[None],
         np.array([conformal]), np.zeros((1, 6)), np.zeros((1, 6)), np.zeros(1, dtype=np.int64),
-        np.zeros(1), np.zeros(1),
+        np.zeros(1), np.zeros(1), np.array([flush]),
     )  # fmt: skip
 
 
@@ -276,3 +278,24 @@ def test_the_form_does_not_depend_on_the_unit_of_length() -> None:
     units = np.tile(np.repeat([c, 1.0], 3), 2)
     one, other = gap_forms(small, pair[0])[0], gap_forms(large, pair[1])[0]
     np.testing.assert_allclose(other * np.outer(units, units) / c, one, rtol=1e-9, atol=1e-12)
+
+
+def test_a_corner_that_has_slipped_off_an_edge_of_both_parts_has_the_other_form() -> None:
+    """A corner of b on the face of a, and one of a on the face of b: -2 sigma . v_t apart."""
+    random = np.random.default_rng(5)
+    n, x, c_a, c_b = exact.unit(random.normal(size=3)), *random.normal(size=(3, 3))
+    program = program_of(x, n, c_a, c_b)
+    flush = features(face(), face(), conformal=True, flush=True)
+    stays = gap_forms(program, flush)[0]
+    np.testing.assert_allclose(stays, gap_forms(program, features(face(), VERTEX_SIDE))[0])
+    slipped = gap_forms(program, features(VERTEX_SIDE, face()))[0]
+    turn, slip = np.split(corner_slips(program, flush)[0], 2)
+    np.testing.assert_allclose(slipped - stays, -turn.T @ slip - slip.T @ turn, atol=1e-12)
+    assert not corner_slips(program, features(face(), VERTEX_SIDE)).any()
+    line = across(n)[0]
+    ends = features(face(), round_face(n, line, 0, 1.0), fibre=line, flush=True)
+    along = corner_slips(program, ends)[0]
+    turn, slip = np.split(along, 2)
+    assert np.linalg.matrix_rank(turn) == np.linalg.matrix_rank(slip) == 1
+    shift = np.concatenate([np.zeros(6), across(n)[1], np.zeros(3)])
+    np.testing.assert_allclose(along @ shift, 0.0, atol=1e-12)

@@ -46,13 +46,14 @@ def word(
     weights: Any = None,
     leaves: Any = None,
     blur: float = 1e-9,
+    slips: Any = None,
 ) -> str:
     """What the judge says, with some of the numbers others; "" where it holds."""
     every = np.array([*rows, *others], dtype=float)
     form = np.zeros((len(every), 12, 12))
     form[0, :3, :3] = -np.array(curvature, dtype=float)
     places = np.tile(np.append(np.arange(4), np.full(8, -1)), (len(every), 1))
-    problem = Stationary(every, np.array(load, dtype=float), form, places, blur)
+    problem = Stationary(every, np.array(load, dtype=float), form, places, blur, slips=slips)
     own = np.zeros(len(every)) if len(forces) < len(every) else np.array(forces, dtype=float)
     if len(forces) < len(every):
         own[: len(forces)] = forces
@@ -322,3 +323,19 @@ def test_forces_at_short_levers_carry_by_rounding(lever: float, over: float) -> 
     )
     assert ("by rounding" in found) == (over < 1)
     assert (found == "") == (over > 1)
+
+
+@pytest.mark.parametrize("over", JUST)
+def test_a_corner_that_carries_neither_turns_nor_slips_where_it_is_flush(over: float) -> None:
+    """Its gap has another form where it slips off its edge: by what is neutral, or free."""
+
+    def slips(turn: int, slip: int, row: int = 0) -> Any:
+        both = np.zeros((2, 4, 12))
+        both[row, 1, turn], both[row, 2, slip] = 1.0, over * ACROSS
+        return both
+
+    beside = {"others": (Y,), "sides": (Y[:2],)}
+    for turn, slip in ((0, 0), (0, 1), (2, 1)):
+        assert ("may slip off" in word(**beside, slips=slips(turn, slip))) == (over > 1)
+        assert word(**beside, slips=slips(turn, slip, row=1)) == ""  # it carries nothing
+    assert word(**beside, slips=slips(3, 0)) == word(**beside, slips=slips(0, 3)) == ""

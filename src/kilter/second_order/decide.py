@@ -110,8 +110,13 @@ def decide(
 
 
 def _even(problem: Stationary, critical: Critical, free: Array) -> Array:
-    """The free motions that the forces leave level: not past the edge of a table."""
-    curvature = problem.curvature(critical.forces, np.hstack([critical.basis, free]))
+    """The free motions that the forces leave level: not past the edge of a table.
+
+    Neither where corners that are flush stay on their edges nor where they slip off.
+    """
+    both = np.hstack([critical.basis, free])
+    curvature = problem.curvature(critical.forces, both)
+    curvature = np.vstack([curvature, curvature + problem.slipped(critical.forces, both)])
     size = LEVEL * max(1.0, float(np.abs(curvature).max(initial=0.0)))
     uneven = curvature[:, critical.basis.shape[1] :]
     if np.abs(uneven).max(initial=0.0) <= size:
@@ -230,13 +235,34 @@ class _Question:
     def _paths(self, candidates: list[Array]) -> list[Path]:
         """Paths that fall along motions, or along critical ones near by, the steepest first."""
         found = []
+        about = self._about_edges()
         for motion in candidates:
-            for one in (motion, -motion) if len(self.sides) else (motion,):
-                critical = self._critical(one)
+            senses = (motion, -motion) if len(self.sides) else (motion,)
+            critical_ones = [self._critical(one) for one in senses]
+            for critical in (*self._pivots(about, critical_ones), *critical_ones):
                 path = find_path(self.problem, critical) if critical is not None else None
                 if path is not None and path.falls:
                     found.append(path)
         return sorted(found, key=lambda path: -min(path.opens, path.power))
+
+    def _about_edges(self) -> Array:
+        """Neutral motions along which no corner that carries slips off an edge of both parts."""
+        if self.carrying.slips is None:
+            return self.across[:, :0]
+        whole = np.hstack([self.across, self.free])
+        return whole @ null_space(self.carrying.sliding(whole), self.problem.blur)
+
+    def _pivots(self, about: Array, critical: list[Array | None]) -> list[Array]:
+        """Critical motions near to some along which no corner slips off."""
+        if not about.shape[1]:
+            return []
+        near = [about @ (about.T @ one) for one in critical if one is not None]
+        opens = [self.sides @ (self.across.T @ one) for one in near]
+        return [
+            one / np.linalg.norm(one)
+            for one, sides in zip(near, opens, strict=True)
+            if np.linalg.norm(one) > NARROW and (sides > -FLAT).all()
+        ]
 
     def _critical(self, motion: Array) -> Array | None:
         """The nearest critical motion; None where that is no motion at all."""

@@ -44,6 +44,9 @@ class Features(Rows):
         surfaces that were recognised in meshes.
     conformal : ndarray of bool, shape (K,)
         The surfaces fit each other: the point of b is taken as a vertex on a.
+    flush : ndarray of bool, shape (K,)
+        Ends of what fits each other that lie on an edge of both parts: which of them touches
+        the other there depends on how they slip (`kilter.second_order.gap_form.corner_slips`).
     axis_a, axis_b : ndarray, shape (K, 6)
         Of what is said to be of revolution about a line: a point on it and its unit direction;
         a direction of 0 where nothing is said.
@@ -64,6 +67,7 @@ class Features(Rows):
     group: Index = columns()
     doubt_a: Array = columns()
     doubt_b: Array = columns()
+    flush: Mask = columns()
 
     def __post_init__(self) -> None:
         read_only(self)

@@ -63,6 +63,7 @@ def _nothing_known(program: Program) -> dict[str, Any]:
         "axis_b": np.zeros((count, 6)),
         "doubt_a": np.zeros(count),
         "doubt_b": np.zeros(count),
+        "flush": np.zeros(count, dtype=bool),
         "group": np.where(program.kind == CONTACT, program.source, -1),
     }
 
@@ -152,6 +153,7 @@ def _set_conformal(
         own = found[f"kind_{side}"][left]
         ends &= (own == FACE) | ((own == EDGE) & (across < CROSSING))
     found["fibre"][left[ends]] = line[ends]
+    found["flush"][left[(flat | ends) & ~faces]] = True
     for side in "ab":
         found[f"kind_{side}"][left[flat | ends]] = FACE
         found[f"edge_{side}"][left[flat | ends]] = 0.0

@@ -30,7 +30,7 @@ from kilter.rigid import skew
 from kilter.second_order.features import EDGE, FACE, Features
 from kilter.second_order.second_order_tolerances import CROSSING, ROUND
 
-__all__ = ["formed", "gap_forms"]
+__all__ = ["corner_slips", "formed", "gap_forms"]
 
 
 def gap_forms(program: Program, features: Features) -> Array:
@@ -83,12 +83,8 @@ def formed(program: Program, features: Features) -> Mask:
 def _forms(program: Program, features: Features, rows: Index) -> Array:
     """`gap_forms` of rows that have one."""
     normal, frame = program.normal[rows], _frame(program.normal[rows])
-    center = np.vstack([program.center, np.zeros(3)])  # the ground is the last
-    arm_a = program.point[rows] - center[program.part_a[rows]]
-    arm_b = program.point[rows] - center[program.part_b[rows]]
-    eye, none = np.tile(np.eye(3), (len(rows), 1, 1)), np.zeros((len(rows), 3, 3))
-    slip = np.concatenate([-eye, skew(arm_a), eye, -skew(arm_b)], axis=2)
-    turn = np.concatenate([none, -eye, none, eye], axis=2)
+    arm_a, arm_b = _arms(program, rows)
+    slip, turn = _relative(arm_a, arm_b)
     form = np.zeros((len(rows), 12, 12))
     form[:, 3:6] += skew(normal) @ slip
     form += form.swapaxes(1, 2).copy()
@@ -98,6 +94,47 @@ def _forms(program: Program, features: Features, rows: Index) -> Array:
     form += tangential.swapaxes(1, 2) @ _rolling(features, frame) @ tangential
     result: Array = (form + form.swapaxes(1, 2)) / 2
     return result
+
+
+def corner_slips(program: Program, features: Features) -> Array:
+    """Turn and slip at corners that are flush, shape (K, 4, 12), in the unknowns of `gap_forms`.
+
+    Where two faces end together, the corner of b touches the face of a as long as it stays on it:
+    that is the form that they have. Where it has slipped off, the corner of a touches the face of
+    b. Parts are apart where either is open, and the second gap curves more by
+
+        -2 sigma . v_t
+
+    sigma (rows 0 and 1) and v_t (rows 2 and 3) in a frame across the normal; along the line
+    alone where lines of contact end together. Both are 0 at all other rows.
+    """
+    result = np.zeros((len(features), 4, 12))
+    rows = np.flatnonzero(features.flush)
+    if len(rows):
+        slip, turn = _relative(*_arms(program, rows))
+        normal, frame = program.normal[rows], _frame(program.normal[rows])
+        fibre = features.fibre[rows]
+        line = fibre[:, :, None] * fibre[:, None, :]
+        ends = np.linalg.norm(fibre, axis=1) > 0
+        along = np.where(ends[:, None, None], line, np.eye(3))
+        result[rows] = np.concatenate(
+            [frame @ along @ skew(normal) @ turn, frame @ along @ slip], 1
+        )
+    return result
+
+
+def _arms(program: Program, rows: Index) -> tuple[Array, Array]:
+    """Points of contact about the centres of mass of both parts, shape (k, 3)."""
+    center = np.vstack([program.center, np.zeros(3)])  # the ground is the last
+    point = program.point[rows]
+    return point - center[program.part_a[rows]], point - center[program.part_b[rows]]
+
+
+def _relative(arm_a: Array, arm_b: Array) -> tuple[Array, Array]:
+    """How b slips past a, and turns, by the motions of both, shape (k, 3, 12) each."""
+    eye, none = np.tile(np.eye(3), (len(arm_a), 1, 1)), np.zeros((len(arm_a), 3, 3))
+    slip = np.concatenate([-eye, skew(arm_a), eye, -skew(arm_b)], axis=2)
+    return slip, np.concatenate([none, -eye, none, eye], axis=2)
 
 
 def _frame(normal: Array) -> Array:

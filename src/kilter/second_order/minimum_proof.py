@@ -205,7 +205,10 @@ def _wrong_free(problem: Stationary, proof: MinimumProof, forces: Array) -> str:
     curvature = problem.curvature(forces, both)
     size = max(1.0, float(np.abs(curvature).max(initial=0.0)))
     level = np.abs(curvature[:, proof.basis.shape[1] :]).max(initial=0.0) <= LEVEL * size
-    return "" if level else "the energy is not level along its free motions"
+    if not level:
+        return "the energy is not level along its free motions"
+    flush = not problem.one_form(both)[forces > 0].all()
+    return "a corner on edges of both parts carries and may slip off" if flush else ""
 
 
 def definite(matrix: Array) -> bool:

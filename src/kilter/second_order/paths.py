@@ -44,7 +44,8 @@ class Path:
     `first`, `second`, shape (n,): dp, of length 1, and d2; `opens`: least second derivative of a
     gap that stays closed to first order; `power`: w.d2; `slips`: worst of -J dp and |w.dp|;
     `lasts`: the t at which the first gap that opens to first order closes again; `rounding`: what
-    of `opens` and `power` may be that of the data.
+    of `opens` and `power` may be that of the data; `one_form`: whether no corner that is flush
+    slips off its edge.
     """
 
     first: Array
@@ -54,6 +55,7 @@ class Path:
     slips: float
     lasts: float
     rounding: float
+    one_form: bool = True
 
     @property
     def falls(self) -> bool:
@@ -155,7 +157,8 @@ def judge_path(problem: Stationary, first: Array, second: Array) -> Path:
     least = float(opens.min()) if len(opens) else 1.0
     power = float(problem.load @ second)
     blurred = problem.blur * float(np.abs(second).max(initial=0.0))
-    return Path(first, second, least, power, slips, float(lasts), blurred)
+    one_form = bool(problem.one_form(first[:, None]).all())
+    return Path(first, second, least, power, slips, float(lasts), blurred, one_form)
 
 
 def _kept(problem: Stationary, first: Array, second: Array) -> Mask:

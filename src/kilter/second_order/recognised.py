@@ -24,8 +24,8 @@ import numpy as np
 from kilter.arrays import Array, Mask
 from kilter.mechanics.program import Program
 from kilter.second_order.features import Features
-from kilter.second_order.gap_form import formed, gap_forms
-from kilter.second_order.stationary import Stationary, stationary
+from kilter.second_order.gap_form import formed
+from kilter.second_order.stationary import Stationary, problem_of
 
 __all__ = ["bounded", "formed_for_all"]
 
@@ -41,7 +41,7 @@ def formed_for_all(program: Program, features: Features) -> Mask:
 def bounded(program: Program, features: Features, sense: float) -> Stationary:
     """The place with the upper (1) or lower (-1) bounds of all curvatures."""
     bent = _bent(features, program.normal, sense)
-    return stationary(program, np.nan_to_num(gap_forms(program, bent)))
+    return problem_of(program, bent)
 
 
 def _bent(features: Features, normal: Array, sense: float) -> Features:

@@ -30,7 +30,6 @@ from kilter.second_order.every_surface import decided_for_all
 from kilter.second_order.features import Features
 from kilter.second_order.free_motions import FreeMotions, find_free_motions
 from kilter.second_order.free_span import free_span, moving_free
-from kilter.second_order.gap_form import gap_forms
 from kilter.second_order.level_rest import level_axes
 from kilter.second_order.locked import faces_of, shifts
 from kilter.second_order.locking_stress import find_locked
@@ -40,7 +39,7 @@ from kilter.second_order.paths import Path
 from kilter.second_order.recognised import formed_for_all
 from kilter.second_order.rolling import Rolling
 from kilter.second_order.second_order_tolerances import ACROSS
-from kilter.second_order.stationary import Stationary, stationary
+from kilter.second_order.stationary import Stationary, problem_of
 from kilter.second_order.stopped import level_contacts, level_motions, stop_forms
 from kilter.second_order.stopping_weights import find_stopped, opening_motion
 from kilter.second_order.touched_surfaces import Touched, planes_of, touched_surfaces
@@ -171,7 +170,7 @@ def answer_alone(
     if not known.all():
         found = _without(assembly, contacts, program, features, known, None, work)
         return found or open_answer(_unknown(program, known), program)
-    problem = stationary(program, np.nan_to_num(gap_forms(program, features)))
+    problem = problem_of(program, features)
     touched = touched_surfaces(program, features, contacts)
     problem = replace(problem, on_plane=planes_of(touched))
     free = find_free_motions(program, features, touched)
@@ -379,6 +378,8 @@ def _falling(
     assert problem.scale is not None
     configuration = None
     by_path = doubted or bool((contacts.patch_kind[program.source] == "given").all())
+    if by_path and not path.one_form:
+        why = "a corner on edges of both parts slips"
     for one in () if by_path else (path, *decision.others):
         configuration, wrong = find_configuration(assembly, contacts, program, problem, one)
         if configuration is not None:

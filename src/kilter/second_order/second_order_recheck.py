@@ -22,7 +22,6 @@ from kilter.second_order.features import Features
 from kilter.second_order.features_of import features_of
 from kilter.second_order.free_motions import FreeMotions, find_free_motions
 from kilter.second_order.free_span import free_span, moving_free, scaled_columns
-from kilter.second_order.gap_form import gap_forms
 from kilter.second_order.held import Held, judge_held
 from kilter.second_order.level_rest import LevelRest, judge_level_rest, level_rows
 from kilter.second_order.locked import LockedTurns, faces_of, judge_locked, shifts
@@ -41,7 +40,7 @@ from kilter.second_order.second_order_file import (
     stacked,
 )
 from kilter.second_order.second_order_tolerances import ACROSS, APART, DROPS, KEEPS
-from kilter.second_order.stationary import Stationary, stationary
+from kilter.second_order.stationary import Stationary, problem_of, stationary
 from kilter.second_order.stopped import (
     Stopped,
     judge_stopped,
@@ -158,7 +157,7 @@ def _wrong_gaps(
     if "idle" in data:
         return _wrong_without_idle(assembly, contacts, program, features, data)
     known = formed_for_all(program, features)
-    problem = stationary(program, np.nan_to_num(gap_forms(program, features)))
+    problem = problem_of(program, features)
     if features.doubted and ("locked" in data or "stopped" in data or not known.all()):
         return ["its surfaces are known too roughly"]
     if "locked" in data:
@@ -306,10 +305,12 @@ def _wrong_path(
     first, second = (read_columns(program, problem, data[key]) for key in ("first", "second"))
     reasons = ["it counts motions of what falls"] if {"neutral", "free"} & set(data) else []
     size = float(np.linalg.norm(first))
-    if abs(size - 1) > ACROSS or not judge_path(problem, first, second).falls:
+    path = judge_path(problem, first, second)
+    if abs(size - 1) > ACROSS or not path.falls:
         reasons.append("its path does not lead down")
     if data["configuration"] is None:
         by_path = doubted or bool((contacts.patch_kind[program.source] == "given").all())
+        by_path = by_path and path.one_form
         return reasons if by_path else [*reasons, "it has no configuration that is apart and lower"]
     motion = read_motion(program, data["configuration"])
     columns = scaled_columns(program, problem, motion[None])[:, 0]

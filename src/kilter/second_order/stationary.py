@@ -17,8 +17,11 @@ import numpy as np
 
 from kilter.arrays import TINY, Array, Index, Mask, read_only
 from kilter.mechanics.program import Program
+from kilter.second_order.features import Features
+from kilter.second_order.gap_form import corner_slips, gap_forms
+from kilter.second_order.second_order_tolerances import ACROSS
 
-__all__ = ["Stationary", "stationary"]
+__all__ = ["Stationary", "problem_of", "stationary"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,6 +46,8 @@ class Stationary:
         A displacement is its unknown times this [length unit, rad].
     on_plane : ndarray of bool, shape (K,), optional
         Rows in which one part touches by a plane, to all orders.
+    slips : ndarray, shape (K, 4, 12), optional
+        Turn and slip at corners that are flush (`corner_slips`); 0 at the others.
     """
 
     rows: Array
@@ -54,6 +59,7 @@ class Stationary:
     weight: float = 1.0
     scale: Array | None = None
     on_plane: Mask | None = None
+    slips: Array | None = None
 
     def __post_init__(self) -> None:
         read_only(self)
@@ -70,6 +76,7 @@ class Stationary:
             self.weight,
             self.scale,
             None if self.on_plane is None else self.on_plane[rows],
+            None if self.slips is None else self.slips[rows],
         )
 
     @property
@@ -94,6 +101,32 @@ class Stationary:
         spread = self._spread(motion[:, None])[:, :, 0]
         return np.asarray(np.einsum("ki,kij,kj->k", spread, self.forms, spread))
 
+    def sliding(self, motions: Array) -> Array:
+        """How corners that are flush slip along motions (n, d), shape (2 k, d)."""
+        if self.slips is None:
+            return np.zeros((0, motions.shape[1]))
+        slips = self.slips[:, 2:] @ self._spread(motions)
+        return np.asarray(slips.reshape(-1, motions.shape[1]))
+
+    def slipped(self, forces: Array, basis: Array) -> Array:
+        """By how much the energy curves more where every corner that is flush has slipped off."""
+        if self.slips is None:
+            return np.zeros((basis.shape[1],) * 2)
+        turn, slip = np.split(self.slips @ self._spread(basis), 2, axis=1)
+        more = np.einsum("k,kia,kib->ab", forces, turn, slip)
+        return np.asarray(more + more.T)
+
+    def one_form(self, motions: Array) -> Mask:
+        """Rows whose gap has one form along all motions, (n, d): no corner slips off, shape (K,).
+
+        They turn nothing there, or slip nowhere.
+        """
+        if self.slips is None:
+            return np.ones(len(self.rows), dtype=bool)
+        moved = np.abs(self.slips @ self._spread(motions)).max(axis=2, initial=0.0)
+        one: Mask = np.minimum(moved[:, :2].max(axis=1), moved[:, 2:].max(axis=1)) < ACROSS
+        return one
+
     def curvature(self, forces: Array, basis: Array) -> Array:
         """-Z^T (sum of f_k H_k) Z, symmetric, shape (d, d): that of the energy."""
         weighted = np.tensordot(forces, self.restricted(basis), axes=1)
@@ -105,7 +138,14 @@ class Stationary:
         return float(left / max(np.abs(self.load).max(initial=0.0), TINY))
 
 
-def stationary(program: Program, forms: Array) -> Stationary:
+def problem_of(program: Program, features: Features) -> Stationary:
+    """The contacts of a program without friction and their gaps; 0 where a gap has no form."""
+    forms = np.nan_to_num(gap_forms(program, features))
+    slips = corner_slips(program, features) if features.flush.any() else None
+    return stationary(program, forms, slips)
+
+
+def stationary(program: Program, forms: Array, slips: Array | None = None) -> Stationary:
     """The contact rows of a program without friction, scaled.
 
     Parameters
@@ -114,6 +154,8 @@ def stationary(program: Program, forms: Array) -> Stationary:
         Its rows are those of `forms`.
     forms : ndarray, shape (K, 12, 12)
         In (r_a, theta_a, r_b, theta_b) about the centres of mass [1/length unit, -, length unit].
+    slips : ndarray, shape (K, 4, 12), optional
+        In the same, [rad] and [length unit].
     """
     free, per = np.flatnonzero(program.free), len(program.freedoms)
     length = float(np.exp(np.log(program.radius[free]).mean()))
@@ -127,6 +169,8 @@ def stationary(program: Program, forms: Array) -> Stationary:
     both = np.stack([program.part_a, program.part_b], axis=1)
     twelve = six[both].reshape(-1, 12)
     scale = six[np.ix_(free, program.freedoms)].reshape(-1)
+    if slips is not None:
+        slips = slips * twelve[:, None] / np.array([1, 1, length, length])[:, None]
     load = program.load[np.ix_(free, program.freedoms)].reshape(-1)
     return Stationary(
         program.jacobian().toarray() * scale / length,
@@ -137,4 +181,5 @@ def stationary(program: Program, forms: Array) -> Stationary:
         length,
         weight,
         scale,
+        slips=slips,
     )

@@ -65,13 +65,15 @@ class Stopped:
 class StopForms:
     """What a proof weighs.
 
-    `carried`: whether contacts carry beyond doubt; `neutral`: dimension of what is; `level`,
+    `carried`: whether contacts carry beyond doubt; `one_form`: whether no corner that
+    carries may slip off an edge; `neutral`: dimension of what is; `level`,
     shape (n, f): F across the symmetries; `tilts`, (n, d): Y; `stops_level`, (s, f), and
     `stops_tilts`, (s, d): the R_i; `rises`, (m, d): the R_j; `coupling`, (f, d): twice K between
     F and Y; `curvature`, (d, d): K on Y; `uneven`: the largest number of K where it is to be 0.
     """
 
     carried: bool
+    one_form: bool
     neutral: int
     level: Array
     tilts: Array
@@ -130,6 +132,7 @@ def stop_forms(
     even[:f, between], even[between, :f], even[between, between] = 0.0, 0.0, 0.0
     return StopForms(
         carry_beyond_doubt(problem, forces, carries, neutral, problem.load),
+        bool(problem.one_form(whole)[forces > 0].all()),
         neutral.shape[1],
         x,
         tilts,
@@ -184,6 +187,8 @@ def _wrong_forms(forms: StopForms, weights: Array) -> str:
     """Are the weights positive, and the rest of the curvature?"""
     if not forms.carried:
         return "its forces carry by rounding"
+    if not forms.one_form:
+        return "a corner on edges of both parts carries and may slip off"
     if forms.uneven > LEVEL * forms.size:
         return "the energy is not level along its level motions"
     if not forms.tilts.shape[1]:

@@ -1,0 +1,64 @@
+"""Parts that end together: the answer does not depend on which of them is listed first."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+
+import pytest
+
+import kilter
+from kilter import Assembly, Part, Pose, Prism
+from kilter.second_order.second_order_answer import SecondOrder
+from kilter.shape.primitives import Box
+
+Build = Callable[..., list[Part]]
+WIDTHS = (0.9, 1.0, 1.1)
+"""Of the upper part, where the lower one is 1 wide."""
+
+
+def box_over_the_edge(width: float, off: float = 0.0) -> list[Part]:
+    """A box whose centre is over the edge of the one below, or off it by so much."""
+    low = Part("low", Box([1, 1, 1]), Pose([0, 0, 0.5]), grounded=True)
+    return [low, Part("high", Box([1, width, 1]), Pose([0.5 + off, 0, 1.5]))]
+
+
+def leaning(width: float, off: float = 0.0) -> list[Part]:
+    """A block that leans until its centre is over its own edge, or off it by so much."""
+    low = Part("low", Box([4, 1, 1]), Pose([0, 0, -0.5]), grounded=True)
+    lean = Prism([(-1, 0), (0, 0), (1 + 2 * off, 1), (2 * off, 1)], width)
+    return [low, Part("high", lean, Pose([0, 0, 0]))]
+
+
+def answers(parts: list[Part]) -> list[SecondOrder]:
+    """In each order of the parts."""
+    found = []
+    for order in itertools.permutations(parts):
+        assembly = Assembly(order)
+        verdict = kilter.check(assembly)
+        assert verdict.stable
+        assert kilter.verify(assembly, verdict.proof()).holds
+        assert verdict.second_order is not None
+        found.append(verdict.second_order)
+    return found
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize("build", [box_over_the_edge, leaning])
+def test_what_is_over_an_edge_falls_whichever_part_is_first(build: Build, width: float) -> None:
+    one, other = answers(build(width))
+    assert (one.state, other.state) == ("balanced", "balanced")
+    assert (one.neutral, one.free) == (other.neutral, other.free)
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize("build", [box_over_the_edge, leaning])
+@pytest.mark.parametrize("off", [1e-6, -1e-6])
+def test_within_the_edge_it_slides_and_beyond_it_falls(
+    build: Build, width: float, off: float
+) -> None:
+    for order in itertools.permutations(build(width, off)):
+        verdict = kilter.check(Assembly(order))
+        assert verdict.stable == (off < 0)
+        second = verdict.second_order
+        assert off > 0 or (second is not None and second.state == "free")
