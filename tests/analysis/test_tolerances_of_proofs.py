@@ -46,6 +46,32 @@ def door(kind: Any, axis: list[float], aside: float) -> Assembly:
     return Assembly(parts, joints=[joint])
 
 
+@pytest.mark.parametrize(("off", "refused"), [(0.9, False), (1.1, True)])
+@pytest.mark.parametrize("kind", ["revolute", "spherical"])
+def test_a_joint_that_bears_nothing_bears_the_rounding_of_a_weights_rounding(
+    kind: Any, off: float, refused: bool
+) -> None:
+    """Two blocks stand on a floor, a heavy and a light one: nothing goes through their joint."""
+    parts = [
+        Part("floor", Box([9, 9, 1]), Pose([0, 0, -0.5]), grounded=True),
+        Part("heavy", Box([1, 2, 1]), Pose([-2, 0, 0.5]), mass=50.0),
+        Part("light", Box([0.5, 0.5, 0.5]), Pose([2, 0, 0.25]), mass=3.0),
+    ]
+    axis = None if kind == "spherical" else [0, 0, 1]
+    joint = Joint(("heavy", "light"), kind, point=[0.5, 0, 0.25], axis=axis)
+    assembly = Assembly(parts, joints=[joint])
+    proof = proof_of(assembly)
+    program = build_program(assembly, kilter.contacts(assembly))
+    turning = program.angular & (program.kind == JOINT)
+    size = 3.0 * G * (float(program.arm[turning].max(initial=0.0)) or float(program.radius.min()))
+
+    def carried(other: Proof) -> None:
+        other["joints"][0]["wrench"] = [0.0] * 5 + [off * AGREES**2 * size]
+
+    beyond = f"the {kind} joint of 'heavy' and 'light' carries what its kind cannot"
+    assert (beyond in reasons(assembly, proof, carried)) == refused
+
+
 @pytest.mark.parametrize(("off", "refused"), [(0.98, False), (1.02, True)])
 @pytest.mark.parametrize("aside", [0.0, 2.0])
 @pytest.mark.parametrize(
