@@ -15,7 +15,7 @@ from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import digest_of
 from kilter.scenes import scene
 from kilter.scenes.walls import wall_of
-from kilter.second_order import critical, level_rest, whole
+from kilter.second_order import critical, level_rest_search, whole
 from kilter.second_order.held import Held, find_held, judge_held
 from kilter.shape.primitives import Box
 
@@ -95,7 +95,7 @@ def test_where_nothing_is_neutral_no_gap_is_asked(
 @pytest.mark.parametrize("bricks", [1, 105])
 def test_a_wall_asks_no_gap_and_no_program(bricks: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(whole, "features_of", None)
-    for module in (critical, level_rest):
+    for module in (critical, level_rest_search):
         monkeypatch.setattr(module, "carrying_forces", None)
     second = kilter.check(wall_of(bricks)).second_order
     assert second is not None

@@ -18,10 +18,10 @@ from kilter.scenes import scene
 from kilter.scenes.walls import wall_of
 from kilter.second_order.level_rest import (
     LevelRest,
-    find_level_rest,
     judge_level_rest,
     level_rows,
 )
+from kilter.second_order.level_rest_search import find_level_rest
 from kilter.second_order.second_order_answer import SecondOrder
 from kilter.shape.primitives import Box
 

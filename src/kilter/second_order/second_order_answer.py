@@ -22,6 +22,7 @@ from kilter.arrays import TINY, Array, Index, Mask
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
+from kilter.second_order.bearing import level_axes
 from kilter.second_order.clusters import State
 from kilter.second_order.configuration import Configuration, find_configuration
 from kilter.second_order.critical import Critical, find_critical
@@ -30,7 +31,6 @@ from kilter.second_order.every_surface import decided_for_all
 from kilter.second_order.features import Features
 from kilter.second_order.free_motions import FreeMotions, find_free_motions
 from kilter.second_order.free_span import free_span, moving_free
-from kilter.second_order.level_rest import level_axes
 from kilter.second_order.locked import faces_of, shifts
 from kilter.second_order.locking_stress import find_locked
 from kilter.second_order.minimum_proof import MinimumProof

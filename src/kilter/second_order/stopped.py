@@ -32,11 +32,11 @@ import numpy as np
 
 from kilter.arrays import Array, Mask, read_only
 from kilter.mechanics.program import Program
+from kilter.second_order.bearing import level_axes
 from kilter.second_order.carrying import carry_beyond_doubt, carrying_rows
 from kilter.second_order.critical import null_space
 from kilter.second_order.features import Features
 from kilter.second_order.gap_form import formed
-from kilter.second_order.level_rest import level_axes
 from kilter.second_order.minimum_proof import definite
 from kilter.second_order.second_order_tolerances import ACROSS, BALANCED, DROPS, LEVEL
 from kilter.second_order.stationary import Stationary

@@ -25,7 +25,8 @@ from kilter.second_order.decide import Decision
 from kilter.second_order.features import Features
 from kilter.second_order.features_of import features_of
 from kilter.second_order.held import Held, find_held, judge_held
-from kilter.second_order.level_rest import LevelRest, find_level_rest, level_rows
+from kilter.second_order.level_rest import LevelRest, level_rows
+from kilter.second_order.level_rest_search import find_level_rest
 from kilter.second_order.modelled import why_unmodelled
 from kilter.second_order.rigid_groups import RigidGroups
 from kilter.second_order.rolling import find_rolling, worst_rolling
