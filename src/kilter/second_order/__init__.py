@@ -7,7 +7,8 @@
 - `stationary`: gaps and load to second order, in scaled unknowns
 - `critical`: the motions that cost nothing to first order
 - `curved_energy`: forces under which the energy curves upward
-- `paths`: paths that lead down
+- `paths`: paths that lead down, judged without a solver
+- `path_search`: the search for them
 - `minimum_proof`: proofs of a minimum, judged without a solver
 - `decide`: minimum, balanced or open
 - `recognised`, `every_surface`: what holds for every surface that a mesh may stand for

@@ -34,7 +34,8 @@ from kilter.second_order.minimum_proof import (
     sides_of_cone,
     split,
 )
-from kilter.second_order.paths import Path, find_path
+from kilter.second_order.path_search import find_path
+from kilter.second_order.paths import Path
 from kilter.second_order.second_order_tolerances import CURVED, FLAT, LEVEL, SPLITS
 from kilter.second_order.stationary import Stationary
 from kilter.second_order.stopped import Stopped

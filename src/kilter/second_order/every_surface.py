@@ -8,7 +8,8 @@ from kilter.mechanics.program import Program
 from kilter.second_order.decide import Decision
 from kilter.second_order.features import Features
 from kilter.second_order.minimum_proof import MinimumProof, judge_minimum
-from kilter.second_order.paths import Path, find_path
+from kilter.second_order.path_search import find_path
+from kilter.second_order.paths import Path
 from kilter.second_order.recognised import bounded
 from kilter.second_order.stationary import Stationary
 

@@ -4,22 +4,20 @@
 
 Then each gap is at least m t^2 / 2 + O(t^3) or opens to first order, and the energy is
 -t^2 w.d2 / 2: no minimum. Of numbers that are not exact both hold from some t on, and a gap that
-opens to first order may have closed again by then: it must not, for some while. By duality such a
-d2 exists with m = 0 iff no forces of equilibrium curve the energy upward along dp.
+opens to first order may have closed again by then: it must not, for some while.
 
 What is pressed between planes has no such path: no motion opens both. There contacts may also be
 kept: parts that only shift, along a plane of one of them, leave its gap as it is to all orders.
+`path_search` finds such paths; here they are judged from the numbers of the problem alone.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csc_array
 
-from kilter.arrays import TINY, Array, Index, Mask
-from kilter.second_order.critical import null_space
+from kilter.arrays import Array, Mask
 from kilter.second_order.second_order_tolerances import (
     ACROSS,
     DROPS,
@@ -29,9 +27,8 @@ from kilter.second_order.second_order_tolerances import (
     SLIPS,
 )
 from kilter.second_order.stationary import Stationary
-from kilter.solvers.problem import LinearProgram
 
-__all__ = ["Path", "find_path", "judge_path"]
+__all__ = ["Path", "judge_path"]
 
 FARTHEST = REACHES[-1] * (1 + ACROSS)
 """A second derivative is at most this in each unknown, with rounding."""
@@ -64,85 +61,6 @@ class Path:
         straight = float(np.linalg.norm(self.second)) <= FARTHEST * np.sqrt(len(self.second))
         begins = min(SLIPS * least, self.lasts * least / (2 * LASTS))
         return straight and least > max(DROPS, self.rounding) and self.slips <= begins
-
-
-def find_path(problem: Stationary, motion: Array) -> Path | None:
-    """The path along a critical motion, shape (n,), that opens and falls most."""
-    first = motion / max(float(np.linalg.norm(motion)), TINY)
-    found = None
-    for reach in REACHES:
-        second = _second_derivative(problem, first, reach)
-        found = None if second is None else judge_path(problem, first, second)
-        if found is not None and found.falls:
-            return found
-    return _along_planes(problem, first) or found
-
-
-def _along_planes(problem: Stationary, motion: Array) -> Path | None:
-    """The path that keeps every contact with a plane along which a motion shifts its parts."""
-    fixed = _turns_of(problem, problem.planes)
-    if not problem.planes.any() or np.abs(motion[fixed]).max(initial=0.0) > ACROSS:
-        return None
-    keep = problem.planes & (np.abs(problem.rows @ motion) < ACROSS)
-    fixed = _turns_of(problem, keep)
-    held = np.vstack([problem.rows[keep], np.eye(len(motion))[fixed]])
-    within = null_space(held, problem.blur)
-    first = within @ (within.T @ motion)
-    first[fixed] = 0.0
-    size = float(np.linalg.norm(first))
-    if not keep.any() or size < 0.5:
-        return None
-    first = first / size
-    loose = replace(
-        problem.taking(~keep), rows=problem.rows[~keep] @ within, load=problem.load @ within
-    )
-    found = None
-    for reach in REACHES:
-        second = _second_derivative(loose, within.T @ first, reach, problem.bends(first)[~keep])
-        if second is None:
-            return None
-        bent = within @ second
-        bent[fixed] = 0.0
-        found = judge_path(problem, first, bent)
-        if found.falls:
-            break
-    return found
-
-
-def _turns_of(problem: Stationary, rows: Mask) -> Index:
-    """Places of the turns of the parts of some rows."""
-    places = np.unique(problem.columns[rows][:, [3, 4, 5, 9, 10, 11]])
-    return np.asarray(places[places >= 0], dtype=np.int64)
-
-
-def _second_derivative(
-    problem: Stationary, first: Array, reach: float, bends: Array | None = None
-) -> Array | None:
-    """Max m:  J d2 + dp.H dp >= m where dp keeps closed,  w.d2 >= m,  |d2| <= reach."""
-    from kilter.solvers.highs import find_optimum  # who judges loads no solver
-
-    closed = problem.rows @ first <= DROPS
-    rows = problem.rows[closed]
-    bends = (problem.bends(first) if bends is None else bends)[closed]
-    freedoms = len(first)
-    matrix = np.vstack(
-        [
-            np.hstack([rows, -np.ones((len(rows), 1))]),
-            np.append(problem.load, -1.0)[None],
-        ]
-    )
-    bound = np.append(np.full(freedoms, reach), 1.0)
-    answer = find_optimum(
-        LinearProgram(
-            np.append(np.zeros(freedoms), -1.0),
-            csc_array(matrix),
-            np.append(-bends, 0.0),
-            np.full(len(matrix), np.inf),
-            -bound,
-            bound,
-        )
-    )
-    return answer.x[:-1] if answer.optimal else None
 
 
 def judge_path(problem: Stationary, first: Array, second: Array) -> Path:
