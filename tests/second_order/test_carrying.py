@@ -29,7 +29,7 @@ def test_a_support_carries_where_its_torque_is_more_than_what_is_missing(
     """The least eigenvalue is f l^2 where f is small beside 1: f m > r^2 is f l > r."""
     missing = force * lever / over
     forces = np.array([1.0, force])
-    assert all_carry(csr_array(beam(lever)), forces, missing, NOTHING) == (over > 1.0 + force)
+    assert all_carry(csr_array(beam(lever)), forces, missing) == (over > 1.0 + force)
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -42,29 +42,34 @@ def test_forces_that_balance_to_the_last_digit_push_on_all_that_carry(seed: int)
     gram = rows.T @ (forces[:, None] * rows)
     change = np.abs(rows @ np.linalg.solve(gram, miss)).max()
     least = np.sqrt(forces.min() * np.linalg.eigvalsh(gram)[0])  # of what may be missing
-    assert all_carry(csr_array(rows), forces, 0.99 * least, np.zeros((4, 0)))
-    assert not all_carry(csr_array(rows), forces, 1.01 * least, np.zeros((4, 0)))
+    assert all_carry(csr_array(rows), forces, 0.99 * least)
+    assert not all_carry(csr_array(rows), forces, 1.01 * least)
     assert least * change < 1
 
 
 def test_what_they_do_not_hold_is_neutral_or_they_do_not_carry_it() -> None:
     row, one = csr_array(np.array([[1.0, 0.0]])), np.ones(1)
     tilt = np.array([[0.0], [1.0]])
-    assert not all_carry(row, one, 1e-9, NOTHING)
+    assert not all_carry(row, one, 1e-9)
     assert all_carry(row, one, 1e-9, tilt)
     assert not all_carry(row, one, 1e-9, tilt[::-1])
-    assert not all_carry(row[:0], one[:0], 1e-9, NOTHING)
+    assert not all_carry(row[:0], one[:0], 1e-9)
+    assert not all_carry(row, one, 1e-9)
+    for size in (1e3, 1e-3):  # what is lost in the rounding of the rest
+        for lever in (0.9e-3, 1.1e-3):
+            forces = size * np.array([1.0, 1e-7])
+            found = all_carry(csr_array(beam(lever)), forces, 0.0)
+            assert found == (lever > 1e-3)
 
 
 @pytest.mark.parametrize("over", JUST)
-def test_of_a_problem_what_is_missing_and_what_may_be_counts(over: float) -> None:
+@pytest.mark.parametrize("size", [1.0, 0.01, 100.0])
+def test_of_a_problem_what_is_missing_and_what_may_be_counts(over: float, size: float) -> None:
     def carries(force: float, *, load: float = 0.0, blur: float = 1e-9) -> bool:
         rows = beam(0.5)
-        forces = np.array([1.0, force])
-        exact = -rows.T @ forces
-        problem = Stationary(
-            rows, exact + load * np.eye(2)[1], np.zeros((2, 12, 12)), np.full((2, 12), -1), blur
-        )
+        forces = size * np.array([1.0, force])
+        borne = -rows.T @ forces + size * load * np.eye(2)[1]
+        problem = Stationary(rows, borne, np.zeros((2, 12, 12)), np.full((2, 12), -1), blur)
         every = np.ones(2, dtype=bool)
         return carry_beyond_doubt(problem, forces, every, NOTHING, problem.load)
 
@@ -85,3 +90,6 @@ def test_a_row_carries_where_its_force_is_more_than_what_may_be_out_of_balance(
         small = over * BEARS * max(blur, 1e-9) * size
         assert carrying_rows(problem, np.array([size, small])).tolist() == [True, over > 1]
     assert not carrying_rows(problem, np.zeros(2)).any()
+    limit = 2.0**-20  # exact in binary
+    exact = Stationary(np.eye(2), np.ones(2), np.zeros((2, 12, 12)), np.full((2, 12), -1), limit)
+    assert carrying_rows(exact, np.array([1.0, BEARS * limit])).tolist() == [True, False]

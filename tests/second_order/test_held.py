@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,7 +17,10 @@ from kilter.mechanics.proof import digest_of
 from kilter.scenes import scene
 from kilter.scenes.walls import wall_of
 from kilter.second_order import critical, level_rest_search, whole
-from kilter.second_order.held import Held, find_held, judge_held
+from kilter.second_order import held as held_judge
+from kilter.second_order.held import Held, judge_held, unbalanced
+from kilter.second_order.held_search import find_held
+from kilter.second_order.second_order_tolerances import BALANCED, BEARS
 from kilter.shape.primitives import Box
 
 Z = np.array([0.0, 0.0, 1.0])
@@ -127,27 +131,24 @@ def test_forces_that_are_none_are_refused(bad: float) -> None:
     assert judge_held(program, Held(forces))
 
 
-def over_the_edge(foot: float, off: float) -> Assembly:
-    """A block on four points, pinned across at its centre, which is `off` within their edge."""
-    parts = [
-        Part("base", Box([1, 1, 1]), Pose([0, 0, -1]), grounded=True),
-        Part("b", Box([1, 1, 1]), Pose([0, 0, 0.5])),
-    ]
-    corners = [[x, y, 0.0] for x in (off, off - foot) for y in (-0.4, 0.4)]
-    given = [GivenContact(("base", "b"), [at], Z) for at in corners]
-    for axis in (0, 1):
-        for sense in (1.0, -1.0):
-            given.append(GivenContact(("base", "b"), [[0, 0, 0.5]], sense * np.eye(3)[axis]))
-    for sense in (1.0, -1.0):  # against a turn about the vertical
-        given.append(GivenContact(("base", "b"), [[0.3, 0, 0.5]], [0, sense, 0]))
+def over_the_edge(foot: float, off: float, *, size: float = 1.0, count: int = 1) -> Assembly:
+    """Blocks on four points, pinned across at their centre, which is `off` within their edge."""
+    feet = [([x, y, 0.0], Z) for x in (off, off - foot) for y in (-0.4, 0.4)]
+    pins = [([0, 0, 0.5], sense * np.eye(3)[axis]) for axis in (0, 1) for sense in (1, -1)]
+    pins += [([3, 0, 0.5], [0, sense, 0]) for sense in (1, -1)]  # against a turn
+    parts = [Part("base", Box(size * np.ones(3)), Pose([0, 0, -size]), grounded=True)]
+    given = []
+    for b in map(str, range(count)):
+        parts.append(Part(b, Box(size * np.ones(3)), Pose([0, 0, size / 2]), mass=1000.0))
+        given += [GivenContact(("base", b), [size * np.array(at)], n) for at, n in feet + pins]
     return Assembly(parts, contacts=given, detect=False)
 
 
-def forces_over_the_edge(program: Program, far: float) -> np.ndarray:
+def forces_over_the_edge(program: Program, far: float, pins: float = 0.1) -> np.ndarray:
     """Of which the far points have this share of the weight, the near ones the rest."""
-    weight = float(program.weight[1])
-    pins = np.full(6, 0.1 * weight)
-    return np.concatenate([np.repeat(weight * np.array([1 - far, far]) / 2, 2), pins])
+    weight = float(program.weight[program.free][0])
+    feet = np.repeat(weight * np.array([1 - far, far]) / 2, 2)
+    return np.concatenate([feet, np.full(6, pins * weight)])
 
 
 @pytest.mark.parametrize("foot", [0.3, 0.05, 0.003])
@@ -161,3 +162,85 @@ def test_far_points_within_rounding_hold_nothing_that_is_over_an_edge(
     off = 1e-4 * foot
     program = program_of(over_the_edge(foot, off))
     assert judge_held(program, Held(forces_over_the_edge(program, off / foot))) == ""
+
+
+@pytest.mark.parametrize("size", [1.0, 1e3, 1e-3])
+@pytest.mark.parametrize("count", [1, 2])
+@pytest.mark.parametrize(("share", "pins"), [(1e-4, 0.1), (1e-2, 0.1), (0.3, 1e-4)])
+def test_the_limit_of_what_carries_has_no_unit(
+    size: float, count: int, share: float, pins: float
+) -> None:
+    """Where the forces of the far points, or of the pins, are too few is found again from J."""
+    program = program_of(over_the_edge(0.2, 0.2 * share, size=size, count=count))
+    forces = np.tile(forces_over_the_edge(program, share, pins), count)
+    own = np.flatnonzero(program.free)
+    rows = program.jacobian().toarray()
+    rows /= np.repeat([[1, r] for r in program.radius[own]], 3, axis=1).ravel()
+    sums = max(program.weight[own[0]], program.force_sums(forces)[own[0]])
+    gram = (rows / sums).T @ (forces[:, None] * rows / sums)
+    least = np.sqrt(np.linalg.eigvalsh(gram)[0] * forces.min())
+    for over in (0.9, 1.1):
+        limit = least / (2 * np.sqrt(6 * count)) / over
+        if limit * BEARS < forces.min() / forces.max():
+            rough = replace(program, tolerance=np.full(len(program.names), limit))
+            assert (judge_held(rough, Held(forces)) == "") == (over > 1)
+
+
+def test_what_carries_is_above_its_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Far points that carry an eighth of the largest force exactly: at the limit they do not."""
+    program = program_of(over_the_edge(0.9, 0.1))
+    program = replace(program, mass=program.mass * 18 / program.weight[1],
+                      tolerance=np.array([0.0, 2.0**-29]))  # fmt: skip
+    forces = np.array([8.0, 8.0, 1.0, 1.0] + [4.0] * 6)
+    for bears, word in ((2.0**26, "its forces leave a motion neutral"), (2.0**25, "")):
+        monkeypatch.setattr(held_judge, "BEARS", bears)
+        assert judge_held(program, Held(forces)) == word
+
+
+def test_what_is_out_of_balance_is_taken_part_by_part() -> None:
+    """Over the weight of a part or the sum of its forces, torques over its radius."""
+    program = program_of(side_by_side([coupling(RADIAL), coupling(RADIAL)]))
+    force = 2.0 * 9.81 / (6 * np.sqrt(0.5))
+    assert unbalanced(program, np.full(12, force)) < 1e-12
+    assert unbalanced(program, np.zeros(12)) == pytest.approx(1.0)
+    for scale in (1.0, 5.0):  # then the sum of the forces is more than the weight
+        for k in range(12):
+            off = np.full(12, scale * force)
+            off[k] += 1e-3 * force
+            left = (program.wrenches(off) + program.load)[program.free]
+            left[:, 3:] /= program.radius[program.free, None]
+            most = np.abs(left).max(axis=1)
+            most /= np.maximum(program.weight, program.force_sums(off))[program.free]
+            assert unbalanced(program, off) == pytest.approx(most.max(), rel=1e-9)
+
+
+def test_what_is_out_of_balance_may_be_at_its_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    program = program_of(coupling(RADIAL))
+    exact = Held(np.full(6, 2.0 * 9.81 / (6 * np.sqrt(0.5))))
+    for off, word in ((BALANCED, ""), (1.1 * BALANCED, "its forces do not balance the load")):
+        monkeypatch.setattr(held_judge, "unbalanced", lambda *_, off=off: off)
+        assert judge_held(program, exact) == word
+
+
+@pytest.mark.parametrize("over", [0.9, 1.1])
+def test_forces_balance_to_what_the_surfaces_are_known_by(over: float) -> None:
+    program = program_of(coupling(RADIAL))
+    exact = 2.0 * 9.81 / (6 * np.sqrt(0.5))
+    for rough in (1e-9, 1e-7, 0.0):
+        coarse = replace(program, tolerance=np.array([0.0, rough]))
+        off = Held(np.full(6, exact * (1 + over * max(rough, 1e-9))))
+        sums = float(program.force_sums(off.forces)[1] / program.weight[1])
+        off = Held(np.full(6, exact * (1 + over * max(rough, 1e-9) * max(1.0, sums))))
+        assert (judge_held(coarse, off) == "") == (over < 1)
+
+
+def test_a_contact_may_carry_nothing_and_none_pulls() -> None:
+    program = program_of(coupling(RADIAL))
+    more = program.taking(np.append(np.arange(6), 0))
+    forces = np.append(np.full(6, 2.0 * 9.81 / (6 * np.sqrt(0.5))), 0.0)
+    assert judge_held(more, Held(forces)) == ""
+    forces[0] += 1.0
+    forces[6] = -1.0
+    assert judge_held(more, Held(forces)) == "a contact force pulls"
+    with pytest.raises(ValueError, match="read-only"):
+        Held(forces).forces[0] = 1.0

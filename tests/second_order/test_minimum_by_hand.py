@@ -338,4 +338,6 @@ def test_a_corner_that_carries_neither_turns_nor_slips_where_it_is_flush(over: f
     for turn, slip in ((0, 0), (0, 1), (2, 1)):
         assert ("may slip off" in word(**beside, slips=slips(turn, slip))) == (over > 1)
         assert word(**beside, slips=slips(turn, slip, row=1)) == ""  # it carries nothing
+    two = {"rows": (Z, Z), "forces": (0.5, 0.5)}
+    assert ("may slip off" in word(**two, slips=slips(0, 1))) == (over > 1)
     assert word(**beside, slips=slips(3, 0)) == word(**beside, slips=slips(0, 3)) == ""

@@ -20,6 +20,7 @@ from kilter.second_order.stopped import Stopped, judge_stopped
 
 COUPLED, CURVES = 6.0, 5.0
 X, Y, G, Z = np.eye(4)
+TWICE = ((0, COUPLED, 0), (COUPLED, 2 * CURVES, 0), (0, 0, 0))
 JUST = (0.9, 1.1)
 """Of a limit, on both sides."""
 
@@ -37,13 +38,14 @@ def word(
     free: Any = G[:, None],
     forces: Any = None,
     blur: float = 1e-9,
+    slips: Any = None,
 ) -> str:
     """What the judge says, with some of the numbers others; "" where it holds."""
     rows = np.array([bears, *rises, *stops], dtype=float)
     form = np.zeros((len(rows), 12, 12))
     form[0, :3, :3] = -np.array(curvature, dtype=float)
     places = np.tile(np.append(np.arange(4), np.full(8, -1)), (len(rows), 1))
-    problem = Stationary(rows, np.array(load, dtype=float), form, places, blur)
+    problem = Stationary(rows, np.array(load, dtype=float), form, places, blur, slips=slips)
     level = np.arange(len(rows)) <= len(rises)
     own = np.eye(len(rows))[0] if forces is None else np.array(forces, dtype=float)
     proof = Stopped(own, np.array(weights, dtype=float), np.array(opening, dtype=float))
@@ -185,3 +187,27 @@ def test_without_tilts_nothing_is_coupled() -> None:
     assert word(**held, free=both, stops=(3 * X,)) == ""
     assert "not open every stop" in word(**held, free=both, stops=(-3 * X,))
     assert "not positive" in word(**{**held, "weights": [[1.0]]})
+
+
+@pytest.mark.parametrize("over", JUST)
+def test_a_corner_that_carries_does_not_slip_off_an_edge_of_both_parts(over: float) -> None:
+    slips = np.zeros((3, 4, 12))
+    slips[0, 0, 0], slips[0, 3, 1] = 1.0, over * ACROSS
+    assert ("may slip off" in word(slips=slips)) == (over > 1)
+    assert word(slips=slips[[1, 0, 2]]) == ""  # it carries nothing
+    two = {"rises": (Z, 2 * Y), "forces": [0.5, 0.5, 0.0, 0.0], "curvature": TWICE}
+    both = np.concatenate([slips, np.zeros((1, 4, 12))])
+    assert word(**two) == ""
+    assert ("may slip off" in word(**two, slips=both)) == (over > 1)
+
+
+def test_forces_at_short_levers_carry_by_rounding() -> None:
+    """A second level contact would take the tilt away, by next to no torque."""
+    far, lever = 1.1e-8, 0.01
+    found = word(
+        rises=(Z + lever * Y, 2 * Y),
+        forces=[1 - far, far, 0.0, 0.0],
+        load=-Z - far * lever * Y,
+        weights=((1.0,),),
+    )
+    assert found == "its forces carry by rounding"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -25,18 +25,17 @@ class Bearing:
     lower: Index
     depth: Index
 
-    def footing(self, program: Program, part: Index) -> Array:
-        """(1, u, v) about the centre of mass of a part over its radius, shape (k, 2 or 3)."""
-        arm = (program.point[self.rows] - program.center[part]) / program.radius[part, None]
-        return np.column_stack([np.ones(len(part)), arm @ level_axes(program).T])
+    def footings(self, program: Program) -> tuple[Array, Array]:
+        """(1, u, v) about the centres of the upper and of the lower parts, each (k, 2 or 3).
 
-    def both_footings(self, program: Program) -> tuple[Array, Array]:
-        """Of the upper parts, and of the lower ones, 0 where these are held."""
-        above = self.footing(program, self.upper)
-        below = np.zeros_like(above)
-        free = np.append(program.free, False)[self.lower]
-        own = replace(self, rows=self.rows[free])
-        below[free] = own.footing(program, self.lower[free])
+        Over the radius of the part; of the ground, which bears whatever it has to, as of any part.
+        """
+        axes = level_axes(program).T
+        point, center, radius = program.point[self.rows], program.center, program.radius[:, None]
+        above, below = (
+            np.column_stack([np.ones(len(part)), (point - center[part]) / radius[part] @ axes])
+            for part in (self.upper, self.lower)
+        )
         return above, below
 
 

@@ -52,7 +52,7 @@ def carry_beyond_doubt(
     return all_carry(csr_array(rows), forces[carries], missing, neutral)
 
 
-def all_carry(rows: csr_array, forces: Array, missing: float, neutral: Array) -> bool:
+def all_carry(rows: csr_array, forces: Array, missing: float, neutral: Array | None = None) -> bool:
     """Whether forces (k,) on rows (k, n) stay pushes when they make good what is missing.
 
     True only where the rows hold all that is not in `neutral`, shape (n, d), orthonormal.
@@ -60,7 +60,8 @@ def all_carry(rows: csr_array, forces: Array, missing: float, neutral: Array) ->
     held = (rows.T @ diags_array(forces) @ rows).toarray()
     size = max(float(held.diagonal().max(initial=0.0)), TINY)
     least = max(missing**2 / float(forces.min(initial=np.inf)), ROUNDING * size)
-    held += size * neutral @ neutral.T
+    if neutral is not None:
+        held += size * neutral @ neutral.T
     try:
         np.linalg.cholesky(held - least * np.eye(len(held)))
     except np.linalg.LinAlgError:

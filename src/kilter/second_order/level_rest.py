@@ -49,6 +49,7 @@ __all__ = ["LevelRest", "judge_level_rest", "level_rows", "wrong_forces", "wrong
 
 MOST_CHANGED = 0.5
 """Share of a force that may be lacking for it to balance the load exactly."""
+OPEN_TILT = "its forces leave the tilt of a part open"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -96,50 +97,47 @@ def wrong_forces(program: Program, level: Mask, forces: Array) -> str:
     bearing = bearing_of(program, level & carries)
     if bearing is None:
         return "parts bear one another around"
-    if not _bear_all(program, bearing, forces):
-        return "its forces leave the tilt of a part open"
-    return ""
+    return _wrong_tilts(program, bearing, forces)
 
 
-def _bear_all(program: Program, bearing: Bearing, forces: Array) -> bool:
-    """Whether forces that balance to the last digit, f (1 + y . (1, u, v)), all push.
+def _wrong_tilts(program: Program, bearing: Bearing, forces: Array) -> str:
+    """Why forces that balance to the last digit, f (1 + y . (1, u, v)), do not all push.
 
     y of each part makes good what its own forces miss of its load and of what bears on it, the
     highest part first. What may be out of balance changes no force by more than that, either.
     """
     rows, upper, lower = bearing.rows, bearing.upper, bearing.lower
-    above, below = bearing.both_footings(program)
+    above, below = bearing.footings(program)
     count, own = len(program.names), forces[rows, None]
     grams = sums_by_part(upper, own[:, :, None] * above[:, :, None] * above[:, None, :], count)
-    need = np.vstack([in_footing(program, -program.load), np.zeros((1, above.shape[1]))])
-    need += sums_by_part(lower % len(need), own * below, len(need))
-    borne = np.trace(grams, axis1=1, axis2=2)[program.free]
+    size = np.trace(grams, axis1=1, axis2=2)
     spread = np.linalg.eigvalsh(grams[program.free])[:, 0]
-    if not (spread > SPREAD * borne).all():
-        return False
+    if not (spread > SPREAD * size[program.free]).all():
+        return OPEN_TILT
     inverse = np.zeros_like(grams)
     inverse[program.free] = np.linalg.inv(grams[program.free])
-    most = BEARS * BALANCED * np.trace(grams, axis1=1, axis2=2)[upper]
     reach = np.linalg.norm(np.einsum("kij,kj->ki", inverse[upper], above), axis=1)
-    if not (most * reach < MOST_CHANGED).all():
-        return False
-    miss = need[:-1] - sums_by_part(upper, own * above, count)
-    miss = np.vstack([miss, np.zeros((1, miss.shape[1]))])
+    if not (BEARS * BALANCED * size[upper] * reach < MOST_CHANGED).all():
+        return OPEN_TILT
+    load = in_footing(program, -program.load)
+    miss = np.vstack([load, np.zeros(load.shape[1])])  # the ground is the last
+    miss += sums_by_part(lower % len(miss), own * below, len(miss))
+    miss -= sums_by_part(upper, own * above, len(miss))
     for some in by_depth(bearing.depth[upper]):
         y = np.einsum("kij,kj->ki", inverse[upper[some]], miss[upper[some]])
         change = np.einsum("ki,ki->k", above[some], y)
         if not (np.abs(change) < MOST_CHANGED).all():
-            return False
+            return OPEN_TILT
         more = own[some] * change[:, None] * below[some]
         miss += sums_by_part(lower[some] % len(miss), more, len(miss))
-    return True
+    return ""
 
 
 def wrong_motion(program: Program, level: Mask, motion: Array) -> str:
     """Why a motion, shape (N, 6), is no level one that opens the other contacts."""
     if motion[~program.free].any():
         return "its motion moves what is held"
-    moved = np.vstack([motion[:, :3], np.zeros((1, 3))])
+    moved = np.vstack([motion[:, :3], np.zeros(3)])  # the ground is the last
     size = float(np.abs(moved).max(initial=0.0))
     flat = level_axes(program)
     off = np.abs(moved - moved @ flat.T @ flat).max(initial=0.0)

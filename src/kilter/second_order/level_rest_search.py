@@ -66,7 +66,7 @@ def _offered(program: Program, level: Mask, forces: Array | None) -> Iterator[Ar
     bearing = bearing_of(program, level)
     if bearing is None:
         return
-    above, below = bearing.both_footings(program)
+    above, below = bearing.footings(program)
     grams = _grams(program, bearing.upper, above)
     if not _spread(grams[program.free]):
         return

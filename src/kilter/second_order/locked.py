@@ -105,9 +105,6 @@ def judge_locked(problem: Stationary, faces: Faces, proof: LockedTurns) -> str:
 
 def _wide(faces: Faces) -> bool:
     """Whether the points of each face are on no line."""
-    for patch in np.unique(faces.patch):
-        points = faces.point[faces.patch == patch]
-        sizes = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
-        if len(sizes) < 2 or not sizes[1] ** 2 > SPREAD:
-            return False
-    return True
+    points = [faces.point[faces.patch == patch] for patch in np.unique(faces.patch)]
+    off = [one - one.mean(axis=0) for one in points]
+    return all(np.linalg.eigvalsh(one.T @ one)[1] > SPREAD for one in off)

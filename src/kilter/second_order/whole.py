@@ -24,7 +24,8 @@ from kilter.second_order.critical import find_critical
 from kilter.second_order.decide import Decision
 from kilter.second_order.features import Features
 from kilter.second_order.features_of import features_of
-from kilter.second_order.held import Held, find_held, judge_held
+from kilter.second_order.held import Held, judge_held
+from kilter.second_order.held_search import find_held
 from kilter.second_order.level_rest import LevelRest, level_rows
 from kilter.second_order.level_rest_search import find_level_rest
 from kilter.second_order.modelled import why_unmodelled

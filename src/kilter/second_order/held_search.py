@@ -1,0 +1,44 @@
+"""The search for forces of equilibrium that leave nothing neutral."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kilter.arrays import Array
+from kilter.mechanics.program import Program
+from kilter.second_order.held import Held, judge_held, scaled_rows
+
+__all__ = ["find_held"]
+
+MOST_SPREAD = 20
+"""Forces of up to this many free parts are spread over all contacts."""
+ROUNDS = 50
+"""Of spreading, ..."""
+SHARE = 0.02
+"""... until every contact carries this share of the mean force, or half of it."""
+
+
+def find_held(program: Program, forces: Array) -> Held | None:
+    """A proof from forces of equilibrium, shape (K,) [N]; None where none was found."""
+    if not judge_held(program, Held(forces)):
+        return Held(forces)
+    if program.free.sum() > MOST_SPREAD or not forces.any():
+        return None
+    spread = _spread_out(program, forces)
+    return None if spread is None or judge_held(program, Held(spread)) else Held(spread)
+
+
+def _spread_out(program: Program, forces: Array) -> Array | None:
+    """Forces of equilibrium on every contact, near to some: projected and cut in turn."""
+    rows = scaled_rows(program).toarray()
+    if np.linalg.matrix_rank(rows) < rows.shape[1]:
+        return None  # a motion opens nothing
+    span, _ = np.linalg.qr(rows)
+    least = SHARE * float(forces.mean())
+    found = forces
+    for _ in range(ROUNDS):
+        change = np.maximum(found, least) - forces
+        found = forces + change - span @ (span.T @ change)
+        if found.min() > least / 2:
+            return np.asarray(found)
+    return None
