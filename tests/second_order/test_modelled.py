@@ -4,17 +4,30 @@ from __future__ import annotations
 
 import copy
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 import kilter
-from kilter import Assembly, Box, Cylinder, Part, Pose, Sphere
+from kilter import Assembly, Bond, Box, Cylinder, Joint, Load, Part, Pose, Sphere
+from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
-from kilter.second_order.modelled import why_unmodelled
+from kilter.scenes.balance import CASES
+from kilter.second_order.modelled import OFF_CENTRE, loads_off_centre, why_unmodelled
+from kilter.second_order.second_order_tolerances import KEEPS
 
 TABLE = Part("table", Box([10, 10, 1]), Pose([0, 0, -0.5]), grounded=True)
 CAN = Part("can", Cylinder(0.5, 1.0), Pose([0, 0, 0.5]))
+BLOCK = Assembly([TABLE, Part("block", Box([1, 1, 1]), Pose([0, 0, 0.5]))])
+LOW = Part("low", Sphere(0.5), Pose([0, 0, 0.5]), grounded=True)
+BALLS = Assembly([LOW, Part("block", Sphere(0.5), Pose([0, 0, 1.5]))])
+DOWN, RIGHT = np.array([0, 0, -1000.0]), np.array([1000.0, 0, 0])
+POLE = Joint(("ground", "block"), "cylindrical", point=[0, 0, 0.5], axis=[0, 0, 1])
+SQUEEZE = [
+    Load("block", RIGHT, point=[-0.5, 0, 0.5]),
+    Load("block", -RIGHT, point=[0.5, 0, 0.5]),
+]
 
 
 @pytest.mark.parametrize(
@@ -79,6 +92,84 @@ def test_what_is_possible_out_of_the_plane_of_a_face_is_not_its_rim() -> None:
         assert "not modelled" in why_unmodelled(
             contacts.assembly, contacts_with(contacts, other)
         ), name
+
+
+def refused(assembly: Assembly, of: Assembly) -> tuple[str, ...]:
+    """Why what is proved of one assembly is not proved of another; it says nothing of itself."""
+    verdict = kilter.check(assembly)
+    second, proof = verdict.second_order, verdict.proof()
+    assert second is not None
+    assert (second.state, proof["second_order"]) == ("open", None)
+    data = copy.deepcopy(kilter.check(of).proof()["second_order"])
+    if "level" in data:  # with forces that balance the loads, and a way past what else there is
+        data["level"] = [force[2] for force in proof["forces"]]
+        data["level"] += [0.0] * len(assembly.joints) * 4
+        data["motion"]["block"] = [0.7, -0.7, 0, 0, 0, 0]
+    proof["second_order"] = data
+    proof["digest"] = digest_of(proof)
+    return kilter.verify(assembly, proof).reasons
+
+
+@pytest.mark.parametrize(
+    ("plain", "more", "why"),
+    [
+        (BLOCK, {"joints": [POLE]}, "joints"),
+        (BALLS, {"bonds": [Bond(("low", "block"), pull=0.0, shear=50.0)]}, "bonds"),
+        (BALLS, {"bonds": [Bond(("low", "block"), pull=9.0, kind="mortar")]}, "bonds"),
+        (BLOCK, {"loads": [Load("block", DOWN / 200, point=[0.2, 0, 1])]}, OFF_CENTRE),
+        (BLOCK, {"loads": SQUEEZE}, OFF_CENTRE),
+    ],
+)
+def test_of_joints_bonds_and_loads_nothing_is_said_or_proved(
+    plain: Assembly, more: dict[str, Any], why: str
+) -> None:
+    assert any(why in one for one in refused(replace(plain, **more), plain))
+
+
+def test_a_weight_above_the_centre_may_tip_what_is_a_minimum_without_it() -> None:
+    """The ball in a bowl turns about its centre; the load then has gone down."""
+    bowl = next(case for case in CASES if case.number == "03").build(0.0)
+    center = bowl.geometry.center[1]
+    above = replace(bowl, loads=[Load("b", DOWN, point=center + DOWN / -1e4)])
+    assert any(OFF_CENTRE in one for one in refused(above, bowl))
+    through = kilter.check(replace(bowl, loads=[Load("b", DOWN, point=center)]))
+    assert through.second_order is not None
+    assert through.second_order.state == "minimum"
+    assert kilter.verify(through.assembly, through.proof()).holds
+
+
+def test_a_load_on_the_mast_of_a_weeble_is_above_the_centre_of_both() -> None:
+    ball = Part("ball", Sphere(0.5), Pose([0, 0, 0.5]), mass=10.0)
+    low = Part("low", Box([0.1] * 3), Pose([0, 0, 0.4]), mass=3.0)
+    mast = Part("mast", Cylinder(0.1, 1.0), Pose([0, 0, 1.5]), mass=0.01)
+    tied = [Joint(("ball", one), "fixed") for one in ("low", "mast")]
+    weeble = Assembly([TABLE, ball, low, mast], joints=tied)
+    assert refused(replace(weeble, loads=[Load("mast", DOWN)]), weeble)
+    second = kilter.check(weeble).second_order
+    assert second is not None
+    assert second.state == "free"
+
+
+def test_a_weight_on_top_of_what_stands_on_a_level_face_leaves_it_free() -> None:
+    found = kilter.check(replace(BLOCK, loads=[Load("block", DOWN, point=[0, 0, 1])]))
+    assert found.second_order is not None
+    assert found.second_order.state == "free"
+    assert kilter.verify(found.assembly, found.proof()).holds
+
+
+@pytest.mark.parametrize("over", [0.9, 1.1])
+def test_a_load_is_off_the_centre_or_the_vertical_by_more_than_rounding(over: float) -> None:
+    radius = BLOCK.geometry.radius[1]
+    for arm, force, given in (
+        ([0, 0, over * KEEPS * radius], DOWN, (over > 1, False)),
+        ([0, 0, 0.1], DOWN + over * KEEPS * RIGHT, (True, over > 1)),
+        ([0, 0, 0.1], 0 * DOWN, (False, False)),
+    ):
+        load = Load("block", force, point=BLOCK.geometry.center[1] + arm)
+        assembly = replace(BLOCK, loads=[load, Load("block", DOWN)])
+        program = build_program(assembly, kilter.contacts(assembly))
+        off, slanted = loads_off_centre(assembly, program)
+        assert [one.tolist() for one in (off, slanted)] == [[False, one] for one in given]
 
 
 def contacts_with(contacts: kilter.ContactSet, possible: object) -> kilter.ContactSet:

@@ -1,10 +1,15 @@
-"""Is every contact one whose gap second order knows, or part of one?
+"""What second order says nothing of: contacts, joints, bonds and loads that it has no form of.
 
 Pairs that are left open, and contacts that are not modelled, may hold or push by forces without a
 gap: nothing is said then. The rim of a round flat face is none of them: it is a polygon within it
 that counts as contact points, and the corners of one around it are what is possible. All of the
 face lies in the plane of its patch, so that the polygon within leaves the same motions neutral,
 forces at its corners are forces of the face, and what keeps or opens its plane keeps or opens it.
+
+The force of a load acts at a point of its part. Where that is not the centre of mass, the energy
+curves as the part turns, by -F.(theta x (theta x arm)) / 2, even where there is no torque: a weight
+above the centre, or two hands that press on both ends. To first order nothing changes; nor does
+the energy along level motions, where the force is vertical.
 """
 
 from __future__ import annotations
@@ -15,10 +20,14 @@ from kilter.arrays import Mask, counted
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.open_pairs import still_open
+from kilter.mechanics.program import Program
+from kilter.mechanics.rows import CONTACT
 from kilter.second_order.rigid_groups import RigidGroups
-from kilter.second_order.second_order_tolerances import AGREE
+from kilter.second_order.second_order_tolerances import AGREE, KEEPS
 
-__all__ = ["why_unmodelled"]
+__all__ = ["OFF_CENTRE", "loads_off_centre", "why_beyond", "why_unmodelled"]
+
+OFF_CENTRE = "loads beside a centre of mass are not looked at in second order"
 
 
 def why_unmodelled(assembly: Assembly, contacts: ContactSet) -> str:
@@ -27,6 +36,38 @@ def why_unmodelled(assembly: Assembly, contacts: ContactSet) -> str:
     if still_open(contacts.open_pairs, assembly) or not known.all():
         return "pairs are left open, or their kind of contact is not modelled"
     return ""
+
+
+def why_beyond(program: Program) -> str:
+    """Why nothing is said of a cluster, whatever its contacts; empty where something may be."""
+    if (program.kind != CONTACT).any():
+        return "joints are not looked at in second order"
+    if program.has_strength:
+        return "bonds are not looked at in second order"
+    if np.abs(program.applied[program.free, 3:]).max(initial=0.0) > 0:
+        return OFF_CENTRE
+    return ""
+
+
+def loads_off_centre(assembly: Assembly, program: Program) -> tuple[Mask, Mask]:
+    """Parts with a load off their centre of mass, and with one that is not vertical, (N,) each.
+
+    Parameters
+    ----------
+    program : Program
+        Of this assembly, its groups merged.
+    """
+    off, slanted = np.zeros((2, len(program.names)), dtype=bool)
+    groups, center = RigidGroups.of(assembly), assembly.geometry.center
+    for load in assembly.loads:
+        part = assembly.index_of(load.part)
+        own = groups.first[part]
+        arm = (center[part] if load.point is None else load.point) - program.center[own]
+        if np.linalg.norm(arm) > KEEPS * program.radius[own] and load.force.any():
+            off[own] = True
+            aside = np.linalg.norm(np.cross(load.force, program.down))
+            slanted[own] |= aside > KEEPS * np.linalg.norm(load.force)
+    return off, slanted
 
 
 def _within_groups(assembly: Assembly, contacts: ContactSet) -> Mask:

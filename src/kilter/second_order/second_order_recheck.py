@@ -26,7 +26,12 @@ from kilter.second_order.held import Held, judge_held
 from kilter.second_order.level_rest import LevelRest, judge_level_rest, level_rows
 from kilter.second_order.locked import LockedTurns, faces_of, judge_locked, shifts
 from kilter.second_order.minimum_proof import Leaf, MinimumProof, judge_minimum
-from kilter.second_order.modelled import why_unmodelled
+from kilter.second_order.modelled import (
+    OFF_CENTRE,
+    loads_off_centre,
+    why_beyond,
+    why_unmodelled,
+)
 from kilter.second_order.paths import judge_path
 from kilter.second_order.recognised import bounded, formed_for_all
 from kilter.second_order.rigid_groups import RigidGroups
@@ -76,8 +81,10 @@ def _wrong(
     if unmodelled:
         return [f"its second order: {unmodelled}"]
     program = RigidGroups.of(assembly).merged(program, assembly)
+    off, slanted = loads_off_centre(assembly, program)
     if _by_forces(data):
-        return _wrong_forces(contacts, program, data)
+        beyond = _beyond(program, data, off, slanted)
+        return beyond or _wrong_forces(contacts, program, data)
     parted = clusters(program)
     entries = data.get("clusters", [data])
     if len(entries) != len(parted):
@@ -87,17 +94,29 @@ def _wrong(
     for cluster, entry in zip(parted, entries, strict=True):
         if entry is None:
             continue
-        if _by_forces(entry):
+        beyond = _beyond(cluster.program, entry, off, slanted)
+        if beyond:
+            reasons += beyond
+        elif _by_forces(entry):
             reasons += _wrong_forces(contacts, cluster.program, entry)
-            continue
-        features = features or features_of(program, contacts, recognised=True)
-        own = features.take(cluster.rows)
-        reasons += _wrong_gaps(assembly, contacts, cluster.program, own, entry)
+        else:
+            features = features or features_of(program, contacts, recognised=True)
+            own = features.take(cluster.rows)
+            reasons += _wrong_gaps(assembly, contacts, cluster.program, own, entry)
     if "clusters" in data and not reasons:
         reasons += _wrong_joined(data)
     if any("rolling" in one for one in (data, *entries) if one is not None):
         reasons += _wrong_rolling(assembly, contacts, data, entries)
     return reasons
+
+
+def _beyond(program: Program, data: dict[str, Any], off: Mask, slanted: Mask) -> list[str]:
+    """Are its joints, bonds and loads none that it says nothing of?"""
+    word = why_beyond(program)
+    counted = slanted if "level" in data else off
+    if not word and "held" not in data and counted[program.free].any():
+        word = OFF_CENTRE
+    return [f"its second order: {word}"] if word else []
 
 
 def _wrong_rolling(

@@ -18,7 +18,6 @@ from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
-from kilter.mechanics.rows import CONTACT
 from kilter.second_order.clusters import Cluster, clusters, joined_state
 from kilter.second_order.critical import find_critical
 from kilter.second_order.decide import Decision
@@ -28,7 +27,12 @@ from kilter.second_order.held import Held, judge_held
 from kilter.second_order.held_search import find_held
 from kilter.second_order.level_rest import LevelRest, level_rows
 from kilter.second_order.level_rest_search import find_level_rest
-from kilter.second_order.modelled import why_unmodelled
+from kilter.second_order.modelled import (
+    OFF_CENTRE,
+    loads_off_centre,
+    why_beyond,
+    why_unmodelled,
+)
 from kilter.second_order.rigid_groups import RigidGroups
 from kilter.second_order.rolling import find_rolling, worst_rolling
 from kilter.second_order.second_order_answer import SecondOrder, answer_alone, open_answer
@@ -79,7 +83,7 @@ def find_second_order(
     if forces is not None and groups.tied:
         forces = forces[groups.between(program, assembly)]
     search = _ClusterSearch(assembly, contacts, whole, forces, work)
-    at_once = None if _beyond(whole) else search.by_forces(whole, forces)
+    at_once = None if why_beyond(whole) else search.by_forces(whole, forces)
     if at_once is not None:
         return _of_parts(at_once, groups) if at_once.neutral else None
     found = tuple(search.answer(one) for one in clusters(whole))
@@ -146,11 +150,12 @@ class _ClusterSearch:
         self.forces, self.work = forces, work
         self.features: Features | None = None
         self.asked = 0
+        self.off, self.slanted = loads_off_centre(assembly, program)
 
     def answer(self, cluster: Cluster) -> SecondOrder:
         """Of one cluster, where the whole has no answer at once."""
         program, count = cluster.program, int(cluster.program.free.sum())
-        why = _beyond(program)
+        why = why_beyond(program)
         if why:
             return open_answer(why, program)
         if count < self.program.free.sum():
@@ -168,7 +173,7 @@ class _ClusterSearch:
     def by_forces(self, program: Program, forces: Array | None) -> SecondOrder | None:
         """Steps 1 and 2 for a whole assembly or a cluster; None where they do not answer."""
         count = int(program.free.sum())
-        if count <= MOST_LEVEL:
+        if count <= MOST_LEVEL and not self.slanted[program.free].any():
             rest = find_level_rest(program, level_rows(program, self.contacts), forces)
             if rest is not None:
                 return _on_level(program, rest)
@@ -188,6 +193,8 @@ class _ClusterSearch:
             held = Held(critical.forces * first.weight)
             if not judge_held(program, held):
                 return _without_neutral(program, held)
+        if self.off[program.free].any():
+            return open_answer(OFF_CENTRE, program)
         if self.features is None:
             self.features = features_of(self.program, self.contacts, recognised=True)
         return answer_alone(
@@ -198,17 +205,6 @@ class _ClusterSearch:
             critical=critical,
             work=self.work,
         )
-
-
-def _beyond(program: Program) -> str:
-    """Why nothing is said of a cluster."""
-    if (program.kind != CONTACT).any():
-        return "joints are not looked at in second order"
-    if program.has_strength:
-        return "bonds are not looked at in second order"
-    if np.abs(program.applied[program.free, 3:]).max(initial=0.0) > 0:
-        return "loads beside a centre of mass are not looked at in second order"
-    return ""
 
 
 def _on_level(program: Program, rest: LevelRest) -> SecondOrder:
