@@ -13,7 +13,14 @@ import numpy as np
 import pytest
 
 from kilter.second_order.paths import Path, judge_path
-from kilter.second_order.second_order_tolerances import DROPS, KEEPS, LASTS, REACHES, SLIPS
+from kilter.second_order.second_order_tolerances import (
+    ACROSS,
+    DROPS,
+    KEEPS,
+    LASTS,
+    REACHES,
+    SLIPS,
+)
 from kilter.second_order.stationary import Stationary
 
 X, Y, Z = np.eye(3)
@@ -68,14 +75,26 @@ def test_it_opens_and_falls_by_more_than_rounding(over: float) -> None:
 def test_what_it_enters_or_costs_at_once_is_little_beside_what_it_opens(
     over: float, sign: int
 ) -> None:
-    slip = over * SLIPS * 0.5
-    assert path(X, -0.5 * Z, others=(Y - slip * X,)).falls is False  # y is not opened either
-    entered = path(X, -0.5 * Z + Y, others=(Y - slip * X,))
+    slip, rough = over * SLIPS * 0.5, 1e-3
+    assert not path(X, -0.5 * Z, others=(Y - slip * X,), blur=rough).falls  # y is not opened either
+    entered = path(X, -0.5 * Z + Y, others=(Y - slip * X,), blur=rough)
     assert entered.falls == (over < 1)
     assert entered.slips == pytest.approx(slip)
-    loaded = path(X, -0.5 * Z, load=-Z + sign * slip * X)
+    loaded = path(X, -0.5 * Z, load=-Z + sign * slip * X, blur=rough)
     assert loaded.slips == pytest.approx(slip)
     assert loaded.falls == (over < 1)
+
+
+@pytest.mark.parametrize("over", JUST)
+@pytest.mark.parametrize(("blur", "slack"), [(1e-9, ACROSS), (1e-6, 1e-6)])
+def test_what_it_enters_at_once_is_rounding_of_the_data_however_much_it_opens(
+    over: float, blur: float, slack: float
+) -> None:
+    """A small ball in a hollow of smaller ones: the gaps curve much, and it stays."""
+    slip = over * slack
+    assert path(X, -50 * Z, bends=100.0, load=-Z + slip * X, blur=blur).falls == (over < 1)
+    entered = path(X, -50 * Z + Y, bends=100.0, others=(Y - slip * X,), blur=blur)
+    assert entered.falls == (over < 1)
 
 
 @pytest.mark.parametrize("lift", [1.01 * DROPS, 1e-7, 1e-6, 1e-5])
@@ -91,7 +110,7 @@ def test_what_opens_at_once_stays_open_far_beyond_where_the_path_begins_to_fall(
     over: float,
 ) -> None:
     """Another gap opens by a t - t^2 / 2, and the path falls from t = 2 slip / 0.5 on."""
-    slip = 1e-6
+    slip = 1e-8
     opens = LASTS * 2 * slip / 0.5 / 2 * over
     found = path(X, -0.5 * Z - Y, others=(Y + opens * X, Y + DROPS / 2 * X), load=-Z - slip * X)
     assert not found.falls  # the last one closes

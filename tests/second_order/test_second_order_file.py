@@ -5,12 +5,15 @@ from __future__ import annotations
 import copy
 from typing import Any
 
+import numpy as np
 import pytest
 
 import kilter
+from kilter import Assembly, Box, Joint, Part, Pose, Sphere
 from kilter.mechanics.proof import digest_of
 from kilter.scenes import scene
 from kilter.scenes.balance import CASES
+from kilter.second_order.configuration import STEPS
 
 Place = tuple[str | int, ...]
 
@@ -74,6 +77,72 @@ def test_the_paths_of_the_papers_figures_are_judged_again(name: str) -> None:
     nowhere["second_order"]["configuration"] = None
     nowhere["digest"] = digest_of(nowhere)
     assert not kilter.verify(assembly, nowhere).holds
+
+
+def in_a_hollow(slope: float, count: int) -> kilter.Assembly:
+    """A ball of 1 mm on three smaller ones on a tower of blocks of 1 m; it rises by `slope`."""
+    parts = [Part("floor", Box([20, 20, 1]), Pose([0, 0, -0.5]), grounded=True)]
+    parts += [Part(f"{k}", Box([1, 1, 1]), Pose([0, 0, k + 0.5]), mass=1.0) for k in range(count)]
+    large = 1e-3
+    small = 0.75 * slope * large
+    aside = slope * (large + small)
+    for k, angle in enumerate(2 * np.pi / 3 * np.arange(3)):
+        at = [aside * np.cos(angle), aside * np.sin(angle), count + small / 2]
+        parts.append(Part(f"s{k}", Sphere(small), Pose(at), mass=1e-9))
+    high = count + small / 2 + np.sqrt((large + small) ** 2 - aside**2)
+    parts.append(Part("ball", Sphere(large), Pose([0, 0, high]), mass=1.0))
+    return Assembly(parts, joints=[Joint((f"{count - 1}", f"s{k}"), "fixed") for k in range(3)])
+
+
+def test_a_small_ball_in_a_hollow_beside_large_blocks_is_not_balanced() -> None:
+    """Beside the size of the blocks its gaps curve much; and far from it there is room below."""
+    assembly = in_a_hollow(0.01, 5)
+    verdict = kilter.check(assembly)
+    proof, second = verdict.proof(), verdict.second_order
+    assert second is not None
+    assert second.problem is not None
+    assert second.state == "free"
+    still = {name: [0.0] * 6 for name in ("0", "1", "2", "3", "4")}
+    length = second.problem.length
+    for far in (100.0, 135.0, 200.0):
+        forged = {
+            "state": "balanced",
+            "first": still | {"ball": [-length, 0, 0, 0, 0, 0]},
+            "second": still | {"ball": [0, 0, -far * length, 0, 0, 0]},
+            "configuration": still | {"ball": [5.0, 0, -1, 0, 0, 0]},
+        }
+        found = kilter.verify(assembly, with_second_order(proof, forged))
+        assert found.reasons == (
+            "its path does not lead down",
+            "its configuration is not on its path",
+        )
+
+
+def test_a_configuration_is_a_place_on_its_path_and_near_by() -> None:
+    assembly = scene("paper-figure-1-turned")
+    proof = kilter.check(assembly).proof()
+    path = proof["second_order"]
+    first, second, place = (path[key] for key in ("first", "second", "configuration"))
+
+    def asked(motion: dict[str, list[float]]) -> tuple[str, ...]:
+        data = path | {"configuration": motion}
+        return kilter.verify(assembly, with_second_order(proof, data)).reasons
+
+    def at(step: float) -> dict[str, list[float]]:
+        return {
+            name: (step * np.array(first[name]) + step**2 / 2 * np.array(second[name])).tolist()
+            for name in first
+        }
+
+    assert not asked(place)
+    assert not asked(at(0.002))
+    off_it = ("its configuration is not on its path",)
+    assert asked(at(-0.002)) == asked(at(1.01 * max(STEPS))) == off_it
+    for name in place:
+        for k in range(6):
+            other = copy.deepcopy(place)
+            other[name][k] += 1e-9
+            assert asked(other) == off_it
 
 
 @pytest.mark.parametrize("state", ["minimum", "free", "balanced", "sure", 3, None])

@@ -10,17 +10,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array
+from kilter.arrays import TINY, Array
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
 from kilter.second_order.paths import Path
 from kilter.second_order.rigid_groups import RigidGroups
-from kilter.second_order.second_order_tolerances import APART
+from kilter.second_order.second_order_tolerances import ACROSS, APART, KEEPS
 from kilter.second_order.separation import least_separation
 from kilter.second_order.stationary import Stationary
 
-__all__ = ["Configuration", "find_configuration", "separation_at"]
+__all__ = ["Configuration", "find_configuration", "is_on", "separation_at"]
 
 STEPS = (0.004, 0.002, 0.001, 0.01, 0.02, 0.05)
 """How far along a path of length 1 an exact configuration is sought: near by first."""
@@ -64,6 +64,18 @@ def separation_at(
         planes=problem.on_plane,
         tied=groups.first,
     )
+
+
+def is_on(path: Path, columns: Array) -> bool:
+    """Whether a place, shape (n,) scaled unknowns, is on a path, near its start."""
+    along, bend = columns @ path.first, path.second @ path.first
+    if not (along > 0 and 1 + 2 * along * bend >= 0):
+        return False
+    step = 2 * along / (1 + np.sqrt(1 + 2 * along * bend))  # along = step + bend step^2 / 2
+    bent = step**2 * path.second / 2
+    near = min(max(STEPS), 2 * BENT / max(float(np.linalg.norm(path.second)), TINY))
+    off = np.abs(columns - step * path.first - bent).max()
+    return bool(step <= near * (1 + ACROSS) and off <= KEEPS * step)
 
 
 def find_configuration(

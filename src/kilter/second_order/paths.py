@@ -4,7 +4,9 @@
 
 Then each gap is at least m t^2 / 2 + O(t^3) or opens to first order, and the energy is
 -t^2 w.d2 / 2: no minimum. Of numbers that are not exact both hold from some t on, and a gap that
-opens to first order may have closed again by then: it must not, for some while.
+opens to first order may have closed again by then: it must not, for some while. What is entered
+at once is the rounding of the data at most: a place in a shallow hollow is a minimum, however much
+the wall of the hollow curves.
 
 What is pressed between planes has no such path: no motion opens both. There contacts may also be
 kept: parts that only shift, along a plane of one of them, leave its gap as it is to all orders.
@@ -41,8 +43,8 @@ class Path:
     `first`, `second`, shape (n,): dp, of length 1, and d2; `opens`: least second derivative of a
     gap that stays closed to first order; `power`: w.d2; `slips`: worst of -J dp and |w.dp|;
     `lasts`: the t at which the first gap that opens to first order closes again; `rounding`: what
-    of `opens` and `power` may be that of the data; `one_form`: whether no corner that is flush
-    slips off its edge.
+    of `opens` and `power` may be that of the data, and `slack` what of `slips`; `one_form`: whether
+    no corner that is flush slips off its edge.
     """
 
     first: Array
@@ -52,6 +54,7 @@ class Path:
     slips: float
     lasts: float
     rounding: float
+    slack: float
     one_form: bool = True
 
     @property
@@ -59,7 +62,7 @@ class Path:
         """Whether it proves that the place is no minimum."""
         least = min(self.opens, self.power)
         straight = float(np.linalg.norm(self.second)) <= FARTHEST * np.sqrt(len(self.second))
-        begins = min(SLIPS * least, self.lasts * least / (2 * LASTS))
+        begins = min(self.slack, SLIPS * least, self.lasts * least / (2 * LASTS))
         return straight and least > max(DROPS, self.rounding) and self.slips <= begins
 
 
@@ -76,7 +79,8 @@ def judge_path(problem: Stationary, first: Array, second: Array) -> Path:
     power = float(problem.load @ second)
     blurred = problem.blur * float(np.abs(second).max(initial=0.0))
     one_form = bool(problem.one_form(first[:, None]).all())
-    return Path(first, second, least, power, slips, float(lasts), blurred, one_form)
+    slack = max(ACROSS, problem.blur)
+    return Path(first, second, least, power, slips, float(lasts), blurred, slack, one_form)
 
 
 def _kept(problem: Stationary, first: Array, second: Array) -> Mask:

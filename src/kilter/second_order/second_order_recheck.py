@@ -16,7 +16,7 @@ from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program, build_program
 from kilter.second_order.clusters import clusters, joined_state
-from kilter.second_order.configuration import separation_at
+from kilter.second_order.configuration import is_on, separation_at
 from kilter.second_order.critical import null_space
 from kilter.second_order.features import Features
 from kilter.second_order.features_of import features_of
@@ -333,6 +333,8 @@ def _wrong_path(
         return reasons if by_path else [*reasons, "it has no configuration that is apart and lower"]
     motion = read_motion(program, data["configuration"])
     columns = scaled_columns(program, problem, motion[None])[:, 0]
+    if not is_on(path, columns):
+        return [*reasons, "its configuration is not on its path"]
     apart = separation_at(assembly, contacts, program, problem, motion)
     if apart is None or not apart > APART * problem.length:
         reasons.append("its configuration is not apart")
