@@ -37,11 +37,11 @@ def test_balls_upright_between_two_walls_fall_along_them() -> None:
     across = second.configuration
     assert across is not None
     assert np.abs(across.motion[4:, 0]).max() < 1e-15
-    for axis, by, holds in ((0, 1e-9, False), (0, -1e-9, False), (1, 1e-9, True)):
+    for axis, by in ((0, 1e-9), (0, -1e-9), (1, 1e-9)):  # into a wall, or off the path
         other = copy.deepcopy(proof)
         other["second_order"]["configuration"]["ball 1"][axis] += by
         other["digest"] = digest_of(other)
-        assert kilter.verify(assembly, other).holds == holds, (axis, by)
+        assert not kilter.verify(assembly, other).holds, (axis, by)
 
 
 def test_turned_as_a_whole_it_is_the_same() -> None:
