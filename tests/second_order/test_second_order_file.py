@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import kilter
-from kilter import Assembly, Box, Joint, Part, Pose, Sphere
+from kilter import Assembly, Box, Cylinder, Joint, Part, Pose, Sphere
 from kilter.mechanics.proof import digest_of
 from kilter.scenes import scene
 from kilter.scenes.balance import CASES
@@ -198,3 +198,44 @@ def test_what_falls_counts_no_motions() -> None:
         other["second_order"][key] = 5
         other["digest"] = digest_of(other)
         assert not kilter.verify(assembly, other).holds
+
+
+@pytest.mark.parametrize("kind", ["stopped", "locked"])
+def test_forces_so_large_that_their_torques_are_no_numbers_balance_nothing(kind: str) -> None:
+    """A can with its centre over an edge; its sums of torques would be less than infinity."""
+    low = Part("low", Box([1, 6, 1]), Pose([0, 0, 0.5]), grounded=True)
+    can = Part("can", Cylinder(1.0, 0.1), Pose([0.5, 0, 1.05]), mass=0.05)
+    assembly = Assembly([low, can])
+    proof = kilter.check(assembly).proof()
+    assert proof["second_order"]["state"] == "balanced"
+    count = len(proof["forces"])
+    rest = {"stress": [1.0] * count, "weights": [], "motion": {"can": [1, 0, 0, 0, 0, 0]}}
+    for force in (1e100, 1.01e100, 6e307):
+        forged = {"state": "free", "neutral": 3, "free": 3, kind: [force] * count} | rest
+        (reason,) = kilter.verify(assembly, with_second_order(proof, forged)).reasons
+        assert ("too large" in reason) == (force > 1e100)
+
+
+def test_only_what_is_balanced_rolls() -> None:
+    for number in ("03", "26"):
+        assembly, proof = proof_of(number)
+        for state in ("holds", "falls", "open"):
+            forged = proof["second_order"] | {"rolling": state}
+            (reason,) = kilter.verify(assembly, with_second_order(proof, forged)).reasons
+            assert reason == "what is not balanced does not roll"
+
+
+def test_cones_that_would_be_too_many_to_look_at_are_not() -> None:
+    """Balls on a table: 24 motions and more are neutral, and have 2^23 orthants."""
+    table = Part("table", Box([20, 20, 1]), Pose([0, 0, -0.5]), grounded=True)
+    plate = Part("plate", Box([4, 4, 0.1]), Pose([0, 0, 1.05]))
+    at = [(1.5, 0), (-1.5, 0), (0, 1.5), (0, -1.5), (1, 1)]
+    balls = [Part(f"{k}", Sphere(0.5), Pose([x, y, 0.5])) for k, (x, y) in enumerate(at)]
+    assembly = Assembly([table, plate, *balls])
+    proof = kilter.check(assembly).proof()
+    second = proof["second_order"]
+    assert (second["state"], second["neutral"]) == ("free", 28)
+    forged = second | {"basis": second["across"], "across": [], "splits": [None]}
+    forged |= {"sides": [], "free": 0}
+    (reason,) = kilter.verify(assembly, with_second_order(proof, forged)).reasons
+    assert "fewer than the orthants" in reason

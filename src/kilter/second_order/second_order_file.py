@@ -24,9 +24,8 @@ from kilter.second_order.locked import LockedTurns
 from kilter.second_order.minimum_proof import MinimumProof
 from kilter.second_order.paths import Path
 from kilter.second_order.stationary import Stationary
-from kilter.second_order.stopped import (
-    Stopped,
-)
+from kilter.second_order.stopped import Stopped
+from kilter.validate import LARGEST
 
 if TYPE_CHECKING:
     from kilter.second_order.second_order_answer import SecondOrder
@@ -113,11 +112,14 @@ def counts(entries: Iterable[dict[str, Any] | None]) -> dict[str, int]:
 
 
 def numbers(data: Any) -> Array:
-    """An array of what are numbers, and not words for some, as "nan"."""
+    """An array of what are numbers, and not words for some, as "nan"; their sums are some, too."""
     found = np.asarray(data)
     if found.dtype.kind not in "iuf":
         raise TypeError("not all are numbers")
-    return found.astype(float)
+    found = found.astype(float)
+    if not (np.abs(found) <= LARGEST).all():
+        raise ValueError("a number is too large")
+    return found
 
 
 def square(weights: Any) -> Array:

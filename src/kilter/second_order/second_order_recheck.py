@@ -82,11 +82,14 @@ def _wrong(
         return [f"its second order: {unmodelled}"]
     program = RigidGroups.of(assembly).merged(program, assembly)
     off, slanted = loads_off_centre(assembly, program)
+    entries = data.get("clusters", [data])
+    for one in (data, *entries):
+        if one is not None and "rolling" in one and one["state"] != "balanced":
+            return ["what is not balanced does not roll"]
     if _by_forces(data):
         beyond = _beyond(program, data, off, slanted)
         return beyond or _wrong_forces(contacts, program, data)
     parted = clusters(program)
-    entries = data.get("clusters", [data])
     if len(entries) != len(parted):
         return ["its second order is not one of each cluster"]
     reasons = []
@@ -351,5 +354,7 @@ def _minimum(program: Program, problem: Stationary, data: dict[str, Any]) -> Min
     basis = stacked(program, problem, data["basis"])
     sides = numbers(data["sides"]).reshape(len(data["sides"]), basis.shape[1])
     splits = tuple(None if one is None else (int(one[0]), int(one[1])) for one in data["splits"])
+    if splits and len(splits) < 2 ** (basis.shape[1] - 1):
+        raise ValueError("its cones are fewer than the orthants")
     free = stacked(program, problem, data["across"])
     return MinimumProof(basis, sides, free, splits, tuple(leaves))
