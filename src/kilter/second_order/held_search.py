@@ -10,8 +10,8 @@ from kilter.second_order.held import Held, judge_held, scaled_rows
 
 __all__ = ["find_held"]
 
-MOST_SPREAD = 20
-"""Forces of up to this many free parts are spread over all contacts."""
+FULL = 1e-12
+"""Least eigenvalue of J^T J over its largest entry, where rows of full rank are told."""
 ROUNDS = 50
 """Of spreading, ..."""
 SHARE = 0.02
@@ -22,7 +22,7 @@ def find_held(program: Program, forces: Array) -> Held | None:
     """A proof from forces of equilibrium, shape (K,) [N]; None where none was found."""
     if not judge_held(program, Held(forces)):
         return Held(forces)
-    if program.free.sum() > MOST_SPREAD or not forces.any():
+    if not forces.any():
         return None
     spread = _spread_out(program, forces)
     return None if spread is None or judge_held(program, Held(spread)) else Held(spread)
@@ -30,15 +30,18 @@ def find_held(program: Program, forces: Array) -> Held | None:
 
 def _spread_out(program: Program, forces: Array) -> Array | None:
     """Forces of equilibrium on every contact, near to some: projected and cut in turn."""
-    rows = scaled_rows(program).toarray()
-    if np.linalg.matrix_rank(rows) < rows.shape[1]:
+    rows = scaled_rows(program)
+    gram = (rows.T @ rows).toarray()
+    try:
+        np.linalg.cholesky(gram - FULL * gram.diagonal().max(initial=0.0) * np.eye(len(gram)))
+    except np.linalg.LinAlgError:
         return None  # a motion opens nothing
-    span, _ = np.linalg.qr(rows)
+    inverse = np.linalg.inv(gram)
     least = SHARE * float(forces.mean())
     found = forces
     for _ in range(ROUNDS):
         change = np.maximum(found, least) - forces
-        found = forces + change - span @ (span.T @ change)
+        found = forces + change - rows @ (inverse @ (rows.T @ change))
         if found.min() > least / 2:
             return np.asarray(found)
     return None

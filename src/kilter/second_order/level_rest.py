@@ -23,7 +23,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import TINY, Array, Mask, read_only
+from kilter.arrays import TINY, Array, Index, Mask, read_only
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
 from kilter.second_order.bearing import (
@@ -44,6 +44,7 @@ from kilter.second_order.second_order_tolerances import (
     DROPS,
     SPREAD,
 )
+from kilter.second_order.sharp_points import opened
 
 __all__ = ["LevelRest", "judge_level_rest", "level_rows", "wrong_forces", "wrong_motion"]
 
@@ -77,14 +78,26 @@ def level_rows(program: Program, contacts: ContactSet) -> Mask:
     return level
 
 
-def judge_level_rest(program: Program, level: Mask, proof: LevelRest) -> str:
-    """Why a proof does not hold; empty where it does."""
+def judge_level_rest(
+    program: Program, level: Mask, proof: LevelRest, sharp: Index | None = None
+) -> str:
+    """Why a proof does not hold; empty where it does.
+
+    Parameters
+    ----------
+    program : Program
+    level : ndarray of bool, shape (K,)
+        Rows of level faces (`level_rows`).
+    proof : LevelRest
+    sharp : ndarray of int, shape (K,), optional
+        Points of which one row is enough to open (`sharp_points`); without, each row is.
+    """
     if proof.forces.shape != level.shape or proof.motion.shape != (len(program.names), 6):
         return "its numbers are not those of the parts and contacts"
     if not (np.isfinite(proof.forces).all() and np.isfinite(proof.motion).all()):
         return "its numbers are not finite"
     wrong = wrong_forces(program, level, proof.forces)
-    return wrong or wrong_motion(program, level, proof.motion)
+    return wrong or wrong_motion(program, level, proof.motion, sharp)
 
 
 def wrong_forces(program: Program, level: Mask, forces: Array) -> str:
@@ -133,7 +146,7 @@ def _wrong_tilts(program: Program, bearing: Bearing, forces: Array) -> str:
     return ""
 
 
-def wrong_motion(program: Program, level: Mask, motion: Array) -> str:
+def wrong_motion(program: Program, level: Mask, motion: Array, sharp: Index | None = None) -> str:
     """Why a motion, shape (N, 6), is no level one that opens the other contacts."""
     if motion[~program.free].any():
         return "its motion moves what is held"
@@ -143,7 +156,8 @@ def wrong_motion(program: Program, level: Mask, motion: Array) -> str:
     off = np.abs(moved - moved @ flat.T @ flat).max(initial=0.0)
     if size == 0 or off > ACROSS * size or motion[:, 3:].any():
         return "its motion is not a level shift of the parts"
-    apart = (moved[program.part_b] - moved[program.part_a])[~level]
-    if not (np.einsum("ij,ij->i", program.normal[~level], apart) > DROPS * size).all():
-        return "its motion does not open the other contacts"
-    return ""
+    apart = moved[program.part_b] - moved[program.part_a]
+    opens = np.einsum("ij,ij->i", program.normal, apart) > DROPS * size
+    if sharp is not None:
+        opens = opened(opens, sharp, alike=True)
+    return "" if opens[~level].all() else "its motion does not open the other contacts"

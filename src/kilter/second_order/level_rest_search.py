@@ -26,7 +26,7 @@ from kilter.second_order.critical import carrying_forces
 from kilter.second_order.level_rest import LevelRest, wrong_forces, wrong_motion
 from kilter.second_order.second_order_tolerances import DROPS, SPREAD
 
-__all__ = ["find_level_rest"]
+__all__ = ["find_level_rest", "find_parting"]
 
 MOST_ASKED = 100
 """A linear program spreads the load of up to this many parts, where all else fails."""
@@ -40,7 +40,9 @@ ROUNDING = 1e-13
 """... until this share of the load is left."""
 
 
-def find_level_rest(program: Program, level: Mask, forces: Array | None) -> LevelRest | None:
+def find_level_rest(
+    program: Program, level: Mask, forces: Array | None, sharp: Index | None = None
+) -> LevelRest | None:
     """A proof for a program of contacts without friction; None where none was found.
 
     Parameters
@@ -49,10 +51,12 @@ def find_level_rest(program: Program, level: Mask, forces: Array | None) -> Leve
     level : ndarray of bool, shape (K,)
     forces : ndarray, shape (K,), optional
         Of some equilibrium [N].
+    sharp : ndarray of int, shape (K,), optional
+        As the judge takes them.
     """
     if not level.any():
         return None
-    motion = _opening(program, level)
+    motion = find_parting(program, level, sharp)
     if motion is None:
         return None
     for offered in _offered(program, level, forces):
@@ -170,7 +174,7 @@ def _pushing(part: Index, footing: Array, need: Array) -> Array:
     return found
 
 
-def _opening(program: Program, level: Mask) -> Array | None:
+def find_parting(program: Program, level: Mask, sharp: Index | None) -> Array | None:
     """All parts away from one place, level: it opens what is not; None where it does not."""
     free = program.free
     middle = program.center[free].mean(axis=0)
@@ -188,6 +192,6 @@ def _opening(program: Program, level: Mask) -> Array | None:
         motion = np.zeros((len(free), 6))
         motion[free, :3] = (away + shift * along) @ axes
         motion /= max(float(np.linalg.norm(motion[:, :3], axis=1).max()), TINY)
-        if not wrong_motion(program, level, motion):
+        if not wrong_motion(program, level, motion, sharp):
             return motion
     return None

@@ -1,15 +1,14 @@
 """What second order says nothing of: contacts, joints, bonds and loads that it has no form of.
 
 Pairs that are left open, and contacts that are not modelled, may hold or push by forces without a
-gap: nothing is said then. The rim of a round flat face is none of them: it is a polygon within it
-that counts as contact points, and the corners of one around it are what is possible. All of the
-face lies in the plane of its patch, so that the polygon within leaves the same motions neutral,
-forces at its corners are forces of the face, and what keeps or opens its plane keeps or opens it.
+gap: nothing is said then. Two kinds of what is possible are none of them:
 
-The force of a load acts at a point of its part. Where that is not the centre of mass, the energy
-curves as the part turns, by -F.(theta x (theta x arm)) / 2, even where there is no torque: a weight
-above the centre, or two hands that press on both ends. To first order nothing changes; nor does
-the energy along level motions, where the force is vertical.
+The rim of a round flat face: it is a polygon within it that counts as contact points, and the
+corners of one around it are what is possible. All of the face lies in the plane of its patch, so
+that the polygon within leaves the same motions neutral, forces at its corners are forces of the
+face, and what keeps or opens its plane keeps or opens it.
+
+Edges and corners that have no one normal, as where four boxes meet in a line (`sharp_points`).
 """
 
 from __future__ import annotations
@@ -21,9 +20,10 @@ from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.open_pairs import still_open
 from kilter.mechanics.program import Program
-from kilter.mechanics.rows import CONTACT
+from kilter.mechanics.rows import CONTACT, POSSIBLE
 from kilter.second_order.rigid_groups import RigidGroups
 from kilter.second_order.second_order_tolerances import AGREE, KEEPS
+from kilter.second_order.sharp_points import sharp_pushes
 
 __all__ = ["OFF_CENTRE", "loads_off_centre", "why_beyond", "why_unmodelled"]
 
@@ -32,15 +32,20 @@ OFF_CENTRE = "loads beside a centre of mass are not looked at in second order"
 
 def why_unmodelled(assembly: Assembly, contacts: ContactSet) -> str:
     """Why second order says nothing of these contacts; empty where it may."""
-    known = _on_rims(contacts) | _within_groups(assembly, contacts)
-    if still_open(contacts.open_pairs, assembly) or not known.all():
+    sharp = sharp_pushes(contacts)
+    known = _on_rims(contacts) | _within_groups(assembly, contacts) | sharp
+    own = zip(contacts.possible.part_a[sharp], contacts.possible.part_b[sharp], strict=True)
+    pushed = {frozenset(pair) for pair in own}
+    left = still_open(contacts.open_pairs, assembly)
+    settled = all(one.kind == "degenerate" and frozenset(one.parts) in pushed for one in left)
+    if not settled or not known.all():
         return "pairs are left open, or their kind of contact is not modelled"
     return ""
 
 
 def why_beyond(program: Program) -> str:
     """Why nothing is said of a cluster, whatever its contacts; empty where something may be."""
-    if (program.kind != CONTACT).any():
+    if not np.isin(program.kind, (CONTACT, POSSIBLE)).all():
         return "joints are not looked at in second order"
     if program.has_strength:
         return "bonds are not looked at in second order"

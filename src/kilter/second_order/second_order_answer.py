@@ -22,6 +22,7 @@ from kilter.arrays import TINY, Array, Index, Mask
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
+from kilter.mechanics.rows import CONTACT
 from kilter.second_order.bearing import level_axes
 from kilter.second_order.clusters import State
 from kilter.second_order.configuration import Configuration, find_configuration
@@ -31,6 +32,7 @@ from kilter.second_order.every_surface import decided_for_all
 from kilter.second_order.features import Features
 from kilter.second_order.free_motions import FreeMotions, find_free_motions
 from kilter.second_order.free_span import free_span, moving_free
+from kilter.second_order.level_rest_search import find_parting
 from kilter.second_order.locked import faces_of, shifts
 from kilter.second_order.locking_stress import find_locked
 from kilter.second_order.minimum_proof import MinimumProof
@@ -38,7 +40,8 @@ from kilter.second_order.oscillation import growth_rate, least_frequency
 from kilter.second_order.paths import Path
 from kilter.second_order.recognised import formed_for_all
 from kilter.second_order.rolling import Rolling
-from kilter.second_order.second_order_tolerances import ACROSS
+from kilter.second_order.second_order_tolerances import ACROSS, KEEPS
+from kilter.second_order.sharp_points import sharp_points
 from kilter.second_order.stationary import Stationary, problem_of
 from kilter.second_order.stopped import level_contacts, level_motions, stop_forms
 from kilter.second_order.stopping_weights import find_stopped, opening_motion
@@ -156,8 +159,12 @@ def answer_alone(
     features : Features
         Of its rows.
     critical : Critical, optional
-        Where it is known already.
+        Of the rows that are certain, where it is known already.
     """
+    certain = program.kind == CONTACT
+    if not certain.all():
+        found = _without(assembly, contacts, program, features, certain, critical, work)
+        return found or open_answer(_sharp(program), program)
     if critical is not None and len(critical.sides):
         kept = critical.carries
         own = Critical(critical.forces[kept], kept[kept], critical.basis, critical.sides[:0])
@@ -222,12 +229,13 @@ def _without(
     What is free then is free where a motion opens all the other contacts, or shifts both parts
     alike. None where it does not stay, or nothing is known to be free.
     """
-    part, rows = program.taking(kept), np.flatnonzero(kept)
+    part, rows, kept = program.taking(kept), np.flatnonzero(kept), kept.copy()
     found = answer_alone(
         assembly, contacts, part, features.take(rows), critical=critical, work=work
     )  # fmt: skip
-    if found.state not in ("minimum", "free") or len(found.idle):
+    if found.state not in ("minimum", "free"):
         return None
+    kept[rows[found.idle]] = False
     found = replace(found, idle=np.flatnonzero(~kept))
     if found.state != "free":
         return found if found.state == "minimum" else None
@@ -238,7 +246,7 @@ def _without(
     if not isinstance(proof, MinimumProof):
         return None
     free = proof.free * found.problem.scale[:, None] / found.problem.length
-    opening = _away(program, ~kept, free)
+    opening = _away(program, ~kept, free, sharp_points(program, contacts))
     if opening is None:
         return None
     motion = program.full(free @ opening)
@@ -250,11 +258,17 @@ def _without(
     return replace(found, motion=motion / size, moving=moving, decision=decision)
 
 
-def _away(program: Program, idle: Mask, free: Array) -> Array | None:
+def _away(program: Program, idle: Mask, free: Array, points: Index) -> Array | None:
     """Of free motions (n, f) one that opens all idle contacts, shape (f,); None where none does.
 
     Or that shifts all parts alike, and opens those with what is held.
     """
+    parting = find_parting(program, ~idle, points)
+    if parting is not None:
+        columns = parting[np.ix_(program.free, program.freedoms)].reshape(-1)
+        within, *_ = np.linalg.lstsq(free, columns, rcond=None)
+        if np.abs(free @ within - columns).max(initial=0.0) < KEEPS:
+            return np.asarray(within)
     opening = opening_motion(program.taking(idle).jacobian() @ free)
     if opening is not None:
         return opening
@@ -332,10 +346,19 @@ def _moves(motion: Array, parts: Index) -> float:
 
 
 def _unknown(program: Program, known: Mask) -> str:
-    k = int(np.flatnonzero(~known)[0])
+    return f"how the surfaces of {_first(program, ~known)} curve where they touch is not known"
+
+
+def _sharp(program: Program) -> str:
+    pair = _first(program, program.kind != CONTACT)
+    return f"edges or corners of {pair} meet that have no one normal"
+
+
+def _first(program: Program, rows: Mask) -> str:
+    """The parts of the first of some rows."""
+    k = int(np.flatnonzero(rows)[0])
     names = (*program.names, "the ground")
-    pair = f"{names[program.part_a[k]]} and {names[program.part_b[k]]}"
-    return f"how the surfaces of {pair} curve where they touch is not known"
+    return f"{names[program.part_a[k]]} and {names[program.part_b[k]]}"
 
 
 def open_answer(why: str, program: Program) -> SecondOrder:

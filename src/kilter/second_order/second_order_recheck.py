@@ -15,6 +15,7 @@ from kilter.arrays import Array, Mask
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program, build_program
+from kilter.mechanics.rows import CONTACT
 from kilter.second_order.clusters import clusters, joined_state
 from kilter.second_order.configuration import is_on, separation_at
 from kilter.second_order.critical import null_space
@@ -45,6 +46,7 @@ from kilter.second_order.second_order_file import (
     stacked,
 )
 from kilter.second_order.second_order_tolerances import ACROSS, APART, DROPS, KEEPS
+from kilter.second_order.sharp_points import opened, sharp_points, turn_alike, with_sharp
 from kilter.second_order.stationary import Stationary, problem_of, stationary
 from kilter.second_order.stopped import (
     Stopped,
@@ -80,7 +82,7 @@ def _wrong(
     unmodelled = why_unmodelled(assembly, contacts)
     if unmodelled:
         return [f"its second order: {unmodelled}"]
-    program = RigidGroups.of(assembly).merged(program, assembly)
+    program = RigidGroups.of(assembly).merged(with_sharp(program, contacts), assembly)
     off, slanted = loads_off_centre(assembly, program)
     entries = data.get("clusters", [data])
     for one in (data, *entries):
@@ -126,7 +128,8 @@ def _wrong_rolling(
     assembly: Assembly, contacts: ContactSet, data: dict[str, Any], entries: list[Any]
 ) -> list[str]:
     """Does friction hold what is said to be balanced, or not, as it says?"""
-    program = RigidGroups.of(assembly).merged(build_program(assembly, contacts), assembly)
+    program = with_sharp(build_program(assembly, contacts), contacts)
+    program = RigidGroups.of(assembly).merged(program, assembly)
     parted, features = clusters(program), features_of(program, contacts)
     states = []
     for part, entry in zip(parted, entries, strict=True):
@@ -156,12 +159,14 @@ def _wrong_forces(contacts: ContactSet, program: Program, data: dict[str, Any]) 
     """Is it held by its forces, or does it stand on level faces, and is the state that?"""
     count = int(program.free.sum())
     if "held" in data:
-        word = judge_held(program, Held(numbers(data["held"])))
+        certain = program.taking(program.kind == CONTACT)
+        word = judge_held(certain, Held(numbers(data["held"])))
         own = ("minimum", 0)
     else:
         forces = numbers(data["level"])
         proof = LevelRest(forces, read_motion(program, data["motion"]))
-        word = judge_level_rest(program, level_rows(program, contacts), proof)
+        level, sharp = level_rows(program, contacts), sharp_points(program, contacts)
+        word = judge_level_rest(program, level, proof, sharp)
         own = ("free", count * (1 if program.planar else 3))
     reasons = [f"its second order: {word}"] if word else []
     if (data["state"], data["neutral"], data["free"]) != (*own, own[1]):
@@ -178,6 +183,8 @@ def _wrong_gaps(
 ) -> list[str]:
     if "idle" in data:
         return _wrong_without_idle(assembly, contacts, program, features, data)
+    if (program.kind != CONTACT).any():
+        return ["edges and corners that have no one normal are not left out"]
     known = formed_for_all(program, features)
     problem = problem_of(program, features)
     if features.doubted and ("locked" in data or "stopped" in data or not known.all()):
@@ -232,8 +239,9 @@ def _wrong_without_idle(
     free, size = stacked(program, problem, data["across"]), float(np.linalg.norm(columns))
     if np.abs(columns - free @ (free.T @ columns)).max(initial=0.0) > ACROSS * size:
         reasons.append("its motion is none of those that are free")
-    opened = problem.rows[~kept] @ columns > DROPS * size
-    if not (opened | _alike(program, motion)[~kept]).all() or size == 0:
+    opens, alike = problem.rows @ columns > DROPS * size, turn_alike(program, motion)
+    opens = opened(opens, sharp_points(program, contacts), alike) | _alike(program, motion)
+    if not opens[~kept].all() or size == 0:
         reasons.append("its motion does not open the contacts that carry nothing")
     if not len(moving_free(assembly, FreeMotions(motion[None], ("level",)))):
         reasons.append("its motion only spins parts of revolution")

@@ -18,6 +18,7 @@ from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
+from kilter.mechanics.rows import CONTACT
 from kilter.second_order.clusters import Cluster, clusters, joined_state
 from kilter.second_order.critical import find_critical
 from kilter.second_order.decide import Decision
@@ -36,6 +37,7 @@ from kilter.second_order.modelled import (
 from kilter.second_order.rigid_groups import RigidGroups
 from kilter.second_order.rolling import find_rolling, worst_rolling
 from kilter.second_order.second_order_answer import SecondOrder, answer_alone, open_answer
+from kilter.second_order.sharp_points import sharp_points, with_sharp
 from kilter.second_order.stationary import stationary
 from kilter.work import Work
 
@@ -47,7 +49,7 @@ MOST_IN_ALL = 120
 """... and clusters of up to this many together."""
 MOST_LEVEL = 10_000
 """Level faces are looked at for up to this many free parts."""
-MOST_HELD = 120
+MOST_HELD = 250
 """Forces are asked whether they leave a motion neutral for up to this many free parts."""
 
 
@@ -77,11 +79,13 @@ def find_second_order(
     if unmodelled:
         return open_answer(unmodelled, program)
     groups = RigidGroups.of(assembly)
+    program = with_sharp(program, contacts)
     whole = groups.merged(program, assembly)
     if not whole.free.any():
         return None
-    if forces is not None and groups.tied:
-        forces = forces[groups.between(program, assembly)]
+    if forces is not None:
+        forces = np.append(forces, np.zeros(len(program.kind) - len(forces)))
+        forces = forces[groups.between(program, assembly)] if groups.tied else forces
     search = _ClusterSearch(assembly, contacts, whole, forces, work)
     at_once = None if why_beyond(whole) else search.by_forces(whole, forces)
     if at_once is not None:
@@ -118,7 +122,7 @@ def with_rolling(
         Of these contacts, with friction.
     """
     own = found.clusters or (found,)
-    program = RigidGroups.of(assembly).merged(program, assembly)
+    program = RigidGroups.of(assembly).merged(with_sharp(program, contacts), assembly)
     parted = clusters(program)
     if found.state != "balanced" or len(parted) != len(own) or not program.mu.any():
         return found
@@ -174,11 +178,13 @@ class _ClusterSearch:
         """Steps 1 and 2 for a whole assembly or a cluster; None where they do not answer."""
         count = int(program.free.sum())
         if count <= MOST_LEVEL and not self.slanted[program.free].any():
-            rest = find_level_rest(program, level_rows(program, self.contacts), forces)
+            level, sharp = level_rows(program, self.contacts), sharp_points(program, self.contacts)
+            rest = find_level_rest(program, level, forces, sharp)
             if rest is not None:
                 return _on_level(program, rest)
         if count <= MOST_HELD and forces is not None:
-            held = find_held(program, forces)
+            certain = program.kind == CONTACT
+            held = find_held(program.taking(certain), forces[certain])
             if held is not None:
                 return _without_neutral(program, held)
         return None
@@ -186,12 +192,12 @@ class _ClusterSearch:
     def _alone(self, cluster: Cluster) -> SecondOrder:
         """By the gaps of its contacts, where forces do not leave it without neutral motions."""
         program = cluster.program
-        no_forms = np.zeros((len(program.part_a), 12, 12))
-        first = stationary(program, no_forms)
+        certain = program.taking(program.kind == CONTACT)
+        first = stationary(certain, np.zeros((len(certain.part_a), 12, 12)))
         critical = find_critical(first)
         if critical is not None and not critical.basis.shape[1]:
             held = Held(critical.forces * first.weight)
-            if not judge_held(program, held):
+            if not judge_held(certain, held):
                 return _without_neutral(program, held)
         if self.off[program.free].any():
             return open_answer(OFF_CENTRE, program)

@@ -1,0 +1,208 @@
+"""Boxes that meet in lines and corners: what has no one normal leaves nothing open that stays."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+import numpy as np
+import pytest
+
+import kilter
+from kilter import Assembly, Box, Cylinder, Part, Pose
+from kilter.mechanics.program import build_program
+from kilter.mechanics.proof import digest_of
+from kilter.mechanics.rows import CONTACT, POSSIBLE
+from kilter.second_order.second_order_tolerances import KEEPS
+from kilter.second_order.sharp_points import opened, sharp_points, turn_alike, with_sharp
+
+FLOOR = Part("floor", Box([40, 40, 1]), Pose([0, 0, -0.5]), grounded=True)
+
+
+def boxes(nx: int, ny: int, nz: int, *, apart: float = 0.0) -> list[Part]:
+    """Unit boxes in columns and rows, `apart` from one another across."""
+    return [
+        Part(f"{i}-{j}-{k}", Box([1, 1, 1]), Pose([i * (1 + apart), j * (1 + apart), k + 0.5]))
+        for k in range(nz)
+        for i in range(nx)
+        for j in range(ny)
+    ]
+
+
+def tray(nx: int, ny: int, nz: int) -> list[Part]:
+    """Four walls around such boxes."""
+    at = (nx - 1) / 2, (ny - 1) / 2
+    sides = [((-1, at[1]), (1, ny)), ((nx, at[1]), (1, ny)), ((at[0], -1), (nx, 1)),
+             ((at[0], ny), (nx, 1))]  # fmt: skip
+    return [
+        Part(f"wall {k}", Box([*size, nz]), Pose([*where, nz / 2]), grounded=True)
+        for k, (where, size) in enumerate(sides)
+    ]
+
+
+@pytest.mark.parametrize("count", [(2, 2, 1), (2, 2, 2), (3, 1, 3), (3, 3, 3), (5, 4, 3)])
+def test_a_pallet_of_boxes_is_as_free_as_columns_that_stand_apart(
+    count: tuple[int, int, int],
+) -> None:
+    """Each box slides and turns: three motions a box, flush or not."""
+    found = kilter.check(Assembly([FLOOR, *boxes(*count)]))
+    second = found.second_order
+    alone = kilter.check(Assembly([FLOOR, *boxes(*count, apart=0.25)])).second_order
+    assert second is not None
+    assert alone is not None
+    free = 3 * int(np.prod(count))
+    assert (second.state, second.neutral, second.free) == ("free", free, free)
+    assert (alone.state, alone.neutral, alone.free) == ("free", free, free)
+    assert kilter.verify(found.assembly, found.proof()).holds
+
+
+@pytest.mark.parametrize("count", [(2, 2, 1), (3, 3, 1), (2, 2, 2), (5, 5, 2)])
+def test_in_a_tray_that_they_fill_nothing_moves(count: tuple[int, int, int]) -> None:
+    held = kilter.check(Assembly([FLOOR, *tray(*count), *boxes(*count)]))
+    assert held.second_order is None
+    assert kilter.verify(held.assembly, held.proof()).holds
+
+
+@pytest.mark.parametrize("count", [(2, 2, 1), (3, 3, 1), (2, 2, 2), (3, 1, 1)])
+@pytest.mark.parametrize(("gone", "each"), [([1], 1), ([0, 1], 1), ([2], 1), ([1, 3], 3)])
+def test_without_a_wall_they_slide_towards_it(
+    count: tuple[int, int, int], gone: list[int], each: int
+) -> None:
+    """Along x or y; without two walls that meet each as it likes."""
+    walls = [wall for k, wall in enumerate(tray(*count)) if k not in gone]
+    found = kilter.check(Assembly([FLOOR, *walls, *boxes(*count)]))
+    second = found.second_order
+    assert second is not None
+    free = each * int(np.prod(count))
+    assert (second.state, second.neutral, second.free) == ("free", free, free)
+    assert kilter.verify(found.assembly, found.proof()).holds
+
+
+def test_listed_backwards_and_turned_it_is_the_same() -> None:
+    turn = Pose([3, 1, -2], [0.5, 0.3, -0.7, 0.41])
+    parts = [FLOOR, *boxes(2, 2, 2), *boxes(1, 1, 3)[2:]]
+    there = [
+        Part(one.name, one.shape, Pose(turn.apply(one.pose.position[None])[0], turn.rotation),
+             grounded=one.grounded)
+        for one in parts
+    ]  # fmt: skip
+    down = turn.matrix @ [0, 0, -1]
+    for assembly in (Assembly(parts), Assembly(parts[::-1]), Assembly(there).with_down(down)):
+        found = kilter.check(assembly)
+        assert found.second_order is not None
+        assert (found.second_order.state, found.second_order.free) == ("free", 27)
+        assert kilter.verify(assembly, found.proof()).holds
+
+
+def diagonal() -> Assembly:
+    """Two boxes on a floor that touch by one edge each, at x = y = 0."""
+    one = Part("a", Box([1, 1, 1]), Pose([-0.5, -0.5, 0.5]))
+    return Assembly([FLOOR, one, Part("b", Box([1, 1, 1]), Pose([0.5, 0.5, 0.5]))])
+
+
+def damaged(proof: dict[str, Any], **changes: Any) -> dict[str, Any]:
+    other = copy.deepcopy(proof)
+    other["second_order"].update(changes)
+    other["digest"] = digest_of(other)
+    return other
+
+
+@pytest.mark.parametrize(
+    ("b", "holds"),
+    [
+        ([1, 1, 0], True), ([1, 0, 0], True), ([0, 1, 0], True), ([1, -1, 0], True),
+        ([0, 0, 0], False), ([-1, 0, 0], False), ([-1, -1, 0], False), ([0, -1, 0], False),
+    ],
+)  # fmt: skip
+def test_a_motion_opens_one_of_the_normals(b: list[float], holds: bool) -> None:
+    """X or y, whichever; not neither of them."""
+    assembly = diagonal()
+    proof = kilter.check(assembly).proof()
+    assert kilter.verify(assembly, proof).holds
+    motion = {"a": [0.0] * 6, "b": [*(1e-3 * np.array(b, float)), 0, 0, 0]}
+    checked = kilter.verify(assembly, damaged(proof, motion=motion))
+    assert checked.holds == holds
+
+
+def test_no_force_of_a_proof_is_theirs() -> None:
+    assembly = diagonal()
+    proof = kilter.check(assembly).proof()
+    forces = list(proof["second_order"]["level"])
+    assert forces[8:] == [0.0] * 4
+    forces[8] = 1e-12
+    assert not kilter.verify(assembly, damaged(proof, level=forces)).holds
+    assert not kilter.verify(assembly, damaged(proof, level=forces[:8])).holds
+    full = Assembly([FLOOR, *tray(2, 2, 1), *boxes(2, 2, 1)])
+    contacts = kilter.contacts(full)
+    program = build_program(full, contacts).frictionless
+    count = len(with_sharp(program, contacts).kind)
+    assert count > len(program.kind)
+    own = kilter.check(full).proof()
+    for said in (np.ones(count), np.ones(len(program.kind))):
+        entry = {"state": "minimum", "neutral": 0, "free": 0, "held": said.tolist()}
+        own["second_order"] = entry
+        own["digest"] = digest_of(own)
+        assert not kilter.verify(full, own).holds
+
+
+def test_points_that_are_so_by_and_large_are_opened_along_every_normal() -> None:
+    assembly = diagonal()
+    contacts = kilter.contacts(assembly)
+    program = with_sharp(build_program(assembly, contacts).frictionless, contacts)
+    points = sharp_points(program, contacts)
+    assert (points[program.kind == CONTACT] == -1).all()
+    own = points[program.kind == POSSIBLE]
+    assert sorted(own.tolist()) == [0, 0, 1, 1]
+    contacts.degenerate.exact.setflags(write=True)
+    contacts.degenerate.exact[0] = False
+    assert sorted(sharp_points(program, contacts)[program.kind == POSSIBLE]) == [-1, -1, 1, 1]
+
+
+def test_what_one_normal_opens_is_opened_where_the_parts_turn_alike() -> None:
+    points = np.array([-1, -1, 0, 0, 2, 2, 2])
+    opens = np.array([True, False, True, False, False, False, False])
+    assert opened(opens, points, alike=True).tolist() == [1, 0, 1, 1, 0, 0, 0]
+    alike = np.array([True, True, True, False, True, True, True])
+    assert opened(opens, points, alike).tolist() == [1, 0, 1, 0, 0, 0, 0]
+    opens[5] = True
+    assert opened(opens, points, alike).tolist() == [1, 0, 1, 0, 1, 1, 1]
+    assert opened(opens[:0], points[:0], alike[:0]).tolist() == []
+
+
+def test_rows_are_of_such_points_of_what_moves() -> None:
+    """Not of rims, and not between what is held; each edge that is free has two ends."""
+    can = Part("can", Cylinder(0.5, 1), Pose([5, 5, 0.5]))
+    at = {"a": [-0.5, -0.5], "b": [0.5, 0.5], "c": [1.5, -0.5], "d": [2.5, 0.5]}
+    for held, ends in (("", 6), ("a", 6), ("ab", 4), ("ad", 6), ("abc", 2), ("abcd", 0)):
+        boxes = [
+            Part(k, Box([1, 1, 1]), Pose([*where, 0.5]), grounded=k in held)
+            for k, where in at.items()
+        ]
+        assembly = Assembly([FLOOR, can, *boxes])
+        contacts = kilter.contacts(assembly)
+        program = build_program(assembly, contacts).frictionless
+        assert (contacts.possible.degenerate < 0).any()
+        assert len(with_sharp(program, contacts).kind) == len(program.kind) + 2 * ends
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize("axis", [3, 4, 5])
+def test_two_turn_alike_to_rounding(size: float, axis: int) -> None:
+    """Over the size of the larger and of the motion."""
+    small = Part("a", Box([1, 1, 1]), Pose([-0.5, -0.5, 0.5]))
+    assembly = Assembly([FLOOR, small, Part("b", Box([4, 4, 1]), Pose([2, 2, 0.5]))])
+    contacts = kilter.contacts(assembly)
+    program = with_sharp(build_program(assembly, contacts).frictionless, contacts)
+    between = program.kind == POSSIBLE
+    motion = np.zeros((3, 6))
+    assert turn_alike(program, motion).all()
+    motion[1:, 0] = size
+    for off, alike in ((0.0, True), (0.9, True), (1.1, False), (-1.1, False), (-1e9, False)):
+        motion[2, axis] = off * KEEPS * size / program.radius[2]
+        assert turn_alike(program, motion)[between].all() == alike
+    motion[1:, axis] = 3 * size
+    found = turn_alike(program, motion)
+    assert found[between].all()
+    assert not found[~between].any()
+    motion[2, axis] *= 1 + 0.5 * KEEPS / program.radius[2]
+    assert not turn_alike(program, motion)[between].any()
