@@ -15,7 +15,7 @@ from test_second_order_file import changed, numbers
 import kilter
 from kilter import Assembly
 from kilter.mechanics.program import build_program
-from kilter.second_order import second_order_answer
+from kilter.second_order import one_cluster
 from kilter.second_order.features_of import features_of
 from kilter.second_order.gap_form import gap_forms
 from kilter.second_order.recognised import bounded
@@ -129,7 +129,7 @@ def test_a_proof_for_the_surface_as_recognised_alone_is_refused(
     near = weeble(doubts * doubt())
     with monkeypatch.context() as patch:
         patch.setattr(
-            second_order_answer, "decided_for_all", lambda _p, _f, problem, found: (problem, found)
+            one_cluster, "decided_for_all", lambda _p, _f, problem, found: (problem, found)
         )
         proof = kilter.check(near).proof()
     assert proof["second_order"]["state"] == state

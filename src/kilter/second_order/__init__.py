@@ -16,10 +16,16 @@
 - `separation`: parts in other places, held apart exactly
 - `parting_planes`, `path_places`: places along which what is balanced falls
 - `clusters`: free parts that contacts join
-- `level_rest`: what stands on level faces is free by proof, at any size
-- `held`: forces that leave no motion neutral
+- `carrying`: which contacts carry, whatever rounding leaves of the load
+- `level_rest`, `level_rest_search`, `bearing`: what stands on level faces is free, at any size
+- `held`, `held_search`: forces that leave no motion neutral
+- `locked`, `locking_stress`: what slides on faces, all else locked by self-stress
+- `stopped`, `stopping_weights`: what stops keep from sliding to where it would fall
+- `modelled`, `sharp_points`: what is not known of contacts, and edges and corners of no one normal
 - `rolling`: does friction hold what is balanced, or does it roll off?
-- `second_order_answer`: what is said of one cluster
-- `whole`: what a check says of all of them
+- `second_order_answer`: what is said, with its evidence
+- `one_cluster`: of one cluster
+- `whole`: of all of them, as a check does
+- `second_order_file`, `second_order_recheck`: its proof in a file, judged again
 - `second_order_tolerances`: its tolerances
 """

@@ -2,7 +2,7 @@
 
 1  what stands on level faces alone is free by proof (`level_rest`), at any size
 2  forces that leave no motion neutral hold a cluster to first order: nothing to ask (`held`)
-3  else, up to a number of parts, its gaps to second order (`second_order_answer`)
+3  else, up to a number of parts, its gaps to second order (`one_cluster`)
 
 An assembly is balanced where one of its clusters is, else open where one is, else free where one
 is, else at a minimum.
@@ -34,9 +34,10 @@ from kilter.second_order.modelled import (
     why_beyond,
     why_unmodelled,
 )
+from kilter.second_order.one_cluster import answer_alone
 from kilter.second_order.rigid_groups import RigidGroups
 from kilter.second_order.rolling import find_rolling, worst_rolling
-from kilter.second_order.second_order_answer import SecondOrder, answer_alone, open_answer
+from kilter.second_order.second_order_answer import SecondOrder, open_answer
 from kilter.second_order.sharp_points import sharp_points, with_sharp
 from kilter.second_order.stationary import stationary
 from kilter.work import Work
