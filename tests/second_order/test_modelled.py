@@ -20,6 +20,7 @@ from kilter.second_order.second_order_tolerances import KEEPS
 TABLE = Part("table", Box([10, 10, 1]), Pose([0, 0, -0.5]), grounded=True)
 CAN = Part("can", Cylinder(0.5, 1.0), Pose([0, 0, 0.5]))
 BLOCK = Assembly([TABLE, Part("block", Box([1, 1, 1]), Pose([0, 0, 0.5]))])
+PILE = Assembly([*BLOCK.parts, Part("high", Box([1, 1, 1]), Pose([0, 0, 1.5]))])
 LOW = Part("low", Sphere(0.5), Pose([0, 0, 0.5]), grounded=True)
 BALLS = Assembly([LOW, Part("block", Sphere(0.5), Pose([0, 0, 1.5]))])
 DOWN, RIGHT = np.array([0, 0, -1000.0]), np.array([1000.0, 0, 0])
@@ -117,7 +118,9 @@ def refused(assembly: Assembly, of: Assembly) -> tuple[str, ...]:
         (BALLS, {"bonds": [Bond(("low", "block"), pull=0.0, shear=50.0)]}, "bonds"),
         (BALLS, {"bonds": [Bond(("low", "block"), pull=9.0, kind="mortar")]}, "bonds"),
         (BLOCK, {"loads": [Load("block", DOWN / 200, point=[0.2, 0, 1])]}, OFF_CENTRE),
+        (BLOCK, {"loads": [Load("block", DOWN / 200, point=[0, 0.2, 1])]}, OFF_CENTRE),
         (BLOCK, {"loads": SQUEEZE}, OFF_CENTRE),
+        (PILE, {"loads": SQUEEZE}, OFF_CENTRE),
     ],
 )
 def test_of_joints_bonds_and_loads_nothing_is_said_or_proved(

@@ -39,6 +39,7 @@ def path(
     blur: float = 1e-9,
     planes: Any = None,
     turns: Any = (),
+    slips: Any = None,
 ) -> Path:
     """What the judge makes of a path."""
     rows = np.array([Z, *others], dtype=float)
@@ -49,9 +50,8 @@ def path(
     for at, unknown in turns:
         place[at] = unknown
     flat = None if planes is None else np.array(planes)
-    problem = Stationary(
-        rows, np.array(load), form, np.tile(place, (len(rows), 1)), blur, on_plane=flat
-    )
+    places = np.tile(place, (len(rows), 1))
+    problem = Stationary(rows, np.array(load), form, places, blur, on_plane=flat, slips=slips)
     return judge_path(problem, np.array(first, dtype=float), np.array(second, dtype=float))
 
 
@@ -125,8 +125,8 @@ def test_second_derivatives_are_those_of_a_path_and_more_than_the_blur_of_the_da
     over: float,
 ) -> None:
     """Far enough along what is neutral, rounding of the rows would open anything."""
-    most = REACHES[-1] * np.sqrt(3)
-    assert path(X, -0.5 * Z + over * most * Y).falls == (over < 1)
+    most = REACHES[-1] * np.sqrt(3) * (1 + over * ACROSS)
+    assert path(X, -0.5 * Z + np.sqrt(most**2 - 0.25) * Y).falls == (over < 1)
     blurred = path(X, -0.5 * Z + 100 * Y, blur=over * 0.5 / 100)
     assert blurred.falls == (over < 1)
 
@@ -168,3 +168,23 @@ def test_contacts_with_a_plane_may_be_kept_by_what_only_shifts() -> None:
     for at in (6, 7, 8):
         found = path(X, -0.5 * Z, **pressed, planes=[False, True, True], turns=[(at, 1)])
         assert found.falls
+
+
+def test_what_is_at_a_limit_is_on_the_side_of_no() -> None:
+    assert not path(X, -DROPS * Z).falls
+    assert not path(X, -0.5 * Z - Y, others=(Y + DROPS * X,)).falls  # it stays closed, and closes
+    walls = {"others": (Y, -Y), "planes": [False, True, True]}
+    assert not path(X + KEEPS * Y, -0.5 * Z, **walls).falls
+    assert path(X, -0.5 * Z, load=-Z + ACROSS * X).falls
+
+
+def test_what_a_path_says_of_itself() -> None:
+    for second in (-0.5 * Z, -0.5 * Z + 0.5 * X):  # a wall that it leaves, not to come back
+        assert path(X, second, others=(X,)).lasts == np.inf
+    assert path(X, -0.5 * Z).rounding == 0.5e-9
+    assert path((X + Z) / 2, -0.5 * Z, load=X - Z).opens == 1.0  # all gaps open at once
+    assert path(X, -0.5 * Z).one_form
+    slips = np.zeros((2, 4, 12))
+    assert path(X, -0.5 * Z, others=(Y,), slips=slips).one_form
+    slips[1, [0, 2], 0] = 1.0  # it turns at a corner, and slips
+    assert not path(X, -0.5 * Z, others=(Y,), slips=slips).one_form

@@ -239,3 +239,19 @@ def test_cones_that_would_be_too_many_to_look_at_are_not() -> None:
     forged |= {"sides": [], "free": 0}
     (reason,) = kilter.verify(assembly, with_second_order(proof, forged)).reasons
     assert "fewer than the orthants" in reason
+
+
+@pytest.mark.parametrize(("mu", "verdict"), [(0.0, "unstable"), (0.5, "stable")])
+def test_of_what_slides_or_only_friction_holds_nothing_is_proved(mu: float, verdict: str) -> None:
+    """A block on a slope: the way along it leads down, which is no balance."""
+    floor = Part("floor", Box([20, 20, 1]), Pose([0, 0, -0.5]), grounded=True)
+    parts = [floor, Part("block", Box([1, 1, 1]), Pose([0, 0, 0.5]))]
+    assembly = Assembly(parts, friction=mu).with_down([0.2, 0, -0.98])
+    proof = kilter.check(assembly).proof()
+    assert proof["verdict"] == verdict
+    radius = float(assembly.geometry.radius[1])
+    level, down = radius * np.eye(6)[1], 0.1 * radius * np.eye(6)[0]
+    path = {"first": level, "second": down, "configuration": 0.01 * level + 0.00005 * down}
+    forged = {"state": "balanced"} | {key: {"block": one.tolist()} for key, one in path.items()}
+    found = kilter.verify(assembly, with_second_order(proof, forged))
+    assert found.reasons == ("its second order is not of what forces hold without friction",)

@@ -256,7 +256,9 @@ def verify_proof(assembly: Assembly, contacts: ContactSet, proof: dict[str, Any]
         more, also = recheck_exclusion(program, friction["exclusion"])
         reasons, notes = reasons + more, notes + also
     second = proof.get("second_order")
-    if not reasons and second is not None:
+    if not reasons and second is not None and ("forces" not in proof or friction is not None):
+        reasons = ["its second order is not of what forces hold without friction"]
+    elif not reasons and second is not None:
         program = build_program(assembly, contacts).frictionless
         reasons = recheck_second_order(assembly, contacts, program, second)
         notes += [] if reasons else [f"second order: {second['state']}"]

@@ -9,6 +9,11 @@ that the polygon within leaves the same motions neutral, forces at its corners a
 face, and what keeps or opens its plane keeps or opens it.
 
 Edges and corners that have no one normal, as where four boxes meet in a line (`sharp_points`).
+
+The force of a load acts at a point of its part. Where that is not the centre of mass, the energy
+curves as the part turns, by -F.(theta x (theta x arm)) / 2, even where there is no torque: a weight
+above the centre, or two hands that press on both ends. To first order nothing changes; nor does
+the energy along level motions, where the force is vertical.
 """
 
 from __future__ import annotations
@@ -100,4 +105,4 @@ def _on_rims(contacts: ContactSet) -> Mask:
     near = np.abs(np.einsum("ij,ij->i", normal, off)) <= contacts.gap
     on = np.zeros(len(possible), dtype=bool)
     on[row[agrees & near]] = True
-    return on & ~possible.two_sided & (possible.degenerate < 0)
+    return on & ~possible.two_sided

@@ -55,7 +55,7 @@ class Path:
     lasts: float
     rounding: float
     slack: float
-    one_form: bool = True
+    one_form: bool
 
     @property
     def falls(self) -> bool:

@@ -1,0 +1,350 @@
+"""A true proof of each kind, and each of its entries damaged: refused, for the reason meant."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from proofs import BUILD, proved
+from test_recognised import doubt, weeble
+
+import kilter
+from kilter import Assembly
+from kilter.mechanics.program import build_program
+from kilter.mechanics.proof import digest_of
+from kilter.second_order.critical import null_space
+from kilter.second_order.decide import decide
+from kilter.second_order.features_of import features_of
+from kilter.second_order.free_motions import find_free_motions
+from kilter.second_order.free_span import free_span
+from kilter.second_order.minimum_proof import MinimumProof
+from kilter.second_order.second_order_file import by_part
+from kilter.second_order.stationary import problem_of
+from kilter.second_order.touched_surfaces import touched_surfaces
+
+
+@pytest.mark.parametrize("kind", [kind for kind in BUILD if kind != "flat"])
+def test_a_true_proof_holds(kind: str) -> None:
+    judge, data = proved(kind)
+    assert judge(data) == []
+
+
+def changed(data: dict[str, Any], where: str, value: Any) -> dict[str, Any]:
+    """An entry exchanged, or made from what it is; "clusters.0.state" is one within."""
+    other = at = copy.deepcopy(data)
+    *keys, last = (int(key) if key.isdigit() else key for key in where.split("."))
+    for key in keys:
+        at = at[key]
+    if value is None and last != "configuration" and not isinstance(last, int):
+        del at[last]
+    else:
+        at[last] = value(at[last]) if callable(value) else value
+    return other
+
+
+def scaled(by: float) -> Callable[[Any], Any]:
+    """A motion, or numbers, times a factor."""
+
+    def made(old: Any) -> Any:
+        if isinstance(old, dict):
+            return {name: [by * x for x in six] for name, six in old.items()}
+        return [by * x for x in old]
+
+    return made
+
+
+FORM = "not of its form"
+COUNTS = "its counts of motions are not its own"
+OWN = "its state or its counts are not"
+STATE = "its state is not"
+DAMAGES = [
+    ("held", "state", "free", OWN),
+    ("held", "neutral", 1, OWN),
+    ("held", "free", 1, OWN),
+    ("held", "held", scaled(1.1), "do not balance"),
+    ("held", "held", scaled(-1.0), "pulls"),
+    ("held", "held", lambda old: old[:-1], "not those of the contacts"),
+    ("held", "held", lambda old: [[one] for one in old], "not those of the contacts"),
+    ("held", "held", ["nan"] * 6, FORM),
+    ("held", "held", lambda old: [str(one) for one in old], FORM),
+    ("mixed", "clusters.0.held", scaled(1.1), "do not balance"),
+    ("plane", "neutral", 3, OWN),
+    ("plane", "free", 3, OWN),
+    ("plane", "motion", {"block": [1, 1e-9, 0, 0, 0, 0]}, "leaves the plane"),
+    ("level", "motion", {"block": [0, 1, 0, 0, 0, 0], "floor": [0] * 6}, "one of the free parts"),
+    ("level", "state", "minimum", OWN),
+    ("level", "neutral", 2, OWN),
+    ("level", "free", 2, OWN),
+    ("level", "level", scaled(1.1), "do not balance"),
+    ("level", "motion", {"block": [0, 0, 1, 0, 0, 0]}, "not a level shift"),
+    ("level", "motion", {"floor": [1, 0, 0, 0, 0, 0]}, FORM),
+    ("level", "motion", {}, FORM),
+    ("level", "motion", None, FORM),
+    ("locked", "state", "minimum", OWN),
+    ("locked", "neutral", 5, OWN),
+    ("locked", "free", 6, OWN),
+    ("locked", "locked", scaled(1.1), "do not balance"),
+    ("locked", "stress", scaled(-1.0), "does not press"),
+    ("stopped", "state", "minimum", OWN),
+    ("stopped", "neutral", 3, OWN),
+    ("stopped", "free", 4, OWN),
+    ("stopped", "stopped", scaled(1.1), "do not balance"),
+    ("stopped", "weights", lambda old: [scaled(2.0)(one) for one in old], "stops do not keep"),
+    ("stopped", "motion", scaled(-1.0), "does not open every stop"),
+    ("minimum", "state", "free", STATE),
+    ("minimum", "state", "balanced", FORM),
+    ("minimum", "neutral", 4, COUNTS),
+    ("minimum", "free", 5, COUNTS),
+    ("minimum", "basis", lambda old: old[:1], "not all that its forces leave neutral"),
+    ("minimum", "across", lambda old: old[:1], "not all that its forces leave neutral"),
+    ("minimum", "forces", lambda old: [scaled(1.1)(old[0])], "do not balance"),
+    ("minimum", "forces", [], FORM),
+    ("minimum", "weights", [[[1.0]]], "weights of its sides"),
+    ("minimum", "weights", [[[1.0, 2.0]]], FORM),
+    ("minimum", "sides", [[1.0, 0.0]], "not the row of a contact"),
+    ("minimum", "rolling", "holds", "does not roll"),
+    ("cones", "splits", lambda old: old[:3], "fewer than the orthants"),
+    ("cones", "splits", lambda old: old[:4], "no tree"),
+    ("cones", "splits.0", [0, 3], "no tree"),
+    ("cones", "splits.0", [2, 1.5], ""),
+    ("cones", "weights.0", lambda old: [scaled(-1.0)(one) for one in old], "weights of its sides"),
+    ("rolls", "state", "minimum", STATE),
+    ("rolls", "free", 4, COUNTS),
+    ("idle", "idle", [], "no minimum"),
+    ("idle", "idle", [0], "do not balance"),
+    ("idle", "idle", [0, 1], "not those of the contacts"),
+    ("idle", "idle", [2], FORM),
+    ("idle", "state", "minimum", STATE),
+    ("idle", "state", "balanced", "no minimum"),
+    ("idle", "basis", None, "no minimum"),
+    ("idle", "motion", scaled(-1.0), "does not open the contacts"),
+    ("idle", "motion", scaled(0.0), "does not open the contacts"),
+    ("idle", "motion", {"ball": [1, 0, 0.1, 0, 0, 0]}, "none of those that are free"),
+    ("idle", "motion", {"ball": [0, 0, 0, 0, 0, 1]}, "does not open the contacts"),
+    ("corner", "motion", {"ball": [1, 0, 0, 0, 0, 0]}, "does not open the contacts"),
+    ("odd", "motion", {"ball": [0, 0, 0, 0, 0, 1]}, "only spins parts"),
+    ("odd", "motion", {"ball": [0, 0, 0, 0, 0, -1]}, "does not open the contacts"),
+    ("unknown", "idle", None, ""),
+    ("unknown", "idle", [0], "free past contacts whose second order is not known"),
+    ("unknown", "state", "free", STATE),
+    ("path", "state", "minimum", FORM),
+    ("path", "first", scaled(1.0 + 1e-6), "does not lead down"),
+    ("path", "first", scaled(0.0), "does not lead down"),
+    ("path", "second", scaled(-1.0), "does not lead down"),
+    ("path", "second", None, FORM),
+    ("path", "neutral", 5, "counts motions of what falls"),
+    ("path", "free", 3, "counts motions of what falls"),
+    ("path", "rolling", "holds", "does not roll as it says"),
+    ("path", "rolling", "falls", "does not roll as it says"),
+    ("path", "configuration", {"b": [0, 0, -1, 0, 0, 0]}, "not on its path"),
+    ("place", "configuration", None, "no configuration"),
+    ("place", "configuration", scaled(-1.0), "not on its path"),
+    ("beside", "configuration", None, "no configuration"),
+    ("mesh", "second", scaled(-1.0), "does not lead down"),
+    ("joined", "state", "free", STATE),
+    ("joined", "state", "open", STATE),
+    ("joined", "neutral", 5, COUNTS),
+    ("joined", "free", 3, COUNTS),
+    ("joined", "neutral", None, COUNTS),
+    ("joined", "clusters", lambda old: old[:1], "not one of each cluster"),
+    ("joined", "clusters", lambda old: old[::-1], FORM),
+    ("joined", "clusters", [None, None], STATE),
+    ("joined", "clusters.1", lambda old: None, STATE),
+    ("joined", "clusters.0.neutral", 4, COUNTS),
+    ("worst", "clusters.0", lambda old: None, STATE),
+    ("worst", "neutral", 5, COUNTS),
+    ("board", "rolling", "falls", "does not roll as it says"),
+    ("boards", "rolling", "holds", "does not roll as it says"),
+    ("boards", "rolling", None, "does not roll as it says"),
+    ("boards", "clusters.0.rolling", "falls", "does not roll as it says"),
+    ("boards", "clusters.1.rolling", None, "does not roll as it says"),
+    ("boards", "clusters.2.rolling", "holds", "what is not balanced does not roll"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("kind", "where", "value", "reason"), DAMAGES)
+def test_what_is_damaged_is_refused(kind: str, where: str, value: Any, reason: str) -> None:
+    judge, data = proved(kind)
+    reasons = judge(changed(data, where, value))
+    assert reasons
+    assert any(reason in one for one in reasons), reasons
+
+
+def test_beside_what_falls_nothing_else_is_to_be_known() -> None:
+    for kind, rest in (("worst", "clusters.1"), ("boards", "clusters.2")):
+        judge, data = proved(kind)
+        assert judge(changed(data, rest, lambda old: None)) == []
+
+
+@pytest.mark.parametrize(
+    ("kind", "of", "more", "reason"),
+    [
+        ("mesh", "locked", {}, "known too roughly"),
+        ("mesh", "stopped", {}, "known too roughly"),
+        ("unknown", "path", {}, "not every contact has a second order"),
+    ],
+)
+def test_a_proof_of_another_kind_is_refused(
+    kind: str, of: str, more: dict[str, Any], reason: str
+) -> None:
+    (judge, _), (_, data) = proved(kind), proved(of)
+    assert any(reason in one for one in judge(data | more))
+
+
+def proof_of_the_middle(assembly: Assembly) -> dict[str, Any]:
+    """A minimum with the surfaces as they were recognised, whatever their doubt."""
+    contacts = kilter.contacts(assembly)
+    program = build_program(assembly, contacts).frictionless
+    features = features_of(program, contacts, recognised=True)
+    touched = touched_surfaces(program, features, contacts)
+    free = find_free_motions(program, features, touched).symmetries
+    problem = problem_of(program, features)
+    decision = decide(problem, free_span(program, problem, free))
+    proof = decision.proof
+    assert isinstance(proof, MinimumProof)
+    return {
+        "state": "free",
+        "neutral": decision.neutral,
+        "free": decision.free,
+        "basis": [by_part(program, problem, one) for one in proof.basis.T],
+        "across": [by_part(program, problem, one) for one in proof.free.T],
+        "sides": [],
+        "splits": [],
+        "forces": [(leaf.forces * problem.weight).tolist() for leaf in proof.leaves],
+        "weights": [leaf.weights.tolist() for leaf in proof.leaves],
+    }
+
+
+@pytest.mark.parametrize(("doubts", "reason"), [(-4.2, ""), (-3.8, "does not curve upward")])
+def test_a_minimum_of_a_mesh_is_one_of_every_surface_it_may_stand_for(
+    doubts: float, reason: str
+) -> None:
+    assembly = weeble(doubts * doubt())
+    proof = kilter.check(assembly).proof() | {"second_order": proof_of_the_middle(assembly)}
+    proof["digest"] = digest_of(proof)
+    found = kilter.verify(assembly, proof)
+    assert found.holds == (not reason)
+    assert any(reason in one for one in found.reasons) or not reason
+
+
+def test_a_path_on_a_mesh_is_one_on_every_surface_it_may_stand_for() -> None:
+    true, other = weeble(4.6 * doubt()), weeble(3.8 * doubt())
+    proof, near = kilter.check(true).proof(), kilter.check(other).proof()
+    assert kilter.verify(true, proof).holds
+    near["second_order"] = proof["second_order"]
+    near["digest"] = digest_of(near)
+    assert any("does not lead down" in one for one in kilter.verify(other, near).reasons)
+
+
+def test_what_is_level_to_second_order_is_not_free_for_that() -> None:
+    judge, none = proved("flat")
+    assert none is None
+    assembly = BUILD["flat"]()
+    contacts = kilter.contacts(assembly)
+    program = build_program(assembly, contacts).frictionless
+    problem = problem_of(program, features_of(program, contacts))
+    neutral = null_space(problem.rows, problem.blur)
+    forces = np.ones(1)
+    values, axes = np.linalg.eigh(problem.curvature(forces, neutral))
+    assert values[:3] == pytest.approx([0, 0, 0], abs=1e-12)
+    assert (values[3:] > 0.1).all()
+    named = [by_part(program, problem, one) for one in (neutral @ axes).T]
+    forged = {"state": "free", "neutral": 5, "free": 3, "basis": named[3:], "across": named[:3]}
+    forged |= {"sides": [], "splits": [], "weights": [[]]}
+    forged |= {"forces": [[float(program.weight[1])]]}
+    assert judge(forged) == ["a motion that it calls free is not proved to be"]
+
+
+def test_far_enough_out_of_a_corner_any_way_will_do() -> None:
+    for kind, ways in (
+        ("idle", ([1, 0, 0, 0, 0, 0], [2, 0, 0, 0, 0, 0], [1, 5, 0, 0, 0, 3])),
+        ("corner", ([1, 0.1, 0, 0, 0, 0], [1e-6, 1e-6, 0, 0, 0, 0])),
+        ("odd", ([1, 0, 0, 0, 0, 0],)),
+    ):
+        judge, data = proved(kind)
+        for way in ways:
+            assert judge(data | {"motion": {"ball": way}}) == []
+
+
+@pytest.mark.parametrize(
+    ("other", "holds"),
+    [
+        ({}, True),
+        ({"ball": [1, 1e-13, 0, 0, 0, 0]}, True),
+        ({"ball": [1, 1e-11, 0, 0, 0, 0]}, False),
+        ({"ball": [1, 0, 0, 0, 0, 1e-11]}, False),
+        ({"wall 0": [1 + 1e-11, 0, 0, 0, 0, 0]}, False),
+        ({"wall 3": [1, 0, 0, 0, 0, 1e-11]}, False),
+        ({"wall 3": [1, 0, 0, 0, 0, 1e-13]}, True),
+    ],
+)
+def test_what_goes_along_is_shifted_alike_and_not_turned(
+    other: dict[str, list[float]], holds: bool
+) -> None:
+    """A ball in a box of walls that touch it: together they slide."""
+    judge, data = proved("together")
+    motion = {name: [1.0, 0, 0, 0, 0, 0] for name in data["motion"]}
+    reasons = judge(data | {"motion": motion | other})
+    assert (reasons == []) == holds
+
+
+def test_they_do_not_turn_as_one() -> None:
+    judge, data = proved("together")
+    parts = {one.name: one.pose.position for one in BUILD["together"]().parts}
+    about = {name: [-parts[name][1], parts[name][0], 0, 0, 0, 1] for name in data["motion"]}
+    assert judge(data | {"motion": about}) != []
+
+
+def down_a_ball(step: float, opens: float) -> dict[str, Any]:
+    """A path of the upper ball to the left, its gap opening by so much, and a place on it."""
+    first = [-0.5, 0, 0, 0, 0, 0]
+    second = [0, 0, 0.5 * (opens - 0.5), 0, 0, 0]
+    place = step * np.array(first) + step**2 / 2 * np.array(second)
+    named = {"first": first, "second": second, "configuration": place.tolist()}
+    return {"state": "balanced"} | {key: {"top": value} for key, value in named.items()}
+
+
+@pytest.mark.parametrize(
+    ("kind", "step", "opens", "reasons"),
+    [
+        ("place", 0.01, 0.25, []),
+        ("place", 0.05, 0.25, []),
+        ("near", 0.005, 0.25, []),
+        ("near", 0.02, 0.25, ["its configuration is not apart"]),
+        # apart by opens step^2 / 2, lower by (1/2 - opens) step^2 / 2
+        ("place", 2.2e-6, 0.45, ["its configuration is not lower"]),
+        ("place", 2.2e-6, 0.05, ["its configuration is not apart"]),
+        ("place", 3.5e-6, 0.25, []),
+        ("place", 1e-3, 1.1e-6, ["its configuration is not apart"]),
+        ("place", 2e-3, 1.1e-6, []),
+    ],
+)
+def test_a_place_is_apart_and_lower_by_more_than_rounding(
+    kind: str, step: float, opens: float, reasons: list[str]
+) -> None:
+    judge, _ = proved(kind)
+    assert judge(down_a_ball(step, opens)) == reasons
+
+
+def test_cones_are_counted_before_they_are_made() -> None:
+    """Five motions have 16 orthants, up to sign."""
+    judge, data = proved("rolls")
+    forged = data | {"basis": data["across"], "across": [], "free": 0}
+    for count, reason in ((15, "fewer than the orthants"), (16, "")):
+        reasons = judge(forged | {"splits": [None] * count})
+        assert any(reason in one for one in reasons)
+        assert any("orthants" in one for one in reasons) == bool(reason)
+
+
+def test_of_rolling_nothing_need_be_said() -> None:
+    judge, data = proved("board")
+    assert judge(changed(data, "rolling", None)) == []
+
+
+@pytest.mark.parametrize("data", [None, [], 3, "held", {"clusters": 3}, {"clusters": {}}, {}])
+def test_what_is_no_proof_is_refused(data: Any) -> None:
+    judge, _ = proved("minimum")
+    assert judge(data)
