@@ -9,12 +9,24 @@ import numpy as np
 import pytest
 
 import kilter
-from kilter import Assembly, Box, Cylinder, Part, Pose
-from kilter.mechanics.program import build_program
+from kilter import Assembly, Box, ContactSet, Cylinder, Part, Pose
+from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import digest_of
 from kilter.mechanics.rows import CONTACT, POSSIBLE
+from kilter.second_order.features_of import features_of
+from kilter.second_order.free_span import scaled_columns
+from kilter.second_order.path_search import find_path
+from kilter.second_order.paths import judge_path
+from kilter.second_order.second_order_file import by_part, named_motion
 from kilter.second_order.second_order_tolerances import KEEPS
-from kilter.second_order.sharp_points import opened, sharp_points, turn_alike, with_sharp
+from kilter.second_order.sharp_points import (
+    SharpPoints,
+    opens_points,
+    sharp_points,
+    turn_alike,
+    with_sharp,
+)
+from kilter.second_order.stationary import problem_of
 
 FLOOR = Part("floor", Box([40, 40, 1]), Pose([0, 0, -0.5]), grounded=True)
 
@@ -145,28 +157,126 @@ def test_no_force_of_a_proof_is_theirs() -> None:
         assert not kilter.verify(full, own).holds
 
 
-def test_points_that_are_so_by_and_large_are_opened_along_every_normal() -> None:
-    assembly = diagonal()
+def program_of(assembly: Assembly) -> tuple[Program, ContactSet]:
     contacts = kilter.contacts(assembly)
-    program = with_sharp(build_program(assembly, contacts).frictionless, contacts)
+    return with_sharp(build_program(assembly, contacts).frictionless, contacts), contacts
+
+
+def test_points_that_are_so_by_and_large_are_opened_along_every_normal() -> None:
+    program, contacts = program_of(diagonal())
     points = sharp_points(program, contacts)
-    assert (points[program.kind == CONTACT] == -1).all()
-    own = points[program.kind == POSSIBLE]
-    assert sorted(own.tolist()) == [0, 0, 1, 1]
+    assert (points.point[program.kind == CONTACT] == -1).all()
+    own = program.kind == POSSIBLE
+    assert sorted(points.point[own].tolist()) == [0, 0, 1, 1]
+    assert len(set(points.pair[own].tolist())) == 1
+    assert len(set(points.along[own].tolist())) == 2
     contacts.degenerate.exact.setflags(write=True)
     contacts.degenerate.exact[0] = False
-    assert sorted(sharp_points(program, contacts)[program.kind == POSSIBLE]) == [-1, -1, 1, 1]
+    other = sharp_points(program, contacts)
+    assert sorted(other.point[own].tolist()) == [-1, -1, 1, 1]
+    assert (other.pair[own] >= 0).sum() == (other.along[own] >= 0).sum() == 2
 
 
-def test_what_one_normal_opens_is_opened_where_the_parts_turn_alike() -> None:
-    points = np.array([-1, -1, 0, 0, 2, 2, 2])
+def test_what_one_normal_opens_is_opened() -> None:
+    """At the point where the parts turn alike; at all of a pair where it is one at each."""
+    points = SharpPoints(
+        point=np.array([-1, -1, 0, 0, 2, 2, 2]),
+        pair=np.array([-1, -1, 5, 5, 5, 5, 5]),
+        along=np.array([-1, -1, 3, 4, 3, 4, -1]),
+    )
     opens = np.array([True, False, True, False, False, False, False])
-    assert opened(opens, points, alike=True).tolist() == [1, 0, 1, 1, 0, 0, 0]
+    assert points.opened(opens, alike=True).tolist() == [1, 0, 1, 1, 0, 0, 0]
     alike = np.array([True, True, True, False, True, True, True])
-    assert opened(opens, points, alike).tolist() == [1, 0, 1, 0, 0, 0, 0]
+    assert points.opened(opens, alike).tolist() == [1, 0, 1, 0, 0, 0, 0]
     opens[5] = True
-    assert opened(opens, points, alike).tolist() == [1, 0, 1, 0, 1, 1, 1]
-    assert opened(opens[:0], points[:0], alike[:0]).tolist() == []
+    assert points.opened(opens, alike).tolist() == [1, 0, 1, 0, 1, 1, 1]
+    assert points.opened(opens, alike=False).tolist() == opens.tolist()
+    opens[4] = True
+    assert points.opened(opens, alike=False).tolist() == [1, 0, 1, 1, 1, 1, 1]
+    opens[:] = [True, False, False, False, False, False, True]
+    assert points.opened(opens, alike=False).tolist() == opens.tolist()
+    opens[:] = False
+    assert not points.opened(opens, alike=True).any()
+
+
+def test_a_normal_counts_for_a_pair_where_each_of_its_points_has_it() -> None:
+    """Corner on corner, and edges that end where others begin."""
+    program, contacts = program_of(Assembly([FLOOR, *boxes(2, 2, 2)]))
+    points = sharp_points(program, contacts)
+    for pair in np.unique(points.pair[points.pair >= 0]):
+        rows = points.pair == pair
+        for along in np.unique(points.along[rows & (points.along >= 0)]):
+            own = points.along == along
+            assert set(points.point[own]) == set(points.point[rows])
+            assert np.ptp(program.normal[own], axis=0).max() < 1e-9
+        for row in np.flatnonzero(rows & (points.along < 0)):
+            alike = rows & (np.abs(program.normal - program.normal[row]).max(axis=1) < 1e-9)
+            assert set(points.point[alike]) < set(points.point[rows])
+
+
+def over_an_edge(*, beside: bool = True) -> list[Part]:
+    """A board whose centre is over the edge of a post, and meets another post by edges."""
+    post = Part("post", Box([1, 2, 2]), Pose([0.5, 0, 1]))
+    board = Part("board", Box([2, 2, 0.5]), Pose([1, 0, 2.25]))
+    other = Part("other", Box([0.5, 1, 2]), Pose([0.75, -1.5, 1]))
+    return [FLOOR, post, board, *([other] if beside else [])]
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_board_over_an_edge_falls_from_among_others(turned: bool) -> None:
+    """As alone; its path parts it from the post that it meets by an edge."""
+    parts = over_an_edge()
+    assembly = Assembly(parts[::-1] if turned else parts)
+    assert any(one.kind == "degenerate" for one in kilter.contacts(assembly).open_pairs)
+    found = kilter.check(assembly)
+    alone = kilter.check(Assembly(over_an_edge(beside=False))).second_order
+    assert found.second_order is not None
+    assert alone is not None
+    assert (found.second_order.state, alone.state) == ("balanced", "balanced")
+    assert kilter.verify(assembly, found.proof()).holds
+
+
+@pytest.mark.parametrize("opens_at_once", [True, False])
+def test_a_path_that_parts_them_later_is_refused(opens_at_once: bool) -> None:
+    """The board tips; the other post goes away with it, or only to second order."""
+    assembly = Assembly(over_an_edge())
+    contacts = kilter.contacts(assembly)
+    program = build_program(assembly, contacts).frictionless
+    problem = problem_of(program, features_of(program, contacts))
+    assert problem.scale is not None
+    motion = np.zeros((1, 4, 6))
+    motion[0, 2, [0, 4]] = 0.25, 1.0  # about the edge of the post
+    tips = scaled_columns(program, problem, motion)[:, 0]
+    motion[:] = 0.0
+    motion[0, 3, 1] = -1.0
+    away = scaled_columns(program, problem, motion)[:, 0]
+    path = find_path(problem, tips + 0.5 * away if opens_at_once else tips)
+    assert path is not None
+    second = path.second if opens_at_once else path.second + away
+    assert judge_path(problem, path.first, second).falls
+    step = 0.002
+    place = program.full((step * path.first + step**2 / 2 * second) * problem.scale)
+    forged = damaged(
+        kilter.check(assembly).proof(),
+        first=by_part(program, problem, path.first),
+        second=by_part(program, problem, second),
+        configuration=named_motion(program, place),
+    )
+    checked = kilter.verify(assembly, forged)
+    assert checked.holds == opens_at_once, checked.reasons
+    if not opens_at_once:
+        assert [*checked.reasons] == ["its path does not open edges and corners of no one normal"]
+
+
+@pytest.mark.parametrize(
+    ("away", "holds"),
+    [([0, -1, 0], True), ([0, 1, 0], False), ([1, 0, 0], False), ([0, 0, 0], False)],
+)
+def test_the_post_goes_away_from_the_edge_of_the_board(away: list[float], holds: bool) -> None:
+    program, contacts = program_of(Assembly(over_an_edge()))
+    motion = np.zeros((4, 6))
+    motion[3, :3] = away
+    assert opens_points(program, contacts, motion) == holds
 
 
 def test_rows_are_of_such_points_of_what_moves() -> None:
@@ -191,8 +301,7 @@ def test_two_turn_alike_to_rounding(size: float, axis: int) -> None:
     """Over the size of the larger and of the motion."""
     small = Part("a", Box([1, 1, 1]), Pose([-0.5, -0.5, 0.5]))
     assembly = Assembly([FLOOR, small, Part("b", Box([4, 4, 1]), Pose([2, 2, 0.5]))])
-    contacts = kilter.contacts(assembly)
-    program = with_sharp(build_program(assembly, contacts).frictionless, contacts)
+    program, _ = program_of(assembly)
     between = program.kind == POSSIBLE
     motion = np.zeros((3, 6))
     assert turn_alike(program, motion).all()

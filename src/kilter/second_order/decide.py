@@ -4,7 +4,7 @@
 2  motions that are proved free are divided out; those that every contact leaves flat are undecided
 3  self-stress blocks what it curves upward (`curved_energy`)
 4  forces that curve the energy upward on the rest: minimum
-5  else a path that leads down, from the multiplier of 4 (`paths`): balanced
+5  else a path that leads down, from the multiplier of 4 (`paths`), or of one part alone: balanced
 6  else, up to dimension 4, cones with forces of their own each (copositive matrices are sums of a
    positive and a semidefinite one there): minimum, or a path down
 7  else open, with the reason
@@ -15,6 +15,7 @@ Every answer but "open" carries a proof that was judged apart from the solver.
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -201,7 +202,7 @@ class _Question:
             if proved is not None:
                 return proved
             candidates += self._from_multiplier(basis, best.motions)
-        paths = self._paths(candidates)
+        paths = self._paths(candidates) or self._paths_alone()
         if paths:
             return self._decision("balanced", *paths)
         if basis.shape[1] == self.across.shape[1] <= EXACT_DIMENSION:
@@ -236,7 +237,7 @@ class _Question:
     def _paths(self, candidates: list[Array]) -> list[Path]:
         """Paths that fall along motions, or along critical ones near by, the steepest first."""
         found = []
-        about = self._about_edges()
+        about = self._about_edges(np.hstack([self.across, self.free]))
         for motion in candidates:
             senses = (motion, -motion) if len(self.sides) else (motion,)
             critical_ones = [self._critical(one) for one in senses]
@@ -244,14 +245,38 @@ class _Question:
                 path = find_path(self.problem, critical) if critical is not None else None
                 if path is not None and path.falls:
                     found.append(path)
+        return self._steepest(found)
+
+    def _paths_alone(self) -> list[Path]:
+        """Paths of one part alone that fall, the steepest first."""
+        paths = [find_path(self.problem, one) for one in self._alone()]
+        return self._steepest(path for path in paths if path is not None and path.falls)
+
+    def _steepest(self, found: Iterable[Path]) -> list[Path]:
         return sorted(found, key=lambda path: -min(path.opens, path.power))
 
-    def _about_edges(self) -> Array:
-        """Neutral motions along which no corner that carries slips off an edge of both parts."""
-        if self.carrying.slips is None:
-            return self.across[:, :0]
+    def _alone(self) -> list[Array]:
+        """Critical motions of one part alone that curve least: what is pressed stays in place."""
         whole = np.hstack([self.across, self.free])
-        return whole @ null_space(self.carrying.sliding(whole), self.problem.blur)
+        columns = self.problem.columns.reshape(-1, 6)
+        found: list[Array | None] = []
+        for own in np.unique(columns[(columns >= 0).any(axis=1)], axis=0):
+            still = np.ones(len(whole), dtype=bool)
+            still[own[own >= 0]] = False
+            basis = whole @ null_space(whole[still], self.problem.blur)
+            basis[still] = 0.0
+            basis, _ = np.linalg.qr(basis)
+            for within in (basis, self._about_edges(basis)):
+                motions = self._from_forces(within) if within.shape[1] else []
+                senses = [one for motion in motions for one in (motion, -motion)]
+                found += [self._critical(one, within) for one in senses]
+        return [one for one in found if one is not None]
+
+    def _about_edges(self, basis: Array) -> Array:
+        """Motions in a basis along which no corner that carries slips off an edge of both parts."""
+        if self.carrying.slips is None:
+            return basis[:, :0]
+        return basis @ null_space(self.carrying.sliding(basis), self.problem.blur)
 
     def _pivots(self, about: Array, critical: list[Array | None]) -> list[Array]:
         """Critical motions near to some along which no corner slips off."""
@@ -265,16 +290,18 @@ class _Question:
             if np.linalg.norm(one) > NARROW and (sides > -FLAT).all()
         ]
 
-    def _critical(self, motion: Array) -> Array | None:
-        """The nearest critical motion; None where that is no motion at all."""
-        y = self.across.T @ motion
-        if len(self.sides):
+    def _critical(self, motion: Array, basis: Array | None = None) -> Array | None:
+        """The nearest critical motion, in an orthonormal basis; None where that is none."""
+        basis = self.across if basis is None else basis
+        y, sides = basis.T @ motion, self.sides_of(basis)
+        sides = sides[np.linalg.norm(sides, axis=1) > FLAT]  # others it does not open or close
+        if len(sides):
             from scipy.optimize import nnls  # takes its time
 
-            push, _ = nnls(self.sides.T, -y)
-            y = y + self.sides.T @ push
+            push, _ = nnls(sides.T, -y)
+            y = y + sides.T @ push
         size = float(np.linalg.norm(y))
-        return self.across @ (y / size) if size > 1e-6 else None
+        return basis @ (y / size) if size > 1e-6 else None
 
     def _strengthened(
         self, forces: Array, stress: Array, weights: Array | None = None

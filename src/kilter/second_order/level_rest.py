@@ -23,7 +23,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import TINY, Array, Index, Mask, read_only
+from kilter.arrays import TINY, Array, Mask, read_only
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
 from kilter.second_order.bearing import (
@@ -44,7 +44,7 @@ from kilter.second_order.second_order_tolerances import (
     DROPS,
     SPREAD,
 )
-from kilter.second_order.sharp_points import opened
+from kilter.second_order.sharp_points import SharpPoints
 
 __all__ = ["LevelRest", "judge_level_rest", "level_rows", "wrong_forces", "wrong_motion"]
 
@@ -79,7 +79,7 @@ def level_rows(program: Program, contacts: ContactSet) -> Mask:
 
 
 def judge_level_rest(
-    program: Program, level: Mask, proof: LevelRest, sharp: Index | None = None
+    program: Program, level: Mask, proof: LevelRest, sharp: SharpPoints | None = None
 ) -> str:
     """Why a proof does not hold; empty where it does.
 
@@ -89,7 +89,7 @@ def judge_level_rest(
     level : ndarray of bool, shape (K,)
         Rows of level faces (`level_rows`).
     proof : LevelRest
-    sharp : ndarray of int, shape (K,), optional
+    sharp : SharpPoints, optional
         Points of which one row is enough to open (`sharp_points`); without, each row is.
     """
     if proof.forces.shape != level.shape or proof.motion.shape != (len(program.names), 6):
@@ -146,7 +146,9 @@ def _wrong_tilts(program: Program, bearing: Bearing, forces: Array) -> str:
     return ""
 
 
-def wrong_motion(program: Program, level: Mask, motion: Array, sharp: Index | None = None) -> str:
+def wrong_motion(
+    program: Program, level: Mask, motion: Array, sharp: SharpPoints | None = None
+) -> str:
     """Why a motion, shape (N, 6), is no level one that opens the other contacts."""
     if motion[~program.free].any():
         return "its motion moves what is held"
@@ -159,5 +161,5 @@ def wrong_motion(program: Program, level: Mask, motion: Array, sharp: Index | No
     apart = moved[program.part_b] - moved[program.part_a]
     opens = np.einsum("ij,ij->i", program.normal, apart) > DROPS * size
     if sharp is not None:
-        opens = opened(opens, sharp, alike=True)
+        opens = sharp.opened(opens, alike=True)
     return "" if opens[~level].all() else "its motion does not open the other contacts"

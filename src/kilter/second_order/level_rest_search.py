@@ -25,6 +25,7 @@ from kilter.second_order.bearing import (
 from kilter.second_order.critical import carrying_forces
 from kilter.second_order.level_rest import LevelRest, wrong_forces, wrong_motion
 from kilter.second_order.second_order_tolerances import DROPS, SPREAD
+from kilter.second_order.sharp_points import SharpPoints
 
 __all__ = ["find_level_rest", "find_parting"]
 
@@ -41,7 +42,7 @@ ROUNDING = 1e-13
 
 
 def find_level_rest(
-    program: Program, level: Mask, forces: Array | None, sharp: Index | None = None
+    program: Program, level: Mask, forces: Array | None, sharp: SharpPoints | None = None
 ) -> LevelRest | None:
     """A proof for a program of contacts without friction; None where none was found.
 
@@ -51,7 +52,7 @@ def find_level_rest(
     level : ndarray of bool, shape (K,)
     forces : ndarray, shape (K,), optional
         Of some equilibrium [N].
-    sharp : ndarray of int, shape (K,), optional
+    sharp : SharpPoints, optional
         As the judge takes them.
     """
     if not level.any():
@@ -174,7 +175,7 @@ def _pushing(part: Index, footing: Array, need: Array) -> Array:
     return found
 
 
-def find_parting(program: Program, level: Mask, sharp: Index | None) -> Array | None:
+def find_parting(program: Program, level: Mask, sharp: SharpPoints | None) -> Array | None:
     """All parts away from one place, level: it opens what is not; None where it does not."""
     free = program.free
     middle = program.center[free].mean(axis=0)

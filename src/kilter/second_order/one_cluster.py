@@ -12,6 +12,7 @@ path itself is all there is to know (`recognised`).
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -34,11 +35,12 @@ from kilter.second_order.locked import faces_of, shifts
 from kilter.second_order.locking_stress import find_locked
 from kilter.second_order.minimum_proof import MinimumProof
 from kilter.second_order.oscillation import growth_rate
+from kilter.second_order.parted_path import parted_paths
 from kilter.second_order.paths import Path
 from kilter.second_order.recognised import formed_for_all
 from kilter.second_order.second_order_answer import SecondOrder, answer_of, open_answer
 from kilter.second_order.second_order_tolerances import ACROSS, KEEPS
-from kilter.second_order.sharp_points import sharp_points
+from kilter.second_order.sharp_points import SharpPoints, opens_points, sharp_points
 from kilter.second_order.stationary import Stationary, problem_of
 from kilter.second_order.stopped import level_contacts, level_motions, stop_forms
 from kilter.second_order.stopping_weights import find_stopped, opening_motion
@@ -55,6 +57,7 @@ def answer_alone(
     features: Features,
     *,
     critical: Critical | None = None,
+    whole: Program | None = None,
     work: Work | None = None,
 ) -> SecondOrder:
     """What second order says of a place of equilibrium.
@@ -70,11 +73,11 @@ def answer_alone(
         Of its rows.
     critical : Critical, optional
         Of the rows that are certain, where it is known already.
+    whole : Program, optional
+        Also with the points that have no one normal, which what falls has to open.
     """
-    certain = program.kind == CONTACT
-    if not certain.all():
-        found = _without(assembly, contacts, program, features, certain, critical, work)
-        return found or open_answer(_sharp(program), program)
+    if (program.kind != CONTACT).any():
+        return _beside_points(assembly, contacts, program, features, critical, work)
     if critical is not None and len(critical.sides):
         kept = critical.carries
         own = Critical(critical.forces[kept], kept[kept], critical.basis, critical.sides[:0])
@@ -117,12 +120,35 @@ def answer_alone(
         size = float(np.linalg.norm(motion.reshape(-1, 3), axis=1).max())
         return replace(found, state="free", rate=None, motion=motion / size, moving=moving)
     if decision.state == "balanced":
-        return _falling(assembly, contacts, program, problem, decision, doubted=doubted)
+        return _falling(
+            assembly, contacts, program, whole or program, problem, decision, doubted=doubted
+        )
     if decision.state == "open" and not doubted:
         sliding = _sliding(program, contacts, problem, critical, work)
         if sliding is not None:
             return sliding
     return answer_of(program, problem, decision)
+
+
+def _beside_points(
+    assembly: Assembly,
+    contacts: ContactSet,
+    program: Program,
+    features: Features,
+    critical: Critical | None,
+    work: Work | None,
+) -> SecondOrder:
+    """Of a cluster with points that have no one normal: they only take motions away."""
+    rows = np.flatnonzero(program.kind == CONTACT)
+    part, own = program.taking(rows), features.take(rows)
+    found = answer_alone(
+        assembly, contacts, part, own, critical=critical, whole=program, work=work
+    )  # fmt: skip
+    if found.state in ("balanced", "open"):
+        return found
+    return _opening_idle(assembly, contacts, program, rows, found) or open_answer(
+        _sharp(program), program
+    )
 
 
 def _without(
@@ -136,19 +162,33 @@ def _without(
 ) -> SecondOrder | None:
     """Of some of the contacts alone: less keeps it, and if it stays then, it stays.
 
-    What is free then is free where a motion opens all the other contacts, or shifts both parts
-    alike. None where it does not stay, or nothing is known to be free.
+    None where it does not stay, or nothing is known to be free.
     """
-    part, rows, kept = program.taking(kept), np.flatnonzero(kept), kept.copy()
+    part, rows = program.taking(kept), np.flatnonzero(kept)
     found = answer_alone(
         assembly, contacts, part, features.take(rows), critical=critical, work=work
     )  # fmt: skip
+    return _opening_idle(assembly, contacts, program, rows, found)
+
+
+def _opening_idle(
+    assembly: Assembly,
+    contacts: ContactSet,
+    program: Program,
+    rows: Index,
+    found: SecondOrder,
+) -> SecondOrder | None:
+    """The answer of some rows as one of all: what is free opens the others too.
+
+    Or shifts both parts alike. None where it does not stay, or nothing is known to be free.
+    """
     if found.state not in ("minimum", "free"):
         return None
-    kept[rows[found.idle]] = False
-    found = replace(found, idle=np.flatnonzero(~kept))
+    idle = np.ones(len(program.kind), dtype=bool)
+    idle[np.delete(rows, found.idle)] = False
+    found = replace(found, idle=np.flatnonzero(idle))
     if found.state != "free":
-        return found if found.state == "minimum" else None
+        return found
     assert found.decision is not None
     assert found.problem is not None
     assert found.problem.scale is not None
@@ -156,7 +196,7 @@ def _without(
     if not isinstance(proof, MinimumProof):
         return None
     free = proof.free * found.problem.scale[:, None] / found.problem.length
-    opening = _away(program, ~kept, free, sharp_points(program, contacts))
+    opening = _away(program, idle, free, sharp_points(program, contacts))
     if opening is None:
         return None
     motion = program.full(free @ opening)
@@ -168,7 +208,7 @@ def _without(
     return replace(found, motion=motion / size, moving=moving, decision=decision)
 
 
-def _away(program: Program, idle: Mask, free: Array, points: Index) -> Array | None:
+def _away(program: Program, idle: Mask, free: Array, points: SharpPoints) -> Array | None:
     """Of free motions (n, f) one that opens all idle contacts, shape (f,); None where none does.
 
     Or that shifts all parts alike, and opens those with what is held.
@@ -179,9 +219,11 @@ def _away(program: Program, idle: Mask, free: Array, points: Index) -> Array | N
         within, *_ = np.linalg.lstsq(free, columns, rcond=None)
         if np.abs(free @ within - columns).max(initial=0.0) < KEEPS:
             return np.asarray(within)
-    opening = opening_motion(program.taking(idle).jacobian() @ free)
-    if opening is not None:
-        return opening
+    rows = program.jacobian() @ free
+    for chosen in points.choices(idle):
+        opening = opening_motion(rows[chosen])
+        if opening is not None:
+            return opening
     count = int(program.free.sum())
     shifts = np.zeros((3, 6))
     shifts[: len(level_axes(program)), :3] = level_axes(program)
@@ -261,7 +303,7 @@ def _unknown(program: Program, known: Mask) -> str:
 
 def _sharp(program: Program) -> str:
     pair = _first(program, program.kind != CONTACT)
-    return f"edges or corners of {pair} meet that have no one normal"
+    return f"edges or corners of {pair} meet, which have no one normal"
 
 
 def _first(program: Program, rows: Mask) -> str:
@@ -275,29 +317,43 @@ def _falling(
     assembly: Assembly,
     contacts: ContactSet,
     program: Program,
+    whole: Program,
     problem: Stationary,
     decision: Decision,
     *,
     doubted: bool,
 ) -> SecondOrder:
-    """A balanced place with its configuration; open where none was found."""
+    """A balanced place with its configuration; open where none was found.
+
+    `whole`: the program also with points that have no one normal, which the path has to open.
+    """
     path, why = decision.proof, ""
     assert isinstance(path, Path)
     assert problem.scale is not None
-    configuration = None
+    scale, configuration = problem.scale, None
+
+    def parts(one: Path) -> bool:
+        return whole is program or opens_points(whole, contacts, program.full(one.first * scale))
+
     by_path = doubted or bool((contacts.patch_kind[program.source] == "given").all())
-    if by_path and not path.one_form:
-        why = "a corner on edges of both parts slips"
-    for one in () if by_path else (path, *decision.others):
-        configuration, wrong = find_configuration(assembly, contacts, program, problem, one)
-        if configuration is not None:
-            path, why = one, ""
-            break
-        why = why or wrong
+    if by_path:
+        why = "" if path.one_form else "a corner on edges of both parts slips"
+        why = why if parts(path) else _sharp(whole)
+    else:
+        own = (path, *decision.others)
+        for one in itertools.chain(own, parted_paths(whole, contacts, problem, own)):
+            if not parts(one):
+                continue
+            configuration, wrong = find_configuration(assembly, contacts, program, problem, one)
+            if configuration is not None:
+                path = one
+                break
+            why = why or wrong
+        why = "" if configuration is not None else why or _sharp(whole)
     if why:
         return replace(answer_of(program, problem, decision), state="open", why=why)
     found = answer_of(program, problem, replace(decision, proof=path))
-    motion = program.full(path.first * problem.scale)
+    motion = program.full(path.first * scale)
     sizes = np.maximum(
         np.linalg.norm(motion[:, :3], axis=1),
         np.linalg.norm(motion[:, 3:], axis=1) * program.radius,

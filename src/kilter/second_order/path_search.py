@@ -23,6 +23,9 @@ from kilter.solvers.problem import LinearProgram
 
 __all__ = ["find_path"]
 
+TURNS = [3, 4, 5, 9, 10, 11]
+"""Of the unknowns of a contact, those that are turns."""
+
 
 def find_path(problem: Stationary, motion: Array) -> Path | None:
     """The path along a critical motion, shape (n,), that opens and falls most."""
@@ -38,17 +41,17 @@ def find_path(problem: Stationary, motion: Array) -> Path | None:
 
 def _along_planes(problem: Stationary, motion: Array) -> Path | None:
     """The path that keeps every contact with a plane along which a motion shifts its parts."""
-    fixed = _turns_of(problem, problem.planes)
-    if not problem.planes.any() or np.abs(motion[fixed]).max(initial=0.0) > ACROSS:
+    turned = np.append(np.abs(motion), 0.0)[problem.columns[:, TURNS]].max(axis=1, initial=0.0)
+    keep = problem.planes & (np.abs(problem.rows @ motion) < ACROSS) & (turned < ACROSS)
+    if not keep.any():
         return None
-    keep = problem.planes & (np.abs(problem.rows @ motion) < ACROSS)
     fixed = _turns_of(problem, keep)
     held = np.vstack([problem.rows[keep], np.eye(len(motion))[fixed]])
     within = null_space(held, problem.blur)
     first = within @ (within.T @ motion)
     first[fixed] = 0.0
     size = float(np.linalg.norm(first))
-    if not keep.any() or size < 0.5:
+    if size < 0.5:
         return None
     first = first / size
     loose = replace(
@@ -69,7 +72,7 @@ def _along_planes(problem: Stationary, motion: Array) -> Path | None:
 
 def _turns_of(problem: Stationary, rows: Mask) -> Index:
     """Places of the turns of the parts of some rows."""
-    places = np.unique(problem.columns[rows][:, [3, 4, 5, 9, 10, 11]])
+    places = np.unique(problem.columns[rows][:, TURNS])
     return np.asarray(places[places >= 0], dtype=np.int64)
 
 

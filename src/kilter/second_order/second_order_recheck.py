@@ -46,7 +46,12 @@ from kilter.second_order.second_order_file import (
     stacked,
 )
 from kilter.second_order.second_order_tolerances import ACROSS, APART, DROPS, KEEPS
-from kilter.second_order.sharp_points import opened, sharp_points, turn_alike, with_sharp
+from kilter.second_order.sharp_points import (
+    opens_points,
+    sharp_points,
+    turn_alike,
+    with_sharp,
+)
 from kilter.second_order.stationary import Stationary, problem_of, stationary
 from kilter.second_order.stopped import (
     Stopped,
@@ -184,7 +189,12 @@ def _wrong_gaps(
     if "idle" in data:
         return _wrong_without_idle(assembly, contacts, program, features, data)
     if (program.kind != CONTACT).any():
-        return ["edges and corners that have no one normal are not left out"]
+        if data["state"] != "balanced":
+            return ["edges and corners of no one normal are not left out"]
+        rows = np.flatnonzero(program.kind == CONTACT)
+        part = program.taking(rows)
+        reasons = _wrong_gaps(assembly, contacts, part, features.take(rows), data)
+        return reasons or _wrong_at_points(contacts, program, data)
     known = formed_for_all(program, features)
     problem = problem_of(program, features)
     if features.doubted and ("locked" in data or "stopped" in data or not known.all()):
@@ -240,12 +250,20 @@ def _wrong_without_idle(
     if np.abs(columns - free @ (free.T @ columns)).max(initial=0.0) > ACROSS * size:
         reasons.append("its motion is none of those that are free")
     opens, alike = problem.rows @ columns > DROPS * size, turn_alike(program, motion)
-    opens = opened(opens, sharp_points(program, contacts), alike) | _alike(program, motion)
+    opens = sharp_points(program, contacts).opened(opens, alike) | _alike(program, motion)
     if not opens[~kept].all() or size == 0:
         reasons.append("its motion does not open the contacts that carry nothing")
     if not len(moving_free(assembly, FreeMotions(motion[None], ("level",)))):
         reasons.append("its motion only spins parts of revolution")
     return reasons
+
+
+def _wrong_at_points(contacts: ContactSet, program: Program, data: dict[str, Any]) -> list[str]:
+    """Does its path open edges and corners that have no one normal?"""
+    motion = read_motion(program, data["first"])
+    if opens_points(program, contacts, motion):
+        return []
+    return ["its path does not open edges and corners of no one normal"]
 
 
 def _alike(program: Program, motion: Array) -> Mask:
