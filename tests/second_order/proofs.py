@@ -48,6 +48,9 @@ LYING = GivenContact(
 """A trough and a body that curves by as much or more: what lies level may do so to second order."""
 NEAR = Part("near", Sphere(0.1), Pose([-0.605, 0, 1.5]), grounded=True)
 """5 mm from the upper ball."""
+RIGHT = Pose([2, 0, 1])
+EDGED = [("a", Pose([-0.5, -0.5, 0.5])), ("b", Pose([0.5, 0.5, 0.5]))]
+BLANK = GivenContact(("wall", "b"), [[-1, 0, 1]], [1, 0, 0])
 FORCE = 2.0 * 9.81 / (6 * np.sqrt(0.5))
 HELD = {"state": "minimum", "neutral": 0, "free": 0, "held": [FORCE] * 6}
 
@@ -108,6 +111,11 @@ BUILD: dict[str, Callable[[], Assembly]] = {
     "beside": lambda: Assembly([LOW, TOP, POST], contacts=[GIVEN]),
     "flat": lambda: Assembly([FLOOR, BALL], contacts=[LYING], detect=False),
     "near": lambda: Assembly([LOW, TOP, NEAR]),
+    "pair": lambda: Assembly([FLOOR, WALL, BALL, replace(BALL, name="other", pose=RIGHT)]),
+    "sharp": lambda: Assembly([FLOOR, *(replace(BLOCK, name=name, pose=at) for name, at in EDGED)]),
+    "doubtful": lambda: Assembly(
+        [FLOOR, WALL, as_mesh(ball(1.0, 24, [0, 0, 1]))], contacts=[BLANK]
+    ),
     "boards": lambda: rubbing(rolling("R1", -0.1), rolling("R1", 0.1), in_a_bowl()),
 }
 

@@ -127,7 +127,8 @@ DAMAGES = [
     ("corner", "motion", {"ball": [1, 0, 0, 0, 0, 0]}, "does not open the contacts"),
     ("odd", "motion", {"ball": [0, 0, 0, 0, 0, 1]}, "only spins parts"),
     ("odd", "motion", {"ball": [0, 0, 0, 0, 0, -1]}, "does not open the contacts"),
-    ("unknown", "idle", None, ""),
+    ("pair", "motion", {"ball": [0] * 6, "other": [1, 0, 0, 0, 0, 0]}, "does not open"),
+    ("unknown", "idle", None, "free past contacts whose second order is not known"),
     ("unknown", "idle", [0], "free past contacts whose second order is not known"),
     ("unknown", "state", "free", STATE),
     ("path", "state", "minimum", FORM),
@@ -184,7 +185,9 @@ def test_beside_what_falls_nothing_else_is_to_be_known() -> None:
     [
         ("mesh", "locked", {}, "known too roughly"),
         ("mesh", "stopped", {}, "known too roughly"),
+        ("doubtful", "rolls", {}, "known too roughly"),
         ("unknown", "path", {}, "not every contact has a second order"),
+        ("sharp", "rolls", {}, "edges and corners that have no one normal"),
     ],
 )
 def test_a_proof_of_another_kind_is_refused(
@@ -276,6 +279,7 @@ def test_far_enough_out_of_a_corner_any_way_will_do() -> None:
         ({"ball": [1, 1e-13, 0, 0, 0, 0]}, True),
         ({"ball": [1, 1e-11, 0, 0, 0, 0]}, False),
         ({"ball": [1, 0, 0, 0, 0, 1e-11]}, False),
+        ({"ball": [1, 0, 0, 1e-11, 0, 0]}, False),
         ({"wall 0": [1 + 1e-11, 0, 0, 0, 0, 0]}, False),
         ({"wall 3": [1, 0, 0, 0, 0, 1e-11]}, False),
         ({"wall 3": [1, 0, 0, 0, 0, 1e-13]}, True),
@@ -287,8 +291,10 @@ def test_what_goes_along_is_shifted_alike_and_not_turned(
     """A ball in a box of walls that touch it: together they slide."""
     judge, data = proved("together")
     motion = {name: [1.0, 0, 0, 0, 0, 0] for name in data["motion"]}
-    reasons = judge(data | {"motion": motion | other})
-    assert (reasons == []) == holds
+    motion |= other
+    for size in (1.0, 1e-6):
+        given = {name: (size * np.array(six)).tolist() for name, six in motion.items()}
+        assert (judge(data | {"motion": given}) == []) == holds
 
 
 def test_they_do_not_turn_as_one() -> None:
