@@ -341,3 +341,15 @@ def test_a_corner_that_carries_neither_turns_nor_slips_where_it_is_flush(over: f
     two = {"rows": (Z, Z), "forces": (0.5, 0.5)}
     assert ("may slip off" in word(**two, slips=slips(0, 1))) == (over > 1)
     assert word(**beside, slips=slips(3, 0)) == word(**beside, slips=slips(0, 3)) == ""
+
+
+@pytest.mark.parametrize("tilt", [0.9 * ACROSS, 0.0, -0.9 * ACROSS])
+@pytest.mark.parametrize(("curves", "holds"), [(0.5e-7, True), (-0.5e-7, False)])
+def test_what_a_basis_opens_a_little_curves_nothing(
+    tilt: float, curves: float, holds: bool
+) -> None:
+    """Between two walls y is no motion, however much it would curve the energy with x."""
+    tilted = (X + tilt * Y)[:, None]
+    form = ((curves, 1.0, 0), (1.0, 0, 0), (0, 0, 0))
+    found = word(curvature=form, rows=(Z, Y, -Y), forces=(1, 1, 1), basis=tilted)
+    assert found == ("" if holds else "the energy does not curve upward under its forces")

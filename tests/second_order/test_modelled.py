@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 
 import kilter
-from kilter import Assembly, Bond, Box, Cylinder, Joint, Load, Part, Pose, Sphere
+from kilter import Assembly, Bond, Box, Cylinder, Joint, Load, Mesh, Part, Pose, Sphere
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
 from kilter.scenes.balance import CASES
 from kilter.second_order.modelled import OFF_CENTRE, loads_off_centre, why_unmodelled
 from kilter.second_order.second_order_tolerances import KEEPS
+from kilter.shape.primitives import surface
 
 TABLE = Part("table", Box([10, 10, 1]), Pose([0, 0, -0.5]), grounded=True)
 CAN = Part("can", Cylinder(0.5, 1.0), Pose([0, 0, 0.5]))
@@ -93,6 +94,30 @@ def test_what_is_possible_out_of_the_plane_of_a_face_is_not_its_rim() -> None:
         assert "not modelled" in why_unmodelled(
             contacts.assembly, contacts_with(contacts, other)
         ), name
+
+
+def test_each_face_of_a_pair_has_its_own_rim() -> None:
+    """A can that touches one part above and below, and another can."""
+    corners, faces = surface(Box([2, 2, 1]))
+    both = np.vstack([corners, corners + 2 * np.eye(3)[2]])
+    frame = Part("frame", Mesh(both, np.vstack([faces, faces + 8])), Pose([9, 0, 2.5]), True)
+    held = Part("held", Cylinder(0.5, 1.0), Pose([9, 0, 3.5]))
+    assembly = Assembly([TABLE, CAN, frame, held])
+    contacts = kilter.contacts(assembly)
+    assert (contacts.patch_kind == "plane").sum() == 3
+    assert why_unmodelled(assembly, contacts) == ""
+
+
+def test_pairs_left_open_for_another_reason_than_their_edges_are_not_known() -> None:
+    boxes = [Part(f"at {x}", Box([1, 1, 1]), Pose([x, x, 0.5])) for x in (-0.5, 0.5)]
+    assembly = Assembly([TABLE, *boxes])
+    contacts = kilter.contacts(assembly)
+    assert [pair.kind for pair in contacts.open_pairs] == ["degenerate"]
+    assert why_unmodelled(assembly, contacts) == ""
+    unknown = replace(contacts, open_pairs=[replace(contacts.open_pairs[0], kind="curved")])
+    none = replace(contacts, possible=contacts.possible.take(np.zeros(0, dtype=np.int64)))
+    for changed in (unknown, none):
+        assert "left open" in why_unmodelled(assembly, changed)
 
 
 def refused(assembly: Assembly, of: Assembly) -> tuple[str, ...]:

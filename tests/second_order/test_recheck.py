@@ -187,7 +187,7 @@ def test_beside_what_falls_nothing_else_is_to_be_known() -> None:
         ("mesh", "stopped", {}, "known too roughly"),
         ("doubtful", "rolls", {}, "known too roughly"),
         ("unknown", "path", {}, "not every contact has a second order"),
-        ("sharp", "rolls", {}, "edges and corners that have no one normal"),
+        ("sharp", "rolls", {}, "edges and corners of no one normal"),
     ],
 )
 def test_a_proof_of_another_kind_is_refused(
@@ -283,6 +283,7 @@ def test_far_enough_out_of_a_corner_any_way_will_do() -> None:
         ({"wall 0": [1 + 1e-11, 0, 0, 0, 0, 0]}, False),
         ({"wall 3": [1, 0, 0, 0, 0, 1e-11]}, False),
         ({"wall 3": [1, 0, 0, 0, 0, 1e-13]}, True),
+        ({"wall 0": [1, 0, 0, 0, 0, 0.8e-12]}, False),  # its corners are 1.6 from its middle
     ],
 )
 def test_what_goes_along_is_shifted_alike_and_not_turned(

@@ -23,8 +23,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import TINY, Array, unit_rows
+from kilter.arrays import Array, Mask, unit_rows
 from kilter.second_order.carrying import carry_beyond_doubt, carrying_rows
+from kilter.second_order.critical import null_space
 from kilter.second_order.second_order_tolerances import ACROSS, BALANCED, CURVED, LEVEL
 from kilter.second_order.stationary import Stationary
 
@@ -136,7 +137,9 @@ def judge_minimum(problem: Stationary, proof: MinimumProof, worst: Stationary | 
         wrong = _wrong_forces(problem, leaf.forces)
         if wrong:
             return wrong
-    wrong = _wrong_spaces(problem, proof) or next(
+    carries = carrying_rows(problem, np.mean([leaf.forces for leaf in proof.leaves], axis=0))
+    neutral = null_space(problem.rows[carries], problem.blur)
+    wrong = _wrong_spaces(problem, proof, carries, neutral) or next(
         filter(None, (_wrong_free(problem, proof, leaf.forces) for leaf in proof.leaves)), ""
     )
     if wrong:
@@ -148,11 +151,12 @@ def judge_minimum(problem: Stationary, proof: MinimumProof, worst: Stationary | 
         return f"its cones are no tree: {error}"
     if len(cones) != len(proof.leaves):
         return "it has not one set of forces for each cone"
+    basis = neutral @ (neutral.T @ proof.basis)  # what it is off by may curve upward
     for rays, leaf in zip(cones, proof.leaves, strict=True):
         own = proof.sides if rays is None else np.vstack([sides_of_cone(rays), proof.sides])
         if leaf.weights.shape != (len(own), len(own)) or not _positive(leaf.weights):
             return "the weights of its sides are not positive"
-        curvature = worst.curvature(leaf.forces, proof.basis)
+        curvature = worst.curvature(leaf.forces, basis)
         if not definite(curvature - own.T @ leaf.weights @ own):
             return "the energy does not curve upward under its forces"
     return ""
@@ -171,22 +175,21 @@ def _wrong_forces(problem: Stationary, forces: Array) -> str:
     return "" if balanced else "its forces do not balance the load"
 
 
-def _wrong_spaces(problem: Stationary, proof: MinimumProof) -> str:
-    """Is every critical motion in the cone of the basis and the free motions?"""
+def _wrong_spaces(problem: Stationary, proof: MinimumProof, carries: Mask, neutral: Array) -> str:
+    """Is every critical motion in the cone of the basis and the free motions?
+
+    `carries`, shape (K,): rows that do on the mean; `neutral`: what they leave, orthonormal.
+    """
     forces = np.mean([leaf.forces for leaf in proof.leaves], axis=0)
-    carries = carrying_rows(problem, forces)
     spanned = np.hstack([proof.basis, proof.free])
     if not np.isfinite(spanned).all() or spanned.shape[0] != problem.rows.shape[1]:
         return "its motions are not those of the free parts"
-    held = problem.rows[carries]
-    values = np.linalg.svd(held, compute_uv=False)
-    rank = int((values > problem.blur * values.max(initial=TINY)).sum())
     if np.abs(spanned.T @ spanned - np.eye(spanned.shape[1])).max(initial=0.0) > ACROSS:
         return "its motions are not of length 1 and across one another"
-    opened = np.abs(held @ spanned).max(initial=0.0)
-    if spanned.shape[1] != spanned.shape[0] - rank or opened > ACROSS:
+    opened = np.abs(problem.rows[carries] @ spanned).max(initial=0.0)
+    if spanned.shape != neutral.shape or opened > ACROSS:
         return "its motions are not all that its forces leave neutral"
-    if not carry_beyond_doubt(problem, forces, carries, spanned, problem.load):
+    if not carry_beyond_doubt(problem, forces, carries, neutral, problem.load):
         return "its forces carry by rounding"
     if np.abs(problem.rows @ proof.free).max(initial=0.0) > ACROSS:
         return "a free motion opens a contact"
