@@ -15,6 +15,7 @@ from kilter.mechanics.proof import digest_of
 from kilter.mechanics.rows import CONTACT, POSSIBLE
 from kilter.second_order.features_of import features_of
 from kilter.second_order.free_span import scaled_columns
+from kilter.second_order.opening_motion import enough_to_open
 from kilter.second_order.path_search import find_path
 from kilter.second_order.paths import judge_path
 from kilter.second_order.second_order_file import by_part, named_motion
@@ -181,9 +182,11 @@ def test_what_one_normal_opens_is_opened() -> None:
     """At the point where the parts turn alike; at all of a pair where it is one at each."""
     points = SharpPoints(
         point=np.array([-1, -1, 0, 0, 2, 2, 2]),
-        pair=np.array([-1, -1, 5, 5, 5, 5, 5]),
-        along=np.array([-1, -1, 3, 4, 3, 4, -1]),
+        pair=np.array([-1, -1, 0, 0, 0, 0, 0]),
+        along=np.array([-1, -1, 0, 1, 0, 1, -1]),
     )
+    with pytest.raises(ValueError, match="read-only"):
+        points.point[0] = 1
     opens = np.array([True, False, True, False, False, False, False])
     assert points.opened(opens, alike=True).tolist() == [1, 0, 1, 1, 0, 0, 0]
     alike = np.array([True, True, True, False, True, True, True])
@@ -197,21 +200,73 @@ def test_what_one_normal_opens_is_opened() -> None:
     assert points.opened(opens, alike=False).tolist() == opens.tolist()
     opens[:] = False
     assert not points.opened(opens, alike=True).any()
+    other = SharpPoints(points.point, np.where(points.pair == 0, 1, -1), points.along)
+    opens[[3, 5]] = True
+    assert other.opened(opens, alike=False).tolist() == [0, 0, 1, 1, 1, 1, 1]
 
 
 def test_a_normal_counts_for_a_pair_where_each_of_its_points_has_it() -> None:
-    """Corner on corner, and edges that end where others begin."""
-    program, contacts = program_of(Assembly([FLOOR, *boxes(2, 2, 2)]))
+    """Corner on corner, edges on edges, and boxes that meet two others so."""
+    off = Part("off", Box([1, 1, 1]), Pose([-0.5, 1.5, 2.5]))
+    program, contacts = program_of(Assembly([FLOOR, *boxes(2, 2, 2), off]))
+    rows = np.flatnonzero(program.kind == POSSIBLE)
+    normal = program.normal.copy()
+    normal[rows[0]] = [0.6, 0, 0.8]  # at one of its points a pair has another normal
+    program = program.with_rows(normal=normal)
     points = sharp_points(program, contacts)
-    for pair in np.unique(points.pair[points.pair >= 0]):
-        rows = points.pair == pair
-        for along in np.unique(points.along[rows & (points.along >= 0)]):
-            own = points.along == along
-            assert set(points.point[own]) == set(points.point[rows])
-            assert np.ptp(program.normal[own], axis=0).max() < 1e-9
-        for row in np.flatnonzero(rows & (points.along < 0)):
-            alike = rows & (np.abs(program.normal - program.normal[row]).max(axis=1) < 1e-9)
-            assert set(points.point[alike]) < set(points.point[rows])
+    by_pair: dict[frozenset[int], list[int]] = {}
+    for row in rows.tolist():
+        by_pair.setdefault(frozenset((program.part_a[row], program.part_b[row])), []).append(row)
+    assert len(by_pair) == len(set(points.pair[rows].tolist()))
+    kinds = set()
+    for own in by_pair.values():
+        assert len(set(points.pair[own].tolist())) == 1
+        every = set(points.point[own].tolist())
+        for row in own:
+            alike = [k for k in own if np.allclose(program.normal[k], program.normal[row])]
+            everywhere = set(points.point[alike].tolist()) == every
+            assert (points.along[row] >= 0) == everywhere
+            assert len(set(points.along[alike].tolist())) == 1
+            kinds.add(everywhere)
+    assert kinds == {True, False}
+    counted = points.along[rows][points.along[rows] >= 0]
+    normals = {(p, *np.round(n, 6)) for p, n, k in
+               zip(points.pair[rows], program.normal[rows], points.along[rows], strict=True)
+               if k >= 0}  # fmt: skip
+    assert len(set(counted.tolist())) == len(normals)
+
+
+def test_one_normal_of_each_pair_is_chosen() -> None:
+    """Of three that one pair has, of one of another; and all of no normal for its whole pair."""
+    points = SharpPoints(
+        point=np.array([-1, 0, 0, 0, 1, 2, 4]),
+        pair=np.array([-1, 5, 5, 5, 5, 7, 8]),
+        along=np.array([-1, 0, 1, 2, 0, 3, -1]),
+    )
+    every = np.ones(7, dtype=bool)
+    chosen = [np.flatnonzero(rows).tolist() for rows in enough_to_open(points, every)]
+    assert chosen == [[0, 1, 4, 5, 6], [0, 2, 5, 6], [0, 3, 5, 6]]
+    some = every.copy()
+    some[[0, 1, 3]] = False
+    chosen = [np.flatnonzero(rows).tolist() for rows in enough_to_open(points, some)]
+    assert chosen == [[4, 5, 6], [2, 5, 6]]
+    assert [rows.any() for rows in enough_to_open(points, ~every)] == [False]
+
+
+def test_a_box_between_two_corners_goes_between_them() -> None:
+    """Away from both is no way; to one side of each is."""
+    held = [
+        Part(name, Box([1, 1, 1]), Pose([x, y, 0.5]), grounded=True)
+        for name, x, y in (("a", 1, 1), ("b", -1, -1))
+    ]
+    assembly = Assembly([FLOOR, *held, Part("c", Box([1, 1, 1]), Pose([0, 0, 0.5]))])
+    found = kilter.check(assembly)
+    assert found.second_order is not None
+    assert (found.second_order.state, found.second_order.free) == ("free", 3)
+    assert found.second_order.motion is not None
+    x, y = found.second_order.motion[3, :2]
+    assert x * y < 0
+    assert kilter.verify(assembly, found.proof()).holds
 
 
 def over_an_edge(*, beside: bool = True) -> list[Part]:

@@ -202,7 +202,9 @@ class _Question:
             if proved is not None:
                 return proved
             candidates += self._from_multiplier(basis, best.motions)
-        paths = self._paths(candidates) or self._paths_alone()
+        paths = self._paths(candidates)
+        if not paths or self.carrying.slips is not None:  # flush: the plainest path is a tilt
+            paths += self._paths_alone()
         if paths:
             return self._decision("balanced", *paths)
         if basis.shape[1] == self.across.shape[1] <= EXACT_DIMENSION:

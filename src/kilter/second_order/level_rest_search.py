@@ -24,6 +24,7 @@ from kilter.second_order.bearing import (
 )
 from kilter.second_order.critical import carrying_forces
 from kilter.second_order.level_rest import LevelRest, wrong_forces, wrong_motion
+from kilter.second_order.opening_motion import enough_to_open, opening_motion
 from kilter.second_order.second_order_tolerances import DROPS, SPREAD
 from kilter.second_order.sharp_points import SharpPoints
 
@@ -176,7 +177,10 @@ def _pushing(part: Index, footing: Array, need: Array) -> Array:
 
 
 def find_parting(program: Program, level: Mask, sharp: SharpPoints | None) -> Array | None:
-    """All parts away from one place, level: it opens what is not; None where it does not."""
+    """A level shift of each part that opens what is not level; None where none was found.
+
+    All parts away from one place, or what a linear program finds.
+    """
     free = program.free
     middle = program.center[free].mean(axis=0)
     axes = level_axes(program)
@@ -194,5 +198,17 @@ def find_parting(program: Program, level: Mask, sharp: SharpPoints | None) -> Ar
         motion[free, :3] = (away + shift * along) @ axes
         motion /= max(float(np.linalg.norm(motion[:, :3], axis=1).max()), TINY)
         if not wrong_motion(program, level, motion, sharp):
+            return motion
+    if free.sum() > MOST_ASKED:
+        return None
+    shifts = np.zeros((len(axes) * int(free.sum()), len(free), 6))
+    places = np.repeat(np.flatnonzero(free), len(axes))
+    shifts[np.arange(len(places)), places, :3] = np.tile(axes, (int(free.sum()), 1))
+    rows = program.jacobian() @ shifts[:, free][:, :, program.freedoms].reshape(len(places), -1).T
+    for chosen in [~level] if sharp is None else enough_to_open(sharp, ~level):
+        found = opening_motion(rows[chosen])
+        motion = np.zeros((len(free), 6)) if found is None else np.tensordot(found, shifts, axes=1)
+        motion /= max(float(np.linalg.norm(motion[:, :3], axis=1).max()), TINY)
+        if found is not None and not wrong_motion(program, level, motion, sharp):
             return motion
     return None

@@ -34,6 +34,7 @@ from kilter.second_order.level_rest_search import find_parting
 from kilter.second_order.locked import faces_of, shifts
 from kilter.second_order.locking_stress import find_locked
 from kilter.second_order.minimum_proof import MinimumProof
+from kilter.second_order.opening_motion import enough_to_open, opening_motion
 from kilter.second_order.oscillation import growth_rate
 from kilter.second_order.parted_path import parted_paths
 from kilter.second_order.paths import Path
@@ -43,7 +44,7 @@ from kilter.second_order.second_order_tolerances import ACROSS, KEEPS
 from kilter.second_order.sharp_points import SharpPoints, opens_points, sharp_points
 from kilter.second_order.stationary import Stationary, problem_of
 from kilter.second_order.stopped import level_contacts, level_motions, stop_forms
-from kilter.second_order.stopping_weights import find_stopped, opening_motion
+from kilter.second_order.stopping_weights import find_stopped
 from kilter.second_order.touched_surfaces import Touched, planes_of, touched_surfaces
 from kilter.work import Work
 
@@ -220,7 +221,7 @@ def _away(program: Program, idle: Mask, free: Array, points: SharpPoints) -> Arr
         if np.abs(free @ within - columns).max(initial=0.0) < KEEPS:
             return np.asarray(within)
     rows = program.jacobian() @ free
-    for chosen in points.choices(idle):
+    for chosen in enough_to_open(points, idle):
         opening = opening_motion(rows[chosen])
         if opening is not None:
             return opening

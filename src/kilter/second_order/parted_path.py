@@ -19,6 +19,7 @@ from kilter.second_order.level_rest import level_rows
 from kilter.second_order.level_rest_search import find_parting
 from kilter.second_order.path_search import find_path
 from kilter.second_order.paths import Path
+from kilter.second_order.second_order_tolerances import ACROSS
 from kilter.second_order.sharp_points import sharp_points
 from kilter.second_order.stationary import Stationary
 
@@ -27,7 +28,7 @@ __all__ = ["parted_paths"]
 SHARES = (0.3, 1.0, 3.0)
 """Of the motion away, over that of the path."""
 MOST = 4
-"""Paths that are parted."""
+"""Paths that are parted, those of fewest parts first."""
 
 
 def parted_paths(
@@ -44,7 +45,12 @@ def parted_paths(
         Of the contacts that are certain.
     paths : tuple of Path
     """
-    for one in paths[:MOST]:
+
+    def moved(path: Path) -> int:
+        by_part = path.first.reshape(-1, len(program.freedoms))
+        return int((np.abs(by_part).max(axis=1) > ACROSS).sum())
+
+    for one in sorted(paths, key=moved)[:MOST]:
         for away in _level_shifts(program, contacts, problem):
             for share in SHARES:
                 found = find_path(problem, one.first + share * away)

@@ -13,8 +13,6 @@ Their rows are of kind POSSIBLE: no force of a proof is theirs.
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,8 +36,6 @@ __all__ = [
 
 SAME_NORMAL = 9
 """Decimals of unit normals that are one."""
-MOST_CHOICES = 64
-"""Choices of normals that are tried, one of each pair."""
 
 
 def sharp_pushes(contacts: ContactSet) -> Mask:
@@ -89,19 +85,6 @@ class SharpPoints(Rows):
         found: Mask = opens | by_one | by_normal
         return found
 
-    def choices(self, rows: Mask) -> Iterator[Mask]:
-        """Some of these rows that it is enough to open: of each pair those of one normal.
-
-        Of up to `MOST_CHOICES` such choices.
-        """
-        pairs = np.unique(self.pair[rows & (self.along >= 0)])
-        normals = [
-            np.unique(self.along[rows & (self.pair == one) & (self.along >= 0)]) for one in pairs
-        ]
-        others = rows & ~np.isin(self.pair, pairs)
-        for chosen in itertools.islice(itertools.product(*normals), MOST_CHOICES):
-            yield others | (rows & np.isin(self.along, chosen))
-
 
 def sharp_points(program: Program, contacts: ContactSet) -> SharpPoints:
     """The points of the rows of a program; of those by and large every row is to be opened."""
@@ -110,17 +93,28 @@ def sharp_points(program: Program, contacts: ContactSet) -> SharpPoints:
     number = contacts.possible.degenerate[program.source[rows]]
     exact = contacts.degenerate.exact[number]
     rows, number = rows[exact], number[exact]
+    if not len(rows):
+        return SharpPoints(point, pair, along)
     point[rows] = number
-    parts = np.sort([program.part_a[rows], program.part_b[rows]], axis=0)
-    pair[rows] = parts[0] * len(program.names) + parts[1]
-    own = np.column_stack([pair[rows], np.round(program.normal[rows], SAME_NORMAL)])
-    _, group = np.unique(own, axis=0, return_inverse=True)
-    at_each = np.unique(np.column_stack([group, number]), axis=0)[:, 0]
-    _, which = np.unique(pair[rows], return_inverse=True)
-    ends = np.unique(np.column_stack([which, number]), axis=0)[:, 0]
-    everywhere = np.bincount(at_each)[group] == np.bincount(ends)[which] if len(rows) else rows > 0
-    along[rows] = np.where(everywhere, group, -1)
+    a, b = program.part_a[rows], program.part_b[rows]
+    pair[rows] = np.minimum(a, b) * len(program.names) + np.maximum(a, b)
+    normal = np.round(program.normal[rows], SAME_NORMAL)
+    of_pair = _numbered(pair[rows][:, None])
+    of_normal = _numbered(np.column_stack([of_pair, normal]))
+    all_have_it = _different(number, of_normal) == _different(number, of_pair)
+    along[rows] = np.where(all_have_it, of_normal, -1)
     return SharpPoints(point, pair, along)
+
+
+def _numbered(rows: Array | Index) -> Index:
+    """A number for each row, shape (k, m), the same for those that are equal, shape (k,)."""
+    return np.asarray(np.unique(rows, axis=0, return_inverse=True)[1]).reshape(-1)
+
+
+def _different(values: Index, group: Index) -> Index:
+    """How many different values the group of each row has, shape (k,)."""
+    first = np.unique(_numbered(np.column_stack([group, values])), return_index=True)[1]
+    return np.bincount(group[first])[group]
 
 
 def opens_points(program: Program, contacts: ContactSet, motion: Array) -> bool:

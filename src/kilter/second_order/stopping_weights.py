@@ -9,12 +9,13 @@ from scipy.sparse import csc_array, csr_array
 
 from kilter.arrays import Array, Mask
 from kilter.second_order.critical import carrying_forces
+from kilter.second_order.opening_motion import opening_motion
 from kilter.second_order.stationary import Stationary
 from kilter.second_order.stopped import StopForms, Stopped, judge_stopped, stop_forms
 from kilter.solvers.highs import find_optimum
 from kilter.solvers.problem import LinearProgram
 
-__all__ = ["find_stopped", "opening_motion"]
+__all__ = ["find_stopped"]
 
 SHARES = (0.1, 1e-3, 1e-5)
 """Of the most even weights, what each has at least where the curvature is to be great."""
@@ -42,25 +43,6 @@ def find_stopped(problem: Stationary, level: Mask, motions: Array, free: Array) 
         if not judge_stopped(problem, level, motions, free, proof):
             return proof
     return None
-
-
-def opening_motion(rows: Array) -> Array | None:
-    """Of motions x, shape (f,), the one that opens rows (s, f) most; None where none opens all.
-
-    Max t:  rows x >= t,  |x| <= 1.
-    """
-    count, freedoms = rows.shape
-    answer = find_optimum(
-        LinearProgram(
-            np.append(np.zeros(freedoms), -1.0),
-            csc_array(np.hstack([rows, -np.ones((count, 1))])),
-            np.zeros(count),
-            np.full(count, np.inf),
-            -np.ones(freedoms + 1),
-            np.ones(freedoms + 1),
-        )
-    )
-    return answer.x[:-1] if answer.optimal and answer.x[-1] > 0 else None
 
 
 def _offered(forms: StopForms) -> Iterator[Array]:
