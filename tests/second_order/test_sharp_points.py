@@ -15,16 +15,14 @@ from kilter.mechanics.proof import digest_of
 from kilter.mechanics.rows import CONTACT, POSSIBLE
 from kilter.second_order.features_of import features_of
 from kilter.second_order.free_span import scaled_columns
-from kilter.second_order.opening_motion import enough_to_open
+from kilter.second_order.opening_contacts import enough_to_open
 from kilter.second_order.path_search import find_path
 from kilter.second_order.paths import judge_path
 from kilter.second_order.second_order_file import by_part, named_motion
-from kilter.second_order.second_order_tolerances import KEEPS
 from kilter.second_order.sharp_points import (
     SharpPoints,
     opens_points,
     sharp_points,
-    turn_alike,
     with_sharp,
 )
 from kilter.second_order.stationary import problem_of
@@ -166,43 +164,33 @@ def program_of(assembly: Assembly) -> tuple[Program, ContactSet]:
 def test_points_that_are_so_by_and_large_are_opened_along_every_normal() -> None:
     program, contacts = program_of(diagonal())
     points = sharp_points(program, contacts)
-    assert (points.point[program.kind == CONTACT] == -1).all()
+    assert (points.pair[program.kind == CONTACT] == -1).all()
     own = program.kind == POSSIBLE
-    assert sorted(points.point[own].tolist()) == [0, 0, 1, 1]
     assert len(set(points.pair[own].tolist())) == 1
     assert len(set(points.along[own].tolist())) == 2
     contacts.degenerate.exact.setflags(write=True)
     contacts.degenerate.exact[0] = False
     other = sharp_points(program, contacts)
-    assert sorted(other.point[own].tolist()) == [-1, -1, 1, 1]
     assert (other.pair[own] >= 0).sum() == (other.along[own] >= 0).sum() == 2
+    contacts.degenerate.exact[:] = False
+    assert (sharp_points(program, contacts).pair == -1).all()
 
 
-def test_what_one_normal_opens_is_opened() -> None:
-    """At the point where the parts turn alike; at all of a pair where it is one at each."""
+def test_what_one_normal_opens_at_all_points_of_a_pair_is_opened() -> None:
     points = SharpPoints(
-        point=np.array([-1, -1, 0, 0, 2, 2, 2]),
-        pair=np.array([-1, -1, 0, 0, 0, 0, 0]),
-        along=np.array([-1, -1, 0, 1, 0, 1, -1]),
+        pair=np.array([-1, -1, 0, 0, 0, 0, 0, 1, 1]),
+        along=np.array([-1, -1, 0, 1, 0, 1, -1, 2, 3]),
     )
     with pytest.raises(ValueError, match="read-only"):
-        points.point[0] = 1
-    opens = np.array([True, False, True, False, False, False, False])
-    assert points.opened(opens, alike=True).tolist() == [1, 0, 1, 1, 0, 0, 0]
-    alike = np.array([True, True, True, False, True, True, True])
-    assert points.opened(opens, alike).tolist() == [1, 0, 1, 0, 0, 0, 0]
-    opens[5] = True
-    assert points.opened(opens, alike).tolist() == [1, 0, 1, 0, 1, 1, 1]
-    assert points.opened(opens, alike=False).tolist() == opens.tolist()
-    opens[4] = True
-    assert points.opened(opens, alike=False).tolist() == [1, 0, 1, 1, 1, 1, 1]
-    opens[:] = [True, False, False, False, False, False, True]
-    assert points.opened(opens, alike=False).tolist() == opens.tolist()
+        points.pair[0] = 1
+    opens = np.array([True, False, True, False, False, True, True, False, False])
+    assert points.opened(opens).tolist() == opens.tolist()
+    opens[3] = True
+    assert points.opened(opens).tolist() == [1, 0, 1, 1, 1, 1, 1, 0, 0]
     opens[:] = False
-    assert not points.opened(opens, alike=True).any()
-    other = SharpPoints(points.point, np.where(points.pair == 0, 1, -1), points.along)
-    opens[[3, 5]] = True
-    assert other.opened(opens, alike=False).tolist() == [0, 0, 1, 1, 1, 1, 1]
+    assert not points.opened(opens).any()
+    opens[8] = True
+    assert points.opened(opens).tolist() == [0, 0, 0, 0, 0, 0, 0, 1, 1]
 
 
 def test_a_normal_counts_for_a_pair_where_each_of_its_points_has_it() -> None:
@@ -214,6 +202,8 @@ def test_a_normal_counts_for_a_pair_where_each_of_its_points_has_it() -> None:
     normal[rows[0]] = [0.6, 0, 0.8]  # at one of its points a pair has another normal
     program = program.with_rows(normal=normal)
     points = sharp_points(program, contacts)
+    point = np.full(len(program.kind), -1)
+    point[rows] = contacts.possible.degenerate[program.source[rows]]
     by_pair: dict[frozenset[int], list[int]] = {}
     for row in rows.tolist():
         by_pair.setdefault(frozenset((program.part_a[row], program.part_b[row])), []).append(row)
@@ -221,10 +211,10 @@ def test_a_normal_counts_for_a_pair_where_each_of_its_points_has_it() -> None:
     kinds = set()
     for own in by_pair.values():
         assert len(set(points.pair[own].tolist())) == 1
-        every = set(points.point[own].tolist())
+        every = set(point[own].tolist())
         for row in own:
             alike = [k for k in own if np.allclose(program.normal[k], program.normal[row])]
-            everywhere = set(points.point[alike].tolist()) == every
+            everywhere = set(point[alike].tolist()) == every
             assert (points.along[row] >= 0) == everywhere
             assert len(set(points.along[alike].tolist())) == 1
             kinds.add(everywhere)
@@ -239,7 +229,6 @@ def test_a_normal_counts_for_a_pair_where_each_of_its_points_has_it() -> None:
 def test_one_normal_of_each_pair_is_chosen() -> None:
     """Of three that one pair has, of one of another; and all of no normal for its whole pair."""
     points = SharpPoints(
-        point=np.array([-1, 0, 0, 0, 1, 2, 4]),
         pair=np.array([-1, 5, 5, 5, 5, 7, 8]),
         along=np.array([-1, 0, 1, 2, 0, 3, -1]),
     )
@@ -348,25 +337,3 @@ def test_rows_are_of_such_points_of_what_moves() -> None:
         program = build_program(assembly, contacts).frictionless
         assert (contacts.possible.degenerate < 0).any()
         assert len(with_sharp(program, contacts).kind) == len(program.kind) + 2 * ends
-
-
-@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
-@pytest.mark.parametrize("axis", [3, 4, 5])
-def test_two_turn_alike_to_rounding(size: float, axis: int) -> None:
-    """Over the size of the larger and of the motion."""
-    small = Part("a", Box([1, 1, 1]), Pose([-0.5, -0.5, 0.5]))
-    assembly = Assembly([FLOOR, small, Part("b", Box([4, 4, 1]), Pose([2, 2, 0.5]))])
-    program, _ = program_of(assembly)
-    between = program.kind == POSSIBLE
-    motion = np.zeros((3, 6))
-    assert turn_alike(program, motion).all()
-    motion[1:, 0] = size
-    for off, alike in ((0.0, True), (0.9, True), (1.1, False), (-1.1, False), (-1e9, False)):
-        motion[2, axis] = off * KEEPS * size / program.radius[2]
-        assert turn_alike(program, motion)[between].all() == alike
-    motion[1:, axis] = 3 * size
-    found = turn_alike(program, motion)
-    assert found[between].all()
-    assert not found[~between].any()
-    motion[2, axis] *= 1 + 0.5 * KEEPS / program.radius[2]
-    assert not turn_alike(program, motion)[between].any()

@@ -161,5 +161,5 @@ def wrong_motion(
     apart = moved[program.part_b] - moved[program.part_a]
     opens = np.einsum("ij,ij->i", program.normal, apart) > DROPS * size
     if sharp is not None:
-        opens = sharp.opened(opens, alike=True)
+        opens = sharp.opened(opens)
     return "" if opens[~level].all() else "its motion does not open the other contacts"

@@ -24,7 +24,7 @@ from kilter.second_order.bearing import (
 )
 from kilter.second_order.critical import carrying_forces
 from kilter.second_order.level_rest import LevelRest, wrong_forces, wrong_motion
-from kilter.second_order.opening_motion import enough_to_open, opening_motion
+from kilter.second_order.opening_contacts import enough_to_open, opening_motion
 from kilter.second_order.second_order_tolerances import DROPS, SPREAD
 from kilter.second_order.sharp_points import SharpPoints
 
@@ -32,6 +32,8 @@ __all__ = ["find_level_rest", "find_parting"]
 
 MOST_ASKED = 100
 """A linear program spreads the load of up to this many parts, where all else fails."""
+MOST_PARTED = 20
+"""One finds the shifts that part this many parts."""
 POLISHED = 2
 """Times that its forces are balanced."""
 PULLS = 1e-3
@@ -199,7 +201,7 @@ def find_parting(program: Program, level: Mask, sharp: SharpPoints | None) -> Ar
         motion /= max(float(np.linalg.norm(motion[:, :3], axis=1).max()), TINY)
         if not wrong_motion(program, level, motion, sharp):
             return motion
-    if free.sum() > MOST_ASKED:
+    if free.sum() > MOST_PARTED:
         return None
     shifts = np.zeros((len(axes) * int(free.sum()), len(free), 6))
     places = np.repeat(np.flatnonzero(free), len(axes))

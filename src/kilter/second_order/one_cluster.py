@@ -34,7 +34,7 @@ from kilter.second_order.level_rest_search import find_parting
 from kilter.second_order.locked import faces_of, shifts
 from kilter.second_order.locking_stress import find_locked
 from kilter.second_order.minimum_proof import MinimumProof
-from kilter.second_order.opening_motion import enough_to_open, opening_motion
+from kilter.second_order.opening_contacts import enough_to_open, opening_motion
 from kilter.second_order.oscillation import growth_rate
 from kilter.second_order.parted_path import parted_paths
 from kilter.second_order.paths import Path

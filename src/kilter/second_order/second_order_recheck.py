@@ -49,7 +49,6 @@ from kilter.second_order.second_order_tolerances import ACROSS, APART, DROPS, KE
 from kilter.second_order.sharp_points import (
     opens_points,
     sharp_points,
-    turn_alike,
     with_sharp,
 )
 from kilter.second_order.stationary import Stationary, problem_of, stationary
@@ -249,8 +248,8 @@ def _wrong_without_idle(
     free, size = stacked(program, problem, data["across"]), float(np.linalg.norm(columns))
     if np.abs(columns - free @ (free.T @ columns)).max(initial=0.0) > ACROSS * size:
         reasons.append("its motion is none of those that are free")
-    opens, alike = problem.rows @ columns > DROPS * size, turn_alike(program, motion)
-    opens = sharp_points(program, contacts).opened(opens, alike) | _alike(program, motion)
+    opens = sharp_points(program, contacts).opened(problem.rows @ columns > DROPS * size)
+    opens |= _alike(program, motion)
     if not opens[~kept].all() or size == 0:
         reasons.append("its motion does not open the contacts that carry nothing")
     if not len(moving_free(assembly, FreeMotions(motion[None], ("level",)))):

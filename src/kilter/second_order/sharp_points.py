@@ -5,8 +5,8 @@ first order iff they come nearer along every extreme normal of the planes that s
 (`kilter.mechanics.degenerate`): with such points less is allowed than without. So
 
     what is a minimum by the certain contacts alone is one with them
-    a motion that opens one of the normals at a point parts the two there; and all along a line of
-    such points where they do not turn against each other, or one normal is opened at both ends
+    a motion that opens one normal at all points of a pair parts the two: openings are linear along
+    a line from point to point, where the planes of its ends separate them, too
 
 Their rows are of kind POSSIBLE: no force of a proof is theirs.
 """
@@ -22,7 +22,7 @@ from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import POSSIBLE, ForceRows, pushing_rows
 from kilter.second_order.free_span import scaled_columns
-from kilter.second_order.second_order_tolerances import DROPS, KEEPS
+from kilter.second_order.second_order_tolerances import DROPS
 from kilter.second_order.stationary import stationary
 
 __all__ = [
@@ -30,7 +30,6 @@ __all__ = [
     "opens_points",
     "sharp_points",
     "sharp_pushes",
-    "turn_alike",
     "with_sharp",
 ]
 
@@ -59,43 +58,33 @@ def with_sharp(program: Program, contacts: ContactSet) -> Program:
 class SharpPoints(Rows):
     """Such points by the K rows of a program, each (K,); -1 of other rows.
 
-    `point`: the number of the point, where it is one exactly; `pair`: of its two parts; `along`: of
-    the rows of this pair and this normal, where every point of the pair has that normal.
+    `pair`: of its two parts; `along`: of the rows of this pair and this normal, where every point
+    of the pair has that normal.
     """
 
-    point: Index
     pair: Index
     along: Index
 
     def __post_init__(self) -> None:
         read_only(self)
 
-    def opened(self, opens: Mask, alike: Mask | bool) -> Mask:
-        """Rows that open, or are of points that others open enough, shape (K,).
-
-        Parameters
-        ----------
-        opens : ndarray of bool, shape (K,)
-        alike : ndarray of bool, shape (K,)
-            Whether the parts of the row turn alike.
-        """
-        by_one = alike & (self.point >= 0) & np.isin(self.point, self.point[opens])
+    def opened(self, opens: Mask) -> Mask:
+        """Rows that open, shape (K,), or are of a pair of which one normal opens at all points."""
         closed = np.isin(self.along, self.along[~opens])
-        by_normal = (self.pair >= 0) & np.isin(self.pair, self.pair[(self.along >= 0) & ~closed])
-        found: Mask = opens | by_one | by_normal
+        parted = np.isin(self.pair, self.pair[(self.along >= 0) & ~closed])
+        found: Mask = opens | ((self.pair >= 0) & parted)
         return found
 
 
 def sharp_points(program: Program, contacts: ContactSet) -> SharpPoints:
     """The points of the rows of a program; of those by and large every row is to be opened."""
-    point, pair, along = np.full((3, len(program.kind)), -1)
+    pair, along = np.full((2, len(program.kind)), -1)
     rows = np.flatnonzero(program.kind == POSSIBLE)
     number = contacts.possible.degenerate[program.source[rows]]
     exact = contacts.degenerate.exact[number]
     rows, number = rows[exact], number[exact]
     if not len(rows):
-        return SharpPoints(point, pair, along)
-    point[rows] = number
+        return SharpPoints(pair, along)
     a, b = program.part_a[rows], program.part_b[rows]
     pair[rows] = np.minimum(a, b) * len(program.names) + np.maximum(a, b)
     normal = np.round(program.normal[rows], SAME_NORMAL)
@@ -103,7 +92,7 @@ def sharp_points(program: Program, contacts: ContactSet) -> SharpPoints:
     of_normal = _numbered(np.column_stack([of_pair, normal]))
     all_have_it = _different(number, of_normal) == _different(number, of_pair)
     along[rows] = np.where(all_have_it, of_normal, -1)
-    return SharpPoints(point, pair, along)
+    return SharpPoints(pair, along)
 
 
 def _numbered(rows: Array | Index) -> Index:
@@ -125,14 +114,5 @@ def opens_points(program: Program, contacts: ContactSet, motion: Array) -> bool:
     problem = stationary(program, np.zeros((len(program.kind), 12, 12)))
     columns = scaled_columns(program, problem, motion[None])[:, 0]
     opens = problem.rows @ columns > DROPS * float(np.linalg.norm(columns))
-    found = sharp_points(program, contacts).opened(opens, turn_alike(program, motion))
+    found = sharp_points(program, contacts).opened(opens)
     return bool(found[program.kind == POSSIBLE].all())
-
-
-def turn_alike(program: Program, motion: Array) -> Mask:
-    """Rows of contacts whose parts turn alike in a motion (N, 6), to rounding, shape (K,)."""
-    a, b = program.part_a, program.part_b
-    most = KEEPS * float(np.abs(motion[:, :3]).max(initial=0.0))
-    off = np.abs(motion[a, 3:] - motion[b, 3:]).max(axis=1, initial=0.0)
-    found: Mask = off * np.maximum(program.radius[a], program.radius[b]) <= most
-    return found

@@ -9,7 +9,7 @@ from scipy.sparse import csc_array, csr_array
 
 from kilter.arrays import Array, Mask
 from kilter.second_order.critical import carrying_forces
-from kilter.second_order.opening_motion import opening_motion
+from kilter.second_order.opening_contacts import opening_motion
 from kilter.second_order.stationary import Stationary
 from kilter.second_order.stopped import StopForms, Stopped, judge_stopped, stop_forms
 from kilter.solvers.highs import find_optimum
