@@ -113,3 +113,15 @@ def test_what_does_not_lock_is_refused() -> None:
     assert "faces" in judge_locked(problem, on_lines, proof)
     edges = dataclasses.replace(faces, flat=faces.patch != faces.patch[0])
     assert "faces" in judge_locked(problem, edges, proof)
+
+
+def test_in_the_plane_no_proof_is_of_what_is_locked() -> None:
+    """Three unknowns a part: of an even number of parts they could be read as six."""
+    flat = kilter.Assembly(figure_9().parts, planar=True)
+    rows = len(build_program(flat, kilter.contacts(flat)).kind)
+    proof = kilter.check(flat).proof()
+    numbers = {"locked": [1.0] * rows, "stress": [1.0] * rows}
+    proof["second_order"] = {"state": "free", "neutral": 1, "free": 1, **numbers}
+    proof["digest"] = digest_of(proof)
+    reasons = kilter.verify(flat, proof).reasons
+    assert "its second order: locked is what moves in space" in reasons

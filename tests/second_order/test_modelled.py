@@ -14,7 +14,12 @@ from kilter import Assembly, Bond, Box, Cylinder, Joint, Load, Mesh, Part, Pose,
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
 from kilter.scenes.balance import CASES
-from kilter.second_order.modelled import OFF_CENTRE, loads_off_centre, why_unmodelled
+from kilter.second_order.modelled import (
+    OFF_CENTRE,
+    loads_off_centre,
+    why_beyond,
+    why_unmodelled,
+)
 from kilter.second_order.second_order_tolerances import KEEPS
 from kilter.shape.primitives import surface
 
@@ -198,6 +203,24 @@ def test_a_load_is_off_the_centre_or_the_vertical_by_more_than_rounding(over: fl
         program = build_program(assembly, kilter.contacts(assembly))
         off, slanted = loads_off_centre(assembly, program)
         assert [one.tolist() for one in (off, slanted)] == [[False, one] for one in given]
+
+
+def test_a_load_at_the_limit_is_at_the_centre_and_vertical() -> None:
+    floor = Part("floor", Box([4, 4, 1]), Pose([0, 0, -1]), grounded=True)
+    block = Part("block", Box([1, 1, 1]), Pose([0, 0, 0]))
+    plain = Assembly([floor, block])
+    most = KEEPS * plain.geometry.radius[1]
+    for more, off, slanted in ((1.0, False, False), (2.0, True, False)):
+        down = Load("block", [0, 0, -1.0], point=[0, 0, more * most])
+        assembly = replace(plain, loads=[down])
+        program = build_program(assembly, kilter.contacts(assembly)).frictionless
+        assert why_beyond(program) == ""
+        found = loads_off_centre(assembly, program)
+        assert [bool(one[1]) for one in found] == [off, slanted]
+    for aside, slanted in ((KEEPS, False), (2 * KEEPS, True)):
+        assembly = replace(plain, loads=[Load("block", [aside, 0, -1.0], point=[0, 0, 0.1])])
+        program = build_program(assembly, kilter.contacts(assembly)).frictionless
+        assert bool(loads_off_centre(assembly, program)[1][1]) == slanted
 
 
 def contacts_with(contacts: kilter.ContactSet, possible: object) -> kilter.ContactSet:

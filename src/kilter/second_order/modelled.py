@@ -39,8 +39,8 @@ def why_unmodelled(assembly: Assembly, contacts: ContactSet) -> str:
     """Why second order says nothing of these contacts; empty where it may."""
     sharp = sharp_pushes(contacts)
     known = _on_rims(contacts) | _within_groups(assembly, contacts) | sharp
-    own = zip(contacts.possible.part_a[sharp], contacts.possible.part_b[sharp], strict=True)
-    pushed = {frozenset(pair) for pair in own}
+    ends = np.column_stack([contacts.possible.part_a, contacts.possible.part_b])[sharp]
+    pushed = {frozenset(pair) for pair in ends.tolist()}
     left = still_open(contacts.open_pairs, assembly)
     settled = all(one.kind == "degenerate" and frozenset(one.parts) in pushed for one in left)
     if not settled or not known.all():

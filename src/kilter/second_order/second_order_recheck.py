@@ -280,6 +280,8 @@ def _wrong_locked(
     contacts: ContactSet, program: Program, problem: Stationary, data: dict[str, Any]
 ) -> list[str]:
     """Does self-stress lock all but shifts, and are state and counts those?"""
+    if program.planar:
+        return ["its second order: locked is what moves in space"]
     forces, stress = (numbers(data[key]) for key in ("locked", "stress"))
     proof = LockedTurns(forces / problem.weight, stress)
     word = judge_locked(problem, faces_of(program, contacts, problem), proof)
