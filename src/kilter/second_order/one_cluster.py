@@ -60,6 +60,7 @@ def answer_alone(
     critical: Critical | None = None,
     whole: Program | None = None,
     work: Work | None = None,
+    if_it_stays: bool = False,
 ) -> SecondOrder:
     """What second order says of a place of equilibrium.
 
@@ -76,6 +77,8 @@ def answer_alone(
         Of the rows that are certain, where it is known already.
     whole : Program, optional
         Also with the points that have no one normal, which what falls has to open.
+    if_it_stays : bool
+        Whether it is only asked if it does: no place is sought to which it falls.
     """
     if (program.kind != CONTACT).any():
         return _beside_points(assembly, contacts, program, features, critical, work)
@@ -120,6 +123,8 @@ def answer_alone(
         motion = free.motions[int(np.argmax([_moves(one, moving) for one in free.motions]))]
         size = float(np.linalg.norm(motion.reshape(-1, 3), axis=1).max())
         return replace(found, state="free", rate=None, motion=motion / size, moving=moving)
+    if decision.state == "balanced" and if_it_stays:
+        return open_answer("it falls", program)
     if decision.state == "balanced":
         return _falling(
             assembly, contacts, program, whole or program, problem, decision, doubted=doubted
@@ -166,8 +171,9 @@ def _without(
     None where it does not stay, or nothing is known to be free.
     """
     part, rows = program.taking(kept), np.flatnonzero(kept)
+    own = features.take(rows)
     found = answer_alone(
-        assembly, contacts, part, features.take(rows), critical=critical, work=work
+        assembly, contacts, part, own, critical=critical, work=work, if_it_stays=True
     )  # fmt: skip
     return _opening_idle(assembly, contacts, program, rows, found)
 

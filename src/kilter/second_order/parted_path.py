@@ -50,8 +50,9 @@ def parted_paths(
         by_part = path.first.reshape(-1, len(program.freedoms))
         return int((np.abs(by_part).max(axis=1) > ACROSS).sum())
 
+    shifts = _level_shifts(program, contacts, problem)
     for one in sorted(paths, key=moved)[:MOST]:
-        for away in _level_shifts(program, contacts, problem):
+        for away in shifts:
             for share in SHARES:
                 found = find_path(problem, one.first + share * away)
                 if found is not None and found.falls:
