@@ -5,11 +5,15 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable
 
+import numpy as np
 import pytest
 
 import kilter
 from kilter import Assembly, Part, Pose, Prism
+from kilter.mechanics.program import build_program
+from kilter.second_order.features_of import features_of
 from kilter.second_order.second_order_answer import SecondOrder
+from kilter.second_order.stationary import problem_of
 from kilter.shape.primitives import Box
 
 Build = Callable[..., list[Part]]
@@ -62,3 +66,14 @@ def test_within_the_edge_it_slides_and_beyond_it_falls(
         assert verdict.stable == (off < 0)
         second = verdict.second_order
         assert off > 0 or (second is not None and second.state == "free")
+
+
+def test_of_no_motions_none_slips() -> None:
+    """As of a part among others that has none of its own."""
+    assembly = Assembly(box_over_the_edge(1.0))
+    contacts = kilter.contacts(assembly)
+    program = build_program(assembly, contacts)
+    problem = problem_of(program, features_of(program, contacts))
+    assert problem.slips is not None
+    assert problem.sliding(np.eye(6)).shape == (2 * len(problem.rows), 6)
+    assert problem.sliding(np.eye(6)[:, :0]).shape == (2 * len(problem.rows), 0)

@@ -106,7 +106,7 @@ class Stationary:
         if self.slips is None:
             return np.zeros((0, motions.shape[1]))
         slips = self.slips[:, 2:] @ self._spread(motions)
-        return np.asarray(slips.reshape(-1, motions.shape[1]))
+        return np.asarray(slips.reshape(2 * len(slips), motions.shape[1]))
 
     def slipped(self, forces: Array, basis: Array) -> Array:
         """By how much the energy curves more where every corner that is flush has slipped off."""
