@@ -34,6 +34,8 @@ STARTS, STEPS = 3, 10
 """Random places in a box, and linear programs from each."""
 LOWER = 1e-4
 """Of the weight and the square of the box, over the size: what is lower by this is lower."""
+ROUNDING = 1e-14
+"""Of a separation, over the size."""
 
 
 class Descent:
@@ -53,8 +55,9 @@ class Descent:
         return -float((place.shifts * self.program.load[:, :3]).sum()) / (self.weight * self.size)
 
     def apart(self, place: Places) -> bool:
+        """To rounding, as parts that only shift along a plane stay."""
         found = least_separation(self.assembly, self.program, place.motion, beyond=self.size)
-        return found is not None and found >= 0
+        return found is not None and found >= -ROUNDING * self.size
 
     def least(self, random: np.random.Generator, t: float) -> float:
         """The least energy that is found within t of the place, bodies apart; 0 where none is."""
