@@ -49,7 +49,7 @@ def leaning(assembly: Any, share: float) -> Any:
 
 def walls(sizes: list[int]) -> None:
     """The verdict on leaning walls, and the accelerations of those that fall."""
-    from kilter.analysis.judge import judge
+    from kilter.analysis.decision.judge import judge
     from kilter.scenes.walls import wall_of
 
     print(f"{'wall':>7} {'points':>8} {'frictionless':>13} {'equilibrium':>12}  answer")

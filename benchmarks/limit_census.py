@@ -33,7 +33,7 @@ def answered(family: str, seed: int, directions: int) -> Any:
     import numpy as np
 
     import kilter
-    from kilter.analysis.judge import judge
+    from kilter.analysis.decision.judge import judge
     from kilter.analysis.margins.load_limit import gravity_wrench, with_more
     from kilter.analysis.margins.pushes import find_push
     from kilter.mechanics.program import build_program
@@ -99,7 +99,7 @@ def made(family: str, seed: int) -> Any:
 def least_wrong(assembly: Any, contacts: Any) -> list[str]:
     """What bisection says otherwise of the least friction and strength of what has bonds."""
     import kilter
-    from kilter.analysis.judge import judge
+    from kilter.analysis.decision.judge import judge
 
     margin = kilter.margin(assembly, contacts=contacts, pushed=[], effort=0)
     program = margin.program

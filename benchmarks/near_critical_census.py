@@ -65,7 +65,7 @@ def programs(assembly: Any, angle: float) -> Iterator[tuple[float, bool, Any, bo
 
 def main() -> int:
     """Run the census."""
-    from kilter.analysis.judge import SOLVERS, judge
+    from kilter.analysis.decision.judge import SOLVERS, judge
 
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("assemblies", nargs="?", type=int, default=200)

@@ -19,9 +19,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from kilter import check
-from kilter.analysis.judge import judge
-from kilter.analysis.ordinary_contacts import with_ordinary_contacts
-from kilter.analysis.verdict import Verdict
+from kilter.analysis.decision.judge import judge
+from kilter.analysis.open_pairs.ordinary_contacts import with_ordinary_contacts
+from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array, Index
 from kilter.assembly import Assembly, Joint
 from kilter.contact import ContactSet, contacts

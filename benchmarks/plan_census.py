@@ -32,8 +32,8 @@ import numpy as np
 from region_census import LIMIT, main
 
 import kilter
-from kilter.analysis.planning.part_sets import bits_of, mask_of, members
-from kilter.analysis.planning.removal import Removal
+from kilter.analysis.planning.order.removal import Removal
+from kilter.analysis.planning.states.part_sets import bits_of, mask_of, members
 from kilter.analysis.verification import verify_bundle
 from kilter.arrays import connected
 from kilter.contact.sub_contacts import contacts_among

@@ -103,7 +103,7 @@ def rechecked(program: Any, region: Any, margin: Any, turned: Any, count: int) -
     """What `judge` says against the answers: counts, and every contradiction."""
     import numpy as np
 
-    from kilter.analysis.judge import judge
+    from kilter.analysis.decision.judge import judge
 
     wrong: list[str] = []
     tally: collections.Counter[str] = collections.Counter()
@@ -210,7 +210,7 @@ def margins_wrong(program: Any, margin: Any, turned: Any, region: Any) -> list[s
     """What the margins, the verdicts on either side of them and the region have against another."""
     import numpy as np
 
-    from kilter.analysis.judge import judge
+    from kilter.analysis.decision.judge import judge
 
     wrong = []
     gap = np.radians(region.gap_deg or 0.0) + 1e-7
@@ -268,7 +268,7 @@ def friction_wrong(program: Any, found: Any) -> list[str]:
     """
     import numpy as np
 
-    from kilter.analysis.judge import judge
+    from kilter.analysis.decision.judge import judge
     from kilter.mechanics.certificate import check_forces
     from kilter.mechanics.rows import CONTACT
 

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 
 import kilter
 from kilter import Assembly, Feature, GivenContact, Part, Pose, Sphere
-from kilter.analysis.judge import judge
+from kilter.analysis.decision.judge import judge
 from kilter.mechanics.program import build_program
 from kilter.scenes import scene
 from kilter.scenes.walls import wall_of

@@ -123,7 +123,7 @@ def measured(path: Path, until: str) -> dict[str, Any]:
     for module in IMPORTED:
         importlib.import_module(module)
     import kilter
-    from kilter.analysis.judge import judge
+    from kilter.analysis.decision.judge import judge
     from kilter.contact import detect
     from kilter.mechanics.certificate import check_forces, check_motion
     from kilter.mechanics.program import build_program

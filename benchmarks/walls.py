@@ -56,8 +56,8 @@ def measured(kind: str, bricks: int, *, factor: bool) -> dict[str, Any]:
     for module in IMPORTED:  # imports are no part of a stage
         importlib.import_module(module)
 
-    from kilter.analysis.judge import judge
-    from kilter.analysis.motion import find_motion
+    from kilter.analysis.decision.judge import judge
+    from kilter.analysis.verdict.motion import find_motion
     from kilter.contact import detect
     from kilter.mechanics.certificate import check_forces, check_motion
     from kilter.mechanics.program import build_program

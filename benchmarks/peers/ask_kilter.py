@@ -25,7 +25,7 @@ def verdict(question: Question) -> Callable[[], tuple[str, str]]:
 
 def equilibrium(question: Question) -> Callable[[], tuple[str, str]]:
     """Are there contact forces that balance: with a certificate either way."""
-    from kilter.analysis.judge import judge
+    from kilter.analysis.decision.judge import judge
 
     program = question.program
 

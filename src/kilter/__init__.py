@@ -25,20 +25,20 @@ if TYPE_CHECKING:
     from kilter.analysis.margins.improve import improve as improve
     from kilter.analysis.margins.margin import Margin as Margin
     from kilter.analysis.margins.margin import margin as margin
-    from kilter.analysis.planning.fixture import Fixture as Fixture
-    from kilter.analysis.planning.hold import hold as hold
-    from kilter.analysis.planning.order import Order as Order
-    from kilter.analysis.planning.plan import plan as plan
-    from kilter.analysis.planning.plan_step import Step as Step
-    from kilter.analysis.planning.state import State as State
-    from kilter.analysis.planning.states import States as States
-    from kilter.analysis.planning.states import states as states
+    from kilter.analysis.planning.hold.fixture import Fixture as Fixture
+    from kilter.analysis.planning.hold.hold import hold as hold
+    from kilter.analysis.planning.order.order import Order as Order
+    from kilter.analysis.planning.order.plan import plan as plan
+    from kilter.analysis.planning.order.plan_step import Step as Step
+    from kilter.analysis.planning.states.state import State as State
+    from kilter.analysis.planning.states.states import States as States
+    from kilter.analysis.planning.states.states import states as states
     from kilter.analysis.regions.region import Region as Region
     from kilter.analysis.regions.region import common_region as common_region
     from kilter.analysis.regions.region import region as region
     from kilter.analysis.turning.orientation import Orientation as Orientation
     from kilter.analysis.turning.orientation import orient as orient
-    from kilter.analysis.verdict import Verdict as Verdict
+    from kilter.analysis.verdict.verdict import Verdict as Verdict
     from kilter.analysis.verification import Verification as Verification
     from kilter.analysis.verification import verify as verify
     from kilter.assembly.assembly import Assembly as Assembly
@@ -88,12 +88,12 @@ _HOMES = {
     "draw": "kilter.publish",
     "dump": "kilter.files.writing",
     "example": "kilter.scenes",
-    "hold": "kilter.analysis.planning.hold",
+    "hold": "kilter.analysis.planning.hold.hold",
     "improve": "kilter.analysis.margins.improve",
     "load": "kilter.files.reading",
     "margin": "kilter.analysis.margins.margin",
     "orient": "kilter.analysis.turning.orientation",
-    "plan": "kilter.analysis.planning.plan",
+    "plan": "kilter.analysis.planning.order.plan",
     "region": "kilter.analysis.regions.region",
     "report": "kilter.publish",
     "verify": "kilter.analysis.verification",
@@ -103,7 +103,7 @@ _HOMES = {
     "check_many": "kilter.analysis.many.check_many",
     "common_region": "kilter.analysis.regions.region",
     "fastened": "kilter.contact.fits.fastening",
-    "states": "kilter.analysis.planning.states",
+    "states": "kilter.analysis.planning.states.states",
     # what they take
     "Assembly": "kilter.assembly.assembly",
     "AssemblyArrays": "kilter.assembly.assembly_arrays",
@@ -126,19 +126,19 @@ _HOMES = {
     "Batch": "kilter.analysis.many.batch",
     "ContactSet": "kilter.contact.contact_set",
     "Example": "kilter.scenes.registry",
-    "Fixture": "kilter.analysis.planning.fixture",
+    "Fixture": "kilter.analysis.planning.hold.fixture",
     "Health": "kilter.health",
     "Improvement": "kilter.analysis.margins.improve",
     "Margin": "kilter.analysis.margins.margin",
-    "Order": "kilter.analysis.planning.order",
+    "Order": "kilter.analysis.planning.order.order",
     "Orientation": "kilter.analysis.turning.orientation",
     "Region": "kilter.analysis.regions.region",
     "Report": "kilter.publish",
     "Shown": "kilter.notebook",
-    "State": "kilter.analysis.planning.state",
-    "States": "kilter.analysis.planning.states",
-    "Step": "kilter.analysis.planning.plan_step",
-    "Verdict": "kilter.analysis.verdict",
+    "State": "kilter.analysis.planning.states.state",
+    "States": "kilter.analysis.planning.states.states",
+    "Step": "kilter.analysis.planning.order.plan_step",
+    "Verdict": "kilter.analysis.verdict.verdict",
     "Verdicts": "kilter.analysis.many.verdicts",
     "Verification": "kilter.analysis.verification",
     # and what they refuse

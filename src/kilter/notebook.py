@@ -15,9 +15,9 @@ from kilter.publish import draw, report
 from kilter.show.canvas import rendered
 
 if TYPE_CHECKING:
-    from kilter.analysis.planning.order import Order
+    from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region
-    from kilter.analysis.verdict import Verdict
+    from kilter.analysis.verdict.verdict import Verdict
 
 __all__ = ["Shown", "cell"]
 
@@ -91,7 +91,7 @@ def cell(answer: Verdict | Region | Order, *, height: int = 720, title: str = ""
     >>> cell(check(scene("tower")), height=400)._repr_html_()[:22]
     '<iframe class="kilter"'
     """
-    from kilter.analysis.planning.order import Order
+    from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region
 
     if not (isinstance(height, int) and height > 0):

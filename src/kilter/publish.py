@@ -21,9 +21,9 @@ from kilter.work import EFFORT
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from kilter.analysis.planning.order import Order
+    from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region
-    from kilter.analysis.verdict import Verdict
+    from kilter.analysis.verdict.verdict import Verdict
     from kilter.assembly import Assembly
     from kilter.contact import ContactSet, Tolerance
     from kilter.second_order.path_places import PathPlaces
@@ -128,11 +128,11 @@ def report(
 
 def _plan_page(subject: Any, title: str, command: str, progress: Tell | None) -> Report | None:
     """The page of a plan; None of anything else."""
-    from kilter.analysis.planning.order import Order
+    from kilter.analysis.planning.order.order import Order
 
     if not isinstance(subject, Order):
         return None
-    from kilter.analysis.planning.explained import explain
+    from kilter.analysis.planning.order.explained import explain
     from kilter.show.page import render_plan
 
     if progress is not None:
@@ -325,15 +325,15 @@ def animate(subject: Order | Region | Verdict, out: str | Path | None = None) ->
     Examples
     --------
     >>> from kilter.analysis.check import check
-    >>> from kilter.analysis.planning.plan import plan
+    >>> from kilter.analysis.planning.order.plan import plan
     >>> from kilter.scenes import scene
     >>> animate(plan(scene("tower")))[:4]
     b'glTF'
     >>> animate(check(scene("paper-figure-8")))[:4]
     b'glTF'
     """
-    from kilter.analysis.planning.order import Order
-    from kilter.analysis.verdict import Verdict
+    from kilter.analysis.planning.order.order import Order
+    from kilter.analysis.verdict.verdict import Verdict
 
     if out is not None:
         require_ending(out, FILMS, "film")
@@ -358,7 +358,7 @@ def animate(subject: Order | Region | Verdict, out: str | Path | None = None) ->
 
 def _film_of(verdict: Verdict) -> bytes:
     """How parts start to move, or how what is balanced falls."""
-    from kilter.analysis.free_travel import free_travel
+    from kilter.analysis.verdict.free_travel import free_travel
     from kilter.show.motion_film import film_of_fall, film_of_motion
 
     path = _path_of(verdict)
@@ -431,7 +431,7 @@ def draw(
     >>> draw(scene("tower"), what="region").get_size_inches().tolist()
     [7.0, 4.3]
     """
-    from kilter.analysis.planning.order import Order
+    from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region
     from kilter.show.canvas import rendered
     from kilter.show.figures import draw_assembly
@@ -478,9 +478,9 @@ def answer_to_draw(
 ) -> Verdict | Region | Order:
     """What a figure shows: of an assembly its verdict or its region; an answer as it is."""
     from kilter.analysis.check import check
-    from kilter.analysis.planning.order import Order
+    from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region, region
-    from kilter.analysis.verdict import Verdict
+    from kilter.analysis.verdict.verdict import Verdict
     from kilter.assembly.assembly import require_assembly
 
     if isinstance(subject, Verdict | Region | Order):

@@ -15,7 +15,7 @@ import pytest
 import stranger
 
 from kilter import InputError, check
-from kilter.analysis.verdict import Verdict
+from kilter.analysis.verdict.verdict import Verdict
 from kilter.analysis.verification import proof_tolerance, verify_proof
 from kilter.assembly import Assembly
 from kilter.contact import detect

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from independent import dense_rows
 from judged import judged, program_of
 
-from kilter.analysis.judge import judge
+from kilter.analysis.decision.judge import judge
 from kilter.assembly import Assembly
 from kilter.mechanics.certificate import check_forces, check_motion, part_sizes, violations
 from kilter.mechanics.forms import least_imbalance, load_factor, scaled

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from judged import judged
 
-from kilter.analysis.judge import SIMPLEX_ROWS, judge
+from kilter.analysis.decision.judge import SIMPLEX_ROWS, judge
 from kilter.contact import detect
 from kilter.mechanics.forms import equilibrium, load_factor, scaled
 from kilter.mechanics.program import build_program

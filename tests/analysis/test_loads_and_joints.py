@@ -7,7 +7,7 @@ import pytest
 from judged import judged, program_of
 
 from kilter import InputError
-from kilter.analysis.judge import judge
+from kilter.analysis.decision.judge import judge
 from kilter.assembly import Assembly, FrictionPair, GivenContact, Joint, Load
 from kilter.mechanics.certificate import check_motion
 from kilter.scenes import stacks, traps

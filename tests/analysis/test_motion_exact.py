@@ -9,7 +9,7 @@ from judged import program_of, random_turn
 from scipy.sparse import csr_array
 
 from kilter import check
-from kilter.analysis.motion import MANY, find_motion, optimality
+from kilter.analysis.verdict.motion import MANY, find_motion, optimality
 from kilter.assembly import Assembly, Joint
 from kilter.mechanics.forms import scaled as scaled_program
 from kilter.mechanics.gauss import halved, least_constraint
@@ -275,8 +275,8 @@ def test_a_motion_whose_projection_is_singular_is_found_by_the_other_method(monk
         asked.append(True)
         raise NotPositive
 
-    monkeypatch.setattr("kilter.analysis.motion.SMALL", 0)
-    monkeypatch.setattr("kilter.analysis.motion.solve_projection", singular)
+    monkeypatch.setattr("kilter.analysis.verdict.motion.SMALL", 0)
+    monkeypatch.setattr("kilter.analysis.verdict.motion.solve_projection", singular)
     found = find_motion(program)
     assert asked
     assert found.residual < 1e-6

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from kilter.analysis import judge as judging
-from kilter.analysis.judge import judge
+from kilter.analysis.decision.judge import judge
 from kilter.analysis.margins import load_limit
 from kilter.analysis.margins.limit_sides import LimitSides
 from kilter.analysis.margins.load_limit import find_limit, gravity_wrench

@@ -12,7 +12,7 @@ import pytest
 
 import kilter
 from kilter import Assembly, Bond, Box, Joint, Part, Pose
-from kilter.analysis.judge import judge
+from kilter.analysis.decision.judge import judge
 from kilter.mechanics.mechanics_tolerances import AGREES, POWER_ROUNDING
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of, make_proof

@@ -14,7 +14,7 @@ from scipy.optimize import linprog
 
 import kilter
 from kilter import Assembly, Bond, Box, Part, Pose
-from kilter.analysis.judge import judge
+from kilter.analysis.decision.judge import judge
 from kilter.mechanics.program import build_program
 
 STEPS = np.vstack([np.eye(3), -np.eye(3)])

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import kilter
-from kilter.analysis.motion import NO_MOTION, UNKNOWN_MOTION
+from kilter.analysis.verdict.motion import NO_MOTION, UNKNOWN_MOTION
 from kilter.cli import main
 from kilter.scenes import scene, stacks
 
@@ -34,7 +34,7 @@ def no_motion(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(clarabel, "solve_quadratic", none)
-    monkeypatch.setattr("kilter.analysis.motion.solve_projection", singular)
+    monkeypatch.setattr("kilter.analysis.verdict.motion.solve_projection", singular)
 
 
 def written(name: str, assembly: kilter.Assembly) -> str:

@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from kilter import Assembly, Box, Load, Mesh, Part, Pose, Prism, check
-from kilter.analysis.degenerate_branches import decide_degenerate
+from kilter.analysis.decision.degenerate_branches import decide_degenerate
 from kilter.analysis.verification import verify_proof
 from kilter.contact import detect
 from kilter.mechanics.degenerate import without_degenerate

@@ -15,7 +15,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from kilter.analysis.judge import judge
+from kilter.analysis.decision.judge import judge
 
 FOLDER = Path(__file__).resolve().parents[2] / "benchmarks" / "peers"
 DOCS = FOLDER.parents[1] / "docs"

@@ -42,4 +42,4 @@ def test_the_site_is_built_strictly_and_works_offline(tmp_path: Path) -> None:
     assert "gallery/paper-figure-1.png" in shown
     assert (site / "gallery" / "paper-figure-1.png").stat().st_size > 10_000
     reference = (site / "reference" / "check.html").read_text(encoding="utf-8")
-    assert "kilter.analysis.verdict.Verdict" in reference
+    assert "kilter.analysis.verdict.verdict.Verdict" in reference

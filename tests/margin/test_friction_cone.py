@@ -10,7 +10,7 @@ import pytest
 from margins import program_of, small_assembly
 
 import kilter
-from kilter.analysis.judge import judge
+from kilter.analysis.decision.judge import judge
 from kilter.analysis.regions.friction_cone import friction_cone
 from kilter.analysis.regions.stable_cone import stable_cone
 from kilter.cli import main

@@ -12,7 +12,7 @@ from margins import by_points, force_of, leaning, loaded, program_of, small_asse
 
 import kilter
 from kilter import Assembly, Box, Part, Pose
-from kilter.analysis.judge import judge
+from kilter.analysis.decision.judge import judge
 from kilter.analysis.margins import load_limit, tilt
 from kilter.analysis.margins.least_friction import find_least_friction
 from kilter.analysis.margins.limit_sides import LimitSides

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from margins import program_of
 
-from kilter.analysis.cohesion import find_cohesion
-from kilter.analysis.judge import judge
+from kilter.analysis.decision.cohesion import find_cohesion
+from kilter.analysis.decision.judge import judge
 from kilter.analysis.margins.least_friction import find_least_friction
 from kilter.analysis.margins.squeeze import held_by_squeeze, squeeze
 from kilter.assembly import Assembly, GivenContact

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from margins import program_of
 
-from kilter.analysis.judge import judge
+from kilter.analysis.decision.judge import judge
 from kilter.analysis.margins import load_limit
 from kilter.analysis.margins.limit_sides import limit_sides
 from kilter.analysis.margins.load_limit import (

@@ -9,7 +9,7 @@ import pytest
 from margins import program_of, small_assembly
 
 import kilter
-from kilter.analysis.judge import judge
+from kilter.analysis.decision.judge import judge
 from kilter.analysis.margins import following_forces, uncertainty
 from kilter.analysis.margins.load_limit import NoLimit, find_limit, gravity_wrench
 from kilter.analysis.margins.tilt import find_tilt_margin

@@ -12,7 +12,7 @@ from slopes import leaning
 
 import kilter
 from kilter import Assembly, Order
-from kilter.analysis.planning.exhaustion import MOST_SETS, leads_nowhere
+from kilter.analysis.planning.order.exhaustion import MOST_SETS, leads_nowhere
 from kilter.scenes.arches import arch
 from kilter.scenes.pieces import block
 

@@ -9,7 +9,7 @@ import pytest
 
 import kilter
 from kilter import Assembly, Box, Part, Pose
-from kilter.analysis.planning.explained import explain
+from kilter.analysis.planning.order.explained import explain
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
 from kilter.scenes.pieces import block, floor

@@ -12,7 +12,7 @@ from read_proofs import Proof, proof_of
 
 import kilter
 from kilter import Assembly, Fixture, InputError, Support
-from kilter.analysis.planning.hold_check import wrong_hold
+from kilter.analysis.planning.hold.hold_check import wrong_hold
 from kilter.scenes.arches import arch
 from kilter.scenes.pieces import block, floor
 

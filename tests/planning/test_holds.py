@@ -9,11 +9,11 @@ import pytest
 
 import kilter
 from kilter import Assembly
-from kilter.analysis.judge import judge
-from kilter.analysis.planning.holds import Holds, least_hitting_set
-from kilter.analysis.planning.state import State
-from kilter.analysis.planning.state_programs import build_state_programs
-from kilter.analysis.planning.states import States
+from kilter.analysis.decision.judge import judge
+from kilter.analysis.planning.states.holds import Holds, least_hitting_set
+from kilter.analysis.planning.states.state import State
+from kilter.analysis.planning.states.state_programs import build_state_programs
+from kilter.analysis.planning.states.states import States
 from kilter.analysis.verification import verify_proof
 from kilter.scenes import scene
 from kilter.scenes.arches import arch

@@ -9,9 +9,9 @@ from scipy.optimize import linprog
 
 import kilter
 from kilter import Assembly, Part
-from kilter.analysis.planning.locking import find_locked, multipliers_of, opening, shuts
-from kilter.analysis.planning.removal import Removal
-from kilter.analysis.planning.states import states
+from kilter.analysis.planning.order.locking import find_locked, multipliers_of, opening, shuts
+from kilter.analysis.planning.order.removal import Removal
+from kilter.analysis.planning.states.states import states
 from kilter.scenes import scene
 from kilter.scenes.pieces import block, cells, floor, turned_parts
 

@@ -9,9 +9,9 @@ from read_proofs import proof_of, reasons
 
 import kilter
 from kilter import Assembly, InputError, Order, Part
-from kilter.analysis.planning.part_sets import bits_of
-from kilter.analysis.planning.removal import Removal
-from kilter.analysis.planning.together import blocked_together, units_of_groups
+from kilter.analysis.planning.order.removal import Removal
+from kilter.analysis.planning.order.together import blocked_together, units_of_groups
+from kilter.analysis.planning.states.part_sets import bits_of
 from kilter.scenes import scene
 from kilter.scenes.pieces import block, floor
 

@@ -9,7 +9,7 @@ import pytest
 
 import kilter
 from kilter import Assembly, Mesh, Part
-from kilter.analysis.planning.states import States
+from kilter.analysis.planning.states.states import States
 
 FACES = [[0, 1, 2, 3], [4, 7, 6, 5], [0, 4, 5, 1], [1, 5, 6, 2], [2, 6, 7, 3], [3, 7, 4, 0]]
 

@@ -15,8 +15,8 @@ from read_proofs import proof_of, reasons
 
 import kilter
 from kilter import Assembly, InputError, Order, Part, Pose
-from kilter.analysis.planning.part_sets import bits_of, mask_of
-from kilter.analysis.planning.removal import Removal
+from kilter.analysis.planning.order.removal import Removal
+from kilter.analysis.planning.states.part_sets import bits_of, mask_of
 from kilter.analysis.verification import verify_bundle
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
@@ -254,7 +254,7 @@ def test_out_of_effort_says_what_can_come_last() -> None:
 
 
 def test_an_interruption_gives_the_best_so_far(monkeypatch: pytest.MonkeyPatch) -> None:
-    from kilter.analysis.planning.removal import Removal
+    from kilter.analysis.planning.order.removal import Removal
 
     asked = 0
     way_out = Removal.way_out

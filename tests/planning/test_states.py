@@ -10,8 +10,8 @@ import pytest
 
 import kilter
 from kilter import Assembly, InputError
-from kilter.analysis.planning.state import State
-from kilter.analysis.planning.states import States
+from kilter.analysis.planning.states.state import State
+from kilter.analysis.planning.states.states import States
 from kilter.analysis.verification import verify_proof
 from kilter.contact.sub_contacts import contacts_among
 from kilter.mechanics.certificate import check_forces, check_motion

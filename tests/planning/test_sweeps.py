@@ -12,9 +12,9 @@ from moved_solids import deepest, places_along, skin
 
 import kilter
 from kilter import Assembly, Box, Cylinder, Order, Part, Pose
-from kilter.analysis.planning.part_sets import bits_of, mask_of, members
-from kilter.analysis.planning.removal import Leg
-from kilter.analysis.planning.sweeps import Sweeps
+from kilter.analysis.planning.order.removal import Leg
+from kilter.analysis.planning.order.sweeps import Sweeps
+from kilter.analysis.planning.states.part_sets import bits_of, mask_of, members
 from kilter.contact.fits.shared_body import PartSolids
 from kilter.scenes import scene
 from kilter.scenes.arches import arch

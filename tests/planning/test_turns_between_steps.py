@@ -9,8 +9,8 @@ from slopes import leaning
 
 import kilter
 from kilter import Assembly, InputError
-from kilter.analysis.planning.states import states
-from kilter.analysis.planning.turning import common_down
+from kilter.analysis.planning.order.turning import common_down
+from kilter.analysis.planning.states.states import states
 from kilter.scenes import scene
 from kilter.scenes.pieces import block
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import kilter
-from kilter.analysis.judge import judge
+from kilter.analysis.decision.judge import judge
 from kilter.analysis.regions.region import Region
 from kilter.assembly import Assembly
 from kilter.mechanics.program import build_program

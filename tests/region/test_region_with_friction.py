@@ -9,7 +9,7 @@ import pytest
 
 import kilter
 from kilter import Assembly, ContactSet
-from kilter.analysis.judge import judge
+from kilter.analysis.decision.judge import judge
 from kilter.analysis.margins.tilt import TiltMargin, find_tilt_margin
 from kilter.analysis.regions.region import Region
 from kilter.mechanics.program import Program, build_program

@@ -11,7 +11,7 @@ from places import case_of, side_by_side
 
 import kilter
 from kilter import Assembly, Feature, GivenContact, Part, Pose
-from kilter.analysis.neutral import find_neutral
+from kilter.analysis.verdict.neutral import find_neutral
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import digest_of
 from kilter.scenes import scene

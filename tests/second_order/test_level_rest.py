@@ -11,7 +11,7 @@ import pytest
 
 import kilter
 from kilter import Assembly, Cylinder, Part, Pose
-from kilter.analysis.neutral import find_neutral
+from kilter.analysis.verdict.neutral import find_neutral
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import digest_of
 from kilter.scenes import scene

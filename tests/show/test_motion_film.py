@@ -12,7 +12,7 @@ from glb_reader import Film
 
 import kilter
 from kilter import Assembly, Box, InputError, Part, Pose, Sphere
-from kilter.analysis.free_travel import ENTERS, REACH, free_travel
+from kilter.analysis.verdict.free_travel import ENTERS, REACH, free_travel
 from kilter.cli import main
 from kilter.rigid import matrix_to_quaternion, quaternion_to_matrix, screwed
 from kilter.scenes import SCENES, scene

@@ -11,7 +11,7 @@ from test_page import HOSTILE, Tags, data_of, unpacked
 
 import kilter
 from kilter import Assembly, Box, Part, Pose
-from kilter.analysis.planning.explained import explain
+from kilter.analysis.planning.order.explained import explain
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
 from kilter.show.page import render_plan

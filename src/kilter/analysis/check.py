@@ -16,12 +16,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kilter.analysis.as_stated import explained_by_accuracy
-from kilter.analysis.degenerate_branches import decide_degenerate
-from kilter.analysis.fitted_normals import rests_on_fits, why_fits_leave_it_open
-from kilter.analysis.judge import Judgement, judge
-from kilter.analysis.open_question import OpenQuestion, ask_open, open_pairs_answer
-from kilter.analysis.ordinary_contacts import (
+from kilter.analysis.decision.as_stated import explained_by_accuracy
+from kilter.analysis.decision.degenerate_branches import decide_degenerate
+from kilter.analysis.decision.fitted_normals import rests_on_fits, why_fits_leave_it_open
+from kilter.analysis.decision.judge import Judgement, judge
+from kilter.analysis.open_pairs.open_question import OpenQuestion, ask_open, open_pairs_answer
+from kilter.analysis.open_pairs.ordinary_contacts import (
     EQUILIBRIUM,
     PROVED,
     SETTLES,
@@ -29,8 +29,8 @@ from kilter.analysis.ordinary_contacts import (
     trial_words,
     try_ordinary,
 )
-from kilter.analysis.remarks import loose_parts, remarks
-from kilter.analysis.verdict import Verdict, Word
+from kilter.analysis.verdict.remarks import loose_parts, remarks
+from kilter.analysis.verdict.verdict import Verdict, Word
 from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.coincident import require_apart

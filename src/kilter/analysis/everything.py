@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from kilter.analysis.check import check
-from kilter.analysis.displacement import find_displacement
 from kilter.analysis.margins.improve import Improvement, improve
 from kilter.analysis.margins.margin import PUSHED, margin
 from kilter.analysis.regions.polyhedral_cone import Cone
@@ -22,7 +21,8 @@ from kilter.analysis.regions.region import Region, common_region, region
 from kilter.analysis.regions.rests import find_rests
 from kilter.analysis.turning.orientation import orient
 from kilter.analysis.turning.stability_map import StabilityMap, stability_map
-from kilter.analysis.verdict import Verdict
+from kilter.analysis.verdict.displacement import find_displacement
+from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array, Index
 from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance, detect

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from kilter.analysis.planning.hold_check import wrong_hold
-from kilter.analysis.planning.order_check import wrong_order
+from kilter.analysis.planning.hold.hold_check import wrong_hold
+from kilter.analysis.planning.order.order_check import wrong_order
 from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance, contacts
 from kilter.contact.fits.fastening import fasten_as_read

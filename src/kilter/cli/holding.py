@@ -54,7 +54,7 @@ def hold(
 
     Exit 0 found; 1 proved that not even all candidates are enough; 4 undecided.
     """
-    from kilter.analysis.planning.hold import hold as find
+    from kilter.analysis.planning.hold.hold import hold as find
 
     with Progress(asked.quiet) as progress:
         assembly, contacts = asked.read(progress)
@@ -77,7 +77,7 @@ def hold(
 
 def _candidates(word: str) -> list[str | Support]:
     """What a word or a file asks for."""
-    from kilter.analysis.planning.support_candidates import WORDS
+    from kilter.analysis.planning.hold.support_candidates import WORDS
     from kilter.contact.supports import Support
     from kilter.files.reading import read_json
 

@@ -19,7 +19,7 @@ from kilter.errors import InputError
 from kilter.tell.levels import REQUIRE
 
 if TYPE_CHECKING:
-    from kilter.analysis.verdict import Verdict
+    from kilter.analysis.verdict.verdict import Verdict
 
 __all__ = ["check", "contacts", "example", "verify"]
 

@@ -10,7 +10,7 @@ from kilter.cli.arguments import PAIRS, pair_of
 from kilter.cli.output import tell_warnings, write_whole
 
 if TYPE_CHECKING:
-    from kilter.analysis.planning.order import Order
+    from kilter.analysis.planning.order.order import Order
     from kilter.cli.asked import Asked
 
 __all__ = ["as_typed", "written"]

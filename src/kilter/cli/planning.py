@@ -146,7 +146,7 @@ def plan(
     order of --sequence fails; 3 found, some steps at a lower level; 4 none found, which proves
     nothing.
     """
-    from kilter.analysis.planning.plan import plan as find
+    from kilter.analysis.planning.order.plan import plan as find
 
     typed = as_typed(
         hold=hold,

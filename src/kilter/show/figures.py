@@ -28,7 +28,7 @@ from kilter.show.sphere import draw_region
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from kilter.analysis.verdict import Verdict
+    from kilter.analysis.verdict.verdict import Verdict
     from kilter.assembly import Assembly
 
 __all__ = ["VIEW", "camera_of", "draw_assembly", "draw_region"]

@@ -22,7 +22,7 @@ from kilter.units import metres_per_unit
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from kilter.analysis.verdict import Verdict
+    from kilter.analysis.verdict.verdict import Verdict
     from kilter.assembly import Assembly
 
 __all__ = ["draw_fall", "draw_forces", "draw_gravity", "draw_motion", "draw_names", "draw_patches"]

@@ -22,8 +22,8 @@ from kilter.tell.palette import as_css
 
 if TYPE_CHECKING:
     from kilter.analysis.everything import Everything
-    from kilter.analysis.planning.explained import Explained
-    from kilter.analysis.planning.order import Order
+    from kilter.analysis.planning.order.explained import Explained
+    from kilter.analysis.planning.order.order import Order
 
 __all__ = ["error_page", "render", "render_plan"]
 

@@ -22,8 +22,8 @@ from kilter.tell.step_facts import step_facts
 from kilter.units import metres_per_unit
 
 if TYPE_CHECKING:
-    from kilter.analysis.planning.explained import Explained, Hand, StepForces
-    from kilter.analysis.planning.order import Order
+    from kilter.analysis.planning.order.explained import Explained, Hand, StepForces
+    from kilter.analysis.planning.order.order import Order
     from kilter.assembly import Assembly
 
 __all__ = ["build_plan_scene", "pulled_apart"]

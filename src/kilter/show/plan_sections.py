@@ -19,8 +19,8 @@ from kilter.tell.plan_words import step_cells
 from kilter.tell.step_facts import LEVELS
 
 if TYPE_CHECKING:
-    from kilter.analysis.planning.explained import Explained
-    from kilter.analysis.planning.order import Order
+    from kilter.analysis.planning.order.explained import Explained
+    from kilter.analysis.planning.order.order import Order
 
 __all__ = ["plan_sections"]
 

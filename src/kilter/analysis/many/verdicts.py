@@ -13,7 +13,7 @@ import numpy as np
 
 from kilter.analysis.check import check
 from kilter.analysis.many.decided_together import Together
-from kilter.analysis.verdict import Verdict
+from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array, Labels, Mask
 from kilter.assembly import Assembly
 from kilter.assembly.assembly_arrays import AssemblyArrays

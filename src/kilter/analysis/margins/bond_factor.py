@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from kilter.analysis.judge import judge
+from kilter.analysis.decision.judge import judge
+from kilter.analysis.decision.strength import find_strength
 from kilter.analysis.margins.load_limit import Limit, NoLimit, find_limit, finite, starting
-from kilter.analysis.strength import find_strength
 from kilter.analysis.turning_tolerances import BEYOND_LIMIT, SIDES_NEAR
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet

@@ -4,9 +4,10 @@ Equilibrium with mu implies equilibrium with more, so the least one is enclosed 
 forces in the cones of `upper`, a motion in the dual cones of `lower`. Forces say how much
 friction they use, once they balance to rounding (`kilter.mechanics.balanced_forces`): what a
 certificate lets them leave, 1e-9 of the weights, is much of a tiny coefficient. The least
-cohesion (`kilter.analysis.cohesion`) gives both, and by its slope where to ask next, so that a
-dozen conic programs do. Where the least is approached but not attained (a block squeezed between
-two walls), it is zero, with forces that grow without bound (`kilter.analysis.margins.squeeze`).
+cohesion (`kilter.analysis.decision.cohesion`) gives both, and by its slope where to ask next, so
+that a dozen conic programs do. Where the least is approached but not attained (a block squeezed
+between two walls), it is zero, with forces that grow without bound
+(`kilter.analysis.margins.squeeze`).
 """
 
 from __future__ import annotations
@@ -16,8 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from kilter.analysis.cohesion import find_cohesion
-from kilter.analysis.judge import judge
+from kilter.analysis.decision.cohesion import find_cohesion
+from kilter.analysis.decision.judge import judge
 from kilter.analysis.margins.load_limit import NoLimit, starting
 from kilter.analysis.margins.squeeze import held_by_squeeze
 from kilter.analysis.turning_tolerances import (

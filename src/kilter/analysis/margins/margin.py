@@ -14,9 +14,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from kilter.analysis.answers import joints_answer
 from kilter.analysis.check import check
-from kilter.analysis.fitted_normals import fits_left_out
+from kilter.analysis.decision.fitted_normals import fits_left_out
 from kilter.analysis.margins.bond_factor import BondFactor, find_bond_factor
 from kilter.analysis.margins.least_friction import LeastFriction, find_least_friction
 from kilter.analysis.margins.load_limit import (
@@ -39,11 +38,12 @@ from kilter.analysis.margins.tilt import (
 )
 from kilter.analysis.margins.uncertainty import Ranges, Uncertainty, find_uncertainty
 from kilter.analysis.margins.what_helps import Help, what_helps
-from kilter.analysis.open_question import open_pair_names, open_pairs_answer
+from kilter.analysis.open_pairs.open_question import open_pair_names, open_pairs_answer
 from kilter.analysis.turning_tolerances import (
     ACROSS_GRAVITY,
 )
-from kilter.analysis.verdict import Verdict
+from kilter.analysis.verdict.answers import joints_answer
+from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly, require_assembly
 from kilter.assembly.bonds import NO_CONE, NOT_RANGED, require_no_bonds

@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from kilter.analysis.judge import judge
+from kilter.analysis.decision.judge import judge
 from kilter.analysis.margins.bond_factor import BondFactor
 from kilter.analysis.margins.least_friction import LeastFriction
 from kilter.analysis.margins.load_limit import Limit

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import hstack
 
-from kilter.analysis.judge import judge
+from kilter.analysis.decision.judge import judge
 from kilter.analysis.turning_tolerances import MU_SQUEEZED
 from kilter.arrays import Array, Mask
 from kilter.mechanics.certificate import ForceProof, check_forces

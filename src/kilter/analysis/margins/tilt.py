@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.analysis.judge import judge
+from kilter.analysis.decision.judge import judge
 from kilter.analysis.margins.load_limit import (
     Limit,
     NoLimit,

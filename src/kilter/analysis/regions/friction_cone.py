@@ -39,7 +39,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from kilter.analysis.judge import judge
+from kilter.analysis.decision.judge import judge
 from kilter.analysis.margins.load_limit import NoLimit, find_limit, gravity_wrench
 from kilter.analysis.regions.cone_hull import cone_around, edges_of, extreme_rays
 from kilter.analysis.regions.stable_cone import Proof, StableCone, stable_cone

@@ -20,8 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kilter.analysis.answers import joints_answer
-from kilter.analysis.open_question import open_pairs_answer
+from kilter.analysis.open_pairs.open_question import open_pairs_answer
 from kilter.analysis.regions.cone_oracle import intersection
 from kilter.analysis.regions.friction_cone import friction_cone
 from kilter.analysis.regions.polyhedral_cone import Cone
@@ -30,6 +29,7 @@ from kilter.analysis.regions.region_words import further_forces, warnings_of
 from kilter.analysis.regions.rests import PlaceOfRest, find_rests
 from kilter.analysis.regions.stable_cone import StableCone, stable_cone
 from kilter.analysis.turning_tolerances import GAP_DEG
+from kilter.analysis.verdict.answers import joints_answer
 from kilter.arrays import Array, Mask
 from kilter.assembly import Assembly, require_assembly
 from kilter.assembly.bonds import NO_CONE, require_no_bonds

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from kilter.analysis.judge import judge
+from kilter.analysis.decision.judge import judge
 from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.stable_cone import Proof
 from kilter.analysis.turning_tolerances import BEYOND_CONE

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from kilter.analysis.fitted_normals import fits_left_out
-from kilter.analysis.motion import find_motion
-from kilter.analysis.open_question import open_pair_names
+from kilter.analysis.decision.fitted_normals import fits_left_out
+from kilter.analysis.open_pairs.open_question import open_pair_names
 from kilter.analysis.regions.stable_cone import Proof, StableCone
-from kilter.analysis.remarks import remarks, touching_nothing
+from kilter.analysis.verdict.motion import find_motion
+from kilter.analysis.verdict.remarks import remarks, touching_nothing
 from kilter.arrays import Array, Mask
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet

@@ -19,7 +19,7 @@ from kilter.analysis.check import check
 from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.well import Well, find_well
 from kilter.analysis.turning_tolerances import NO_GAIN
-from kilter.analysis.verdict import Verdict
+from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet

@@ -26,7 +26,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csc_array
 
-from kilter.analysis.judge import judge
+from kilter.analysis.decision.judge import judge
 from kilter.analysis.regions.cone_oracle import ConeOracle
 from kilter.analysis.regions.growth import Grown, Reach, grow
 from kilter.analysis.regions.polyhedral_cone import Cone, make_cone

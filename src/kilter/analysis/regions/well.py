@@ -24,7 +24,7 @@ import numpy as np
 
 from kilter.analysis.regions.tipping import find_tipping
 from kilter.analysis.turning_tolerances import NO_PROJECTION, NO_RISE, SAME_RAY
-from kilter.analysis.verdict import Verdict
+from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array, across, cross
 from kilter.assembly import Assembly
 from kilter.assembly.lowest import lowest_heights

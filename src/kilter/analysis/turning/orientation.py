@@ -24,11 +24,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from kilter.analysis.answers import joints_answer
 from kilter.analysis.check import check
-from kilter.analysis.judge import Judgement, judge
-from kilter.analysis.motion import NO_MOTION
-from kilter.analysis.open_question import open_pair_names, open_pairs_answer
+from kilter.analysis.decision.judge import Judgement, judge
+from kilter.analysis.open_pairs.open_question import open_pair_names, open_pairs_answer
 from kilter.analysis.regions.polyhedral_cone import Cone
 from kilter.analysis.regions.region import Region, region
 from kilter.analysis.regions.stable_cone import stable_cone
@@ -37,7 +35,9 @@ from kilter.analysis.turning.nearest import Method, Nearest, nearest
 from kilter.analysis.turning_tolerances import (
     OPPOSITE,
 )
-from kilter.analysis.verdict import Verdict
+from kilter.analysis.verdict.answers import joints_answer
+from kilter.analysis.verdict.motion import NO_MOTION
+from kilter.analysis.verdict.verdict import Verdict
 from kilter.arrays import Array
 from kilter.assembly import Assembly, require_assembly
 from kilter.assembly.bonds import NO_CONE, require_no_bonds

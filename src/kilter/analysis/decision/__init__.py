@@ -1,0 +1,1 @@
+"""The decision: does an assembly hold, at which level, by which proof."""

@@ -1,0 +1,73 @@
+"""What rests on fitted normals: contacts of smooth faces that two meshes cut differently.
+
+A normal that a fit gave is known to its doubt. Forces within mu - doubt of it are within mu of
+the true one, and such a contact has that friction; without friction nothing is certain of it,
+and whether a motion obeys Coulomb's law depends on the normals themselves. So equilibrium is
+said of these contacts, not that nothing can move; and without friction only what holds without
+them: `kilter.mechanics.program.build_program` leaves them out.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kilter.analysis.decision.judge import judge
+from kilter.arrays import Index
+from kilter.assembly import Assembly
+from kilter.contact import ContactSet
+from kilter.contact.open_pairs import rigid_groups
+from kilter.errors import some
+from kilter.mechanics.program import Program, build_program
+from kilter.work import Work
+
+__all__ = ["fits_left_out", "rests_on_fits", "why_fits_leave_it_open"]
+
+
+def rests_on_fits(program: Program, assembly: Assembly) -> bool:
+    """Whether contacts of a program that may open or slide have normals in doubt."""
+    return len(_fitted(program, assembly)) > 0
+
+
+def _fitted(program: Program, assembly: Assembly) -> Index:
+    """Patches in doubt between parts that are not one body, each once."""
+    group = rigid_groups(assembly)
+    rows = np.flatnonzero(program.doubt)
+    rows = rows[group[program.part_a[rows]] != group[program.part_b[rows]]]
+    return np.unique(program.source[rows])
+
+
+def why_fits_leave_it_open(
+    assembly: Assembly, contacts: ContactSet, certain: Program, work: Work
+) -> tuple[str, ...]:
+    """Why it is undecided what the certain contacts do not hold: the fitted ones would."""
+    program = build_program(assembly, contacts, fitted=True)
+    if len(program.kind) == len(certain.kind) or not judge(program, work=work).stable:
+        return ()
+    worst = float(contacts.patch_doubt.max(initial=0.0))
+    return (
+        "forces that hold it exist with the fitted normals of curved faces, which are known to "
+        f"{np.degrees(worst):.1g} degrees only; friction above {worst:.2g} would settle it",
+    )
+
+
+def fits_left_out(assembly: Assembly, contacts: ContactSet, certain: Program) -> list[str]:
+    """A warning that names the pairs whose fitted contacts a program of the certain ones has not.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    contacts : ContactSet
+    certain : Program
+        As `build_program` gives it, or without friction.
+    """
+    every = build_program(assembly, contacts, fitted=True)
+    out = np.setdiff1d(_fitted(every, assembly), _fitted(certain, assembly))
+    if not len(out):
+        return []
+    names, worst = assembly.names, float(contacts.patch_doubt[out].max())
+    pairs = np.unique(contacts.patch_parts[out], axis=0).tolist()
+    return [
+        "left out: contacts of curved faces with fitted normals, known to "
+        f"{np.degrees(worst):.1g} degrees only, which are certain with friction above "
+        f"{worst:.2g} alone: {some([f'{names[a]!r} and {names[b]!r}' for a, b in pairs])}"
+    ]

@@ -1,0 +1,1 @@
+"""Open pairs: which of them decide, and what friction guarantees if they touch."""

@@ -1,0 +1,1 @@
+"""The fewest supports that hold an assembly."""

@@ -1,0 +1,193 @@
+"""Fixture: the answer of `hold`, the fewest supports and what shows that fewer are not enough."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from kilter.analysis.planning.hold.least_supports import LeastSupports
+from kilter.analysis.planning.hold.supported import Supported, SupportedState
+from kilter.arrays import Array
+from kilter.contact.supports import Support
+from kilter.errors import InputError
+from kilter.mechanics.bundle import changed, make_bundle
+from kilter.mechanics.certificate import check_motion, part_sizes
+from kilter.mechanics.mechanics_tolerances import STILL
+from kilter.mechanics.program import build_program
+from kilter.mechanics.proof import Evidence, make_proof
+from kilter.tell.hold_words import hold_sentence
+from kilter.tell.html import html_of
+
+__all__ = ["Fixture"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fixture:
+    """What `hold` found.
+
+    Attributes
+    ----------
+    supported : Supported
+        The assembly and its candidates.
+    found : LeastSupports
+    most : int or None
+        More supports were not asked for.
+    time_limit : float or None
+        What cut the search short [s].
+    interrupted, exhausted : bool
+        Whether it was stopped from outside; whether it came to its end.
+    seconds : mapping
+        Of each stage [s].
+    """
+
+    supported: Supported
+    found: LeastSupports
+    most: int | None
+    time_limit: float | None
+    interrupted: bool
+    exhausted: bool
+    seconds: Mapping[str, float]
+
+    @property
+    def candidates(self) -> tuple[Support, ...]:
+        """What may hold it."""
+        return self.supported.supports
+
+    @property
+    def supports(self) -> list[Support] | None:
+        """The fewest of the candidates with which it holds; None where none were found."""
+        if self.found.state is None:
+            return None
+        return [self.candidates[k] for k in sorted(self.found.state.chosen)]
+
+    @property
+    def least(self) -> int:
+        """Fewer supports are not enough, that is proved."""
+        return self.found.least
+
+    @property
+    def fewest(self) -> bool:
+        """Whether it is proved that no fewer of the candidates are enough."""
+        return self.found.state is not None and len(self.found.state.chosen) == self.least
+
+    @property
+    def verdict(self) -> str:
+        """One of "held", "impossible" (all candidates together are not enough) and "undecided"."""
+        if self.found.state is not None:
+            return "held"
+        return "impossible" if self.found.enough is False else "undecided"
+
+    def forces(self) -> list[Array | None]:
+        """Force of each support on its part [N], shape (3,); None of a grip, which has torques."""
+        state = self.found.state
+        if state is None or state.forces is None or self.supports is None:
+            return []
+        proof, program = state.forces, state.program
+        of = self.supported.support_rows(program)
+        total = proof.forces[:, None] * program.normal + proof.friction
+        found: list[Array | None] = []
+        for k in sorted(state.chosen):
+            one = self.candidates[k]
+            place = self.supported.place_of(k)
+            push = total[of == place].sum(axis=0) if place is not None else None
+            if push is not None and one.capacity:
+                push = push - one.capacity * one.pushing(self.supported.assembly)
+            found.append(push)
+        return found
+
+    def to_dict(self) -> dict[str, Any]:
+        """The answer as JSON data, that of ``kilter hold --json``."""
+        assembly = self.supported.assembly
+        forces = self.forces()
+        answer: dict[str, Any] = {
+            "verdict": self.verdict,
+            "supports": None
+            if self.supports is None
+            else [
+                {**one.to_dict(), "force": None if push is None else push.tolist()}
+                for one, push in zip(self.supports, forces, strict=True)
+            ],
+            "least": self.least,
+            "fewest": self.fewest,
+            "motions": [
+                {
+                    "stopped_by": [self.candidates[k].name for k in sorted(one.shares)],
+                    "moving": _moving(one.state),
+                }
+                for one in self.found.motions
+            ],
+            "candidates": len(self.candidates),
+            "most": self.most,
+            "units": assembly.units,
+            "base": [part.name for part in assembly if part.grounded],
+            "judged": self.supported.asked,
+            "exhausted": self.exhausted,
+            "interrupted": self.interrupted,
+            "time_limit": self.time_limit,
+            "warnings": self.supported.contacts.remarks(),
+            "seconds": {key: round(value, 6) for key, value in self.seconds.items()},
+        }
+        return {**answer, "sentence": hold_sentence(answer)}
+
+    def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
+        """The proof that it holds, and that fewer are not enough, for `kilter.verify`.
+
+        Parameters
+        ----------
+        options : dict, optional
+            How the file is read.
+
+        Raises
+        ------
+        InputError
+            If nothing was found and nothing is proved.
+        """
+        if self.verdict == "undecided":
+            raise InputError("no supports were found, and nothing is proved: there is no proof")
+        stated: list[tuple[str, SupportedState]] = []
+        if self.found.state is not None:
+            stated.append(("held", self.found.state))
+        stated += [("not fewer", one.state) for one in self.found.motions]
+        proofs = []
+        for about, state in stated:
+            gripped, others = self.supported.given(state.chosen)
+            change = {"held": gripped, "supports": [one.to_dict() for one in others]}
+            own = {"about": about, "supports": sorted(state.chosen), "change": change}
+            proofs.append((own, self._proof(state, change, options or {})))
+        rules = {"candidates": [one.to_dict() for one in self.candidates], "least": self.least}
+        return make_bundle("hold", proofs, rules=rules)
+
+    def _proof(
+        self, state: SupportedState, change: dict[str, Any], options: dict[str, Any]
+    ) -> dict[str, Any]:
+        assembly, contacts = changed(self.supported.assembly, self.supported.contacts, change)
+        program = build_program(assembly, contacts, possible=state.stable is False)
+        if state.motion is not None:
+            motion = check_motion(program, state.motion.motion)
+            return make_proof(assembly, contacts, program, motion, options)
+        evidence = Evidence("open") if program.mu.any() else None
+        return make_proof(assembly, contacts, program, state.forces, options, evidence=evidence)
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows."""
+        return html_of(self.to_dict())
+
+    def __repr__(self) -> str:
+        if self.supports is None:
+            return f"<Fixture: {self.verdict}, {self.least} or more>"
+        names: Sequence[str] = [one.name for one in self.supports]
+        return f"<Fixture: {', '.join(names) or 'nothing'}>"
+
+    def __bool__(self) -> bool:
+        raise TypeError("a fixture is neither true nor false: use .verdict")
+
+
+def _moving(state: SupportedState) -> list[str]:
+    """Parts that a motion moves."""
+    assert state.motion is not None
+    sizes = part_sizes(state.program, state.motion.motion, per_radius=False)
+    moves = sizes > STILL * np.max(sizes, initial=0.0)
+    return [name for name, one in zip(state.program.names, moves, strict=True) if one]

@@ -1,0 +1,105 @@
+"""What is the least that must be held so that it stays, and where?
+
+Asked of an assembly as it stands, half-built or whole, and of candidates: grips, fingers, props,
+vacuum cups, magnets (`kilter.contact.supports`). With the answer stands the proof that less is not
+enough (`kilter.analysis.planning.hold.least_supports`); "undecided" proves nothing.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable
+
+from kilter.analysis.planning.hold.fixture import Fixture
+from kilter.analysis.planning.hold.least_supports import LeastSupports, find_least_supports
+from kilter.analysis.planning.hold.support_candidates import candidates_of
+from kilter.analysis.planning.hold.supported import Supported
+from kilter.assembly import Assembly, require_assembly
+from kilter.assembly.bonds import NOT_SET, require_no_bonds
+from kilter.contact import ContactSet, Tolerance, detect
+from kilter.contact.fits.coincident import require_apart
+from kilter.contact.supports import Support
+from kilter.errors import InputError
+from kilter.threads import on_one_thread
+from kilter.validate import number
+from kilter.work import EFFORT, Work, units_of
+
+__all__ = ["hold"]
+
+SEARCH = 40.0
+"""Work of the search over that of an effort [-]."""
+
+
+@on_one_thread
+def hold(
+    assembly: Assembly,
+    *,
+    candidates: Iterable[str | Support] = ("grips",),
+    most: int | None = None,
+    effort: float = EFFORT,
+    time_limit: float | None = None,
+    contacts: ContactSet | None = None,
+    tolerance: Tolerance | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> Fixture:
+    """The fewest supports with which an assembly holds, and where; proved that fewer do not do.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        As it stands; `Assembly.without` leaves out what is not there yet.
+    candidates : iterable of "grips", "props", "fingers" or Support
+        What may hold it: every part gripped, a prop under every part, a finger on every flat
+        face that is free, or what is given.
+    most : int, optional
+        More supports are not asked for.
+    effort : float
+        Work that the search may take, counted and not timed.
+    time_limit, contacts, tolerance, progress
+        As of `kilter.check`.
+
+    Raises
+    ------
+    InputError
+        If there is no candidate, or one does not fit the assembly.
+
+    Examples
+    --------
+    >>> from kilter.scenes.arches import arch
+    >>> half = arch(9, ratio=0.3, friction=0.6).without("voussoir-4")
+    >>> hold(half)
+    <Fixture: grip on voussoir-3, grip on voussoir-5>
+    >>> hold(half, most=1)
+    <Fixture: undecided, 2 or more>
+    """
+    require_assembly(assembly, "hold")
+    require_no_bonds(assembly, "hold", NOT_SET)
+    if most is not None and (isinstance(most, bool) or not isinstance(most, int) or most < 0):
+        raise InputError(f"most is {most!r:.40}", hint="give a whole number, 0 or more")
+    if time_limit is not None:
+        time_limit = number(time_limit, "time_limit", lowest=0)
+    allowed = SEARCH * units_of(number(effort, "effort", lowest=0))
+    work, started = Work(allowed, progress, time_limit=time_limit), time.perf_counter()
+    if contacts is None:
+        contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
+    require_apart(assembly, contacts)
+    seconds = {"contacts": time.perf_counter() - started}
+    between = time.perf_counter()
+    asked = [candidates] if isinstance(candidates, str | Support) else candidates
+    given = Supported(assembly, contacts, candidates_of(assembly, contacts, asked))
+    work.stage("the fewest supports")
+    interrupted = False
+    try:
+        found = find_least_supports(given, work, most=most)
+    except KeyboardInterrupt:
+        found, interrupted = LeastSupports(None, 0, None, ()), True
+    seconds["solve"] = time.perf_counter() - between
+    return Fixture(
+        supported=given,
+        found=found,
+        most=most,
+        time_limit=time_limit if work.cut else None,
+        interrupted=interrupted,
+        exhausted=not work.over and not interrupted,
+        seconds=seconds,
+    )

@@ -1,0 +1,99 @@
+"""A fixture judged again from its file: its supports, and that fewer are not enough.
+
+That each state holds or falls is judged with its forces or its motion
+(`kilter.analysis.verification`). Here: that each is one of the candidates it names; and that, by
+the shares that the candidates take of each motion, found anew, no smaller set is enough.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from kilter.analysis.planning.hold.supported import shares_of
+from kilter.analysis.planning.states.covers import least_cover
+from kilter.assembly import Assembly
+from kilter.contact import ContactSet
+from kilter.contact.supports import Support, with_supports
+from kilter.mechanics.bundle import changed
+from kilter.mechanics.certificate import check_motion
+from kilter.mechanics.program import build_program
+
+__all__ = ["wrong_hold"]
+
+About = Mapping[str, Any]
+
+
+def wrong_hold(
+    assembly: Assembly, contacts: ContactSet, bundle: About, verdicts: Sequence[str]
+) -> Iterator[str]:
+    """Why the proofs of a fixture together do not show the fewest supports.
+
+    What is not of the form of a fixture ends as in `kilter.analysis.planning.order.order_check`.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    contacts : ContactSet
+    bundle : mapping
+        As `Fixture.proof` makes it.
+    verdicts : sequence of str
+        Of its proofs.
+    """
+    rules = bundle["rules"]
+    candidates = [Support.from_dict(one) for one in rules["candidates"]]
+    for one in candidates:
+        one.require_of(assembly)
+    held: list[tuple[frozenset[int], About]] = []
+    falling: list[tuple[frozenset[int], About]] = []
+    for entry, verdict in zip(bundle["proofs"], verdicts, strict=True):
+        there = frozenset(entry["supports"])
+        if entry["change"] != _change(assembly, candidates, there):
+            yield f"{entry['about']}: its supports are not the candidates that it names"
+            continue
+        if entry["about"] not in FALLS or (verdict == "unstable") != FALLS[entry["about"]]:
+            yield f"it says {entry['about']!r:.40} of what is {verdict}"
+            continue
+        (falling if FALLS[entry["about"]] else held).append((there, entry))
+    shares = [_shares(assembly, contacts, candidates, *one) for one in falling]
+    least = len(candidates) + 1 if not held else rules["least"]
+    if len(held) > 1 or (held and len(held[0][0]) < least):
+        yield "it does not hold with fewest supports"
+    if least_cover(shares, min(least - 1, len(candidates))) is not None:
+        yield f"fewer than {least} supports may be enough"
+
+
+FALLS = {"held": False, "not fewer": True}
+"""What a proof of a fixture may be about, and whether its state falls."""
+
+
+def _change(
+    assembly: Assembly, candidates: Sequence[Support], there: frozenset[int]
+) -> dict[str, Any]:
+    """What of the file is another with some of the candidates."""
+    chosen = [candidates[k] for k in sorted(there)]
+    gripped = {one.part for one in chosen if one.kind == "grip"}
+    return {
+        "held": [name for name in assembly.names if name in gripped],
+        "supports": [one.to_dict() for one in chosen if one.kind != "grip"],
+    }
+
+
+def _shares(
+    assembly: Assembly,
+    contacts: ContactSet,
+    candidates: Sequence[Support],
+    there: frozenset[int],
+    entry: About,
+) -> dict[int, float]:
+    """The shares that the other candidates take of the motion of a proof."""
+    every = with_supports(assembly, contacts, [one for one in candidates if one.kind != "grip"])
+    program = build_program(*changed(assembly, contacts, entry["change"]), possible=True)
+    motion = np.zeros((len(program.names), 6))
+    number = {name: k for k, name in enumerate(program.names)}
+    for name, six in entry["proof"]["motion"].items():
+        motion[number[name]] = six
+    proof = check_motion(program, motion)
+    return shares_of(candidates, build_program(*every), len(contacts.patch_mu), proof, there)

@@ -1,0 +1,198 @@
+"""An assembly with some of its possible supports: its program, its verdict, what stops a motion."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from kilter.analysis.decision.as_stated import explained_by_accuracy
+from kilter.analysis.decision.judge import judge
+from kilter.analysis.planning.states.covers import Shares
+from kilter.analysis.planning.states.state_programs import StatePrograms, build_state_programs
+from kilter.arrays import Array, Index, Mask, cross
+from kilter.assembly import Assembly
+from kilter.contact import ContactSet
+from kilter.contact.supports import Support, with_supports
+from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes, violations
+from kilter.mechanics.mechanics_tolerances import RULED_OUT
+from kilter.mechanics.program import Program
+from kilter.mechanics.rows import CONTACT
+from kilter.work import Work
+
+__all__ = ["Supported", "SupportedState", "shares_of"]
+
+LEFT = 1e-3
+"""Least share of its power that a motion must keep for a set of supports to be ruled out."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SupportedState:
+    """What was found of an assembly with some supports.
+
+    Attributes
+    ----------
+    chosen : frozenset of int
+        The supports that are there.
+    stable : bool or None
+        Whether forces that hold it exist; None: undecided.
+    program : Program
+        Of which the certificate speaks.
+    forces : ForceProof or None
+    motion : MotionProof or None
+    """
+
+    chosen: frozenset[int]
+    stable: bool | None
+    program: Program
+    forces: ForceProof | None
+    motion: MotionProof | None
+
+
+class Supported:
+    """An assembly, its contacts, and supports of which any may be there.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    contacts : ContactSet
+    supports : sequence of Support
+
+    Attributes
+    ----------
+    assembly, contacts, supports
+    asked : int
+        How many sets of supports were judged.
+    """
+
+    def __init__(
+        self, assembly: Assembly, contacts: ContactSet, supports: Sequence[Support]
+    ) -> None:
+        self.assembly, self.contacts, self.supports = assembly, contacts, tuple(supports)
+        self.asked = 0
+        self._acting = [k for k, one in enumerate(supports) if one.kind != "grip"]
+        self._loaded, self._touching = with_supports(
+            assembly, contacts, [supports[k] for k in self._acting]
+        )
+        self._programs: StatePrograms = build_state_programs(self._loaded, self._touching)
+        self._first = len(contacts.patch_mu)  # the first patch of a support
+        self._found: dict[frozenset[int], SupportedState] = {}
+
+    @property
+    def whole(self) -> Program:
+        """The program with every support but the grips."""
+        return self._programs.whole
+
+    def given(self, chosen: Iterable[int]) -> tuple[list[str], list[Support]]:
+        """Of a set of supports the parts that are gripped, and the others."""
+        members = sorted(chosen)
+        gripped = {self.supports[k].part for k in members if self.supports[k].kind == "grip"}
+        others = [self.supports[k] for k in members if self.supports[k].kind != "grip"]
+        return [name for name in self.assembly.names if name in gripped], others
+
+    def judge(self, chosen: Iterable[int], work: Work) -> SupportedState:
+        """The assembly with a set of supports."""
+        key = frozenset(chosen)
+        if key not in self._found:
+            self.asked += 1
+            self._found[key] = self._judged(key, work)
+        return self._found[key]
+
+    def _judged(self, chosen: frozenset[int], work: Work) -> SupportedState:
+        program = self._program(chosen, self._programs.whole)
+        judgement = judge(program, work=work)
+        state = SupportedState(chosen, None, program, judgement.forces, None)
+        if judgement.stable:
+            in_doubt = self.contacts.patch_doubt.any() and not program.mu.any()
+            return state if in_doubt else replace(state, stable=True)
+        if judgement.stable is False and self._programs.open:
+            program = self._program(chosen, self._programs.outer)
+            judgement = judge(program, work=work)
+        if judgement.stable is not False or explained_by_accuracy(
+            self._loaded, self._touching, program
+        ):
+            return replace(state, forces=None)
+        return SupportedState(chosen, False, program, None, judgement.motion)
+
+    def _program(self, chosen: frozenset[int], whole: Program) -> Program:
+        """Rows and loads of a set of supports, and its gripped parts held."""
+        gripped, _ = self.given(chosen)
+        held = np.array([name in gripped for name in self._loaded.names], dtype=bool)
+        there = np.array([k in chosen for k in self._acting], dtype=bool)
+        program = replace(whole, applied=whole.applied - self._loads(~there, whole))
+        of = self.support_rows(program)
+        on = (of < 0) | np.append(there, True)[of]
+        return self._programs.taken(program.taking(on), np.ones(len(held), dtype=bool), held)
+
+    def support_rows(self, program: Program) -> Index:
+        """Of each row the number of its support among those that are no grips; -1 of others."""
+        own = (program.kind == CONTACT) & (program.source >= self._first)
+        return np.where(own, program.source - self._first, -1)
+
+    def place_of(self, support: int) -> int | None:
+        """Number of a support among those that are no grips; None of a grip."""
+        return self._acting.index(support) if support in self._acting else None
+
+    def _loads(self, which: Mask, program: Program) -> Array:
+        """Loads of some supports on each part, shape (N, 6)."""
+        loads = np.zeros((len(program.names), 6))
+        for place in np.flatnonzero(which):
+            one = self.supports[self._acting[place]]
+            part = self.assembly.index[one.part]
+            force = -one.capacity * one.pushing(self.assembly)
+            loads[part, :3] += force
+            loads[part, 3:] += cross(one.point - program.center[part], force)
+        return loads
+
+    def shares(self, state: SupportedState) -> Shares:
+        """Which supports that are not there may stop its motion, and to which share."""
+        assert state.motion is not None
+        return shares_of(self.supports, self.whole, self._first, state.motion, state.chosen)
+
+
+def shares_of(
+    supports: Sequence[Support],
+    whole: Program,
+    first: int,
+    proof: MotionProof,
+    there: frozenset[int],
+) -> dict[int, float]:
+    """Which supports beside those that are there may stop a motion, and to which share.
+
+    Parameters
+    ----------
+    supports : sequence of Support
+    whole : Program
+        With every support but the grips.
+    first : int
+        The patch of the first of them.
+    proof : MotionProof
+        Of the assembly with those that are there; its motion may lack the held part that stands
+        for the outside.
+    there : frozenset of int
+    """
+    motion = np.zeros((len(whole.names), 6))
+    motion[: len(proof.motion)] = proof.motion
+    moves = part_sizes(whole, motion, per_radius=False) > 0
+    opening, bad = whole.velocities(motion), violations(whole, motion)
+    rows = {int(whole.source[k]) - first: k for k in np.flatnonzero(whole.kind == CONTACT)}
+    keeps = proof.ratio * LEFT >= RULED_OUT
+    number = {name: k for k, name in enumerate(whole.names)}
+    found, place = {}, -1
+    for k, one in enumerate(supports):
+        place += one.kind != "grip"
+        if k in there:
+            continue
+        row = rows.get(place) if one.kind != "grip" else None
+        if one.kind == "grip":
+            share = float(moves[number[one.part]])
+        elif row is None:  # between parts that are held
+            share = 0.0
+        elif bad[row] < 0 or not keeps:
+            share = float(bad[row] < 0 or one.capacity > 0)
+        else:
+            share = min(one.capacity * float(opening[row]) / proof.power, 1.0)
+        if share > 0:
+            found[k] = share
+    return found

@@ -1,0 +1,1 @@
+"""Orders of assembly: their search, their steps, their proofs."""

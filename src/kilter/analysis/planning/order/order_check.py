@@ -1,0 +1,342 @@
+"""A plan judged again from its file: its order, its rules and its ways, apart from the search.
+
+That each state holds or falls is judged with its forces or its motion
+(`kilter.analysis.verification`). Here, that the proofs together are an order:
+
+- the states follow one another, one part more each, to the whole assembly, and each is proved by
+  forces under the gravity, friction and loads of the file;
+- every part touches what stands, and nothing is in its way: the sweeps are made anew;
+- no more parts are held than the rules say, none that must not be, all of them standing;
+- precedence is kept to, and groups move whole; a nut comes over its bolt along the axis of a thread
+  that is found anew;
+- where it says that fewer holds are not enough: no smaller set has a part of each of its motions;
+
+or that the sets which need more held than may be bar every order, whatever the ways;
+or that the parts which fall alone are all that no order without holds reaches; or that each of the
+locked parts is locked by the others and the base, by its multipliers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from kilter.analysis.planning.order.exhaustion import leads_nowhere
+from kilter.analysis.planning.order.locking import holding_rows, opening, shuts
+from kilter.analysis.planning.order.order_rules import Rules
+from kilter.analysis.planning.order.pressing import press_loads
+from kilter.analysis.planning.order.sweeps import Sweeps
+from kilter.analysis.planning.order.turning import OPPOSITE
+from kilter.analysis.planning.states.holds import least_hitting_set
+from kilter.analysis.planning.states.part_sets import bits_of
+from kilter.analysis.planning.states.state_programs import build_state_programs
+from kilter.assembly import Assembly
+from kilter.contact import ContactSet
+from kilter.errors import some_names
+from kilter.rigid import unit
+
+__all__ = ["wrong_order"]
+
+About = Mapping[str, Any]
+CHANGES = {"without", "held"}
+MORE = {"pressed": {"loads"}, "step": {"down"}, "turned": {"down"}}
+"""What a state of a plan may have otherwise than the file."""
+
+
+def wrong_order(
+    assembly: Assembly, contacts: ContactSet, bundle: Mapping[str, Any], verdicts: Sequence[str]
+) -> Iterator[str]:
+    """Why the proofs of a plan together are no order, or no impossibility.
+
+    What is not of the form of a plan ends in a `KeyError`, `IndexError`, `TypeError`,
+    `ValueError` or `AttributeError`: `kilter.analysis.verification` says what that is.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    contacts : ContactSet
+    bundle : mapping
+        As `kilter.analysis.planning.order.order_proof` makes it.
+    verdicts : sequence of str
+        Of its proofs.
+    """
+    entries: dict[str, list[About]] = {kind: [] for kind in FALLS}
+    for entry, verdict in zip(bundle["proofs"], verdicts, strict=True):
+        kind, change = entry["about"], entry["change"]
+        if kind not in FALLS:
+            yield f"it is about {kind!r:.40}"
+            continue
+        entries[kind].append(entry)
+        if (verdict == "unstable") != FALLS[kind]:
+            yield f"{kind} {_of(entry)}: its state is {verdict}"
+        if set(change) - CHANGES - MORE.get(kind, set()):
+            yield f"{kind} {_of(entry)}: more of it is changed than its parts"
+    if not any(entries[kind] for kind in ("step", "falls alone", "locked", "refused")):
+        yield "it has neither an order nor a proof that there is none"
+    if entries["step"]:
+        if [one["change"] for one in entries["whole"]] != [{"without": [], "held": []}]:
+            yield "the finished assembly has no proof"
+        rules = Rules.of(assembly, contacts, bundle["rules"])
+        yield from _wrong_steps(assembly, contacts, rules, entries["step"])
+        yield from _enough(assembly, rules, entries["step"], entries["not fewer"])
+        press = float(bundle["rules"]["press"])
+        yield from _wrong_pressing(assembly, press, entries["step"], entries["pressed"])
+        yield from _wrong_turns(
+            assembly, bool(bundle["rules"]["turn"]), entries["step"], entries["turned"]
+        )
+    elif entries["whole"] or entries["not fewer"] or entries["pressed"] or entries["turned"]:
+        yield "it speaks of an order but has no step"
+    if (entries["falls alone"] or entries["refused"]) and (
+        bundle["rules"]["groups"] or bundle["rules"]["turn"]
+    ):
+        yield "that there is no order speaks of single parts under one gravity"
+    yield from _wrong_closure(assembly, entries["falls alone"])
+    if entries["refused"]:
+        rules = Rules.of(assembly, contacts, bundle["rules"])
+        yield from _wrong_exhaustion(assembly, contacts, rules, entries["refused"])
+    if entries["locked"]:
+        threads = bundle["rules"]["screws"]
+        yield from _wrong_locking(assembly, contacts, threads, entries["locked"])
+
+
+FALLS = {
+    "whole": False,
+    "step": False,
+    "not fewer": True,
+    "falls alone": True,
+    "refused": True,
+    "locked": False,
+    "pressed": False,
+    "turned": False,
+}
+"""What a proof of a plan may be about, and whether its state falls."""
+
+
+def _of(entry: About) -> str:
+    """What an entry speaks of."""
+    return some_names([entry["part"]] if "part" in entry else entry.get("parts", []))
+
+
+def _wrong_steps(
+    assembly: Assembly, contacts: ContactSet, rules: Rules, steps: Sequence[About]
+) -> Iterator[str]:
+    sweeps = Sweeps(contacts)
+    standing = {part.name for part in assembly if part.grounded}
+    touching = _touching(assembly, contacts)
+    for number, step in enumerate(steps, 1):
+        parts, over = step["parts"], step["over"]
+        moved = [assembly.index_of(part) for part in parts]
+        said, reasons = some_names(parts), [*rules.broken(step, standing)]
+        if standing.intersection(parts) or len(set(parts)) < len(parts) or not parts:
+            reasons.append(f"{said} stands already")
+        if set(step["change"]["without"]) != set(assembly.names) - standing:
+            reasons.append("its state is not what stands before it")
+        if not _hang_on(standing, parts, touching):
+            reasons.append(f"{said} touches nothing that stands")
+        there = np.array([name in standing and name != over for name in assembly.names])
+        if any(_stopped(assembly, sweeps, part, bits_of(there), step["legs"]) for part in moved):
+            reasons.append(f"something is in the way of {said}")
+        yield from (f"step {number}: {reason}" for reason in reasons)
+        standing.update(parts)
+    missing = set(assembly.names) - standing
+    if missing:
+        yield f"{min(missing)!r} is never put in"
+
+
+def _hang_on(standing: set[str], parts: Sequence[str], touching: dict[str, set[str]]) -> bool:
+    """Whether all of some parts touch what stands, or one another of those that do."""
+    there, left = set(standing), set(parts)
+    while left:
+        near = {part for part in left if touching[part] & there}
+        if not near:
+            return False
+        there |= near
+        left -= near
+    return True
+
+
+def _touching(assembly: Assembly, contacts: ContactSet) -> dict[str, set[str]]:
+    """Of each part those that it touches or is joined to."""
+    found: dict[str, set[str]] = {name: set() for name in assembly.names}
+    pairs = [(assembly.names[a], assembly.names[b]) for a, b in contacts.patch_parts.tolist()]
+    for a, b in [*pairs, *(joint.parts for joint in assembly.joints)]:
+        for one, other in ((a, b), (b, a)):
+            if one in found:  # the ground is none
+                found[one].add(other)
+    return found
+
+
+def _stopped(assembly: Assembly, sweeps: Sweeps, part: int, there: int, legs: Any) -> bool:
+    """Whether any of a set of parts is in the way, piece by piece; a way that ends is none."""
+    start = np.zeros(3)
+    others = [k for k in range(len(assembly)) if there >> k & 1 and k != part]
+    for vector, length in legs:
+        x, y, z = (float(one) for one in unit(np.array(vector, dtype=float)).round(12))
+        distance = np.inf if length is None else float(length)
+        if not distance > 0 or any(
+            sweeps.pair_stops(part, other, (x, y, z), distance=distance, start=start)
+            for other in others
+        ):
+            return True
+        if np.isinf(distance):
+            return False
+        start = start + distance * np.array([x, y, z])
+    return True
+
+
+def _enough(
+    assembly: Assembly, rules: Rules, steps: Sequence[About], cuts: Sequence[About]
+) -> Iterator[str]:
+    """Why the motions do not show that fewer holds are not enough."""
+    base = {part.name for part in assembly if part.grounded}
+    sets: dict[int, list[int]] = {}
+    for cut in cuts:
+        number, parts, change = cut["step"], set(cut["parts"]), cut["change"]
+        standing = set(assembly.names) - set(change["without"])
+        known = number in range(1, len(steps) + 1)
+        if not known or set(steps[number - 1]["change"]["without"]) != set(change["without"]):
+            yield f"not fewer than in step {number}: its state is another"
+        elif set(change["held"]) != standing - base - parts:
+            yield f"not fewer than in step {number}: other parts are free in it"
+        else:
+            may = np.array([name in parts - rules.never_held for name in assembly.names])
+            sets.setdefault(number, []).append(bits_of(may))
+    for number, found in sets.items():
+        held = len(steps[number - 1]["change"]["held"])
+        if least_hitting_set(found, held - 1) is not None:
+            yield f"step {number}: fewer than {held} held may be enough"
+
+
+def _wrong_closure(assembly: Assembly, falling: Sequence[About]) -> Iterator[str]:
+    alone = {one["part"] for one in falling}
+    base = {part.name for part in assembly if part.grounded}
+    reached = set(assembly.names) - alone
+    for one in falling:
+        change = one["change"]
+        there = set(assembly.names) - set(change["without"])
+        if there != reached | {one["part"]} or set(change["held"]) != reached - base:
+            yield f"{one['part']!r} does not fall alone on all that is reached"
+
+
+def _wrong_exhaustion(
+    assembly: Assembly, contacts: ContactSet, rules: Rules, cuts: Sequence[About]
+) -> Iterator[str]:
+    """Why the motions do not bar every order, whatever the ways."""
+    names, grounded = assembly.names, assembly.geometry.grounded
+    base = {part.name for part in assembly if part.grounded}
+    motions: dict[int, list[int]] = {}
+    for cut in cuts:
+        parts, change = set(cut["parts"]), cut["change"]
+        standing = set(names) - set(change["without"])
+        if set(change["held"]) != standing - base - parts:
+            yield f"refused {_of(cut)}: other parts are free in it"
+            return
+        there = bits_of(np.array([name in standing for name in names]))
+        may = bits_of(np.array([name in parts - rules.never_held for name in names]))
+        motions.setdefault(there, []).append(may)
+    touching = _touching(assembly, contacts)
+
+    def goes_on(part: int, rest: int) -> bool:
+        there = {name for k, name in enumerate(names) if rest >> k & 1}
+        one = names[part.bit_length() - 1]
+        early = any(first == one and second in there for first, second in rules.precedence)
+        if early or not _hang_on(base, sorted(there - base), touching):
+            return False
+        return least_hitting_set(motions.get(rest, []), rules.hold) is not None
+
+    whole = bits_of(np.ones(len(names), dtype=bool))
+    if not leads_nowhere(whole, bits_of(grounded), goes_on):
+        yield "the motions do not bar every order"
+
+
+def _wrong_locking(
+    assembly: Assembly, contacts: ContactSet, threads: Any, locked: Sequence[About]
+) -> Iterator[str]:
+    """Why parts are not locked by one another and the base."""
+    base = {part.name for part in assembly if part.grounded}
+    core = {one["part"] for one in locked}
+    screws = frozenset(
+        (assembly.index_of(bolt), assembly.index_of(nut)) for bolt, nut, _ in threads
+    )
+    states = build_state_programs(assembly, contacts)
+    for one in locked:
+        name, change = one["part"], one["change"]
+        there = set(assembly.names) - set(change["without"])
+        if name in base or there != core | base or set(change["held"]) != core - {name}:
+            yield f"{name!r} is not locked by the others of the proof and the base"
+            continue
+        present = np.array([other in there for other in assembly.names])
+        held = present & (np.array(assembly.names) != name)
+        program, part = states.of(present, held), assembly.index_of(name)
+        multipliers = np.array(one["multipliers"], dtype=float)
+        rows = holding_rows(program, part, screws)
+        if multipliers.shape != rows.shape or not shuts(
+            opening(program, part, rows), multipliers[rows]
+        ):
+            yield f"{name!r} is not locked: its multipliers do not prove it"
+
+
+def _wrong_pressing(
+    assembly: Assembly, force: float, steps: Sequence[About], pressed: Sequence[About]
+) -> Iterator[str]:
+    """Why not every step is proved under the force that presses its parts in."""
+    if sorted(one["step"] for one in pressed) != (list(range(1, len(steps) + 1)) if force else []):
+        yield "not every step is proved under the force that presses its parts in"
+        return
+    mass = dict(zip(assembly.names, assembly.geometry.mass.tolist(), strict=True))
+    own = [(load.part, load.force, load.torque, load.point) for load in assembly.loads]
+    for one in pressed:
+        step = steps[one["step"] - 1]
+        change, parts = one["change"], step["parts"]
+        x, y, z = (-float(value) for value in unit(np.array(step["legs"][0][0], dtype=float)))
+        press = press_loads(parts, [mass[name] for name in parts], (x, y, z), force)
+        wanted = own + [(load["part"], load["force"], load["torque"], None) for load in press]
+        given = [tuple(load[key] for key in LOAD) for load in change["loads"]]
+        standing = set(step["change"]["without"]) - set(parts)
+        if set(change["without"]) != standing or change["held"] != step["change"]["held"]:
+            yield f"step {one['step']}: other parts are pressed"
+        elif len(given) != len(wanted) or not all(map(_same_load, given, wanted)):
+            yield f"step {one['step']}: it is pressed otherwise"
+
+
+LOAD = ("part", "force", "torque", "point")
+"""Keys of a load."""
+
+
+def _same_load(one: Sequence[Any], other: Sequence[Any]) -> bool:
+    """Whether two loads are the same, but for rounding."""
+    if one[0] != other[0] or (one[3] is None) != (other[3] is None):
+        return False
+    pairs = [(a, b) for a, b in zip(one[1:], other[1:], strict=True) if a is not None]
+    return all(np.allclose(a, b, rtol=SAME_LOAD, atol=0) for a, b in pairs)
+
+
+SAME_LOAD = 1e-9
+"""Relative rounding of a load, as a file has it."""
+
+
+def _wrong_turns(
+    assembly: Assembly, may: bool, steps: Sequence[About], turned: Sequence[About]
+) -> Iterator[str]:
+    """Why what stands cannot be turned from the direction of each step to that of the next."""
+    own = assembly.down
+    downs = [unit(np.array(one["change"].get("down", own), dtype=float)) for one in steps] + [own]
+    following = [one["change"] for one in steps[1:]] + [{"without": [], "held": []}]
+    between = {one["step"]: one["change"] for one in turned}
+    if turned and not may:
+        yield "it is turned, though it must not be"
+    for number, after in enumerate(following, 1):
+        before, then = downs[number - 1 : number + 1]
+        change = between.pop(number, None)
+        if np.array_equal(before, then):
+            continue
+        if change is None or any(change[key] != after[key] for key in CHANGES):
+            yield f"after step {number}: what is turned is not proved to hold before it"
+        elif not np.array_equal(unit(np.array(change["down"], dtype=float)), before):
+            yield f"after step {number}: it is turned from another direction"
+        elif np.linalg.norm(before + then) < OPPOSITE:
+            yield f"after step {number}: it is turned right over, and no arc is shortest"
+    if between:
+        yield "it is turned after a step that is none, or to where it is"

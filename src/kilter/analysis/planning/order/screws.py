@@ -1,0 +1,47 @@
+"""Bolts and their nuts: which parts a thread joins, and along which axis it turns."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from kilter.analysis.planning.order.removal import Screw
+from kilter.contact import ContactSet
+from kilter.contact.contact_tolerances import THREAD
+from kilter.contact.fits.coaxial import coaxial_fits
+from kilter.errors import InputError
+
+__all__ = ["find_screws"]
+
+
+def find_screws(contacts: ContactSet, named: Iterable[tuple[str, str]]) -> list[Screw]:
+    """The screws among parts that match: every bolt with the nuts that are round it.
+
+    Parameters
+    ----------
+    contacts : ContactSet
+    named : iterable of pairs of str
+        Patterns of bolts and of nuts.
+
+    Raises
+    ------
+    InputError
+        If a pattern matches no part, or no nut of a pair is round a bolt.
+    """
+    assembly = contacts.assembly
+    found: dict[tuple[int, int], Screw] = {}
+    for pair in named:
+        if isinstance(pair, str) or len(pair) != 2:
+            raise InputError(f"screws have {pair!r:.60}", hint="give pairs of a bolt and a nut")
+        bolts, nuts = (sorted(map(assembly.index_of, assembly.matching(one))) for one in pair)
+        wanted = {(bolt, nut) for bolt in bolts for nut in nuts if bolt != nut}
+        fits = coaxial_fits(assembly, wanted, contacts.tolerance, thickest=THREAD, thinnest=THREAD)
+        screws = [(fit.parts, fit.axis) for fit in fits if fit.parts in wanted]
+        if not screws:
+            raise InputError(
+                f"no {pair[1]!r} is round the shaft of a {pair[0]!r}",
+                hint="name the bolt, then the nut",
+            )
+        for (bolt, nut), axis in screws:
+            x, y, z = (float(one) + 0.0 for one in axis.round(12))
+            found.setdefault((bolt, nut), Screw(bolt, nut, (x, y, z)))
+    return list(found.values())

@@ -1,0 +1,282 @@
+"""Does a part hit another on its way? Straight paths of polyhedra, by projection along them.
+
+A part P moves by d (a unit vector) over a distance L, which may be endless. A line along d that
+leaves P at the height a = x . d and enters Q at b is stopped at b - a. So Q stops P where exit
+faces of P (n . d > 0) and entry faces of Q (n . d < 0) overlap in projection with
+
+    -e <= b - a <= L - e                            e: the tolerance of the pair
+
+over a region that is wider than 2 e everywhere it counts: what a disk of radius e fits into.
+Faces along d have no area in projection, so sliding is free. The test is one of the pair alone:
+it does not depend on which other parts are there.
+
+    e = max(gap tolerance, 4 (slack of P + slack of Q), 2 accuracies, 2 depths)
+
+since triangles stand for round faces to within their slack, and two parts that share volume as
+drawn, to a depth, are to be stopped by each other all the same.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from kilter.analysis.analysis_tolerances import ALONG
+from kilter.analysis.planning.states.part_sets import bits_of, members
+from kilter.arrays import Array, Index, across, cross, unit_rows
+from kilter.contact import ContactSet
+
+__all__ = ["Sweeps"]
+
+SLACKS = 4.0
+"""Slacks of both parts that the triangles of a path may be off."""
+DEPTHS = 2.0
+"""Depths of what two parts share as drawn that a path may be off."""
+WELD = 1e-3
+"""Pieces of one region are this near to each other, over the tolerance."""
+
+Direction = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Shadow:
+    """A part along a direction: its triangles on the plane across it, and their heights.
+
+    Attributes
+    ----------
+    plane : ndarray, shape (m, 3, 2)
+        [length unit]
+    height : ndarray, shape (m, 3)
+        Along the direction [length unit].
+    facing : ndarray, shape (m,)
+        n . d of each triangle [-].
+    """
+
+    plane: Array
+    height: Array
+    facing: Array
+
+    def moved(self, aside: Array, along: float) -> _Shadow:
+        """The part moved, by a vector of shape (2,) on the plane and a height."""
+        return _Shadow(self.plane + aside, self.height + along, self.facing)
+
+
+class Sweeps:
+    """Straight paths of the parts of an assembly.
+
+    Parameters
+    ----------
+    contacts : ContactSet
+        They name the assembly and its gap tolerance.
+
+    Attributes
+    ----------
+    tests : int
+        Pairs that were held against each other.
+    """
+
+    def __init__(self, contacts: ContactSet) -> None:
+        self._geometry = contacts.assembly.geometry
+        self._tolerance = contacts.tolerance
+        self._depth = {frozenset(one.parts): one.depth for one in contacts.overlaps}
+        self._shadows: dict[tuple[int, Direction], _Shadow] = {}
+        self._endless: dict[tuple[int, Direction], tuple[int, int]] = {}
+        self._before: dict[tuple[int, Direction], int] = {}
+        self._box: dict[Direction, tuple[Array, Array]] = {}
+        self.tests = 0
+
+    def tolerance(self, p: int, q: int) -> float:
+        """How deep two parts may enter each other on a path [length unit]."""
+        g = self._geometry
+        pair = [p, q]
+        gap = float(self._tolerance.gap_of(g.size[pair].min()[None])[0])
+        slack, accuracy = float(g.slack[pair].sum()), float(g.accuracy[pair].sum())
+        depth = self._depth.get(frozenset(pair), 0.0)
+        return max(gap, SLACKS * slack, 2 * accuracy, DEPTHS * depth)
+
+    def stops(self, part: int, present: int, direction: Direction) -> bool:
+        """Whether any of a set of parts stops a part that goes on endlessly.
+
+        Parameters
+        ----------
+        part : int
+        present : int
+            The set, as of `kilter.analysis.planning.states.part_sets`; the part itself does not
+            count.
+        direction : tuple of float
+            Unit, world frame.
+        """
+        others = present & ~(1 << part) & self._ahead(part, direction)
+        stopping, free = self._endless.get((part, direction), (0, 0))
+        if stopping & others:
+            return True
+        for other in members(others & ~free, len(self._geometry.mass)).tolist():
+            if self.pair_stops(part, other, direction):
+                self._endless[part, direction] = (stopping | 1 << other, free)
+                return True
+            free |= 1 << other
+            self._endless[part, direction] = (stopping, free)
+        return False
+
+    def _ahead(self, part: int, direction: Direction) -> int:
+        """Parts whose boxes, seen along a direction, meet that of a part and reach as far."""
+        key = part, direction
+        if key not in self._before:
+            low, high = self._boxes(direction)
+            meets = (low[:, :2] < high[part, :2]) & (high[:, :2] > low[part, :2])
+            near = np.flatnonzero(meets.all(axis=1)).tolist()
+            most = max(self.tolerance(part, other) for other in near)
+            self._before[key] = bits_of(meets.all(axis=1) & (high[:, 2] >= low[part, 2] - most))
+        return self._before[key]
+
+    def _boxes(self, direction: Direction) -> tuple[Array, Array]:
+        """Lowest and highest places of the parts across and along a direction, shape (N, 3)."""
+        if direction not in self._box:
+            g = self._geometry
+            seen = g.vertices @ _basis(np.array(direction)).T
+            start = g.vertex_start[:-1]
+            self._box[direction] = (
+                np.minimum.reduceat(seen, start, axis=0),
+                np.maximum.reduceat(seen, start, axis=0),
+            )
+        return self._box[direction]
+
+    def pair_stops(
+        self,
+        part: int,
+        other: int,
+        direction: Direction,
+        *,
+        distance: float = np.inf,
+        start: Array | None = None,
+    ) -> bool:
+        """Whether one part stops another.
+
+        Parameters
+        ----------
+        part, other : int
+        direction : tuple of float
+            Unit, world frame.
+        distance : float
+            How far the part moves [length unit].
+        start : ndarray, shape (3,), optional
+            By how much the part was moved before [length unit].
+        """
+        self.tests += 1
+        moving, still = self._shadow(part, direction), self._shadow(other, direction)
+        if start is not None:
+            basis = _basis(np.array(direction))
+            moving = moving.moved(basis[:2] @ start, float(basis[2] @ start))
+        return _stopped(moving, still, self.tolerance(part, other), distance)
+
+    def _shadow(self, part: int, direction: Direction) -> _Shadow:
+        key = part, direction
+        if key not in self._shadows:
+            corners = self._geometry.corners_of(part)
+            normal = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+            seen = corners @ _basis(np.array(direction)).T
+            facing = unit_rows(normal) @ np.array(direction)
+            self._shadows[key] = _Shadow(seen[..., :2], seen[..., 2], facing)
+        return self._shadows[key]
+
+
+def _basis(direction: Array) -> Array:
+    """Two directions across a unit vector and itself, as rows, shape (3, 3)."""
+    return np.stack([*across(direction), direction])
+
+
+def _stopped(moving: _Shadow, still: _Shadow, tolerance: float, distance: float) -> bool:
+    exits, entries = np.flatnonzero(moving.facing > ALONG), np.flatnonzero(still.facing < -ALONG)
+    first, second = _near(moving, exits, still, entries, tolerance, distance)
+    if not len(first):
+        return False
+    shared = shapely.intersection(
+        shapely.polygons(moving.plane[first]), shapely.polygons(still.plane[second])
+    )
+    flat = shapely.area(shared) > 0
+    first, second, shared = first[flat], second[flat], shared[flat]
+    corner, owner = shapely.get_coordinates(shared, return_index=True)
+    if not len(corner):
+        return False
+    between = _heights(still, second[owner], corner) - _heights(moving, first[owner], corner)
+    low, high = -tolerance, distance - tolerance
+    starts = np.flatnonzero(np.diff(owner, prepend=-1))
+    lowest = np.minimum.reduceat(between, starts)
+    highest = np.maximum.reduceat(between, starts)
+    whole = (lowest >= low) & (highest <= high)
+    partly = ~whole & (highest >= low) & (lowest <= high)
+    if _fits_a_disk(shared[whole], tolerance):
+        return True
+    region = [
+        *shared[whole],
+        *(
+            _between(corner[owner == k][:-1], between[owner == k][:-1], low, high)
+            for k in np.flatnonzero(partly)
+        ),
+    ]
+    region = [piece for piece in region if piece is not None]
+    if not region:
+        return False
+    joined = shapely.union_all(shapely.buffer(np.array(region), tolerance * WELD))
+    return not shapely.is_empty(shapely.buffer(joined, -tolerance))
+
+
+def _near(
+    moving: _Shadow, exits: Index, still: _Shadow, entries: Index, tolerance: float, distance: float
+) -> tuple[Index, Index]:
+    """Pairs of exit and entry faces whose boxes overlap, where the second may stop the first."""
+    a, b = moving.plane[exits], still.plane[entries]
+    za, zb = moving.height[exits], still.height[entries]
+    near = (zb.max(axis=1)[None] - za.min(axis=1)[:, None] >= -tolerance) & (
+        zb.min(axis=1)[None] - za.max(axis=1)[:, None] <= distance - tolerance
+    )
+    for axis in range(2):
+        near &= a[:, None, :, axis].min(axis=2) < b[None, :, :, axis].max(axis=2)
+        near &= b[None, :, :, axis].min(axis=2) < a[:, None, :, axis].max(axis=2)
+    first, second = np.nonzero(near)
+    return exits[first], entries[second]
+
+
+def _heights(shadow: _Shadow, rows: Index, points: Array) -> Array:
+    """Heights of points of the plane, shape (n, 2), on triangles, one each."""
+    plane, height = shadow.plane[rows], shadow.height[rows]
+    one, two, off = plane[:, 1] - plane[:, 0], plane[:, 2] - plane[:, 0], points - plane[:, 0]
+    area = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
+    s = (off[:, 0] * two[:, 1] - off[:, 1] * two[:, 0]) / area
+    t = (one[:, 0] * off[:, 1] - one[:, 1] * off[:, 0]) / area
+    rise = height - height[:, :1]
+    result: Array = height[:, 0] + s * rise[:, 1] + t * rise[:, 2]
+    return result
+
+
+def _fits_a_disk(pieces: Array, radius: float) -> bool:
+    """Whether a disk fits into one of some convex pieces, seen at once: area >= radius x length.
+
+    A convex piece of area A and length of outline U has an inscribed disk of radius A / U.
+    """
+    return bool((shapely.area(pieces) > radius * shapely.length(pieces)).any())
+
+
+def _between(corners: Array, values: Array, low: float, high: float) -> object | None:
+    """The piece of a convex polygon where a linear function lies between two values."""
+    for bound, sign in ((low, 1.0), (high, -1.0)):
+        if np.isfinite(bound):
+            corners, values = _clipped(corners, values, sign * (values - bound))
+    return shapely.polygons(corners) if len(corners) > 2 else None
+
+
+def _clipped(corners: Array, values: Array, above: Array) -> tuple[Array, Array]:
+    """Corners and values of what of a convex polygon has `above` at least 0."""
+    if not len(corners):
+        return corners, values
+    following = np.roll(above, -1)
+    share = np.where(
+        above != following, above / np.where(above == following, 1, above - following), 0
+    )
+    cut = corners + share[:, None] * (np.roll(corners, -1, axis=0) - corners)
+    cut_value = values + share * (np.roll(values, -1) - values)
+    keep = np.column_stack([above >= 0, (above >= 0) != (following >= 0)]).ravel()
+    points = np.stack([corners, cut], axis=1).reshape(-1, 2)[keep]
+    return points, np.column_stack([values, cut_value]).ravel()[keep]

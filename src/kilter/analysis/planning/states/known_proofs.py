@@ -1,0 +1,148 @@
+"""What forces and motions that were found once prove of other states.
+
+Forces f that balance the free parts F, on parts of P alone, prove every state (S', H') with
+
+    F' among F,   P among S'            F' = S' - H' - G
+
+and a motion of the parts M that enters no part but those of Q proves that nothing holds
+
+    M among F',   no part of Q in S'
+
+Both are kept as sets, asked for in the order in which they were found, and judged again in the
+state that they are to prove: a set that fits is no proof yet.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kilter.analysis.planning.states.part_sets import bits_of
+from kilter.analysis.planning.states.state_programs import parts_of
+from kilter.arrays import TINY, Array, Mask, connected
+from kilter.mechanics.certificate import (
+    ForceProof,
+    MotionProof,
+    check_motion,
+    part_sizes,
+    violations,
+)
+from kilter.mechanics.mechanics_tolerances import RULED_OUT, STILL
+from kilter.mechanics.program import Program
+
+__all__ = ["KnownForces", "KnownMotion", "forces_for_others", "motions_for_others"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class KnownForces:
+    """Forces along and across the rows of the program of all parts, and what they prove.
+
+    Attributes
+    ----------
+    forces, friction : ndarray, shape (K,) and (K, 3)
+        [N]
+    balanced, needed : int
+        The sets F and P.
+    """
+
+    forces: Array
+    friction: Array
+    balanced: int
+    needed: int
+
+    def fits(self, present: int, free: int) -> bool:
+        """Whether they may prove a state."""
+        return not free & ~self.balanced and not self.needed & ~present
+
+    def covers(self, other: KnownForces) -> bool:
+        """Whether they fit wherever others do."""
+        return not other.balanced & ~self.balanced and not self.needed & ~other.needed
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class KnownMotion:
+    """A motion of all parts, shape (N, 6), and what it proves.
+
+    Attributes
+    ----------
+    motion : ndarray, shape (N, 6)
+        [length unit, rad]
+    moving, entered : int
+        The sets M and Q.
+    """
+
+    motion: Array
+    moving: int
+    entered: int
+
+    def fits(self, present: int, free: int) -> bool:
+        """Whether it may prove that a state falls."""
+        return not self.moving & ~free and not self.entered & present
+
+    def covers(self, other: KnownMotion) -> bool:
+        """Whether it fits wherever another does."""
+        return not self.moving & ~other.moving and not self.entered & ~other.entered
+
+
+def forces_for_others(whole: Program, rows: Mask, proof: ForceProof, free: Mask) -> KnownForces:
+    """Forces that hold one state, ready for others.
+
+    Parameters
+    ----------
+    whole : Program
+        Of all parts.
+    rows : ndarray of bool, shape (K,)
+        Its rows that the state has.
+    proof : ForceProof
+        Of the state.
+    free : ndarray of bool, shape (N,)
+    """
+    forces, friction = np.zeros(len(rows)), np.zeros((len(rows), 3))
+    forces[rows], friction[rows] = proof.forces, proof.friction
+    push = np.flatnonzero((forces != 0) | friction.any(axis=1))
+    return KnownForces(forces, friction, bits_of(free), bits_of(parts_of(whole, push)))
+
+
+def motions_for_others(outer: Program, state: Program, proof: MotionProof) -> list[KnownMotion]:
+    """The motions of each group of parts that hang together, ready for other states.
+
+    Parameters
+    ----------
+    outer : Program
+        Of all parts, with every force that there may be.
+    state : Program
+        The same of the state in which the motion is proved.
+    proof : MotionProof
+
+    Returns
+    -------
+    list of KnownMotion
+        Those that prove the state by themselves, the strongest first; where none does, the
+        whole.
+    """
+    sizes = part_sizes(state, proof.motion, per_radius=False)
+    moving = sizes > STILL * sizes.max(initial=TINY)
+    a, b = state.part_a, state.part_b
+    moves = np.append(moving, False)
+    both = moves[a] & moves[b]
+    label = connected(len(moving), a[both], b[both])
+    alone = [(label == k) & moving for k in np.unique(label[moving])]
+    found = []
+    for group in alone:
+        one = check_motion(state, np.where(group[:, None], proof.motion, 0.0))
+        if one.holds:
+            found.append((one, group))
+    if not found:
+        found = [(proof, sizes > 0)]
+    found.sort(key=lambda pair: -pair[0].ratio)
+    return [_known(outer, one, group) for one, group in found]
+
+
+def _known(outer: Program, proof: MotionProof, moving: Mask) -> KnownMotion:
+    """A proved motion with the parts that it enters where they are present."""
+    weight = float(outer.weight[moving].sum())
+    most = max(proof.power / (RULED_OUT * weight), proof.violation)
+    opened = violations(outer, proof.motion)
+    entered = parts_of(outer, np.flatnonzero(opened < -most)) & ~moving
+    return KnownMotion(proof.motion, bits_of(moving), bits_of(entered))

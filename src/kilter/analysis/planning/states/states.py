@@ -1,0 +1,461 @@
+"""Does a half-built assembly hold? Contacts once, then a verdict for any parts present and held.
+
+What a planner asks thousands of times: of the parts S that are present, H held, are there
+contact forces that hold the others (the level "equilibrium" of `kilter.check`)? An order that
+ends with the first certificate that is judged to hold in the state itself:
+
+1. forces or a motion of a state before (`kilter.analysis.planning.states.known_proofs`);
+2. a kept linear program with pyramids of friction, which goes on from the state before, where
+   the state is near that one or small;
+3. exact cones, which need no state before, and may hold what a pyramid does not;
+4. of what falls by its certain contacts and holds with all possible ones: the choices of normals
+   at edges and corners, and where these leave it open it is undecided;
+5. `kilter.check` of the state, where fitted normals, the accuracy that a file states of itself
+   or the numbers leave it open.
+
+Holding more never hurts: what holds with H held, holds with more of its parts held. Neither more
+parts present nor fewer need hold: an arch does before its keystone is out, and after.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kilter.analysis.check import check
+from kilter.analysis.decision.as_stated import explained_by_accuracy
+from kilter.analysis.decision.degenerate_branches import decide_degenerate
+from kilter.analysis.decision.judge import Judgement, judge
+from kilter.analysis.planning.states.holds import Holds, find_fewest_holds
+from kilter.analysis.planning.states.known_proofs import (
+    KnownForces,
+    KnownMotion,
+    forces_for_others,
+    motions_for_others,
+)
+from kilter.analysis.planning.states.part_sets import bits_of
+from kilter.analysis.planning.states.pyramid_program import PyramidProgram
+from kilter.analysis.planning.states.state import State
+from kilter.analysis.planning.states.state_programs import (
+    StatePrograms,
+    build_state_programs,
+    rows_of_state,
+)
+from kilter.arrays import Mask
+from kilter.assembly import Assembly, require_assembly
+from kilter.assembly.bonds import NOT_SET, require_no_bonds
+from kilter.contact import ContactSet, Tolerance, detect
+from kilter.contact.fits.coincident import require_apart
+from kilter.contact.sub_contacts import contacts_among
+from kilter.errors import InputError
+from kilter.mechanics.certificate import (
+    ForceProof,
+    MotionProof,
+    check_forces,
+    check_motion,
+)
+from kilter.mechanics.program import Program, build_program
+from kilter.mechanics.proof import Evidence, make_proof
+from kilter.rigid import unit
+from kilter.threads import on_one_thread
+from kilter.validate import number
+
+__all__ = ["States", "states"]
+
+SMALL, NEAR = 20, 4
+"""States of up to so many free parts, or that differ in so few from the last, ask the linear
+program first."""
+
+_Found = ForceProof | MotionProof | Judgement | None
+
+
+class States:
+    """The states of an assembly: which parts are present, and which of them held.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    contacts : ContactSet
+        Its contacts.
+
+    Attributes
+    ----------
+    assembly, contacts
+    counts : dict
+        How many states were `asked`, decided by a proof that was `known`, by linear programs
+        (`programs`), by exact `cones`, left `open` by possible contacts, decided by a `check`.
+
+    See Also
+    --------
+    states : makes one from an assembly.
+    """
+
+    def __init__(
+        self, assembly: Assembly, contacts: ContactSet, *, programs: StatePrograms | None = None
+    ) -> None:
+        self.assembly = assembly
+        self.contacts = contacts
+        self.counts = {"asked": 0, "known": 0, "programs": 0, "cones": 0, "open": 0, "checks": 0}
+        self._programs: StatePrograms = programs or build_state_programs(assembly, contacts)
+        self._pyramid: PyramidProgram | None = None
+        self._forces: list[KnownForces] = []
+        self._motions: list[KnownMotion] = []
+        self._found: dict[tuple[int, int], State] = {}
+        self._under: dict[tuple[float, ...], States] = {}
+
+    def __len__(self) -> int:
+        return len(self._found)
+
+    def __repr__(self) -> str:
+        return f"<States: of {len(self.assembly)} parts, {len(self)} known>"
+
+    def of(
+        self,
+        present: str | Iterable[str] = "*",
+        held: str | Iterable[str] = (),
+        *,
+        down: ArrayLike | None = None,
+        friction: float | None = None,
+    ) -> State:
+        """The state with some parts present, and some of these held.
+
+        Parameters
+        ----------
+        present : str or iterable of str
+            Names; ``*`` and ``?`` are globs. Grounded parts that are not named are absent.
+        held : str or iterable of str
+            Beside the grounded ones.
+        down, friction
+            As of `under`.
+
+        Raises
+        ------
+        InputError
+            If a name matches no part, a held part is not present, or `down` or `friction` make
+            no sense.
+
+        Examples
+        --------
+        >>> from kilter.scenes import scene
+        >>> tower = states(scene("tower"))
+        >>> tower.of(), tower.of(["base", "cube-2"])
+        (<State: 6 parts, 5 free, holds>, <State: 2 parts, 1 free, falls>)
+        >>> tower.of(["base", "cube-2"], held="cube-2").stable
+        True
+        >>> tower.of(down=[0.1, 0, -1]).stable, tower.of(down=[0.1, 0, -1], friction=0.2).stable
+        (False, True)
+        """
+        there, kept = self.mask(present), self.mask(held)
+        if (kept & ~there).any():
+            name = self.assembly.names[int(np.flatnonzero(kept & ~there)[0])]
+            raise InputError("is held but not present", part=name, hint="name it in both")
+        return self.under(down=down, friction=friction).judge(there, kept)
+
+    def under(self, *, down: ArrayLike | None = None, friction: float | None = None) -> States:
+        """The states of the same parts and contacts under another gravity or friction.
+
+        Parameters
+        ----------
+        down : array_like, shape (3,), optional
+            Direction of gravity, world frame.
+        friction : float, optional
+            Coefficient of every contact [-].
+
+        Raises
+        ------
+        InputError
+            If the direction has no length, or the coefficient is negative.
+        """
+        if down is None and friction is None:
+            return self
+        along = self.assembly.down if down is None else unit(np.asarray(down, float), "down")
+        mu = -1.0 if friction is None else number(friction, "friction", lowest=0)
+        key = (*along.tolist(), mu)
+        if key not in self._under:
+            assembly = self.assembly if down is None else self.assembly.with_down(along)
+            contacts = self.contacts if friction is None else self.contacts.with_friction(mu)
+            rows = None if friction is not None else self._programs.turned(along)
+            self._under[key] = States(assembly, contacts.of(assembly), programs=rows)
+        return self._under[key]
+
+    @on_one_thread
+    def fewest_holds(
+        self,
+        present: str | Iterable[str] = "*",
+        *,
+        among: str | Iterable[str] = "*",
+        most: int | None = None,
+    ) -> Holds[State]:
+        """The fewest parts to hold, beside the grounded ones, so that a state holds.
+
+        Parameters
+        ----------
+        present : str or iterable of str
+            As of `of`.
+        among : str or iterable of str
+            Parts that may be held.
+        most : int, optional
+            More than these are not asked for.
+
+        Raises
+        ------
+        InputError
+            If a name matches no part.
+
+        Examples
+        --------
+        >>> from kilter.scenes.arches import arch
+        >>> open_arch = states(arch(9, ratio=0.3, friction=0.6).without("voussoir-4"))
+        >>> open_arch.fewest_holds()
+        <Holds: voussoir-3, voussoir-5>
+        >>> open_arch.fewest_holds(most=1)
+        <Holds: none, 2 or more are needed>
+        """
+        there, movable = self.mask(present), self.mask(among) & self._programs.free
+        return self.holds_of(there, movable, most=most)
+
+    def holds_of(self, present: Mask, movable: Mask, *, most: int | None = None) -> Holds[State]:
+        """`fewest_holds` of masks, shape (N,): parts present, and those that may be held."""
+        return find_fewest_holds(self.judge, self.assembly.names, present, movable, most=most)
+
+    @property
+    def no_goods(self) -> int:
+        """Motions that are kept, each a proof of every state in which it can start."""
+        return len(self._motions)
+
+    def mask(self, patterns: str | Iterable[str]) -> Mask:
+        """The parts that match, shape (N,).
+
+        Raises
+        ------
+        InputError
+            If a pattern matches no part.
+        """
+        chosen = self.assembly.matching(patterns)
+        return np.array([name in chosen for name in self.assembly.names], dtype=bool)
+
+    def judge(self, present: Mask, held: Mask) -> State:
+        """The state of two masks, shape (N,); `held` counts where a part is present."""
+        free = self._programs.free & present & ~held
+        key = bits_of(present), bits_of(free)
+        state = self._found.get(key)
+        if state is None:
+            self.counts["asked"] += 1
+            state = self._found[key] = self._judged(present, free, key)
+        return state
+
+    @on_one_thread
+    def _judged(self, present: Mask, free: Mask, key: tuple[int, int]) -> State:
+        held = present & ~free
+        program = self._programs.of(present, held)
+        outer = self._programs.outer_of(present, held) if self._programs.open else program
+        state = State(self.assembly.names, present, free, None, program)
+        proof: _Found = self._by_known(state, outer, key)
+        if proof is None:
+            ways = [self._by_pyramid, self._by_cones]
+            if self._far(state):
+                ways.reverse()
+            proof = ways[0](state, outer) or ways[1](state, outer)
+            if isinstance(proof, Judgement):
+                return self._hanging(state)
+            if isinstance(proof, MotionProof):
+                proof = self._learned_motion(outer, proof)
+            elif proof is not None:
+                self._learn_forces(state, proof)
+        if isinstance(proof, ForceProof) and not self._fitted(program):
+            return replace(state, stable=True, forces=proof)
+        if isinstance(proof, MotionProof) and not self._explained(program):
+            return replace(state, stable=False, program=outer, motion=proof)
+        return self._checked(state)
+
+    def _by_known(
+        self, state: State, outer: Program, key: tuple[int, int]
+    ) -> ForceProof | MotionProof | None:
+        """The first proof of another state that holds in this one."""
+        program = state.program
+        for known in self._motions:
+            if known.fits(*key):
+                motion = check_motion(outer, known.motion)
+                if motion.holds:
+                    self.counts["known"] += 1
+                    return motion
+        rows = rows_of_state(self._programs.whole, state.present, state.free)
+        for one in self._forces:
+            if one.fits(*key):
+                forces = check_forces(program, one.forces[rows], one.friction[rows])
+                if forces.holds:
+                    self.counts["known"] += 1
+                    return forces
+        return None
+
+    def _far(self, state: State) -> bool:
+        """Whether the linear program has more to go than exact cones from the start."""
+        free = int(state.free.sum())
+        if free <= SMALL or not state.program.mu.any():
+            return False
+        return self._pyramid is None or self._pyramid.far(state.present, state.free) > NEAR
+
+    def _by_pyramid(self, state: State, outer: Program) -> _Found:
+        if not state.free.any():
+            return check_forces(state.program, np.zeros(len(state.program.part_a)))
+        if self._pyramid is None:
+            self._pyramid = PyramidProgram(self._programs.whole)
+        self.counts["programs"] += 1
+        offered = self._pyramid.solve(state.present, state.free)
+        if isinstance(offered, tuple):
+            rows = rows_of_state(self._programs.whole, state.present, state.free)
+            forces = check_forces(state.program, offered[0][rows], offered[1][rows])
+            return forces if forces.holds else None
+        motion = None if offered is None else check_motion(outer, offered)
+        return motion if motion is not None and motion.holds else None
+
+    def _by_cones(self, state: State, outer: Program) -> _Found:
+        """A proof; the forces of possible contacts that hold it where certain ones do not."""
+        self.counts["cones"] += 1
+        program = state.program
+        judgement = judge(program)
+        if judgement.stable is False and outer is not program:
+            judgement = judge(outer)
+            if judgement.stable:
+                return judgement
+        if judgement.stable is None:
+            return None
+        return judgement.forces if judgement.stable else judgement.motion
+
+    def _fitted(self, program: Program) -> bool:
+        """Whether forces may rest on normals in doubt, with no friction to make up for it."""
+        return bool(self.contacts.patch_doubt.any()) and not program.mu.any()
+
+    def _explained(self, program: Program) -> bool:
+        """Whether the accuracy that the file states may explain what moves."""
+        return bool(explained_by_accuracy(self.assembly, self.contacts, program))
+
+    def _learn_forces(self, state: State, proof: ForceProof) -> None:
+        """Keep forces, where none are kept that prove more."""
+        whole = self._programs.whole
+        rows = rows_of_state(whole, state.present, state.free)
+        new = forces_for_others(whole, rows, proof, state.free)
+        if not any(old.covers(new) for old in self._forces):
+            self._forces.append(new)
+
+    def _learned_motion(self, outer: Program, proof: MotionProof) -> MotionProof:
+        """Keep the motion of each group, where none is kept that proves more; the strongest."""
+        found = motions_for_others(self._programs.outer, outer, proof)
+        for new in found:
+            if not any(old.covers(new) for old in self._motions):
+                self._motions.append(new)
+        strongest = check_motion(outer, found[0].motion)
+        return strongest if strongest.holds else proof
+
+    def _hanging(self, state: State) -> State:
+        """A state that falls by its certain contacts and holds with every possible one.
+
+        Only a choice of normals at edges and corners may still prove that it falls; what else
+        `kilter.check` asks of it are words about what is undecided.
+        """
+        self.counts["open"] += 1
+        assembly = self.sub_assembly(state)
+        sharp = decide_degenerate(assembly, contacts_among(self.contacts, assembly))
+        return state if sharp.program is None else self._checked(state)
+
+    def _checked(self, state: State) -> State:
+        """The state as `kilter.check` finds it."""
+        self.counts["checks"] += 1
+        assembly = self.sub_assembly(state)
+        contacts = contacts_among(self.contacts, assembly)
+        verdict = check(assembly, contacts=contacts, require="equilibrium", effort=0)
+        stable = None if verdict.verdict == "undecided" else verdict.stable
+        return replace(state, stable=stable, verdict=verdict)
+
+    def sub_assembly(self, state: State) -> Assembly:
+        """A state as an assembly of its own: the parts present, the held ones held."""
+        names = np.array(self.assembly.names)
+        assembly = self.assembly
+        if not state.present.all():
+            assembly = assembly.without(names[~state.present].tolist())
+        held = names[state.present & ~state.free].tolist()
+        return assembly.with_grounded(held) if held else assembly
+
+    def held_names(self, state: State) -> list[str]:
+        """Parts of a state that are held, beside the grounded ones."""
+        held = state.present & ~state.free & self._programs.free
+        return [name for name, one in zip(self.assembly.names, held, strict=True) if one]
+
+    def proof(self, state: State, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
+        """The proof of a state, for `kilter.verify` of `sub_assembly`, as JSON data.
+
+        Parameters
+        ----------
+        state : State
+        options : dict, optional
+            How the file is read, for the proof file.
+
+        Raises
+        ------
+        InputError
+            If the state is undecided.
+        """
+        if state.stable is None and state.verdict is None:
+            state = self._checked(state)
+        if state.verdict is not None:
+            return state.verdict.proof(options=options or {})
+        assembly = self.sub_assembly(state)
+        contacts = contacts_among(self.contacts, assembly)
+        program = build_program(assembly, contacts, possible=state.motion is not None)
+        if state.motion is not None:
+            motion = check_motion(program, state.motion.motion[state.present])
+            return make_proof(assembly, contacts, program, motion, options or {})
+        evidence = Evidence("open") if program.mu.any() else None
+        return make_proof(
+            assembly, contacts, program, state.forces, options or {}, evidence=evidence
+        )
+
+
+@on_one_thread
+def states(
+    assembly: Assembly,
+    *,
+    contacts: ContactSet | None = None,
+    tolerance: Tolerance | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> States:
+    """The states of an assembly that is being built, ready to be asked one by one.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Whole; what is grounded in it is held in every state in which it is present.
+    contacts : ContactSet, optional
+        Found from the geometry where not given.
+    tolerance : Tolerance, optional
+        When faces count as touching.
+    progress : callable, optional
+        Called with a word at each stage.
+
+    Raises
+    ------
+    InputError
+        If the geometry is not usable.
+
+    Examples
+    --------
+    >>> from kilter.scenes import scene
+    >>> arch = states(scene("arch"))
+    >>> arch.of().stable, arch.of("springer*").stable
+    (True, True)
+    >>> without = [name for name in arch.assembly.names if name != "voussoir-10"]
+    >>> arch.of(without).stable
+    False
+    >>> arch.of(without, held=["voussoir-9", "voussoir-11"]).stable
+    True
+    """
+    require_assembly(assembly, "states")
+    require_no_bonds(assembly, "states", NOT_SET)
+    if contacts is None:
+        contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
+    require_apart(assembly, contacts)
+    return States(assembly, contacts)

@@ -1,0 +1,1 @@
+"""The verdict of `check` and the quantities that follow from it: motion, forces, displacements."""

@@ -1,0 +1,443 @@
+"""Verdict: the answer to Problem 1, with its evidence, and what follows from it.
+
+What takes programs of its own (motion, displacements, forces, neutral motions) is found when
+it is first asked for, and kept.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from kilter.analysis.analysis_tolerances import MOVES
+from kilter.analysis.decision.judge import Judgement
+from kilter.analysis.open_pairs.open_question import OpenQuestion, open_pairs_answer
+from kilter.analysis.verdict.answers import joints_answer, unsupported_answer
+from kilter.analysis.verdict.contact_forces import ContactForces, find_contact_forces
+from kilter.analysis.verdict.displacement import LIMIT as DISPLACEMENT_LIMIT
+from kilter.analysis.verdict.displacement import Displacement, find_displacement
+from kilter.analysis.verdict.motion import (
+    NO_MOTION,
+    UNKNOWN_MOTION,
+    ImpendingMotion,
+    find_motion,
+    find_motion_with_friction,
+    motion_of,
+    still,
+    unknown,
+)
+from kilter.analysis.verdict.neutral import Neutral, find_neutral
+from kilter.analysis.verdict.slipping_motion import find_slipping_motion
+from kilter.analysis.verdict.verdict_answer import (
+    certificate_answer,
+    density_answer,
+    forces_answer,
+    friction_answer,
+)
+from kilter.arrays import sealed
+from kilter.assembly import Assembly
+from kilter.contact import ContactSet
+from kilter.mechanics.certificate import ForceProof, MotionProof
+from kilter.mechanics.mechanics_tolerances import TOLERANCE
+from kilter.mechanics.program import Program, build_program
+from kilter.mechanics.proof import digest_of, make_proof
+from kilter.mechanics.rows import POSSIBLE
+from kilter.second_order.second_order_file import second_order_data
+from kilter.tell.cells import InCells
+from kilter.tell.html import html_of
+from kilter.tell.levels import REQUIRE, holds, level_of
+from kilter.tell.words import NAMED, motion_summary, motion_words
+from kilter.threads import on_one_thread
+from kilter.units import metres_per_unit
+from kilter.work import EFFORT
+
+if TYPE_CHECKING:
+    from kilter.friction.answer import FrictionAnswer
+    from kilter.second_order.second_order_answer import SecondOrder
+
+__all__ = ["Verdict", "Word"]
+
+Word = Literal["stable", "settles", "potentially-stable", "unstable", "undecided"]
+
+BARELY = 1e-3
+"""Instability below which the accuracy of the coordinates is asked about."""
+ROUNDING = 1e-15
+"""An acceleration up to this is none [g]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict(InCells):
+    """What `check` found, with its evidence.
+
+    Attributes
+    ----------
+    verdict : {"stable", "settles", "potentially-stable", "unstable", "undecided"}
+    sentence : str
+        The verdict in words.
+    assembly : Assembly
+    contacts : ContactSet
+    program : Program
+        What was judged; the program is the one that the certificate speaks of.
+    judgement : Judgement
+        Forces and motion, judged.
+    friction : FrictionAnswer or None
+        What friction guarantees, where the verdict rests on it.
+    warnings : tuple of str
+    seconds : mapping from str to float
+        Of each stage [s]; read-only.
+    effort : float
+        Of the search of motions with friction.
+    time_limit : float or None
+        What cut the answer short [s].
+    question : OpenQuestion or None
+        The open pairs that decide, where it is undecided because of them.
+    require : str
+        The level that is asked for (`kilter.tell.levels`).
+    measures : bool
+        Z, kappa and displacements of LP (9) are asked for where friction plays a part.
+    second_order : SecondOrder or None
+        Of what is stable without friction, wherever a motion is neutral: is it a minimum of its
+        energy?
+    """
+
+    verdict: Word
+    sentence: str
+    assembly: Assembly
+    contacts: ContactSet
+    program: Program
+    judgement: Judgement
+    friction: FrictionAnswer | None
+    warnings: tuple[str, ...]
+    seconds: Mapping[str, float]
+    effort: float = EFFORT
+    time_limit: float | None = None
+    question: OpenQuestion | None = None
+    require: str = REQUIRE
+    measures: bool = False
+    second_order: SecondOrder | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "seconds", MappingProxyType(dict(self.seconds)))
+        sealed((self.program, self.judgement, self.friction, self.second_order))
+
+    @property
+    def stable(self) -> bool:
+        """Whether it holds at the level that is asked for."""
+        return holds(self.level, self.require)
+
+    @property
+    def level(self) -> str | None:
+        """The level that it reaches, or None; strict only where that is asked for."""
+        asked = self.require == "strict" and self.verdict == "stable" and self.friction is None
+        return level_of(self.verdict, strict=asked and self._strict)
+
+    @property
+    def _strict(self) -> bool:
+        """Whether no small push makes it fall, as far as that is proved."""
+        second = self.second_order
+        if second is None:
+            return self._none_neutral
+        return second.strict or self._none_neutral
+
+    @property
+    def _none_neutral(self) -> bool:
+        """Whether no motion costs nothing to first order."""
+        neutral = self.neutral
+        return neutral is not None and neutral.two_sided == neutral.one_sided == 0
+
+    def _second_order(self) -> dict[str, Any] | None:
+        """What second order says, wherever it is asked."""
+        if self.second_order is None or self._none_neutral:
+            return None
+        return self.second_order.to_dict(self.program.names)
+
+    @property
+    def why(self) -> str | None:
+        """Why it is only potentially stable: refuted, jams, squeeze or not-found; else None."""
+        asked = self.verdict == "potentially-stable" and self.friction is not None
+        return self.friction.why if asked and self.friction is not None else None
+
+    @property
+    def guarantee(self) -> str:
+        """Is there no other motion that obeys the contact law? proved, refuted or open."""
+        if self.verdict == "potentially-stable" and self.friction is not None:
+            return self.friction.guarantee
+        return {"stable": "proved", "unstable": "refuted"}.get(self.verdict, "open")
+
+    @property
+    def seated(self) -> str | None:
+        """Has it a seat? yes, runs-away or not-found; None where it is not asked."""
+        return None if self.friction is None else self.friction.seating.seated
+
+    @property
+    def tries(self) -> tuple[int, int] | None:
+        """How many tries came to rest, put down loosely, and of how many; None: not asked."""
+        if self.friction is None:
+            return None
+        return len(self.friction.tries), len(self.friction.settling.ends)
+
+    @property
+    def certificate(self) -> ForceProof | MotionProof | None:
+        """The proof that holds, if any."""
+        if self.level is not None:
+            return self.judgement.forces
+        return self.judgement.motion if self.verdict == "unstable" else None
+
+    @property
+    def modelled(self) -> Program:
+        """The program with the contacts that are modelled, and no others."""
+        if not self.program.kind.size or not (self.program.kind == POSSIBLE).any():
+            return self.program
+        return sealed(build_program(self.assembly, self.contacts))
+
+    @cached_property
+    @on_one_thread
+    def displacement(self) -> Displacement:
+        """LP (9) of the paper, without friction: z and displacements."""
+        if self.verdict == "stable" and self.friction is None:
+            count = len(self.program.names)
+            large = int(self.program.free.sum()) > DISPLACEMENT_LIMIT
+            return sealed(Displacement(0.0, None if large else np.zeros((count, 6))))
+        return sealed(find_displacement(self.modelled))
+
+    @cached_property
+    def motion(self) -> ImpendingMotion:
+        """Initial accelerations; none where the verdict is stable.
+
+        Without friction by Gauss's principle. With friction a motion that obeys Coulomb's
+        law: where the verdict is potentially stable, the one that refutes the guarantee.
+        """
+        motion = self._motion()
+        return sealed(motion if motion.known else unknown(self.program, self.certificate))
+
+    @on_one_thread
+    def _motion(self) -> ImpendingMotion:
+        if self.verdict in ("stable", "settles"):
+            return still(self.program)
+        if self.modelled.cohesion.any():
+            rubs = self.modelled.mu.any()  # beside friction it is not known
+            return unknown(self.program) if rubs else find_slipping_motion(self.modelled)
+        if self.verdict == "undecided" or not self.modelled.mu.any():
+            return find_motion(self.modelled)
+        if self.friction is not None:
+            witness = self.friction.witness
+            return still(self.program) if witness is None else motion_of(
+                self.program, witness.acceleration, witness.law.residual
+            )  # fmt: skip
+        found = find_motion_with_friction(self.modelled, self.effort)
+        return find_motion(self.modelled) if found is None else found
+
+    @property
+    def measured(self) -> bool:
+        """Whether z and displacements of LP (9) are told: friction plays no part, or asked for."""
+        rubs = self.friction is not None or bool(len(self.program.gripping))
+        return self.measures or not rubs
+
+    @property
+    def instability(self) -> float | None:
+        """Kappa of the motion [-]; None with loads, or where no motion is known."""
+        none = self.level in ("settles", "equilibrium") and self.guarantee == "open"
+        known = not (self.assembly.loads or none) and self.motion.known
+        return self.motion.instability if known else None
+
+    @cached_property
+    def forces(self) -> ContactForces | None:
+        """Contact forces of the equilibrium; None where there is none."""
+        proof = self.certificate
+        if not isinstance(proof, ForceProof):
+            return None
+        return sealed(find_contact_forces(self.program, proof))
+
+    @cached_property
+    def neutral(self) -> Neutral | None:
+        """Motions that cost no energy to first order, without friction."""
+        return find_neutral(self.modelled)
+
+    @property
+    def tolerance(self) -> float:
+        """The relative tolerance of the verdict: the largest of any part [-]."""
+        return float(self.program.tolerance.max(initial=TOLERANCE))
+
+    @property
+    def barely(self) -> str:
+        """A word of caution where it is unstable by so little that rounding could do it."""
+        kappa = self.instability
+        if self.verdict != "unstable" or kappa is None or kappa >= BARELY:
+            return ""
+        return (
+            f"barely unstable (kappa {kappa:.1e}): coordinates rounded by about {kappa:.0e} of a "
+            "part's size would do as much; where they are, state it as the accuracy of the mesh"
+        )
+
+    @property
+    def moving(self) -> list[str]:
+        """Names of the parts that start to move."""
+        return [n for n, m in zip(self.program.names, self.motion.moves, strict=True) if m]
+
+    def words(self, part: int | str, *, slow: bool = False) -> str:
+        """How a part starts to move.
+
+        Parameters
+        ----------
+        part : str or int
+            Its name, or its position in the assembly.
+        slow : bool
+            Also where it starts below the threshold of `moves`.
+
+        Raises
+        ------
+        InputError
+            If there is no such part.
+        """
+        k = self.assembly.index_of(part)
+        if self.assembly.parts[k].grounded:
+            return "is held"
+        motion = self.motion
+        if not motion.known:
+            return UNKNOWN_MOTION[bool(motion.moves[k])]
+        return motion_words(
+            motion.acceleration[k],
+            motion.relative[k] * (slow or motion.moves[k]),
+            self.assembly.down,
+            center=self.program.center[k],
+            unit=metres_per_unit(self.program.units),
+        )
+
+    @property
+    def summary(self) -> str:
+        """The fastest parts and how they start to move, in one sentence."""
+        motion = self.motion
+        which = np.flatnonzero(motion.moves)
+        if not (motion.known or len(which)):
+            return "what moves is not known"
+        order = which[np.argsort(-motion.relative[which].max(axis=1), kind="stable")]
+        names = self.program.names
+        fastest = [f"{names[k]} {self.words(int(k))}" for k in order[:NAMED]]
+        return motion_summary(fastest, len(which))
+
+    def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
+        """The proof as data; `options`: how the assembly was read, for `verify`."""
+        proof = make_proof(
+            self.assembly,
+            self.contacts,
+            self.program,
+            self.certificate,
+            options or {},
+            evidence=None if self.friction is None else self.friction.evidence,
+        )
+        if self.second_order is not None:
+            proof["second_order"] = second_order_data(self.second_order)
+            proof["digest"] = digest_of(proof)
+        return proof
+
+    def with_seconds(self, **more: float) -> Verdict:
+        """The same verdict with times of further stages [s]; what was found is kept."""
+        other = copy.copy(self)
+        object.__setattr__(other, "seconds", MappingProxyType({**self.seconds, **more}))
+        return other
+
+    @on_one_thread
+    def to_dict(self) -> dict[str, Any]:
+        """The answer of `kilter check --json`, and every fact that its text tells."""
+        assembly, contacts, neutral = self.assembly, self.contacts, self.neutral
+        tries = self.tries
+        return {
+            "verdict": self.verdict,
+            "level": self.level,
+            "require": self.require,
+            "holds": self.stable,
+            "why": self.why,
+            "guarantee": self.guarantee,
+            "seated": self.seated,
+            "tries": None if tries is None else {"passed": tries[0], "of": tries[1]},
+            "sentence": self.sentence,
+            "summary": self.summary,
+            "neutral": None
+            if neutral is None
+            else {"two_sided": neutral.two_sided, "one_sided": neutral.one_sided},
+            "second_order": self._second_order(),
+            "down": assembly.down.tolist(),
+            "gravity": assembly.gravity.tolist(),
+            "units": assembly.units,
+            "density": density_answer(assembly),
+            "instability": self.instability if self.measured else None,
+            "z": self.displacement.z if self.measured else None,
+            "parts": [self._part(k) for k in range(len(assembly.parts))],
+            "contacts": {
+                "pairs": contacts.pairs,
+                "patches": len(contacts),
+                "points": len(contacts.points),
+            },
+            "unsupported": unsupported_answer(assembly, contacts),
+            "open_pairs": open_pairs_answer(assembly, contacts, self.question),
+            "counted_gap": contacts.counted_gap,
+            "if_joined": None if self.question is None else self.question.to_dict(assembly.names),
+            "nearest": contacts.of(assembly).nearest(),
+            "joints": joints_answer(assembly),
+            "bonds": assembly.bonds_data(),
+            "certificate": certificate_answer(self.certificate, self.judgement),
+            "friction": friction_answer(self.friction, self.effort),
+            "forces": forces_answer(self.forces, contacts, self.program),
+            "tolerance": {
+                "gap": contacts.gap,
+                "angle_deg": float(np.degrees(contacts.tolerance.angle)),
+                "clearance": contacts.tolerance.clearance,
+                "verdict": self.tolerance,
+                "moves": MOVES,
+            },
+            "warnings": [*self.warnings, *self._cautions()],
+            "time_limit": self.time_limit,
+            "seconds": dict(self.seconds),
+        }
+
+    def _cautions(self) -> list[str]:
+        """Warnings that only the motions bring."""
+        failed = self.measured and self.displacement.z is None
+        unfinished = "no solver finished LP (9): z and displacements are left out"
+        open_motion = [] if self.motion.known else [NO_MOTION]
+        return [*filter(None, [self.barely]), *([unfinished] if failed else []), *open_motion]
+
+    def _part(self, k: int) -> dict[str, Any]:
+        """A part of the answer: its mass, and how it starts to move."""
+        part, motion = self.assembly.parts[k], self.motion
+        shift = self.displacement.displacement if self.measured else None
+        slow = not motion.moves.any() and motion.relative[k].max() > ROUNDING
+        return {
+            "name": part.name,
+            "grounded": part.grounded,
+            "mass": float(self.program.mass[k]),
+            "displacement": None if shift is None else (shift[k] + 0.0).tolist(),
+            "acceleration": (motion.acceleration[k] + 0.0).tolist() if motion.known else None,
+            "relative": (motion.relative[k] + 0.0).tolist() if motion.known else None,
+            "moves": bool(motion.moves[k]),
+            "motion": self.words(k),
+            # told where no part is above the threshold of `moves`
+            "slow_motion": self.words(k, slow=True) if slow and not part.grounded else None,
+        }
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows."""
+        return html_of(self.to_dict())
+
+    def __str__(self) -> str:
+        return self.sentence
+
+    def __repr__(self) -> str:
+        return f"<Verdict: {self.verdict}, {len(self.assembly)} parts>"
+
+    def __bool__(self) -> bool:
+        raise TypeError(
+            "a verdict is neither true nor false: use .stable, or .verdict, which is a word"
+        )
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "seconds": dict(self.seconds)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update({**state, "seconds": MappingProxyType(state["seconds"])})

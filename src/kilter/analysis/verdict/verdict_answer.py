@@ -1,0 +1,103 @@
+"""Pieces of the answer of a check as JSON data: what it rests on, friction, forces."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kilter.analysis.decision.judge import Judgement
+from kilter.analysis.verdict.contact_forces import ContactForces
+from kilter.assembly import Assembly
+from kilter.assembly.masses import DEFAULT_DENSITY
+from kilter.contact import ContactSet
+from kilter.mechanics.certificate import ForceProof, MotionProof
+from kilter.mechanics.program import Program
+
+if TYPE_CHECKING:
+    from kilter.friction.answer import FrictionAnswer
+
+__all__ = ["certificate_answer", "density_answer", "forces_answer", "friction_answer"]
+
+
+def density_answer(assembly: Assembly) -> dict[str, Any]:
+    """What the masses of the free parts without a given mass rest on [kg/m^3]."""
+    free = [part.density for part in assembly.parts if not part.grounded and part.mass is None]
+    given = [density for density in free if density is not None]
+    return {
+        "given": [min(given), max(given)] if given else None,
+        "default": DEFAULT_DENSITY if len(given) < len(free) else None,
+    }
+
+
+def certificate_answer(
+    proof: ForceProof | MotionProof | None, judgement: Judgement
+) -> dict[str, Any]:
+    """Which proof holds, and how well the forces and the motion that were judged do."""
+    forces, motion = judgement.forces, judgement.motion
+    kind = None if proof is None else "forces" if isinstance(proof, ForceProof) else "motion"
+    return {
+        "kind": kind,
+        "residual": None if forces is None else forces.residual,
+        "power": None if motion is None else motion.power,
+        "violation": None if motion is None else motion.violation,
+    }
+
+
+def friction_answer(answer: FrictionAnswer | None, effort: float) -> dict[str, Any] | None:
+    """How the guarantee came about, where the verdict rests on friction."""
+    if answer is None:
+        return None
+    witness, seating, exclusion = answer.witness, answer.seating, answer.exclusion
+    return {
+        "witness": None
+        if witness is None
+        else {"power": witness.law.power, "residual": witness.law.residual, "found": witness.found},
+        "seating": {
+            "seated": seating.seated,
+            "residual": seating.residual,
+            "direction": None if seating.runaway is None else seating.runaway.tolist(),
+        },
+        "settling": {"ends": list(answer.settling.ends), "of": answer.settling.of},
+        "exclusion": None
+        if exclusion is None
+        else {
+            "proved": exclusion.proved,
+            "kind": exclusion.kind,
+            "programs": exclusion.programs,
+            "bound": exclusion.bound,
+            "assumes": exclusion.assumes,
+        },
+        "effort": effort,
+        "work": answer.work,
+    }
+
+
+def forces_answer(
+    found: ContactForces | None, contacts: ContactSet, program: Program
+) -> dict[str, Any] | None:
+    """Forces of equilibrium, on the second part of each patch."""
+    if found is None:
+        return None
+    rows = np.argsort(found.patch_of, kind="stable")
+    ends = np.cumsum(np.bincount(found.patch_of, minlength=len(found.patch)))
+    points = program.point[found.rows]
+    patches = []
+    for k, own in enumerate(np.split(rows, ends[:-1]) if len(ends) else []):
+        patch = found.patch[k]
+        presses, rubs = np.isfinite(found.center[k]).all(), np.isfinite(found.utilisation[k])
+        used = found.bond_utilisation[k]
+        patches.append(
+            {
+                "parts": [program.names[i] for i in contacts.patch_parts[patch]],
+                "kind": str(contacts.patch_kind[patch]),
+                "resultant": found.resultant[k].tolist(),
+                "normal_force": float(found.normal_force[k]),
+                "center": found.center[k].tolist() if presses else None,
+                "utilisation": float(found.utilisation[k]) if rubs else None,
+                "bond_utilisation": float(used) if np.isfinite(used) else None,
+                "points": points[own].tolist(),
+                "forces": (found.force[own] + 0.0).tolist(),
+            }
+        )
+    return {"least": found.least, "residual": found.residual, "patches": patches}
