@@ -13,7 +13,23 @@ from typing import Any
 from kilter.errors import InputError
 from kilter.validate import LARGEST
 
-__all__ = ["FORMAT", "require_bundle_form", "require_form"]
+__all__ = [
+    "COUNT",
+    "FORMAT",
+    "NUMBER",
+    "SIX",
+    "WORD",
+    "Form",
+    "every",
+    "keys",
+    "list_of",
+    "named",
+    "nullable",
+    "one_of",
+    "optional_keys",
+    "require_bundle_form",
+    "require_form",
+]
 
 FORMAT = 1
 
@@ -21,7 +37,9 @@ Form = Callable[[Any, str], str]
 """From a value and its place to what is wrong with it; empty where nothing is."""
 
 
-def _is(*kinds: type) -> Form:
+def instance_of(*kinds: type) -> Form:
+    """A value of one of these types; a boolean is no integer."""
+
     def fault(value: Any, place: str) -> str:
         # true and false are whole numbers to Python
         fits = isinstance(value, kinds) and (not isinstance(value, bool) or bool in kinds)
@@ -35,7 +53,9 @@ def _number(value: Any, place: str) -> str:
     return "" if fits and abs(value) <= LARGEST else f"{place} is {value!r:.40}"
 
 
-def _list(form: Form, length: int | None = None) -> Form:
+def list_of(form: Form, length: int | None = None) -> Form:
+    """A list of entries of one form, of a given length if there is one."""
+
     def fault(value: Any, place: str) -> str:
         if not isinstance(value, list) or length not in (None, len(value)):
             return f"{place} is {value!r:.40}"
@@ -44,7 +64,9 @@ def _list(form: Form, length: int | None = None) -> Form:
     return fault
 
 
-def _named(form: Form) -> Form:
+def named(form: Form) -> Form:
+    """A dictionary whose values have one form."""
+
     def fault(value: Any, place: str) -> str:
         if not isinstance(value, dict):
             return f"{place} is {value!r:.40}"
@@ -53,7 +75,9 @@ def _named(form: Form) -> Form:
     return fault
 
 
-def _keys(**forms: Form) -> Form:
+def keys(**forms: Form) -> Form:
+    """A dictionary with at least these keys, each of its form."""
+
     def fault(value: Any, place: str) -> str:
         if not isinstance(value, dict):
             return f"{place} is {value!r:.40}"
@@ -66,26 +90,29 @@ def _keys(**forms: Form) -> Form:
     return fault
 
 
-def _maybe(form: Form) -> Form:
+def nullable(form: Form) -> Form:
+    """A value of this form, or null."""
     return lambda value, place: "" if value is None else form(value, place)
 
 
-def _each(*forms: Form) -> Form:
+def every(*forms: Form) -> Form:
+    """A value of all these forms."""
     return lambda value, place: _first(form(value, place) for form in forms)
 
 
-def _if_there(**forms: Form) -> Form:
-    """Keys that may be missing, or null."""
+def optional_keys(**forms: Form) -> Form:
+    """A dictionary in which these keys may be missing or null."""
 
     def fault(value: Any, place: str) -> str:
         known = value if isinstance(value, dict) else {}
         there = {key: form for key, form in forms.items() if known.get(key) is not None}
-        return _keys(**there)(value, place)
+        return keys(**there)(value, place)
 
     return fault
 
 
-def _one_of(*words: str) -> Form:
+def one_of(*words: str) -> Form:
+    """A value that is one of these words."""
     return lambda value, place: "" if value in words else f"{place} is {value!r:.40}"
 
 
@@ -93,87 +120,88 @@ def _first(faults: Iterable[str]) -> str:
     return next(filter(None, faults), "")
 
 
-NUMBER, WORD, FLAG, COUNT = _number, _is(str), _is(bool), _is(int)
-VECTOR, SIX, PAIR = _list(NUMBER, 3), _list(NUMBER, 6), _list(WORD, 2)
-LOADS = _list(_keys(part=WORD, point=_maybe(VECTOR), force=VECTOR, torque=VECTOR))
+NUMBER, WORD, FLAG, COUNT = _number, instance_of(str), instance_of(bool), instance_of(int)
+VECTOR, SIX, PAIR = list_of(NUMBER, 3), list_of(NUMBER, 6), list_of(WORD, 2)
+LOADS = list_of(keys(part=WORD, point=nullable(VECTOR), force=VECTOR, torque=VECTOR))
 
-PROOF = _keys(
+PROOF = keys(
     verdict=WORD,
     units=WORD,
     planar=FLAG,
     gravity=VECTOR,
     down=VECTOR,
     digest=WORD,
-    options=_keys(),
-    tolerance=_each(
-        _keys(gap=_maybe(NUMBER), relative_gap=NUMBER, angle=NUMBER), _if_there(clearance=NUMBER)
+    options=keys(),
+    tolerance=every(
+        keys(gap=nullable(NUMBER), relative_gap=NUMBER, angle=NUMBER),
+        optional_keys(clearance=NUMBER),
     ),
-    parts=_list(_keys(name=WORD, grounded=FLAG, mass=NUMBER, center=VECTOR)),
-    points=_list(
-        _each(
-            _keys(parts=PAIR, x=VECTOR, normal=VECTOR, mu=NUMBER),
-            _if_there(pull=NUMBER, tied=FLAG, shear=NUMBER),
+    parts=list_of(keys(name=WORD, grounded=FLAG, mass=NUMBER, center=VECTOR)),
+    points=list_of(
+        every(
+            keys(parts=PAIR, x=VECTOR, normal=VECTOR, mu=NUMBER),
+            optional_keys(pull=NUMBER, tied=FLAG, shear=NUMBER),
         )
     ),
     loads=LOADS,
-    joints=_list(_keys(parts=PAIR, kind=WORD, point=VECTOR, axis=_maybe(VECTOR))),
+    joints=list_of(keys(parts=PAIR, kind=WORD, point=VECTOR, axis=nullable(VECTOR))),
 )
 """What every proof has."""
-FORCES = _keys(
-    forces=_list(VECTOR),
-    joints=_list(_keys(wrench=SIX)),
-    certificate=_keys(residual=NUMBER),
+FORCES = keys(
+    forces=list_of(VECTOR),
+    joints=list_of(keys(wrench=SIX)),
+    certificate=keys(residual=NUMBER),
 )
 """What a proof by forces has besides."""
-MOTION = _keys(
-    motion=_named(SIX),
-    certificate=_keys(power=NUMBER, violation=NUMBER),
-    open_pairs=_list(_keys(parts=PAIR, kind=WORD)),
+MOTION = keys(
+    motion=named(SIX),
+    certificate=keys(power=NUMBER, violation=NUMBER),
+    open_pairs=list_of(keys(parts=PAIR, kind=WORD)),
 )
 """What a proof by a motion has besides."""
-BALANCED = _keys(forces=_list(VECTOR), joints=_list(NUMBER), residual=NUMBER)
+BALANCED = keys(forces=list_of(VECTOR), joints=list_of(NUMBER), residual=NUMBER)
 """Forces that balance every part."""
-FRICTION = _keys(
+FRICTION = keys(
     guarantee=WORD,
-    exclusion=_maybe(
-        _keys(
+    exclusion=nullable(
+        keys(
             kind=WORD,
             programs=COUNT,
             assumes=WORD,
-            opening=_maybe(_list(NUMBER)),
-            steps=_list(_keys()),
+            opening=nullable(list_of(NUMBER)),
+            steps=list_of(keys()),
         )
     ),
-    seated=_maybe(BALANCED),
-    tries=_keys(passed=COUNT, of=COUNT, forces=_list(BALANCED)),
-    witness=_maybe(
-        _keys(
-            acceleration=_named(SIX),
-            forces=_list(VECTOR),
-            joints=_list(VECTOR),
+    seated=nullable(BALANCED),
+    tries=keys(passed=COUNT, of=COUNT, forces=list_of(BALANCED)),
+    witness=nullable(
+        keys(
+            acceleration=named(SIX),
+            forces=list_of(VECTOR),
+            joints=list_of(VECTOR),
             power=NUMBER,
             residual=NUMBER,
         )
     ),
 )
 """What `friction` is, where the verdict rests on it."""
-CHANGE = _if_there(
+CHANGE = optional_keys(
     down=VECTOR,
     mu=NUMBER,
     strength=NUMBER,
     loads=LOADS,
-    without=_list(WORD),
-    held=_list(WORD),
-    supports=_list(_keys(kind=WORD, part=WORD)),
+    without=list_of(WORD),
+    held=list_of(WORD),
+    supports=list_of(keys(kind=WORD, part=WORD)),
 )
 """What of the file is another for one proof of several."""
-BUNDLE = _keys(
-    kind=_one_of("region", "margin", "plan", "hold"),
-    common=_keys(),
-    proofs=_list(
-        _each(
-            _keys(about=WORD, change=CHANGE, proof=_keys()),
-            _if_there(vector=VECTOR),
+BUNDLE = keys(
+    kind=one_of("region", "margin", "plan", "hold"),
+    common=keys(),
+    proofs=list_of(
+        every(
+            keys(about=WORD, change=CHANGE, proof=keys()),
+            optional_keys(vector=VECTOR),
         )
     ),
 )
