@@ -358,7 +358,7 @@ CUBE = {"kind": "finger", "part": "cube-1", "point": [0, 0, 1], "direction": [0,
         ({**CUBE, "on": "base"}, "it stands on 'base'"),
         ({"kind": "grip", "part": "cube-1", "mu": 0.3}, "a grip holds the whole part"),
         ({**CUBE, "part": "nobody"}, "no part is named"),
-        ({**CUBE, "part": "base"}, "it is held already"),
+        ({**CUBE, "part": "base"}, "held already"),
         ({**CUBE, "point": [0, 0, 900]}, "is not on the part"),
     ],
 )

@@ -1,8 +1,8 @@
-"""Broad phase: which parts, and which of their facets, come near each other.
+"""Broad phase: pairs of parts, and of their facets, that come near each other.
 
-Boxes in a frame that follows the most common directions of the faces, so that a turned
-assembly costs what an upright one costs. First the boxes of whole parts, then only the
-facets whose box meets the overlap of the two parts' boxes.
+The boxes lie in a frame that follows the most common directions of the faces, so that a
+rotated assembly costs the same as an upright one. The boxes of whole parts are compared
+first, then only the facets whose box meets the overlap of the boxes of both parts.
 """
 
 from __future__ import annotations
@@ -24,26 +24,27 @@ __all__ = ["Boxes", "facet_pairs", "facets_in", "joins", "make_boxes", "pairs_ap
 
 
 FEW = 64
-"""Up to this many parts all pairs are compared."""
+"""Up to this many parts, all pairs of part boxes are compared without a tree."""
 MANY = 10_000
-"""Pairs of parts with more combinations of their facets than this go through a tree."""
+"""Pairs of parts with more facet combinations than this use a tree."""
 TREE = 500_000
-"""Boxes of one tree."""
+"""Approximate number of boxes in each tree; a larger value needs more memory."""
 BATCH = 2_000_000
-"""Combinations compared in one go."""
+"""Row combinations compared at once; a larger value needs more memory."""
 MOST_PAIRS, MOST_NEAR = 500_000, 20
-"""Pairs of parts that are looked at: so many, or so many for each part. Walls have 3 for each,
-packings 10; parts that lie in one another have all with all, at some kilobytes a pair."""
+"""Limits on the number of near pairs of parts: in total, and per part; the search rejects an
+assembly above both. Walls have 3 pairs per part, packings 10. If all parts lie in the same place,
+every two parts are a pair, which needs some kilobytes each."""
 SAMPLE = 100
-"""Boxes whose neighbours are counted before those of all are listed."""
+"""Boxes whose neighbours are counted to estimate the number of all pairs."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Boxes:
     """Boxes of parts, shape (N, 3), and of facets, shape (F, 3), in a common frame.
 
-    `turned`: the vertices of the geometry in that frame, shape (V, 3). Of assemblies side by
-    side each has a frame of its own, and `frame`, shape (3, 3), says nothing.
+    `turned` holds the vertices of the geometry in that frame, shape (V, 3). In a search over
+    independent assemblies each assembly has its own frame, and `frame`, shape (3, 3), is unused.
     """
 
     frame: Array
@@ -55,19 +56,24 @@ class Boxes:
 
 
 def make_boxes(geometry: Geometry, facets: Facets, start: Index | None = None) -> Boxes:
-    """Boxes of all parts and facets; `start`: of assemblies side by side, each one's first part."""
+    """Boxes of all parts and facets, each grown by the part's slack if it has curved surfaces.
+
+    `start` holds the first part of each of several independent assemblies; None: one assembly.
+    """
     if start is None:
         frame = common_frame(facets.normal, facets.area)
         turned = geometry.vertices @ frame.T
     else:
         frame = np.eye(3)
         frames = common_frames(facets.normal, facets.area, facets.start[start])
-        place = np.repeat(np.arange(len(frames)), np.diff(geometry.vertex_start[start]))
-        turned = np.einsum("vij,vj->vi", frames[place], geometry.vertices)
+        assembly_of_vertex = np.repeat(
+            np.arange(len(frames)), np.diff(geometry.vertex_start[start])
+        )
+        turned = np.einsum("vij,vj->vi", frames[assembly_of_vertex], geometry.vertices)
     corners = turned[facets.corners]
     part_low, part_high = _extremes(turned, geometry.vertex_start)
     facet_low, facet_high = _extremes(corners, facets.corner_start)
-    if len(geometry.surfaces):  # their polyhedra may lie inside the true surfaces
+    if len(geometry.surfaces):  # triangles may lie inside the true curved surface
         part_low -= geometry.slack[:, None]
         part_high += geometry.slack[:, None]
         slack = geometry.slack[facets.part]
@@ -77,9 +83,9 @@ def make_boxes(geometry: Geometry, facets: Facets, start: Index | None = None) -
 
 
 def _extremes(points: Array, start: Index) -> tuple[Array, Array]:
-    """Lower and upper corners of the boxes of groups of points, shape (n, 3) each."""
+    """Lower and upper corners of the boxes of runs of points, shape (n, 3) each."""
     count = np.diff(start)
-    if len(count) and (count == count[0]).all():  # boxes: several times faster than reduceat
+    if len(count) and (count == count[0]).all():  # equal runs: several times faster than reduceat
         groups = points.reshape(len(count), count[0], 3)
         return groups.min(axis=1), groups.max(axis=1)
     return np.minimum.reduceat(points, start[:-1]), np.maximum.reduceat(points, start[:-1])
@@ -91,7 +97,7 @@ def part_pairs(boxes: Boxes, grounded: Mask, margin: Array) -> Index:
     Raises
     ------
     InputError
-        If they are more than are looked at.
+        If there are more pairs than `MOST_PAIRS` and `MOST_NEAR` allow.
     """
     low, high = boxes.part_low - margin[:, None], boxes.part_high + margin[:, None]
     count = len(low)
@@ -106,24 +112,31 @@ def part_pairs(boxes: Boxes, grounded: Mask, margin: Array) -> Index:
 
 
 def _require_few(pairs: int, parts: int) -> None:
+    """Raise an InputError if the number of near pairs of parts exceeds both limits."""
     if pairs > max(MOST_PAIRS, MOST_NEAR * parts):
         raise InputError(
-            f"{pairs:,} pairs of {parts:,} parts or more lie in each other's boxes: too many",
-            hint="check the places of the parts, or leave copies out",
+            f"the boxes of {pairs:,} pairs of {parts:,} parts or more overlap: too many",
+            hint="check the positions of the parts, or remove duplicate parts",
         )
 
 
 def pairs_apart(boxes: Boxes, grounded: Mask, margin: Array, start: Index) -> Index:
-    """Such pairs within each of assemblies side by side, `start`: the first part of each."""
+    """Pairs of parts as `part_pairs` finds them, within each of several independent assemblies.
+
+    `start` holds the first part of each assembly. There is no limit on the number of pairs.
+    """
     few = int(np.diff(start).max(initial=0)) <= FEW
     if few:
         blocks = [_all_pairs(start)]
     else:
         blocks = []
         for first, last in zip(start[:-1].tolist(), start[1:].tolist(), strict=True):
-            own = slice(first, last)
-            mine = boxes.part_low[own] - margin[own, None], boxes.part_high[own] + margin[own, None]
-            blocks.append(np.column_stack(_tree_pairs(*mine)) + first)
+            parts = slice(first, last)
+            grown_boxes = (
+                boxes.part_low[parts] - margin[parts, None],
+                boxes.part_high[parts] + margin[parts, None],
+            )
+            blocks.append(np.column_stack(_tree_pairs(*grown_boxes)) + first)
     a, b = np.concatenate(blocks).T
     low, high = boxes.part_low - margin[:, None], boxes.part_high + margin[:, None]
     keep = ~(grounded[a] & grounded[b])
@@ -133,23 +146,28 @@ def pairs_apart(boxes: Boxes, grounded: Mask, margin: Array, start: Index) -> In
 
 
 def _all_pairs(start: Index) -> Index:
-    """Pairs a < b of the rows of each run, shape (n, 2), in order."""
+    """All pairs a < b of rows of the same run, shape (n, 2), in order."""
     count = np.diff(start)
     run, row = counted(count)
-    after = count[run] - 1 - row
-    first, step = counted(after)
+    later_rows = count[run] - 1 - row
+    first, step = counted(later_rows)
     a = start[run[first]] + row[first]
     return np.column_stack([a, a + 1 + step])
 
 
 def _tree_pairs(low: Array, high: Array) -> tuple[Index, Index]:
-    """Pairs a < b of boxes that meet; refused from a sample where there are far too many."""
+    """Pairs a < b of boxes that meet, by a tree.
+
+    The number of pairs is first estimated from `SAMPLE` boxes, and rejected if it is far above
+    the limit, before the memory for all pairs is needed.
+    """
     boxes = low, high, np.zeros(len(low), dtype=np.int64)
-    some = np.linspace(0, len(low) - 1, SAMPLE, dtype=np.int64)
-    near, _ = _tree_join((low[some], high[some], boxes[2][some]), boxes)
-    # what a fifth of all have at least; a floor may meet all the others
-    least = np.sort(np.bincount(near, minlength=SAMPLE))[-SAMPLE // 5] - 1
-    _require_few(int(least) * len(low) // 10, len(low))
+    sample = np.linspace(0, len(low) - 1, SAMPLE, dtype=np.int64)
+    near, _ = _tree_join((low[sample], high[sample], boxes[2][sample]), boxes)
+    # a fifth of the boxes have at least this many neighbours: a floor, which meets every
+    # part, must not raise the estimate
+    typical = np.sort(np.bincount(near, minlength=SAMPLE))[-SAMPLE // 5] - 1
+    _require_few(int(typical) * len(low) // 10, len(low))
     a, b = _tree_join(boxes, boxes)
     order = a < b
     return a[order], b[order]
@@ -163,29 +181,32 @@ def facet_pairs(
     Parameters
     ----------
     pairs : ndarray of int, shape (n, 2)
+        Parts a and b of each pair.
     margin : ndarray, shape (n,)
-        Distance within which a pair is looked at [length unit].
+        Largest gap between facets of the pair that is of interest [length unit].
     cosine : float
-        Of the largest angle between opposing facets.
+        Cosine of the largest angle between the normal of i and the reversed normal of j [-].
 
     Returns
     -------
     pair, i, j : ndarrays of int, shape (m,)
+        Row in `pairs`, and the two facets.
     """
-    found = []
+    blocks = []
     for begin in range(0, len(pairs), 100_000):
         rows = np.arange(begin, min(begin + 100_000, len(pairs)))
-        found.extend(_facet_pairs(facets, boxes, pairs, rows, margin, cosine))
-    if not found:
+        blocks.extend(_facet_pairs_of(facets, boxes, pairs, rows, margin, cosine))
+    if not blocks:
         empty = np.empty(0, dtype=np.int64)
         return empty, empty, empty
-    pair, i, j = (np.concatenate([block[k] for block in found]) for k in range(3))
+    pair, i, j = (np.concatenate([block[k] for block in blocks]) for k in range(3))
     return pair, i, j
 
 
-def _facet_pairs(
+def _facet_pairs_of(
     facets: Facets, boxes: Boxes, pairs: Index, rows: Index, margin: Array, cosine: float
 ) -> list[tuple[Index, Index, Index]]:
+    """`facet_pairs` for some rows of the pairs: blocks of (pair, facet i, facet j)."""
     a, b = pairs[rows].T
     grow = margin[rows][:, None]
     low = np.maximum(boxes.part_low[a], boxes.part_low[b]) - grow
@@ -226,16 +247,17 @@ def joins(
     Parameters
     ----------
     owner_a, owner_b : ndarray of int, sorted
-        Owner of each row.
+        Owner of each row, such as its pair of parts.
     box_a, box_b : pair of ndarray, shape (n, 3)
         Lower and upper corners.
     margin : ndarray, shape (number of owners,)
+        Largest distance of the boxes along each axis [length unit].
 
     Yields
     ------
     owner, row_a, row_b : ndarrays of int, shape (m,)
-        About `BATCH` combinations are compared at once; owners with more than `MANY` of
-        their own go through trees of about `TREE` boxes.
+        Blocks of about `BATCH` compared combinations; owners with more than `MANY`
+        combinations each are searched in trees of about `TREE` boxes.
     """
     counts = [np.bincount(owner, minlength=len(margin)) for owner in (owner_a, owner_b)]
     many = counts[0] * counts[1] > MANY
@@ -252,30 +274,30 @@ def joins(
     for owners in _bundles(many, counts[0] + counts[1]):
         a, b = np.flatnonzero(owners[owner_a]), np.flatnonzero(owners[owner_b])
         wide = grow[a, None]
-        one = box_a[0][a] - wide, box_a[1][a] + wide, owner_a[a]
-        other = box_b[0][b], box_b[1][b], owner_b[b]
-        x, y = _tree_join(one, other)
+        grown = box_a[0][a] - wide, box_a[1][a] + wide, owner_a[a]
+        plain = box_b[0][b], box_b[1][b], owner_b[b]
+        x, y = _tree_join(grown, plain)
         yield owner_a[a[x]], a[x], b[y]
 
 
 def _bundles(many: Mask, count: Index) -> Iterator[Mask]:
-    """The owners that go through a tree, some at a time."""
+    """Masks of the owners with many combinations, so that each mask fills about one tree."""
     rows = np.flatnonzero(many)
-    for number in np.unique(bundle := np.cumsum(count[rows]) // TREE):
-        chosen = np.zeros(len(many), dtype=bool)
-        chosen[rows[bundle == number]] = True
-        yield chosen
+    for bundle_number in np.unique(bundle := np.cumsum(count[rows]) // TREE):
+        owners = np.zeros(len(many), dtype=bool)
+        owners[rows[bundle == bundle_number]] = True
+        yield owners
 
 
 def _products(owner_a: Index, owner_b: Index, count: int) -> Iterator[tuple[Index, Index, Index]]:
-    """All combinations of the rows of a and b that have the same owner, batch by batch."""
+    """All combinations of rows of a and b that have the same owner, in batches."""
     first_b = np.searchsorted(owner_b, np.arange(count + 1))
-    width_of_row = np.diff(first_b)[owner_a]  # how many rows of b each row of a meets
-    behind = np.cumsum(width_of_row)
+    width_of_row = np.diff(first_b)[owner_a]  # number of rows of b with the owner of each row of a
+    combinations_up_to = np.cumsum(width_of_row)
     begin = 0
     while begin < len(owner_a):
-        before = behind[begin - 1] if begin else 0
-        end = max(begin + 1, int(np.searchsorted(behind, before + BATCH, side="right")))
+        before = combinations_up_to[begin - 1] if begin else 0
+        end = max(begin + 1, int(np.searchsorted(combinations_up_to, before + BATCH, side="right")))
         rows = np.arange(begin, end)
         width = width_of_row[rows]
         row, k = counted(width)
@@ -285,19 +307,20 @@ def _products(owner_a: Index, owner_b: Index, count: int) -> Iterator[tuple[Inde
         begin = end
 
 
-_Boxed = tuple[Array, Array, Index]
-"""Lower and upper corners of boxes, shape (n, 3), and their owners, shape (n,)."""
+_OwnedBoxes = tuple[Array, Array, Index]
+"""Lower and upper corners of boxes, shape (n, 3), and the owner of each box, shape (n,)."""
 
 
-def _tree_join(one: _Boxed, other: _Boxed) -> tuple[Index, Index]:
-    """Rows whose boxes meet and whose owner is the same, by one tree.
+def _tree_join(first: _OwnedBoxes, second: _OwnedBoxes) -> tuple[Index, Index]:
+    """Rows of two sets of boxes that meet and have the same owner, found with a planar tree.
 
-    The tree lies in the two directions of least crowding, with the owners side by side in one
-    of them; the boxes themselves decide.
+    The tree uses the two axes along which the boxes are smallest relative to their total extent.
+    Owners are placed next to each other along the first of these axes. The comparison of the boxes
+    themselves decides.
     """
     import shapely
 
-    (low_a, high_a, owner_a), (low_b, high_b, owner_b) = one, other
+    (low_a, high_a, owner_a), (low_b, high_b, owner_b) = first, second
     if not (len(low_a) and len(low_b)):
         return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
     low, high = (
@@ -309,17 +332,19 @@ def _tree_join(one: _Boxed, other: _Boxed) -> tuple[Index, Index]:
     u, v = np.argsort(crowding)[:2]
     _, place = np.unique(np.concatenate([owner_a, owner_b]), return_inverse=True)
 
-    def flat(least: Array, most: Array, place: Index) -> NDArray[np.object_]:
-        # shares of the spread: their rounding is far below what they are grown by
+    def rectangles_of(least: Array, most: Array, place: Index) -> NDArray[np.object_]:
+        # fractions of the total extent: their rounding is far below BOX_ROUNDING
         x0, x1 = ((corner[:, u] - low[u]) / spread[u] + 2 * place for corner in (least, most))
         y0, y1 = ((corner[:, v] - low[v]) / spread[v] for corner in (least, most))
-        made: NDArray[np.object_] = shapely.box(
+        rectangles: NDArray[np.object_] = shapely.box(
             x0 - BOX_ROUNDING, y0 - BOX_ROUNDING, x1 + BOX_ROUNDING, y1 + BOX_ROUNDING
         )
-        return made
+        return rectangles
 
-    mine, its = np.split(place, [len(owner_a)])
-    a, b = shapely.STRtree(flat(low_b, high_b, its)).query(flat(low_a, high_a, mine))
+    place_a, place_b = np.split(place, [len(owner_a)])
+    a, b = shapely.STRtree(rectangles_of(low_b, high_b, place_b)).query(
+        rectangles_of(low_a, high_a, place_a)
+    )
     meets = ((low_a[a] <= high_b[b]) & (low_b[b] <= high_a[a])).all(axis=1)
     meets &= owner_a[a] == owner_b[b]
     return a[meets].astype(np.int64), b[meets].astype(np.int64)

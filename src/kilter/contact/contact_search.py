@@ -1,4 +1,4 @@
-"""The search for contacts: pairs of parts that come near, and what every step asks of them."""
+"""State of a contact search: the near pairs of parts and the data that every stage needs."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ __all__ = ["ContactSearch", "begin_search"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactSearch:
-    """Parts, their facets and boxes, and the pairs to look at.
+    """Parts with their facets and boxes, and the near pairs to search for contacts.
 
     Attributes
     ----------
@@ -31,13 +31,13 @@ class ContactSearch:
     pairs : ndarray of int, shape (n, 2)
         Parts a < b whose boxes come near and whose contacts are not given.
     limits : GapLimits
-        One row a pair.
+        Gap limits, a row for each pair.
     angle : float
         Angle tolerance [rad].
     unknown : ndarray of int, shape (m, 2)
-        Pairs that may touch where the surface of one of them is not known.
+        Pairs that may touch at a place at which the surface of a part is unknown.
     meshes : ndarray of bool, shape (N,)
-        Parts known by their triangles only.
+        True for parts that are triangle meshes.
     """
 
     geometry: Geometry
@@ -72,10 +72,10 @@ def begin_search(
     *,
     start: Index | None = None,
 ) -> ContactSearch:
-    """The pairs of parts that come near, with their limits.
+    """Facets, boxes and near pairs of an assembly, with the limits of each pair.
 
-    `start`, shape (M + 1,): of assemblies side by side, the first part of each; parts of two
-    of them are no pair.
+    `start`, shape (M + 1,), holds the first part of each of several independent assemblies; parts
+    of different assemblies form no pair.
     """
     geometry = assembly.geometry
     progress("facets")
@@ -92,7 +92,7 @@ def begin_search(
 def _pairs_to_detect(
     assembly: Assembly, boxes: Boxes, tolerance: Tolerance, start: Index | None
 ) -> Index:
-    """Pairs of parts that come near, without those whose contacts are given."""
+    """Pairs of parts that come near, except pairs whose contacts the file lists."""
     if not assembly.detect:
         return np.empty((0, 2), dtype=np.int64)
     geometry = assembly.geometry

@@ -1,4 +1,4 @@
-"""ContactSet: what touches, as arrays, one row a patch and one row a contact point.
+"""ContactSet: the contacts of an assembly as arrays, by patch and by contact point.
 
 A contact point p is (a, b, x, n, mu): parts a and b, position x, unit normal n from a to b.
 The points of a patch are the corners of the convex hull of the area of contact in its
@@ -46,29 +46,31 @@ __all__ = [
 
 
 LISTED = 1000
-"""Rejected pairs that an answer lists, nearest first."""
+"""Largest number of rejected pairs in an answer, nearest first."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Degenerate:
-    """Points of contact without one normal: a ridge on a ridge, a corner on an edge.
+    """Contact points without a unique normal: a ridge on a ridge, a corner on an edge.
 
-    A motion is allowed at point k where its opening along at least one of the point's
-    normals is not below zero.
+    A motion is allowed at point k if it does not close the gap along at least one of the normals
+    of the point.
 
     Attributes
     ----------
     part_a, part_b : ndarray of int, shape (n,)
+        Parts of each point.
     points : ndarray, shape (n, 3)
+        Positions, world frame [length unit].
     start, normals : ndarray, shape (n + 1,) and (m, 3)
-        Extreme normals of the cone of planes that separate the parts at point k, unit, from
-        a to b: rows ``start[k]`` to ``start[k + 1]``.
+        Extreme rays of the cone of normals of the planes that separate the parts at point k,
+        unit, from a to b: rows ``start[k]`` to ``start[k + 1]``.
     exact : ndarray of bool, shape (n,)
-        False where the parts meet like this only within tolerance: coordinates taken at
-        their word might give a normal.
+        False if the point is degenerate only within the tolerance: the literal coordinates may
+        have a unique normal.
     held_parts, held_points, held_normals : ndarray, shape (h, 2), (h, 3) and (h, 3)
-        Points of the same pairs of parts that have a normal, also those that a patch holds:
-        lines of degenerate points may end there.
+        Contact points of the same pairs of parts that have a unique normal, including points
+        within a patch. Lines of degenerate points may end there.
     """
 
     part_a: Index
@@ -89,22 +91,22 @@ class Degenerate:
 
     @classmethod
     def none(cls) -> Degenerate:
-        """No such point."""
+        """An empty set."""
         empty, index = np.empty((0, 3)), np.empty(0, dtype=np.int64)
         no, pairs = np.empty(0, dtype=bool), np.empty((0, 2), dtype=np.int64)
         return cls(index, index, empty, np.zeros(1, np.int64), empty, no, pairs, empty, empty)
 
     @property
     def owner(self) -> Index:
-        """The point of each normal, shape (m,)."""
+        """Row of the point that each normal belongs to, shape (m,)."""
         return np.repeat(np.arange(len(self)), np.diff(self.start))
 
     @property
     def centers(self) -> Array:
-        """The centre of each point's cone of normals: the paper's planar approximation, (n, 3).
+        """Centre of each point's cone of normals, the paper's planar approximation, (n, 3).
 
-        The bisector of two; of more, the centroid of the polygon that they span on the
-        sphere, sum of angle(m, n) (m x n) / |m x n| / 2 over its sides.
+        The centre of two normals is their bisector; of more normals it is the centroid of their
+        polygon on the sphere, sum of angle(m, n) (m x n) / |m x n| / 2 over its sides.
 
         References
         ----------
@@ -116,7 +118,7 @@ class Degenerate:
         return centers
 
     def pushes(self) -> PossibleContacts:
-        """A push along every normal."""
+        """Possible contacts with a force along every normal of every point."""
         owner = self.owner
         none = np.zeros(len(owner))
         return PossibleContacts(
@@ -131,7 +133,7 @@ class Degenerate:
 
 
 def _center(normals: Array) -> Array:
-    """The centre of the convex cone that unit normals span, unit."""
+    """Unit centre of the convex cone that unit normals, shape (k, 3), span."""
     mean = unit_rows(normals.sum(axis=0))
     if len(normals) > 2:
         u, v = across(mean)
@@ -143,63 +145,68 @@ def _center(normals: Array) -> Array:
         angle = np.arctan2(sine, np.einsum("ij,ij->i", around, following))
         total = (angle / np.maximum(sine, TINY)) @ turns
         size = float(np.linalg.norm(total))
-        if size > MEAN_NORMAL:
+        if size > MEAN_NORMAL:  # else the sides cancel: keep the mean
             mean = total / size
     return mean
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactSet:
-    """Contact patches between parts, struct of arrays; world frame, length unit of the file.
+    """Contact patches between parts; world frame, length unit of the file.
 
     All arrays are read-only.
 
     Attributes
     ----------
     assembly : Assembly
-        Of which these are the contacts: its names and units.
+        Assembly with these contacts; it has the names and units.
     patch_parts : ndarray of int, shape (P, 2)
         Parts a and b of each patch, by position in the assembly.
     patch_normal : ndarray, shape (P, 3)
-        Unit normal from a to b; of a curved patch, the mean of those of its points.
+        Unit normal from a to b; on a curved patch the mean of its point normals.
     patch_area : ndarray, shape (P,)
-        Area of contact [length unit^2] (not of its hull); 0 for edges, corners and given
-        contacts.
+        Area of contact [length unit^2], not the area of its hull; 0 for edges, corners and
+        given contacts.
     patch_gap : ndarray, shape (P, 2)
         Least and greatest gap over the patch [length unit]; negative = penetration.
     patch_mu : ndarray, shape (P,)
-        Friction coefficient [-]; less `patch_doubt`, so that its forces are certain.
+        Friction coefficient [-], reduced by `patch_doubt`, so that its forces are certain.
     patch_kind : ndarray of str, shape (P,)
         "plane", "edge-edge", "edge-face", "vertex-face", "cylinder", "sphere", "cone", "torus",
-        "smooth" (fitted faces of meshes), "given" for contacts listed in the file, or "bond" for
-        points of a bond.
+        "smooth" (fitted faces of meshes), "given" for contacts listed in the file, or "bond"
+        for points of a bond.
     patch_accuracy : ndarray, shape (P,)
-        Accuracy of the coordinates over the size of the patch [-].
+        Accuracy of the coordinates divided by the size of the patch [-].
     patch_doubt : ndarray, shape (P,)
-        How far the normals may be off that a fit gave; 0 for those of faces [rad].
+        Largest error of fitted normals; 0 for normals of faces [rad].
     patch_start : ndarray of int, shape (P + 1,)
         The points of patch p are rows ``patch_start[p]`` to ``patch_start[p + 1]``.
     points : ndarray, shape (K, 3)
         Contact points [length unit].
     normals : ndarray, shape (K, 3)
-        Unit normal from a to b at each point; that of its patch where the patch is flat.
+        Unit normal from a to b at each point; on a flat patch the normal of the patch.
     unsupported : tuple of Unsupported
+        Pairs that touch in a way that is not modelled.
     possible : PossibleContacts
-        Also the normals of `degenerate`, by number of their point.
+        Forces that contacts outside the patches could exert, including forces along the
+        normals of `degenerate` (by row of the point).
     rejected : tuple of Rejected
+        Faces that come near but do not count as touching, nearest first.
     overlaps : tuple of Overlap
+        Pairs of parts that share volume.
     gap_edges, gap_counts : ndarray, shape (n + 1,) and (n,)
-        Histogram of the gaps of opposing faces over the size of the smaller part.
+        Histogram of the gaps of opposing faces, relative to the size of the smaller part [-].
     tolerance : Tolerance
+        Tolerance of the search.
     gap : float
-        The largest gap tolerance that was applied to a pair [length unit].
+        Largest gap tolerance that was applied to a pair [length unit].
     warnings : tuple of str
     degenerate : Degenerate
-        Points of contact without one normal; also listed in `unsupported`.
+        Contact points without a unique normal; also listed in `unsupported`.
     open_pairs : tuple of OpenPair
-        Pairs that the geometry leaves open; what they could bring is in `possible`.
+        Pairs whose contact the geometry leaves open; their largest forces are in `possible`.
     neighbours : tuple of Neighbour
-        What comes nearest to parts that touch nothing.
+        Nearest part of each part that touches nothing.
     fits : tuple of Fit
         Shafts in holes: tight, size on size, or with a clearance.
     """
@@ -233,9 +240,9 @@ class ContactSet:
     def __post_init__(self) -> None:
         read_only(self)
         left = still_open(self.open_pairs, self.assembly)
-        if len(left) < len(self.open_pairs):  # parts were joined since
-            gone = {frozenset(one.parts) for one in self.open_pairs if one not in left}
-            object.__setattr__(self, "possible", self.possible.without_wrenches(gone))
+        if len(left) < len(self.open_pairs):  # the assembly has joints that the search had not
+            joined = {frozenset(pair.parts) for pair in self.open_pairs if pair not in left}
+            object.__setattr__(self, "possible", self.possible.without_wrenches(joined))
             object.__setattr__(self, "open_pairs", left)
 
     def __len__(self) -> int:
@@ -250,14 +257,14 @@ class ContactSet:
             "overlapping": len(self.overlaps),
             "left open": len(self.open_pairs),
         }
-        words = ", ".join(f"{what} {count}" for what, count in counts.items() if count)
+        words = ", ".join(f"{label} {count}" for label, count in counts.items() if count)
         return f"<ContactSet: {words or 'nothing touches'}>"
 
     @property
     def approximate(self) -> PossibleContacts:
-        """The paper's planar approximation: a push at each degenerate point.
+        """The paper's planar approximation: a single force at each degenerate point.
 
-        It is along the centre of the cone of normals there (section 2.1, Figure 3 (d)).
+        The force acts along the centre of the cone of normals (section 2.1, Figure 3 (d)).
         """
         points = self.degenerate
         none = np.zeros(len(points))
@@ -268,16 +275,16 @@ class ContactSet:
 
     @property
     def point_patch(self) -> Index:
-        """The patch of each point, shape (K,)."""
+        """Row of the patch that each point belongs to, shape (K,)."""
         return np.repeat(np.arange(len(self)), np.diff(self.patch_start))
 
     @property
     def patch_bond(self) -> Index:
-        """The bond that holds each patch, by position in the assembly; -1 for none, shape (P,)."""
+        """Position of the bond that holds each patch; -1: no bond, shape (P,)."""
         bonds = self.assembly.bonds
         if not bonds:
             return np.full(len(self), -1)
-        own = self.patch_kind == "bond"
+        listed = self.patch_kind == "bond"
         index = self.assembly.index
         of_pair = {
             frozenset(index[name] for name in bond.parts): k
@@ -285,23 +292,25 @@ class ContactSet:
             if bond.points is None
         }
         pairs = self.patch_parts.tolist()
-        found = np.array([of_pair.get(frozenset(pair), -1) for pair in pairs], dtype=np.int64)
-        found[own] = [k for k, bond in enumerate(bonds) if bond.points is not None]
-        return found
+        bond_of_patch = np.array(
+            [of_pair.get(frozenset(pair), -1) for pair in pairs], dtype=np.int64
+        )
+        bond_of_patch[listed] = [k for k, bond in enumerate(bonds) if bond.points is not None]
+        return bond_of_patch
 
     @property
     def patch_pull(self) -> Array:
-        """The pull that each patch's bond takes in all its points [N], shape (P,); NaN of none."""
+        """Largest tension of each patch through its bond [N], shape (P,); NaN without a bond."""
         bonds, bond = self.assembly.bonds, self.patch_bond
-        pull = np.array([one.pull or 0.0 for one in bonds] + [np.nan])[bond]
-        stress = np.array([one.pull_per_area or 0.0 for one in bonds] + [np.nan])[bond]
+        pull = np.array([b.pull or 0.0 for b in bonds] + [np.nan])[bond]
+        stress = np.array([b.pull_per_area or 0.0 for b in bonds] + [np.nan])[bond]
         return pull * np.diff(self.patch_start) + stress * self.patch_area
 
     @property
     def counted_gap(self) -> float | None:
-        """The widest gap of a patch that only a widened tolerance takes for contact.
+        """Widest gap of a patch that counts as contact only by a widened tolerance [length unit].
 
-        None where every patch would count by the default tolerance too.
+        None if every patch also counts by the default tolerance.
         """
         given, usual = self.tolerance, Tolerance()
         if given == usual or not len(self):
@@ -317,34 +326,34 @@ class ContactSet:
 
     @property
     def pairs(self) -> int:
-        """How many pairs of parts touch."""
+        """Number of pairs of parts that touch."""
         if not len(self):
             return 0
         return len(np.unique(np.sort(self.patch_parts, axis=1), axis=0))
 
     def of(self, assembly: Assembly) -> ContactSet:
-        """The same contacts of an assembly of the same parts, joined or held in another way."""
+        """The same contacts for an assembly of the same parts with other joints or held parts."""
         return self if assembly is self.assembly else replace(self, assembly=assembly)
 
     def with_friction(self, mu: float) -> ContactSet:
-        """The same contacts with one friction coefficient, less the doubt of their normals."""
+        """The same contacts with a single friction coefficient, reduced by `patch_doubt`."""
         return replace(self, patch_mu=certain_friction(mu, self.patch_doubt))
 
     @property
     def alone(self) -> Index:
-        """Parts that touch nothing, overlap nothing and are joined to nothing."""
+        """Parts that touch no part, overlap no part and have no joint."""
         index = self.assembly.index
         touched = np.zeros(len(self.assembly.parts), dtype=bool)
         touched[self.patch_parts.ravel()] = True
-        pairs = [one.parts for one in self.unsupported] + [one.parts for one in self.overlaps]
+        pairs = [pair.parts for pair in (*self.unsupported, *self.overlaps)]
         touched[np.array(pairs, dtype=np.int64).ravel()] = True
         joined = [name for joint in self.assembly.joints for name in joint.parts]
         touched[[index[name] for name in joined if name in index]] = True
         return np.flatnonzero(~touched)
 
     def nearest(self) -> list[dict[str, Any]]:
-        """What comes nearest to each part that touches nothing, as JSON data of an answer."""
-        known = {one.part: one for one in self.neighbours}
+        """Nearest part of each part that touches nothing, as JSON data of an answer."""
+        known = {neighbour.part: neighbour for neighbour in self.neighbours}
         names, held = self.assembly.names, self.assembly.geometry.grounded
         none = {"nearest": None, "gap": None, "accuracy": None}
         return [
@@ -354,7 +363,7 @@ class ContactSet:
         ]
 
     def to_dict(self) -> dict[str, Any]:
-        """As JSON data: the answer of ``kilter contacts --json``."""
+        """JSON data: the answer of ``kilter contacts --json``."""
         assembly = self.assembly
         sizes = assembly.geometry.size
         return {
@@ -373,10 +382,10 @@ class ContactSet:
                 }
                 for r in self.rejected[:LISTED]
             ],
-            "overlaps": [self._overlap(one) for one in self.overlaps],
-            "open_pairs": [one.to_dict(assembly.names) for one in self.open_pairs],
+            "overlaps": [self._overlap(overlap) for overlap in self.overlaps],
+            "open_pairs": [pair.to_dict(assembly.names) for pair in self.open_pairs],
             "nearest": self.nearest(),
-            "fits": [one.to_dict(assembly.names) for one in self.fits],
+            "fits": [fit.to_dict(assembly.names) for fit in self.fits],
             "joints": assembly.joints_data(),
             "sizes": [float(sizes.min()), float(sizes.max())],
             "histogram": {
@@ -392,9 +401,9 @@ class ContactSet:
         }
 
     def remarks(self) -> list[str]:
-        """Remarks of the reader, of the geometry and of the contacts, in words."""
-        left_open = {frozenset(one.parts) for one in self.open_pairs}
-        over = [one for one in self.overlaps if frozenset(one.parts) in left_open]
+        """Remarks of the reader, of the geometry and of the contact search, as sentences."""
+        left_open = {frozenset(pair.parts) for pair in self.open_pairs}
+        over = [overlap for overlap in self.overlaps if frozenset(overlap.parts) in left_open]
         assembly = self.assembly
         odd = [
             (assembly.names[part], self._names(others), assembly.names[copy])
@@ -404,18 +413,19 @@ class ContactSet:
             *assembly.notes,
             *assembly.geometry.warnings,
             *self.warnings,
-            *overlap_warnings([self._overlap(one) for one in over], assembly.units),
+            *overlap_warnings([self._overlap(overlap) for overlap in over], assembly.units),
             *copy_warnings(odd),
         ]
 
-    def _overlap(self, one: Overlap) -> dict[str, Any]:
-        sizes = {"volume": one.volume, "depth": one.depth, "share": one.share}
-        return {"parts": self._names(one.parts), **sizes, "why": one.why}
+    def _overlap(self, overlap: Overlap) -> dict[str, Any]:
+        sizes = {"volume": overlap.volume, "depth": overlap.depth, "share": overlap.share}
+        return {"parts": self._names(overlap.parts), **sizes, "why": overlap.why}
 
     def _names(self, parts: Any) -> list[str]:
         return [self.assembly.names[k] for k in parts]
 
     def _patch(self, k: int, pull: float) -> dict[str, Any]:
+        """JSON data of patch k; `pull` is its largest tension [N]."""
         gap = self.patch_gap[k]
         return {
             "parts": self._names(self.patch_parts[k]),

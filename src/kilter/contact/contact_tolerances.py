@@ -1,10 +1,10 @@
-"""Every tolerance of the detection of contacts, and how they stand to each other.
+"""Tolerances of the contact search, and the order between them.
 
-A name says what is compared: an angle [rad], a fraction of a size [-], or a multiple of
-another tolerance [-]. Only the gap and the angle of two faces are for the user to choose
-(`kilter.contact.gaps.Tolerance`); all others follow the data.
+A name states the compared quantity: an angle [rad], a fraction of a size [-], or a multiple of
+another tolerance [-]. The user chooses only the gap and the angle of two faces
+(`kilter.contact.gaps.Tolerance`); all others follow from the data.
 
-What must hold, and is tested in ``tests/contact/test_contact_tolerances.py``:
+This order must hold, and is tested in ``tests/contact/test_contact_tolerances.py``:
 
     angles between faces      PATCH_ANGLE < ANGLE < LOOSE_ANGLE < LOOKED_AT_ANGLE
     flatness and gaps         SAME_PLACE < FACET_FLATNESS < GAP < ONE_POINT < LOOSE_GAP
@@ -13,183 +13,208 @@ What must hold, and is tested in ``tests/contact/test_contact_tolerances.py``:
     edges that tilt           EDGE_STRAIGHTNESS = NORMAL_SNAP
     rounding below geometry   EXACT_ANGLE < LITERAL_ANGLE < CONE_ANGLE
 
-The line of the normals is why they are what they are. Two faces that touch may be tilted by
-`ANGLE`, and directions at an edge or corner count as lying in a plane up to `CONE_ANGLE`, so
-one true normal is found from either side up to both of them apart: `NORMAL_SNAP` makes it
-that of the facet, and normals are different from `NORMAL_ANGLE` on, above all of these.
+Reason for the order of the normals: two faces that touch may be tilted by `ANGLE`, and directions
+at an edge or corner count as lying in a plane up to `CONE_ANGLE`. The same true normal, computed
+from either part, may therefore differ by the sum of both. `NORMAL_SNAP` replaces such a normal by
+that of the facet. Only normals that differ by more than `NORMAL_ANGLE`, which is larger than all of
+these, count as different.
 """
 
 from __future__ import annotations
 
-# when two flat faces touch -----------------------------------------------------------------
+# gaps and angles of two flat faces ---------------------------------------------------------
 
 GAP = 1e-5
-"""Gap tolerance, as a fraction of the size of the smaller part [-]."""
+"""Largest gap between two touching faces, as a fraction of the size of the smaller part [-]; a
+larger value closes wider gaps."""
 ANGLE = 1e-3
-"""Angle tolerance between two faces [rad]."""
+"""Largest angle between two touching faces [rad]; a larger value accepts more tilt."""
 LOOSE_GAP = 1e-3
-"""Gap tolerance for rough data, as a fraction of the size of the smaller part [-]."""
+"""Gap tolerance for rough data, as a fraction of the size of the smaller part [-]. Also the reach
+of the search for near edges and corners."""
 LOOSE_ANGLE = 2e-2
 """Angle tolerance for rough data [rad]."""
 THICKNESS = 0.1
-"""Gap and facet tolerances are at most this fraction of a part's thickness [-]."""
+"""Upper limit of gap and facet tolerances, as a fraction of the thickness of a part [-]. A larger
+value lets thin plates touch through their own thickness."""
 LOOKED_AT_GAPS = 100.0
-"""Gaps up to this many tolerances are looked at: the histogram and the rejected pairs [-]."""
+"""Reach of the search in gap tolerances [-]. A larger value shows more near faces in the histogram
+and the rejected pairs, and costs time."""
 LOOKED_AT_ANGLE = 0.05
-"""Angles up to this are looked at, and rounding explains no greater one [rad]."""
+"""Largest angle between two near faces that are compared [rad]; also the largest error of an angle
+that rounding may explain."""
 BOX_ROUNDING = 1e-9
-"""Boxes in a tree are wider than they are by this fraction of the width of all [-]."""
+"""Growth of boxes in a tree, as a fraction of the total width [-]; covers the rounding of their
+coordinates."""
 CLUSTER = 3.0
-"""Gaps within this factor of the tolerance, on both sides, are one cluster [-]."""
+"""Gaps within this factor of the tolerance on both sides form a cluster, and cause a warning
+[-]."""
 
 # facets and their overlaps -----------------------------------------------------------------
 
 FACET_FLATNESS = 1e-6
-"""A corner lies in the plane of a facet up to this fraction of the size of its part [-]."""
+"""Largest distance of a facet's corner from its plane, as a fraction of the size of the part [-]. A
+larger value joins more triangles to a facet."""
 FACET_BEND = 1e-3
-"""Largest angle between neighbours in one facet, besides what rounding explains [rad]."""
+"""Largest angle between neighbouring triangles of a facet, in addition to rounding [rad]."""
 FACET_REFLEX = 0.01
-"""A corner this fraction of the facet tolerance deep makes an outline not convex [-]."""
+"""A corner deeper than this fraction of the facet tolerance makes an outline non-convex [-]."""
 SAME_PLACE = 1e-9
-"""Corners closer than this fraction of the size of a part are in one place [-]."""
+"""Corners closer than this fraction of the size of a part coincide [-]."""
 ROUNDINGS = 4.0
-"""Times the accuracy of one coordinate that a point computed from several may be off [-]."""
+"""Rounding error of a computed point, in multiples of the accuracy of a coordinate [-]."""
 PATCH_ANGLE = 1e-4
-"""Largest angle between pieces of one patch [rad]."""
+"""Largest angle between the normals of pieces that merge to a patch [rad]."""
 SLIVER = 8.0
-"""Overlaps narrower than this many roundings of the coordinates are none [-]."""
+"""Overlaps narrower than this many roundings of the coordinates are dropped [-]."""
 PATCH_CORNER = 1e-10
-"""Corners of a patch closer than this fraction of its width are one [-]."""
+"""Corners of a patch closer than this fraction of its width merge [-]."""
 OUTLINE_AREA = 1e-6
-"""Two ways to overlay agree on the area to this fraction of the smaller outline [-]."""
+"""Largest accepted difference of two computations of an overlap area, as a fraction of the smaller
+outline's area [-]."""
 OUTLINE_GRID = 1e-11
-"""Grid of the second way, as a fraction of the size of the outlines [-]."""
+"""Grid spacing of the second computation of an overlap, as a fraction of the size of the outlines
+[-]."""
 HULL_SIDE = 1e-12
-"""Points this far inside of a polygon, as a fraction of its area, cannot be corners [-]."""
+"""A point this far inside an octagon of extreme points, as a fraction of its squared side, cannot
+be a corner of the hull [-]."""
 
 # edges and corners ---------------------------------------------------------------------------
 
 CONE_ANGLE = 1e-3
-"""Directions count as lying in a plane, and edges as flat, up to this angle [rad]."""
+"""Largest angle at which a direction lies in a plane, or an edge counts as flat [rad]."""
 RAY_ANGLE = 1e-3
-"""Edges between the same two facets that leave a corner closer than this are one [rad]."""
+"""Edges between the same two facets that leave a corner within this angle merge [rad]."""
 EDGE_NEARLY_PARALLEL = 1e-3
-"""Edges closer to parallel than this may be parallel in truth [rad]."""
+"""Edges within this angle of parallel may be parallel in exact geometry [rad]."""
 EDGE_PARALLEL = 1e-9
-"""Edges closer to parallel than this have no normal of their own [rad]."""
+"""Edges within this angle of parallel have no cross product to serve as a normal [rad]."""
 EXACT_ANGLE = 1e-9
-"""Directions that are the same but for rounding differ by less than this [rad]."""
+"""Largest angle between directions that differ by rounding alone [rad]."""
 LITERAL_ANGLE = 1e-7
-"""Slack where the coordinates are taken at their word [rad]."""
+"""Slack for tests with the literal coordinates, without a modelling tolerance [rad]."""
 NORMAL_SNAP = 2e-3
-"""A normal this close to that of a facet at the point is the facet's [rad]."""
+"""A normal within this angle of a facet's normal at the point is replaced by it [rad]."""
 NORMAL_ANGLE = 5e-3
-"""Normals closer than this are one [rad]."""
+"""Normals within this angle of each other count as the same normal [rad]."""
 EDGE_STRAIGHTNESS = 2e-3
-"""Points of an edge, which may be tilted, leave its line by this fraction of its length [-]."""
+"""Largest distance of an edge's contact points from their line, as a fraction of its length [-];
+the edge may be tilted by as much."""
 CUT_COSINE = 1e-6
-"""Cosines below this are zero where cones are cut by a plane [-]."""
+"""Cosines below this count as zero when a plane cuts a cone of directions [-]."""
 VERTEX_ON_EDGE = 1e-7
-"""A vertex this fraction of the size of its part from an edge splits it [-]."""
+"""A vertex within this fraction of the part's size of an edge splits the edge [-]."""
 MEETS_EXACTLY = 1e-10
-"""Features closer than this fraction of the size of a part meet exactly [-]."""
+"""Features closer than this fraction of the size of a part meet without a gap [-]."""
 ONE_POINT = 4e-5
-"""Degenerate points of a pair within this fraction of its size are one point [-]."""
+"""Degenerate points of a pair within this fraction of its size are listed as a vertex, not as an
+edge [-]."""
 
 # curved faces --------------------------------------------------------------------------------
 
 INTERFERENCE = 0.1
-"""A shaft may be thicker than its hole by this fraction of its radius, not by more [-]."""
+"""Largest radius of a shaft above that of its hole, as a fraction of the shaft radius [-]. A
+thicker shaft does not belong to the hole."""
 PRESS_FIT = 0.02
-"""A shaft that is thicker than its hole by more than this fraction of its radius is taken for a
-thread: press fits are below, threads drawn at their outer radius above [-]."""
+"""Largest interference of a press fit, as a fraction of the shaft radius [-]. A shaft with more
+interference is a thread that is drawn at its outer radius."""
 THREAD = 0.25
-"""A thread drawn as a cylinder is thicker than its hole by up to this fraction of its radius:
-M2 in the hole for its tap has .22 [-]."""
+"""Largest interference of a thread that is drawn as a cylinder, as a fraction of its radius [-]: M2
+in the hole for its tap has .22."""
 FIT_PLAY = 0.2
-"""A shaft may be thinner than its hole by this fraction of its radius to be meant for it: holes
-for screws of ISO 273, medium, are up to M2 in 2.4 [-]."""
+"""Largest clearance of a shaft in its hole, as a fraction of the shaft radius [-]. The medium holes
+of ISO 273 for screws reach .2: M2 in 2.4."""
 WALL_RIM = 1e-9
-"""A line meets a triangle up to this fraction of its sides beyond them [-]."""
+"""A line meets a triangle up to this fraction of the sides beyond them [-]."""
 COINCIDENT = 0.5
-"""Parts that share more than this fraction of the volume of the smaller are refused [-]."""
+"""Parts that share more than this fraction of the volume of the smaller part are rejected [-]."""
 SAME_SHAPE = 1e-6
-"""Copies of a part differ in volume and inertia by less than this fraction [-]."""
+"""Largest relative difference of volume, radius and inertia between copies of a part [-]."""
 INSIDE = 0.99
-"""A part lies inside another where they share more than this fraction of it [-]."""
+"""A part lies inside another if they share more than this fraction of its volume [-]."""
 FIT_LENGTH = 1e-3
-"""A fit shorter than this fraction of its radius is none [-]."""
+"""Shortest fit, as a fraction of its radius [-]; shorter fits are dropped."""
 SMOOTH_ANGLE = 0.02
-"""Faces that meet at less than this pass smoothly into each other [rad]."""
+"""Faces of exact solids that meet at a smaller angle pass smoothly into each other [rad]."""
 FACETED_ANGLE = 0.35
-"""The same for faces known by their triangles only [rad]."""
+"""Triangulated faces that meet at a smaller angle pass smoothly into each other [rad]."""
 RIM_NORMAL = 1e-3
-"""A line at the rim of a flat patch belongs to it where components of their normals differ
-by less [-]."""
+"""Largest difference in a component of two normals if a line of contact at the rim of a flat patch
+belongs to that patch [-]."""
 RIM_LEVEL = 1e-6
-"""A face lies across an axis up to this angle [rad], a corner on a rim up to this fraction of
-its radius [-]."""
+"""Largest tilt of a face that lies across an axis [rad], and largest distance of a corner from a
+rim as a fraction of its radius [-]."""
 FREE_PARALLEL = 1e-6
-"""Edges of free faces closer to parallel than this are asked by their ends [rad]."""
+"""Edges of triangles within this angle of parallel are compared by their ends only [rad]."""
 NO_DIRECTION = 1e-12
-"""Directions closer than this to one another have no direction across [rad]."""
+"""Lower bound on squared sines and on ratios of lengths; directions closer than this have no
+direction across both [-]."""
 GENERATOR_SINE = 1e-9
-"""Sines below this count as this where generators cross: how fast a gap opens there [-]."""
+"""Lower bound on the sine of the angle between crossing generators [-]; keeps the radius at which
+the gap opens finite."""
 APEX = 1e-9
-"""A corner this fraction of a triangle's reach from the axis of a cone is the apex [-]."""
+"""A corner within this fraction of a triangle's reach from the axis is the apex of the cone [-]."""
 SEAM_ANGLE = 1e-7
 """Gaps of an arc up to this angle are closed [rad]."""
 FULL_TURN = 1e-6
-"""Arcs within this of a whole turn are one [rad]."""
+"""An arc within this angle of 2 pi is a full circle [rad]."""
 LEAST_ARC = 1e-9
-"""Arcs up to this length are none [rad]; steps of an arc are counted to it [-]."""
+"""Arcs up to this length are dropped [rad]; also the rounding slack of the number of steps along an
+arc [-]."""
 BAND_FILLED = 1e-6
-"""A band is whole where its triangles cover it but for this fraction [-]."""
+"""Largest missing fraction of a band that its triangles cover completely [-]."""
 LEAN = 1e-9
-"""Normals that lean on the axis less than this lie across it [-]."""
+"""Largest axial component of a normal that lies across the axis [-]."""
 DIRECTION_CORNER = 1e-7
-"""Corners of a cone of directions within this fraction of its width are one [-]."""
+"""Corners of a cone of directions within this fraction of its width merge [-]."""
 THROUGH_CENTER = 1e-9
-"""A face of a hull closer to the centre than this passes through it [-]."""
+"""A face of a hull within this distance of the centre passes through it, for unit directions
+[-]."""
 ROUND_CONE = 1e-7
-"""Directions on one circle keep one height over its plane to this [-]."""
+"""Largest difference in height of directions that form a circular cone [-]."""
 LEAST_OVERLAP = 1e-12
-"""Common parts of two triangles of less area are none, on the unit sphere or unrolled [-]."""
+"""Overlaps of two triangles with a smaller area, on the unit sphere or unrolled, are dropped
+[-]."""
 MEAN_NORMAL = 1e-9
-"""Unit normals whose mean is shorter than this cancel each other [-]."""
+"""Unit normals with a shorter mean cancel each other [-]."""
 EDGE_ON = 1e-3
-"""Least depth that a point is taken for when it is projected through the centre [-]."""
+"""Lower bound on the depth of a point in the projection through the centre of a sphere [-]."""
 BESIDE = 0.1
-"""A curved patch reaches this fraction of its size beyond its points [-]."""
+"""Width of the border around the points of a curved patch that belongs to the patch, as a fraction
+of its size [-]."""
 BESIDE_CIRCLE = 0.05
-"""A circle of contact reaches this fraction of its size to its sides [-]."""
+"""Width of the border around a circle of contact that belongs to it, as a fraction of its size
+[-]."""
 AXIS_ROUNDING = 1e-15
-"""A component of a unit axis that is rounding [-]."""
+"""Components of a unit axis below this are rounding and are written as 0 [-]."""
 
 # smooth faces of meshes ----------------------------------------------------------------------
 
 SMOOTH_EDGE = 0.35
-"""Triangles that meet at less than this are pieces of one smooth face [rad]."""
+"""Triangles that meet at a smaller angle belong to the same smooth face [rad]."""
 SMOOTH_BEND = 1e-3
-"""Triangles that meet at more than this make a face bend [rad]."""
+"""Triangles that meet at a larger angle make a face count as bent [rad]."""
 SMOOTH_DOUBT = 1e-5
-"""A corner whose triangles bend by less than this lies in a plane [rad]."""
+"""A corner whose triangles bend by less lies in a plane, and its normal is exact [rad]."""
 FIT_CUT = 1e-9
-"""Singular values below this fraction of the largest fix nothing in a fit [-]."""
+"""Singular values below this fraction of the largest are treated as zero in a fit [-]."""
 SMOOTH_FACING = 0.35
-"""Normals of two smooth faces that face each other differ by less than this from opposed [rad]."""
+"""Largest angle between a normal and the reverse of the opposite face's normal if two smooth faces
+face each other [rad]."""
 SMOOTH_ASIDE = 0.05
-"""A line along a fitted normal misses a face by up to this fraction of its length [-]."""
+"""Largest miss of a face by a line along a fitted normal, as a fraction of the line's length
+[-]."""
 SMOOTH_GAP = 0.25
-"""Smooth faces touch up to the gap tolerance and this fraction of both sagittas [-]."""
+"""Extra gap between touching smooth faces, as a fraction of the sum of both sagittas [-]."""
 SMOOTH_UNSURE = 0.05
-"""A point where the normals of both sides differ by twice this has no normal [rad]."""
+"""If the normals of both sides differ by more than twice this, the point has no normal [rad]."""
 SMOOTH_LEAST = 1e-4
-"""Fitted normals are never known better than this [rad]."""
+"""Lower bound on the error of fitted normals [rad]."""
 ONE_DIRECTION = 1e-5
-"""Straight edges whose directions differ by less have one direction [rad]."""
+"""Straight edges within this angle have the same direction [rad]."""
 
 # supports ------------------------------------------------------------------------------------
 
 SUPPORT_BESIDE = 1e-3
-"""A point that is said to be on a part lies off its box by at most this, over its size [-]."""
+"""Largest distance of a support's point from the box of its part, as a fraction of the part's size
+[-]."""

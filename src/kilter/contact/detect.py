@@ -1,4 +1,4 @@
-"""From an assembly to its contacts: near pairs, flat and curved faces, edges, overlaps."""
+"""Contact detection: near pairs, flat and curved faces, edges and corners, and overlaps."""
 
 from __future__ import annotations
 
@@ -40,20 +40,20 @@ def contacts(
     tolerance: Tolerance | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> ContactSet:
-    """What touches in an assembly.
+    """Find the contacts of an assembly.
 
     Parameters
     ----------
     assembly : Assembly
     tolerance : Tolerance, optional
-        When faces count as touching.
+        Largest gap and angle at which faces count as touching.
     progress : callable, optional
-        Called with a word at each stage.
+        Called with the name of each stage.
 
     Returns
     -------
     ContactSet
-        Patches of detected planar contact, given contacts, and what came near.
+        Patches of detected and given contacts, rejected pairs, overlaps and open pairs.
 
     Raises
     ------
@@ -66,10 +66,10 @@ def contacts(
     >>> from kilter.assembly import Part
     >>> from kilter.rigid import Pose
     >>> table = Part("table", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
-    >>> found = contacts(Assembly([table, Part("cube", Box([1, 1, 1]), Pose([0, 0, 0.5]))]))
-    >>> found
+    >>> result = contacts(Assembly([table, Part("cube", Box([1, 1, 1]), Pose([0, 0, 0.5]))]))
+    >>> result
     <ContactSet: patches 1, points 4, pairs 1>
-    >>> found.patch_area, found.patch_normal.tolist()
+    >>> result.patch_area, result.patch_normal.tolist()
     (array([1.]), [[0.0, 0.0, 1.0]])
     """
     require_assembly(assembly, "contacts")
@@ -79,14 +79,18 @@ def contacts(
             f"the tolerance is {tolerance!r:.60}", hint="give kilter.Tolerance(gap=...)"
         )
     tolerance.require_sound()
-    tell = progress or (lambda stage: None)
-    found = _in_search(assembly, begin_search(assembly, tolerance, tell), tolerance, tell)
-    tell("nearest parts")
-    return dataclasses.replace(found, neighbours=nearest_parts(assembly.geometry, found.alone))
+    report_stage = progress or (lambda stage: None)
+    contact_set = _contact_set(
+        assembly, begin_search(assembly, tolerance, report_stage), tolerance, report_stage
+    )
+    report_stage("nearest parts")
+    return dataclasses.replace(
+        contact_set, neighbours=nearest_parts(assembly.geometry, contact_set.alone)
+    )
 
 
 def contacts_side_by_side(apart: SideBySide, tolerance: Tolerance) -> ContactSet:
-    """What touches in each of several assemblies, by the parts of all; no neighbours, no warnings.
+    """Contacts of several independent assemblies, by parts of all; no neighbours or warnings.
 
     Raises
     ------
@@ -99,20 +103,23 @@ def contacts_side_by_side(apart: SideBySide, tolerance: Tolerance) -> ContactSet
         return None
 
     search = begin_search(apart.whole, tolerance, silent, start=apart.start)
-    return _in_search(apart.whole, search, tolerance, silent)
+    return _contact_set(apart.whole, search, tolerance, silent)
 
 
-def _in_search(
-    assembly: Assembly, search: ContactSearch, tolerance: Tolerance, tell: Callable[[str], None]
+def _contact_set(
+    assembly: Assembly,
+    search: ContactSearch,
+    tolerance: Tolerance,
+    report_stage: Callable[[str], None],
 ) -> ContactSet:
-    """All that a search finds but the nearest parts of those that touch nothing."""
+    """The contact set of a search, without the nearest parts of parts that touch nothing."""
     gap = search.limits.gap
-    tell("faces")
+    report_stage("faces")
     curved = find_curved(search)
     smooth = find_smooth(search)
     flat = find_flat(search, smooth)
     touching = Touching(search, flat.patches, without_repeats(curved, flat.patches, gap), smooth)
-    tell("edges and corners")
+    report_stage("edges and corners")
     near = near_contacts(touching, [*flat.rejected, *curved.rejected])
     overlaps = find_overlaps(assembly, touching, tolerance)
     refused = [*flat.rejected, *curved.rejected, *unknown_contacts(search.unknown)]
@@ -125,7 +132,7 @@ def _in_search(
     unsupported = (*near.unsupported, *smooth.unsure)
     spoken = [one.parts for one in refused] + [one.parts for one in overlaps]
     spoken += [one.parts for one in unsupported]
-    refused += near_edges(search, _silent(search, patches, spoken))
+    refused += near_edges(search, _unrecorded(search, patches, spoken))
     rejected = sorted(refused, key=lambda r: (abs(r.gap), r.angle))
     rims = rim_contacts(search.geometry, flat.patches)
     possible = PossibleContacts.join([near.possible, rims, touching.curved.possible])
@@ -167,27 +174,33 @@ def _in_search(
 
 
 def _fits(
-    assembly: Assembly, search: ContactSearch, tolerance: Tolerance, over: set[frozenset[int]]
+    assembly: Assembly,
+    search: ContactSearch,
+    tolerance: Tolerance,
+    overlapping: set[frozenset[int]],
 ) -> tuple[Fit, ...]:
-    """Shafts in holes; tight ones where their parts overlap: else their walls do not meet."""
-    found = coaxial_fits(assembly, search.pairs, tolerance, thickest=THREAD, thinnest=FIT_PLAY)
-    return tuple(fit for fit in found if not fit.tight or frozenset(fit.parts) in over)
+    """Shafts in holes between near pairs.
+
+    A tight fit counts only if its parts overlap (`overlapping`): otherwise their walls do not meet.
+    """
+    candidates = coaxial_fits(assembly, search.pairs, tolerance, thickest=THREAD, thinnest=FIT_PLAY)
+    return tuple(fit for fit in candidates if not fit.tight or frozenset(fit.parts) in overlapping)
 
 
-def _silent(search: ContactSearch, patches: Patches, others: list[tuple[int, int]]) -> Mask:
-    """Pairs of which nothing was found, neither patches nor among `others`."""
+def _unrecorded(search: ContactSearch, patches: Patches, others: list[tuple[int, int]]) -> Mask:
+    """Pairs without a patch that are also not among the pairs of parts `others`."""
     silent = np.ones(len(search.pairs), dtype=bool)
     silent[patches.pair[patches.pair >= 0]] = False
-    found = {frozenset(pair) for pair in others}
-    if found:
+    recorded = {frozenset(pair) for pair in others}
+    if recorded:
         rows = np.flatnonzero(silent)
-        known = [frozenset(pair) in found for pair in search.pairs[rows].tolist()]
-        silent[rows[known]] = False
+        is_recorded = [frozenset(pair) in recorded for pair in search.pairs[rows].tolist()]
+        silent[rows[is_recorded]] = False
     return silent
 
 
 def _given(assembly: Assembly) -> tuple[Patches, list[float | None]]:
-    """The contacts and points of bonds that the file lists, as patches, and their own friction."""
+    """The contacts and bond points that the file lists, as patches, with their own friction [-]."""
     bonded = [bond for bond in assembly.bonds if bond.points is not None]
     given: list[GivenContact | Bond] = [*assembly.contacts, *bonded]
     parts = np.array([[assembly.index_of(n) for n in c.parts] for c in given], dtype=np.int64)

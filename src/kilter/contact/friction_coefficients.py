@@ -1,4 +1,4 @@
-"""The friction coefficient of each contact: its own, else its pair's, else the assembly's."""
+"""Friction coefficients: of the contact itself, else of its pair, else of the assembly."""
 
 from __future__ import annotations
 
@@ -21,9 +21,10 @@ def friction_coefficients(
     ----------
     assembly : Assembly
     parts : ndarray of int, shape (n, 2)
-        By position.
+        Parts of each contact, by position.
     own : sequence of float or None
-        Of the last contacts, what the file says of that contact itself, if it does.
+        Friction coefficients that the file gives for the last ``len(own)`` contacts; None: the
+        coefficient of the pair [-].
 
     Examples
     --------
@@ -46,9 +47,9 @@ def friction_coefficients(
 
 
 def certain_friction(mu: Array | float, doubt: Array) -> Array:
-    """The friction that holds whatever the normals are within their doubt [-], shape (n,).
+    """Friction coefficient that holds for every normal within the error `doubt` [-], shape (n,).
 
-    A force within mu - doubt of the fitted normal is within mu of the true one.
+    A force within the angle mu - doubt of the fitted normal lies within mu of the true normal.
 
     Examples
     --------

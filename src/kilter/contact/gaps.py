@@ -1,17 +1,17 @@
-"""What makes a gap a contact: the tolerance, the limits of each pair, and what is said of them.
+"""Gap tolerances: the limits of each pair, the test for contact, and warnings about gaps.
 
-Two opposed faces of a pair touch where the range [low, high] of the gap between them, over
-the area in which they overlap, meets
+Two opposed faces of a pair touch if the range [low, high] of the gap between them, over the area in
+which they overlap, meets
 
     [-gap, closed],   gap    = the gap tolerance of the pair,
-                      closed = the same, or the designed clearance where that is larger.
+                      closed = the same, or the designed clearance if that is larger.
 
-Penetration counts as negative gap. The gap tolerance of a pair is `relative_gap` times the
-size of the smaller part (or the gap that is given), at most a tenth of the thickness of the
-thinner part, at least what rounding of the coordinates explains.
+Penetration counts as negative gap. The gap tolerance of a pair is `relative_gap` times the size of
+the smaller part, or the given gap. It is at most a tenth of the thickness of the thinner part, and
+at least the rounding error of the coordinates.
 
-A gap tolerance that falls inside a cluster of gaps parts what belongs together: then there
-are patches in its upper third, and near pairs within three times of it.
+A gap tolerance inside a cluster of gaps separates faces that belong together: then there are
+patches in its upper third, and near pairs within three times the tolerance.
 """
 
 from __future__ import annotations
@@ -57,19 +57,19 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class Tolerance:
-    """When two faces count as touching.
+    """Largest gap and angle at which two faces count as touching.
 
     Parameters
     ----------
     gap : float or None
         Largest gap [length unit]; None: `relative_gap` times the size of the smaller part.
     relative_gap : float
-        As a fraction of the size of the smaller part [-].
+        Largest gap as a fraction of the size of the smaller part [-].
     angle : float
         Largest angle between the faces [rad].
     clearance : float or None
-        Designed clearance [length unit]: opposed faces that stand apart by up to this count
-        as touching too, round ones in hollow ones as size on size; faces that penetrate do not.
+        Designed clearance [length unit]. Opposed faces up to this distance apart also count as
+        touching, and a shaft in its hole as size on size. Faces that penetrate do not.
 
     Examples
     --------
@@ -84,25 +84,25 @@ class Tolerance:
 
     @classmethod
     def loose(cls) -> Tolerance:
-        """For scanned, rounded or hand-made data: gaps to 1e-3, tilts to 2e-2 rad."""
+        """Tolerance for scanned, rounded or hand-made data: gaps to 1e-3, tilts to 2e-2 rad."""
         return cls(relative_gap=LOOSE_GAP, angle=LOOSE_ANGLE)
 
     def require_sound(self) -> None:
-        """Refuse a gap, angle or clearance that means nothing.
+        """Raise an error for an invalid gap, angle or clearance.
 
         Raises
         ------
         InputError
-            If one is not above zero and finite.
+            If a value is not positive and finite.
         """
         named = ("gap", self.gap), ("angle", self.angle), ("clearance", self.clearance)
         for name, value in named:
             if value is not None and not (np.isfinite(value) and value > 0):
-                what = name if name == "clearance" else f"{name} tolerance"
-                raise InputError(f"the {what} is {value}", hint="give a number above zero")
+                quantity = name if name == "clearance" else f"{name} tolerance"
+                raise InputError(f"the {quantity} is {value}", hint="give a number above zero")
 
     def gap_of(self, size: Array) -> Array:
-        """The gap tolerance of parts, or pairs, of these sizes [length unit]."""
+        """Gap tolerance of parts, or pairs, of the given sizes [length unit]."""
         if self.gap is not None:
             return np.full(len(size), self.gap)
         return self.relative_gap * size
@@ -110,9 +110,10 @@ class Tolerance:
 
 @dataclass(frozen=True, slots=True)
 class Rejected:
-    """A pair of faces that came near but does not count as touching, and why.
+    """A pair of faces that came near but does not count as touching, with the reason `why`.
 
-    `fit`: a round face inside of a hollow one.
+    `gap` is the nearest gap [length unit], `angle` the tilt [rad]; `fit` is True for a solid round
+    face inside a hollow face.
     """
 
     parts: tuple[int, int]
@@ -126,25 +127,25 @@ APART = "gap above the tolerance"
 PENETRATES = "penetrates by more than the gap tolerance"
 TILTED = "tilted by more than the angle tolerance"
 THIN = "thinner than twice the gap tolerance"
-UNKNOWN = "the surface of one of them is not known there"
+UNKNOWN = "the surface of a part is unknown there"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GapLimits(Rows):
-    """Limits of pairs of parts, one row a pair [length unit].
+    """Limits of pairs of parts, a row for each pair [length unit].
 
     Attributes
     ----------
     gap : ndarray, shape (n,)
-        Gap tolerance: the deepest penetration that is taken for contact.
+        Gap tolerance: the deepest penetration that counts as contact.
     closed : ndarray, shape (n,)
-        The widest gap that is: the tolerance, or the designed clearance.
+        Widest gap that counts as contact: the tolerance, or the designed clearance.
     margin : ndarray, shape (n,)
-        Up to this gap a pair is looked at.
+        Widest gap at which faces are compared at all.
     rounding : ndarray, shape (n,)
-        What the accuracy of the coordinates explains.
+        Largest gap that the accuracy of the coordinates explains.
     coarse : ndarray of bool, shape (n,)
-        Rounding is not small against the thickness of a part.
+        True if the rounding is not small compared with the thickness of a part.
     """
 
     gap: Array
@@ -155,7 +156,7 @@ class GapLimits(Rows):
 
 
 def reach_of(geometry: Geometry, tolerance: Tolerance) -> Array:
-    """How far from each part others are looked for, shape (N,) [length unit]."""
+    """Distance from each part within which others are searched for, shape (N,) [length unit]."""
     rough = tolerance.gap_of(geometry.size)
     if tolerance.gap is None:
         rough = np.maximum(rough, ROUNDINGS * geometry.accuracy)
@@ -197,27 +198,28 @@ def touches(gap: Array, deepest: Array, widest: Array) -> Mask:
 
 
 def nearest_gap(gap: Array) -> Array:
-    """Of ranges of gaps, shape (n, 2), the gap nearest to zero; 0 where it changes sign."""
+    """The gap nearest to zero in each range of gaps, shape (n, 2); 0 if the range contains 0."""
     low, high = gap.T
-    nearest: Array = np.where(low > 0, low, np.minimum(high, 0.0))
-    return nearest
+    closest: Array = np.where(low > 0, low, np.minimum(high, 0.0))
+    return closest
 
 
-# what is said of them ---------------------------------------------------------------------
+# warnings -----------------------------------------------------------------------------------
 
 
 def gap_warnings(patches: Patches, rejected: list[Rejected], limits: GapLimits) -> list[str]:
-    """A word where the tolerance cuts through gaps that belong together, or is all rounding."""
-    return [*_cluster(patches, rejected, limits), *_coarse(limits)]
+    """Warnings if the tolerance cuts through a cluster of gaps, or if it is all rounding."""
+    return [*_cluster_warnings(patches, rejected, limits), *_coarse_warnings(limits)]
 
 
-def _cluster(patches: Patches, rejected: list[Rejected], limits: GapLimits) -> list[str]:
+def _cluster_warnings(patches: Patches, rejected: list[Rejected], limits: GapLimits) -> list[str]:
+    """A warning if patches lie just below the gap limit and rejected faces just above it."""
     gap, closed = limits.gap, limits.closed
     near = nearest_gap(patches.gap)
-    # a gap is held against the clearance, a penetration against the tolerance
+    # a gap is compared with the clearance, a penetration with the tolerance
     limit = np.where(near >= 0, closed[patches.pair], gap[patches.pair])
     below = int((np.abs(near) > limit / CLUSTER).sum())
-    # of the kinds of limit, the one that the rejected piece fell to
+    # a rejected piece is compared with the limit that it exceeded
     open_edge = CLUSTER * float(closed.max(initial=0.0))
     deep_edge = CLUSTER * float(gap.max(initial=0.0))
     above = sum(r.gap < open_edge for r in rejected if r.why == APART)
@@ -231,8 +233,8 @@ def _cluster(patches: Patches, rejected: list[Rejected], limits: GapLimits) -> l
     ]
 
 
-def _coarse(limits: GapLimits) -> list[str]:
-    """A word where rounding is not small against a part's thickness."""
+def _coarse_warnings(limits: GapLimits) -> list[str]:
+    """A warning if the rounding of coordinates is not small compared with a part's thickness."""
     if not limits.coarse.any():
         return []
     return [
@@ -242,7 +244,7 @@ def _coarse(limits: GapLimits) -> list[str]:
 
 
 def closed_by_clearance(assembly: Assembly, patches: Patches, limits: GapLimits) -> list[str]:
-    """Which pairs stand apart, and touch because a clearance was closed."""
+    """A warning that names the pairs that touch only because a clearance was closed."""
     apart = nearest_gap(patches.gap)
     gap, closed = limits.gap[patches.pair], limits.closed[patches.pair]
     rows = np.flatnonzero((apart > gap) & (closed > gap))
@@ -256,5 +258,5 @@ def closed_by_clearance(assembly: Assembly, patches: Patches, limits: GapLimits)
     pairs = [f"{names[a]!r} and {names[b]!r} ({g:.3g} {unit})" for (a, b), g in widest.items()]
     return [
         f"clearances taken as closed in {len(rows)} patches, {len(pairs)} pairs that stand apart: "
-        f"{some(pairs)}; the answer is that of parts moved together there"
+        f"{some(pairs)}; the answer holds for parts that are moved together there"
     ]

@@ -1,6 +1,7 @@
-"""What touches, or may touch, but is no contact: overlaps, kinds that are not modelled, and forces.
+"""Records of possible contacts outside the patches: overlaps, unmodelled contacts, possible forces.
 
-A pair of these is open (`kilter.contact.open_pairs`): the geometry does not say what acts there.
+A pair with such a record is open (`kilter.contact.open_pairs`): the geometry does not determine the
+forces between its parts.
 """
 
 from __future__ import annotations
@@ -15,9 +16,9 @@ __all__ = ["INTERFERE", "SAME_BODY", "Overlap", "PossibleContacts", "Unsupported
 
 
 INTERFERE = "interfere"
-"""What is said of a shaft that is thicker than its hole: a thread, a press fit."""
+"""Reason of an overlap between a shaft and a thinner hole: a thread or a press fit."""
 SAME_BODY = "are the same body twice"
-"""What is said of two bodies in one place."""
+"""Reason of an overlap between two bodies in the same place."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,12 +29,14 @@ class Overlap:
     ----------
     parts : pair of int
     volume : float or None
-        Of their triangles [length unit^3]; None where the triangles of one bound no body.
+        Shared volume of their triangles [length unit^3]; None if the triangles of a part do not
+        bound a body.
     depth : float
-        How deep they enter each other [length unit].
+        Largest depth to which the parts enter each other [length unit].
     why : str
+        Kind of the overlap, in words.
     share : float or None
-        The volume over that of the smaller part [-].
+        Shared volume divided by the volume of the smaller part [-].
     """
 
     parts: tuple[int, int]
@@ -45,9 +48,9 @@ class Overlap:
 
 @dataclass(frozen=True, slots=True)
 class Unsupported:
-    """A pair that touches in a way that is not modelled yet.
+    """A pair that touches in a way that is not modelled.
 
-    `kind` is "edge", "vertex" or "curved".
+    `kind` is "edge", "vertex" or "curved"; `point` is a point of the contact, world frame.
     """
 
     parts: tuple[int, int]
@@ -57,12 +60,12 @@ class Unsupported:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PossibleContacts(Rows):
-    """Every force that contacts which are not modelled could bring; one row a force.
+    """Forces that contacts outside the patches could exert; a row for each force.
 
-    Used to bound a verdict from the other side: what is unstable although all of these
-    may push is unstable. Rows with `two_sided` may also pull. `mu` is the friction
-    coefficient of the pair; `degenerate` the number of the degenerate point that the row is a
-    normal of, -1 for other rows.
+    They bound a verdict from the other side: an assembly that is unstable although all of these
+    forces may act is unstable. Rows with `two_sided` may also pull. `mu` is the friction
+    coefficient of the pair [-]. `degenerate` is the row of the degenerate point whose normal the
+    force follows, -1 for other forces.
     """
 
     part_a: Index
@@ -77,7 +80,7 @@ class PossibleContacts(Rows):
         read_only(self)
 
     def without_wrenches(self, pairs: set[frozenset[int]]) -> PossibleContacts:
-        """Without the two-sided forces between the parts of some pairs."""
+        """The rows without two-sided forces between the given pairs of parts."""
         ends = zip(self.part_a.tolist(), self.part_b.tolist(), strict=True)
-        among = np.array([frozenset(pair) in pairs for pair in ends], dtype=bool)
-        return self.take(np.flatnonzero(~(among & self.two_sided)))
+        of_pair = np.array([frozenset(pair) in pairs for pair in ends], dtype=bool)
+        return self.take(np.flatnonzero(~(of_pair & self.two_sided)))

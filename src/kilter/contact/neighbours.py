@@ -1,13 +1,13 @@
-"""The nearest part of one that touches nothing, and the gap between their surfaces.
+"""The nearest other part of each part that touches nothing, and the gap between them.
 
-    gap(A, B) = min |x - y|,    x on a triangle of A, y on one of B,
+    gap(A, B) = min |x - y|,    x on a triangle of A, y on a triangle of B.
 
-which manifold3d computes within a bound: here the least distance of corners. Others are asked
-in the order of the distances between their boxes, until that is no less than the gap found.
+manifold3d computes it within an upper bound, here the least distance of corners. Other parts are
+visited in the order of the distances between their boxes, until that distance reaches the gap.
 
-Curved faces count as their triangles, so a gap is right to within the sagittas of both and
-the accuracy of their coordinates: `Neighbour.accuracy`. Where the triangles of a part bound no
-body, its corners and those of the other are asked alone, and the gap is at most what is told.
+Curved faces count as their triangles, so the error of a gap is at most the sagittas of both parts
+plus the accuracy of their coordinates: `Neighbour.accuracy`. If the triangles of a part bound no
+body, only the corners of both parts are compared, and the true gap is at most the reported gap.
 """
 
 from __future__ import annotations
@@ -23,23 +23,24 @@ from kilter.assembly.geometry import Geometry
 from kilter.contact.fits.shared_body import PartSolids
 from kilter.contact.triangle_distance import surface_distance
 
-__all__ = ["ASKED", "Neighbour", "nearest_parts"]
+__all__ = ["MOST_PARTS", "Neighbour", "nearest_parts"]
 
-ASKED = 200
-"""Parts whose nearest neighbour is looked for."""
+MOST_PARTS = 200
+"""Largest number of parts whose nearest neighbour is searched for."""
 
 
 @dataclass(frozen=True, slots=True)
 class Neighbour:
-    """A part that touches nothing, and what comes nearest to it.
+    """A part that touches nothing, and the part nearest to it.
 
     Attributes
     ----------
     part, other : int
+        The part, and its nearest neighbour, by position.
     gap : float
-        Between their surfaces [length unit].
+        Distance of their surfaces [length unit].
     accuracy : float
-        How far the gap may be from the truth [length unit].
+        Largest error of the gap [length unit].
     """
 
     part: int
@@ -48,13 +49,13 @@ class Neighbour:
     accuracy: float
 
     def to_dict(self, names: Sequence[str]) -> dict[str, Any]:
-        """As JSON data."""
+        """JSON data of an answer."""
         parts = {"part": names[self.part], "nearest": names[self.other]}
         return {**parts, "gap": self.gap, "accuracy": self.accuracy}
 
 
 def nearest_parts(geometry: Geometry, parts: Iterable[int]) -> tuple[Neighbour, ...]:
-    """The nearest other part of each of some parts, of the first `ASKED` of them.
+    """The nearest other part of each of the given parts, for the first `MOST_PARTS` of them.
 
     Parameters
     ----------
@@ -62,49 +63,52 @@ def nearest_parts(geometry: Geometry, parts: Iterable[int]) -> tuple[Neighbour, 
     parts : iterable of int
         Parts that touch nothing.
     """
-    asked = list(parts)[:ASKED]
-    if not asked or len(geometry.mass) < 2:
+    searched = list(parts)[:MOST_PARTS]
+    if not searched or len(geometry.mass) < 2:
         return ()
     solids = PartSolids(geometry)
     boxes = geometry.part_boxes
-    return tuple(_nearest(solids, part, boxes) for part in asked)
+    return tuple(_nearest(solids, part, boxes) for part in searched)
 
 
 def _nearest(solids: PartSolids, part: int, boxes: tuple[Array, Array]) -> Neighbour:
+    """The nearest neighbour of a part, by a search in order of the distances of the boxes."""
     low, high = boxes
     between = np.maximum(np.maximum(low - high[part], low[part] - high), 0.0)
     boxes_apart = np.linalg.norm(between, axis=1)
     boxes_apart[part] = np.inf
-    best, gap = -1, np.inf
+    nearest_part, gap = -1, np.inf
     for other in _order(boxes_apart):
         if boxes_apart[other] >= gap:
             break
-        found = _gap(solids, part, int(other), gap)
-        if found < gap:
-            best, gap = int(other), found
+        distance = _gap(solids, part, int(other), gap)
+        if distance < gap:
+            nearest_part, gap = int(other), distance
     geometry = solids.geometry
-    both = [part, best]
-    accuracy = float((geometry.slack[both] + geometry.accuracy[both]).sum())
-    return Neighbour(part, best, gap, accuracy)
+    pair = [part, nearest_part]
+    accuracy = float((geometry.slack[pair] + geometry.accuracy[pair]).sum())
+    return Neighbour(part, nearest_part, gap, accuracy)
 
 
 def _order(apart: Array) -> Index:
+    """Parts in order of their distance, without the last, which is the part itself."""
     order: Index = np.argsort(apart, kind="stable")[:-1]
     return order
 
 
 def _gap(solids: PartSolids, a: int, b: int, most: float) -> float:
-    """The gap between two parts, or `most` where it is no less."""
+    """The gap between two parts, or `most` if the gap is not smaller [length unit]."""
     geometry = solids.geometry
     corners = [_corners(geometry, part) for part in (a, b)]
     bound = min(most, float(nearest(corners[0], corners[1])[0].min()))
-    one, other = solids.of(a), solids.of(b)
-    if one is not None and other is not None:
-        moved = other.translate(tuple((geometry.center[b] - geometry.center[a]).tolist()))
-        return float(one.min_gap(moved, bound))
+    solid_a, solid_b = solids.of(a), solids.of(b)
+    if solid_a is not None and solid_b is not None:
+        shifted_b = solid_b.translate(tuple((geometry.center[b] - geometry.center[a]).tolist()))
+        return float(solid_a.min_gap(shifted_b, bound))
+    # a part bounds no body: distances of the corners from the triangles bound the gap
     for points, part in ((corners[0], b), (corners[1], a)):
-        away = surface_distance(points, geometry.corners_of(part))
-        bound = min(bound, float(away.min()))
+        distance = surface_distance(points, geometry.corners_of(part))
+        bound = min(bound, float(distance.min()))
     return bound
 
 

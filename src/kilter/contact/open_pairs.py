@@ -1,21 +1,21 @@
-"""Open pairs: what the geometry does not settle, and the most that such a pair could do.
+"""Open pairs: pairs whose contact the geometry does not determine, and their largest forces.
 
-A verdict must hold for every contact set that the geometry leaves open. Open is a pair of
-parts, of which one is free and which no fixed joints tie to each other, that is
+A verdict must hold for every contact set that the geometry leaves open. A pair of parts is open if
+at least one of them is free, no fixed joints connect them, and the pair has one of these kinds:
 
     overlap      shares volume beyond the tolerance: a press fit, a thread, a sloppy model
-    clearance    a round face inside of a wider hollow one
+    clearance    a round face inside a wider hollow face
     near         has faces that do not count as touching, but come within `LOOSE_GAP` of the size
-                 of the smaller part and within `LOOSE_ANGLE`: what `Tolerance.loose` takes
+                 of the smaller part and within `LOOSE_ANGLE`, as `Tolerance.loose` accepts
     free-form    touches at a curved face in a way without a formula
-    degenerate   touches at edges or corners that have no one normal
+    degenerate   touches at edges or corners that have no unique normal
 
-Of several kinds a pair goes by the first. At the least nothing acts between the two parts but
-their certain contacts. At the most a pair of the last two kinds brings the forces that
-`kilter.contact.sharp` and `kilter.contact.curved.unmodelled` bound; one of the first three holds
-its parts to each other by any force and torque: a near face may touch anywhere on its area, its
-normal is off by up to gap over width, and its edges and corners may catch, which together leaves
-no wrench out.
+A pair with several kinds has the first of them. At the least, only the certain contacts act between
+the two parts. At the most, a pair of the last two kinds exerts the forces that
+`kilter.contact.sharp` and `kilter.contact.curved.unmodelled` bound. A pair of the first three kinds
+holds its parts to each other by any force and torque. Reason: a near face may touch anywhere on its
+area, its normal is off by up to gap over width, and its edges and corners may catch. Together these
+allow every wrench.
 """
 
 from __future__ import annotations
@@ -45,24 +45,25 @@ __all__ = [
 
 OpenKind = Literal["overlap", "clearance", "near", "free-form", "degenerate"]
 KINDS: tuple[OpenKind, ...] = get_args(OpenKind)
-"""In order of precedence."""
+"""Kinds of open pairs, in order of precedence."""
 ANY_WRENCH = ("overlap", "clearance", "near")
 """Kinds that may hold their parts by any force and torque."""
 
 
 @dataclass(frozen=True, slots=True)
 class OpenPair:
-    """A pair of parts, by position, between which the geometry leaves open what acts.
+    """A pair of parts, by position, whose contact the geometry does not determine.
 
     Attributes
     ----------
     parts : pair of int
     kind : {"overlap", "clearance", "near", "free-form", "degenerate"}
     gap : float or None
-        Of the nearest faces [length unit]; negative where they penetrate.
+        Gap of the nearest faces [length unit]; negative if they penetrate.
     depth, volume : float or None
-        Of an overlap [length unit, its cube]; the volume where it was computed.
+        Depth [length unit] and volume [length unit^3] of an overlap, if computed.
     why : str
+        Reason, in words.
     """
 
     parts: tuple[int, int]
@@ -73,7 +74,7 @@ class OpenPair:
     why: str = ""
 
     def to_dict(self, names: Sequence[str]) -> dict[str, Any]:
-        """As JSON data."""
+        """JSON data of an answer."""
         return {
             "parts": [names[k] for k in self.parts],
             "kind": self.kind,
@@ -90,55 +91,57 @@ def find_open_pairs(
     rejected: Iterable[Rejected],
     unsupported: Iterable[Unsupported],
 ) -> tuple[OpenPair, ...]:
-    """What a detection left open, one entry a pair, in order of the pairs.
+    """Open pairs of a contact search, at most one entry for each pair, in order of the pairs.
 
     Parameters
     ----------
     assembly : Assembly
     overlaps, rejected, unsupported
-        As the detection records them.
+        Records of the contact search.
     """
     size = assembly.geometry.size
-    found = [_of_overlap(one) for one in overlaps]
-    found += [one for r in rejected if (one := _of_rejected(r, size)) is not None]
-    found += [_of_unsupported(one) for one in unsupported]
-    found.sort(key=lambda one: (*sorted(one.parts), KINDS.index(one.kind), abs(one.gap or 0.0)))
+    entries = [_from_overlap(overlap) for overlap in overlaps]
+    entries += [pair for r in rejected if (pair := _from_rejected(r, size)) is not None]
+    entries += [_from_unsupported(contact) for contact in unsupported]
+    entries.sort(
+        key=lambda pair: (*sorted(pair.parts), KINDS.index(pair.kind), abs(pair.gap or 0.0))
+    )
     first: dict[frozenset[int], OpenPair] = {}
-    for one in found:
-        first.setdefault(frozenset(one.parts), one)
+    for pair in entries:
+        first.setdefault(frozenset(pair.parts), pair)
     return still_open(first.values(), assembly)
 
 
 def still_open(pairs: Iterable[OpenPair], assembly: Assembly) -> tuple[OpenPair, ...]:
-    """Those that no fixed joints tie, and of which one part is free."""
+    """The pairs with a free part that no fixed joints connect."""
     pairs = tuple(pairs)
     if not pairs:
         return ()
     group = rigid_groups(assembly)
-    return tuple(one for one in pairs if group[one.parts[0]] != group[one.parts[1]])
+    return tuple(pair for pair in pairs if group[pair.parts[0]] != group[pair.parts[1]])
 
 
-def _of_overlap(one: Overlap) -> OpenPair:
-    return OpenPair(one.parts, "overlap", None, one.depth, one.volume, one.why)
+def _from_overlap(overlap: Overlap) -> OpenPair:
+    return OpenPair(overlap.parts, "overlap", None, overlap.depth, overlap.volume, overlap.why)
 
 
-def _of_rejected(one: Rejected, size: Array) -> OpenPair | None:
-    """A rejected pair of faces as an open pair; None where it is not within what is loose."""
-    kind: OpenKind = "clearance" if one.fit else "near"
-    limit = LOOSE_GAP * float(size[list(one.parts)].min())
-    close = one.fit or (abs(one.gap) <= limit and one.angle <= LOOSE_ANGLE)
-    if one.why == THIN or not close:
+def _from_rejected(rejected: Rejected, size: Array) -> OpenPair | None:
+    """The open pair of rejected faces; None if they are outside the loose tolerance."""
+    kind: OpenKind = "clearance" if rejected.fit else "near"
+    limit = LOOSE_GAP * float(size[list(rejected.parts)].min())
+    close = rejected.fit or (abs(rejected.gap) <= limit and rejected.angle <= LOOSE_ANGLE)
+    if rejected.why == THIN or not close:
         return None
-    return OpenPair(one.parts, kind, gap=one.gap, why=one.why)
+    return OpenPair(rejected.parts, kind, gap=rejected.gap, why=rejected.why)
 
 
-def _of_unsupported(one: Unsupported) -> OpenPair:
-    kind: OpenKind = "free-form" if one.kind == "curved" else "degenerate"
-    return OpenPair(one.parts, kind, why=f"{one.kind} contact without one normal")
+def _from_unsupported(contact: Unsupported) -> OpenPair:
+    kind: OpenKind = "free-form" if contact.kind == "curved" else "degenerate"
+    return OpenPair(contact.parts, kind, why=f"{contact.kind} contact without one normal")
 
 
 def rigid_groups(assembly: Assembly) -> Index:
-    """A number for each part, the same for parts that fixed joints tie, or that are held, (N,)."""
+    """Group of each part, shape (N,): all held parts, or parts that fixed joints connect."""
     count = len(assembly.parts)
     held = np.flatnonzero(assembly.geometry.grounded)
     first, second = [count] * len(held), held.tolist()
@@ -152,22 +155,22 @@ def rigid_groups(assembly: Assembly) -> Index:
 
 
 def open_forces(pairs: Sequence[OpenPair], geometry: Geometry) -> PossibleContacts:
-    """Any force and torque between the parts of each pair that may hold its parts by any.
+    """Forces that span every force and torque between the parts of each pair of `ANY_WRENCH`.
 
-    Six two-sided rows a pair: forces along x, y, z at the centre of the smaller part, and at
-    points one radius of it beside, whose moments span the torques.
+    Six two-sided rows for each pair: forces along x, y, z at the centre of the smaller part, and
+    forces at a distance of its radius beside the centre, whose moments span the torques.
     """
     parts = np.array([p.parts for p in pairs if p.kind in ANY_WRENCH], dtype=np.int64)
     a, b = parts.reshape(-1, 2).T
     smaller = np.where(geometry.radius[a] <= geometry.radius[b], a, b)
-    at, arm = geometry.center[smaller], geometry.radius[smaller][:, None]
+    center, arm = geometry.center[smaller], geometry.radius[smaller][:, None]
     x, y, z = np.eye(3)
     rows = [(0 * x, x), (0 * x, y), (0 * x, z), (x, y), (x, z), (y, z)]
     count = 6 * len(a)
     return PossibleContacts(
         part_a=np.tile(a, 6),
         part_b=np.tile(b, 6),
-        points=np.concatenate([at + arm * shift for shift, _ in rows]),
+        points=np.concatenate([center + arm * shift for shift, _ in rows]),
         normals=np.concatenate([np.tile(along, (len(a), 1)) for _, along in rows]),
         two_sided=np.ones(count, dtype=bool),
         mu=np.zeros(count),

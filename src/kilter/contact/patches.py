@@ -1,8 +1,8 @@
-"""Patches: the one currency of contacts, whichever family of faces they come from.
+"""Patches: the common record of contacts between flat, curved, sharp and given features.
 
-Flat faces, edges and corners, curved faces and the file's own contacts each make `Patches`;
-the detection joins them, and a `ContactSet` is that, with friction and what is not modelled.
-The points of a patch carry a normal each, that of the patch where it is flat.
+Each stage of the contact search returns `Patches`; the search joins them to a `ContactSet`, with
+friction and the unmodelled contacts. Every point of a patch has a normal; on a flat patch it is
+that of the patch.
 """
 
 from __future__ import annotations
@@ -27,22 +27,23 @@ class Patches:
     Attributes
     ----------
     pair : ndarray of int, shape (P,)
-        Row of the pair of parts in the search; -1 for contacts that the file gives.
+        Row of the pair of parts in the search; -1 for contacts that the file lists.
     parts : ndarray of int, shape (P, 2)
         Parts a and b.
     kind : ndarray of str, shape (P,)
-        See `ContactSet.patch_kind`.
+        Kind of contact: see `ContactSet.patch_kind`.
     normal : ndarray, shape (P, 3)
-        Unit, from a to b.
+        Unit normal, from a to b.
     area : ndarray, shape (P,)
-        [length unit^2]
+        Area of contact [length unit^2].
     gap : ndarray, shape (P, 2)
-        Least and greatest [length unit].
+        Least and greatest gap [length unit].
     accuracy : ndarray, shape (P,)
-        Of the coordinates, as a fraction of the size of what touches [-].
+        Accuracy of the coordinates, as a fraction of the size of the touching features [-].
     start : ndarray of int, shape (P + 1,)
         The points of patch p are rows ``start[p]`` to ``start[p + 1]``.
     points, normals : ndarray, shape (K, 3)
+        Contact points and the unit normal at each, from a to b.
     """
 
     pair: Index
@@ -60,15 +61,15 @@ class Patches:
         return len(self.pair)
 
     def of_pair(self, pair: int) -> range:
-        """Rows of the patches of one pair, where they are ordered by pair."""
+        """Rows of the patches of a pair; the patches must be ordered by pair."""
         return range(*(int(k) for k in np.searchsorted(self.pair, [pair, pair + 1])))
 
     def corners(self, patch: int) -> Array:
-        """Points of one patch, shape (n, 3)."""
+        """Points of a patch, shape (n, 3)."""
         return self.points[self.start[patch] : self.start[patch + 1]]
 
     def take(self, rows: Index) -> Patches:
-        """These patches alone, with their points."""
+        """The patches in the given rows, with their points."""
         _, points = ragged(self.start, rows)
         return Patches(
             **{name: getattr(self, name)[rows] for name in BY_PATCH},
@@ -78,7 +79,7 @@ class Patches:
 
     @staticmethod
     def join(blocks: Iterable[Patches]) -> Patches:
-        """The patches of all blocks, in their order."""
+        """The patches of all blocks, in order."""
         blocks = [block for block in blocks if len(block)]
         if len(blocks) <= 1:
             return blocks[0] if blocks else Patches.none()
@@ -90,7 +91,7 @@ class Patches:
 
     @staticmethod
     def none() -> Patches:
-        """No patch."""
+        """An empty set of patches."""
         return Patches(
             pair=np.empty(0, dtype=np.int64),
             parts=np.empty((0, 2), dtype=np.int64),
@@ -105,5 +106,5 @@ class Patches:
         )
 
     def ordered(self) -> Patches:
-        """Ordered by pair, those of one pair as they are."""
+        """The patches ordered by pair; the order within a pair is kept."""
         return self.take(np.argsort(self.pair, kind="stable"))

@@ -1,7 +1,7 @@
-"""The contacts of some of the parts, from those of all: what a half-built assembly has.
+"""The contacts among a subset of the parts, such as those of a half-built assembly.
 
-A contact is found between two parts by themselves, whatever else is there. So the contacts of
-an assembly without some parts are those between the parts that are left.
+A contact between two parts does not depend on other parts. So the contacts of an assembly without
+some parts are those between the remaining parts.
 """
 
 from __future__ import annotations
@@ -23,19 +23,19 @@ OfPair = TypeVar("OfPair", bound=Any)
 
 
 def contacts_among(contacts: ContactSet, assembly: Assembly) -> ContactSet:
-    """The contacts of an assembly of some of the parts, in the same poses.
+    """Contacts of an assembly that has a subset of the parts, in the same poses.
 
     Parameters
     ----------
     contacts : ContactSet
-        Of all the parts.
+        Contacts of all parts.
     assembly : Assembly
-        Of some of them, by the same names; `Assembly.without` makes one.
+        Assembly of the subset, with the same names, as `Assembly.without` returns.
 
     Raises
     ------
     InputError
-        If a part of it is none of those.
+        If the assembly has a part that the contacts do not know.
 
     Examples
     --------
@@ -47,26 +47,26 @@ def contacts_among(contacts: ContactSet, assembly: Assembly) -> ContactSet:
     1
     """
     kept = np.array([contacts.assembly.index_of(name) for name in assembly.names])
-    place = np.full(len(contacts.assembly), -1)
-    place[kept] = np.arange(len(kept))
-    patches = np.flatnonzero((place[contacts.patch_parts] >= 0).all(axis=1))
+    new_position = np.full(len(contacts.assembly), -1)
+    new_position[kept] = np.arange(len(kept))
+    patches = np.flatnonzero((new_position[contacts.patch_parts] >= 0).all(axis=1))
     _, rows = ragged(contacts.patch_start, patches)
-    degenerate, points = _degenerate(contacts.degenerate, place)
+    degenerate, points = _degenerate_among(contacts.degenerate, new_position)
     return replace(
         contacts,
         assembly=assembly,
-        patch_parts=place[contacts.patch_parts[patches]],
+        patch_parts=new_position[contacts.patch_parts[patches]],
         patch_start=starts(np.diff(contacts.patch_start)[patches]),
         points=contacts.points[rows],
         normals=contacts.normals[rows],
-        unsupported=_between(contacts.unsupported, place),
-        possible=_possible(contacts.possible, place, points),
-        rejected=_between(contacts.rejected, place),
-        overlaps=_between(contacts.overlaps, place),
+        unsupported=_renumbered(contacts.unsupported, new_position),
+        possible=_possible_among(contacts.possible, new_position, points),
+        rejected=_renumbered(contacts.rejected, new_position),
+        overlaps=_renumbered(contacts.overlaps, new_position),
         degenerate=degenerate,
-        open_pairs=_still_free(_between(contacts.open_pairs, place), assembly),
+        open_pairs=_still_free(_renumbered(contacts.open_pairs, new_position), assembly),
         neighbours=(),
-        fits=_between(contacts.fits, place),
+        fits=_renumbered(contacts.fits, new_position),
         **{name: getattr(contacts, name)[patches] for name in PATCH_FIELDS},
     )
 
@@ -80,49 +80,54 @@ PATCH_FIELDS = (
     "patch_accuracy",
     "patch_doubt",
 )
-"""What a contact set has of each patch beside its parts and its points."""
+"""Fields of a contact set that have a row for each patch, except its parts and points."""
 
 
-def _between(pairs: Sequence[OfPair], place: Index) -> tuple[OfPair, ...]:
-    """What is said of pairs that are left, by their new places."""
-    found = []
-    for one in pairs:
-        a, b = (int(place[k]) for k in one.parts)
+def _renumbered(pairs: Sequence[OfPair], new_position: Index) -> tuple[OfPair, ...]:
+    """The records of pairs whose parts are both in the subset, with their new positions."""
+    kept = []
+    for record in pairs:
+        a, b = (int(new_position[k]) for k in record.parts)
         if a >= 0 and b >= 0:
-            found.append(replace(one, parts=(a, b)))
-    return tuple(found)
+            kept.append(replace(record, parts=(a, b)))
+    return tuple(kept)
 
 
 def _still_free(pairs: tuple[OfPair, ...], assembly: Assembly) -> tuple[OfPair, ...]:
-    """Open pairs of which one part is free."""
+    """Open pairs with at least one free part."""
     return tuple(p for p in pairs if not all(assembly.parts[k].grounded for k in p.parts))
 
 
-def _degenerate(given: Degenerate, place: Index) -> tuple[Degenerate, Index]:
-    """Degenerate points that are left, and the new number of each point, -1 of others last."""
-    left: Mask = (place[given.part_a] >= 0) & (place[given.part_b] >= 0)
-    points = np.flatnonzero(left)
+def _degenerate_among(given: Degenerate, new_position: Index) -> tuple[Degenerate, Index]:
+    """Degenerate points of the subset, and the new row of every point, shape (n + 1,).
+
+    The row is -1 for points that are dropped; the last entry is -1 too, for rows -1.
+    """
+    kept: Mask = (new_position[given.part_a] >= 0) & (new_position[given.part_b] >= 0)
+    points = np.flatnonzero(kept)
     _, normals = ragged(given.start, points)
-    held = (place[given.held_parts] >= 0).all(axis=1)
-    number = np.full(len(given) + 1, -1)
-    number[points] = np.arange(len(points))
+    held = (new_position[given.held_parts] >= 0).all(axis=1)
+    new_row = np.full(len(given) + 1, -1)
+    new_row[points] = np.arange(len(points))
     return Degenerate(
-        place[given.part_a[points]],
-        place[given.part_b[points]],
+        new_position[given.part_a[points]],
+        new_position[given.part_b[points]],
         given.points[points],
         starts(np.diff(given.start)[points]),
         given.normals[normals],
         given.exact[points],
-        place[given.held_parts[held]],
+        new_position[given.held_parts[held]],
         given.held_points[held],
         given.held_normals[held],
-    ), number
+    ), new_row
 
 
-def _possible(given: PossibleContacts, place: Index, number: Index) -> PossibleContacts:
-    """Possible forces between parts that are left; -1 is the ground, which stays."""
-    ends = np.append(place, -1)
+def _possible_among(
+    given: PossibleContacts, new_position: Index, new_row: Index
+) -> PossibleContacts:
+    """Possible forces between parts of the subset; part -1 is the ground, which stays."""
+    ends = np.append(new_position, -1)
     a, b = ends[given.part_a], ends[given.part_b]
-    left = np.flatnonzero(((a >= 0) | (given.part_a < 0)) & ((b >= 0) | (given.part_b < 0)))
-    kept = given.take(left)
-    return replace(kept, part_a=a[left], part_b=b[left], degenerate=number[kept.degenerate])
+    rows = np.flatnonzero(((a >= 0) | (given.part_a < 0)) & ((b >= 0) | (given.part_b < 0)))
+    kept = given.take(rows)
+    return replace(kept, part_a=a[rows], part_b=b[rows], degenerate=new_row[kept.degenerate])

@@ -1,18 +1,18 @@
-"""Support: what may hold a part from outside, or prop it on another; supports as contacts.
+"""Supports: grips, fingers, props and magnets that may hold a part; supports as contacts.
 
-A support at the point x of a part pushes it along the unit vector n, f n with f >= 0, and across
+A support at the point x of a part pushes it along the unit vector n by f n with f >= 0, and across
 n by friction, |f_t| <= mu f:
 
     finger          from outside
-    prop            upwards where not told otherwise, from outside or from another part, which
-                    carries it then
-    vacuum, magnet  as a finger, and besides it pulls with up to F, so that
+    prop            upwards unless a direction is given, from outside or from another part,
+                    which then carries it
+    vacuum, magnet  as a finger; in addition it pulls with up to F, so that
                     f >= -F,  |f_t| <= mu (f + F)
     grip            holds the part: it does not move at all
 
 With f' = f + F a vacuum or magnet is a contact with the force f' and a load -F n. So supports are
-contact points and loads, and what judges these judges supports as well: from outside they press
-against one held part, which stands for the outside world.
+contact points and loads, and every analysis of contacts applies to supports. A support from outside
+presses against a held part that stands for the outside world.
 """
 
 from __future__ import annotations
@@ -37,37 +37,36 @@ __all__ = ["KINDS", "Support", "with_supports"]
 
 KINDS = ("grip", "finger", "prop", "vacuum", "magnet")
 PULLING = ("vacuum", "magnet")
-"""Kinds that pull as well, up to their capacity."""
+"""Kinds that also pull, up to their capacity."""
 OUTSIDE = "outside"
 """Name of the held part that stands for the outside world."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Support:
-    """What may hold a part; world frame, length unit of the assembly.
+    """A device that may hold a part; world frame, length unit of the assembly.
 
     Attributes
     ----------
     kind : {"grip", "finger", "prop", "vacuum", "magnet"}
     part : str
     point : ndarray, shape (3,), or None
-        Where it acts; None of a grip.
+        Point of action [length unit]; None for a grip.
     direction : ndarray, shape (3,), or None
-        Unit vector along which it pushes the part; of a prop upwards where not given, None of a
-        grip.
+        Unit vector along which it pushes the part. None: upwards for a prop; a grip has none.
     mu : float
         Friction coefficient across that direction [-].
     capacity : float
-        Most that a vacuum or magnet pulls [N].
+        Largest pull of a vacuum or magnet [N].
     on : str or None
         The part that a prop stands on; None: the ground.
     name : str
-        Of its kind and part where not given.
+        Name; by default composed of the kind and the part.
 
     Raises
     ------
     InputError
-        If the kind is none, or what it needs is missing or is not asked of it.
+        If the kind does not exist, or a value is missing or does not belong to the kind.
 
     Examples
     --------
@@ -87,43 +86,47 @@ class Support:
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
             raise InputError(f"a support is a {self.kind!r:.40}", hint=f"give {', '.join(KINDS)}")
-        where = f"{self.kind} on {self.part!r:.60}"
+        label = f"{self.kind} on {self.part!r:.60}"
         if not isinstance(self.part, str):
-            raise InputError(f"{where}: a part is named", hint="give its name")
-        put = object.__setattr__
-        put(self, "name", self.name or f"{self.kind} on {self.part}")
-        put(self, "mu", number(self.mu, f"{where}: mu", lowest=0))
-        put(self, "capacity", number(self.capacity, f"{where}: capacity", lowest=0))
-        self._require_fitting(where)
+            raise InputError(f"{label}: a part is named", hint="give its name")
+        set_field = object.__setattr__
+        set_field(self, "name", self.name or f"{self.kind} on {self.part}")
+        set_field(self, "mu", number(self.mu, f"{label}: mu", lowest=0))
+        set_field(self, "capacity", number(self.capacity, f"{label}: capacity", lowest=0))
+        self._require_fitting(label)
         if self.point is not None:
-            put(self, "point", finite(self.point, (3,), f"{where}: point"))
+            set_field(self, "point", finite(self.point, (3,), f"{label}: point"))
         if self.direction is not None:
-            put(self, "direction", unit(finite(self.direction, (3,), f"{where}: direction")))
+            set_field(self, "direction", unit(finite(self.direction, (3,), f"{label}: direction")))
 
-    def _require_fitting(self, where: str) -> None:
+    def _require_fitting(self, label: str) -> None:
+        """Raise an InputError if the values do not fit the kind; `label` begins the message."""
         if self.kind == "grip":
             if self.point is not None or self.direction is not None or self.mu:
-                raise InputError(f"{where}: it has a point", hint="a grip holds the whole part")
+                raise InputError(f"{label}: it has a point", hint="a grip holds the whole part")
         elif self.point is None:
-            raise InputError(f"{where}: it has no point", hint="say where it acts")
+            raise InputError(f"{label}: it has no point", hint="give the point of action")
         elif self.direction is None and self.kind != "prop":
-            raise InputError(f"{where}: it has no direction", hint="say along what it pushes")
+            raise InputError(f"{label}: it has no direction", hint="give the direction of its push")
         if (self.capacity > 0) != (self.kind in PULLING):
             word = "no capacity" if self.kind in PULLING else "a capacity"
-            raise InputError(f"{where}: it has {word}", hint="vacuum and magnet pull, up to it")
+            raise InputError(
+                f"{label}: it has {word}",
+                hint="a vacuum or magnet, and no other kind, has a capacity",
+            )
         if self.on is not None and (self.kind != "prop" or self.on == self.part):
             raise InputError(
-                f"{where}: it stands on {self.on!r:.60}", hint="a prop stands on a part"
+                f"{label}: it stands on {self.on!r:.60}", hint="a prop stands on a part"
             )
 
     @classmethod
     def from_dict(cls, data: Any) -> Support:
-        """From JSON data, keys as the attributes.
+        """A support from JSON data; the keys are the attributes.
 
         Raises
         ------
         InputError
-            If a key is unknown or missing, or a value makes no sense.
+            If a key is unknown or missing, or a value is invalid.
         """
         known = [field.name for field in dataclasses.fields(cls)]
         if not isinstance(data, Mapping) or not {"kind", "part"} <= set(data):
@@ -136,7 +139,7 @@ class Support:
         return cls(**data)
 
     def to_dict(self) -> dict[str, Any]:
-        """As JSON data."""
+        """JSON data of the support."""
         return {
             "kind": self.kind,
             "part": self.part,
@@ -149,32 +152,32 @@ class Support:
         }
 
     def pushing(self, assembly: Assembly) -> Array:
-        """Unit vector along which it pushes the part; upwards where none was given."""
+        """Unit vector along which the support pushes the part; by default upwards."""
         along: Array = -assembly.down if self.direction is None else self.direction
         return along
 
     def require_of(self, assembly: Assembly) -> None:
-        """Refuse a support that does not fit an assembly.
+        """Raise an error if the support does not fit an assembly.
 
         Raises
         ------
         InputError
-            If the part is none of its parts, or held; if the point is not on it.
+            If the part does not exist or is held; if the point is not on the part.
         """
         k = assembly.index_of(self.part)
         if assembly[k].grounded:
-            raise InputError("it is held already: a support does nothing", part=self.part)
+            raise InputError("the part is held already: a support has no effect", part=self.part)
         if self.on is not None:
             assembly.index_of(self.on)
         if self.point is None:
             return
-        low, high = (one[k] for one in assembly.geometry.part_boxes)
+        low, high = (corner[k] for corner in assembly.geometry.part_boxes)
         reach = SUPPORT_BESIDE * float(assembly.geometry.size[k])
         if (self.point < low - reach).any() or (self.point > high + reach).any():
             raise InputError(
                 f"the {self.kind} at {self.point.tolist()} is not on the part",
                 part=self.part,
-                hint="give a point of its surface, in the world frame",
+                hint="give a point of the part's surface, in the world frame",
             )
         if assembly.planar and self.pushing(assembly)[1]:
             raise InputError(
@@ -188,43 +191,43 @@ class Support:
 def with_supports(
     assembly: Assembly, contacts: ContactSet, supports: Sequence[Support]
 ) -> tuple[Assembly, ContactSet]:
-    """An assembly and its contacts with some supports, none of them a grip, acting on it.
+    """An assembly and its contacts with additional supports; a grip is not allowed here.
 
-    The supports are the last patches, one point each, in their order.
+    The supports are the last patches, with a single point each, in their order.
     """
     name = OUTSIDE
     while name in assembly.index:
         name += "_"
-    at, size = assembly.geometry.center.mean(axis=0), float(assembly.geometry.size.max())
-    outside = Part(name, Box([size, size, size]), Pose(at), grounded=True, density=1.0)
+    middle, size = assembly.geometry.center.mean(axis=0), float(assembly.geometry.size.max())
+    outside = Part(name, Box([size, size, size]), Pose(middle), grounded=True, density=1.0)
     free = {part.name for part in assembly if not part.grounded}
     loads = [
-        Load(one.part, point=one.point, force=-one.capacity * one.pushing(assembly))
-        for one in supports
-        if one.capacity and one.part in free
+        Load(s.part, point=s.point, force=-s.capacity * s.pushing(assembly))
+        for s in supports
+        if s.capacity and s.part in free
     ]
     loaded = dataclasses.replace(
         assembly, parts=[*assembly.parts, outside], loads=[*assembly.loads, *loads]
     )
-    return loaded, _with_points(contacts.of(loaded), supports, name)
+    return loaded, _with_support_points(contacts.of(loaded), supports, name)
 
 
-def _with_points(contacts: ContactSet, supports: Sequence[Support], outside: str) -> ContactSet:
-    """Contacts with a patch of one point for each support."""
+def _with_support_points(
+    contacts: ContactSet, supports: Sequence[Support], outside: str
+) -> ContactSet:
+    """Contacts with a patch of a single point for each support."""
     assembly, count = contacts.assembly, len(supports)
-    place = [
-        (assembly.index_of(one.on or outside), assembly.index_of(one.part)) for one in supports
-    ]
-    points = np.array([one.point for one in supports], dtype=float).reshape(-1, 3)
-    normals = np.array([one.pushing(assembly) for one in supports]).reshape(-1, 3)
+    parts = [(assembly.index_of(s.on or outside), assembly.index_of(s.part)) for s in supports]
+    points = np.array([s.point for s in supports], dtype=float).reshape(-1, 3)
+    normals = np.array([s.pushing(assembly) for s in supports]).reshape(-1, 3)
     none = np.zeros(count)
     lengths = np.append(np.diff(contacts.patch_start), np.ones(count, dtype=np.int64))
     more: dict[str, Any] = {
-        "patch_parts": np.array(place, dtype=np.int64).reshape(-1, 2),
+        "patch_parts": np.array(parts, dtype=np.int64).reshape(-1, 2),
         "patch_normal": normals,
         "patch_area": none,
         "patch_gap": np.zeros((count, 2)),
-        "patch_mu": np.array([one.mu for one in supports], dtype=float),
+        "patch_mu": np.array([s.mu for s in supports], dtype=float),
         "patch_kind": np.full(count, "given"),
         "patch_accuracy": none,
         "patch_doubt": none,
@@ -232,6 +235,6 @@ def _with_points(contacts: ContactSet, supports: Sequence[Support], outside: str
         "normals": normals,
     }
     joined: dict[str, Any] = {
-        key: np.concatenate([getattr(contacts, key), one]) for key, one in more.items()
+        key: np.concatenate([getattr(contacts, key), rows]) for key, rows in more.items()
     }
     return dataclasses.replace(contacts, patch_start=starts(lengths), **joined)

@@ -1,4 +1,7 @@
-"""Patches that a search has found, and which points they explain: nothing else touches there."""
+"""Patches that a search has found, and the points that these patches explain.
+
+Near an explained point no further contact of the pair is searched for.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,7 @@ __all__ = ["Touching", "explained", "in_patch", "on_patches"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Touching:
-    """A search with its smooth joints, and patches of flat and of curved faces by pair."""
+    """A search with its smooth joints and its patches of flat and curved faces, ordered by pair."""
 
     search: ContactSearch
     flat: Patches
@@ -27,27 +30,27 @@ class Touching:
 
     @property
     def has_patch(self) -> Mask:
-        """Whether each pair has a patch, flat or curved, shape (n,)."""
-        found = np.zeros(len(self.search.pairs), dtype=bool)
-        found[self.flat.pair] = True
-        found[self.curved.patches.pair] = True
-        found[[joint.pair for joint in self.smooth.joints]] = True
-        return found
+        """Whether each pair has a patch, flat, curved or smooth, shape (n,)."""
+        touching = np.zeros(len(self.search.pairs), dtype=bool)
+        touching[self.flat.pair] = True
+        touching[self.curved.patches.pair] = True
+        touching[[joint.pair for joint in self.smooth.joints]] = True
+        return touching
 
 
 def explained(touching: Touching, pair: int, points: Array, slack: float) -> Mask:
-    """Points, shape (n, 3), where patches of a pair, to within `slack`, say what touches."""
-    held = np.zeros(len(points), dtype=bool)
+    """Which points, shape (n, 3), lie within `slack` of a flat or curved patch of a pair."""
+    is_explained = np.zeros(len(points), dtype=bool)
     for patch in touching.curved.patches.of_pair(pair):
-        held |= _on_curved(touching, patch, points, slack)
+        is_explained |= _on_curved(touching, patch, points, slack)
     flat = touching.flat
     for patch in flat.of_pair(pair):
-        held |= on_flat(points, flat.corners(patch), flat.normal[patch], slack)
-    return held
+        is_explained |= on_flat(points, flat.corners(patch), flat.normal[patch], slack)
+    return is_explained
 
 
 def in_patch(touching: Touching, pair: int, points: Array, slack: float) -> Mask:
-    """Points, shape (n, 3), on a curved face of a pair that touches all over."""
+    """Which points, shape (n, 3), lie on a curved face of a pair that touches over an area."""
     held = touching.smooth.explains(np.full(len(points), pair), points)
     patches = touching.curved.patches
     for patch in patches.of_pair(pair):
@@ -57,10 +60,11 @@ def in_patch(touching: Touching, pair: int, points: Array, slack: float) -> Mask
 
 
 def _on_curved(touching: Touching, patch: int, points: Array, slack: float) -> Mask:
+    """Which points, shape (n, 3), lie within `slack` of a curved patch."""
     curved = touching.curved
     corners = curved.patches.corners(patch)
     zone = max(float(curved.zone[patch]), slack)
-    if curved.patches.area[patch] > 0:
+    if curved.patches.area[patch] > 0:  # an area: points of the surface near the patch
         rows = np.full(len(points), curved.surface[patch].max())
         size = float(np.ptp(corners, axis=0).max())
         low, high = corners.min(axis=0) - BESIDE * size, corners.max(axis=0) + BESIDE * size
@@ -68,8 +72,9 @@ def _on_curved(touching: Touching, patch: int, points: Array, slack: float) -> M
         near: Mask = np.abs(surfaces.distance(rows, points)) <= slack
         near &= ((points >= low) & (points <= high)).all(axis=1)
         return near
-    if len(corners) > 2:  # a circle
+    if len(corners) > 2:  # a circle, given by chords
         zone += BESIDE_CIRCLE * float(np.ptp(corners, axis=0).max())
+    # a point, line or circle: distance from the segments between successive points
     following = np.roll(corners, -1, axis=0)
     step = following - corners
     t = np.einsum("nki,ki->nk", points[:, None] - corners, step)
@@ -80,28 +85,37 @@ def _on_curved(touching: Touching, patch: int, points: Array, slack: float) -> M
 
 
 def on_patches(touching: Touching, pair: Index, points: Array, normal: Array) -> Mask:
-    """Which points with a normal lie on a flat patch of their pair with that normal."""
+    """Which points lie on a flat patch of their pair with the same normal, shape (n,).
+
+    Parameters
+    ----------
+    touching : Touching
+    pair : ndarray of int, shape (n,)
+        Row of the pair of each point.
+    points, normal : ndarray, shape (n, 3)
+        Points with their unit normals, from a to b.
+    """
     patches, limits = touching.flat, touching.search.limits
     start = np.searchsorted(patches.pair, np.arange(len(limits) + 1))
     owner, patch = ragged(start, pair)
     near = np.linalg.norm(patches.normal[patch] - normal[owner], axis=1) <= NORMAL_SNAP
     owner, patch = owner[near], patch[near]
-    which, corner = ragged(patches.start, patch)
+    patch_of_corner, corner = ragged(patches.start, patch)
     following = corner + 1
-    last = following == patches.start[patch + 1][which]
-    following[last] = patches.start[patch][which[last]]
+    last = following == patches.start[patch + 1][patch_of_corner]
+    following[last] = patches.start[patch][patch_of_corner[last]]
     tolerance = 2 * limits.gap[patches.pair[patch]]
     p = points[owner]
     level = (p - patches.points[patches.start[patch]]) * patches.normal[patch]
     inside = np.abs(level.sum(axis=1)) <= tolerance + np.abs(patches.gap[patch]).max(axis=1)
     along = patches.points[following] - patches.points[corner]
-    arm = cross(along, p[which] - patches.points[corner])
+    arm = cross(along, p[patch_of_corner] - patches.points[corner])
     arm = ratio(arm, np.linalg.norm(along, axis=1)[:, None])
-    side = np.einsum("ij,ij->i", arm, patches.normal[patch][which])
-    # corners may turn either way: within the hull all sides have one sign
+    side = np.einsum("ij,ij->i", arm, patches.normal[patch][patch_of_corner])
+    # corners may run either way around: inside the hull all sides have the same sign
     outside = np.zeros((len(patch), 2), dtype=bool)
     for k, sign in enumerate((1.0, -1.0)):
-        outside[which[sign * side < -tolerance[which]], k] = True
-    held = np.zeros(len(points), dtype=bool)
-    held[owner[inside & ~outside.all(axis=1)]] = True
-    return held
+        outside[patch_of_corner[sign * side < -tolerance[patch_of_corner]], k] = True
+    is_on_patch = np.zeros(len(points), dtype=bool)
+    is_on_patch[owner[inside & ~outside.all(axis=1)]] = True
+    return is_on_patch

@@ -1,8 +1,8 @@
-"""How far points and triangles are from triangles, row by row.
+"""Distances of points and of triangles from triangles, row by row.
 
-The nearest point of a triangle to x lies inside it, below x, or on its boundary. Two
-triangles cross where a side of one pierces the other; else they are nearest to each other at
-a corner of one or between two sides.
+The nearest point of a triangle to x lies inside it, below x, or on its boundary. Two triangles
+cross if a side of one pierces the other. Otherwise their nearest points are a corner of one, or lie
+on a side of each.
 
 References
 ----------
@@ -22,7 +22,7 @@ __all__ = ["at_most", "near_triangles", "surface_distance"]
 
 
 NEAR = 2
-"""Triangles by whose distance the distance of the nearest is bounded."""
+"""Nearby triangles per point whose distance bounds that of the nearest triangle."""
 
 
 def surface_distance(points: Array, triangles: Array, most: Array | None = None) -> Array:
@@ -32,7 +32,8 @@ def surface_distance(points: Array, triangles: Array, most: Array | None = None)
     ----------
     points, triangles : ndarray
     most : ndarray, shape (n,), optional
-        What the distances are at most: see `at_most`.
+        Upper bounds on the distances, by default those of `at_most`. The result is never
+        above them.
 
     Examples
     --------
@@ -43,45 +44,45 @@ def surface_distance(points: Array, triangles: Array, most: Array | None = None)
     most = at_most(points, triangles) if most is None else most
     around = points - most[:, None], points + most[:, None]
     boxes = triangles.min(axis=1), triangles.max(axis=1)
-    here, there = (np.zeros(len(rows), dtype=np.int64) for rows in (points, triangles))
+    owner_k, owner_m = (np.zeros(len(rows), dtype=np.int64) for rows in (points, triangles))
     least = most.copy()
-    for _, k, m in joins(here, around, there, boxes, np.zeros(1)):
+    for _, k, m in joins(owner_k, around, owner_m, boxes, np.zeros(1)):
         off = np.linalg.norm(points[k] - _foot(points[k], triangles[m]), axis=1)
         np.minimum.at(least, k, off)
     return least
 
 
 def at_most(points: Array, triangles: Array) -> Array:
-    """Bounds on the distance of points from the nearest of triangles: that of some near ones."""
+    """Upper bounds on the distance of each point from the nearest triangle, shape (n,)."""
     count = min(NEAR, len(triangles))
     near = nearest(triangles.mean(axis=1), points, count)[1].reshape(-1)
-    places = np.repeat(points, count, axis=0)
-    off = np.linalg.norm(places - _foot(places, triangles[near]), axis=1)
+    repeated = np.repeat(points, count, axis=0)
+    off = np.linalg.norm(repeated - _foot(repeated, triangles[near]), axis=1)
     bound: Array = off.reshape(-1, count).min(axis=1)
     return bound
 
 
 def _foot(points: Array, triangles: Array) -> Array:
-    """The nearest point of each triangle, shape (n, 3)."""
+    """The nearest point of triangle k to point k, shape (n, 3)."""
     normal = unit_rows(cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]))
     height = np.einsum("ij,ij->i", points - triangles[:, 0], normal)
-    below = points - height[:, None] * normal
-    inside = _inside(below, triangles, normal)
-    foot: Array = below
+    projection = points - height[:, None] * normal
+    inside = _inside(projection, triangles, normal)
+    foot: Array = projection
     nearest = np.where(inside, np.abs(height), np.inf)
     for k in range(3):
         start, along = triangles[:, k], triangles[:, (k + 1) % 3] - triangles[:, k]
         t = ratio(np.einsum("ij,ij->i", points - start, along), (along**2).sum(axis=1))
-        at = start + np.clip(t, 0, 1)[:, None] * along
-        off = np.linalg.norm(points - at, axis=1)
+        on_side = start + np.clip(t, 0, 1)[:, None] * along
+        off = np.linalg.norm(points - on_side, axis=1)
         closer = off < nearest
-        foot = np.where(closer[:, None], at, foot)
+        foot = np.where(closer[:, None], on_side, foot)
         nearest = np.where(closer, off, nearest)
     return foot
 
 
 def _inside(points: Array, triangles: Array, normal: Array) -> Mask:
-    """Points of the planes of triangles that lie inside them."""
+    """Which points, in the planes of the triangles, lie inside their triangle."""
     inside: Mask = (normal != 0).any(axis=1)
     for k in range(3):
         start, along = triangles[:, k], triangles[:, (k + 1) % 3] - triangles[:, k]
@@ -89,8 +90,8 @@ def _inside(points: Array, triangles: Array, normal: Array) -> Mask:
     return inside
 
 
-def near_triangles(one: Array, other: Array, reach: float) -> Array:
-    """A point between each two triangles, shape (n, 3, 3), that come within `reach`, (m, 3).
+def near_triangles(first: Array, second: Array, reach: float) -> Array:
+    """Midpoints between the triangles of each row that come within `reach`, shape (m, 3).
 
     Examples
     --------
@@ -100,61 +101,66 @@ def near_triangles(one: Array, other: Array, reach: float) -> Array:
     >>> near_triangles(flat, flat + [0, 0, 1.5], 1.0).shape
     (0, 3)
     """
-    apart = _one_sided(one, other, reach) | _one_sided(other, one, reach)
-    one, other = one[~apart], other[~apart]
-    off, point = _pierced(one, other)
-    for best in (_pierced(other, one), *_corners(one, other), *_corners(other, one)):
-        off, point = _nearer((off, point), best)
+    apart = _beyond_plane(first, second, reach) | _beyond_plane(second, first, reach)
+    first, second = first[~apart], second[~apart]
+    off, point = _pierced(first, second)
+    for candidate in (
+        _pierced(second, first),
+        *_corner_distances(first, second),
+        *_corner_distances(second, first),
+    ):
+        off, point = _nearer((off, point), candidate)
     for k in range(3):
         for m in range(3):
-            sides = (one[:, k], one[:, k - 1], other[:, m], other[:, m - 1])
-            off, point = _nearer((off, point), _sides(*sides))
+            sides = (first[:, k], first[:, k - 1], second[:, m], second[:, m - 1])
+            off, point = _nearer((off, point), _side_distance(*sides))
     return point[off <= reach]
 
 
-def _one_sided(one: Array, other: Array, reach: float) -> Mask:
-    """Whether one triangle lies to one side of the plane of the other, farther than `reach`."""
-    normal = unit_rows(cross(other[:, 1] - other[:, 0], other[:, 2] - other[:, 0]))
-    height = np.einsum("nki,ni->nk", one - other[:, :1], normal)
+def _beyond_plane(first: Array, second: Array, reach: float) -> Mask:
+    """Whether the first triangle lies on one side of the second's plane, farther than `reach`."""
+    normal = unit_rows(cross(second[:, 1] - second[:, 0], second[:, 2] - second[:, 0]))
+    height = np.einsum("nki,ni->nk", first - second[:, :1], normal)
     aside: Mask = (height.min(axis=1) > reach) | (height.max(axis=1) < -reach)
     return aside
 
 
-def _nearer(one: tuple[Array, Array], other: tuple[Array, Array]) -> tuple[Array, Array]:
-    closer = other[0] < one[0]
-    return np.where(closer, other[0], one[0]), np.where(closer[:, None], other[1], one[1])
+def _nearer(first: tuple[Array, Array], second: tuple[Array, Array]) -> tuple[Array, Array]:
+    """The nearer of two candidates (distance, point) in each row."""
+    closer = second[0] < first[0]
+    return np.where(closer, second[0], first[0]), np.where(closer[:, None], second[1], first[1])
 
 
-def _corners(one: Array, other: Array) -> list[tuple[Array, Array]]:
-    """Distances of the corners of one from the other, and points half-way."""
-    found = []
+def _corner_distances(first: Array, second: Array) -> list[tuple[Array, Array]]:
+    """Distances of the first triangles' corners from the second triangles, with midpoints."""
+    candidates = []
     for k in range(3):
-        foot = _foot(one[:, k], other)
-        found.append((np.linalg.norm(one[:, k] - foot, axis=1), (one[:, k] + foot) / 2))
-    return found
+        foot = _foot(first[:, k], second)
+        candidates.append((np.linalg.norm(first[:, k] - foot, axis=1), (first[:, k] + foot) / 2))
+    return candidates
 
 
-def _pierced(one: Array, other: Array) -> tuple[Array, Array]:
-    """0 where a side of one crosses the other, else infinite; and where."""
-    normal = unit_rows(cross(other[:, 1] - other[:, 0], other[:, 2] - other[:, 0]))
-    off, point = np.full(len(one), np.inf), one[:, 0]
+def _pierced(first: Array, second: Array) -> tuple[Array, Array]:
+    """Distance 0 and the crossing point if a side of the first pierces the second, else inf."""
+    normal = unit_rows(cross(second[:, 1] - second[:, 0], second[:, 2] - second[:, 0]))
+    off, point = np.full(len(first), np.inf), first[:, 0]
     for k in range(3):
-        start, end = one[:, k - 1], one[:, k]
-        low, high = (np.einsum("ij,ij->i", x - other[:, 0], normal) for x in (start, end))
+        start, end = first[:, k - 1], first[:, k]
+        low, high = (np.einsum("ij,ij->i", x - second[:, 0], normal) for x in (start, end))
         cuts = (low * high <= 0) & (low != high)
         t = np.where(cuts, low / np.where(cuts, low - high, 1.0), 0.0)
-        at = start + t[:, None] * (end - start)
-        through = cuts & _inside(at, other, normal)
-        off, point = np.where(through, 0.0, off), np.where(through[:, None], at, point)
+        crossing = start + t[:, None] * (end - start)
+        through = cuts & _inside(crossing, second, normal)
+        off, point = np.where(through, 0.0, off), np.where(through[:, None], crossing, point)
     return off, point
 
 
-def _sides(p: Array, q: Array, r: Array, s: Array) -> tuple[Array, Array]:
-    """Distance of sides that are not parallel, else infinite, and the point half-way."""
+def _side_distance(p: Array, q: Array, r: Array, s: Array) -> tuple[Array, Array]:
+    """Distance and midpoint of the segments p q and r s; inf if they are parallel."""
     d, e = q - p, s - r
     size = np.linalg.norm(d, axis=1) * np.linalg.norm(e, axis=1)
-    some = np.flatnonzero(np.linalg.norm(cross(d, e), axis=1) > FREE_PARALLEL * size)
+    skew = np.flatnonzero(np.linalg.norm(cross(d, e), axis=1) > FREE_PARALLEL * size)
     off, point = np.full(len(p), np.inf), p.copy()
-    off[some], here, there = segment_distance(p[some], q[some], r[some], s[some])
-    point[some] = (here + there) / 2
+    off[skew], on_first, on_second = segment_distance(p[skew], q[skew], r[skew], s[skew])
+    point[skew] = (on_first + on_second) / 2
     return off, point

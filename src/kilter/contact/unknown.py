@@ -1,8 +1,8 @@
-"""Pairs that may touch where the surface of one of them is not known.
+"""Pairs that may touch at a place at which the surface of a part is unknown.
 
-A stand-in (a solid that could not be read, with a box or a hull in its place) may touch whatever
-its box comes near; an open mesh whatever comes near the box of a hole. Nothing says how: such a
-pair is listed among the rejected ones, with a gap of 0, and is open.
+A stand-in (a box or hull in place of a solid that could not be read) may touch every part that
+comes near its box; an open mesh every part that comes near the box of a hole. The kind of contact
+is unknown: such a pair is listed among the rejected pairs, with a gap of 0, and is open.
 """
 
 from __future__ import annotations
@@ -17,19 +17,19 @@ __all__ = ["unknown_contacts", "unknown_pairs"]
 
 
 def unknown_pairs(geometry: Geometry, pairs: Index, reach: Array) -> tuple[Index, Index]:
-    """Of pairs that come near: those to look at, and those that may touch where nothing is known.
+    """Split near pairs into pairs to search and pairs that may touch at an unknown surface.
 
     Parameters
     ----------
     geometry : Geometry
     pairs : ndarray of int, shape (n, 2)
     reach : ndarray, shape (N,)
-        How far from each part others are looked for [length unit].
+        Distance from each part within which others are searched for [length unit].
 
     Returns
     -------
     looked_at, unknown : ndarray of int, shape (k, 2) and (m, 2)
-        A pair of a stand-in is in the second alone, one with a hole may be in both.
+        A pair with a stand-in is only in the second array; a pair with a hole may be in both.
     """
     places = geometry.unknown
     if not len(places) or not len(pairs):
@@ -44,13 +44,13 @@ def unknown_pairs(geometry: Geometry, pairs: Index, reach: Array) -> tuple[Index
             grown = reach[places.part[k]] + reach[other]
             low, high = places.low[k] - grown[:, None], places.high[k] + grown[:, None]
             meets[rows] = [
-                _enters(geometry, *one) for one in zip(other.tolist(), low, high, strict=True)
+                _enters(geometry, *box) for box in zip(other.tolist(), low, high, strict=True)
             ]
     return pairs[~blind], pairs[meets]
 
 
 def _enters(geometry: Geometry, part: int, low: Array, high: Array) -> bool:
-    """Whether the box of some triangle of a part meets a box."""
+    """Whether the box of any triangle of a part meets the given box."""
     mine = slice(geometry.triangle_start[part], geometry.triangle_start[part + 1])
     corners = geometry.vertices[geometry.triangles[mine]]
     apart = (corners.max(axis=1) < low) | (corners.min(axis=1) > high)
@@ -58,5 +58,5 @@ def _enters(geometry: Geometry, part: int, low: Array, high: Array) -> bool:
 
 
 def unknown_contacts(pairs: Index) -> list[Rejected]:
-    """Such pairs as they are listed."""
+    """Rejected-pair records for pairs whose surface is unknown."""
     return [Rejected((a, b), 0.0, 0.0, UNKNOWN) for a, b in pairs.tolist()]
