@@ -13,7 +13,7 @@ from judged import judged, program_of
 from kilter.analysis.decision.judge import judge
 from kilter.assembly import Assembly
 from kilter.mechanics.certificate import check_forces, check_motion, part_sizes, violations
-from kilter.mechanics.forms import least_imbalance, load_factor, scaled
+from kilter.mechanics.forms import least_imbalance, load_factor, scaled_problem
 from kilter.mechanics.mechanics_tolerances import NO_EXCUSE, RULED_OUT, TOLERANCE
 from kilter.scenes import friction, packings, paper, scene, stacks, walls
 from kilter.scenes.pieces import block, floor
@@ -47,7 +47,7 @@ EACH = pytest.mark.parametrize("name", SCENES)
 @pytest.mark.parametrize("method", ["simplex", "interior"])
 def test_exactly_one_certificate_passes(name, method):
     program = program_of(SCENES[name]())
-    problem = scaled(program)
+    problem = scaled_problem(program)
     stable = judged(SCENES[name]()).verdict == "stable"
     answer = solve_linear(load_factor(problem), method=method)
     factor = float(answer.x[-1])
@@ -63,7 +63,7 @@ def test_exactly_one_certificate_passes(name, method):
 @EACH
 def test_least_imbalance_gives_the_same_answer(name):
     program = program_of(SCENES[name]())
-    problem = scaled(program)
+    problem = scaled_problem(program)
     stable = judged(SCENES[name]()).verdict == "stable"
     answer = solve_linear(least_imbalance(problem))
     rows = len(problem.right)

@@ -280,7 +280,7 @@ def test_turn_shift_scale_and_order_change_no_verdict(name):
 
 
 def test_scaled_program_is_the_same_in_any_unit_of_length():
-    from kilter.mechanics.forms import scaled as in_unknowns
+    from kilter.mechanics.forms import scaled_problem as in_unknowns
 
     assembly = four_bar()
     one = in_unknowns(program_of(assembly)).matrix.toarray()

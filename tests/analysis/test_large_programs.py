@@ -8,7 +8,7 @@ from judged import judged
 
 from kilter.analysis.decision.judge import SIMPLEX_ROWS, judge
 from kilter.contact import detect
-from kilter.mechanics.forms import equilibrium, load_factor, scaled
+from kilter.mechanics.forms import equilibrium, load_factor, scaled_problem
 from kilter.mechanics.program import build_program
 from kilter.scenes import walls
 from kilter.scenes.transform import moved
@@ -19,7 +19,7 @@ TURN = np.array([0.3, -0.5, 0.7, 0.4])
 
 def large(assembly):
     program = build_program(assembly, detect.contacts(assembly))
-    assert len(scaled(program).right) > SIMPLEX_ROWS
+    assert len(scaled_problem(program).right) > SIMPLEX_ROWS
     return program
 
 
@@ -60,7 +60,7 @@ def test_the_extra_package_that_hipo_needs_is_installed():
 
 def test_interior_point_and_simplex_give_the_same_load_factor():
     for build in (lambda: walls.wall(8, 8), lambda: walls.short_base(8, 8, held=4.0)):
-        problem = scaled(build_program(build(), detect.contacts(build())))
+        problem = scaled_problem(build_program(build(), detect.contacts(build())))
         factors = [
             highs.solve_linear(load_factor(problem), method=method).x[-1]
             for method in ("simplex", "interior")
@@ -69,6 +69,6 @@ def test_interior_point_and_simplex_give_the_same_load_factor():
 
 
 def test_a_status_is_mapped_to_words():
-    problem = scaled(large(walls.short_base(17, 17, held=8.0)))
+    problem = scaled_problem(large(walls.short_base(17, 17, held=8.0)))
     answer = highs.solve_linear(equilibrium(problem), method="interior", forces_only=True)
     assert answer.outcome == "infeasible"

@@ -11,8 +11,8 @@ from scipy.sparse import csr_array
 from kilter import check
 from kilter.analysis.verdict.motion import MANY, find_motion, optimality
 from kilter.assembly import Assembly, Joint
-from kilter.mechanics.forms import scaled as scaled_program
-from kilter.mechanics.gauss import halved, least_constraint
+from kilter.mechanics.forms import scaled_problem as scaled_program
+from kilter.mechanics.gauss import least_constraint, mirror_half
 from kilter.scenes import arches, packings, scene, stacks, walls, wedges
 from kilter.scenes.accelerations import wedge_on_wedge
 from kilter.scenes.pieces import block, floor
@@ -54,7 +54,7 @@ def both_ways(program, *, enough=0.0):
     whole = least_constraint(problem)
     heaviest = program.mass[program.free].max() * np.linalg.norm(program.gravity)
     found = []
-    for one in (whole, halved(whole, problem)):
+    for one in (whole, mirror_half(whole, problem)):
         if one is not None:
             answer = solve_projection(one.cone, enough=enough)
             motion = problem.motion(one.accelerations(answer.unknowns))
@@ -150,10 +150,10 @@ def test_half_is_taken_only_where_there_is_a_mirror():
         (packings.box_pile(5, seed=3, cells=4, level=False), False),
     ):
         problem = scaled_program(program_of(made))
-        assert (halved(least_constraint(problem), problem) is not None) == expected
+        assert (mirror_half(least_constraint(problem), problem) is not None) == expected
     turn = random_turn(np.random.default_rng(2))
     problem = scaled_program(program_of(moved(walls.wall(3, 3), turn, [1.0, 2.0, 3.0])))
-    assert halved(least_constraint(problem), problem) is not None
+    assert mirror_half(least_constraint(problem), problem) is not None
 
 
 def test_optimality_sees_a_wrong_motion_and_wrong_forces():

@@ -410,10 +410,10 @@ def test_the_worst_of_several_proofs_is_told() -> None:
     contacts = detect.contacts(assembly)
     found = verify_bundle(assembly, contacts, bundle)
     own: list[Verification] = []
-    from kilter.mechanics.bundle import changed, unbundled
+    from kilter.mechanics.bundle import apply_change, split_bundle
 
-    for about, proof in unbundled(bundle):
-        own.append(verify_proof(*changed(assembly, contacts, about["change"]), proof))
+    for about, proof in split_bundle(bundle):
+        own.append(verify_proof(*apply_change(assembly, contacts, about["change"]), proof))
     residuals = [one.residual for one in own if one.residual is not None]
     assert len(set(residuals)) > 1
     assert found.residual == max(one.residual for one in own if one.residual is not None)

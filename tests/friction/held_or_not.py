@@ -10,7 +10,7 @@ import pytest
 from kilter.assembly import GivenContact
 from kilter.contact import detect
 from kilter.files import load
-from kilter.mechanics.coulomb_cones import load_factor_in_cones, spread
+from kilter.mechanics.coulomb_cones import cone_problem, load_factor_in_cones
 from kilter.mechanics.program import build_program
 from kilter.scenes import friction, rounds, stacks
 from kilter.solvers.clarabel import solve_conic
@@ -35,7 +35,7 @@ def compas(name, mu=0.84):
 
 def equilibrium(built):
     """Whether forces of equilibrium exist, by the cone program."""
-    return bool(solve_conic(load_factor_in_cones(spread(built))).x[-1] > 0.5)
+    return bool(solve_conic(load_factor_in_cones(cone_problem(built))).x[-1] > 0.5)
 
 
 def cylinders(between, ground):

@@ -14,7 +14,7 @@ from kilter.analysis.margins.least_friction import find_least_friction
 from kilter.analysis.margins.squeeze import held_by_squeeze, squeeze
 from kilter.assembly import Assembly, GivenContact
 from kilter.mechanics.certificate import check_forces, check_motion
-from kilter.mechanics.coulomb_cones import spread
+from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.scenes import friction, scene, stacks
 from kilter.scenes.pieces import block, floor
@@ -47,7 +47,7 @@ def test_a_wall_over_an_opening_needs_a_fifth():
     assert find_least_friction(program_of(opening)).value == pytest.approx(0.2, rel=1e-7)
     for share, holds in ((1 + 1e-6, True), (1 - 1e-6, False)):
         program = program_of(opening).with_friction(0.2 * share)
-        cohesion = find_cohesion(spread(program))
+        cohesion = find_cohesion(cone_problem(program))
         assert (cohesion.value < 0) is holds
         assert check_forces(program, cohesion.forces, cohesion.friction).holds is holds
 
@@ -94,10 +94,10 @@ def test_both_sides_of_a_tiny_coefficient_of_three_wedges():
     assert check_forces(program.with_friction(found.value), found.forces.forces,
                         found.forces.friction).residual < 1e-12  # fmt: skip
     assert check_motion(program.with_friction(found.lower), found.mechanism.motion).holds
-    above = find_cohesion(spread(program.with_friction(found.value * (1 + 1e-6))))
-    below = find_cohesion(spread(program.with_friction(found.value * (1 - 1e-6))))
+    above = find_cohesion(cone_problem(program.with_friction(found.value * (1 + 1e-6))))
+    below = find_cohesion(cone_problem(program.with_friction(found.value * (1 - 1e-6))))
     assert above.value < 0 < below.value
-    assert find_cohesion(spread(program.with_friction(found.lower))).value < 2 * TOLERANCE
+    assert find_cohesion(cone_problem(program.with_friction(found.lower))).value < 2 * TOLERANCE
 
 
 def test_data_that_no_forces_balance_to_rounding_are_held_as_far_as_a_certificate_lets_them():
@@ -115,7 +115,7 @@ def test_data_that_no_forces_balance_to_rounding_are_held_as_far_as_a_certificat
 def test_the_cohesion_of_a_block_on_a_slope(degrees):
     """Its four contacts share what its weight needs along the slope beyond mu of that across."""
     angle, mu = np.radians(degrees), 0.3
-    found = find_cohesion(spread(program_of(stacks.block_on_slope(degrees, friction=mu))))
+    found = find_cohesion(cone_problem(program_of(stacks.block_on_slope(degrees, friction=mu))))
     needed = (np.sin(angle) - mu * np.cos(angle)) / 4
     assert found.value == pytest.approx(needed, abs=1e-8)
     assert found.slope == pytest.approx(np.cos(angle) / 4, abs=1e-6)

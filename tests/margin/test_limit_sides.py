@@ -20,7 +20,7 @@ from kilter.analysis.margins.load_limit import (
 )
 from kilter.analysis.margins.tilt import across_gravity
 from kilter.mechanics.certificate import check_motion
-from kilter.mechanics.coulomb_cones import spread
+from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.opening import Opening
 from kilter.scenes import stacks, walls
 from kilter.scenes.random_turned import random_turned, springer_arch
@@ -78,7 +78,7 @@ def test_a_share_up_to_the_most_is_unlimited() -> None:
 @pytest.mark.parametrize(("family", "seed"), [("arch", 1), ("pile", 6), ("wedge", 2)])
 def test_a_mended_motion_is_admissible(family: str, seed: int) -> None:
     program = program_of(random_turned(family, seed))
-    opening = Opening(spread(program))
+    opening = Opening(cone_problem(program))
     assert opening.m0 is not None
     random = np.random.default_rng(seed)
     noise = random.normal(size=opening.m0.shape) * program.free[:, None]

@@ -8,7 +8,7 @@ from turning import UNSTABLE, directions, program_of, slot_and_float
 
 from kilter.analysis.turning.least_instability import least_instability
 from kilter.analysis.turning.nearest import nearest
-from kilter.mechanics.forms import impending_motion, scaled
+from kilter.mechanics.forms import impending_motion, scaled_problem
 from kilter.scenes import stacks
 from kilter.scenes.transform import scaled as resized
 from kilter.solvers.clarabel import solve_quadratic
@@ -17,7 +17,7 @@ from sampled import sampled
 
 def kappa_at(program, direction):
     """Kappa of one direction, by a program built for it alone."""
-    quadratic = impending_motion(scaled(program.turned(direction)))
+    quadratic = impending_motion(scaled_problem(program.turned(direction)))
     answer = solve_quadratic(quadratic, tolerance=1e-10)
     assert answer.residual < 1e-7
     mass = program.mass[program.free]

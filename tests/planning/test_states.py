@@ -15,7 +15,7 @@ from kilter.analysis.planning.states.states import States
 from kilter.analysis.verification import verify_proof
 from kilter.contact.sub_contacts import contacts_among
 from kilter.mechanics.certificate import check_forces, check_motion
-from kilter.mechanics.coulomb_cones import load_factor_in_cones, spread
+from kilter.mechanics.coulomb_cones import cone_problem, load_factor_in_cones
 from kilter.mechanics.program import Program
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
@@ -247,7 +247,7 @@ def test_what_falls_is_named_where_check_decided() -> None:
 
 def by_clarabel(program: Program) -> bool | None:
     """Whether forces in exact cones hold it, by Clarabel alone; None where it has no proof."""
-    wide = spread(program)
+    wide = cone_problem(program)
     answer = solve_conic(load_factor_in_cones(wide))
     factor = float(answer.x[-1])
     if factor > 0.5:

@@ -22,7 +22,7 @@ from kilter.contact.fits.fastening import fasten_as_read
 from kilter.errors import InputError
 from kilter.files.reading import Reading, read_json
 from kilter.friction.exclusion_file import recheck_exclusion
-from kilter.mechanics.bundle import changed, differs, is_bundle, unbundled
+from kilter.mechanics.bundle import apply_change, is_bundle, split_bundle, subject_mismatch
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
 from kilter.mechanics.proof_form import require_form
@@ -134,7 +134,7 @@ def verify(
         data = read_json(Path(proof))
     try:
         several = isinstance(data, dict) and is_bundle(data)
-        first = next(unbundled(data))[1] if several else data
+        first = next(split_bundle(data))[1] if several else data
         require_form(first)
         assert isinstance(first, dict)
         assert isinstance(data, dict)
@@ -186,11 +186,11 @@ def verify_bundle(assembly: Assembly, contacts: ContactSet, bundle: dict[str, An
         reasons.append("the file was changed after it was written (its digest does not fit)")
     proof: dict[str, Any] = {}
     verdicts = []
-    for about, proof in unbundled(bundle):
+    for about, proof in split_bundle(bundle):
         what = about["about"]
-        other, touching = changed(assembly, contacts, about["change"])
+        other, touching = apply_change(assembly, contacts, about["change"])
         found = verify_proof(other, touching, proof)
-        wrong = [*found.reasons, *filter(None, [differs(about, proof)])]
+        wrong = [*found.reasons, *filter(None, [subject_mismatch(about, proof)])]
         of = next((about[key] for key in ("part", "parts", "vector", "value") if key in about), "")
         reasons += [f"{what} {of}: {one}" for one in wrong]
         counts[f"{what}: {'held by forces' if 'forces' in proof else 'a motion starts'}"] += 1

@@ -25,7 +25,7 @@ import numpy as np
 from scipy.sparse import block_diag, csc_array, eye_array, hstack, kron, vstack
 
 from kilter.arrays import Array
-from kilter.mechanics.forms import Scaled
+from kilter.mechanics.forms import ScaledProblem
 from kilter.solvers.problem import LinearProgram
 
 __all__ = ["UncertainLoad", "affine_forces", "affine_imbalance"]
@@ -48,12 +48,12 @@ class UncertainLoad:
     turns: Array
 
 
-def affine_forces(problem: Scaled, load: UncertainLoad, most: float) -> LinearProgram:
+def affine_forces(problem: ScaledProblem, load: UncertainLoad, most: float) -> LinearProgram:
     """The largest share t, from 0 to `most`, held for every d. x = (t, f_0, f_k+, f_k-).
 
     Parameters
     ----------
-    problem : Scaled
+    problem : ScaledProblem
     load : UncertainLoad
     most : float
         Shares looked at [-].
@@ -90,12 +90,12 @@ def affine_forces(problem: Scaled, load: UncertainLoad, most: float) -> LinearPr
     )
 
 
-def affine_imbalance(problem: Scaled, load: UncertainLoad, x: Array) -> float:
+def affine_imbalance(problem: ScaledProblem, load: UncertainLoad, x: Array) -> float:
     """The worst imbalance over all d, in weights of the parts, of forces cut to their cones.
 
     Parameters
     ----------
-    problem : Scaled
+    problem : ScaledProblem
     load : UncertainLoad
     x : ndarray
         A solution of `affine_forces`.

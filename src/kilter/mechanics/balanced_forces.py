@@ -13,7 +13,7 @@ import numpy as np
 from scipy.sparse import csc_array, diags_array
 
 from kilter.arrays import TINY, Array
-from kilter.mechanics.coulomb_cones import Spread
+from kilter.mechanics.coulomb_cones import ConeProblem
 
 __all__ = ["balanced_forces"]
 
@@ -25,7 +25,7 @@ SLOWEST = 0.5
 """A step that leaves more than this of the imbalance is the last."""
 
 
-def balanced_forces(wide: Spread, forces: Array, friction: Array) -> tuple[Array, Array]:
+def balanced_forces(wide: ConeProblem, forces: Array, friction: Array) -> tuple[Array, Array]:
     """The nearest forces along the rows and across them that balance, shapes (K,), (K, 3) [N].
 
     They may leave their cones by as much as they change, and balance no better than before
@@ -33,7 +33,7 @@ def balanced_forces(wide: Spread, forces: Array, friction: Array) -> tuple[Array
 
     Parameters
     ----------
-    wide : Spread
+    wide : ConeProblem
         With the friction that the forces use, or more.
     forces, friction : ndarray, shapes (K,), (K, 3)
         Along and across the rows [N].
@@ -43,12 +43,12 @@ def balanced_forces(wide: Spread, forces: Array, friction: Array) -> tuple[Array
     >>> from kilter.scenes import stacks
     >>> from kilter.contact import contacts
     >>> from kilter.mechanics.certificate import check_forces
-    >>> from kilter.mechanics.coulomb_cones import spread
+    >>> from kilter.mechanics.coulomb_cones import cone_problem
     >>> from kilter.mechanics.program import build_program
     >>> block = stacks.block_on_slope(0.0, friction=0.5)
     >>> program = build_program(block, contacts(block))
     >>> near = np.full(4, program.weight[1] / 4) * (1 + 1e-6 * np.arange(4))
-    >>> forces, friction = balanced_forces(spread(program), near, np.zeros((4, 3)))
+    >>> forces, friction = balanced_forces(cone_problem(program), near, np.zeros((4, 3)))
     >>> check_forces(program, near).residual > 1e-7
     True
     >>> check_forces(program, forces, friction).residual < 1e-14

@@ -33,7 +33,7 @@ from kilter.mechanics.mechanics_tolerances import FOLLOWS
 from kilter.mechanics.proof import digest_of
 from kilter.mechanics.proof_form import FORMAT, require_bundle_form, require_form
 
-__all__ = ["changed", "differs", "is_bundle", "make_bundle", "unbundled"]
+__all__ = ["apply_change", "is_bundle", "make_bundle", "split_bundle", "subject_mismatch"]
 
 COMMON = ("kilter_proof", "units", "planar", "options", "tolerance", "parts", "points")
 """What all proofs of a file say alike."""
@@ -78,7 +78,7 @@ def is_bundle(data: Any) -> bool:
     return isinstance(data, dict) and "kilter_proofs" in data
 
 
-def unbundled(bundle: Any) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
+def split_bundle(bundle: Any) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
     """What each proof is about, and the proof.
 
     Raises
@@ -93,7 +93,7 @@ def unbundled(bundle: Any) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
         yield {key: value for key, value in entry.items() if key != "proof"}, proof
 
 
-def changed(
+def apply_change(
     assembly: Assembly, contacts: ContactSet, change: Mapping[str, Any]
 ) -> tuple[Assembly, ContactSet]:
     """The assembly and its contacts as a proof speaks of them.
@@ -103,7 +103,7 @@ def changed(
     assembly : Assembly
     contacts : ContactSet
     change : mapping
-        Of the form that `unbundled` asks for.
+        Of the form that `split_bundle` asks for.
 
     Raises
     ------
@@ -134,7 +134,7 @@ def changed(
     return assembly, contacts
 
 
-def differs(about: Mapping[str, Any], proof: Mapping[str, Any]) -> str:
+def subject_mismatch(about: Mapping[str, Any], proof: Mapping[str, Any]) -> str:
     """Why a proof is not of what it is said to be about; empty where it is."""
     vector = about.get("vector")
     if vector is None:

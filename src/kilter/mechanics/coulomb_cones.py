@@ -25,16 +25,16 @@ import numpy as np
 from scipy.sparse import csc_array, diags_array, eye_array, hstack, vstack
 
 from kilter.arrays import Array, Index, across, cross
-from kilter.mechanics.forms import Scaled, scaled
+from kilter.mechanics.forms import ScaledProblem, scaled_problem
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import ConicProgram
 from kilter.solvers.solution import Solution
 
 __all__ = [
-    "Spread",
+    "ConeProblem",
     "angles_across",
     "cohesion_slope",
-    "gathered",
+    "cone_problem",
     "largest_load",
     "least_cohesion",
     "least_forces",
@@ -42,19 +42,19 @@ __all__ = [
     "load_factor_in_cones",
     "nearest_load",
     "pyramid",
-    "spread",
+    "pyramid_forces",
 ]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Spread:
+class ConeProblem:
     """A program whose rows with friction are spread over n, u and v.
 
     Attributes
     ----------
     program : Program
         The one that was spread.
-    problem : Scaled
+    problem : ScaledProblem
         Of the spread rows: those of `program`, then u of each rough row, then v (not planar).
     rough : ndarray of int, shape (R,)
     directions : ndarray, shape (R, d, 3)
@@ -62,7 +62,7 @@ class Spread:
     """
 
     program: Program
-    problem: Scaled
+    problem: ScaledProblem
     rough: Index
     directions: Array
 
@@ -79,7 +79,7 @@ class Spread:
             friction[self.rough] += part[:, None] * self.directions[:, k]
         return values[:count], friction
 
-    def turned(self, down: Array) -> Spread:
+    def turned(self, down: Array) -> ConeProblem:
         """The same with gravity, at its size, along `down`, shape (3,)."""
         program, wide = self.program.turned(down), self.problem.program.turned(down)
         right = self.problem.scaled_load(program.load)
@@ -117,7 +117,7 @@ class Spread:
         return heads
 
 
-def spread(program: Program) -> Spread:
+def cone_problem(program: Program) -> ConeProblem:
     """The program with a row of its own for each direction of friction."""
     rough = program.gripping
     directions = _directions(program, rough)
@@ -126,7 +126,7 @@ def spread(program: Program) -> Spread:
     normal = np.concatenate([program.normal, *aside])
     nothing = {"mu": np.zeros(len(rows)), "shear": np.full(len(rows), np.nan)}
     wide = program.taking(rows).with_rows(normal=normal, **nothing)
-    return Spread(program, scaled(wide), rough, directions)
+    return ConeProblem(program, scaled_problem(wide), rough, directions)
 
 
 def _directions(program: Program, rough: Index) -> Array:
@@ -136,7 +136,7 @@ def _directions(program: Program, rough: Index) -> Array:
     return np.stack(across(normal), axis=1)
 
 
-def load_factor_in_cones(wide: Spread) -> ConicProgram:
+def load_factor_in_cones(wide: ConeProblem) -> ConicProgram:
     """Largest part of the load that contacts with friction can hold: 0 or 1. x = (f, lambda).
 
     The multipliers y of its first rows give a motion in the dual cone where lambda is 0.
@@ -155,7 +155,7 @@ def load_factor_in_cones(wide: Spread) -> ConicProgram:
     return ConicProgram(nothing, cost, matrix, bound, len(problem.right), positive + 2, sizes)
 
 
-def largest_load(wide: Spread, wrench: Array, most: float) -> ConicProgram:
+def largest_load(wide: ConeProblem, wrench: Array, most: float) -> ConicProgram:
     """The largest share t, up to `most`, of further wrenches that contacts hold. x = (f, t).
 
     Parameters
@@ -183,7 +183,7 @@ def largest_load(wide: Spread, wrench: Array, most: float) -> ConicProgram:
     return ConicProgram(nothing, cost, matrix, bound, len(problem.right), positive + 1, sizes)
 
 
-def nearest_load(wide: Spread, wrenches: Array, start: Array) -> ConicProgram:
+def nearest_load(wide: ConeProblem, wrenches: Array, start: Array) -> ConicProgram:
     """Shares t nearest to `start` of some wrenches with which contacts are in balance. x = (f, t).
 
     Parameters
@@ -206,7 +206,7 @@ def nearest_load(wide: Spread, wrenches: Array, start: Array) -> ConicProgram:
     return ConicProgram(quadratic, cost, matrix, bound, len(problem.right), positive, sizes)
 
 
-def least_forces(wide: Spread) -> ConicProgram:
+def least_forces(wide: ConeProblem) -> ConicProgram:
     """Forces of the least sum of squares that balance. x = f.
 
     Unique, and not at a corner of the set of all equilibria: equal contacts take equal shares.
@@ -225,7 +225,7 @@ def least_forces(wide: Spread) -> ConicProgram:
     )  # fmt: skip
 
 
-def least_strength(wide: Spread, unit: float) -> ConicProgram:
+def least_strength(wide: ConeProblem, unit: float) -> ConicProgram:
     """The least share s of the strength of all bonds with which contacts balance. x = (f, s/unit).
 
     Well posed on both sides of 1, where the load factor jumps: forces at a share below 1 are
@@ -246,7 +246,7 @@ def least_strength(wide: Spread, unit: float) -> ConicProgram:
     return ConicProgram(nothing, cost, matrix, bound, len(problem.right), positive + 1, sizes)
 
 
-def least_cohesion(wide: Spread) -> ConicProgram:
+def least_cohesion(wide: ConeProblem) -> ConicProgram:
     """The least cohesion c with which contacts balance: |f_t| <= mu f_n + c w. x = (f, c).
 
     w is the weight of the lighter part that a contact touches. Below 0 there are forces within
@@ -271,7 +271,7 @@ def least_cohesion(wide: Spread) -> ConicProgram:
     return ConicProgram(nothing, cost, matrix, bound, len(problem.right), positive + 1, sizes)
 
 
-def cohesion_slope(wide: Spread, answer: Solution) -> float:
+def cohesion_slope(wide: ConeProblem, answer: Solution) -> float:
     """By how much the least cohesion falls where every coefficient rises, to first order."""
     program = answer.problem
     assert isinstance(program, ConicProgram)
@@ -348,7 +348,7 @@ def angles_across(program: Program, across: Array) -> Array:
     return angles
 
 
-def gathered(program: Program, rays: Program, forces: Array) -> tuple[Array, Array]:
+def pyramid_forces(program: Program, rays: Program, forces: Array) -> tuple[Array, Array]:
     """Forces of a pyramid's rays as forces along the rows of `program`, and across them.
 
     Parameters

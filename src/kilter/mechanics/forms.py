@@ -30,20 +30,20 @@ from kilter.rigid import common_frame
 from kilter.solvers.problem import ConicProgram, LinearProgram, quadratic_program
 
 __all__ = [
-    "Scaled",
+    "ScaledProblem",
     "displacement",
     "equilibrium",
     "impending_motion",
     "largest_share",
     "least_imbalance",
     "load_factor",
-    "scaled",
+    "scaled_problem",
     "total_imbalance",
 ]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Scaled:
+class ScaledProblem:
     """The equilibrium matrix A = S J^T and right-hand side b = -S w in a common frame.
 
     `frame` (3, 3) turns world vectors to the frame in which most normals lie along axes, so
@@ -94,7 +94,7 @@ class Scaled:
         return columns / np.repeat(program.weight[program.free], len(program.freedoms))
 
 
-def scaled(program: Program) -> Scaled:
+def scaled_problem(program: Program) -> ScaledProblem:
     """The scaled equilibrium of a program, built column by column."""
     frame = np.eye(3)
     if not program.planar:
@@ -123,7 +123,7 @@ def scaled(program: Program) -> Scaled:
         shape=(per * int(program.free.sum()), len(data)),
     )
     right = _over_weight(program, frame, program.load)
-    return Scaled(program, frame, unit, matrix, right)
+    return ScaledProblem(program, frame, unit, matrix, right)
 
 
 def _over_weight(program: Program, frame: Array, wrench: Array) -> Array:
@@ -139,14 +139,14 @@ def _force_bounds(program: Program) -> tuple[Array, Array]:
     return lower, np.full(len(lower), np.inf)
 
 
-def equilibrium(problem: Scaled) -> LinearProgram:
+def equilibrium(problem: ScaledProblem) -> LinearProgram:
     """Find f: A f = b. x = f."""
     lower, upper = _force_bounds(problem.program)
     cost = np.zeros(len(lower))
     return LinearProgram(cost, problem.matrix, problem.right, problem.right, lower, upper)
 
 
-def load_factor(problem: Scaled) -> LinearProgram:
+def load_factor(problem: ScaledProblem) -> LinearProgram:
     """Largest part of the load that contacts can hold: 0 or 1. x = (f, lambda).
 
     Its row multipliers y at 0 give a motion: -y has J dp >= 0 and w.dp >= 1.
@@ -159,7 +159,7 @@ def load_factor(problem: Scaled) -> LinearProgram:
     return LinearProgram(cost, matrix, zero, zero, np.append(lower, 0.0), np.append(upper, 1.0))
 
 
-def largest_share(problem: Scaled, wrench: Array, most: float) -> LinearProgram:
+def largest_share(problem: ScaledProblem, wrench: Array, most: float) -> LinearProgram:
     """The largest share t, up to `most`, of further wrenches that rows hold. x = (f, t).
 
     Minus the multipliers of its rows are the motion that starts at the limit.
@@ -174,7 +174,7 @@ def largest_share(problem: Scaled, wrench: Array, most: float) -> LinearProgram:
     )
 
 
-def least_imbalance(problem: Scaled) -> LinearProgram:
+def least_imbalance(problem: ScaledProblem) -> LinearProgram:
     """Forces of the least imbalance over weight, in the largest component. x = (f, t).
 
     Its multipliers give the motion with the greatest power for a weighted sum of motions
@@ -196,7 +196,7 @@ def least_imbalance(problem: Scaled) -> LinearProgram:
     )
 
 
-def total_imbalance(problem: Scaled) -> LinearProgram:
+def total_imbalance(problem: ScaledProblem) -> LinearProgram:
     """Forces of the least sum of imbalances over weight. x = (f, what lacks, what is too much).
 
     Minus its multipliers are a motion of at most 1 in each freedom: where the sum is above 0, of
@@ -239,7 +239,7 @@ def displacement(program: Program) -> LinearProgram:
     )
 
 
-def impending_motion(problem: Scaled) -> ConicProgram:
+def impending_motion(problem: ScaledProblem) -> ConicProgram:
     """Gauss's principle for the initial accelerations, in scaled unknowns.
 
     x = (a, radius x alpha) of the free parts over the size of gravity, in the frame of the

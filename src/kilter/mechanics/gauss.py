@@ -20,11 +20,11 @@ import numpy as np
 from scipy.sparse import bsr_array, csr_array, diags_array
 
 from kilter.arrays import TINY, Array, Index, Mask
-from kilter.mechanics.forms import Scaled, impending_motion
+from kilter.mechanics.forms import ScaledProblem, impending_motion
 from kilter.mechanics.mechanics_tolerances import MIRROR, MIRROR_CELL, MIRROR_ROWS, ZERO_ENTRY
 from kilter.solvers.problem import ConeProjection, ConicProgram
 
-__all__ = ["LeastConstraint", "halved", "least_constraint"]
+__all__ = ["LeastConstraint", "least_constraint", "mirror_half"]
 
 
 OFFSET = 0.31830988618
@@ -56,7 +56,7 @@ class LeastConstraint:
     share: Array
 
     def accelerations(self, unknowns: Array) -> Array:
-        """Scaled accelerations of the free parts: what `Scaled.motion` takes."""
+        """Scaled accelerations of the free parts: what `ScaledProblem.motion` takes."""
         full = np.zeros(self.inverse.shape[0])
         full[self.columns] = unknowns
         return np.asarray(self.inverse @ full)
@@ -66,7 +66,7 @@ class LeastConstraint:
         return multipliers[self.row] * self.share
 
 
-def least_constraint(problem: Scaled) -> LeastConstraint:
+def least_constraint(problem: ScaledProblem) -> LeastConstraint:
     """The whole problem, in the frame and the freedoms of `problem`."""
     quadratic = impending_motion(problem)
     block = len(problem.program.freedoms)
@@ -106,7 +106,7 @@ def _inverse_root(quadratic: ConicProgram, block: int) -> csr_array:
     return root
 
 
-def halved(whole: LeastConstraint, problem: Scaled) -> LeastConstraint | None:
+def mirror_half(whole: LeastConstraint, problem: ScaledProblem) -> LeastConstraint | None:
     """The same problem within a plane of reflection, if there is one along an axis of the frame."""
     cone = whole.cone
     if cone.block != 6 or cone.equal or not len(cone.unit):
@@ -135,7 +135,7 @@ def _couples(inverse: csr_array, across: Mask) -> bool:
     return bool((across[i] != across[j]).any())
 
 
-def _image(problem: Scaled, axis: int) -> Index:
+def _image(problem: ScaledProblem, axis: int) -> Index:
     """The row that reflection across `axis` of the frame makes of each row, if it is one."""
     program = problem.program
     own = np.where((program.part_b >= 0) & program.free[program.part_b], program.part_b, -1)

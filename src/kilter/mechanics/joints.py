@@ -29,7 +29,7 @@ from kilter.arrays import Array, Mask, across, cross
 from kilter.assembly import GROUND, Assembly, Joint
 from kilter.assembly.geometry import Geometry
 
-__all__ = ["carried", "carriers", "constraints", "joint_constraints", "reference_point"]
+__all__ = ["constraints", "joint_constraints", "joint_forces", "joint_wrench", "reference_point"]
 
 
 def joint_constraints(
@@ -99,7 +99,7 @@ def reference_point(assembly: Assembly, number: int) -> Array:
     return _anchor(assembly, assembly.geometry, joint)
 
 
-def carried(normal: Array, angular: Mask, at: Array, forces: Array, about: Array) -> Array:
+def joint_wrench(normal: Array, angular: Mask, at: Array, forces: Array, about: Array) -> Array:
     """The wrench of the rows of one joint on its second part, shape (6,).
 
     Parameters
@@ -117,10 +117,10 @@ def carried(normal: Array, angular: Mask, at: Array, forces: Array, about: Array
     return np.concatenate([force, torque + cross(at - about, force)])
 
 
-def carriers(normal: Array, angular: Mask, at: Array, wrench: Array, about: Array) -> Array:
+def joint_forces(normal: Array, angular: Mask, at: Array, wrench: Array, about: Array) -> Array:
     """Forces of the rows of one joint, shape (k,), of a wrench on its second part.
 
-    What the joint cannot carry is lost: `carried` of the result then differs from `wrench`.
+    What the joint cannot carry is lost: `joint_wrench` of the result then differs from `wrench`.
 
     Parameters
     ----------

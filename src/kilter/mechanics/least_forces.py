@@ -16,7 +16,7 @@ import numpy as np
 from scipy.sparse import csc_array, eye_array
 
 from kilter.arrays import TINY, Array
-from kilter.mechanics.forms import Scaled
+from kilter.mechanics.forms import ScaledProblem
 
 __all__ = ["least_forces"]
 
@@ -34,12 +34,12 @@ PATIENCE = 1
 """Such steps that end it."""
 
 
-def least_forces(problem: Scaled) -> tuple[Array, Array] | None:
+def least_forces(problem: ScaledProblem) -> tuple[Array, Array] | None:
     """Forces of the rows, shape (K,), and a motion, shape (N, 6); None where no bond holds.
 
     Parameters
     ----------
-    problem : Scaled
+    problem : ScaledProblem
         Of a program without friction.
     """
     program, matrix = problem.program, problem.matrix

@@ -15,10 +15,10 @@ import numpy as np
 from kilter.arrays import Array, Index, cross
 from kilter.mechanics.program import Program
 
-__all__ = ["merged"]
+__all__ = ["merge_parts"]
 
 
-def merged(program: Program, group: Index) -> Program:
+def merge_parts(program: Program, group: Index) -> Program:
     """The program whose parts are the groups of parts of another.
 
     Parameters
@@ -35,8 +35,8 @@ def merged(program: Program, group: Index) -> Program:
     >>> from kilter.scenes import scene
     >>> assembly = scene("tower")
     >>> program = build_program(assembly, contacts(assembly))
-    >>> one = merged(program, np.minimum(np.arange(len(assembly)), 1))
-    >>> len(one.names), bool(one.mass[1] == program.mass[1:].sum())
+    >>> merged = merge_parts(program, np.minimum(np.arange(len(assembly)), 1))
+    >>> len(merged.names), bool(merged.mass[1] == program.mass[1:].sum())
     (2, True)
     """
     count = int(group.max(initial=-1)) + 1

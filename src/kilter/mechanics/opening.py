@@ -21,7 +21,7 @@ from scipy.sparse import csc_array, csr_array, eye_array, hstack, vstack
 
 from kilter.arrays import Array
 from kilter.mechanics.certificate import part_sizes
-from kilter.mechanics.coulomb_cones import Spread
+from kilter.mechanics.coulomb_cones import ConeProblem
 from kilter.mechanics.mechanics_tolerances import OPENS_FAR, OPENS_MORE
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import ConicProgram
@@ -35,23 +35,23 @@ class Opening:
 
     Attributes
     ----------
-    wide : Spread
+    wide : ConeProblem
 
     Examples
     --------
     >>> from kilter.scenes import friction, stacks
     >>> from kilter.contact import contacts
-    >>> from kilter.mechanics.coulomb_cones import spread
+    >>> from kilter.mechanics.coulomb_cones import cone_problem
     >>> from kilter.mechanics.program import build_program
     >>> def opening(assembly):
-    ...     return Opening(spread(build_program(assembly, contacts(assembly))))
+    ...     return Opening(cone_problem(build_program(assembly, contacts(assembly))))
     >>> bool(opening(stacks.block_on_slope(10.0, friction=0.5)).m0[1, 2] > 0)
     True
     >>> opening(friction.h_block()).m0 is None  # squeezed between two walls
     True
     """
 
-    wide: Spread
+    wide: ConeProblem
 
     @property
     def program(self) -> Program:
@@ -80,7 +80,7 @@ class Opening:
         other.__dict__["m0"] = self.m0
         return other
 
-    def narrowed(self, wide: Spread) -> Opening:
+    def narrowed(self, wide: ConeProblem) -> Opening:
         """The same of cones within these: what opens every contact of these opens theirs."""
         other = Opening(wide)
         other.__dict__["m0"] = self.m0
@@ -104,7 +104,7 @@ def _least_opening(program: Program, motion: Array) -> float:
     return float(openings[~program.two_sided].min(initial=np.inf))
 
 
-def _program(wide: Spread) -> ConicProgram:
+def _program(wide: ConeProblem) -> ConicProgram:
     """The shortest of the scaled motions. x = m."""
     program = wide.program
     opening, count = csr_array(wide.problem.openings()), len(program.part_a)

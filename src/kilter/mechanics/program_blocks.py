@@ -139,7 +139,7 @@ class ProgramBlocks:
 
     @cached_property
     def scaled(self) -> Blocks:
-        """Scaled equilibria, as `kilter.mechanics.forms.scaled` has them."""
+        """Scaled equilibria, as `kilter.mechanics.forms.scaled_problem` has them."""
         program = self.whole
         per = len(program.freedoms)
         column = np.full(len(program.names) + 1, -1)

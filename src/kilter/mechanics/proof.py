@@ -20,7 +20,7 @@ from kilter.contact.contact_set import ContactSet
 from kilter.contact.open_pairs import still_open
 from kilter.errors import InputError
 from kilter.mechanics.certificate import ForceProof, MotionProof
-from kilter.mechanics.joints import carried, reference_point
+from kilter.mechanics.joints import joint_wrench, reference_point
 from kilter.mechanics.law_check import LawProof
 from kilter.mechanics.program import Program
 from kilter.mechanics.proof_form import FORMAT
@@ -238,7 +238,9 @@ def joints_of(
         about, wrench = reference_point(assembly, number), None
         if isinstance(certificate, ForceProof):
             rows = rows_of(program, number)
-            wrench = carried(*frame_of(program, rows), certificate.forces[rows], about).tolist()
+            wrench = joint_wrench(
+                *frame_of(program, rows), certificate.forces[rows], about
+            ).tolist()
         found.append(
             {
                 "parts": list(joint.parts),

@@ -15,7 +15,7 @@ from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.certificate import check_forces, check_motion, part_sizes
 from kilter.mechanics.degenerate import allowed_program
-from kilter.mechanics.joints import carried, carriers
+from kilter.mechanics.joints import joint_forces, joint_wrench
 from kilter.mechanics.law_check import LawProof, check_law
 from kilter.mechanics.mechanics_tolerances import AGREES, POWER_ROUNDING
 from kilter.mechanics.program import Program, build_program
@@ -29,14 +29,14 @@ from kilter.mechanics.proof import (
 )
 from kilter.mechanics.rows import CONTACT, JOINT
 
-__all__ = ["Rechecked", "recheck"]
+__all__ = ["RecheckResult", "recheck"]
 
 LEAST_TRIES = 8
 """Tries that must have come to rest for a proof to say that it settles."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Rechecked:
+class RecheckResult:
     """What speaks against a proof, what its evidence is worth, and notes; see `Verification`."""
 
     reasons: list[str]
@@ -45,7 +45,7 @@ class Rechecked:
     notes: list[str]
 
 
-def recheck(assembly: Assembly, contacts: ContactSet, proof: dict[str, Any]) -> Rechecked:
+def recheck(assembly: Assembly, contacts: ContactSet, proof: dict[str, Any]) -> RecheckResult:
     """Recompute a proof, of the form of proofs, from an assembly and the contacts found in it."""
     reasons = []
     if proof.get("digest") != digest_of(proof):
@@ -66,7 +66,7 @@ def recheck(assembly: Assembly, contacts: ContactSet, proof: dict[str, Any]) -> 
     elif not reasons:
         power, reasons = _recheck_motion(assembly, contacts, proof)
         notes += _survived(proof["open_pairs"])
-    return Rechecked(reasons, residual, power, notes)
+    return RecheckResult(reasons, residual, power, notes)
 
 
 def _wrong_verdict(verdict: str, balanced: bool, friction: dict[str, Any] | None) -> list[str]:
@@ -222,14 +222,14 @@ def _joint_forces(program: Program, joint: dict[str, Any], number: int) -> tuple
     wrench, about = np.asarray(joint["wrench"], dtype=float), np.asarray(joint["point"])
     rows = rows_of(program, number)
     frame = frame_of(program, rows)
-    forces = carriers(*frame, wrench, about)
+    forces = joint_forces(*frame, wrench, about)
     force, torque = np.abs(wrench[:3]).max(), np.abs(wrench[3:]).max()
     turning = rows[program.angular[rows]]
     length = float(program.arm[turning].max(initial=0.0)) or float(program.radius.min())
     reach = length + (float(np.linalg.norm(about - frame[2])) if len(rows) else 0.0)
     size = np.repeat([force + torque / length, reach * force + torque], 3)
     size += AGREES * float(program.weight.min()) * np.repeat([1.0, length], 3)
-    if (np.abs(wrench - carried(*frame, forces, about)) <= AGREES * size).all():
+    if (np.abs(wrench - joint_wrench(*frame, forces, about)) <= AGREES * size).all():
         return forces, []
     pair = " and ".join(repr(name) for name in joint["parts"])
     return forces, [f"the {joint['kind']} joint of {pair} carries what its kind cannot"]

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.arrays import Array
-from kilter.mechanics.coulomb_cones import Spread, cohesion_slope, least_cohesion
+from kilter.mechanics.coulomb_cones import ConeProblem, cohesion_slope, least_cohesion
 from kilter.work import Work
 
 __all__ = ["Cohesion", "find_cohesion"]
@@ -51,12 +51,12 @@ class Cohesion:
         return self.value / self.slope if self.slope > 0.0 else np.inf
 
 
-def find_cohesion(wide: Spread, *, work: Work | None = None) -> Cohesion | None:
+def find_cohesion(wide: ConeProblem, *, work: Work | None = None) -> Cohesion | None:
     """The least cohesion of a program; None: no forces balance however contacts stick, or failed.
 
     Parameters
     ----------
-    wide : Spread
+    wide : ConeProblem
     work : Work, optional
         It is charged, and its time limit is kept.
 
@@ -64,11 +64,11 @@ def find_cohesion(wide: Spread, *, work: Work | None = None) -> Cohesion | None:
     --------
     >>> from kilter.scenes import stacks
     >>> from kilter.contact import contacts
-    >>> from kilter.mechanics.coulomb_cones import spread
+    >>> from kilter.mechanics.coulomb_cones import cone_problem
     >>> from kilter.mechanics.program import build_program
     >>> def cohesion(degrees):
     ...     block = stacks.block_on_slope(degrees, friction=0.5)
-    ...     return find_cohesion(spread(build_program(block, contacts(block))))
+    ...     return find_cohesion(cone_problem(build_program(block, contacts(block))))
     >>> cohesion(26.56).value < 0 < cohesion(26.57).value  # arctan .5 is 26.565 degrees
     True
     >>> round(0.5 + cohesion(20.0).rise, 9), round(float(np.tan(np.radians(20.0))), 9)

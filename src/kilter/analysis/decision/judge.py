@@ -36,19 +36,19 @@ from kilter.arrays import Array
 from kilter.mechanics.balance_in_cones import load_share
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
 from kilter.mechanics.coulomb_cones import (
-    Spread,
+    ConeProblem,
     angles_across,
-    gathered,
+    cone_problem,
     load_factor_in_cones,
     pyramid,
-    spread,
+    pyramid_forces,
 )
 from kilter.mechanics.forms import (
-    Scaled,
+    ScaledProblem,
     equilibrium,
     least_imbalance,
     load_factor,
-    scaled,
+    scaled_problem,
     total_imbalance,
 )
 from kilter.mechanics.least_forces import least_forces
@@ -183,7 +183,7 @@ def _candidates(program: Program, work: Work, solver: Solver | None) -> Iterator
     elif solver == "kilter":
         yield from _by_own_cones(program, work)
     elif solver == "clarabel":
-        wide = spread(program)
+        wide = cone_problem(program)
         yield _by_cones(wide, work)
         if rough:
             yield _by_cohesion(wide, work)
@@ -197,7 +197,7 @@ def _candidates(program: Program, work: Work, solver: Solver | None) -> Iterator
 
 def _with_limited_shear(program: Program, work: Work) -> Iterator[_Candidate]:
     """Candidates where bonds bear shear up to a force."""
-    wide = spread(program)
+    wide = cone_problem(program)
     yield _by_strength(wide, work)
     yield _by_cones(wide, work)
     yield _by_cohesion(wide, work)
@@ -205,7 +205,7 @@ def _with_limited_shear(program: Program, work: Work) -> Iterator[_Candidate]:
 
 def _without_friction(program: Program, work: Work) -> Iterator[_Candidate]:
     """Candidate forces and motions, the cheapest way first."""
-    problem = scaled(program)
+    problem = scaled_problem(program)
     bonded = least_forces(problem)
     if bonded is not None:
         yield _Candidate("least forces of bonds", bonded[0], motion=bonded[1])
@@ -235,13 +235,13 @@ def _solved(lp: LinearProgram, word: str, **options: Unpack[_Options]) -> tuple[
     return answer, f"{word}: {answer.solver}, {answer.iterations} iterations, {answer.outcome}"
 
 
-def _by_equilibrium(problem: Scaled, work: Work) -> Iterator[_Candidate]:
+def _by_equilibrium(problem: ScaledProblem, work: Work) -> Iterator[_Candidate]:
     lp = equilibrium(problem)
     answer, word = _solved(lp, "equilibrium", method="interior", forces_only=True, work=work)
     yield _Candidate(word, problem.forces(answer.x) if answer.found else None)
 
 
-def _by_load_factor(problem: Scaled, **options: Unpack[_Options]) -> Iterator[_Candidate]:
+def _by_load_factor(problem: ScaledProblem, **options: Unpack[_Options]) -> Iterator[_Candidate]:
     answer, word = _solved(load_factor(problem), "load factor", **options)
     if not answer.found:
         yield _Candidate(word)
@@ -254,7 +254,9 @@ def _by_load_factor(problem: Scaled, **options: Unpack[_Options]) -> Iterator[_C
     yield _Candidate(word, forces, motion=motion)
 
 
-def _by_least_imbalance(problem: Scaled, **options: Unpack[_Options]) -> Iterator[_Candidate]:
+def _by_least_imbalance(
+    problem: ScaledProblem, **options: Unpack[_Options]
+) -> Iterator[_Candidate]:
     answer, word = _solved(least_imbalance(problem), "least imbalance", **options)
     if not answer.found:
         yield _Candidate(word)
@@ -266,7 +268,7 @@ def _by_least_imbalance(problem: Scaled, **options: Unpack[_Options]) -> Iterato
     yield _Candidate(word, problem.forces(answer.x[:-1]), motion=motion)
 
 
-def _by_total_imbalance(problem: Scaled, work: Work) -> Iterator[_Candidate]:
+def _by_total_imbalance(problem: ScaledProblem, work: Work) -> Iterator[_Candidate]:
     answer, word = _solved(
         total_imbalance(problem), "total imbalance", method="interior", work=work
     )
@@ -283,7 +285,7 @@ def _in_cones(program: Program, work: Work) -> Iterator[_Candidate]:
     """Candidates for a program with friction, the cheapest way first."""
     if int(program.free.sum()) * len(program.freedoms) > OWN_ROWS:
         yield from _by_own_cones(program, work)
-    wide = spread(program)
+    wide = cone_problem(program)
     fitted: list[Array] = []
     for in_cones in (_by_cones, _by_cohesion):
         candidate = in_cones(wide, work)
@@ -339,7 +341,7 @@ def _by_pyramid(
     both = program.planar
     forces = friction = None
     if judged.forces is not None and (both or not outer):
-        forces, friction = gathered(program, rays, judged.forces.forces)
+        forces, friction = pyramid_forces(program, rays, judged.forces.forces)
     motion = judged.motion.motion if judged.motion is not None and (both or outer) else None
     return _Candidate(words, forces, friction, motion)
 
@@ -360,7 +362,7 @@ def _by_own_cones(program: Program, work: Work) -> Iterator[_Candidate]:
     yield _Candidate(word.format(steps, "no proof"))
 
 
-def _by_cones(wide: Spread, work: Work) -> _Candidate:
+def _by_cones(wide: ConeProblem, work: Work) -> _Candidate:
     """The load factor in exact cones."""
     from kilter.solvers.clarabel import solve_conic
 
@@ -377,7 +379,7 @@ def _by_cones(wide: Spread, work: Work) -> _Candidate:
     return _Candidate(word, motion=motion)
 
 
-def _by_strength(wide: Spread, work: Work) -> _Candidate:
+def _by_strength(wide: ConeProblem, work: Work) -> _Candidate:
     """The least share of the strength of bonds: forces where it is below 1, above it a motion."""
     found = find_strength(wide, work=work)
     if found is None:
@@ -388,7 +390,7 @@ def _by_strength(wide: Spread, work: Work) -> _Candidate:
     return _Candidate(found.word, forces, found.friction)
 
 
-def _by_cohesion(wide: Spread, work: Work) -> _Candidate:
+def _by_cohesion(wide: ConeProblem, work: Work) -> _Candidate:
     """The least cohesion in exact cones: forces below 0, above it a motion, made admissible."""
     found = find_cohesion(wide, work=work)
     if found is None:

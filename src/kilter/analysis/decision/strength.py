@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.arrays import Array
-from kilter.mechanics.coulomb_cones import Spread, least_strength
+from kilter.mechanics.coulomb_cones import ConeProblem, least_strength
 from kilter.work import Work
 
 __all__ = ["Strength", "find_strength"]
@@ -42,12 +42,12 @@ class Strength:
     word: str
 
 
-def find_strength(wide: Spread, *, work: Work | None = None) -> Strength | None:
+def find_strength(wide: ConeProblem, *, work: Work | None = None) -> Strength | None:
     """The least share of the strength of bonds; None where the numbers failed.
 
     Parameters
     ----------
-    wide : Spread
+    wide : ConeProblem
     work : Work, optional
         It is charged, and its time limit is kept.
 
@@ -55,12 +55,12 @@ def find_strength(wide: Spread, *, work: Work | None = None) -> Strength | None:
     --------
     >>> from kilter import Assembly, Bond, Box, Part, Pose
     >>> from kilter.contact import contacts
-    >>> from kilter.mechanics.coulomb_cones import spread
+    >>> from kilter.mechanics.coulomb_cones import cone_problem
     >>> from kilter.mechanics.program import build_program
     >>> wall = Part("wall", Box([1, 1, 1]), Pose([1, 0, 0]), grounded=True)
     >>> glue = Bond(("block", "wall"), pull=1e5, shear=9810 / 4)
     >>> glued = Assembly([wall, Part("block", Box([1, 1, 1]))], bonds=[glue])
-    >>> found = find_strength(spread(build_program(glued, contacts(glued))))
+    >>> found = find_strength(cone_problem(build_program(glued, contacts(glued))))
     >>> round(found.share, 6)  # four corners, the weight in the middle: all bear alike
     1.0
     """

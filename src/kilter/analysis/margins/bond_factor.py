@@ -22,7 +22,7 @@ from kilter.analysis.turning_tolerances import BEYOND_LIMIT, SIDES_NEAR
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.mechanics.certificate import check_forces, check_motion
-from kilter.mechanics.coulomb_cones import spread
+from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT, ForceRows, bonded_rows
 
@@ -133,7 +133,7 @@ def unbreakable(program: Program) -> Program:
 
 def _by_strength(program: Program, contacts: ContactSet) -> BondFactor | NoLimit:
     """The same where bonds bear shear up to a force, which is a share of the strength, too."""
-    wide = spread(program)
+    wide = cone_problem(program)
     found = find_strength(wide)
     if found is None or np.isinf(found.share):
         none = found is not None or judge(unbreakable(program)).stable is False

@@ -16,7 +16,7 @@ from kilter.analysis.regions.enclose import SupportPoint, nearest_face
 from kilter.analysis.turning_tolerances import BALANCED, FOLLOWING_AGREES
 from kilter.arrays import Array, cross
 from kilter.mechanics.affine import UncertainLoad, affine_forces, affine_imbalance
-from kilter.mechanics.forms import Scaled
+from kilter.mechanics.forms import ScaledProblem
 from kilter.mechanics.program import Program
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ class FollowingForces:
     ----------
     program : Program
         In pyramids: a row a ray.
-    problem : Scaled
+    problem : ScaledProblem
         Of the program.
     unknowns : list of (int, int)
     mass : (float, float)
@@ -53,7 +53,7 @@ class FollowingForces:
     def __init__(
         self,
         program: Program,
-        problem: Scaled,
+        problem: ScaledProblem,
         unknowns: Unknowns,
         *,
         mass: tuple[float, float],

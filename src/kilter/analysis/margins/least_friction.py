@@ -29,7 +29,7 @@ from kilter.analysis.turning_tolerances import (
 )
 from kilter.mechanics.balanced_forces import balanced_forces
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
-from kilter.mechanics.coulomb_cones import Spread, spread
+from kilter.mechanics.coulomb_cones import ConeProblem, cone_problem
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
@@ -193,7 +193,7 @@ class _Sides:
     def ask(self, mu: float, *, surely: bool) -> bool:
         """Whether it could be decided of a coefficient, and what follows."""
         program = self.program.with_friction(mu)
-        wide = spread(program)
+        wide = cone_problem(program)
         forces, motion = self._by_cohesion(wide, mu)
         if forces is None and motion is None and surely:
             judged = judge(program)
@@ -217,7 +217,9 @@ class _Sides:
             self._open = (low, high) if low <= high else None
         return decided
 
-    def _by_cohesion(self, wide: Spread, mu: float) -> tuple[ForceProof | None, MotionProof | None]:
+    def _by_cohesion(
+        self, wide: ConeProblem, mu: float
+    ) -> tuple[ForceProof | None, MotionProof | None]:
         """The two proofs, as far as the least cohesion gives them: beside the limit even both."""
         program, found = wide.program, find_cohesion(wide)
         if found is None:
@@ -230,7 +232,9 @@ class _Sides:
             return forces, None
         motion = check_motion(program, found.motion)
         if not motion.holds:
-            self._opening = self._opening or Opening(spread(self.program.with_friction(self.upper)))
+            self._opening = self._opening or Opening(
+                cone_problem(self.program.with_friction(self.upper))
+            )
             motion = check_motion(program, self._opening.narrowed(wide).mended(found.motion))
         return forces, (motion if motion.holds else None)
 
@@ -244,12 +248,12 @@ def _between(low: float, high: float) -> float:
 
 def _sticks(program: Program) -> bool | None:
     """Whether forces balance where friction has no limit, not even without a push."""
-    wide = spread(program.with_friction(LARGEST)).problem.program
+    wide = cone_problem(program.with_friction(LARGEST)).problem.program
     across = np.arange(len(wide.part_a)) >= len(program.part_a)
     return judge(wide.with_rows(two_sided=wide.two_sided | across)).stable
 
 
-def _used(wide: Spread, proof: ForceProof) -> tuple[float, ForceProof]:
+def _used(wide: ConeProblem, proof: ForceProof) -> tuple[float, ForceProof]:
     """The friction that forces use once they balance to rounding, and those forces.
 
     Of data so coarse that none balance so well, as they are: they hold as far as the data do.

@@ -21,8 +21,8 @@ import numpy as np
 from kilter.analysis.turning_tolerances import BEYOND_LIMIT, LIMIT_AGREES, NEARLY
 from kilter.arrays import Array
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
-from kilter.mechanics.coulomb_cones import angles_across, gathered, pyramid
-from kilter.mechanics.forms import largest_share, scaled
+from kilter.mechanics.coulomb_cones import angles_across, pyramid, pyramid_forces
+from kilter.mechanics.forms import largest_share, scaled_problem
 from kilter.mechanics.program import Program
 
 if TYPE_CHECKING:
@@ -144,8 +144,8 @@ def _round(
         if not answer.found:
             continue
         share = float(answer.x[-1])
-        problem = scaled(rays)
-        along, aside = gathered(program, rays, problem.forces(answer.x[:-1]))
+        problem = scaled_problem(rays)
+        along, aside = pyramid_forces(program, rays, problem.forces(answer.x[:-1]))
         sides, vectors = LimitSides(), [aside, _of_patches(program, aside)]
         if not outer or program.planar:
             sides = sides.better(held_at(program, wrench, share, along, aside))
@@ -160,7 +160,7 @@ def _round(
 def _solved(rays: Program, wrench: Array, most: float) -> Solution:
     from kilter.solvers.highs import KeptProgram
 
-    return KeptProgram(largest_share(scaled(rays), wrench, most)).solve()
+    return KeptProgram(largest_share(scaled_problem(rays), wrench, most)).solve()
 
 
 def held_at(

@@ -44,7 +44,7 @@ from kilter.analysis.turning_tolerances import (
 from kilter.arrays import Array
 from kilter.mechanics.balance_in_cones import ConeBalance, balance_in_cones
 from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
-from kilter.mechanics.coulomb_cones import largest_load, spread
+from kilter.mechanics.coulomb_cones import cone_problem, largest_load
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 from kilter.solvers.cone_interior_point import Start, common_start, iterates
@@ -190,7 +190,7 @@ def find_limit(
     >>> round(find_limit(program, aside).value, 9)
     0.5
     """
-    opening = opening or Opening(spread(program))
+    opening = opening or Opening(cone_problem(program))
     # its starts are far from forces that pull: 50 steps and no proof where the conic solver has 15
     large = len(program.part_a) > EXACT
     limited = bool(program.cohesion.any())  # only the conic program takes shear up to a force

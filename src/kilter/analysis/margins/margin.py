@@ -50,7 +50,7 @@ from kilter.assembly.bonds import NO_CONE, NOT_RANGED, require_no_bonds
 from kilter.contact import ContactSet, Tolerance
 from kilter.errors import InputError, some_names
 from kilter.mechanics.bundle import make_bundle
-from kilter.mechanics.coulomb_cones import spread
+from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program, build_program
 from kilter.rigid import unit
@@ -316,7 +316,7 @@ def margin(
     factor = _load_factor(assembly, program, direction)
     sure = _load_factor(assembly, program.frictionless, direction) if bracket else None
     tell("pushes")
-    opening = Opening(spread(program))
+    opening = Opening(cone_problem(program))
     pushes = {}
     for part in parts:
         pushes[part] = find_weakest_push(program, part, opening=opening)

@@ -23,7 +23,7 @@ from kilter.analysis.turning_tolerances import AROUND_LIMIT
 from kilter.arrays import TINY, Array
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
-from kilter.mechanics.bundle import changed
+from kilter.mechanics.bundle import apply_change
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_motion
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import Evidence, make_proof
@@ -167,7 +167,7 @@ def _proof(
     options: dict[str, Any],
 ) -> dict[str, Any] | None:
     """The proof of what is changed; None where there is none."""
-    assembly, contacts = changed(found.assembly, found.contacts, change)
+    assembly, contacts = apply_change(found.assembly, found.contacts, change)
     return _certified(assembly, contacts, held, motion, options)
 
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from kilter.analysis.margins.load_limit import Limit, NoLimit, find_limit, finite, starting
 from kilter.analysis.turning_tolerances import SIDES_NEAR
-from kilter.mechanics.coulomb_cones import spread
+from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 
@@ -83,7 +83,7 @@ def find_part_load(
     >>> round(find_part_load(build_program(hung, contacts(hung)), 1).load, 3)
     29430.0
     """
-    opening = opening or Opening(spread(program))
+    opening = opening or Opening(cone_problem(program))
     unit = float(program.weight[program.free].sum() + program.pull.sum())
     found = _asked(program, part, unit, opening)
     if isinstance(found, NoLimit) or not 0 < found.load < np.inf:

@@ -22,7 +22,7 @@ from kilter.analysis.turning_tolerances import (
     UNLIMITED,
 )
 from kilter.arrays import Array
-from kilter.mechanics.coulomb_cones import spread
+from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 
@@ -85,7 +85,9 @@ def find_push(
     wrench = np.zeros((len(program.names), 6))
     weight = float(program.weight[program.free].sum())
     wrench[part, :3] = weight * direction
-    limit = held_limit(program, wrench, opening=opening or Opening(spread(program)), most=UNLIMITED)
+    limit = held_limit(
+        program, wrench, opening=opening or Opening(cone_problem(program)), most=UNLIMITED
+    )
     if isinstance(limit, NoLimit):
         return limit
     force = max(limit.value, 0.0) * weight
@@ -107,7 +109,7 @@ def find_weakest_push(
     >>> round(found.force / 9810, 4)  # sliding up a little: mu / sqrt(1 + mu^2)
     0.2873
     """
-    opening = opening or Opening(spread(program))
+    opening = opening or Opening(cone_problem(program))
     cap = UNLIMITED * float(program.weight[program.free].sum())
     axes = np.eye(3)[[0, 2]] if program.planar else np.eye(3)
     pushes: list[Push | NoLimit] = []

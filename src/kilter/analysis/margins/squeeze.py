@@ -20,8 +20,8 @@ from kilter.analysis.decision.judge import judge
 from kilter.analysis.turning_tolerances import MU_SQUEEZED
 from kilter.arrays import Array, Mask
 from kilter.mechanics.certificate import ForceProof, check_forces
-from kilter.mechanics.coulomb_cones import Spread, spread
-from kilter.mechanics.forms import scaled
+from kilter.mechanics.coulomb_cones import ConeProblem, cone_problem
+from kilter.mechanics.forms import scaled_problem
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import LinearProgram
 
@@ -45,7 +45,7 @@ def squeeze(program: Program) -> Array:
     """
     from kilter.solvers.highs import find_optimum
 
-    problem = scaled(program)
+    problem = scaled_problem(program)
     count, free = len(program.part_a), program.two_sided
     matrix = hstack([problem.matrix, problem.matrix], format="csc")
     zero, none = np.zeros(len(problem.right)), np.zeros(count)
@@ -115,9 +115,9 @@ class _Level:
         return float(missing.max(initial=0.0))
 
 
-def _sticking(smooth: Program, rows: Mask) -> tuple[Spread, Program]:
+def _sticking(smooth: Program, rows: Mask) -> tuple[ConeProblem, Program]:
     """The program with forces of any size along and across some contacts."""
-    wide = spread(smooth.with_rows(mu=np.where(rows, 1.0, 0.0)))
+    wide = cone_problem(smooth.with_rows(mu=np.where(rows, 1.0, 0.0)))
     spread_rows = wide.problem.program
     count = len(smooth.part_a)
     free = np.concatenate([rows, np.ones(len(spread_rows.part_a) - count, dtype=bool)])

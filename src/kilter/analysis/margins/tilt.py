@@ -37,7 +37,7 @@ from kilter.analysis.turning_tolerances import (
 )
 from kilter.arrays import TINY, Array, across, cross
 from kilter.mechanics.certificate import MotionProof
-from kilter.mechanics.coulomb_cones import nearest_load, spread
+from kilter.mechanics.coulomb_cones import cone_problem, nearest_load
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
@@ -126,7 +126,7 @@ def tilt_about(program: Program, axis: Array) -> tuple[float, Limit] | NoLimit:
     aside = cross(axis / float(np.linalg.norm(axis)), start)
     quarter = ((start, aside), (aside, -start), (-start, -aside), (-aside, start))
     unlimited: Limit | None = None
-    opening = Opening(spread(program))
+    opening = Opening(cone_problem(program))
     for turns, (down, along) in enumerate(quarter):
         turned = opening.turned(down)
         wrench = gravity_wrench(program, along)
@@ -161,7 +161,7 @@ def find_tilt_margin(program: Program) -> TiltMargin | NoLimit:
     if program.applied.any():
         raise ValueError("given loads do not turn with gravity")
     basis = across_gravity(program)
-    opening, shared = Opening(spread(program)), SharedCones(program)
+    opening, shared = Opening(cone_problem(program)), SharedCones(program)
     limits: list[Limit | NoLimit] = []
 
     def shoot(direction: Array) -> SupportPoint | None:
@@ -282,7 +282,7 @@ def _projected(program: Program) -> Array | NoLimit:
 
     axes = np.eye(3)[[0, 2]] if program.planar else np.eye(3)
     wrenches = np.array([gravity_wrench(program, axis) for axis in axes])
-    nearest = nearest_load(spread(program), wrenches, axes @ program.down)
+    nearest = nearest_load(cone_problem(program), wrenches, axes @ program.down)
     answer = solve_conic(nearest)
     if not answer.optimal:
         answer = solve_conic(nearest, tolerance=CONIC_SHARP)

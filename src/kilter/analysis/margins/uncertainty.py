@@ -43,7 +43,7 @@ from kilter.arrays import Array, cross
 from kilter.contact.friction_coefficients import certain_friction
 from kilter.errors import InputError
 from kilter.mechanics.coulomb_cones import pyramid
-from kilter.mechanics.forms import scaled
+from kilter.mechanics.forms import scaled_problem
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
 
@@ -296,7 +296,7 @@ def _limits(program: Program, push: Array | None) -> tuple[float, float] | NoLim
 
 def _by_following(program: Program, ranges: Ranges, push: Array | None) -> Uncertainty | None:
     rays = pyramid(program, SIDES)
-    problem = scaled(rays)
+    problem = scaled_problem(rays)
     unknowns = _unknowns(rays, ranges)
     if problem.matrix.nnz * (1 + 2 * len(unknowns)) > LARGEST:
         return None

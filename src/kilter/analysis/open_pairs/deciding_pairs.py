@@ -25,7 +25,7 @@ from kilter.arrays import Array, Index, Mask, connected
 from kilter.contact.open_pairs import KINDS, OpenPair
 from kilter.mechanics.certificate import part_sizes
 from kilter.mechanics.mechanics_tolerances import STILL
-from kilter.mechanics.merged_parts import merged
+from kilter.mechanics.merged_parts import merge_parts
 from kilter.mechanics.program import Program
 from kilter.work import Work
 
@@ -114,7 +114,7 @@ class _Search:
     def judged(self, bodies: Index) -> Judgement:
         key = bodies.tobytes()
         if key not in self.known:
-            self.known[key] = judge(merged(self.program, bodies), work=self.work)
+            self.known[key] = judge(merge_parts(self.program, bodies), work=self.work)
         return self.known[key]
 
     def holds(self, chosen: Iterable[int]) -> bool | None:
@@ -150,7 +150,7 @@ class _Search:
         proof = self.judged(bodies).motion
         if proof is None:
             return frozenset(range(len(self.ends)))
-        moved = _moved(merged(self.program, bodies), proof.motion, bodies[self.ends])
+        moved = _moved(merge_parts(self.program, bodies), proof.motion, bodies[self.ends])
         return frozenset(np.flatnonzero(moved).tolist())
 
     def irreducible(self) -> frozenset[int] | None:

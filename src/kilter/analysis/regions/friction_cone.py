@@ -58,7 +58,13 @@ from kilter.analysis.turning_tolerances import (
 from kilter.arrays import Array
 from kilter.errors import InputError
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
-from kilter.mechanics.coulomb_cones import Spread, gathered, nearest_load, pyramid, spread
+from kilter.mechanics.coulomb_cones import (
+    ConeProblem,
+    cone_problem,
+    nearest_load,
+    pyramid,
+    pyramid_forces,
+)
 from kilter.mechanics.opening import Opening
 from kilter.mechanics.program import Program
 from kilter.validate import frozen
@@ -120,12 +126,12 @@ def friction_cone(
 def _exact(program: Program, progress: Callable[[str], None] | None) -> StableCone:
     rays = pyramid(program, 2)
     found = stable_cone(rays, progress=progress)
-    opening = Opening(spread(program))
+    opening = Opening(cone_problem(program))
 
     def judged(proof: Proof) -> ForceProof | MotionProof:
         turned, certificate = program.turned(proof.down), proof.certificate
         if isinstance(certificate, ForceProof):
-            return check_forces(turned, *gathered(program, rays, certificate.forces))
+            return check_forces(turned, *pyramid_forces(program, rays, certificate.forces))
         motion = check_motion(turned, certificate.motion)
         # what a simplex leaves of a violation is mended
         return motion if motion.holds else check_motion(turned, opening.mended(motion.motion))
@@ -139,7 +145,7 @@ class _Cutting:
 
     def __init__(self, program: Program, progress: Callable[[str], None] | None) -> None:
         self.program, self.progress = program, progress
-        self.wide: Spread = spread(program)
+        self.wide: ConeProblem = cone_problem(program)
         self.opening = Opening(self.wide)
         self.axes = np.array([gravity_wrench(program, axis) for axis in np.eye(3)])
         self.rays: list[Proof] = []

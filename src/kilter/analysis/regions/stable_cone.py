@@ -39,7 +39,7 @@ from kilter.analysis.turning_tolerances import (
 from kilter.arrays import Array
 from kilter.errors import InputError
 from kilter.mechanics.certificate import ForceProof, MotionProof, check_forces, check_motion
-from kilter.mechanics.forms import Scaled, scaled
+from kilter.mechanics.forms import ScaledProblem, scaled_problem
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program
 
@@ -143,7 +143,7 @@ def stable_cone(program: Program, *, progress: Callable[[str], None] | None = No
     if not program.free.any():
         cone = make_cone(across, np.empty((0, 3)), np.empty((0, 3)), blur)
         return StableCone(cone, cone.facets, (), 0)
-    problem = scaled(program)
+    problem = scaled_problem(program)
     coarse = blur > BLUR_OVER_TOLERANCE * TOLERANCE
     best: StableCone | None = None
     programs = 0
@@ -165,7 +165,7 @@ def _held(found: StableCone) -> float:
 
 
 def _at_price(
-    problem: Scaled, price: float | None, blur: float, progress: Callable[[str], None] | None
+    problem: ScaledProblem, price: float | None, blur: float, progress: Callable[[str], None] | None
 ) -> StableCone:
     """The cone and its proofs, at one price of imbalance."""
     program = problem.program
@@ -193,7 +193,7 @@ def _at_price(
     return StableCone(cone, cone.facets, proofs, oracle.programs)
 
 
-def _loads(problem: Scaled) -> tuple[csc_array, Array]:
+def _loads(problem: ScaledProblem) -> tuple[csc_array, Array]:
     """B, shape (rows, d), and the axes of g in the world, shape (d, 3): g_world = g @ axes.
 
     Unit gravity is as long as the program's; the scaled load of a part is then g itself.
@@ -207,7 +207,7 @@ def _loads(problem: Scaled) -> tuple[csc_array, Array]:
     return loads, problem.frame[[0, 2]] if problem.program.planar else problem.frame
 
 
-def _stable(problem: Scaled, cone: Cone, grown: Grown, oracle: ConeOracle) -> list[Proof]:
+def _stable(problem: ScaledProblem, cone: Cone, grown: Grown, oracle: ConeOracle) -> list[Proof]:
     """Forces for every ray and both signs of every line."""
     _, axes = _loads(problem)
     asked = [("ray", ray, ray) for ray in cone.rays]
@@ -219,7 +219,7 @@ def _stable(problem: Scaled, cone: Cone, grown: Grown, oracle: ConeOracle) -> li
 
 
 def _forces(
-    problem: Scaled, axes: Array, down: Array, grown: Grown, oracle: ConeOracle
+    problem: ScaledProblem, axes: Array, down: Array, grown: Grown, oracle: ConeOracle
 ) -> ForceProof:
     """Forces for one direction: those it was found with, or asked for anew."""
     program = problem.program.turned(down)
@@ -235,7 +235,7 @@ def _forces(
     return proof
 
 
-def _unstable(problem: Scaled, cone: Cone, grown: Grown) -> list[Proof]:
+def _unstable(problem: ScaledProblem, cone: Cone, grown: Grown) -> list[Proof]:
     """Motions for a direction just outside each facet, and on both sides of each equation."""
     _, axes = _loads(problem)
     proofs = []
@@ -252,7 +252,7 @@ def _unstable(problem: Scaled, cone: Cone, grown: Grown) -> list[Proof]:
 
 
 def _motion(
-    problem: Scaled, about: str, vector: Array, outward: Array, on: Array, found: Reach
+    problem: ScaledProblem, about: str, vector: Array, outward: Array, on: Array, found: Reach
 ) -> Proof:
     """A direction just outside and the motion that proves it, as near as the proof holds.
 

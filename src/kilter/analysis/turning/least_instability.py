@@ -35,7 +35,7 @@ from kilter.analysis.turning_tolerances import (
     KAPPA_RESIDUAL,
 )
 from kilter.arrays import Array, Index
-from kilter.mechanics.forms import Scaled, impending_motion, scaled
+from kilter.mechanics.forms import ScaledProblem, impending_motion, scaled_problem
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import ConicProgram
 
@@ -120,7 +120,7 @@ class _Known:
     """Directions asked so far: kappa, and b and psi over sqrt(m)."""
 
     def __init__(self, program: Program, axes: Index) -> None:
-        self._problem: Scaled = scaled(program)
+        self._problem: ScaledProblem = scaled_problem(program)
         self._axes = axes
         self.kappa: list[float] = []
         self.slope: list[Array] = []

@@ -15,7 +15,7 @@ import numpy as np
 from kilter.analysis.analysis_tolerances import PRESSES
 from kilter.arrays import Array, Index
 from kilter.mechanics.certificate import ForceProof, check_forces
-from kilter.mechanics.coulomb_cones import least_forces, spread
+from kilter.mechanics.coulomb_cones import cone_problem, least_forces
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
 
@@ -146,7 +146,7 @@ def _least(program: Program) -> ForceProof | None:
 
     if not program.free.any():
         return None
-    wide = spread(program)
+    wide = cone_problem(program)
     answer = solve_conic(least_forces(wide))
     if not answer.found:
         return None

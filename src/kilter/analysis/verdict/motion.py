@@ -32,8 +32,8 @@ from kilter.analysis.analysis_tolerances import (
 )
 from kilter.arrays import TINY, Array, Mask
 from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes
-from kilter.mechanics.forms import scaled
-from kilter.mechanics.gauss import LeastConstraint, halved, least_constraint
+from kilter.mechanics.forms import scaled_problem
+from kilter.mechanics.gauss import LeastConstraint, least_constraint, mirror_half
 from kilter.mechanics.program import Program
 from kilter.solvers.block_cholesky import NotPositive
 from kilter.solvers.projection import solve_projection
@@ -167,7 +167,7 @@ def _least_constrained(program: Program) -> tuple[Array, float] | None:
     """
     from kilter.solvers.clarabel import solve_quadratic
 
-    problem = scaled(program)
+    problem = scaled_problem(program)
     whole = least_constraint(problem)
     found: list[tuple[Array, float]] = []
 
@@ -184,7 +184,7 @@ def _least_constrained(program: Program) -> tuple[Array, float] | None:
         if answer.found and tried(whole, answer.x, answer.multipliers) <= MOTION_GOOD:
             return found[-1]
     many = len(whole.cone.load) > MANY
-    smaller = halved(whole, problem)
+    smaller = mirror_half(whole, problem)
     for one in (whole,) if smaller is None else (smaller, whole):
         try:
             solution = solve_projection(one.cone, enough=MOTION_ASKED if many else 0.0)

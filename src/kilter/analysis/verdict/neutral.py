@@ -20,7 +20,7 @@ from scipy.sparse import csc_array, diags_array, hstack, vstack
 
 from kilter.analysis.analysis_tolerances import RANK
 from kilter.arrays import TINY, Array, Mask
-from kilter.mechanics.forms import Scaled, scaled
+from kilter.mechanics.forms import ScaledProblem, scaled_problem
 from kilter.mechanics.mechanics_tolerances import ZERO_ENTRY
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import LinearProgram
@@ -56,7 +56,7 @@ def find_neutral(program: Program) -> Neutral | None:
         return None
     if not program.free.any():
         return Neutral(0, 0)
-    problem = scaled(program)
+    problem = scaled_problem(program)
     opening = _unit_rows(problem)
     blur = float(max(RANK, 10 * program.tolerance.max()))
     power = problem.power()
@@ -71,7 +71,7 @@ def find_neutral(program: Program) -> Neutral | None:
     return Neutral(two_sided, one_sided)
 
 
-def _unit_rows(problem: Scaled) -> Array:
+def _unit_rows(problem: ScaledProblem) -> Array:
     """Rows of J in scaled unknowns, each of length 1, each different one once; dense."""
     rows = problem.openings().toarray()
     length = np.linalg.norm(rows, axis=1)
@@ -89,7 +89,7 @@ def _rank(matrix: Array, blur: float) -> int:
     return int((values > blur * max(values.max(initial=0.0), TINY)).sum())
 
 
-def _never_open(problem: Scaled, opening: Array, load: Array, blur: float) -> Mask | None:
+def _never_open(problem: ScaledProblem, opening: Array, load: Array, blur: float) -> Mask | None:
     """Rows that no motion of the cone opens; None where no solver finished the program."""
     from kilter.solvers.highs import find_optimum
 

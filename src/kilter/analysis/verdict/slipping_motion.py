@@ -13,7 +13,7 @@ from scipy.sparse import block_diag, csc_array, csr_array, eye_array, hstack, vs
 
 from kilter.analysis.verdict.motion import ImpendingMotion, motion_of, optimality, still, unknown
 from kilter.arrays import Array
-from kilter.mechanics.coulomb_cones import Spread, spread
+from kilter.mechanics.coulomb_cones import ConeProblem, cone_problem
 from kilter.mechanics.forms import impending_motion
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import ConicProgram
@@ -49,7 +49,7 @@ def find_slipping_motion(program: Program) -> ImpendingMotion:
 
     if not program.free.any():
         return still(program)
-    wide, rows = spread(program), program.two_sided
+    wide, rows = cone_problem(program), program.two_sided
     answer = solve_conic(_slipping(wide), tolerance=CONIC)
     if not answer.found:
         return unknown(program)
@@ -70,7 +70,7 @@ def find_slipping_motion(program: Program) -> ImpendingMotion:
     return motion_of(program, acceleration, residual)
 
 
-def _slipping(wide: Spread) -> ConicProgram:
+def _slipping(wide: ConeProblem) -> ConicProgram:
     """The principle in scaled unknowns, x = (a, bound of |a_t| at each bond)."""
     program, rough = wide.program, len(wide.rough)
     gauss = impending_motion(wide.problem)  # of which only the masses and the load count

@@ -13,7 +13,7 @@ from kilter.analysis.planning.hold.supported import Supported, SupportedState
 from kilter.arrays import Array
 from kilter.contact.supports import Support
 from kilter.errors import InputError
-from kilter.mechanics.bundle import changed, make_bundle
+from kilter.mechanics.bundle import apply_change, make_bundle
 from kilter.mechanics.certificate import check_motion, part_sizes
 from kilter.mechanics.mechanics_tolerances import STILL
 from kilter.mechanics.program import build_program
@@ -163,7 +163,7 @@ class Fixture:
     def _proof(
         self, state: SupportedState, change: dict[str, Any], options: dict[str, Any]
     ) -> dict[str, Any]:
-        assembly, contacts = changed(self.supported.assembly, self.supported.contacts, change)
+        assembly, contacts = apply_change(self.supported.assembly, self.supported.contacts, change)
         program = build_program(assembly, contacts, possible=state.stable is False)
         if state.motion is not None:
             motion = check_motion(program, state.motion.motion)

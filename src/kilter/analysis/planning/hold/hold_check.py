@@ -17,7 +17,7 @@ from kilter.analysis.planning.states.covers import least_cover
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.contact.supports import Support, with_supports
-from kilter.mechanics.bundle import changed
+from kilter.mechanics.bundle import apply_change
 from kilter.mechanics.certificate import check_motion
 from kilter.mechanics.program import build_program
 
@@ -90,7 +90,7 @@ def _shares(
 ) -> dict[int, float]:
     """The shares that the other candidates take of the motion of a proof."""
     every = with_supports(assembly, contacts, [one for one in candidates if one.kind != "grip"])
-    program = build_program(*changed(assembly, contacts, entry["change"]), possible=True)
+    program = build_program(*apply_change(assembly, contacts, entry["change"]), possible=True)
     motion = np.zeros((len(program.names), 6))
     number = {name: k for k, name in enumerate(program.names)}
     for name, six in entry["proof"]["motion"].items():

@@ -37,7 +37,7 @@ from kilter.analysis.planning.states.state import State
 from kilter.analysis.planning.states.states import States
 from kilter.arrays import Mask
 from kilter.mechanics.coulomb_cones import pyramid
-from kilter.mechanics.forms import scaled
+from kilter.mechanics.forms import scaled_problem
 from kilter.mechanics.program import Program
 from kilter.solvers.problem import LinearProgram
 
@@ -250,7 +250,7 @@ def common_down(programs: Sequence[Program]) -> Direction | None:
 
     if not programs:
         return None
-    problems = [scaled(pyramid(one, SIDES)) for one in programs]
+    problems = [scaled_problem(pyramid(one, SIDES)) for one in programs]
     right = []
     for problem in problems:
         wrench = np.zeros((3, len(problem.program.mass), 6))

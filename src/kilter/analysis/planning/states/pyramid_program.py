@@ -16,8 +16,8 @@ import numpy as np
 
 from kilter.analysis.planning.states.state_programs import rows_of_state
 from kilter.arrays import Array, Mask
-from kilter.mechanics.coulomb_cones import gathered, pyramid
-from kilter.mechanics.forms import load_factor, scaled
+from kilter.mechanics.coulomb_cones import pyramid, pyramid_forces
+from kilter.mechanics.forms import load_factor, scaled_problem
 from kilter.mechanics.program import Program
 
 __all__ = ["PyramidProgram"]
@@ -45,7 +45,7 @@ class PyramidProgram:
 
         self._whole = whole
         self._rays = pyramid(whole, SIDES)
-        self._problem = scaled(self._rays)
+        self._problem = scaled_problem(self._rays)
         program = load_factor(self._problem)
         self._kept = KeptProgram(program, warm="dual", goal="point")
         self._lower, self._upper = program.lower[:-1], program.upper[:-1]
@@ -80,7 +80,7 @@ class PyramidProgram:
         factor = float(answer.x[-1])
         if factor > 0.5:
             forces = self._problem.forces(answer.x[:-1]) / factor
-            return gathered(self._whole, self._rays, forces)
+            return pyramid_forces(self._whole, self._rays, forces)
         if not len(answer.multipliers):
             return None
         motion = self._problem.motion(self._problem.over_weight(-answer.multipliers))
