@@ -17,7 +17,7 @@ from kilter.analysis.decision.judge import judge
 from kilter.mechanics.program import build_program
 from kilter.scenes import scene
 from kilter.scenes.walls import wall_of
-from kilter.second_order.whole import find_second_order
+from kilter.second_order.answer.whole import find_second_order
 from kilter.shape.primitives import Box
 from kilter.threads import on_one_thread
 

@@ -12,9 +12,9 @@ import kilter
 from kilter.assembly import Assembly
 from kilter.mechanics.program import build_program
 from kilter.scenes.balance import CASES, GRIP, ROLLING, Case
-from kilter.second_order.features_of import features_of
-from kilter.second_order.rolling import find_rolling
-from kilter.second_order.second_order_answer import SecondOrder
+from kilter.second_order.answer.second_order_answer import SecondOrder
+from kilter.second_order.gaps.features_of import features_of
+from kilter.second_order.motions.rolling import find_rolling
 from kilter.tell.numbers import number
 
 PAGE = Path(__file__).resolve().parent / "known-answers.md"

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from kilter.analysis.verdict.verdict import Verdict
     from kilter.assembly import Assembly
     from kilter.contact import ContactSet, Tolerance
-    from kilter.second_order.path_places import PathPlaces
+    from kilter.second_order.answer.path_places import PathPlaces
     from kilter.show.serve import PageServer
 
 __all__ = ["Report", "animate", "draw", "report", "view"]
@@ -306,7 +306,7 @@ def animate(subject: Order | Region | Verdict, out: str | Path | None = None) ->
 
     Of a plan each part comes in along its way, and held parts are marked; at rest all is put
     together. Of a verdict the parts that move start to move, and stop before one enters another;
-    where it is balanced they fall along its path (`kilter.second_order.path_places`).
+    where it is balanced they fall along its path (`kilter.second_order.answer.path_places`).
     Lengths in metres, y up, as glTF has it.
 
     Parameters
@@ -369,7 +369,7 @@ def _film_of(verdict: Verdict) -> bytes:
 
 def _path_of(verdict: Verdict) -> PathPlaces | None:
     """How what is balanced falls."""
-    from kilter.second_order.path_places import find_path_places
+    from kilter.second_order.answer.path_places import find_path_places
 
     second = verdict.second_order
     return None if second is None else find_path_places(verdict.assembly, second)

@@ -13,7 +13,7 @@ import kilter
 from kilter import Assembly, Part, Pose, Sphere
 from kilter.scenes import scene
 from kilter.scenes.balance import CASES
-from kilter.second_order.path_places import find_path_places
+from kilter.second_order.answer.path_places import find_path_places
 
 pytestmark = pytest.mark.browser
 

@@ -14,9 +14,9 @@ from kilter import Assembly, Box, Cylinder, Feature, GivenContact, Mesh, Part, P
 from kilter.mechanics.program import build_program
 from kilter.scenes.pieces import cells, turn
 from kilter.scenes.transform import moved
-from kilter.second_order.features import EDGE, FACE, OPEN, VERTEX, Features
-from kilter.second_order.features_of import features_of
-from kilter.second_order.gap_form import formed, gap_forms
+from kilter.second_order.gaps.features import EDGE, FACE, OPEN, VERTEX, Features
+from kilter.second_order.gaps.features_of import features_of
+from kilter.second_order.gaps.gap_form import formed, gap_forms
 from kilter.shape.primitives import surface
 
 X, Y, Z = np.eye(3)

@@ -19,7 +19,7 @@ from kilter import Assembly, Box, Feature, GivenContact, Part, Pose, Sphere
 from kilter.mechanics.program import build_program
 from kilter.scenes.balance import GRIP, ROLLING
 from kilter.scenes.paper import figure_9
-from kilter.second_order.second_order_recheck import recheck_second_order
+from kilter.second_order.proofs.second_order_recheck import recheck_second_order
 
 BLOCK = Part("block", Box([1, 1, 1]), Pose([4, 0, 0.5]))
 LOW = Part("low", Sphere(0.5), Pose([0, 0, 0.5]), grounded=True)

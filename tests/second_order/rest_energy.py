@@ -24,9 +24,9 @@ from scipy.optimize import linprog
 import kilter
 from kilter.arrays import Array
 from kilter.mechanics.program import Program, build_program
-from kilter.second_order.parting_planes import PartingPlanes, Places
-from kilter.second_order.second_order_answer import SecondOrder
-from kilter.second_order.separation import least_separation
+from kilter.second_order.answer.second_order_answer import SecondOrder
+from kilter.second_order.parts.parting_planes import PartingPlanes, Places
+from kilter.second_order.parts.separation import least_separation
 
 RADII = (0.02, 0.005)
 """Of the boxes, over the size of the smallest part."""

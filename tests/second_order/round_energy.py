@@ -21,12 +21,12 @@ from scipy.optimize import minimize
 import kilter
 from kilter.arrays import Array
 from kilter.mechanics.program import build_program
-from kilter.second_order.critical import find_critical
-from kilter.second_order.decide import Decision, decide
-from kilter.second_order.features_of import features_of
-from kilter.second_order.gap_form import formed, gap_forms
-from kilter.second_order.paths import Path
-from kilter.second_order.stationary import Stationary, stationary
+from kilter.second_order.gaps.features_of import features_of
+from kilter.second_order.gaps.gap_form import formed, gap_forms
+from kilter.second_order.gaps.stationary import Stationary, stationary
+from kilter.second_order.proofs.paths import Path
+from kilter.second_order.searches.critical import find_critical
+from kilter.second_order.searches.decide import Decision, decide
 
 ENTERED = 1e-4
 """How much lower what is free may seem, over t^2: gaps may be entered by a hundredth of it."""

@@ -15,7 +15,7 @@ from kilter.cli import main
 from kilter.files.kilter_json import to_dict
 from kilter.scenes import scene
 from kilter.scenes.balance import CASES, Case
-from kilter.second_order.minimum_proof import MinimumProof, judge_minimum
+from kilter.second_order.proofs.minimum_proof import MinimumProof, judge_minimum
 from kilter.shape.primitives import Box, Cylinder, Sphere
 
 

@@ -10,8 +10,8 @@ import kilter
 from kilter.arrays import Array
 from kilter.mechanics.program import build_program
 from kilter.scenes.balance import CASES, ROLLING, Case
-from kilter.second_order.features_of import features_of
-from kilter.second_order.gap_form import formed, gap_forms
+from kilter.second_order.gaps.features_of import features_of
+from kilter.second_order.gaps.gap_form import formed, gap_forms
 
 ALL = [*CASES, *ROLLING]
 

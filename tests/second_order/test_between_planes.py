@@ -12,7 +12,7 @@ from kilter import Assembly, Box, Part, Pose, Sphere
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
 from kilter.scenes.transform import moved
-from kilter.second_order.separation import least_separation
+from kilter.second_order.parts.separation import least_separation
 
 WALLS = [
     Part("left", Box([1, 10, 10]), Pose([-1, 0, 5]), grounded=True),

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array
 
-from kilter.second_order.carrying import all_carry, carry_beyond_doubt, carrying_rows
+from kilter.second_order.gaps.stationary import Stationary
+from kilter.second_order.proofs.carrying import all_carry, carry_beyond_doubt, carrying_rows
 from kilter.second_order.second_order_tolerances import BEARS
-from kilter.second_order.stationary import Stationary
 
 JUST = (0.9, 1.1)
 """Of a limit, on both sides."""

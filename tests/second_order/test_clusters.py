@@ -15,8 +15,8 @@ from kilter import Assembly, Feature, GivenContact, Part, Pose, Sphere
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
 from kilter.scenes.balance import CASES
-from kilter.second_order.clusters import clusters, joined_state
-from kilter.second_order.second_order_answer import SecondOrder
+from kilter.second_order.answer.second_order_answer import SecondOrder
+from kilter.second_order.parts.clusters import clusters, joined_state
 from kilter.shape.primitives import Box
 
 KNOWN = ["02", "03", "07", "25", "26", "34", "35", "37", "38"]

@@ -9,8 +9,8 @@ import pytest
 
 from kilter.arrays import Array
 from kilter.rigid import skew
-from kilter.second_order.decide import Decision, decide
-from kilter.second_order.minimum_proof import (
+from kilter.second_order.gaps.stationary import Stationary
+from kilter.second_order.proofs.minimum_proof import (
     Leaf,
     MinimumProof,
     judge_minimum,
@@ -19,8 +19,8 @@ from kilter.second_order.minimum_proof import (
     sides_of_cone,
     split,
 )
-from kilter.second_order.paths import Path, judge_path
-from kilter.second_order.stationary import Stationary
+from kilter.second_order.proofs.paths import Path, judge_path
+from kilter.second_order.searches.decide import Decision, decide
 
 UP = np.array([0.0, 0.0, 1.0])
 BEYOND = 1e-6

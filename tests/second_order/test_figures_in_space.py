@@ -22,11 +22,11 @@ from kilter.arrays import Array, unit_rows
 from kilter.mechanics.program import Program, build_program
 from kilter.scenes import scene
 from kilter.scenes.paper import figure_1
-from kilter.second_order.decide import decide
-from kilter.second_order.features_of import features_of
-from kilter.second_order.gap_form import gap_forms
-from kilter.second_order.paths import Path
-from kilter.second_order.stationary import Stationary, stationary
+from kilter.second_order.gaps.features_of import features_of
+from kilter.second_order.gaps.gap_form import gap_forms
+from kilter.second_order.gaps.stationary import Stationary, stationary
+from kilter.second_order.proofs.paths import Path
+from kilter.second_order.searches.decide import decide
 
 FINDINGS = pathlib.Path(__file__).parents[2] / "docs" / "findings.md"
 TURNED = ("paper-figure-1-turned", "paper-figure-11-turned", "paper-figure-12-turned")

@@ -11,9 +11,9 @@ import pytest
 import kilter
 from kilter import Assembly, Part, Pose, Prism
 from kilter.mechanics.program import build_program
-from kilter.second_order.features_of import features_of
-from kilter.second_order.second_order_answer import SecondOrder
-from kilter.second_order.stationary import problem_of
+from kilter.second_order.answer.second_order_answer import SecondOrder
+from kilter.second_order.gaps.features_of import features_of
+from kilter.second_order.gaps.stationary import problem_of
 from kilter.shape.primitives import Box
 
 Build = Callable[..., list[Part]]

@@ -13,8 +13,8 @@ import kilter
 from kilter import Assembly, Box, GivenContact, Part, Pose
 from kilter.arrays import Array, across
 from kilter.mechanics.program import Program, build_program
-from kilter.second_order.features import EDGE, FACE, OPEN, VERTEX, Features
-from kilter.second_order.gap_form import corner_slips, formed, gap_forms
+from kilter.second_order.gaps.features import EDGE, FACE, OPEN, VERTEX, Features
+from kilter.second_order.gaps.gap_form import corner_slips, formed, gap_forms
 
 Side = tuple[int, Array, Array]
 """Kind, edge and curvature of one part's feature."""

@@ -17,9 +17,9 @@ from kilter.files import from_dict
 from kilter.mechanics.program import build_program
 from kilter.scenes.pieces import turn
 from kilter.scenes.transform import moved, permuted, renamed, scaled
-from kilter.second_order.features import EDGE, FACE, OPEN, VERTEX, Features
-from kilter.second_order.features_of import features_of
-from kilter.second_order.gap_form import formed, gap_forms
+from kilter.second_order.gaps.features import EDGE, FACE, OPEN, VERTEX, Features
+from kilter.second_order.gaps.features_of import features_of
+from kilter.second_order.gaps.gap_form import formed, gap_forms
 
 UP = [0.0, 0, 1]
 CYLINDER = Feature("face", [0, 3, 0], (0, 0.5))

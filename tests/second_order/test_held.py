@@ -16,10 +16,11 @@ from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import digest_of
 from kilter.scenes import scene
 from kilter.scenes.walls import wall_of
-from kilter.second_order import critical, level_rest_search, whole
-from kilter.second_order import held as held_judge
-from kilter.second_order.held import Held, judge_held, unbalanced
-from kilter.second_order.held_search import find_held
+from kilter.second_order.answer import whole
+from kilter.second_order.proofs import held as held_judge
+from kilter.second_order.proofs.held import Held, judge_held, unbalanced
+from kilter.second_order.searches import critical, level_rest_search
+from kilter.second_order.searches.held_search import find_held
 from kilter.second_order.second_order_tolerances import BALANCED, BEARS
 from kilter.shape.primitives import Box
 

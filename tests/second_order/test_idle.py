@@ -12,7 +12,7 @@ from random_rests import groove, random_rest
 import kilter
 from kilter import Assembly, Box, Part, Pose, Sphere
 from kilter.mechanics.proof import digest_of
-from kilter.second_order.second_order_answer import SecondOrder
+from kilter.second_order.answer.second_order_answer import SecondOrder
 
 FLOOR = Part("floor", Box([10, 10, 1]), Pose([0, 0, -0.5]), grounded=True)
 WALL = Part("wall", Box([1, 10, 10]), Pose([-1.5, 0, 5]), grounded=True)

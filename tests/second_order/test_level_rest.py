@@ -16,13 +16,13 @@ from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import digest_of
 from kilter.scenes import scene
 from kilter.scenes.walls import wall_of
-from kilter.second_order.level_rest import (
+from kilter.second_order.answer.second_order_answer import SecondOrder
+from kilter.second_order.proofs.level_rest import (
     LevelRest,
     judge_level_rest,
     level_rows,
 )
-from kilter.second_order.level_rest_search import find_level_rest
-from kilter.second_order.second_order_answer import SecondOrder
+from kilter.second_order.searches.level_rest_search import find_level_rest
 from kilter.shape.primitives import Box
 
 

@@ -16,9 +16,9 @@ import kilter
 from kilter import Assembly, GivenContact, Part, Pose
 from kilter.arrays import Array
 from kilter.mechanics.program import Program, build_program
-from kilter.second_order import level_rest
-from kilter.second_order.bearing import bearing_of, level_axes
-from kilter.second_order.level_rest import (
+from kilter.second_order.parts.bearing import bearing_of, level_axes
+from kilter.second_order.proofs import level_rest
+from kilter.second_order.proofs.level_rest import (
     LevelRest,
     judge_level_rest,
     level_rows,

@@ -13,12 +13,12 @@ import kilter
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
 from kilter.scenes.paper import figure_9
-from kilter.second_order.critical import find_critical
-from kilter.second_order.features_of import features_of
-from kilter.second_order.gap_form import gap_forms
-from kilter.second_order.locked import Faces, LockedTurns, faces_of, judge_locked, shifts
-from kilter.second_order.locking_stress import find_locked
-from kilter.second_order.stationary import Stationary, stationary
+from kilter.second_order.gaps.features_of import features_of
+from kilter.second_order.gaps.gap_form import gap_forms
+from kilter.second_order.gaps.stationary import Stationary, stationary
+from kilter.second_order.proofs.locked import Faces, LockedTurns, faces_of, judge_locked, shifts
+from kilter.second_order.searches.critical import find_critical
+from kilter.second_order.searches.locking_stress import find_locked
 from kilter.work import Work
 
 

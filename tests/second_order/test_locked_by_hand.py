@@ -15,10 +15,10 @@ import pytest
 import kilter
 from kilter import Assembly, Box, Part, Pose
 from kilter.mechanics.program import build_program
-from kilter.second_order.features_of import features_of
-from kilter.second_order.locked import Faces, LockedTurns, faces_of, judge_locked, shifts
+from kilter.second_order.gaps.features_of import features_of
+from kilter.second_order.gaps.stationary import Stationary, problem_of
+from kilter.second_order.proofs.locked import Faces, LockedTurns, faces_of, judge_locked, shifts
 from kilter.second_order.second_order_tolerances import ACROSS, BEARS, CURVED
-from kilter.second_order.stationary import Stationary, problem_of
 
 X, Y, Z, TURN = np.eye(6)[[0, 1, 2, 5]]
 JUST = (0.9, 1.1)

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kilter.second_order.minimum_proof import (
+from kilter.second_order.gaps.stationary import Stationary
+from kilter.second_order.proofs.minimum_proof import (
     Leaf,
     MinimumProof,
     definite,
@@ -22,7 +23,6 @@ from kilter.second_order.minimum_proof import (
     split,
 )
 from kilter.second_order.second_order_tolerances import ACROSS, BEARS, CURVED, LEVEL
-from kilter.second_order.stationary import Stationary
 
 X, Y, G, Z = np.eye(4)
 XY = np.column_stack([X, Y])

@@ -14,7 +14,7 @@ from kilter import Assembly, Bond, Box, Cylinder, Joint, Load, Mesh, Part, Pose,
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
 from kilter.scenes.balance import CASES
-from kilter.second_order.modelled import (
+from kilter.second_order.proofs.modelled import (
     OFF_CENTRE,
     loads_off_centre,
     why_beyond,

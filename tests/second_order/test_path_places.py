@@ -13,8 +13,8 @@ import kilter
 from kilter import Assembly, Box, Cylinder, Part, Pose, Sphere
 from kilter.arrays import Array
 from kilter.scenes import scene
-from kilter.second_order.path_places import ALLOWED, PathPlaces, find_path_places
-from kilter.second_order.second_order_answer import SecondOrder
+from kilter.second_order.answer.path_places import ALLOWED, PathPlaces, find_path_places
+from kilter.second_order.answer.second_order_answer import SecondOrder
 from kilter.work import Work
 
 LYING = Pose.of([[1, 0, 0], [0, 0, -1], [0, 1, 0]]).rotation

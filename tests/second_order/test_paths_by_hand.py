@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kilter.second_order.paths import Path, judge_path
+from kilter.second_order.gaps.stationary import Stationary
+from kilter.second_order.proofs.paths import Path, judge_path
 from kilter.second_order.second_order_tolerances import (
     ACROSS,
     DROPS,
@@ -21,7 +22,6 @@ from kilter.second_order.second_order_tolerances import (
     REACHES,
     SLIPS,
 )
-from kilter.second_order.stationary import Stationary
 
 X, Y, Z = np.eye(3)
 JUST = (0.9, 1.1)

@@ -15,15 +15,15 @@ import kilter
 from kilter import Assembly
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
-from kilter.second_order.critical import null_space
-from kilter.second_order.decide import decide
-from kilter.second_order.features_of import features_of
-from kilter.second_order.free_motions import find_free_motions
-from kilter.second_order.free_span import free_span
-from kilter.second_order.minimum_proof import MinimumProof
-from kilter.second_order.second_order_file import by_part
-from kilter.second_order.stationary import problem_of
-from kilter.second_order.touched_surfaces import touched_surfaces
+from kilter.second_order.gaps.features_of import features_of
+from kilter.second_order.gaps.stationary import problem_of
+from kilter.second_order.gaps.touched_surfaces import touched_surfaces
+from kilter.second_order.motions.free_motions import find_free_motions
+from kilter.second_order.motions.free_span import free_span
+from kilter.second_order.motions.null_space import null_space
+from kilter.second_order.proofs.minimum_proof import MinimumProof
+from kilter.second_order.proofs.second_order_file import by_part
+from kilter.second_order.searches.decide import decide
 
 
 @pytest.mark.parametrize("kind", [kind for kind in BUILD if kind != "flat"])

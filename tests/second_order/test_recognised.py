@@ -15,11 +15,11 @@ from test_second_order_file import changed, numbers
 import kilter
 from kilter import Assembly
 from kilter.mechanics.program import build_program
-from kilter.second_order import one_cluster
-from kilter.second_order.features_of import features_of
-from kilter.second_order.gap_form import gap_forms
-from kilter.second_order.recognised import bounded
-from kilter.second_order.stationary import stationary
+from kilter.second_order.answer import one_cluster
+from kilter.second_order.gaps.features_of import features_of
+from kilter.second_order.gaps.gap_form import gap_forms
+from kilter.second_order.gaps.recognised import bounded
+from kilter.second_order.gaps.stationary import stationary
 
 SEEDS = range(10)
 DECIDED = ("ball_in_bowl", "ball_on_ball", "ball_on_table", "ball_on_log", "ball_in_pipe")

@@ -14,8 +14,8 @@ from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
 from kilter.scenes.balance import CASES, ROLLING, Case
 from kilter.scenes.transform import moved
-from kilter.second_order.rigid_groups import RigidGroups
-from kilter.second_order.second_order_answer import SecondOrder
+from kilter.second_order.answer.second_order_answer import SecondOrder
+from kilter.second_order.parts.rigid_groups import RigidGroups
 
 FLOOR = Part("floor", Box([20, 20, 1]), Pose([0, 0, -0.5]), grounded=True)
 BALL = Part("ball", Sphere(0.5), Pose([0, 0, 0.5]), mass=1.0)

@@ -13,8 +13,8 @@ from kilter import Assembly
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import digest_of
 from kilter.scenes.balance import GRIP, ROLLING, Case
-from kilter.second_order.features_of import features_of
-from kilter.second_order.rolling import Rolling, find_rolling
+from kilter.second_order.gaps.features_of import features_of
+from kilter.second_order.motions.rolling import Rolling, find_rolling
 
 OFF = 1e-6
 

@@ -11,7 +11,7 @@ from kilter.assembly.lowest import lowest_heights
 from kilter.rigid import Pose
 from kilter.scenes.lathe import turned_part
 from kilter.scenes.pieces import floor
-from kilter.second_order.separation import bodies_of, turn_of
+from kilter.second_order.parts.separation import bodies_of, turn_of
 
 UP = np.array([0.0, 0.0, 1.0])
 LIMIT = 1 / np.sqrt(2)

@@ -13,7 +13,7 @@ from kilter import Assembly, Box, Cylinder, Joint, Part, Pose, Sphere
 from kilter.mechanics.proof import digest_of
 from kilter.scenes import scene
 from kilter.scenes.balance import CASES
-from kilter.second_order.configuration import STEPS
+from kilter.second_order.proofs.configuration import STEPS
 
 Place = tuple[str | int, ...]
 

@@ -11,7 +11,7 @@ from kilter import Assembly, Cylinder, Mesh, Part, Pose, Sphere
 from kilter.arrays import Array
 from kilter.mechanics.program import build_program
 from kilter.rigid import matrix_to_quaternion
-from kilter.second_order.separation import (
+from kilter.second_order.parts.separation import (
     bodies_of,
     least_separation,
     separation,

@@ -13,19 +13,19 @@ from kilter import Assembly, Box, ContactSet, Cylinder, Part, Pose
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import digest_of
 from kilter.mechanics.rows import CONTACT, POSSIBLE
-from kilter.second_order.features_of import features_of
-from kilter.second_order.free_span import scaled_columns
-from kilter.second_order.opening_contacts import enough_to_open
-from kilter.second_order.path_search import find_path
-from kilter.second_order.paths import judge_path
-from kilter.second_order.second_order_file import by_part, named_motion
-from kilter.second_order.sharp_points import (
+from kilter.second_order.gaps.features_of import features_of
+from kilter.second_order.gaps.stationary import problem_of
+from kilter.second_order.motions.free_span import scaled_columns
+from kilter.second_order.motions.sharp_points import (
     SharpPoints,
     opens_points,
     sharp_points,
     with_sharp,
 )
-from kilter.second_order.stationary import problem_of
+from kilter.second_order.proofs.paths import judge_path
+from kilter.second_order.proofs.second_order_file import by_part, named_motion
+from kilter.second_order.searches.opening_contacts import enough_to_open
+from kilter.second_order.searches.path_search import find_path
 
 FLOOR = Part("floor", Box([40, 40, 1]), Pose([0, 0, -0.5]), grounded=True)
 

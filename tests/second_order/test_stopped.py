@@ -15,14 +15,14 @@ from kilter import Assembly, Box, Cylinder, Part, Pose, Sphere
 from kilter.arrays import Array, Mask
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
-from kilter.second_order.features_of import features_of
-from kilter.second_order.free_motions import find_free_motions
-from kilter.second_order.free_span import free_span
-from kilter.second_order.gap_form import gap_forms
-from kilter.second_order.stationary import Stationary, stationary
-from kilter.second_order.stopped import Stopped, judge_stopped, level_contacts, level_motions
-from kilter.second_order.stopping_weights import find_stopped
-from kilter.second_order.touched_surfaces import UNKNOWN, Touched, touched_surfaces
+from kilter.second_order.gaps.features_of import features_of
+from kilter.second_order.gaps.gap_form import gap_forms
+from kilter.second_order.gaps.stationary import Stationary, stationary
+from kilter.second_order.gaps.touched_surfaces import UNKNOWN, Touched, touched_surfaces
+from kilter.second_order.motions.free_motions import find_free_motions
+from kilter.second_order.motions.free_span import free_span
+from kilter.second_order.proofs.stopped import Stopped, judge_stopped, level_contacts, level_motions
+from kilter.second_order.searches.stopping_weights import find_stopped
 
 STOP = 0.15
 """Height of the stop: it also keeps the box from tipping, so that its centre may be twice as high

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from kilter.second_order.gaps.stationary import Stationary
+from kilter.second_order.proofs.stopped import Stopped, judge_stopped
 from kilter.second_order.second_order_tolerances import ACROSS, BEARS, CURVED, DROPS, LEVEL
-from kilter.second_order.stationary import Stationary
-from kilter.second_order.stopped import Stopped, judge_stopped
 
 COUPLED, CURVES = 6.0, 5.0
 X, Y, G, Z = np.eye(4)

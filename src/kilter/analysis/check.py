@@ -49,7 +49,7 @@ from kilter.work import EFFORT, Work, units_of
 
 if TYPE_CHECKING:
     from kilter.friction.answer import FrictionAnswer
-    from kilter.second_order.second_order_answer import SecondOrder
+    from kilter.second_order.answer.second_order_answer import SecondOrder
 
 __all__ = ["check"]
 
@@ -162,7 +162,7 @@ def _second_order(
     """What second order says of what is stable without friction."""
     if decision.verdict != "stable" or decision.friction is not None or work.late:
         return None
-    from kilter.second_order.whole import find_second_order, with_rolling  # takes its time
+    from kilter.second_order.answer.whole import find_second_order, with_rolling  # takes its time
 
     proof = decision.judgement.forces
     forces = None if proof is None else proof.forces

@@ -28,7 +28,7 @@ from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.errors import InputError, SolverError
 from kilter.mechanics.program import Program, build_program
-from kilter.second_order.path_places import PathPlaces, find_path_places
+from kilter.second_order.answer.path_places import PathPlaces, find_path_places
 from kilter.threads import on_one_thread
 from kilter.work import EFFORT
 

@@ -27,7 +27,7 @@ from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
 from kilter.mechanics.proof_form import require_form
 from kilter.mechanics.recheck import recheck
-from kilter.second_order.second_order_recheck import recheck_second_order
+from kilter.second_order.proofs.second_order_recheck import recheck_second_order
 
 __all__ = ["Verification", "proof_tolerance", "verify", "verify_proof"]
 

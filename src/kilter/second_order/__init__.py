@@ -1,31 +1,13 @@
-"""Second order: how the gaps of a contact close along motions that keep it touching.
+"""Second order: do neutral motions lead down, along curved gaps?
 
-- `features`: what touches at a contact point, a face, an edge or a vertex, and how it curves
-- `features_of`: the features of the contacts of a program
-- `part_features`: the feature of a part at points of its surface
-- `gap_form`: the second derivative of a gap along the motions of both parts
-- `stationary`: gaps and load to second order, in scaled unknowns
-- `critical`: the motions that cost nothing to first order
-- `curved_energy`: forces under which the energy curves upward
-- `paths`: paths that lead down, judged without a solver
-- `path_search`: the search for them
-- `minimum_proof`: proofs of a minimum, judged without a solver
-- `decide`: minimum, balanced or open
-- `recognised`, `every_surface`: what holds for every surface that a mesh may stand for
-- `touched_surfaces`, `free_motions`, `free_span`: motions that keep every gap and the energy
-- `separation`: parts in other places, held apart exactly
-- `parting_planes`, `path_places`: places along which what is balanced falls
-- `clusters`: free parts that contacts join
-- `carrying`: which contacts carry, whatever rounding leaves of the load
-- `level_rest`, `level_rest_search`, `bearing`: what stands on level faces is free, at any size
-- `held`, `held_search`: forces that leave no motion neutral
-- `locked`, `locking_stress`: what slides on faces, all else locked by self-stress
-- `stopped`, `stopping_weights`: what stops keep from sliding to where it would fall
-- `modelled`, `sharp_points`: what is not known of contacts, and edges and corners of no one normal
-- `rolling`: does friction hold what is balanced, or does it roll off?
-- `second_order_answer`: what is said, with its evidence
-- `one_cluster`: of one cluster
-- `whole`: of all of them, as a check does
-- `second_order_file`, `second_order_recheck`: its proof in a file, judged again
-- `second_order_tolerances`: its tolerances
+Folders, each of which uses only those before it:
+
+- `gaps`: the gap of each contact to second order, from the features that touch there
+- `parts`: groups of parts, their support by one another, and their exact separation
+- `motions`: neutral motions, motions that keep every gap, and rolling with friction
+- `proofs`: the six kinds of proof, their judges and their form in a proof file; no solver
+- `searches`: the searches for these proofs
+- `answer`: the answer for each cluster and for the whole assembly, with its proof file
+
+`second_order_tolerances` has the tolerances of all folders.
 """

@@ -26,7 +26,7 @@ from kilter.contact import ContactSet
 from kilter.mechanics.rows import CONTACT
 
 if TYPE_CHECKING:
-    from kilter.second_order.clusters import State
+    from kilter.second_order.parts.clusters import State
 
 __all__ = ["MOST_RESTS", "PlaceOfRest", "find_rests"]
 

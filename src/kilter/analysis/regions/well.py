@@ -31,9 +31,9 @@ from kilter.assembly.lowest import lowest_heights
 from kilter.contact import ContactSet
 from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
-from kilter.second_order.features import FACE, Features
-from kilter.second_order.features_of import features_of
-from kilter.second_order.gap_form import gap_forms
+from kilter.second_order.gaps.features import FACE, Features
+from kilter.second_order.gaps.features_of import features_of
+from kilter.second_order.gaps.gap_form import gap_forms
 from kilter.units import metres_per_unit
 
 __all__ = ["Well", "find_well"]

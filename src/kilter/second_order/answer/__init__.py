@@ -1,0 +1,8 @@
+"""The answer of second order.
+
+- `whole`: the answer for an assembly, joined from its clusters
+- `one_cluster`: the answer for one cluster
+- `second_order_answer`: the answer with its evidence
+- `oscillation`: the rates of oscillation and of growth
+- `path_places`: exact places along the fall of a balanced assembly
+"""

@@ -1,0 +1,196 @@
+"""The second derivative of a gap along the motions of both parts: one formula for all contacts.
+
+Part i moves by x -> c_i + r_i + exp(theta_i) (x - c_i). With n from a to b, p_i = x - c_i,
+v_i = r_i + theta_i x p_i, v = v_b - v_a, v_t its tangential part, sigma = n x (theta_b - theta_a),
+the features' tangent directions T_i and curvatures A (of a) and B (of b), the gap is
+
+    phi   = n . v + phi'' / 2 + O(3)
+    phi'' = n . (theta_b x (theta_b x p_b)) - n . (theta_a x (theta_a x p_a))
+            + 2 (theta_a x n) . v + psi
+    psi   = min 2 sigma . s + s . B s + u . A u   over s in T_b with u = s + v_t in T_a:
+
+s is where the contact point goes on b, u where on a. The minimum is linear in (sigma, v_t): one
+symmetric system of six unknowns a contact, the step and two multipliers of each constraint, with
+N_i the projection of the tangent plane off T_i, P_i = I - N_i:
+
+    [A + B   N_b    N_a ] [s   ]     [sigma + A v_t]
+    [N_b    -P_b     0  ] [mu_b] = - [      0      ]
+    [N_a      0    -P_a ] [mu_a]     [  N_a v_t    ]
+
+Each lower row says N s = ... and, in the complement, that the multiplier there is zero.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kilter.arrays import Array, Index, Mask, across
+from kilter.mechanics.program import Program
+from kilter.rigid import skew
+from kilter.second_order.gaps.features import EDGE, FACE, Features
+from kilter.second_order.second_order_tolerances import CROSSING, ROUND
+
+__all__ = ["corner_slips", "formed", "gap_forms"]
+
+
+def gap_forms(program: Program, features: Features) -> Array:
+    """Phi'' of each row as a symmetric form, shape (K, 12, 12).
+
+    The unknowns are (r_a, theta_a, r_b, theta_b) about the centres of mass [length unit, rad],
+    world frame; the first derivative is `Program.lever` of b less that of a. The columns of a
+    part that is held or the ground are to be left out.
+
+    Returns
+    -------
+    ndarray, shape (K, 12, 12)
+        Not a number where the contact has no such form (`formed`).
+    """
+    result = np.full((len(features), 12, 12), np.nan)
+    rows = np.flatnonzero(formed(program, features))
+    if len(rows):
+        result[rows] = _forms(program, features.take(rows), rows)
+    return result
+
+
+def formed(program: Program, features: Features) -> Mask:
+    """Rows whose gap has a second derivative, shape (K,).
+
+    Both features are known, together they span the tangent plane (not an edge along an edge,
+    a vertex on a vertex), and where both extend they part from each other: their curvatures
+    add to more than nothing, over the larger and over the size of the smaller part, but along
+    a fibre and where they are conformal.
+    """
+    frame = _frame(program.normal)
+    span_a, span_b = _spans(features, frame)
+    extent = span_a.trace(axis1=1, axis2=2), span_b.trace(axis1=1, axis2=2)
+    crossing = np.linalg.eigvalsh(span_a + span_b)[:, 0] > 1 - np.cos(CROSSING)
+    common = np.where(
+        (extent[0] > EDGE + 0.5)[:, None, None],
+        span_b,
+        np.where((extent[1] > EDGE + 0.5)[:, None, None], span_a, 0.0),
+    )
+    a, b = _curvatures(features, frame, span_a, span_b)
+    size = np.append(program.radius, np.inf)  # the ground is the last
+    scale = 1 / np.minimum(size[program.part_a], size[program.part_b])
+    scale = np.maximum(scale, np.maximum(np.abs(a).max(axis=(1, 2)), np.abs(b).max(axis=(1, 2))))
+    filled = (np.eye(2) - common) * scale[:, None, None]
+    apart = common @ (a + b) @ common + filled
+    rounded = np.linalg.eigvalsh(apart)[:, 0] > ROUND * scale
+    result: Mask = ~features.open & crossing & rounded
+    return result
+
+
+def _forms(program: Program, features: Features, rows: Index) -> Array:
+    """`gap_forms` of rows that have one."""
+    normal, frame = program.normal[rows], _frame(program.normal[rows])
+    arm_a, arm_b = _arms(program, rows)
+    slip, turn = _relative(arm_a, arm_b)
+    form = np.zeros((len(rows), 12, 12))
+    form[:, 3:6] += skew(normal) @ slip
+    form += form.swapaxes(1, 2).copy()
+    form[:, 3:6, 3:6] -= _swing(normal, arm_a)
+    form[:, 9:, 9:] += _swing(normal, arm_b)
+    tangential = np.concatenate([frame @ skew(normal) @ turn, frame @ slip], axis=1)
+    form += tangential.swapaxes(1, 2) @ _rolling(features, frame) @ tangential
+    result: Array = (form + form.swapaxes(1, 2)) / 2
+    return result
+
+
+def corner_slips(program: Program, features: Features) -> Array:
+    """Turn and slip at corners that are flush, shape (K, 4, 12), in the unknowns of `gap_forms`.
+
+    Where two faces end together, the corner of b touches the face of a as long as it stays on it:
+    that is the form that they have. Where it has slipped off, the corner of a touches the face of
+    b. Parts are apart where either is open, and the second gap curves more by
+
+        -2 sigma . v_t
+
+    sigma (rows 0 and 1) and v_t (rows 2 and 3) in a frame across the normal; along the line
+    alone where lines of contact end together. Both are 0 at all other rows.
+    """
+    result = np.zeros((len(features), 4, 12))
+    rows = np.flatnonzero(features.flush)
+    if len(rows):
+        slip, turn = _relative(*_arms(program, rows))
+        normal, frame = program.normal[rows], _frame(program.normal[rows])
+        fibre = features.fibre[rows]
+        line = fibre[:, :, None] * fibre[:, None, :]
+        ends = np.linalg.norm(fibre, axis=1) > 0
+        along = np.where(ends[:, None, None], line, np.eye(3))
+        result[rows] = np.concatenate(
+            [frame @ along @ skew(normal) @ turn, frame @ along @ slip], 1
+        )
+    return result
+
+
+def _arms(program: Program, rows: Index) -> tuple[Array, Array]:
+    """Points of contact about the centres of mass of both parts, shape (k, 3)."""
+    center = np.vstack([program.center, np.zeros(3)])  # the ground is the last
+    point = program.point[rows]
+    return point - center[program.part_a[rows]], point - center[program.part_b[rows]]
+
+
+def _relative(arm_a: Array, arm_b: Array) -> tuple[Array, Array]:
+    """How b slips past a, and turns, by the motions of both, shape (k, 3, 12) each."""
+    eye, none = np.tile(np.eye(3), (len(arm_a), 1, 1)), np.zeros((len(arm_a), 3, 3))
+    slip = np.concatenate([-eye, skew(arm_a), eye, -skew(arm_b)], axis=2)
+    return slip, np.concatenate([none, -eye, none, eye], axis=2)
+
+
+def _frame(normal: Array) -> Array:
+    """Two unit directions across each normal, shape (K, 2, 3)."""
+    return np.stack(across(normal), axis=1)
+
+
+def _swing(normal: Array, arm: Array) -> Array:
+    """N . (theta x (theta x p)) as a form in theta, shape (K, 3, 3)."""
+    product = normal[:, :, None] * arm[:, None, :]
+    along = np.einsum("ki,ki->k", normal, arm)
+    form: Array = (product + product.swapaxes(1, 2)) / 2 - along[:, None, None] * np.eye(3)
+    return form
+
+
+def _spans(features: Features, frame: Array) -> tuple[Array, Array]:
+    """Projections of the tangent plane on the directions T_a and T_b, each (K, 2, 2)."""
+    spans = []
+    for kind, edge in ((features.kind_a, features.edge_a), (features.kind_b, features.edge_b)):
+        along = np.einsum("kij,kj->ki", frame, edge)
+        line = along[:, :, None] * along[:, None, :]
+        full = np.where((kind == FACE)[:, None, None], np.eye(2), 0.0)
+        spans.append(np.where((kind == EDGE)[:, None, None], line, full))
+    span_a, span_b = spans
+    fibre = np.einsum("kij,kj->ki", frame, features.fibre)
+    off = np.eye(2) - fibre[:, :, None] * fibre[:, None, :]
+    span_b = np.where(features.conformal[:, None, None], 0.0, off @ span_b @ off)
+    return span_a, span_b
+
+
+def _curvatures(
+    features: Features, frame: Array, span_a: Array, span_b: Array
+) -> tuple[Array, Array]:
+    """The curvatures within T_a and T_b, in the frame, each (K, 2, 2)."""
+    across_ = frame.swapaxes(1, 2)
+    a = span_a @ frame @ features.curvature_a @ across_ @ span_a
+    b = span_b @ frame @ features.curvature_b @ across_ @ span_b
+    return a, b
+
+
+def _rolling(features: Features, frame: Array) -> Array:
+    """Psi as a form in (sigma, v_t), in the frame, shape (K, 4, 4)."""
+    span_a, span_b = _spans(features, frame)
+    a, b = _curvatures(features, frame, span_a, span_b)
+    scale = np.maximum(np.abs(a).max(axis=(1, 2)), np.abs(b).max(axis=(1, 2)))
+    scale = np.where(scale > 0, scale, 1.0)[:, None, None]  # so that the system has no unit
+    eye, none = np.eye(2), np.zeros_like(a)
+    off_a, off_b = eye - span_a, eye - span_b
+    system = np.block(
+        [[(a + b) / scale, off_b, off_a], [off_b, -span_b, none], [off_a, none, -span_a]]
+    )
+    whole = np.broadcast_to(eye, a.shape)
+    right = np.block([[-whole / scale, -a / scale], [none, none], [none, -off_a]])
+    on_b = np.linalg.solve(system, right)[:, :2]
+    on_a = on_b + np.block([none, whole])
+    lag = np.concatenate([on_b, np.zeros_like(on_b)], axis=1)  # sigma . s
+    up = on_b.swapaxes(1, 2) @ b @ on_b + on_a.swapaxes(1, 2) @ a @ on_a
+    form: Array = lag + lag.swapaxes(1, 2) + up
+    return form

@@ -1,0 +1,185 @@
+"""The assembly about its place, to second order, in scaled unknowns.
+
+Part i is at x -> c + r + exp(theta)(x - c). The energy is linear in these coordinates, and a
+gap of contact k is
+
+    phi_k(z) = J_k z + 1/2 z.H_k z + O(3),      E(z) = -w.z,
+
+so that all curvature is that of the gaps. Unknowns are (r, rho theta) over the length L, forces
+over the weight W, energies over W L: nothing here has a unit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kilter.arrays import TINY, Array, Index, Mask, read_only
+from kilter.mechanics.program import Program
+from kilter.second_order.gaps.features import Features
+from kilter.second_order.gaps.gap_form import corner_slips, gap_forms
+from kilter.second_order.second_order_tolerances import ACROSS
+
+__all__ = ["Stationary", "problem_of", "stationary"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stationary:
+    """Gaps and load to second order; n scaled unknowns, K contact rows.
+
+    Attributes
+    ----------
+    rows : ndarray, shape (K, n)
+        J.
+    load : ndarray, shape (n,)
+        w.
+    forms : ndarray, shape (K, 12, 12)
+        H_k in the unknowns of its two parts.
+    columns : ndarray of int, shape (K, 12)
+        Their places among the unknowns; -1 where they are held.
+    blur : float
+        Numbers below this fraction of the largest are rounding of the data.
+    length, weight : float
+        L [length unit] and W [N].
+    scale : ndarray, shape (n,)
+        A displacement is its unknown times this [length unit, rad].
+    on_plane : ndarray of bool, shape (K,), optional
+        Rows in which one part touches by a plane, to all orders.
+    slips : ndarray, shape (K, 4, 12), optional
+        Turn and slip at corners that are flush (`corner_slips`); 0 at the others.
+    """
+
+    rows: Array
+    load: Array
+    forms: Array
+    columns: Index
+    blur: float = 1e-9
+    length: float = 1.0
+    weight: float = 1.0
+    scale: Array | None = None
+    on_plane: Mask | None = None
+    slips: Array | None = None
+
+    def __post_init__(self) -> None:
+        read_only(self)
+
+    def taking(self, rows: Index | Mask) -> Stationary:
+        """With some of the rows."""
+        return Stationary(
+            self.rows[rows],
+            self.load,
+            self.forms[rows],
+            self.columns[rows],
+            self.blur,
+            self.length,
+            self.weight,
+            self.scale,
+            None if self.on_plane is None else self.on_plane[rows],
+            None if self.slips is None else self.slips[rows],
+        )
+
+    @property
+    def planes(self) -> Mask:
+        """Rows with a plane, shape (K,)."""
+        if self.on_plane is None:
+            return np.zeros(len(self.rows), dtype=bool)
+        return self.on_plane
+
+    def _spread(self, vectors: Array) -> Array:
+        """The unknowns of each row's parts, shape (K, 12, d), for vectors (n, d)."""
+        padded = np.vstack([vectors, np.zeros((1, vectors.shape[1]))])
+        return padded[self.columns]
+
+    def restricted(self, basis: Array) -> Array:
+        """Z^T H_k Z, shape (K, d, d), for a basis Z, shape (n, d)."""
+        spread = self._spread(basis)
+        return np.asarray(np.swapaxes(spread, 1, 2) @ self.forms @ spread)
+
+    def bends(self, motion: Array) -> Array:
+        """z.H_k z of a motion, shape (n,): one number a row, shape (K,)."""
+        spread = self._spread(motion[:, None])[:, :, 0]
+        return np.asarray(np.einsum("ki,kij,kj->k", spread, self.forms, spread))
+
+    def sliding(self, motions: Array) -> Array:
+        """How corners that are flush slip along motions (n, d), shape (2 k, d)."""
+        if self.slips is None:
+            return np.zeros((0, motions.shape[1]))
+        slips = self.slips[:, 2:] @ self._spread(motions)
+        return np.asarray(slips.reshape(2 * len(slips), motions.shape[1]))
+
+    def slipped(self, forces: Array, basis: Array) -> Array:
+        """By how much the energy curves more where every corner that is flush has slipped off."""
+        if self.slips is None:
+            return np.zeros((basis.shape[1],) * 2)
+        turn, slip = np.split(self.slips @ self._spread(basis), 2, axis=1)
+        more = np.einsum("k,kia,kib->ab", forces, turn, slip)
+        return np.asarray(more + more.T)
+
+    def one_form(self, motions: Array) -> Mask:
+        """Rows whose gap has one form along all motions, (n, d): no corner slips off, shape (K,).
+
+        They turn nothing there, or slip nowhere.
+        """
+        if self.slips is None:
+            return np.ones(len(self.rows), dtype=bool)
+        moved = np.abs(self.slips @ self._spread(motions)).max(axis=2, initial=0.0)
+        one: Mask = np.minimum(moved[:, :2].max(axis=1), moved[:, 2:].max(axis=1)) < ACROSS
+        return one
+
+    def curvature(self, forces: Array, basis: Array) -> Array:
+        """-Z^T (sum of f_k H_k) Z, symmetric, shape (d, d): that of the energy."""
+        weighted = np.tensordot(forces, self.restricted(basis), axes=1)
+        return -(weighted + weighted.T) / 2
+
+    def imbalance(self, forces: Array) -> float:
+        """|J^T f + w| over the load [-]; beside large forces the load is not rounding."""
+        left = np.abs(self.rows.T @ forces + self.load).max(initial=0.0)
+        return float(left / max(np.abs(self.load).max(initial=0.0), TINY))
+
+
+def problem_of(program: Program, features: Features) -> Stationary:
+    """The contacts of a program without friction and their gaps; 0 where a gap has no form."""
+    forms = np.nan_to_num(gap_forms(program, features))
+    slips = corner_slips(program, features) if features.flush.any() else None
+    return stationary(program, forms, slips)
+
+
+def stationary(program: Program, forms: Array, slips: Array | None = None) -> Stationary:
+    """The contact rows of a program without friction, scaled.
+
+    Parameters
+    ----------
+    program : Program
+        Its rows are those of `forms`.
+    forms : ndarray, shape (K, 12, 12)
+        In (r_a, theta_a, r_b, theta_b) about the centres of mass [1/length unit, -, length unit].
+    slips : ndarray, shape (K, 4, 12), optional
+        In the same, [rad] and [length unit].
+    """
+    free, per = np.flatnonzero(program.free), len(program.freedoms)
+    length = float(np.exp(np.log(program.radius[free]).mean()))
+    weight = float(np.exp(np.log(program.weight[free]).mean()))
+    six = np.ones((len(program.names) + 1, 6))
+    six[:, :3] = length
+    six[:-1, 3:] = (length / program.radius)[:, None]
+    place = np.full((len(program.names) + 1, 6), -1)
+    own = np.arange(per * len(free)).reshape(-1, per)
+    place[np.ix_(free, program.freedoms)] = own
+    both = np.stack([program.part_a, program.part_b], axis=1)
+    twelve = six[both].reshape(-1, 12)
+    scale = six[np.ix_(free, program.freedoms)].reshape(-1)
+    if slips is not None:
+        slips = slips * twelve[:, None] / np.array([1, 1, length, length])[:, None]
+    load = program.load[np.ix_(free, program.freedoms)].reshape(-1)
+    return Stationary(
+        program.jacobian().toarray() * scale / length,
+        load * scale / (weight * length),
+        forms * twelve[:, :, None] * twelve[:, None, :] / length,
+        place[both].reshape(-1, 12),
+        float(max(1e-9, 10 * program.tolerance.max(initial=0.0))),
+        length,
+        weight,
+        scale,
+        slips=slips,
+    )

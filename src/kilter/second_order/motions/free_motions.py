@@ -1,0 +1,292 @@
+"""Motions that keep every gap and the energy to all orders, each with its proof.
+
+    spin      a part turns about its centre of mass so that each of its own touched surfaces stays
+              where it is: a ball, a top
+    level     a set of parts moves as one by level translations and turns about the vertical that
+              leave the surface of whatever it touches where it is; all of that is held
+    slide     a part moves level and leaves its own touched surfaces where they are; a set moves
+              level over level planes, or over surfaces of one other part; level edges move level
+              over level edges and cylinders that they cross
+    pivot     a part with one contact turns about its normal, vertical through its centre of mass
+    shift     translations of all parts that open no contact of plane faces, straight edges and
+              corners, and leave parts that touch otherwise together: all gaps are affine
+
+The first two are symmetries: from any place near by, they keep all gaps and the energy, so that
+they may be divided out. So may pivots: after one the only force on the part is at the same place,
+along the same normal and through the centre of mass, which leaves balance and all that is neutral
+as they were. The others keep them from places that they lead to, which need not be
+places of equilibrium (a cylinder across another slides along itself, and tips). They count only
+where every neutral motion is free: then the motions that open nothing are those of the family all
+along it, forces of equilibrium go with it, and the energy is least on all of it.
+
+Shifts are added only where nothing that turns touches a face that is not level.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from kilter.arrays import Array, Index, Mask, connected, cross
+from kilter.mechanics.program import Program
+from kilter.rigid import skew
+from kilter.second_order.gaps.features import EDGE, FACE, Features
+from kilter.second_order.gaps.gap_form import formed
+from kilter.second_order.gaps.touched_surfaces import LINE, PLANE, POINT, Touched
+from kilter.second_order.motions.null_space import null_space
+
+__all__ = ["FreeMotions", "find_free_motions"]
+
+EXACT = 1e-9
+"""Singular values below this fraction of the largest leave a surface where it is."""
+ALL_SETS = 6
+"""Up to so many free parts every set of them is tried."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FreeMotions:
+    """F motions of all N parts (r, theta) [length unit, rad], and how each is proved.
+
+    `motions`, shape (F, N, 6); `kinds`: spin, level, slide, pivot or shift. They may depend on one
+    another.
+    """
+
+    motions: Array
+    kinds: tuple[str, ...]
+
+    @property
+    def symmetries(self) -> FreeMotions:
+        """Those that may be divided out wherever they are."""
+        own = [k for k, kind in enumerate(self.kinds) if kind in ("spin", "level", "pivot")]
+        return FreeMotions(self.motions[own], tuple(self.kinds[k] for k in own))
+
+
+def find_free_motions(
+    program: Program, features: Features, touched: tuple[Touched, Touched]
+) -> FreeMotions:
+    """All that can be proved free.
+
+    Parameters
+    ----------
+    program : Program
+        Contacts only, without friction.
+    features : Features
+        Of its rows.
+    touched : pair of Touched
+        What its rows touch (`touched_surfaces`).
+    """
+    search = _FreeSearch(program, features, touched)
+    return search.planar() if program.planar else search.all()
+
+
+class _FreeSearch:
+    """The surfaces that touch, and what is found."""
+
+    def __init__(
+        self, program: Program, features: Features, touched: tuple[Touched, Touched]
+    ) -> None:
+        self.program, self.features = program, features
+        self.a, self.b = touched
+        free = np.append(program.free, False)
+        self.crossed = self._level_edges()
+        self.free_a, self.free_b = free[program.part_a], free[program.part_b]
+        self.parts = np.flatnonzero(program.free)
+        self.origin = program.center[self.parts].mean(axis=0)
+        self.length = float(program.radius[self.parts].max())
+        self.motions: list[Array] = []
+        self.kinds: list[str] = []
+
+    def _level_edges(self) -> Mask:
+        """Rows of a straight edge across one, or a cylinder: both are level, and stay in touch."""
+        program, features = self.program, self.features
+        level = np.linalg.norm(np.cross(program.normal, program.down), axis=1) < EXACT
+        level &= formed(program, features) & (self.a.kind == LINE) & (self.b.kind == LINE)
+        edge = (features.kind_a == EDGE) | (features.kind_b == EDGE)
+        return np.asarray(level & edge)
+
+    def all(self) -> FreeMotions:
+        for part in self.parts:
+            self._own(int(part))
+            self._pivot(int(part))
+        for chosen in self._sets():
+            self._level(chosen)
+        self._shifts()
+        return self._found()
+
+    def planar(self) -> FreeMotions:
+        """In the plane: translations only."""
+        self._shifts()
+        return self._found()
+
+    def _found(self) -> FreeMotions:
+        shape = (0, len(self.program.names), 6)
+        motions = np.array(self.motions) if self.motions else np.empty(shape)
+        return FreeMotions(motions, tuple(self.kinds))
+
+    def _add(self, parts: Index | list[int], screw: Array, kind: str) -> None:
+        """A screw (v, L omega) about the origin as a motion of some parts."""
+        motion = np.zeros((len(self.program.names), 6))
+        turn = screw[3:] / self.length
+        arms = self.program.center[parts] - self.origin
+        motion[parts, :3] = screw[:3] + cross(np.tile(turn, (len(arms), 1)), arms)
+        motion[parts, 3:] = turn
+        self.motions.append(motion)
+        self.kinds.append(kind)
+
+    def _own(self, part: int) -> None:
+        """Screws that leave the part's touched surfaces, and its height to all orders.
+
+        A centre of mass keeps its height where it stays, or where the screw is level.
+        """
+        rows = []
+        for side, of in ((self.a, self.program.part_a), (self.b, self.program.part_b)):
+            touching = np.flatnonzero(of == part)
+            rows += [side.conditions(int(k), self.origin, self.length) for k in touching]
+        arm = (self.program.center[part] - self.origin) / self.length
+        stays = np.hstack([np.eye(3), -skew(arm[None])[0]])
+        for keeps, kind in ((stays, "spin"), (self._upright(), "slide")):
+            for screw in null_space(np.vstack([keeps, *rows]), EXACT).T:
+                self._add([part], screw, kind)
+
+    def _upright(self) -> Array:
+        """Conditions of a level screw: no rise, and no turn but about the vertical."""
+        rows = np.zeros((3, 6))
+        rows[0, :3] = self.program.down
+        rows[1:, 3:] = null_space(self.program.down[None], EXACT).T
+        return rows
+
+    def _pivot(self, part: int) -> None:
+        """The turn about one vertical contact normal through the centre of mass."""
+        program = self.program
+        rows = np.flatnonzero((program.part_a == part) | (program.part_b == part))
+        if len(rows) != 1:
+            return
+        k, down = rows[0], program.down
+        arm = program.point[k] - program.center[part]
+        off = np.linalg.norm(arm - (arm @ down) * down) / program.radius[part]
+        smooth = self.features.kind_a[k] == FACE and self.features.kind_b[k] == FACE
+        if smooth and off < EXACT and np.linalg.norm(np.cross(program.normal[k], down)) < EXACT:
+            self._add([part], self._about(part, down), "pivot")
+
+    def _about(self, part: int, axis: Array) -> Array:
+        """The screw of a turn about an axis through a centre of mass."""
+        arm = self.program.center[part] - self.origin
+        return np.append(-np.cross(axis, arm), axis * self.length)
+
+    def _sets(self) -> Iterator[Index]:
+        """Sets of free parts to move as one."""
+        parts, count = self.parts, len(self.program.names)
+        if len(parts) <= ALL_SETS:
+            for size in range(1, len(parts) + 1):
+                for chosen in itertools.combinations(parts, size):
+                    yield np.array(chosen)
+            return
+        inner = self.free_a & self.free_b
+        seen = set()
+        for without in (-1, *parts):
+            a, b = self.program.part_a[inner], self.program.part_b[inner]
+            keep = (a != without) & (b != without)
+            label = connected(count, a[keep], b[keep])
+            for one in np.unique(label[parts]):
+                chosen = parts[label[parts] == one]
+                if tuple(chosen) not in seen:
+                    seen.add(tuple(chosen))
+                    yield chosen
+
+    def _level(self, chosen: Index) -> None:
+        """Level screws of a set, in the frame of what is held or of one part."""
+        program, down = self.program, self.program.down
+        inside = np.isin(program.part_a, chosen), np.isin(program.part_b, chosen)
+        across = np.flatnonzero(inside[0] != inside[1]).tolist()
+        crossing = [k for k in across if not (self.a.level(k, down) or self.b.level(k, down))]
+        self._level_across(chosen, across, crossing, "")
+        without = [k for k in crossing if not self.crossed[k]]
+        if len(without) < len(crossing):
+            self._level_across(chosen, across, without, "slide")
+
+    def _level_across(
+        self, chosen: Index, across: list[int], crossing: list[int], kind: str
+    ) -> None:
+        """Level screws of a set that leave some of the surfaces across its border be."""
+        frames = [-1, *self.parts] if crossing else [-1]
+        for frame in frames:
+            rows = self._frame_rows(crossing, int(frame))
+            own = kind or self._kind_of(across, int(frame))
+            if rows is not None:
+                for screw in null_space(np.vstack([self._upright(), *rows]), EXACT).T:
+                    self._add(chosen, screw, own)
+
+    def _kind_of(self, across: list[int], frame: int) -> str:
+        """Whether a set's level motion leaves what is held where it is, and all it touches is."""
+        for k in across:
+            if self.free_a[k] and self.free_b[k]:
+                return "slide"
+            held, other = (self.b, self.a) if self.free_a[k] else (self.a, self.b)
+            if other.level(k, self.program.down) and not held.level(k, self.program.down):
+                return "slide"
+        return "level" if frame < 0 else "slide"
+
+    def _frame_rows(self, crossing: list[int], frame: int) -> list[Array] | None:
+        """Conditions of the surfaces of a frame; None where a contact is not of it."""
+        rows = []
+        for k in crossing:
+            own: Touched | None = None
+            for side, part, free in (
+                (self.a, self.program.part_a[k], self.free_a[k]),
+                (self.b, self.program.part_b[k], self.free_b[k]),
+            ):
+                if (frame < 0 and not free) or (frame >= 0 and part == frame):
+                    own = side
+            if own is None:
+                return None
+            rows.append(own.conditions(k, self.origin, self.length))
+        return rows
+
+    def _shifts(self) -> None:
+        """Translations under which every gap is affine."""
+        program, sharp = self.program, self._sharp()
+        count = len(self.parts)
+        place = np.full(len(program.names) + 1, -1)
+        place[self.parts] = np.arange(count)
+        rows = []
+        for k in range(len(sharp)):
+            block = np.zeros((3, 3 * count))
+            for part, sign in ((program.part_a[k], -1.0), (program.part_b[k], 1.0)):
+                if place[part] >= 0:
+                    block[:, 3 * place[part] : 3 * place[part] + 3] += sign * np.eye(3)
+            rows.append(program.normal[k] @ block if sharp[k] else block)
+        heights = (program.load[self.parts, :3] / program.weight[self.parts].max()).reshape(-1)
+        plane = np.kron(np.eye(count), [[0.0, 1.0, 0.0]] if program.planar else np.empty((0, 3)))
+        matrix = np.vstack([heights[None], plane, *(np.atleast_2d(row) for row in rows)])
+        if self._turns_at_walls(sharp):
+            return
+        for column in null_space(matrix, EXACT).T:
+            motion = np.zeros((len(program.names), 6))
+            motion[self.parts, :3] = column.reshape(-1, 3) * self.length
+            self.motions.append(motion)
+            self.kinds.append("shift")
+
+    def _sharp(self) -> Mask:
+        """Rows between planes, straight edges and corners."""
+        features = self.features
+        straight = np.ones(len(features), dtype=bool)
+        for side, curvature in ((self.a, features.curvature_a), (self.b, features.curvature_b)):
+            bent = np.abs(curvature).max(axis=(1, 2), initial=0.0) > 0
+            straight &= ~bent & np.isin(side.kind, (PLANE, POINT, LINE))
+        return straight
+
+    def _turns_at_walls(self, sharp: Mask) -> bool:
+        """Whether a part that turns freely touches a face, edge or corner that is not level."""
+        program, down = self.program, self.program.down
+        turning = np.zeros(len(program.names) + 1, dtype=bool)
+        for motion in self.motions:
+            turning[:-1] |= np.abs(motion[:, 3:]).max(axis=1) > EXACT
+        steep = np.array(
+            [not (self.a.level(k, down) or self.b.level(k, down)) for k in range(len(sharp))],
+            dtype=bool,
+        )
+        touches = turning[program.part_a] | turning[program.part_b]
+        return bool((touches & steep & sharp).any())

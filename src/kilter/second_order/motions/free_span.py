@@ -1,0 +1,88 @@
+"""Free motions as directions in scaled unknowns: their span, and how much of it only spins."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kilter.arrays import Array, Index
+from kilter.assembly import Assembly
+from kilter.assembly.geometry import Geometry
+from kilter.assembly.surfaces import FREE, SPHERE
+from kilter.mechanics.program import Program
+from kilter.second_order.gaps.stationary import Stationary
+from kilter.second_order.motions.free_motions import FreeMotions
+from kilter.second_order.parts.rigid_groups import RigidGroups
+from kilter.second_order.second_order_tolerances import ACROSS
+from kilter.shape.primitives import Cylinder, Sphere
+
+__all__ = ["free_span", "moving_free", "scaled_columns"]
+
+
+def free_span(program: Program, problem: Stationary, free: FreeMotions) -> Array:
+    """An orthonormal basis of the free motions, shape (n, f), as the numbers bear them out."""
+    columns = scaled_columns(program, problem, free.motions)
+    size = np.linalg.norm(columns, axis=0)
+    columns = np.asarray(columns[:, size > 0] / size[size > 0], dtype=np.float64)
+    opened = np.abs(problem.rows @ columns).max(axis=0, initial=0.0)
+    spent = np.abs(problem.load @ columns)
+    columns = columns[:, (opened < ACROSS / 10) & (spent < ACROSS / 10)]
+    if not columns.shape[1]:
+        return columns
+    left, values, _ = np.linalg.svd(columns, full_matrices=False)
+    return np.ascontiguousarray(left[:, values > ACROSS * values[0]])
+
+
+def scaled_columns(program: Program, problem: Stationary, motions: Array) -> Array:
+    """Motions of all parts, shape (F, N, 6), in scaled unknowns, shape (n, F)."""
+    assert problem.scale is not None
+    free = np.flatnonzero(program.free)
+    own = motions[:, free][:, :, program.freedoms].reshape(len(motions), len(problem.scale))
+    return np.asarray((own / problem.scale).T)
+
+
+def moving_free(assembly: Assembly, free: FreeMotions) -> Index:
+    """Parts that a free motion moves visibly: not what spins about its axis of revolution.
+
+    Of parts that fixed joints tie the first is told, as in the motions.
+    """
+    groups, moving = RigidGroups.of(assembly), np.zeros(len(assembly.parts), dtype=bool)
+    for motion in groups.spread(free.motions):
+        for k in np.flatnonzero(np.abs(motion).max(axis=1) > 0):
+            moving[k] |= not _spins_unseen(assembly, int(k), motion[k])
+    return np.unique(groups.first[moving])
+
+
+def _spins_unseen(assembly: Assembly, part: int, motion: Array) -> bool:
+    """Whether a motion of a part only turns it about an axis of revolution of its shape."""
+    turn, center = motion[3:], assembly.geometry.center[part]
+    radius = float(assembly.geometry.radius[part])
+    speed = float(np.abs(turn).max()) * radius
+    still = ACROSS * max(speed, float(np.abs(motion[:3]).max()))
+    if speed == 0 or abs(motion[:3] @ turn) * radius > still * speed:
+        return False
+    shape, pose = assembly.parts[part].shape, assembly.parts[part].pose
+    if not isinstance(shape, Sphere | Cylinder):
+        return _of_revolution(assembly.geometry, part, motion, center)
+    if np.abs(motion[:3] + np.cross(turn, pose.position - center)).max() > still:
+        return False
+    across = np.abs(np.cross(turn, pose.matrix[:, 2])).max() * radius
+    return isinstance(shape, Sphere) or bool(across < still)
+
+
+def _of_revolution(geometry: Geometry, part: int, motion: Array, center: Array) -> bool:
+    """Whether every face of a part stays where it is when the part turns."""
+    surfaces, turn = geometry.surfaces, motion[3:] / np.linalg.norm(motion[3:])
+    near = ACROSS * float(geometry.radius[part]) + float(geometry.accuracy[part])
+    own = np.arange(surfaces.start[part], surfaces.start[part + 1])
+    if (surfaces.kind[own] == FREE).any():
+        return False
+    through = center + np.cross(motion[3:], motion[:3]) / (motion[3:] @ motion[3:])
+    off = np.linalg.norm(np.cross(surfaces.point[own] - through, turn), axis=1)
+    leans = np.linalg.norm(np.cross(surfaces.axis[own], turn), axis=1)
+    if (off > near).any() or (leans[surfaces.kind[own] != SPHERE] > ACROSS).any():
+        return False
+    span = slice(geometry.triangle_start[part], geometry.triangle_start[part + 1])
+    corners = geometry.vertices[geometry.triangles[span][geometry.triangle_surface[span] < 0]]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    aside = np.linalg.norm(np.cross(normal, turn), axis=1)
+    return bool(len(own)) and bool((aside <= ACROSS * np.linalg.norm(normal, axis=1)).all())

@@ -1,0 +1,27 @@
+"""Null spaces of contact rows, up to the rounding of their numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kilter.arrays import TINY, Array
+
+__all__ = ["null_space"]
+
+
+def null_space(rows: Array, blur: float) -> Array:
+    """An orthonormal basis, shape (n, d), of what rows of shape (K, n) send to zero.
+
+    Examples
+    --------
+    >>> null_space(np.array([[1.0, 0, 0], [2, 0, 0]]), 1e-9).shape
+    (3, 2)
+    """
+    count = rows.shape[1]
+    if not len(rows) or not count:
+        return np.eye(count)
+    if len(rows) > count:
+        rows = np.asarray(np.linalg.qr(rows, mode="r"))
+    _, values, right = np.linalg.svd(rows)
+    rank = int((values > blur * max(values.max(initial=0.0), TINY)).sum())
+    return np.ascontiguousarray(right[rank:].T)

@@ -1,0 +1,12 @@
+"""Proofs of second order and their judges, which use neither a solver nor a search.
+
+- `held`: forces that leave no motion neutral
+- `level_rest`: parts that rest on level faces
+- `locked`: faces that slide on faces, with turns locked by self-stress
+- `stopped`: level motions that stops limit
+- `minimum_proof`: a strict minimum of the energy
+- `paths`, `configuration`: a path along which parts fall, and an exact place on it
+- `carrying`: contacts that carry force beyond rounding
+- `modelled`: contacts, joints and loads that second order does not model
+- `second_order_file`, `second_order_recheck`: proofs in a proof file, and their recheck
+"""

@@ -1,0 +1,65 @@
+"""What is held to first order: forces of equilibrium that leave no motion neutral.
+
+With f >= 0 and J^T f + w = 0, neutral motions are those that keep every contact with f > 0 closed.
+Where the rows of these are of full rank, there are none: a strict minimum, and its energy rises to
+first order along every motion.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_array, diags_array
+
+from kilter.arrays import TINY, Array, read_only
+from kilter.mechanics.program import Program
+from kilter.second_order.proofs.carrying import all_carry
+from kilter.second_order.second_order_tolerances import BALANCED, BEARS
+
+__all__ = ["Held", "judge_held", "scaled_rows", "unbalanced"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Held:
+    """Forces, shape (K,) [N]."""
+
+    forces: Array
+
+    def __post_init__(self) -> None:
+        read_only(self)
+
+
+def judge_held(program: Program, proof: Held) -> str:
+    """Why a proof about contacts without friction does not hold; empty where it does."""
+    forces = proof.forces
+    if forces.shape != program.part_a.shape or not np.isfinite(forces).all():
+        return "its forces are not those of the contacts"
+    if (forces < 0).any():
+        return "a contact force pulls"
+    limit = max(BALANCED, float(program.tolerance.max(initial=0.0)))
+    if not unbalanced(program, forces) <= limit:
+        return "its forces do not balance the load"
+    carries = forces > BEARS * limit * forces.max(initial=TINY)
+    sizes = np.maximum(program.weight, program.force_sums(forces))[program.free]
+    per = len(program.freedoms)
+    rows = scaled_rows(program)[carries] @ diags_array(np.repeat(1 / sizes, per))
+    missing = 2 * limit * np.sqrt(per * len(sizes))
+    if not all_carry(csr_array(rows), forces[carries], missing):
+        return "its forces leave a motion neutral"
+    return ""
+
+
+def unbalanced(program: Program, forces: Array) -> float:
+    """|J^T f + w| of the part where it is most, over its load and forces [-]."""
+    left = np.abs(program.wrenches(forces) + program.load)
+    left[:, 3:] /= program.radius[:, None]
+    size = np.maximum(program.weight, program.force_sums(forces))
+    left = left[:, program.freedoms]
+    return float((left.max(axis=1) / np.maximum(size, TINY))[program.free].max(initial=0.0))
+
+
+def scaled_rows(program: Program) -> csr_array:
+    """J, turns times the radius of the part."""
+    units = np.where(np.arange(6) < 3, 1.0, 1 / program.radius[program.free, None])
+    return csr_array(program.jacobian() @ diags_array(units[:, program.freedoms].reshape(-1)))

@@ -1,0 +1,230 @@
+"""Proofs of a strict minimum, judged without a solver.
+
+Forces f >= 0 with J^T f + w = 0 put every critical motion into the null space Z of the rows that
+carry (f_k J_k z >= 0 sum to -w.z = 0). Over cones {z = Z y, R y >= 0} that together cover the
+critical motions, one f and one N >= 0 each:
+
+    -Z^T H(f) Z - R^T N R  positive definite        (Cholesky)
+
+proves z.L'' z > 0 for each of them (Ioffe; Ben-Tal): a strict local minimum of the energy over
+all admissible places, under any contact law that makes no energy. Motions that are proved free
+(`kilter.second_order.motions.free_motions`) are divided out first: Z is then across them.
+
+The cones are the leaves of a tree: both halves of the space y, the first coordinate positive, are
+orthants; a cone is split in two at the middle of two of its rays. One leaf without rays is the
+whole space.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from kilter.arrays import Array, Mask, unit_rows
+from kilter.second_order.gaps.stationary import Stationary
+from kilter.second_order.motions.null_space import null_space
+from kilter.second_order.proofs.carrying import carry_beyond_doubt, carrying_rows
+from kilter.second_order.second_order_tolerances import ACROSS, BALANCED, CURVED, LEVEL
+
+__all__ = [
+    "Leaf",
+    "MinimumProof",
+    "definite",
+    "judge_minimum",
+    "leaf_cones",
+    "orthants",
+    "sides_of_cone",
+    "split",
+]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Leaf:
+    """Forces (K,), and N over the rows R of its cone and the sides, shape (m, m)."""
+
+    forces: Array
+    weights: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MinimumProof:
+    """A proof of a strict minimum across `free`, scaled unknowns.
+
+    Attributes
+    ----------
+    basis : ndarray, shape (n, d)
+    sides : ndarray, shape (m, d)
+        Rows that critical motions open, at least those: sides y >= 0.
+    free : ndarray, shape (n, f)
+        Motions that are divided out.
+    splits : tuple of (int, int) or None
+        The tree, depth first: a pair of rays is split there, None is a leaf. Empty: one leaf,
+        the whole space.
+    leaves : tuple of Leaf
+    """
+
+    basis: Array
+    sides: Array
+    free: Array
+    splits: tuple[tuple[int, int] | None, ...]
+    leaves: tuple[Leaf, ...]
+
+
+def orthants(dimension: int, *, half: bool) -> list[Array]:
+    """Rays, as columns, of the orthants of a space, or of the half of it with y_0 >= 0."""
+    signs = itertools.product((1.0, -1.0), repeat=dimension - 1)
+    first = [np.diag([1.0, *rest]) for rest in signs]
+    return first if half else [*first, *(-one for one in first)]
+
+
+def split(rays: Array, i: int, j: int) -> tuple[Array, Array]:
+    """Both halves of a cone of independent rays, divided in the middle of two of them."""
+    middle = rays[:, i] + rays[:, j]
+    middle = middle / np.linalg.norm(middle)
+    first, second = rays.copy(), rays.copy()
+    first[:, i], second[:, j] = middle, middle
+    return first, second
+
+
+def sides_of_cone(rays: Array) -> Array:
+    """Unit rows R of the cone {y: R y >= 0} of independent rays, given as columns."""
+    return unit_rows(np.asarray(np.linalg.inv(rays), dtype=np.float64))
+
+
+def leaf_cones(
+    dimension: int, splits: Sequence[tuple[int, int] | None], *, half: bool
+) -> Iterator[Array | None]:
+    """The rays of each leaf in turn; None: the whole space.
+
+    Raises
+    ------
+    ValueError
+        If the splits are no tree.
+    """
+    if not splits:
+        yield None
+        return
+    todo = orthants(dimension, half=half)[::-1]
+    for one in splits:
+        if not todo:
+            raise ValueError("more splits than cones")
+        rays = todo.pop()
+        if one is None:
+            yield rays
+            continue
+        i, j = one
+        if not (0 <= i < dimension and 0 <= j < dimension and i != j):
+            raise ValueError("a split of rays that are none")
+        todo += split(rays, i, j)[::-1]
+    if todo:
+        raise ValueError("cones are left over")
+
+
+def judge_minimum(problem: Stationary, proof: MinimumProof, worst: Stationary | None = None) -> str:
+    """Why a proof does not hold; empty where it does.
+
+    Only numbers of the problem and of the proof are used: signs, balance, null space, Cholesky.
+    `worst`: the same place with the gaps that curve the energy least across the free motions,
+    where they are not known exactly.
+    """
+    worst = worst or problem
+    if not proof.leaves:
+        return "it has no forces"
+    for leaf in proof.leaves:
+        wrong = _wrong_forces(problem, leaf.forces)
+        if wrong:
+            return wrong
+    carries = carrying_rows(problem, np.mean([leaf.forces for leaf in proof.leaves], axis=0))
+    neutral = null_space(problem.rows[carries], problem.blur)
+    wrong = _wrong_spaces(problem, proof, carries, neutral) or next(
+        filter(None, (_wrong_free(problem, proof, leaf.forces) for leaf in proof.leaves)), ""
+    )
+    if wrong:
+        return wrong
+    try:
+        half = not len(proof.sides)
+        cones = list(leaf_cones(proof.basis.shape[1], proof.splits, half=half))
+    except ValueError as error:
+        return f"its cones are no tree: {error}"
+    if len(cones) != len(proof.leaves):
+        return "it has not one set of forces for each cone"
+    basis = neutral @ (neutral.T @ proof.basis)  # what it is off by may curve upward
+    for rays, leaf in zip(cones, proof.leaves, strict=True):
+        own = proof.sides if rays is None else np.vstack([sides_of_cone(rays), proof.sides])
+        if leaf.weights.shape != (len(own), len(own)) or not _positive(leaf.weights):
+            return "the weights of its sides are not positive"
+        curvature = worst.curvature(leaf.forces, basis)
+        if not definite(curvature - own.T @ leaf.weights @ own):
+            return "the energy does not curve upward under its forces"
+    return ""
+
+
+def _positive(weights: Array) -> bool:
+    return bool((np.isfinite(weights) & (weights >= 0)).all())
+
+
+def _wrong_forces(problem: Stationary, forces: Array) -> str:
+    if forces.shape != (len(problem.rows),) or not np.isfinite(forces).all():
+        return "its forces are not those of the contacts"
+    if (forces < 0).any():
+        return "a contact force pulls"
+    balanced = problem.imbalance(forces) <= max(BALANCED, problem.blur)
+    return "" if balanced else "its forces do not balance the load"
+
+
+def _wrong_spaces(problem: Stationary, proof: MinimumProof, carries: Mask, neutral: Array) -> str:
+    """Is every critical motion in the cone of the basis and the free motions?
+
+    `carries`, shape (K,): rows that do on the mean; `neutral`: what they leave, orthonormal.
+    """
+    forces = np.mean([leaf.forces for leaf in proof.leaves], axis=0)
+    spanned = np.hstack([proof.basis, proof.free])
+    if not np.isfinite(spanned).all() or spanned.shape[0] != problem.rows.shape[1]:
+        return "its motions are not those of the free parts"
+    if np.abs(spanned.T @ spanned - np.eye(spanned.shape[1])).max(initial=0.0) > ACROSS:
+        return "its motions are not of length 1 and across one another"
+    opened = np.abs(problem.rows[carries] @ spanned).max(initial=0.0)
+    if spanned.shape != neutral.shape or opened > ACROSS:
+        return "its motions are not all that its forces leave neutral"
+    if not carry_beyond_doubt(problem, forces, carries, neutral, problem.load):
+        return "its forces carry by rounding"
+    if np.abs(problem.rows @ proof.free).max(initial=0.0) > ACROSS:
+        return "a free motion opens a contact"
+    if len(proof.sides):
+        other = problem.rows[~carries] @ proof.basis
+        turns = np.linalg.norm(other, axis=1) > ACROSS  # what all but vanishes has no direction
+        apart = proof.sides[:, None] - unit_rows(other[turns])
+        if not (np.linalg.norm(apart, axis=2).min(axis=1, initial=np.inf) < ACROSS).all():
+            return "a side is not the row of a contact"
+    return ""
+
+
+def _wrong_free(problem: Stationary, proof: MinimumProof, forces: Array) -> str:
+    """Does the energy stay level to second order along the motions that are divided out?"""
+    both = np.hstack([proof.basis, proof.free])
+    curvature = problem.curvature(forces, both)
+    size = max(1.0, float(np.abs(curvature).max(initial=0.0)))
+    level = np.abs(curvature[:, proof.basis.shape[1] :]).max(initial=0.0) <= LEVEL * size
+    if not level:
+        return "the energy is not level along its free motions"
+    flush = not problem.one_form(both)[forces > 0].all()
+    return "a corner on edges of both parts carries and may slip off" if flush else ""
+
+
+def definite(matrix: Array) -> bool:
+    """Whether the form of a matrix is positive definite by more than rounding.
+
+    Cholesky itself reads one half of a matrix, and lets numbers pass that are none.
+    """
+    if not np.isfinite(matrix).all():
+        return False
+    form = matrix / 2 + matrix.T / 2  # the sum may be too large
+    size = max(1.0, float(np.abs(form).max(initial=0.0)))
+    try:
+        np.linalg.cholesky(form - CURVED * size * np.eye(len(form)))
+    except np.linalg.LinAlgError:
+        return False
+    return True

@@ -1,0 +1,92 @@
+"""Paths that lead down: z(t) = t dp + t^2 d2 / 2 with all gaps open and less energy.
+
+    J_k dp >= 0, w.dp = 0;   J_k d2 + dp.H_k dp >= m where J_k dp = 0;   w.d2 >= m,   m > 0
+
+Then each gap is at least m t^2 / 2 + O(t^3) or opens to first order, and the energy is
+-t^2 w.d2 / 2: no minimum. Of numbers that are not exact both hold from some t on, and a gap that
+opens to first order may have closed again by then: it must not, for some while. What is entered
+at once is the rounding of the data at most: a place in a shallow hollow is a minimum, however much
+the wall of the hollow curves.
+
+What is pressed between planes has no such path: no motion opens both. There contacts may also be
+kept: parts that only shift, along a plane of one of them, leave its gap as it is to all orders.
+`path_search` finds such paths; here they are judged from the numbers of the problem alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kilter.arrays import Array, Mask
+from kilter.second_order.gaps.stationary import Stationary
+from kilter.second_order.second_order_tolerances import (
+    ACROSS,
+    DROPS,
+    KEEPS,
+    LASTS,
+    REACHES,
+    SLIPS,
+)
+
+__all__ = ["Path", "judge_path"]
+
+FARTHEST = REACHES[-1] * (1 + ACROSS)
+"""A second derivative is at most this in each unknown, with rounding."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Path:
+    """A path in scaled unknowns, judged.
+
+    `first`, `second`, shape (n,): dp, of length 1, and d2; `opens`: least second derivative of a
+    gap that stays closed to first order; `power`: w.d2; `slips`: worst of -J dp and |w.dp|;
+    `lasts`: the t at which the first gap that opens to first order closes again; `rounding`: what
+    of `opens` and `power` may be that of the data, and `slack` what of `slips`; `one_form`: whether
+    no corner that is flush slips off its edge.
+    """
+
+    first: Array
+    second: Array
+    opens: float
+    power: float
+    slips: float
+    lasts: float
+    rounding: float
+    slack: float
+    one_form: bool
+
+    @property
+    def falls(self) -> bool:
+        """Whether it proves that the place is no minimum."""
+        least = min(self.opens, self.power)
+        straight = float(np.linalg.norm(self.second)) <= FARTHEST * np.sqrt(len(self.second))
+        begins = min(self.slack, SLIPS * least, self.lasts * least / (2 * LASTS))
+        return straight and least > max(DROPS, self.rounding) and self.slips <= begins
+
+
+def judge_path(problem: Stationary, first: Array, second: Array) -> Path:
+    """A path judged from the numbers of the problem alone."""
+    first_opens = problem.rows @ first
+    second_opens = problem.rows @ second + problem.bends(first)
+    kept, later = _kept(problem, first, second), first_opens <= DROPS
+    closes = ~later & (second_opens < 0)
+    lasts = (2 * first_opens[closes] / -second_opens[closes]).min(initial=np.inf)
+    slips = max(float(-first_opens.min(initial=0.0)), abs(float(problem.load @ first)))
+    opens = second_opens[later & ~kept]
+    least = float(opens.min()) if len(opens) else 1.0
+    power = float(problem.load @ second)
+    blurred = problem.blur * float(np.abs(second).max(initial=0.0))
+    one_form = bool(problem.one_form(first[:, None]).all())
+    slack = max(ACROSS, problem.blur)
+    return Path(first, second, least, power, slips, float(lasts), blurred, slack, one_form)
+
+
+def _kept(problem: Stationary, first: Array, second: Array) -> Mask:
+    """Rows with a plane along which their parts shift, and turn nothing, shape (K,)."""
+    path = np.column_stack([first, second])
+    moved = np.abs(problem.rows @ path).max(axis=1, initial=0.0)
+    turned = np.append(np.abs(path).max(axis=1), 0.0)[problem.columns[:, [3, 4, 5, 9, 10, 11]]]
+    kept: Mask = problem.planes & (moved < KEEPS) & (turned.max(axis=1, initial=0.0) == 0)
+    return kept

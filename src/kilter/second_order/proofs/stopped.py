@@ -1,0 +1,215 @@
+"""What rests on level faces and edges, and would fall if it slid on: stops keep it from that.
+
+Level motions F shift parts across gravity and turn them about the vertical. On level contacts, with
+a level plane on one side, or of level edges and corners, they keep every gap and the energy for
+good; the other contacts, the stops, carry nothing. With forces f of equilibrium on level contacts,
+Y what is neutral beside F, K the curvature of the energy under f, and over z = (x, y) in F and Y
+
+    R_i z >= 0 of the stops,     R_j y >= 0 of the level contacts that carry nothing
+
+let, with weights W > 0 entrywise and S positive definite,
+
+    z.K z = y.S y + sum of W_ij (R_i z) (R_j y)
+
+Sliding on, R_i z < 0, is what would make it fall: a box whose centre is above the edge of its table
+may slide in, and not out. Symmetries, level ones and spins, are divided out. Where nothing is left
+of Y, the energy is least on F: a ball on a table is free beside a wall. Else, if the R_i are one to
+one on F and the R_j on Y, the sum is at least c |x| |y| - C |y|^2, and so, with c > 0,
+
+    z.K z >= c (|y|^2 + |x| |y|)        where all R z >= 0
+
+Gaps and energy are level along F, so that what is left of E is O(|y| |z|^2), less than that. Level
+contacts hold R_j y >= -O(|y| |z|), and stops R_i z >= -O(|z|^2), which a level motion that opens
+all of them makes good by a step of O(|x|^2 + |y| |z|) within F. So E > E_0 unless y = 0, and the
+energy is least on what is level, and there alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kilter.arrays import Array, Mask, read_only
+from kilter.mechanics.program import Program
+from kilter.second_order.gaps.features import Features
+from kilter.second_order.gaps.gap_form import formed
+from kilter.second_order.gaps.stationary import Stationary
+from kilter.second_order.gaps.touched_surfaces import Touched
+from kilter.second_order.motions.null_space import null_space
+from kilter.second_order.parts.bearing import level_axes
+from kilter.second_order.proofs.carrying import carry_beyond_doubt, carrying_rows
+from kilter.second_order.proofs.minimum_proof import definite
+from kilter.second_order.second_order_tolerances import ACROSS, BALANCED, DROPS, LEVEL
+
+__all__ = ["StopForms", "Stopped", "judge_stopped", "level_contacts", "level_motions", "stop_forms"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stopped:
+    """Forces over the weight, W, and a level motion that opens all stops; scaled unknowns.
+
+    `forces`, shape (K,), of the level contacts alone; `weights`, shape (s, m), of s stops and of
+    m level contacts that carry nothing; `opening`, shape (n,).
+    """
+
+    forces: Array
+    weights: Array
+    opening: Array
+
+    def __post_init__(self) -> None:
+        read_only(self)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StopForms:
+    """What a proof weighs.
+
+    `carried`: whether contacts carry beyond doubt; `one_form`: whether no corner that
+    carries may slip off an edge; `neutral`: dimension of what is; `level`,
+    shape (n, f): F across the symmetries; `tilts`, (n, d): Y; `stops_level`, (s, f), and
+    `stops_tilts`, (s, d): the R_i; `rises`, (m, d): the R_j; `coupling`, (f, d): twice K between
+    F and Y; `curvature`, (d, d): K on Y; `uneven`: the largest number of K where it is to be 0.
+    """
+
+    carried: bool
+    one_form: bool
+    neutral: int
+    level: Array
+    tilts: Array
+    stops_level: Array
+    stops_tilts: Array
+    rises: Array
+    coupling: Array
+    curvature: Array
+    uneven: float
+
+    @property
+    def size(self) -> float:
+        """The greatest curvature, at least 1."""
+        both = (self.coupling, self.curvature)
+        return float(max(np.abs(one).max(initial=1.0) for one in both))
+
+
+def level_contacts(program: Program, features: Features, touched: tuple[Touched, Touched]) -> Mask:
+    """Rows whose gap no level motion changes, shape (K,).
+
+    Their normal is upright, and one side is a plane, or both are of planes, straight edges and
+    corners.
+    """
+    upright = np.linalg.norm(np.cross(program.normal, program.down), axis=1) < BALANCED
+    bent = np.zeros(len(upright))
+    for curvature in (features.curvature_a, features.curvature_b):
+        bent = np.maximum(bent, np.abs(curvature).max(axis=(1, 2), initial=0.0))
+    on_plane = [any(one.level(k, program.down) for one in touched) for k in range(len(bent))]
+    straight = (bent == 0) & ~features.conformal
+    level: Mask = upright & formed(program, features) & (straight | np.array(on_plane, dtype=bool))
+    return level
+
+
+def level_motions(program: Program) -> Array:
+    """An orthonormal basis of the level motions of free parts, shape (n, f), scaled unknowns."""
+    axes = level_axes(program)
+    six = np.zeros((len(axes) + (not program.planar), 6))
+    six[: len(axes), :3], six[len(axes) :, 3:] = axes, program.down
+    one = six[:, program.freedoms].T
+    return np.asarray(np.kron(np.eye(int(program.free.sum())), one), dtype=np.float64)
+
+
+def stop_forms(
+    problem: Stationary, level: Mask, motions: Array, free: Array, forces: Array
+) -> StopForms:
+    """Of forces (K,); `motions` (n, f) are level, `free` (n, g) symmetries."""
+    carries = carrying_rows(problem, forces)
+    neutral = null_space(problem.rows[carries], problem.blur)
+    tilts = neutral @ null_space(np.hstack([motions, free]).T @ neutral, ACROSS)
+    x = motions @ null_space(free.T @ motions, ACROSS)
+    whole = np.hstack([x, tilts, free])
+    curvature = problem.curvature(forces, whole)
+    f, d = x.shape[1], tilts.shape[1]
+    between = slice(f, f + d)
+    even = curvature.copy()
+    even[:f, between], even[between, :f], even[between, between] = 0.0, 0.0, 0.0
+    return StopForms(
+        carry_beyond_doubt(problem, forces, carries, neutral, problem.load),
+        bool(problem.one_form(whole)[forces > 0].all()),
+        neutral.shape[1],
+        x,
+        tilts,
+        problem.rows[~level] @ x,
+        problem.rows[~level] @ tilts,
+        problem.rows[level & ~carries] @ tilts,
+        2 * curvature[:f, between],
+        curvature[between, between],
+        float(np.abs(even).max(initial=0.0)),
+    )
+
+
+def judge_stopped(
+    problem: Stationary, level: Mask, motions: Array, free: Array, proof: Stopped
+) -> str:
+    """Why a proof does not hold; empty where it does.
+
+    Parameters
+    ----------
+    level : ndarray of bool, shape (K,)
+        Rows of `level_contacts`.
+    motions : ndarray, shape (n, f)
+        Level motions (`level_motions`).
+    free : ndarray, shape (n, g)
+        Orthonormal: symmetries (`kilter.second_order.motions.free_motions`).
+    """
+    if proof.forces.shape != level.shape or proof.opening.shape != problem.load.shape:
+        return "its numbers are not those of the parts and contacts"
+    given = (proof.forces, proof.weights, proof.opening)
+    if not all(np.isfinite(one).all() for one in given):
+        return "its numbers are not finite"
+    if (proof.forces < 0).any() or proof.forces[~level].any():
+        return "a force is none of a level contact"
+    if problem.imbalance(proof.forces) > max(BALANCED, problem.blur):
+        return "its forces do not balance the load"
+    kept = max(
+        np.abs(problem.rows[level] @ motions).max(initial=0.0),
+        np.abs(problem.load @ motions).max(initial=0.0),
+    )
+    if kept > ACROSS:
+        return "a level motion opens a level contact, or costs energy"
+    size = float(np.linalg.norm(proof.opening))
+    off = proof.opening - motions @ (motions.T @ proof.opening)
+    if not size > 0 or np.abs(off).max(initial=0.0) > ACROSS * size:
+        return "its motion is not level"
+    if not (problem.rows[~level] @ proof.opening > DROPS * size).all():
+        return "its motion does not open every stop"
+    return _wrong_forms(stop_forms(problem, level, motions, free, proof.forces), proof.weights)
+
+
+def _wrong_forms(forms: StopForms, weights: Array) -> str:
+    """Are the weights positive, and the rest of the curvature?"""
+    if not forms.carried:
+        return "its forces carry by rounding"
+    if not forms.one_form:
+        return "a corner on edges of both parts carries and may slip off"
+    if forms.uneven > LEVEL * forms.size:
+        return "the energy is not level along its level motions"
+    if not forms.tilts.shape[1]:
+        return ""
+    if weights.shape != (len(forms.stops_level), len(forms.rises)) or not (weights > 0).all():
+        return "the weights of its stops are not positive"
+    coupling = forms.stops_level.T @ weights @ forms.rises
+    missing = float(np.abs(forms.coupling - coupling).max(initial=0.0))
+    least = float(weights.min(initial=np.inf)) * _least(forms.stops_level) * _least(forms.rises)
+    if forms.level.shape[1] and not least > LEVEL * forms.size + missing:
+        return "its stops do not keep it from where it would fall"
+    if missing > LEVEL * forms.size:
+        return "its weights are not those of the energy"
+    mixed = forms.stops_tilts.T @ weights @ forms.rises
+    if not definite(forms.curvature - (mixed + mixed.T) / 2):
+        return "the energy does not curve upward beside what is level"
+    return ""
+
+
+def _least(rows: Array) -> float:
+    """How much rows (m, d) are one to one: their least singular value; 0 of fewer than d."""
+    if len(rows) < rows.shape[1]:
+        return 0.0
+    return float(np.linalg.svd(rows, compute_uv=False).min(initial=np.inf))

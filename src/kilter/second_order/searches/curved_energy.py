@@ -1,0 +1,134 @@
+"""Forces of equilibrium under which the energy curves upward, by semidefinite programs.
+
+Over the critical motions z = Z y with sides R y >= 0, sum over k of f_k H_k turned to y:
+
+    max e:  -Z^T H(f) Z - R^T N R >= e I,   J^T f + w = 0,  f >= 0,  N >= 0 entrywise
+
+e > 0 proves a strict minimum: each z in C has -z.H(f) z >= e |y|^2 + (R y).N (R y). Without
+sides N is left out. The multiplier X of the matrix says where it fails.
+
+Self-stress, s >= 0 with J^T s = 0 and -Z^T H(s) Z >= 0, makes such forces grow without end. It is
+looked for first: motions that it blocks cost energy under f + t s for t large enough (Finsler),
+and are left out of the rest.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from kilter.arrays import Array
+from kilter.second_order.gaps.stationary import Stationary
+from kilter.solvers.clarabel import solve_semidefinite
+from kilter.solvers.semidefinite import SemidefiniteProgram
+from kilter.work import Work
+
+__all__ = ["CurvedEnergy", "best_curvature", "blocking_stress"]
+
+MOST_FORCE = 1e4
+"""Sum of the forces, over the weight, up to which they are looked for."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CurvedEnergy:
+    """Forces of best curvature, none of them believed.
+
+    `forces`, shape (K,); `sides`, shape (m, m): N; `motions`, shape (d, d): the multiplier X.
+    """
+
+    forces: Array
+    sides: Array
+    motions: Array
+
+
+def best_curvature(
+    problem: Stationary, basis: Array, sides: Array, *, work: Work
+) -> CurvedEnergy | None:
+    """Forces that make the least curvature of the energy largest; None where none was found.
+
+    Parameters
+    ----------
+    problem : Stationary
+        Its rows that carry.
+    basis : ndarray, shape (n, d)
+    sides : ndarray, shape (m, d)
+    """
+    count, size = len(problem.rows), len(sides)
+    one, other = np.tril_indices(size)
+    pairs = sides[one][:, :, None] * sides[other][:, None, :]
+    pairs = (pairs + np.swapaxes(pairs, 1, 2)) / 2
+    forms = np.concatenate([problem.restricted(basis), pairs, np.eye(basis.shape[1])[None]])
+    unknowns = 1 + len(forms)
+    balance = np.zeros((len(problem.load), unknowns))
+    balance[:, 0], balance[:, 1 : 1 + count] = problem.load, problem.rows.T
+    found = _solve(
+        _independent(balance),
+        np.eye(unknowns)[1:-1],
+        np.concatenate([[0.0], np.ones(count), np.zeros(len(pairs)), [0.0]]),
+        MOST_FORCE * max(1.0, float(np.abs(problem.load).sum())),
+        (-forms, np.eye(unknowns)[-1]),
+        work,
+    )
+    if found is None:
+        return None
+    point, motions = found
+    weights = np.zeros((size, size))
+    weights[one, other] = np.maximum(point[1 + count : -1], 0.0)
+    return CurvedEnergy(np.maximum(point[1 : 1 + count], 0.0), (weights + weights.T) / 2, motions)
+
+
+def blocking_stress(problem: Stationary, basis: Array, *, work: Work) -> Array | None:
+    """Self-stress of the largest trace of curvature, shape (K,); None where there is none.
+
+    s >= 0, sum s = 1, J^T s = 0, -Z^T H(s) Z >= 0.
+    """
+    count = len(problem.rows)
+    if np.linalg.matrix_rank(problem.rows, tol=problem.blur) == count:
+        return None
+    forms = -problem.restricted(basis)
+    unknowns = 1 + count
+    balance = np.hstack([np.zeros((len(problem.load), 1)), problem.rows.T])
+    gain = np.concatenate([[0.0], np.trace(forms, axis1=1, axis2=2)])
+    total = np.concatenate([[0.0], np.ones(count)])
+    found = _solve(_independent(balance), np.eye(unknowns)[1:], total, 1.0, (forms, gain), work)
+    return None if found is None else np.maximum(found[0][1:], 0.0)
+
+
+def _solve(
+    balance: Array,
+    positive: Array,
+    total: Array,
+    most: float,
+    forms: tuple[Array, Array],
+    work: Work,
+) -> tuple[Array, Array] | None:
+    """Point and multiplier of max gain.x: sum of x_k form_k >= 0, total.x <= most."""
+    bodies, gain = forms
+    order = bodies.shape[1]
+    column, row = np.tril_indices(order)
+    weight = np.where(row == column, 1.0, np.sqrt(2.0))
+    square = np.zeros((len(row), len(gain)))
+    square[:, 1:] = (bodies[:, row, column] * weight).T
+    within = -total
+    within[0] = most
+    answer = solve_semidefinite(
+        SemidefiniteProgram(
+            gain,
+            csr_array(balance),
+            csr_array(np.vstack([positive, within[None] / most])),
+            csr_array((0, len(gain))),
+            1,
+            (csr_array(square),),
+        ),
+        work=work,
+    )
+    return None if answer is None else (answer.point, answer.squares[0])
+
+
+def _independent(rows: Array) -> Array:
+    """Rows of the same null space, linearly independent."""
+    left, values, _ = np.linalg.svd(rows, full_matrices=False)
+    rank = int((values > 1e-10 * values.max(initial=1e-300)).sum())
+    return np.asarray(left[:, :rank].T @ rows)

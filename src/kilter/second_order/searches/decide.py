@@ -1,0 +1,390 @@
+"""Is a place of equilibrium a strict minimum of its energy, or does a path lead down?
+
+1  critical motions C (`critical`): no side opens: a space
+2  motions that are proved free are divided out; those that every contact leaves flat are undecided
+3  self-stress blocks what it curves upward (`curved_energy`)
+4  forces that curve the energy upward on the rest: minimum
+5  else a path that leads down, from the multiplier of 4 (`paths`), or of one part alone: balanced
+6  else, up to dimension 4, cones with forces of their own each (copositive matrices are sums of a
+   positive and a semidefinite one there): minimum, or a path down
+7  else open, with the reason
+
+Every answer but "open" carries a proof that was judged apart from the solver.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from kilter.arrays import TINY, Array
+from kilter.second_order.gaps.stationary import Stationary
+from kilter.second_order.motions.null_space import null_space
+from kilter.second_order.proofs.held import Held
+from kilter.second_order.proofs.level_rest import LevelRest
+from kilter.second_order.proofs.locked import LockedTurns
+from kilter.second_order.proofs.minimum_proof import (
+    Leaf,
+    MinimumProof,
+    judge_minimum,
+    orthants,
+    sides_of_cone,
+    split,
+)
+from kilter.second_order.proofs.paths import Path
+from kilter.second_order.proofs.stopped import Stopped
+from kilter.second_order.searches.critical import Critical, find_critical
+from kilter.second_order.searches.curved_energy import best_curvature, blocking_stress
+from kilter.second_order.searches.path_search import find_path
+from kilter.second_order.second_order_tolerances import CURVED, FLAT, LEVEL, SPLITS
+from kilter.work import Work
+
+__all__ = ["EXACT_DIMENSION", "Decision", "decide"]
+
+EXACT_DIMENSION = 4
+"""Up to this dimension cones decide."""
+NARROW = 1e-3
+"""Cones of rays nearer to one another than this are not split."""
+MOST_MOTIONS = 24
+"""Neutral motions beside the free ones that are looked at."""
+ROUNDS = 4
+"""Times that self-stress is looked for."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Decision:
+    """What is known of a place of equilibrium.
+
+    Attributes
+    ----------
+    state : {"minimum", "balanced", "open"}
+        A minimum is one across the motions that are free.
+    neutral, free, blocked, undecided : int
+        Dimensions: of the span of the critical motions, and of its parts: proved free; those
+        that cost energy, or may gain some; those of which neither is known.
+    proof : MinimumProof or Path or LevelRest or LockedTurns or Stopped or Held or None
+    why : str
+        Why it is open.
+    others : tuple of Path
+        Paths that lead down as well, less steeply.
+    opening : ndarray, shape (n,), optional
+        A free motion that opens the contacts that were left out, scaled unknowns.
+    """
+
+    state: Literal["minimum", "balanced", "open"]
+    neutral: int
+    free: int
+    blocked: int
+    undecided: int
+    proof: MinimumProof | Path | LevelRest | LockedTurns | Stopped | Held | None = None
+    why: str = ""
+    others: tuple[Path, ...] = ()
+    opening: Array | None = None
+
+
+def decide(
+    problem: Stationary,
+    free: Array | None = None,
+    *,
+    critical: Critical | None = None,
+    work: Work | None = None,
+) -> Decision:
+    """Minimum, balanced or open.
+
+    Parameters
+    ----------
+    problem : Stationary
+    free : ndarray, shape (n, f), optional
+        Motions that are proved to keep every gap and the energy, independent of one another.
+    critical : Critical, optional
+        Of this problem, where it is known already.
+    """
+    work = work or Work()
+    critical = critical or find_critical(problem)
+    if critical is None:
+        return Decision("open", 0, 0, 0, 0, why="no forces of equilibrium were found")
+    free = np.zeros((len(problem.load), 0)) if free is None else _even(problem, critical, free)
+    across = critical.basis @ null_space(free.T @ critical.basis, problem.blur)
+    return _Question(problem, critical, free, across, work).answer()
+
+
+def _even(problem: Stationary, critical: Critical, free: Array) -> Array:
+    """The free motions that the forces leave level: not past the edge of a table.
+
+    Neither where corners that are flush stay on their edges nor where they slip off.
+    """
+    both = np.hstack([critical.basis, free])
+    curvature = problem.curvature(critical.forces, both)
+    curvature = np.vstack([curvature, curvature + problem.slipped(critical.forces, both)])
+    size = LEVEL * max(1.0, float(np.abs(curvature).max(initial=0.0)))
+    uneven = curvature[:, critical.basis.shape[1] :]
+    if np.abs(uneven).max(initial=0.0) <= size:
+        return free
+    return free @ null_space(np.where(np.abs(uneven) <= size, 0.0, uneven), FLAT)
+
+
+class _Question:
+    """One place, its critical motions across the free ones, and what was found on the way."""
+
+    def __init__(
+        self, problem: Stationary, critical: Critical, free: Array, across: Array, work: Work
+    ) -> None:
+        self.problem, self.critical, self.work = problem, critical, work
+        self.carrying = problem.taking(critical.carries)
+        self.free, self.across = free, across
+        self.sides = critical.sides @ (critical.basis.T @ across)
+        self.neutral = critical.basis.shape[1]
+        self.flat = 0
+
+    def answer(self) -> Decision:
+        """Steps 2 to 7."""
+        if not self.across.shape[1]:
+            return self._minimum((), (Leaf(self.critical.forces, self._no_weights()),))
+        if self.across.shape[1] > MOST_MOTIONS:
+            why = f"more than {MOST_MOTIONS} neutral motions are not proved free"
+            rest = self.across.shape[1]
+            return Decision("open", self.neutral, self.free.shape[1], 0, rest, why=why)
+        if len(self.sides):
+            return self._on(self.across, np.zeros(len(self.carrying.rows)))
+        curved = self._without_flat()
+        self.flat = self.across.shape[1] - curved.shape[1]
+        rest, stress = self._without_blocked(curved)
+        if rest.shape[1]:
+            return self._on(rest, stress)
+        forces = self.critical.forces[self.critical.carries]
+        return self._strengthened(forces, stress) or self._open("the numbers carry no proof")
+
+    def _no_weights(self) -> Array:
+        return np.zeros((len(self.sides), len(self.sides)))
+
+    def _without_flat(self) -> Array:
+        """Critical motions across those that no contact curves."""
+        forms = self.carrying.restricted(self.across)
+        stacked = forms.reshape(-1, forms.shape[2])
+        size = float(np.abs(forms).max(initial=0.0))
+        if size < FLAT:
+            return self.across[:, :0]
+        return self.across @ null_space(null_space(stacked, FLAT).T, FLAT)
+
+    def _without_blocked(self, basis: Array) -> tuple[Array, Array]:
+        """Motions that no self-stress blocks, and self-stress that blocks the others."""
+        total = np.zeros(len(self.carrying.rows))
+        for _ in range(ROUNDS):
+            if not basis.shape[1]:
+                break
+            stress = blocking_stress(self.carrying, basis, work=self.work)
+            if stress is None:
+                break
+            curvature = self.carrying.curvature(stress, basis)
+            values, vectors = np.linalg.eigh(curvature)
+            blocked = values > 1e-4 * max(1e-2, values.max(initial=0.0))
+            size = float(np.abs(self.carrying.rows.T @ stress).max(initial=0.0))
+            if not blocked.any() or size > 1e-6 or values.min() < -1e-6:
+                break
+            total = total + stress
+            basis = basis @ vectors[:, ~blocked]
+        return basis, total
+
+    def _on(self, basis: Array, stress: Array) -> Decision:
+        """Steps 4 to 7 on what is left."""
+        if self._only_forces():
+            forces = self.critical.forces[self.critical.carries]
+            proved = self._strengthened(forces, stress)
+            if proved is not None:
+                return proved
+        best = best_curvature(self.carrying, basis, self.sides_of(basis), work=self.work)
+        candidates = list(self._from_forces(basis))
+        if best is not None:
+            proved = self._strengthened(best.forces, stress, best.sides)
+            if proved is not None:
+                return proved
+            candidates += self._from_multiplier(basis, best.motions)
+        paths = self._paths(candidates)
+        if not paths or self.carrying.slips is not None:  # flush: the plainest path is a tilt
+            paths += self._paths_alone()
+        if paths:
+            return self._decision("balanced", *paths)
+        if basis.shape[1] == self.across.shape[1] <= EXACT_DIMENSION:
+            return self._by_cones(basis)
+        return self._open("neither forces that prove a minimum nor a path down were found")
+
+    def _only_forces(self) -> bool:
+        """Whether no other forces balance, and none need weights of sides."""
+        rows = self.carrying.rows
+        rank = int(np.linalg.matrix_rank(rows, tol=self.problem.blur))
+        return not len(self.sides) and rank == len(rows)
+
+    def sides_of(self, basis: Array) -> Array:
+        """The sides over coordinates of a basis within `across`."""
+        return self.sides @ (self.across.T @ basis)
+
+    def _from_forces(self, basis: Array) -> list[Array]:
+        """Motions along which the carrying forces curve the energy least."""
+        forces = self.critical.forces[self.critical.carries]
+        _, vectors = np.linalg.eigh(self.carrying.curvature(forces, basis))
+        return [basis @ vectors[:, k] for k in range(min(2, vectors.shape[1]))]
+
+    def _from_multiplier(self, basis: Array, motions: Array) -> list[Array]:
+        """Motions of a multiplier X: of its largest axes, and sums of them by each sign."""
+        values, vectors = np.linalg.eigh(motions)
+        axes = (vectors * np.sqrt(np.maximum(values, 0.0)))[:, ::-1]
+        single = [basis @ axes[:, k] for k in range(min(6, axes.shape[1]))]
+        most = min(4, axes.shape[1])
+        signs = itertools.product((1.0, -1.0), repeat=most - 1)
+        return single + [basis @ (axes[:, :most] @ np.array([1.0, *rest])) for rest in signs]
+
+    def _paths(self, candidates: list[Array]) -> list[Path]:
+        """Paths that fall along motions, or along critical ones near by, the steepest first."""
+        found = []
+        about = self._about_edges(np.hstack([self.across, self.free]))
+        for motion in candidates:
+            senses = (motion, -motion) if len(self.sides) else (motion,)
+            critical_ones = [self._critical(one) for one in senses]
+            for critical in (*self._pivots(about, critical_ones), *critical_ones):
+                path = find_path(self.problem, critical) if critical is not None else None
+                if path is not None and path.falls:
+                    found.append(path)
+        return self._steepest(found)
+
+    def _paths_alone(self) -> list[Path]:
+        """Paths of one part alone that fall, the steepest first."""
+        paths = [find_path(self.problem, one) for one in self._alone()]
+        return self._steepest(path for path in paths if path is not None and path.falls)
+
+    def _steepest(self, found: Iterable[Path]) -> list[Path]:
+        return sorted(found, key=lambda path: -min(path.opens, path.power))
+
+    def _alone(self) -> list[Array]:
+        """Critical motions of one part alone that curve least: what is pressed stays in place."""
+        whole = np.hstack([self.across, self.free])
+        columns = self.problem.columns.reshape(-1, 6)
+        found: list[Array | None] = []
+        for own in np.unique(columns[(columns >= 0).any(axis=1)], axis=0):
+            still = np.ones(len(whole), dtype=bool)
+            still[own[own >= 0]] = False
+            basis = whole @ null_space(whole[still], self.problem.blur)
+            basis[still] = 0.0
+            basis, _ = np.linalg.qr(basis)
+            for within in (basis, self._about_edges(basis)):
+                motions = self._from_forces(within) if within.shape[1] else []
+                senses = [one for motion in motions for one in (motion, -motion)]
+                found += [self._critical(one, within) for one in senses]
+        return [one for one in found if one is not None]
+
+    def _about_edges(self, basis: Array) -> Array:
+        """Motions in a basis along which no corner that carries slips off an edge of both parts."""
+        if self.carrying.slips is None:
+            return basis[:, :0]
+        return basis @ null_space(self.carrying.sliding(basis), self.problem.blur)
+
+    def _pivots(self, about: Array, critical: list[Array | None]) -> list[Array]:
+        """Critical motions near to some along which no corner slips off."""
+        if not about.shape[1]:
+            return []
+        near = [about @ (about.T @ one) for one in critical if one is not None]
+        opens = [self.sides @ (self.across.T @ one) for one in near]
+        return [
+            one / np.linalg.norm(one)
+            for one, sides in zip(near, opens, strict=True)
+            if np.linalg.norm(one) > NARROW and (sides > -FLAT).all()
+        ]
+
+    def _critical(self, motion: Array, basis: Array | None = None) -> Array | None:
+        """The nearest critical motion, in an orthonormal basis; None where that is none."""
+        basis = self.across if basis is None else basis
+        y, sides = basis.T @ motion, self.sides_of(basis)
+        sides = sides[np.linalg.norm(sides, axis=1) > FLAT]  # others it does not open or close
+        if len(sides):
+            from scipy.optimize import nnls  # takes its time
+
+            push, _ = nnls(sides.T, -y)
+            y = y + sides.T @ push
+        size = float(np.linalg.norm(y))
+        return basis @ (y / size) if size > 1e-6 else None
+
+    def _strengthened(
+        self, forces: Array, stress: Array, weights: Array | None = None
+    ) -> Decision | None:
+        """A minimum by some forces and enough of the self-stress; None where that is none."""
+        forces = self._balanced(forces)
+        weights = self._no_weights() if weights is None else weights
+        for share in (0.0, *np.geomspace(1.0, 1e6, 13)) if stress.any() else (0.0,):
+            leaf = Leaf(self._spread(self._balanced(forces + share * stress)), weights)
+            found = self._minimum((), (leaf,))
+            if found.state == "minimum":
+                return found
+        return None
+
+    def _balanced(self, forces: Array) -> Array:
+        """The nearest forces that balance, cut at 0."""
+        rows = self.carrying.rows
+        miss = rows.T @ forces + self.carrying.load
+        nearest = np.linalg.lstsq(rows.T, miss, rcond=None)[0]
+        return np.maximum(forces - nearest, 0.0)
+
+    def _spread(self, forces: Array) -> Array:
+        total = np.zeros(len(self.problem.rows))
+        total[self.critical.carries] = forces
+        return total
+
+    def _by_cones(self, basis: Array) -> Decision:
+        """Step 6: each cone has forces that curve upward, or a ray that falls, or is split."""
+        dimension, sides = basis.shape[1], self.sides_of(basis)
+        todo = orthants(dimension, half=not len(sides))[::-1]
+        splits: list[tuple[int, int] | None] = []
+        leaves: list[Leaf] = []
+        while todo and len(splits) < SPLITS:
+            rays = todo.pop()
+            own = np.vstack([sides_of_cone(rays), sides])
+            best = best_curvature(self.carrying, basis, own, work=self.work)
+            if best is not None and self._curves(basis, best.forces, own, best.sides):
+                splits.append(None)
+                leaves.append(Leaf(self._spread(self._balanced(best.forces)), best.sides))
+                continue
+            paths = self._paths([*(basis @ rays).T, basis @ rays.sum(axis=1)])
+            if paths:
+                return self._decision("balanced", *paths)
+            apart, longest = max(
+                (float(np.linalg.norm(rays[:, i] - rays[:, j])), (i, j))
+                for i, j in [*itertools.combinations(range(dimension), 2), (0, 0)]
+            )
+            if apart < NARROW:
+                break
+            splits.append(longest)
+            todo += split(rays, *longest)[::-1]
+        else:
+            if not todo:
+                return self._minimum(tuple(splits), tuple(leaves))
+        return self._open("it is too near a limit, or of a higher order")
+
+    def _curves(self, basis: Array, forces: Array, sides: Array, weights: Array) -> bool:
+        matrix = self.carrying.curvature(self._balanced(forces), basis) - sides.T @ weights @ sides
+        size = max(1.0, float(np.abs(matrix).max(initial=0.0)))
+        return bool(np.linalg.eigvalsh(matrix).min(initial=np.inf) > 2 * CURVED * size)
+
+    def _minimum(
+        self, splits: tuple[tuple[int, int] | None, ...], leaves: tuple[Leaf, ...]
+    ) -> Decision:
+        proof = MinimumProof(self.across, self.sides, self.free, splits, leaves)
+        wrong = judge_minimum(self.problem, proof)
+        return self._open(wrong) if wrong else self._decision("minimum", proof)
+
+    def _decision(
+        self, state: Literal["minimum", "balanced"], proof: MinimumProof | Path, *others: Path
+    ) -> Decision:
+        free = self.free.shape[1]
+        blocked = self.neutral - free - self.flat
+        return Decision(state, self.neutral, free, blocked, self.flat, proof, others=others)
+
+    def _open(self, why: str) -> Decision:
+        free = self.free.shape[1]
+        forces = self._balanced(self.critical.forces[self.critical.carries])
+        values = np.linalg.eigvalsh(self.carrying.curvature(forces, self.across))
+        size = max(1.0, float(np.abs(values).max(initial=TINY)))
+        curved = int((values > CURVED * size).sum())
+        undecided = self.across.shape[1] - curved
+        return Decision("open", self.neutral, free, curved, undecided, why=why)

@@ -1,0 +1,60 @@
+"""A decision as far as it holds for every surface that a mesh may stand for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from kilter.mechanics.program import Program
+from kilter.second_order.gaps.features import Features
+from kilter.second_order.gaps.recognised import bounded
+from kilter.second_order.gaps.stationary import Stationary
+from kilter.second_order.proofs.minimum_proof import MinimumProof, judge_minimum
+from kilter.second_order.proofs.paths import Path
+from kilter.second_order.searches.decide import Decision
+from kilter.second_order.searches.path_search import find_path
+
+__all__ = ["decided_for_all"]
+
+TOO_NEAR = (
+    "it is too near a limit for surfaces that were recognised in meshes: they are known too roughly"
+)
+
+
+def decided_for_all(
+    program: Program, features: Features, problem: Stationary, decision: Decision
+) -> tuple[Stationary, Decision]:
+    """A decision as far as it holds for all surfaces within their doubt.
+
+    Parameters
+    ----------
+    program : Program
+    features : Features
+        Of its rows, all formed for all surfaces.
+    problem : Stationary
+        With the surfaces as they were recognised.
+    decision : Decision
+        Of that.
+
+    Returns
+    -------
+    Stationary
+        The worst place, which the numbers are about.
+    Decision
+    """
+    proof = decision.proof
+    if isinstance(proof, MinimumProof):
+        worst = bounded(program, features, 1.0)
+        if not judge_minimum(problem, proof, worst):
+            return worst, decision
+    elif isinstance(proof, Path):
+        worst = replace(bounded(program, features, -1.0), on_plane=problem.on_plane)
+        for one in (proof, *decision.others):
+            path = find_path(worst, one.first)
+            if path is not None and path.falls:
+                return worst, replace(decision, proof=path, others=())
+    else:
+        return problem, decision
+    left = decision.neutral - decision.free
+    return problem, replace(
+        decision, state="open", blocked=0, undecided=left, proof=None, why=TOO_NEAR, others=()
+    )

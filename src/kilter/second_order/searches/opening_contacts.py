@@ -1,0 +1,51 @@
+"""The search for a motion that opens contacts, by a linear program."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+
+import numpy as np
+from scipy.sparse import csc_array
+
+from kilter.arrays import Array, Mask
+from kilter.second_order.motions.sharp_points import SharpPoints
+from kilter.solvers.highs import find_optimum
+from kilter.solvers.problem import LinearProgram
+
+__all__ = ["enough_to_open", "opening_motion"]
+
+MOST_CHOICES = 64
+"""Choices of normals that are tried, one of each pair."""
+
+
+def opening_motion(rows: Array) -> Array | None:
+    """Of motions x, shape (f,), the one that opens rows (s, f) most; None where none opens all.
+
+    Max t:  rows x >= t,  |x| <= 1.
+    """
+    count, freedoms = rows.shape
+    answer = find_optimum(
+        LinearProgram(
+            np.append(np.zeros(freedoms), -1.0),
+            csc_array(np.hstack([rows, -np.ones((count, 1))])),
+            np.zeros(count),
+            np.full(count, np.inf),
+            -np.ones(freedoms + 1),
+            np.ones(freedoms + 1),
+        )
+    )
+    return answer.x[:-1] if answer.optimal and answer.x[-1] > 0 else None
+
+
+def enough_to_open(points: SharpPoints, rows: Mask) -> Iterator[Mask]:
+    """Some of these rows that it is enough to open: of each pair at points those of one normal.
+
+    Of up to `MOST_CHOICES` such choices.
+    """
+    own = rows & (points.along >= 0)
+    pairs = np.unique(points.pair[own])
+    normals = [np.unique(points.along[own & (points.pair == one)]) for one in pairs]
+    others = rows & ~np.isin(points.pair, pairs)
+    for chosen in itertools.islice(itertools.product(*normals), MOST_CHOICES):
+        yield others | (rows & np.isin(points.along, chosen))

@@ -1,0 +1,104 @@
+"""Search for a path that leads down along a critical motion dp (`paths`): its second derivative.
+
+    max m:   J_k d2 + dp.H_k dp >= m where J_k dp = 0,   w.d2 >= m,   |d2| <= reach
+
+By duality a d2 with m = 0 exists iff no forces of equilibrium curve the energy upward along dp.
+What is pressed between planes keeps them: d2 is sought among the shifts along all of these.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.sparse import csc_array
+
+from kilter.arrays import TINY, Array, Index, Mask
+from kilter.second_order.gaps.stationary import Stationary
+from kilter.second_order.motions.null_space import null_space
+from kilter.second_order.proofs.paths import Path, judge_path
+from kilter.second_order.second_order_tolerances import ACROSS, DROPS, REACHES
+from kilter.solvers.highs import find_optimum
+from kilter.solvers.problem import LinearProgram
+
+__all__ = ["find_path"]
+
+TURNS = [3, 4, 5, 9, 10, 11]
+"""Of the unknowns of a contact, those that are turns."""
+
+
+def find_path(problem: Stationary, motion: Array) -> Path | None:
+    """The path along a critical motion, shape (n,), that opens and falls most."""
+    first = motion / max(float(np.linalg.norm(motion)), TINY)
+    found = None
+    for reach in REACHES:
+        second = _second_derivative(problem, first, reach)
+        found = None if second is None else judge_path(problem, first, second)
+        if found is not None and found.falls:
+            return found
+    return _along_planes(problem, first) or found
+
+
+def _along_planes(problem: Stationary, motion: Array) -> Path | None:
+    """The path that keeps every contact with a plane along which a motion shifts its parts."""
+    turned = np.append(np.abs(motion), 0.0)[problem.columns[:, TURNS]].max(axis=1, initial=0.0)
+    keep = problem.planes & (np.abs(problem.rows @ motion) < ACROSS) & (turned < ACROSS)
+    if not keep.any():
+        return None
+    fixed = _turns_of(problem, keep)
+    held = np.vstack([problem.rows[keep], np.eye(len(motion))[fixed]])
+    within = null_space(held, problem.blur)
+    first = within @ (within.T @ motion)
+    first[fixed] = 0.0
+    size = float(np.linalg.norm(first))
+    if size < 0.5:
+        return None
+    first = first / size
+    loose = replace(
+        problem.taking(~keep), rows=problem.rows[~keep] @ within, load=problem.load @ within
+    )
+    found = None
+    for reach in REACHES:
+        second = _second_derivative(loose, within.T @ first, reach, problem.bends(first)[~keep])
+        if second is None:
+            return None
+        bent = within @ second
+        bent[fixed] = 0.0
+        found = judge_path(problem, first, bent)
+        if found.falls:
+            break
+    return found
+
+
+def _turns_of(problem: Stationary, rows: Mask) -> Index:
+    """Places of the turns of the parts of some rows."""
+    places = np.unique(problem.columns[rows][:, TURNS])
+    return np.asarray(places[places >= 0], dtype=np.int64)
+
+
+def _second_derivative(
+    problem: Stationary, first: Array, reach: float, bends: Array | None = None
+) -> Array | None:
+    """Max m:  J d2 + dp.H dp >= m where dp keeps closed,  w.d2 >= m,  |d2| <= reach."""
+    closed = problem.rows @ first <= DROPS
+    rows = problem.rows[closed]
+    bends = (problem.bends(first) if bends is None else bends)[closed]
+    freedoms = len(first)
+    matrix = np.vstack(
+        [
+            np.hstack([rows, -np.ones((len(rows), 1))]),
+            np.append(problem.load, -1.0)[None],
+        ]
+    )
+    bound = np.append(np.full(freedoms, reach), 1.0)
+    answer = find_optimum(
+        LinearProgram(
+            np.append(np.zeros(freedoms), -1.0),
+            csc_array(matrix),
+            np.append(-bends, 0.0),
+            np.full(len(matrix), np.inf),
+            -bound,
+            bound,
+        )
+    )
+    return answer.x[:-1] if answer.optimal else None

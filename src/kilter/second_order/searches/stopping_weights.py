@@ -1,0 +1,85 @@
+"""Weights of stops that keep what is level from where it would fall (`stopped` has the theory)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from scipy.sparse import csc_array, csr_array
+
+from kilter.arrays import Array, Mask
+from kilter.second_order.gaps.stationary import Stationary
+from kilter.second_order.proofs.stopped import StopForms, Stopped, judge_stopped, stop_forms
+from kilter.second_order.searches.critical import carrying_forces
+from kilter.second_order.searches.opening_contacts import opening_motion
+from kilter.solvers.highs import find_optimum
+from kilter.solvers.problem import LinearProgram
+
+__all__ = ["find_stopped"]
+
+SHARES = (0.1, 1e-3, 1e-5)
+"""Of the most even weights, what each has at least where the curvature is to be great."""
+MOST_WEIGHTS = 2_000
+"""Products of a stop and a level contact that are looked at."""
+
+
+def find_stopped(problem: Stationary, level: Mask, motions: Array, free: Array) -> Stopped | None:
+    """A proof that what is level is where the energy is least; None where none was found.
+
+    The arguments are those of `judge_stopped`.
+    """
+    stops, count = int((~level).sum()), int(level.sum())
+    if not count or not stops or stops * count > MOST_WEIGHTS:
+        return None
+    found = carrying_forces(csr_array(problem.rows[level]), problem.load)
+    opening = opening_motion(problem.rows[~level] @ motions)
+    if found is None or opening is None:
+        return None
+    forces = np.zeros(len(level))
+    forces[level] = found[0]
+    forms = stop_forms(problem, level, motions, free, forces)
+    for weights in _offered(forms):
+        proof = Stopped(forces, weights, motions @ opening)
+        if not judge_stopped(problem, level, motions, free, proof):
+            return proof
+    return None
+
+
+def _offered(forms: StopForms) -> Iterator[Array]:
+    """Weights, the most even first, then those that leave the most curvature."""
+    if not len(forms.stops_level) * len(forms.rises):
+        yield np.zeros((len(forms.stops_level), len(forms.rises)))
+        return
+    even = _weights(forms, None)
+    if even is None:
+        return
+    yield even
+    for share in SHARES:
+        found = _weights(forms, share * float(even.min()))
+        if found is not None:
+            yield found
+
+
+def _weights(forms: StopForms, least: float | None) -> Array | None:
+    """W with  sum of W_ij R_i R_j = coupling  and  W >= t.
+
+    With the greatest t; or, t given, such that S has the greatest trace.
+    """
+    stops, rises = len(forms.stops_level), len(forms.rises)
+    count = stops * rises
+    products = np.einsum("if,jd->fdij", forms.stops_level, forms.rises).reshape(-1, count)
+    above = np.hstack([np.eye(count), -np.ones((count, 1))])
+    right = forms.coupling.reshape(-1)
+    taken = (forms.stops_tilts @ forms.rises.T).reshape(-1)  # of the trace of S
+    low, high = (0.0, np.inf) if least is None else (least, least)
+    answer = find_optimum(
+        LinearProgram(
+            np.append(np.zeros(count), -1.0) if least is None else np.append(taken, 0.0),
+            csc_array(np.vstack([np.hstack([products, np.zeros((len(products), 1))]), above])),
+            np.concatenate([right, np.zeros(count)]),
+            np.concatenate([right, np.full(count, np.inf)]),
+            np.append(np.zeros(count), low),
+            np.append(np.full(count, np.inf), high),
+        )
+    )
+    return answer.x[:-1].reshape(stops, rises) if answer.optimal else None
