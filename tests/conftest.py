@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+from sampled import in_block, mark_rest_slow
+
 collect_ignore_glob = ["*conftest.py"]  # no doctests there, and their names are alike
 
 settings.register_profile("kilter", deadline=None, derandomize=True, max_examples=20)
@@ -17,7 +19,18 @@ settings.load_profile("kilter")
 def pytest_addoption(parser: pytest.Parser) -> None:
     """`--each-solver FILE`: see `solvers_apart`; `--kills N`: see `tests/cli/test_writing.py`."""
     parser.addoption("--each-solver", metavar="FILE", type=Path, help="ask each solver by itself")
+    parser.addoption("--block", metavar="K/N", help="run the K-th of N blocks of the tests")
     parser.addoption("--kills", type=int, default=40, help="moments at which a writer is killed")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Mark cases slow before `-m` selects, and keep the tests of `--block`."""
+    mark_rest_slow(items)
+    block = config.getoption("--block")
+    if block:
+        items[:], others = in_block(items, block)
+        config.hook.pytest_deselected(items=others)
 
 
 @pytest.fixture(autouse=True)

@@ -1,13 +1,18 @@
-"""Cases of which some always run and the others only with the slow tests."""
+"""Cases that always run and cases that only run with the slow tests.
+
+`sampled` marks the cases of a parametrisation; the mark ``quick`` chooses among the cases of a
+test (conftest applies it); `in_block` splits a long selection into blocks.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import zlib
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import pytest
 
-__all__ = ["sampled"]
+__all__ = ["in_block", "mark_rest_slow", "sampled"]
 
 
 def sampled(always: int, cases: Iterable[Any] | int) -> list[Any]:
@@ -16,5 +21,43 @@ def sampled(always: int, cases: Iterable[Any] | int) -> list[Any]:
     A case that is a tuple has several arguments.
     """
     every = list(range(cases) if isinstance(cases, int) else cases)
-    rest = [one if isinstance(one, tuple) else (one,) for one in every[always:]]
-    return every[:always] + [pytest.param(*one, marks=pytest.mark.slow) for one in rest]
+    rest = [case if isinstance(case, tuple) else (case,) for case in every[always:]]
+    return every[:always] + [pytest.param(*case, marks=pytest.mark.slow) for case in rest]
+
+
+def mark_rest_slow(items: Iterable[pytest.Item]) -> None:
+    """Mark each case slow that the ``quick`` mark of its test does not choose.
+
+    ``@pytest.mark.quick(3)`` chooses three cases, evenly spaced; ``@pytest.mark.quick("wall")``
+    chooses the case with this id; both may be given together.
+    """
+    tests: dict[tuple[int, str], list[pytest.Item]] = {}
+    for item in items:
+        if item.get_closest_marker("quick") and not item.get_closest_marker("slow"):
+            name = getattr(item, "originalname", item.name)
+            tests.setdefault((id(item.parent), name), []).append(item)
+    for cases in tests.values():
+        mark = cases[0].get_closest_marker("quick")
+        assert mark is not None
+        names = {given for given in mark.args if isinstance(given, str)}
+        count = sum(given for given in mark.args if isinstance(given, int))
+        spread = {k * len(cases) // count for k in range(count)}
+        for index, case in enumerate(cases):
+            if index not in spread and _case_id(case) not in names:
+                case.add_marker(pytest.mark.slow)
+
+
+def _case_id(item: pytest.Item) -> str:
+    return item.name.partition("[")[2].removesuffix("]")
+
+
+def in_block(items: Sequence[pytest.Item], block: str) -> tuple[list[pytest.Item], list[Any]]:
+    """The tests of one block ("2/5": the second of five), and the other tests.
+
+    The names decide, so that all workers and all runs split alike.
+    """
+    number, count = (int(text) for text in block.split("/"))
+    parts: tuple[list[pytest.Item], list[Any]] = [], []
+    for item in items:
+        parts[zlib.crc32(item.nodeid.encode()) % count != number - 1].append(item)
+    return parts

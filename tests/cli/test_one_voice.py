@@ -31,10 +31,13 @@ EFFORT = {"check": 0.0, "margin": 0.0}
 """Quick: it is the voice that is asked about."""
 
 
+PARTS = {name: len(scene(name).parts) for name in SCENES}
+
+
 def asked(command: str) -> list[Any]:
     """The scenes of a command; the slow ones marked."""
     limit = WORK.get(command, 100)
-    small = [name for name in SCENES if len(scene(name).parts) <= limit]
+    small = [name for name in SCENES if PARTS[name] <= limit]
     few = small[:: EACH.get(command, 3)]
     return [pytest.param(n, marks=() if n in few else pytest.mark.slow) for n in SCENES]
 

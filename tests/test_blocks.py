@@ -1,0 +1,58 @@
+"""Quick and slow cases, and the blocks of the slow tests."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from sampled import in_block, mark_rest_slow, sampled
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+@pytest.mark.parametrize("case", range(6))
+def test_cases_here(case: int) -> None:
+    """Cases for the tests below."""
+
+
+def cases(request: pytest.FixtureRequest) -> list[pytest.Item]:
+    name = test_cases_here.__name__
+    module = request.node.parent
+    return [item for item in module.collect() if getattr(item, "originalname", "") == name]
+
+
+def test_quick_chooses_cases_by_number_and_by_id(request: pytest.FixtureRequest) -> None:
+    items = cases(request)
+    for item in items:
+        item.add_marker(pytest.mark.quick(2, "5"))
+    mark_rest_slow(items)
+    quick = [item.name for item in items if not item.get_closest_marker("slow")]
+    assert quick == [f"test_cases_here[{k}]" for k in (0, 3, 5)]
+
+
+def test_sampled_marks_all_but_the_first() -> None:
+    first, *rest = sampled(1, 3)
+    assert first == 0
+    assert [case.values for case in rest] == [(1,), (2,)]
+    assert all(case.marks[0].name == "slow" for case in rest)
+
+
+def test_every_test_is_in_one_block() -> None:
+    items = [SimpleNamespace(nodeid=f"test_{k}") for k in range(40)]
+    blocks = [in_block(items, f"{k}/3")[0] for k in (1, 2, 3)]  # type: ignore[arg-type]
+    assert all(blocks)
+    assert sorted(item.nodeid for block in blocks for item in block) == sorted(
+        item.nodeid for item in items
+    )
+
+
+def test_slow_blocks_name_every_folder_of_tests() -> None:
+    listing = ROOT / ".ci" / "slow_blocks"
+    if not listing.exists():
+        pytest.skip("the gate is not here")
+    entries = [line.partition("#")[0].strip() for line in listing.read_text().splitlines()]
+    listed = {entry.partition(":")[0] for entry in entries if entry}
+    folders = {path.parent.relative_to(ROOT).as_posix() for path in ROOT.glob("tests/*/test_*.py")}
+    assert listed == folders - {"tests/browser"}
