@@ -1,4 +1,4 @@
-"""Candidate contacts of two surfaces, as arrays, before their faces are asked."""
+"""Candidate contacts of two surfaces, as arrays, before the extent of their faces is tested."""
 
 from __future__ import annotations
 
@@ -10,28 +10,30 @@ from kilter.arrays import Array, Index, Mask, Rows, columns
 from kilter.contact.contact_tolerances import FIT_PLAY
 
 __all__ = [
-    "CIRCLE", "LINE", "POINT", "SAME", "Allowed", "Forms", "dot", "make_forms", "without_along",
+    "CIRCLE", "LINE", "POINT", "SAME", "Candidates", "FormLimits", "dot", "make_candidates",
+    "without_along",
 ]  # fmt: skip
 
 
 POINT, LINE, CIRCLE, SAME = range(4)
-"""Forms of contact; SAME: one surface in its own counterpart."""
+"""Forms of contact; SAME: a surface inside its own counterpart, such as a shaft in its hole."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Allowed(Rows):
-    """What counts as one surface, as closed, as parallel, of each pair of surfaces, shape (n,).
+class FormLimits(Rows):
+    """Limits at which surfaces of each pair coincide, are closed by a clearance, or are parallel.
 
     Attributes
     ----------
     gap : ndarray, shape (n,)
-        Surfaces that differ by up to this are one [length unit].
+        Largest difference of coinciding surfaces [length unit].
     closed : ndarray, shape (n,)
-        The widest gap that counts as closed, at least `gap` [length unit].
+        Widest gap that counts as closed, at least `gap` [length unit].
     angle : ndarray, shape (n,)
-        Lines up to this are parallel [rad].
+        Largest angle between parallel lines [rad].
     share : ndarray, shape (n,)
-        Where a fit is closed, from the core of the first surface (0) to that of the second (1).
+        Position at which a fit is closed: 0 at the core of the first surface, 1 at the core of the
+        second [-].
     """
 
     gap: Array
@@ -40,14 +42,14 @@ class Allowed(Rows):
     share: Array
 
     def fits(self, play: Array, radius: Array) -> Mask:
-        """Where play above the gap tolerance is that of a fit, or is closed, shape (n,)."""
+        """Whether a play above the gap tolerance belongs to a fit, or is closed, shape (n,)."""
         result: Mask = (play > self.gap) & (play <= np.maximum(self.closed, FIT_PLAY * radius))
         return result
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Forms(Rows):
-    """Candidate contacts, one row each.
+class Candidates(Rows):
+    """Candidate contacts, a row for each.
 
     Attributes
     ----------
@@ -56,21 +58,21 @@ class Forms(Rows):
     form : ndarray of int, shape (n,)
         POINT, LINE, CIRCLE or SAME.
     at : ndarray, shape (n, 3)
-        The point; a point of the line; the centre of the circle, half-way in the gap.
+        The point, a point of the line, or the centre of the circle, half-way in the gap.
     along : ndarray, shape (n, 3)
-        Direction of the line, axis of the circle; of a point on the rim of i, the direction
-        in which it leaves i (0: a point within its face, which leaves along the normal).
+        Direction of the line, or axis of the circle. Of a point on the rim of i it is the direction
+        in which the point leaves i; 0 for a point inside the face, which leaves along the normal.
     normal : ndarray, shape (n, 3)
-        Unit, from i to j. Of a circle: its components away from the axis and along it.
+        Unit normal from i to j. Of a circle: its components away from the axis and along it.
     radius : ndarray, shape (n,)
-        Of the circle; of the rim that a point lies on [length unit].
+        Radius of the circle, or of the rim on which a point lies [length unit].
     gap, slope, swing : ndarray, shape (n,)
-        The gap at `at`; its rise along a line [-]; how much it varies about its mean
+        Gap at `at` [length unit]; its rise along a line [-]; its largest deviation from the mean
         around a circle [length unit].
     play : ndarray, shape (n,)
-        The gap all around a fit that only a clearance closes; 0: not of that kind.
+        Gap all around a fit that only a clearance closes; 0: no such fit [length unit].
     bend : ndarray, shape (n,)
-        Radius by which the gap opens beside the contact [length unit].
+        Radius at which the gap opens beside the contact [length unit].
     """
 
     row: Index
@@ -86,15 +88,17 @@ class Forms(Rows):
     bend: Array = columns()
 
 
-def make_forms(row: Index, form: int, at: Array, normal: Array, gap: Array, **more: Array) -> Forms:
-    """Candidates of one form; what is left out is zero."""
+def make_candidates(
+    row: Index, form: int, at: Array, normal: Array, gap: Array, **more: Array
+) -> Candidates:
+    """Candidates of a single form; fields that are not given are zero."""
     count = len(row)
-    zero, none = np.zeros(count), np.zeros((count, 3))
-    return Forms(
+    zero, zeros = np.zeros(count), np.zeros((count, 3))
+    return Candidates(
         row=row,
         form=np.full(count, form),
         at=at,
-        along=more.get("along", none),
+        along=more.get("along", zeros),
         normal=normal,
         radius=more.get("radius", zero),
         gap=gap,
@@ -112,6 +116,6 @@ def dot(a: Array, b: Array) -> Array:
 
 
 def without_along(v: Array, axis: Array) -> Array:
-    """Vectors less what they have along unit axes, shape (n, 3)."""
+    """Vectors without their components along unit axes, shape (n, 3)."""
     result: Array = v - dot(v, axis)[:, None] * axis
     return result

@@ -1,8 +1,8 @@
-"""Where two faces about one axis lie over each other: in angle and in height.
+"""The common region of two faces about the same axis, in angle and height.
 
-Cylinders and cones are unrolled about the axis of the first: an angle and a height say where a
-point is. Faces on one axis that lie beside each other around it, or one above the other, have no
-region in common, whatever their radii.
+Cylinders and cones are unrolled about the axis of the first: an angle and a height give the
+position of a point. Faces on the same axis have no common region, whatever their radii, if they lie
+beside each other around it or above each other along it.
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ __all__ = ["SharedRegion", "shared_region"]
 
 
 SHARES = (0.19, 0.5, 0.83)
-"""Where arcs and heights are asked, as shares of them: not where triangles tend to meet."""
+"""Fractions of arcs and heights at which a region is sampled [-]; chosen off the usual borders of
+triangles."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,14 +32,14 @@ class SharedRegion:
     Attributes
     ----------
     arcs : list of (begin, width)
-        Around the axis [rad].
+        Arcs around the axis [rad].
     bottom, top : float
-        Heights from the point of the first surface [length unit].
+        Heights above the point of the first surface [length unit].
     corners : (angles, heights) or None
-        Of the common part where the faces are no whole bands: the arcs are around it. Angles
-        twice, with their least and their greatest heights.
+        Corners of the common part, if a face is not a whole band; `arcs` then contains the common
+        part. Every angle occurs twice, with its least and its greatest height.
     area : float
-        [rad x length unit]
+        Area in angle and height [rad x length unit].
     """
 
     arcs: list[tuple[float, float]]
@@ -49,9 +50,9 @@ class SharedRegion:
 
     @property
     def inside(self) -> tuple[Array, Array]:
-        """Angles and heights of some points within the region, shape (n,) each."""
+        """Angles [rad] and heights of sample points inside the region, shape (n,) each."""
         share = np.array(SHARES)
-        if self.corners is None:
+        if self.corners is None:  # whole bands: the arcs are the region
             angle = np.concatenate([begin + width * share for begin, width in self.arcs])
             height = self.bottom + (self.top - self.bottom) * share
             return np.repeat(angle, len(height)), np.tile(height, len(angle))
@@ -61,31 +62,33 @@ class SharedRegion:
 
 
 def shared_region(
-    geometry: Geometry, bands: Bands, names: tuple[int, int], at: tuple[int, int]
+    geometry: Geometry, bands: Bands, surfaces: tuple[int, int], band_rows: tuple[int, int]
 ) -> SharedRegion | None:
-    """The region that two surfaces share, None where there is none.
+    """The region that two coaxial surfaces share; None if they share none.
 
     Parameters
     ----------
     geometry : Geometry
     bands : Bands
-    names : pair of int
-        Rows of the two surfaces; their axes are one but for a small turn.
-    at : pair of int
-        Rows of the two in `bands`.
+    surfaces : pair of int
+        Rows of the two surfaces; their axes coincide except for a small rotation.
+    band_rows : pair of int
+        Rows of the two surfaces in `bands`.
     """
-    s, (i, j), (x, y) = geometry.surfaces, names, at
+    s, (i, j), (x, y) = geometry.surfaces, surfaces, band_rows
     axis = s.axis[i]
-    turn = 1.0 if float(axis @ s.axis[j]) > 0 else -1.0
-    shift = float((s.point[j] - s.point[i]) @ axis)
-    ends = sorted((shift + turn * float(bands.low[y]), shift + turn * float(bands.high[y])))
+    sense = 1.0 if float(axis @ s.axis[j]) > 0 else -1.0
+    height_offset = float((s.point[j] - s.point[i]) @ axis)
+    ends = sorted(
+        (height_offset + sense * float(bands.low[y]), height_offset + sense * float(bands.high[y]))
+    )
     bottom, top = max(float(bands.low[x]), ends[0]), min(float(bands.high[x]), ends[1])
     if top <= bottom:
         return None
     u, v = across(s.axis[[i, j]])
-    zero = float(np.arctan2(u[1] @ v[0], u[1] @ u[0]))
-    begin = zero + turn * float(bands.begin[y])
-    begin = begin - float(bands.width[y]) if turn < 0 else begin
+    angle_offset = float(np.arctan2(u[1] @ v[0], u[1] @ u[0]))
+    begin = angle_offset + sense * float(bands.begin[y])
+    begin = begin - float(bands.width[y]) if sense < 0 else begin
     arcs = _common_arcs(
         (float(bands.begin[x]), float(bands.width[x])), (begin, float(bands.width[y]))
     )
@@ -95,59 +98,69 @@ def shared_region(
         area = sum(width for _, width in arcs) * (top - bottom)
         return SharedRegion(arcs, bottom, top, None, area)
     scale = float(max(s.radius[[i, j]].max(), 0.0)) or abs(bottom) + abs(top)
-    filled = _unfilled(geometry, names, zero, turn, shift, scale)
-    if filled is None:
+    overlap = _partial_overlap(geometry, surfaces, angle_offset, sense, height_offset, scale)
+    if overlap is None:
         return None
-    angles, heights, area = filled
+    angles, heights, area = overlap
     return SharedRegion(arcs, bottom, top, (angles, heights), area)
 
 
-def _common_arcs(one: tuple[float, float], other: tuple[float, float]) -> list[tuple[float, float]]:
-    """Arcs (begin, width) in both of two arcs."""
-    if one[1] >= TURN - FULL_TURN:
-        return [other]
-    if other[1] >= TURN - FULL_TURN:
-        return [one]
-    found = []
-    start = (other[0] - one[0]) % TURN
+def _common_arcs(
+    first: tuple[float, float], second: tuple[float, float]
+) -> list[tuple[float, float]]:
+    """Arcs (begin, width) in both of two arcs [rad]."""
+    if first[1] >= TURN - FULL_TURN:
+        return [second]
+    if second[1] >= TURN - FULL_TURN:
+        return [first]
+    arcs = []
+    start = (second[0] - first[0]) % TURN
+    # the second arc may meet the first at both of its ends
     for begin in (start - TURN, start):
-        low, high = max(begin, 0.0), min(begin + other[1], one[1])
+        low, high = max(begin, 0.0), min(begin + second[1], first[1])
         if high > low + LEAST_ARC:
-            found.append((one[0] + low, high - low))
-    return found
+            arcs.append((first[0] + low, high - low))
+    return arcs
 
 
-def _unfilled(
+def _partial_overlap(
     geometry: Geometry,
-    names: tuple[int, int],
-    zero: float,
-    turn: float,
-    shift: float,
+    surfaces: tuple[int, int],
+    angle_offset: float,
+    sense: float,
+    height_offset: float,
     scale: float,
 ) -> tuple[Array, Array, float] | None:
-    """Corners of the overlap of faces that are no whole bands, and its area."""
-    owner, angle, height, tip = unrolled(geometry, np.array(names))
-    angle[owner == 1] = zero + turn * angle[owner == 1]
-    height[owner == 1] = shift + turn * height[owner == 1]
+    """Overlap of faces that are not whole bands: angles [rad] and heights of corners, and area.
+
+    Angles and heights of the second surface are transformed to the frame of the first by `sense`,
+    `angle_offset` and `height_offset`. None if there is no overlap.
+    """
+    owner, angle, height, tip = unrolled(geometry, np.array(surfaces))
+    angle[owner == 1] = angle_offset + sense * angle[owner == 1]
+    height[owner == 1] = height_offset + sense * height[owner == 1]
     if tip.any():
         angle, height, owner = _without_tips(angle, height, owner, tip)
-    one, other = ((angle[owner == k], height[owner == k]) for k in (0, 1))
-    angles, heights, area = unrolled_overlap(one, other, scale)
+    first, second = ((angle[owner == k], height[owner == k]) for k in (0, 1))
+    angles, heights, area = unrolled_overlap(first, second, scale)
     if area <= 0:
         return None
-    around = np.round(np.remainder(angles, TURN), 9)
-    _, first, group = np.unique(around, return_index=True, return_inverse=True)
-    low = np.full(len(first), np.inf)
+    reduced = np.round(np.remainder(angles, TURN), 9)
+    _, representative, group = np.unique(reduced, return_index=True, return_inverse=True)
+    low = np.full(len(representative), np.inf)
     high = -low
     np.minimum.at(low, group.reshape(-1), heights)
     np.maximum.at(high, group.reshape(-1), heights)
-    return np.tile(angles[first], 2), np.concatenate([low, high]), area
+    return np.tile(angles[representative], 2), np.concatenate([low, high]), area
 
 
 def _without_tips(
     angle: Array, height: Array, owner: Index, tip: Mask
 ) -> tuple[Array, Array, Index]:
-    """Triangles at the apex of a cone as two, so that they fill their rectangle."""
+    """Triangles at the apex of a cone replaced by two, which fill a rectangle of angle and height.
+
+    The angle of the apex is undefined: unrolled, the apex is a whole side of the rectangle.
+    """
     angle, height = angle.copy(), height.copy()
     rows = np.flatnonzero(tip)
     more_angle, more_height = [], []

@@ -1,9 +1,9 @@
-"""How far a face reaches: which stretches of a line, which angles it covers.
+"""Extent of a face: the intervals of a line, and the angles, that it covers.
 
-The triangles of a face stand for it: a line of a surface with normal n belongs to the face
-where the plane through the line and n cuts them, as a point does where the line along n
-meets one (`kilter.shape.covering`). Neighbouring triangles meet without gaps that way,
-and the ends of a face across its generators are as exact as the corners of its triangles.
+The triangles of a face represent it. A line of a surface with normal n lies on the face if the
+plane through the line and n cuts the triangles; a point lies on it if the line along n meets a
+triangle (`kilter.shape.covering`). Neighbouring triangles meet without gaps that way, and the ends
+of a face across its generators are as exact as the corners of its triangles.
 """
 
 from __future__ import annotations
@@ -24,17 +24,19 @@ TURN = 2 * np.pi
 
 
 def slices(triangles: Array, line: tuple[Array, Array, Array], reach: float, grow: float) -> Array:
-    """Stretches of a line on a face, shape (k, 2), as they follow along the line, merged.
+    """Intervals of a line that lie on a face, shape (k, 2), sorted and merged [length unit].
 
     Parameters
     ----------
     triangles : ndarray, shape (m, 3, 3)
+        Triangles of the face.
     line : (x, d, n)
-        A point of the line, its unit direction, the unit normal of the face along it.
+        A point of the line, its unit direction, and the unit normal of the face along it.
     reach : float
-        Triangles farther than this from the line along n are others [length unit].
+        Largest distance along n of triangles from the line; others belong to another side of the
+        part [length unit].
     grow : float
-        Triangles beside the line by this count [length unit].
+        Largest distance of triangles beside the line that still count [length unit].
     """
     x, d, n = line
     local = triangles - x
@@ -43,24 +45,28 @@ def slices(triangles: Array, line: tuple[Array, Array, Array], reach: float, gro
     if not len(rows):
         return np.empty((0, 2))
     aside, along, height = aside[rows], local[rows] @ d, local[rows] @ n
-    level = np.clip(0.0, aside.min(axis=1), aside.max(axis=1))[:, None]
-    off = aside - level
+    reference = np.clip(0.0, aside.min(axis=1), aside.max(axis=1))[:, None]
+    off = aside - reference
     following = np.roll(off, -1, axis=1)
     cuts = (off * following <= 0) & (off != following)
     share = np.where(cuts, off / np.where(cuts, off - following, 1.0), 0.0)
-    at = along + share * (np.roll(along, -1, axis=1) - along)
-    up = height + share * (np.roll(height, -1, axis=1) - height)
-    # corners in the plane count themselves
-    sites = np.concatenate([np.where(cuts, at, np.nan), np.where(off == 0, along, np.nan)], axis=1)
-    ups = np.concatenate([np.where(cuts, up, 0.0), np.where(off == 0, height, 0.0)], axis=1)
-    low = np.nanmin(sites, axis=1)
-    high = np.nanmax(sites, axis=1)
-    keep = np.abs(ups).max(axis=1) <= reach + grow
-    return _merged(np.column_stack([low, high])[keep], grow)
+    cut_along = along + share * (np.roll(along, -1, axis=1) - along)
+    cut_height = height + share * (np.roll(height, -1, axis=1) - height)
+    # a corner in the plane is a position too, even if no side crosses the plane
+    positions = np.concatenate(
+        [np.where(cuts, cut_along, np.nan), np.where(off == 0, along, np.nan)], axis=1
+    )
+    heights = np.concatenate(
+        [np.where(cuts, cut_height, 0.0), np.where(off == 0, height, 0.0)], axis=1
+    )
+    low = np.nanmin(positions, axis=1)
+    high = np.nanmax(positions, axis=1)
+    keep = np.abs(heights).max(axis=1) <= reach + grow
+    return _merge_intervals(np.column_stack([low, high])[keep], grow)
 
 
-def _merged(spans: Array, join: float) -> Array:
-    """Stretches that meet within `join`, as one."""
+def _merge_intervals(spans: Array, join: float) -> Array:
+    """Intervals, shape (k, 2), sorted, with those joined whose distance is at most `join`."""
     if not len(spans):
         return spans
     spans = spans[np.argsort(spans[:, 0])]
@@ -70,10 +76,10 @@ def _merged(spans: Array, join: float) -> Array:
     return np.column_stack([spans[first, 0], end[last]])
 
 
-def common_spans(one: Array, other: Array) -> Array:
-    """Stretches that are in both, shape (k, 2)."""
-    low = np.maximum(one[:, None, 0], other[None, :, 0]).ravel()
-    high = np.minimum(one[:, None, 1], other[None, :, 1]).ravel()
+def common_spans(first: Array, second: Array) -> Array:
+    """Intersections of two sets of intervals, shape (k, 2)."""
+    low = np.maximum(first[:, None, 0], second[None, :, 0]).ravel()
+    high = np.minimum(first[:, None, 1], second[None, :, 1]).ravel()
     keep = high > low
     return np.column_stack([low[keep], high[keep]])
 
@@ -83,16 +89,16 @@ def common_spans(one: Array, other: Array) -> Array:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bands:
-    """Extents of cylinders and cones in angle and height, one row a surface.
+    """Extents of cylinders and cones in angle and height, a row for each surface.
 
     Attributes
     ----------
     low, high : ndarray, shape (n,)
-        Least and greatest height along the axis, from the point of the surface.
+        Least and greatest height along the axis above the point of the surface [length unit].
     begin, width : ndarray, shape (n,)
-        Where the arc begins, and its length; 2 pi: all around [rad].
+        Begin and length of the arc; 2 pi: all around [rad].
     whole : ndarray of bool, shape (n,)
-        The face is all of that band: one arc, no holes, straight ends.
+        True if the face fills the band: a single arc, no holes, straight ends.
     """
 
     low: Array
@@ -110,9 +116,9 @@ def unrolled(geometry: Geometry, rows: Index) -> tuple[Index, Array, Array, Mask
     owner : ndarray of int, shape (m,)
         Position in `rows`.
     angle, height : ndarray, shape (m, 3)
-        The angles of a triangle follow each other without a jump.
+        Angles [rad] and heights of the corners; the angles of a triangle do not jump by 2 pi.
     tip : ndarray of bool, shape (m,)
-        Triangles with a corner in the apex: they stand for a whole rectangle.
+        Triangles with a corner in the apex, which cover a whole rectangle of angle and height.
     """
     surfaces = geometry.surfaces
     owner, triangle = ragged(surfaces.triangle_start, rows)
@@ -127,6 +133,7 @@ def unrolled(geometry: Geometry, rows: Index) -> tuple[Index, Array, Array, Mask
     reach = np.hypot(x, y)
     at_apex = reach < APEX * np.maximum(reach.max(axis=1), TINY)[:, None]
     at_apex &= (surfaces.kind[rows][owner] == CONE)[:, None]
+    # angles within pi of a corner that has an angle
     base = np.where(at_apex[:, 0], angle[:, 1], angle[:, 0])[:, None]
     angle = base + np.remainder(angle - base + np.pi, TURN) - np.pi
     mean = np.where(at_apex, 0.0, angle).sum(axis=1) / np.maximum((~at_apex).sum(axis=1), 1)
@@ -151,15 +158,15 @@ def bands_of(geometry: Geometry, rows: Index) -> Bands:
 
 
 def _arcs(owner: Index, start: Array, length: Array, count: int) -> tuple[Array, Array, Index]:
-    """Where the union of the arcs of each owner begins, how long it is, and of how many arcs."""
+    """Begin and length of the union of the arcs of each owner [rad], and its number of arcs."""
     start = np.remainder(start, TURN)
     order = np.lexsort((start, owner))
     owner, start = owner[order], start[order]
-    lift = 100.0 * owner  # one running maximum for all owners
+    lift = 100.0 * owner  # separates the owners in a common running maximum
     end = np.maximum.accumulate(start + length[order] + lift) - lift
     first = np.concatenate([[True], owner[1:] != owner[:-1]])
     last = np.concatenate([first[1:], [True]])
-    around = end[last] - TURN  # what reaches over the seam
+    around = end[last] - TURN  # end of arcs that cross the seam
     before = np.empty(len(owner))
     before[1:] = end[:-1]
     before[first] = around
@@ -167,7 +174,7 @@ def _arcs(owner: Index, start: Array, length: Array, count: int) -> tuple[Array,
     arcs = np.bincount(owner, hole, minlength=count).astype(np.int64)
     begin, width = np.zeros(count), np.full(count, TURN)
     begin[owner[hole]] = start[hole]
-    one = np.flatnonzero(hole & (arcs[owner] == 1))
-    gap = start[one] - np.maximum(before[one], around[owner[one]])
-    width[owner[one]] = TURN - gap
+    single = np.flatnonzero(hole & (arcs[owner] == 1))
+    gap = start[single] - np.maximum(before[single], around[owner[single]])
+    width[owner[single]] = TURN - gap
     return begin, width, np.maximum(arcs, 1)

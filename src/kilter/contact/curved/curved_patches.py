@@ -1,4 +1,4 @@
-"""Patches of curved contact: kept one by one as they are found, then packed into arrays."""
+"""Patches of curved contact: sorted into touching, apart and overlapping, then packed."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from kilter.assembly.surfaces import KINDS
 from kilter.contact.contact_search import ContactSearch
 from kilter.contact.contact_set import INTERFERE, Overlap, PossibleContacts
 from kilter.contact.contact_tolerances import MEAN_NORMAL, RIM_NORMAL
-from kilter.contact.curved.contact_points import Spots
+from kilter.contact.curved.contact_points import PatchPoints
 from kilter.contact.curved.shared_walls import shared_depth
 from kilter.contact.gaps import APART, PENETRATES, Rejected
 from kilter.contact.patches import Patches
 
-__all__ = ["CurvedContacts", "Found", "Limits", "Made", "Pairs", "keep", "on_flat", "packed",
-           "without_repeats"]  # fmt: skip
+__all__ = ["CandidateLimits", "CurvedContacts", "CurvedPatch", "PatchBuilder", "SurfacePairs",
+           "classify", "on_flat", "pack", "without_repeats"]  # fmt: skip
 
 
 NAMED = ("sphere", "torus", "cone", "cylinder")
-"""A patch is named after the first of these that touches in it."""
+"""Kinds of surface in order of precedence: a patch has the name of the first kind in it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CurvedContacts:
-    """Patches of curved contact, ordered by pair, and what else was found.
+    """Patches of curved contact, ordered by pair, and the other results of their search.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class CurvedContacts:
     surface : ndarray of int, shape (P, 2)
         Curved surfaces of part a and b of each patch; -1: a flat face.
     zone : ndarray, shape (P,)
-        Triangles may touch within so far of the contact [length unit].
+        Distance from the contact within which triangles may touch [length unit].
     unknown : ndarray of int, shape (m, 3)
         Row of the pair, and curved surfaces of a and b (-1: flat faces) without a formula.
     possible : PossibleContacts
@@ -55,8 +55,12 @@ class CurvedContacts:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Pairs(Rows):
-    """Candidates: row of the pair of parts, surface i, its partner, whether i is part b's."""
+class SurfacePairs(Rows):
+    """Pairs of surfaces whose boxes meet.
+
+    `pair` is the row of the pair of parts, `i` a curved surface, `j` its partner (a curved surface
+    or a flat facet), and `turned` is True if i belongs to part b.
+    """
 
     pair: Index
     i: Index
@@ -65,49 +69,50 @@ class Pairs(Rows):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Limits:
-    """Gap tolerance, and the widest gap that counts as closed, of each candidate, shape (n,)."""
+class CandidateLimits:
+    """Gap tolerance, and widest gap that counts as closed, of each candidate, shape (n,)."""
 
     gap: Array
     closed: Array
 
     def of(self, row: int) -> tuple[float, float]:
-        """Those of one candidate."""
+        """Gap tolerance and widest closed gap of a candidate [length unit]."""
         return float(self.gap[row]), float(self.closed[row])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Found:
-    """One patch as it is found.
+class CurvedPatch:
+    """A possible patch of curved contact.
 
     Attributes
     ----------
     pair : int
         Row of the pair of parts.
     names : pair of int
-        The surface whose normals these are, and its partner (-1: a flat face).
+        The surface that the normals leave, and its partner (-1: a flat face).
     gap : pair of float
-        Least and greatest [length unit].
+        Least and greatest gap [length unit].
     limit : float
         Gap tolerance [length unit].
-    spots : Spots
+    spots : PatchPoints
+        Contact points and normals.
     zone : float
-        Triangles may touch within so far of the contact [length unit].
+        Distance from the contact within which triangles may touch [length unit].
     turned : bool
-        The first surface is part b's.
+        The first surface belongs to part b.
     closed : float
-        The widest gap that counts as closed; 0: the gap tolerance [length unit].
+        Widest gap that counts as closed; 0: the gap tolerance [length unit].
     play : float
-        The gap all around a fit wider than the tolerance; 0: not of that kind [length unit].
+        Gap all around a fit wider than the tolerance; 0: no such fit [length unit].
     inside : (points, normals) or None
-        Points within the region of contact, with the normals there; None: the spots.
+        Points within the region of contact, with the normals there; None: the contact points.
     """
 
     pair: int
     names: tuple[int, int]
     gap: tuple[float, float]
     limit: float
-    spots: Spots
+    spots: PatchPoints
     zone: float
     turned: bool
     closed: float = 0.0
@@ -116,7 +121,7 @@ class Found:
 
     @property
     def key(self) -> tuple[int, int, int]:
-        """The pair of parts and its two surfaces, in one order."""
+        """Row of the pair of parts and its two surfaces, the smaller row first."""
         return self.pair, min(self.names), max(self.names)
 
     @property
@@ -126,90 +131,102 @@ class Found:
 
     @property
     def sense(self) -> float:
-        """1 where the normals of the points lead from a to b, else -1."""
+        """1 if the normals of the points lead from a to b, else -1."""
         return -1.0 if self.turned else 1.0
 
 
 @dataclass(slots=True, eq=False)
-class Made:
-    """What was found so far: what touches, what stands apart, what reaches into each other."""
+class PatchBuilder:
+    """Patches of a search in progress: touching, apart (near), and pressed into each other.
 
-    found: list[Found] = field(default_factory=list)
-    apart: list[Found] = field(default_factory=list)
-    pressed: list[tuple[Found, float]] = field(default_factory=list)
+    `pressed` has the depth of each overlap [length unit]; `rejected` has faces that are too thin.
+    """
+
+    touching: list[CurvedPatch] = field(default_factory=list)
+    apart: list[CurvedPatch] = field(default_factory=list)
+    pressed: list[tuple[CurvedPatch, float]] = field(default_factory=list)
     rejected: list[Rejected] = field(default_factory=list)
 
 
-def keep(search: ContactSearch, made: Made, found: Found) -> None:
-    """A patch where the gap is within tolerance, else a near pair or an overlap.
+def classify(search: ContactSearch, builder: PatchBuilder, patch: CurvedPatch) -> None:
+    """Add a patch to the touching, pressed or apart patches of `builder`, by its gap.
 
-    A fit with play is a patch only where a clearance closes it.
+    A fit with play touches only if a clearance closes it. Faces that overlap without material
+    behind them are dropped.
     """
-    low, high = found.gap
-    if found.play > 0:
-        touches, high = low >= -found.limit and found.play <= found.closed, low
+    low, high = patch.gap
+    if patch.play > 0:
+        touches, high = low >= -patch.limit and patch.play <= patch.closed, low
     else:
-        touches = low <= max(found.limit, found.closed) and high >= -found.limit
+        touches = low <= max(patch.limit, patch.closed) and high >= -patch.limit
     if touches:
-        gap = (found.play, found.play) if found.play > 0 else found.gap
-        made.found.append(dataclasses.replace(found, gap=gap))
-    elif high < -found.limit:
-        depth = _shared(search, found)
-        if depth > found.limit:
-            made.pressed.append((found, depth))
+        gap = (patch.play, patch.play) if patch.play > 0 else patch.gap
+        builder.touching.append(dataclasses.replace(patch, gap=gap))
+    elif high < -patch.limit:
+        depth = _overlap_depth(search, patch)
+        if depth > patch.limit:
+            builder.pressed.append((patch, depth))
     else:
-        made.apart.append(found)
+        builder.apart.append(patch)
 
 
-def _shared(search: ContactSearch, found: Found) -> float:
-    """How deep the material behind the faces is shared [length unit]."""
-    s, (i, j) = search.geometry.surfaces, found.names
-    points, normals = found.inside or (found.spots.points, found.spots.normals)
-    depth = np.full(len(points), -found.gap[1])
+def _overlap_depth(search: ContactSearch, patch: CurvedPatch) -> float:
+    """Depth to which the material behind two faces overlaps; 0: no overlap [length unit]."""
+    s, (i, j) = search.geometry.surfaces, patch.names
+    points, normals = patch.inside or (patch.spots.points, patch.spots.normals)
+    depth = np.full(len(points), -patch.gap[1])
     if j >= 0:
         rows = np.ones(len(points), dtype=np.int64)
         depth = -(s.distance(i * rows, points) + s.distance(j * rows, points))
-    a, b = (int(k) for k in search.pairs[found.pair])
-    parts = (b, a) if found.turned else (a, b)
+    a, b = (int(k) for k in search.pairs[patch.pair])
+    parts = (b, a) if patch.turned else (a, b)
     return shared_depth(search.geometry, parts, points, normals, depth)
 
 
-def _settled(search: ContactSearch, made: Made) -> tuple[list[Rejected], list[Overlap]]:
-    """Near pairs and overlaps, and what touches in `made`: two surfaces say one thing.
+def _resolve(search: ContactSearch, builder: PatchBuilder) -> tuple[list[Rejected], list[Overlap]]:
+    """Near pairs and overlaps; keeps a single statement for each two surfaces in `builder`.
 
-    A fit that was closed is no line or point as well; one that touches in a line has no play.
+    Surfaces with a closed fit have no line or point in addition, and no near pair or overlap.
+    Surfaces that touch or press along a line are not listed as a fit with play.
     """
-    closed = {one.key for one in made.found if one.play > 0}
-    made.found = [one for one in made.found if one.play > 0 or one.key not in closed]
-    known = {one.key for one in made.found}
-    known |= {one.key for one, _ in made.pressed}
-    fits = {one.key for one in made.apart if one.play > 0} - known
-    rejected, overlaps = list(made.rejected), []
-    for one in made.apart:
-        if (one.key in fits) if one.play > 0 else (one.key not in fits | closed):
-            rejected.append(_near(search, one))
-    for one, depth in made.pressed:
-        if one.key not in closed:
-            parts = _parts(search, one)
+    closed = {patch.key for patch in builder.touching if patch.play > 0}
+    builder.touching = [
+        patch for patch in builder.touching if patch.play > 0 or patch.key not in closed
+    ]
+    known = {patch.key for patch in builder.touching}
+    known |= {patch.key for patch, _ in builder.pressed}
+    fits = {patch.key for patch in builder.apart if patch.play > 0} - known
+    rejected, overlaps = list(builder.rejected), []
+    for patch in builder.apart:
+        if (patch.key in fits) if patch.play > 0 else (patch.key not in fits | closed):
+            rejected.append(_rejected_pair(search, patch))
+    for patch, depth in builder.pressed:
+        if patch.key not in closed:
+            parts = _parts(search, patch)
             overlaps.append(Overlap(parts, None, depth, INTERFERE))
             rejected.append(Rejected(parts, -depth, 0.0, PENETRATES))
     return rejected, overlaps
 
 
-def _near(search: ContactSearch, found: Found) -> Rejected:
+def _rejected_pair(search: ContactSearch, patch: CurvedPatch) -> Rejected:
+    """The rejected pair of a patch whose faces stand apart."""
     hollow = search.geometry.surfaces.hollow
-    i, j = found.names
-    fit = found.play > 0 or (j >= 0 and bool(hollow[i] != hollow[j]))
-    return Rejected(_parts(search, found), found.play or found.gap[0], 0.0, APART, fit)
+    i, j = patch.names
+    fit = patch.play > 0 or (j >= 0 and bool(hollow[i] != hollow[j]))
+    return Rejected(_parts(search, patch), patch.play or patch.gap[0], 0.0, APART, fit)
 
 
-def _parts(search: ContactSearch, found: Found) -> tuple[int, int]:
-    a, b = (int(k) for k in search.pairs[found.pair])
+def _parts(search: ContactSearch, patch: CurvedPatch) -> tuple[int, int]:
+    a, b = (int(k) for k in search.pairs[patch.pair])
     return a, b
 
 
 def without_repeats(curved: CurvedContacts, flat: Patches, tolerance: Array) -> CurvedContacts:
-    """Without lines and points at the rim of a flat patch of the same pair: a fillet's seam."""
+    """Curved contacts without lines and points at the rim of a flat patch of the same pair.
+
+    Such a repeat is the seam of a fillet. `tolerance` is the gap tolerance of each pair [length
+    unit].
+    """
     patches = curved.patches
     keep = np.ones(len(patches), dtype=bool)
     for patch in np.flatnonzero(np.isin(patches.pair, flat.pair)):
@@ -229,45 +246,57 @@ def without_repeats(curved: CurvedContacts, flat: Patches, tolerance: Array) -> 
 
 
 def on_flat(points: Array, corners: Array, normal: Array, slack: float) -> Mask:
-    """Points within `slack` of a flat convex patch."""
+    """Which points, shape (n, 3), lie within `slack` of a flat convex patch."""
     level = np.abs((points - corners[0]) @ normal) <= slack
     along = np.roll(corners, -1, axis=0) - corners
     side = cross(along[None], points[:, None] - corners[None]) @ normal
     side = ratio(side, np.linalg.norm(along, axis=1))
     if float((cross(along, corners.mean(axis=0) - corners) @ normal).sum()) < 0:
-        side = -side  # the corners turn the other way
+        side = -side  # the corners run clockwise
     inside: Mask = level & (side >= -slack).all(axis=1)
     return inside
 
 
-def packed(search: ContactSearch, made: Made, unknown: Index, raised: int) -> CurvedContacts:
-    """The patches as arrays, ordered by pair, normals from a to b."""
-    rejected, overlaps = _settled(search, made)
-    found = sorted(made.found, key=lambda one: one.pair)
-    pair = np.array([one.pair for one in found], dtype=np.int64)
+def pack(
+    search: ContactSearch, builder: PatchBuilder, unknown: Index, raised: int
+) -> CurvedContacts:
+    """The patches of a builder as arrays, ordered by pair, with normals from a to b.
+
+    Parameters
+    ----------
+    search : ContactSearch
+    builder : PatchBuilder
+    unknown : ndarray of int, shape (m, 3)
+        Pairs of surfaces without a formula: see `CurvedContacts`.
+    raised : int
+        Number of pairs whose gap tolerance was raised for surfaces recognised in meshes.
+    """
+    rejected, overlaps = _resolve(search, builder)
+    touching = sorted(builder.touching, key=lambda patch: patch.pair)
+    pair = np.array([patch.pair for patch in touching], dtype=np.int64)
     parts = search.pairs[pair]
-    surface = np.array([one.surface for one in found], dtype=np.int64).reshape(-1, 2)
-    start = starts([len(one.spots.points) for one in found])
-    normals = _stacked([one.sense * one.spots.normals for one in found])
-    size = np.array([_size(search, one) for one in found])
+    surface = np.array([patch.surface for patch in touching], dtype=np.int64).reshape(-1, 2)
+    start = starts([len(patch.spots.points) for patch in touching])
+    normals = _stacked([patch.sense * patch.spots.normals for patch in touching])
+    size = np.array([_size(search, patch) for patch in touching])
     patches = Patches(
         pair=pair,
         parts=parts,
-        kind=np.array([_name(search, row) for row in surface.tolist()], dtype="<U11"),
-        normal=_means(normals, start),
-        area=np.array([one.spots.area for one in found]),
-        gap=np.array([one.gap for one in found]).reshape(-1, 2),
+        kind=np.array([_kind(search, row) for row in surface.tolist()], dtype="<U11"),
+        normal=_mean_normals_of(normals, start),
+        area=np.array([patch.spots.area for patch in touching]),
+        gap=np.array([patch.gap for patch in touching]).reshape(-1, 2),
         accuracy=search.geometry.accuracy[parts].sum(axis=1) / size,
         start=start,
-        points=_stacked([one.spots.points for one in found]),
+        points=_stacked([patch.spots.points for patch in touching]),
         normals=normals,
     )
-    outer = np.repeat(parts, [len(one.spots.outer_points) for one in found], axis=0)
+    outer = np.repeat(parts, [len(patch.spots.outer_points) for patch in touching], axis=0)
     possible = PossibleContacts(
         part_a=outer[:, 0],
         part_b=outer[:, 1],
-        points=_stacked([one.spots.outer_points for one in found]),
-        normals=_stacked([one.sense * one.spots.outer_normals for one in found]),
+        points=_stacked([patch.spots.outer_points for patch in touching]),
+        normals=_stacked([patch.sense * patch.spots.outer_normals for patch in touching]),
         two_sided=np.zeros(len(outer), dtype=bool),
         mu=np.zeros(len(outer)),
         degenerate=np.full(len(outer), -1),
@@ -275,7 +304,7 @@ def packed(search: ContactSearch, made: Made, unknown: Index, raised: int) -> Cu
     return CurvedContacts(
         patches=patches,
         surface=surface,
-        zone=np.array([one.zone for one in found]),
+        zone=np.array([patch.zone for patch in touching]),
         unknown=unknown,
         possible=possible,
         rejected=tuple(rejected),
@@ -288,15 +317,15 @@ def _stacked(rows: list[Array]) -> Array:
     return np.concatenate([np.empty((0, 3)), *rows])
 
 
-def _size(search: ContactSearch, found: Found) -> float:
-    """Size of a patch, that its accuracy is relative to [length unit]."""
-    radius = float(search.geometry.surfaces.radius[found.names[0]])
-    size = max(radius, float(np.ptp(found.spots.points, axis=0).max()))
-    return size or float(search.geometry.radius[search.pairs[found.pair]].min())
+def _size(search: ContactSearch, patch: CurvedPatch) -> float:
+    """Size of a patch, to which its accuracy is relative [length unit]."""
+    radius = float(search.geometry.surfaces.radius[patch.names[0]])
+    size = max(radius, float(np.ptp(patch.spots.points, axis=0).max()))
+    return size or float(search.geometry.radius[search.pairs[patch.pair]].min())
 
 
-def _means(normals: Array, start: Index) -> Array:
-    """Unit mean normal of each patch; the first one where they cancel."""
+def _mean_normals_of(normals: Array, start: Index) -> Array:
+    """Unit mean normal of each patch; its first normal if the normals cancel."""
     if len(start) == 1:
         return np.empty((0, 3))
     total = np.add.reduceat(normals, start[:-1], axis=0)
@@ -306,16 +335,18 @@ def _means(normals: Array, start: Index) -> Array:
     return mean
 
 
-def _name(search: ContactSearch, surface: list[int]) -> str:
+def _kind(search: ContactSearch, surface: list[int]) -> str:
+    """Kind of a patch between two surfaces (-1: a flat face)."""
     kinds = {KINDS[search.geometry.surfaces.kind[k]] for k in surface if k >= 0}
     return next(name for name in NAMED if name in kinds)
 
 
 def _warnings(raised: int) -> tuple[str, ...]:
+    """A warning if the gap tolerance of pairs was raised."""
     if not raised:
         return ()
     pairs = "1 pair" if raised == 1 else f"{raised} pairs"
     return (
         f"curved faces recognised in meshes: the gap tolerance of {pairs} was raised to the height "
-        "of the arcs over their triangles; a clearance or interference below that is not seen",
+        "of the arcs over their triangles; a smaller clearance or interference is not detected",
     )

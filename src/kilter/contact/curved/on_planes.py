@@ -1,8 +1,8 @@
-"""Where solid curved surfaces touch planes.
+"""Candidate contacts of solid curved surfaces with planes.
 
-With n the outward normal of the plane and o a point of it: a sphere touches at c - r n, a
-cylinder whose axis lies in the plane along a line, a cone where n.axis = sin(half_angle) along
-a generator, a torus around a circle where its axis is upright, else in its lowest point.
+With n the outward normal of the plane and o a point of it: a sphere touches at c - r n, a cylinder
+whose axis lies in the plane along a line, a cone with n.axis = sin(half_angle) along a generator, a
+torus around a circle if its axis is upright, else in its lowest point.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from kilter.contact.curved.candidates import (
     CIRCLE,
     LINE,
     POINT,
-    Forms,
+    Candidates,
     dot,
-    make_forms,
+    make_candidates,
     without_along,
 )  # fmt: skip
 
@@ -34,10 +34,13 @@ class Planes:
     origin: Array
 
 
-def on_planes(s: Surfaces, i: Index, planes: Planes, angle: Array) -> Forms:
-    """Where solid surfaces `i`, shape (n,), touch planes, shape (n,); `angle`: tolerance."""
+def on_planes(s: Surfaces, i: Index, planes: Planes, angle: Array) -> Candidates:
+    """Candidate contacts of solid surfaces `i`, shape (n,), with planes, shape (n,).
+
+    `angle` is the tolerance of each pair, shape (n,) [rad].
+    """
     rows = np.arange(len(i))
-    found: list[Forms] = []
+    blocks: list[Candidates] = []
     for kind, kernel in (
         (SPHERE, _sphere_plane),
         (CYLINDER, _cylinder_plane),
@@ -47,18 +50,24 @@ def on_planes(s: Surfaces, i: Index, planes: Planes, angle: Array) -> Forms:
         k = np.flatnonzero((s.kind[i] == kind) & ~s.hollow[i])
         if len(k):
             n, o = planes.normal[k], planes.origin[k]
-            found.append(kernel(s, rows[k], i[k], n, o, angle[k]))
-    return Forms.join(found)
+            blocks.append(kernel(s, rows[k], i[k], n, o, angle[k]))
+    return Candidates.join(blocks)
 
 
-def _sphere_plane(s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle: Array) -> Forms:
+def _sphere_plane(
+    s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle: Array
+) -> Candidates:
+    """Lowest point of each sphere over its plane."""
     r = s.radius[i]
     gap = dot(s.point[i] - o, n) - r
     at = s.point[i] - (r + gap / 2)[:, None] * n
-    return make_forms(row, POINT, at, -n, gap, bend=r)
+    return make_candidates(row, POINT, at, -n, gap, bend=r)
 
 
-def _cylinder_plane(s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle: Array) -> Forms:
+def _cylinder_plane(
+    s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle: Array
+) -> Candidates:
+    """Lowest line of each cylinder that lies on its plane, up to a tilt of `angle`."""
     slope = dot(s.axis[i], n)
     k = np.flatnonzero(np.abs(slope) <= np.sin(angle))
     row, i, n, o, slope = row[k], i[k], n[k], o[k], slope[k]
@@ -67,10 +76,11 @@ def _cylinder_plane(s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle
     along = unit_rows(without_along(axis, normal))
     gap = dot(s.point[i] - o, n) - r
     at = s.point[i] + (r + gap / 2)[:, None] * normal
-    return make_forms(row, LINE, at, normal, gap, along=along, slope=slope, bend=r)
+    return make_candidates(row, LINE, at, normal, gap, along=along, slope=slope, bend=r)
 
 
-def _cone_plane(s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle: Array) -> Forms:
+def _cone_plane(s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle: Array) -> Candidates:
+    """Generator of each cone that lies on its plane, up to a tilt of `angle`."""
     lift, alpha = dot(s.axis[i], n), s.half_angle[i]
     k = np.flatnonzero(np.abs(np.arcsin(np.clip(lift, -1, 1)) - alpha) <= angle)
     row, i, n, o, alpha = row[k], i[k], n[k], o[k], alpha[k]
@@ -82,10 +92,11 @@ def _cone_plane(s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle: Ar
     gap, slope = dot(s.point[i] - o, n), dot(generator, n)
     at = s.point[i] + (gap / 2)[:, None] * normal
     along = unit_rows(without_along(generator, normal))
-    return make_forms(row, LINE, at, normal, gap, along=along, slope=slope, bend=s.radius[i])
+    return make_candidates(row, LINE, at, normal, gap, along=along, slope=slope, bend=s.radius[i])
 
 
-def _torus_plane(s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle: Array) -> Forms:
+def _torus_plane(s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle: Array) -> Candidates:
+    """Lowest circle of each upright torus over its plane, and lowest point of the others."""
     center, axis, radius, tube = s.point[i], s.axis[i], s.radius[i], s.tube[i]
     aside = without_along(n, axis)
     sine = np.linalg.norm(aside, axis=1)
@@ -94,7 +105,7 @@ def _torus_plane(s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle: A
     gap = dot(center - o, n) - tube
     at = center - (tube + gap / 2)[:, None] * n
     flat = np.tile([0.0, -1.0, 0.0], (len(k), 1))
-    circle = make_forms(
+    circle = make_candidates(
         row[k], CIRCLE, at[k], flat, gap[k],
         along=n[k], radius=radius[k], swing=(radius * sine)[k], bend=tube[k],
     )  # fmt: skip
@@ -103,4 +114,4 @@ def _torus_plane(s: Surfaces, row: Index, i: Index, n: Array, o: Array, angle: A
     gap = dot(lowest - o[k], n[k]) - tube[k]
     at = lowest - (tube[k] + gap / 2)[:, None] * n[k]
     bend = tube[k] + radius[k] / sine[k]
-    return Forms.join([circle, make_forms(row[k], POINT, at, -n[k], gap, bend=bend)])
+    return Candidates.join([circle, make_candidates(row[k], POINT, at, -n[k], gap, bend=bend)])

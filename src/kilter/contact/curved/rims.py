@@ -1,6 +1,6 @@
-"""Round rims of flat faces, given as inscribed polygons.
+"""Round rims of flat faces, which are given as inscribed polygons.
 
-The circumscribed polygon bounds the answer from the other side.
+The forces of the circumscribed polygon bound the answer from the other side.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from kilter.contact.patches import Patches
 __all__ = ["Force", "coaxial_clear", "possible_forces", "rim_contacts", "rims_clear"]
 
 Force = tuple[int, int, Array, Array]
-"""Parts a and b, point, direction."""
+"""Parts a and b, point, and unit direction of a force."""
 
 
 def possible_forces(forces: list[Force], *, two_sided: bool) -> PossibleContacts:
-    """Forces as arrays."""
+    """A list of forces as possible contacts, without friction."""
     count = len(forces)
     return PossibleContacts(
         part_a=np.array([a for a, _, _, _ in forces], dtype=np.int64),
@@ -37,44 +37,50 @@ def possible_forces(forces: list[Force], *, two_sided: bool) -> PossibleContacts
 def rims_clear(
     geometry: Geometry, vertex: Index, normal: Array, off: Array, tolerance: Array
 ) -> Mask:
-    """Corners on a round rim that as a whole stays in front of a plane, shape (n,).
+    """Whether the whole rim of each corner stays in front of a plane, shape (n,).
 
-    A corner v of the rim of a cylinder or cone lies `off` in front of a plane with unit
-    `normal` n; the lowest point of the circle about c, of radius rho, across the axis, by
-    (v - c).n + rho |n across the axis| lower.
+    A corner v of the rim of a cylinder or cone lies `off` in front of a plane with unit `normal` n.
+    The lowest point of the rim, a circle about c with radius rho across the axis, is lower by (v -
+    c).n + rho |n across the axis|.
     """
     s = geometry.surfaces
     if not len(s):
         return np.zeros(len(vertex), dtype=bool)
     surface, exact = _rims_at(geometry, vertex)
     _, rho, away = s.polar(surface, geometry.vertices[vertex])
-    across = normal - np.einsum("ij,ij->i", normal, s.axis[surface])[:, None] * s.axis[surface]
-    drop = rho * (np.einsum("ij,ij->i", away, normal) + np.linalg.norm(across, axis=1))
+    normal_across = (
+        normal - np.einsum("ij,ij->i", normal, s.axis[surface])[:, None] * s.axis[surface]
+    )
+    drop = rho * (np.einsum("ij,ij->i", away, normal) + np.linalg.norm(normal_across, axis=1))
     clear: Mask = exact & (off - drop > tolerance)
     return clear
 
 
 def _rims_at(geometry: Geometry, vertex: Index) -> tuple[Index, Mask]:
-    """A curved surface that each corner lies on (-1: none), and whether it is an exact rim."""
+    """Curved surface of each corner (-1: none), and whether it is an exact cylinder or cone."""
     s = geometry.surfaces
-    of = np.full(len(geometry.vertices), -1)
-    round_ = np.flatnonzero(geometry.triangle_surface >= 0)
-    of[geometry.triangles[round_]] = geometry.triangle_surface[round_, None]
-    surface = of[vertex]
+    surface_of_vertex = np.full(len(geometry.vertices), -1)
+    curved_triangles = np.flatnonzero(geometry.triangle_surface >= 0)
+    surface_of_vertex[geometry.triangles[curved_triangles]] = geometry.triangle_surface[
+        curved_triangles, None
+    ]
+    surface = surface_of_vertex[vertex]
     exact = (surface >= 0) & np.isin(s.kind[surface], (CYLINDER, CONE)) & (s.doubt[surface] == 0)
     return surface, exact
 
 
 def coaxial_clear(geometry: Geometry, vertex: Index, tolerance: Array) -> Mask:
-    """Chords of rims of one axis whose true circles stay clear of each other, shape (n,).
+    """Whether the true circles of chords of coaxial rims stay clear of each other, shape (n,).
 
-    Circles about one axis, of radii r and s, a height h apart, are hypot(r - s, h) apart.
+    Circles about the same axis, with radii r and s, a height h apart, have the distance hypot(r -
+    s, h).
 
     Parameters
     ----------
     vertex : ndarray of int, shape (n, 2, 2)
-        Both ends of the chord of part a, and of that of part b; of a corner, twice the corner.
+        Both ends of the chord of part a, and of the chord of part b; twice the corner for a corner.
     tolerance : ndarray, shape (n,)
+        Largest gap of touching rims [length unit].
     """
     s = geometry.surfaces
     if not len(s) or not len(vertex):
@@ -84,29 +90,32 @@ def coaxial_clear(geometry: Geometry, vertex: Index, tolerance: Array) -> Mask:
     clear: Mask = exact.reshape(-1, 4).all(axis=1) & (surface[:, :, 0] == surface[:, :, 1]).all(
         axis=1
     )
-    one, other = surface[:, :, 0].T
-    axis, base = s.axis[one], s.point[one]
-    clear &= np.linalg.norm(cross(axis, s.axis[other]), axis=1) <= RIM_LEVEL
-    out = geometry.vertices[vertex] - base[:, None, None]
-    height = np.einsum("nkei,ni->nke", out, axis)
-    across = out - height[..., None] * axis[:, None, None]
-    radius = np.linalg.norm(across, axis=3)
-    aside = s.point[other] - base
-    aside = aside - np.einsum("ni,ni->n", aside, axis)[:, None] * axis
+    first, second = surface[:, :, 0].T
+    axis, base = s.axis[first], s.point[first]
+    clear &= np.linalg.norm(cross(axis, s.axis[second]), axis=1) <= RIM_LEVEL
+    relative = geometry.vertices[vertex] - base[:, None, None]
+    height = np.einsum("nkei,ni->nke", relative, axis)
+    radial = relative - height[..., None] * axis[:, None, None]
+    radius = np.linalg.norm(radial, axis=3)
+    axis_offset = s.point[second] - base
+    axis_offset = axis_offset - np.einsum("ni,ni->n", axis_offset, axis)[:, None] * axis
     for value in (height, radius):  # each chord lies in one circle
         clear &= (np.ptp(value, axis=2) <= tolerance[:, None]).all(axis=1)
     apart = np.hypot(*(value[:, 0, 0] - value[:, 1, 0] for value in (height, radius)))
-    clear &= apart - np.linalg.norm(aside, axis=1) > tolerance
+    clear &= apart - np.linalg.norm(axis_offset, axis=1) > tolerance
     result: Mask = clear
     return result
 
 
 def rim_contacts(geometry: Geometry, flat: Patches) -> PossibleContacts:
-    """Corners of the circumscribed polygon where a flat patch ends at the rim of a round face."""
+    """Possible forces at the circumscribed polygon of flat patches that end at a round rim.
+
+    The corners of a patch on the rim are moved outwards, so that the polygon contains the circle.
+    """
     s = geometry.surfaces
     forces: list[Force] = []
-    round_part = np.diff(s.start) > 0
-    for patch in np.flatnonzero(round_part[flat.parts].any(axis=1)):
+    is_round = np.diff(s.start) > 0
+    for patch in np.flatnonzero(is_round[flat.parts].any(axis=1)):
         a, b = (int(k) for k in flat.parts[patch])
         corners, normal = flat.corners(int(patch)), flat.normal[patch]
         for part in (a, b):
@@ -114,17 +123,21 @@ def rim_contacts(geometry: Geometry, flat: Patches) -> PossibleContacts:
                 rim = _rim(s, surface, normal, corners)
                 if rim is None:
                     continue
-                out, stretch = rim
+                offsets, stretch = rim
                 forces.extend(
-                    (a, b, point + (stretch - 1) * away, normal)
-                    for point, away in zip(corners, out, strict=True)
-                    if away.any()
+                    (a, b, point + (stretch - 1) * offset, normal)
+                    for point, offset in zip(corners, offsets, strict=True)
+                    if offset.any()
                 )
     return possible_forces(forces, two_sided=False)
 
 
 def _rim(s: Surfaces, surface: int, normal: Array, corners: Array) -> tuple[Array, float] | None:
-    """From the centre of the rim to corners on it (else 0), and how far the circle reaches."""
+    """Radial vectors to the corners on a rim, and the factor to the circumscribed polygon.
+
+    The vector is 0 for corners that are not on the rim; None if the surface has no rim in this
+    plane.
+    """
     kind, axis, center = int(s.kind[surface]), s.axis[surface], s.point[surface]
     if kind == SPHERE:
         axis = normal
@@ -134,18 +147,18 @@ def _rim(s: Surfaces, surface: int, normal: Array, corners: Array) -> tuple[Arra
     radius = _radius_at(s, surface, height)
     if radius is None:
         return None
-    out = corners - center
-    out = out - np.outer(out @ axis, axis)
+    offsets = corners - center
+    offsets = offsets - np.outer(offsets @ axis, axis)
     sagitta = min(float(s.sagitta[surface]), radius / 2)
-    off = radius - np.linalg.norm(out, axis=1)
-    rim = (off <= sagitta + RIM_LEVEL * radius) & (off >= -RIM_LEVEL * radius)
-    if not rim.any() or sagitta <= 0:
+    off = radius - np.linalg.norm(offsets, axis=1)
+    on_rim = (off <= sagitta + RIM_LEVEL * radius) & (off >= -RIM_LEVEL * radius)
+    if not on_rim.any() or sagitta <= 0:
         return None
-    return np.where(rim[:, None], out, 0.0), radius / (radius - sagitta)
+    return np.where(on_rim[:, None], offsets, 0.0), radius / (radius - sagitta)
 
 
 def _radius_at(s: Surfaces, surface: int, height: float) -> float | None:
-    """Radius of the circle that a plane across the axis cuts out of a surface."""
+    """Radius of the circle that a plane across the axis cuts out of a surface; None: no circle."""
     kind, radius = int(s.kind[surface]), float(s.radius[surface])
     if kind == CYLINDER:
         return radius

@@ -1,10 +1,10 @@
-"""Curved faces that touch in ways without a formula: listed, and bounded, not guessed.
+"""Contacts of curved faces without a formula: listed, with bounds on their forces.
 
-An edge or corner on a curved face (a ball on the rim of a hole), a rim that is no circle across
-its axis on a flat face, free forms, tori beside tori: such pairs are listed as unsupported. A
-frictionless sphere is pushed through its centre, the side of a cylinder across its axis; of
-others any force and torque is thought possible. Rims of flat faces are given as inscribed
-polygons, whose circumscribed ones bound the answer from the other side
+An edge or corner on a curved face (a ball on the rim of a hole), a rim on a flat face that is not a
+circle across its axis, free forms, tori beside tori: such pairs are listed as unsupported. A
+frictionless sphere is pushed through its centre, and the side of a cylinder across its axis; every
+force and torque is possible for the other kinds. Rims of flat faces are given as inscribed
+polygons; the circumscribed polygons bound the answer from the other side
 (`kilter.contact.curved.rims`).
 """
 
@@ -30,102 +30,107 @@ __all__ = ["RoundContacts", "beside_curved", "no_round_contacts", "round_contact
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RoundContacts:
-    """Pairs that touch at a curved surface, and the forces that they could bring."""
+    """Pairs that touch at a curved surface without a formula, and their possible forces."""
 
     unsupported: tuple[Unsupported, ...]
     possible: PossibleContacts
 
 
 def no_round_contacts() -> RoundContacts:
-    """Nothing."""
+    """An empty set."""
     return RoundContacts((), possible_forces([], two_sided=True))
 
 
 def beside_curved(geometry: Geometry, parts: Index, points: Array, slack: Array) -> Mask:
-    """Points, shape (n, 3), within `slack` of a curved surface of one of their parts (n, 2)."""
+    """Which points, shape (n, 3), lie within `slack` of a curved surface of their parts (n, 2)."""
     s = geometry.surfaces
-    found = np.zeros(len(points), dtype=bool)
+    is_near = np.zeros(len(points), dtype=bool)
     for side in parts.T:
         owner, row = ragged(s.start, side)
         off = np.abs(s.distance(row, points[owner]))
         near = (off <= slack[owner]) | (s.kind[row] == FREE)
-        found[owner[near]] = True
-    return found
+        is_near[owner[near]] = True
+    return is_near
 
 
 def round_contacts(
     touching: Touching, edges: Edges, rows: Index, rims: tuple[Index, Array], reach: Array
 ) -> RoundContacts:
-    """Which of the pairs `rows` touch at a curved surface without a patch that says how.
+    """Contacts of the pairs `rows` at curved surfaces that no patch explains.
 
     Parameters
     ----------
     touching : Touching
     edges : Edges
-        Of all parts of these pairs.
+        Edges of all parts of these pairs.
     rows : ndarray of int, shape (n,)
+        Pairs to search.
     rims : (pair, point)
-        Where corners and edges beside curved faces touch the other part.
+        Points at which corners and edges beside curved faces touch the other part.
     reach : ndarray, shape (number of pairs,)
-        Up to this distance they touch, or might [length unit].
+        Largest gap at which the parts touch, or may touch [length unit].
     """
     search, curved = touching.search, touching.curved
     geometry, pairs = search.geometry, search.pairs
-    found: dict[int, list[tuple[Array, int]]] = {}
+    points_of_pair: dict[int, list[tuple[Array, int]]] = {}
 
-    def note(pair: Index, point: Array, surface: Index) -> None:
+    def add_points(pair: Index, point: Array, surface: Index) -> None:
+        """Add the points that no patch explains to `points_of_pair`."""
         for name in np.unique(pair).tolist():
-            mine = np.flatnonzero(pair == name)
+            of_pair = np.flatnonzero(pair == name)
             slack = float(reach[name] + 2 * geometry.slack[pairs[name]].max())
-            free = ~explained(touching, name, point[mine], slack)
-            free &= ~touching.smooth.explains(pair[mine], point[mine])
-            found.setdefault(name, []).extend((point[k], int(surface[k])) for k in mine[free])
+            is_unexplained = ~explained(touching, name, point[of_pair], slack)
+            is_unexplained &= ~touching.smooth.explains(pair[of_pair], point[of_pair])
+            points_of_pair.setdefault(name, []).extend(
+                (point[k], int(surface[k])) for k in of_pair[is_unexplained]
+            )
 
-    note(rims[0], rims[1], np.full(len(rims[0]), -1))
+    add_points(rims[0], rims[1], np.full(len(rims[0]), -1))
     for turn in (False, True):
-        note(*edges_on_faces(touching, edges, rows, reach, turn=turn))
+        add_points(*edges_on_faces(touching, edges, rows, reach, turn=turn))
     chosen = curved.unknown[np.isin(curved.unknown[:, 0], rows)]
-    known = np.column_stack([curved.patches.pair, curved.surface]).tolist()
-    known = {tuple(row) for row in known}
-    chosen = chosen[[tuple(row) not in known for row in chosen.tolist()]]
+    patched = np.column_stack([curved.patches.pair, curved.surface]).tolist()
+    patched = {tuple(row) for row in patched}
+    chosen = chosen[[tuple(row) not in patched for row in chosen.tolist()]]
     for pair, i, j in chosen.tolist():
-        point = _free_touch(geometry, pairs[pair], (i, j), float(reach[pair]))
-        note(np.full(len(point), pair), point, np.full(len(point), -1))
-    return _listed(geometry, pairs, found)
+        point = _close_triangles(geometry, pairs[pair], (i, j), float(reach[pair]))
+        add_points(np.full(len(point), pair), point, np.full(len(point), -1))
+    return _round_contacts_of(geometry, pairs, points_of_pair)
 
 
-def _listed(
-    geometry: Geometry, pairs: Index, found: dict[int, list[tuple[Array, int]]]
+def _round_contacts_of(
+    geometry: Geometry, pairs: Index, points_of_pair: dict[int, list[tuple[Array, int]]]
 ) -> RoundContacts:
+    """Records and possible forces of pairs, from their points and surfaces (-1: unknown)."""
     unsupported = []
     forces: list[Force] = []
-    for pair in sorted(found):
-        if not found[pair]:
+    for pair in sorted(points_of_pair):
+        if not points_of_pair[pair]:
             continue
         a, b = (int(k) for k in pairs[pair])
-        point, _ = found[pair][0]
+        point, _ = points_of_pair[pair][0]
         x, y, z = point.tolist()
         unsupported.append(Unsupported((a, b), "curved", (x, y, z)))
-        surfaces = {surface for _, surface in found[pair]}
+        surfaces = {surface for _, surface in points_of_pair[pair]}
         if all(geometry.surfaces.kind[k] in (SPHERE, CYLINDER) for k in surfaces if k >= 0) and (
             min(surfaces) >= 0
         ):
-            held = [force for k in sorted(surfaces) for force in _forces(geometry, k)]
+            pair_forces = [force for k in sorted(surfaces) for force in _forces(geometry, k)]
         else:
-            held = _any_wrench(point, float(geometry.radius[[a, b]].min()))
-        forces.extend((a, b, at, normal) for at, normal in held)
+            pair_forces = _any_wrench(point, float(geometry.radius[[a, b]].min()))
+        forces.extend((a, b, force_point, normal) for force_point, normal in pair_forces)
     return RoundContacts(tuple(unsupported), possible_forces(forces, two_sided=True))
 
 
 def _any_wrench(point: Array, arm: float) -> list[tuple[Array, Array]]:
-    """Points and directions of forces that add up to any force and torque."""
+    """Points and directions of six forces that span every force and torque."""
     x, y, z = np.eye(3)
-    at = [(point, x), (point, y), (point, z)]
-    return [*at, (point + arm * x, y), (point + arm * x, z), (point + arm * y, z)]
+    at_point = [(point, x), (point, y), (point, z)]
+    return [*at_point, (point + arm * x, y), (point + arm * x, z), (point + arm * y, z)]
 
 
 def _forces(geometry: Geometry, surface: int) -> list[tuple[Array, Array]]:
-    """Points and directions of all forces that a sphere or cylinder can take, both senses."""
+    """Points and directions that span the forces of a frictionless sphere or cylinder."""
     s = geometry.surfaces
     center, axis = s.point[surface], s.axis[surface]
     if s.kind[surface] == SPHERE:
@@ -139,23 +144,23 @@ def _forces(geometry: Geometry, surface: int) -> list[tuple[Array, Array]]:
 # faces without a formula: where their triangles come near each other --------------------
 
 
-def _free_touch(
-    geometry: Geometry, parts: Index, names: tuple[int, int], tolerance: float
+def _close_triangles(
+    geometry: Geometry, parts: Index, surfaces: tuple[int, int], tolerance: float
 ) -> Array:
-    """Points where triangles of two faces come within tolerance and both sagittas, (n, 3)."""
+    """Points at which triangles of two faces come within the tolerance and sagittas, (n, 3)."""
     s = geometry.surfaces
     sides = []
-    for part, name in zip(parts.tolist(), names, strict=True):
-        if name >= 0:
-            chosen = s.triangles_of(name)
+    for part, surface in zip(parts.tolist(), surfaces, strict=True):
+        if surface >= 0:
+            rows = s.triangles_of(surface)
         else:
             span = np.arange(geometry.triangle_start[part], geometry.triangle_start[part + 1])
-            chosen = span[geometry.triangle_surface[span] < 0]
-        sides.append(geometry.vertices[geometry.triangles[chosen]])
-    grow = tolerance + float(sum(s.sagitta[k] for k in names if k >= 0))
+            rows = span[geometry.triangle_surface[span] < 0]
+        sides.append(geometry.vertices[geometry.triangles[rows]])
+    grow = tolerance + float(sum(s.sagitta[k] for k in surfaces if k >= 0))
     boxes = [(side.min(axis=1), side.max(axis=1)) for side in sides]
     owners = [np.zeros(len(side), dtype=np.int64) for side in sides]
-    found = [np.empty((0, 3))]
+    blocks = [np.empty((0, 3))]
     for _, i, j in joins(owners[0], boxes[0], owners[1], boxes[1], np.array([grow])):
-        found.append(near_triangles(sides[0][i], sides[1][j], grow))
-    return np.concatenate(found)
+        blocks.append(near_triangles(sides[0][i], sides[1][j], grow))
+    return np.concatenate(blocks)
