@@ -127,7 +127,7 @@ def check(
     started = time.perf_counter()
     decision = _as_stated(assembly, contacts, _decide(assembly, contacts, work))
     word, program = decision.verdict, decision.program
-    second = _second_order(decision, assembly, contacts, work)
+    second = _second_order(decision, assembly, contacts, work, strict=require == "strict")
     seconds["solve"] = time.perf_counter() - started
     sentence = _sentence(decision, assembly, contacts)
     if second is not None and second.state == "balanced":
@@ -157,16 +157,18 @@ def check(
 
 
 def _second_order(
-    decision: _Decision, assembly: Assembly, contacts: ContactSet, work: Work
+    decision: _Decision, assembly: Assembly, contacts: ContactSet, work: Work, *, strict: bool
 ) -> SecondOrder | None:
     """What second order says of what is stable without friction."""
-    if decision.verdict != "stable" or decision.friction is not None or work.late:
+    if decision.verdict != "stable" or decision.friction is not None:
         return None
     from kilter.second_order.answer.whole import find_second_order, with_rolling  # takes its time
 
     proof = decision.judgement.forces
     forces = None if proof is None else proof.forces
-    found = find_second_order(assembly, contacts, decision.program, forces)
+    found = find_second_order(
+        assembly, contacts, decision.program, forces, work=work, strict=strict
+    )
     if found is None or found.state != "balanced":
         return found
     return with_rolling(found, assembly, contacts, build_program(assembly, contacts))

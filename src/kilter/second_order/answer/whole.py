@@ -61,6 +61,7 @@ def find_second_order(
     forces: Array | None = None,
     *,
     work: Work | None = None,
+    strict: bool = False,
 ) -> SecondOrder | None:
     """What second order says of a place of equilibrium; None where no motion is neutral.
 
@@ -73,9 +74,16 @@ def find_second_order(
         Of these contacts, without friction; forces of equilibrium are known to exist.
     forces : ndarray, shape (K,), optional
         Such forces [N].
+    work : Work, optional
+        Work of the first order, whose time limit also ends this.
+    strict : bool
+        Whether the answer is needed.
     """
     if not program.free.any():
         return None
+    if work is not None and work.late:
+        return open_answer("the time limit was met", program)
+    work = Work() if work is None else work.beside()
     unmodelled = why_unmodelled(assembly, contacts)
     if unmodelled:
         return open_answer(unmodelled, program)
