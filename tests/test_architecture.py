@@ -174,6 +174,27 @@ def test_an_import_waits_inside_a_function_only_for_the_start_up() -> None:
     assert needless == []
 
 
+BY_NAME = {
+    "kilter.health": "imports packages of other projects, to report whether they work",
+    "kilter.tell.cells": "is to call the page of a notebook through `kilter.hooks`",
+}
+"""Modules that may call `import_module`, with the reason. The lazy tables in `__init__` may too."""
+
+
+def test_no_module_imports_another_by_a_string() -> None:
+    """An import that the reader of the code, and the tests of layers and circles, cannot see."""
+    calls = {
+        module
+        for module, path in FILES.items()
+        if path.name != "__init__.py"
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Name | ast.Attribute)
+        and (node.id if isinstance(node, ast.Name) else node.attr)
+        in ("import_module", "__import__")
+    }
+    assert calls == set(BY_NAME)
+
+
 def test_no_two_files_have_one_name() -> None:
     names = Counter(p.name for p in FILES.values() if p.name not in ("__init__.py", "__main__.py"))
     assert [name for name, times in names.items() if times > 1] == []

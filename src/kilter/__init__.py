@@ -13,7 +13,10 @@ is first used, so that ``import kilter`` stays light.
 from __future__ import annotations
 
 import importlib
+from functools import partial
 from typing import TYPE_CHECKING, Any
+
+from kilter import hooks
 
 if TYPE_CHECKING:
     from kilter.analysis.check import check as check
@@ -151,12 +154,29 @@ _HOMES = {
 __all__ = sorted(_HOMES)
 
 
+_HOOKS = {
+    "load": "kilter.files.reading",
+    "scene_of": "kilter.files.objects.trimesh_objects",
+    "to_mjcf": "kilter.files.mjcf",
+}
+"""Module of each function that lower packages call through `kilter.hooks`."""
+
+
+def _attribute(home: str, name: str) -> Any:
+    """The value of a name of a module, which is imported now."""
+    return getattr(importlib.import_module(home), name)
+
+
+for _name, _home in _HOOKS.items():
+    hooks.register(_name, partial(_attribute, _home, _name))
+
+
 def __getattr__(name: str) -> Any:
     try:
         home = _HOMES[name]
     except KeyError:
         raise AttributeError(f"module 'kilter' has no attribute {name!r}") from None
-    return getattr(importlib.import_module(home), name)
+    return _attribute(home, name)
 
 
 def __dir__() -> list[str]:

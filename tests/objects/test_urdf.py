@@ -148,10 +148,10 @@ def test_a_base_is_fixed_or_floating_and_xml_is_of_one_of_two_kinds(tmp_path: Pa
         kilter.load(robot(tmp_path, BASE), base="loose")
     path = tmp_path / "x.xml"
     path.write_text("<html/>")
-    with pytest.raises(InputError, match="its top element is 'html'; MJCF begins with"):
+    with pytest.raises(InputError, match="the root element is 'html'; MJCF begins with"):
         kilter.load(path)
     path.write_text("<robot")
-    with pytest.raises(InputError, match=r"x\.xml: its XML is wrong"):
+    with pytest.raises(InputError, match=r"x\.xml: the XML is invalid"):
         kilter.load(path)
 
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import dataclasses
 import fnmatch
-import importlib
 import os
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
@@ -28,6 +27,7 @@ from kilter.assembly.interactions import FrictionPair, GivenContact, Joint, Load
 from kilter.assembly.lowest import lowest_heights
 from kilter.assembly.part import GROUND, Part
 from kilter.errors import InputError, nearest_name, some_names
+from kilter.hooks import hook
 from kilter.rigid import Pose, rotation_between, unit
 from kilter.shape.primitives import Box
 from kilter.tell.html import html_of
@@ -285,8 +285,8 @@ class Assembly:
         >>> Assembly.of({"tip": (corners, faces)}, units="mm", ground="tip")
         <Assembly: 1 parts, 1 held, in mm>
         """
-        found: Assembly = _above("kilter.files.reading").load(value, **options)
-        return found
+        assembly: Assembly = hook("load")(value, **options)
+        return assembly
 
     def to_trimesh(self) -> Any:
         """A `trimesh.Scene` with a node a part, under its name, in the units of the assembly.
@@ -296,7 +296,7 @@ class Assembly:
         InputError
             If trimesh is not installed.
         """
-        return _above("kilter.files.objects.trimesh_objects").scene_of(self)
+        return hook("scene_of")(self)
 
     def to_mjcf(self) -> str:
         """The text of an MJCF scene, to be watched in MuJoCo; see `kilter.files.mjcf`.
@@ -306,8 +306,8 @@ class Assembly:
         InputError
             If it has loads, or joints that slide.
         """
-        found: str = _above("kilter.files.mjcf").to_mjcf(self)
-        return found
+        text: str = hook("to_mjcf")(self)
+        return text
 
     # changed copies ------------------------------------------------------------------
 
@@ -346,7 +346,7 @@ class Assembly:
         gone = self.matching(patterns)
         keep = [part for part in self.parts if part.name not in gone]
         if not keep:
-            raise InputError("no part is left", hint="leave fewer parts out")
+            raise InputError("all parts are left out", hint="leave fewer parts out")
 
         def kept(entries: Sequence[Any]) -> list[Any]:
             return [entry for entry in entries if not gone.intersection(entry.parts)]
@@ -430,11 +430,6 @@ class Assembly:
 
     def _replace(self, **changes: Any) -> Assembly:
         return dataclasses.replace(self, **changes)
-
-
-def _above(module: str) -> Any:
-    """A module that knows assemblies: it is asked for here by name alone, for who reads code."""
-    return importlib.import_module(module)
 
 
 def _entries(name: str, given: Any, kind: type) -> tuple[Any, ...]:

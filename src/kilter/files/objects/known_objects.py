@@ -1,15 +1,14 @@
-"""Which reader an object of another library has, by the module that its class is from.
+"""Read objects of other libraries; the module of the object's class selects the reader.
 
-    a new library:  a module here with ``read(value, choices) -> Assembly``, and its name in `HOMES`
+    a new library:  a function ``read(value, choices) -> Assembly``, and its entry in `READERS`
 
-Nothing is imported for an object that is not of its library, and the library itself is there
-already: its object is. Several objects are given as a list, or by name as a mapping.
+A reader imports its library when it is called; the library is loaded already, since an object of
+it exists. Several objects are given as a list, or as a mapping by name.
 """
 
 from __future__ import annotations
 
-import importlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -20,54 +19,63 @@ from kilter.errors import InputError
 from kilter.files.choices import Choices
 from kilter.files.formats import assembly_of
 from kilter.files.naming import distinct
+from kilter.files.objects import compas_objects, mujoco_objects, occt_objects, trimesh_objects
 from kilter.files.placed import FileBodies
 from kilter.shape.primitives import Mesh
 
-__all__ = ["HOMES", "TAKEN", "assembly_of_object", "read_object"]
+__all__ = ["READERS", "TAKEN", "assembly_of_object", "read_object"]
 
-HOMES = {
-    "trimesh": "trimesh_objects",
-    "compas": "compas_objects",
-    "compas_assembly": "compas_objects",
-    "build123d": "occt_objects",
-    "cadquery": "occt_objects",
-    "OCP": "occt_objects",
-    "mujoco": "mujoco_objects",
+Reader = Callable[[Any, Choices], Assembly]
+
+READERS: dict[str, Reader] = {
+    "trimesh": trimesh_objects.read,
+    "compas": compas_objects.read,
+    "compas_assembly": compas_objects.read,
+    "build123d": occt_objects.read,
+    "cadquery": occt_objects.read,
+    "OCP": occt_objects.read,
+    "mujoco": mujoco_objects.read,
 }
-"""The module here that reads the classes of a library."""
+"""Reader of the objects of each library, by the name of its package."""
 TAKEN = (
     "a path, (vertices, faces), an object of trimesh, build123d, CadQuery, compas or mujoco, a "
-    "list of such, or a dict of them by name"
+    "list of these, or a dict of them by name"
 )
-"""What is taken, in words."""
+"""The accepted kinds of values, for messages."""
 
 
-_SCENES = "mujoco_objects"
 _NAMELESS = ("part", "0")
-"""Names of what has none: of a body alone, of a mesh of COMPAS alone."""
+"""Names that readers give to an object without a name: a single body, a single COMPAS mesh."""
 
 
 def read_object(value: Any, choices: Choices) -> tuple[Assembly, bool]:
-    """The assembly of an object as of `assembly_of_object`, and if it says where gravity points."""
-    told = isinstance(value, Assembly) or _home(value) == _SCENES
-    return assembly_of_object(value, choices), told
+    """Read an object with `assembly_of_object`.
+
+    Returns
+    -------
+    assembly : Assembly
+    states_gravity : bool
+        Whether the object fixes the direction of gravity.
+    """
+    states_gravity = isinstance(value, Assembly) or _reader(value) is mujoco_objects.read
+    return assembly_of_object(value, choices), states_gravity
 
 
 def assembly_of_object(value: Any, choices: Choices | None = None) -> Assembly:
-    """The assembly that an object of another library is.
+    """Convert an object of another library to an assembly.
 
     Parameters
     ----------
     value : object
-        An assembly, a mesh, a solid; a pair of arrays (vertices, faces); a list of such; a dict
+        An assembly, a mesh, a solid; a pair of arrays (vertices, faces); a list of these; a dict
         of them, whose keys are the names of the parts.
     choices : Choices, optional
-        What is chosen where the object leaves it open, its units first.
+        Options for details that the object does not state, such as its units.
 
     Raises
     ------
     InputError
-        If it is nothing of that; it says what is taken.
+        If the type of the object is not supported; the error lists the supported types.
 
     Examples
     --------
@@ -83,11 +91,9 @@ def assembly_of_object(value: Any, choices: Choices | None = None) -> Assembly:
     if isinstance(value, Assembly):
         return value
     choices = choices or Choices()
-    home = _home(value)
-    if home is not None:
-        reader = importlib.import_module(f"kilter.files.objects.{home}")
-        found: Assembly = reader.read(value, choices)
-        return found
+    reader = _reader(value)
+    if reader is not None:
+        return reader(value, choices)
     if _is_surface(value):
         return _mesh(value[0], value[1], choices)
     if hasattr(value, "vertices") and hasattr(value, "faces"):
@@ -99,12 +105,12 @@ def assembly_of_object(value: Any, choices: Choices | None = None) -> Assembly:
     raise InputError(f"an assembly cannot be made of {type(value).__name__}", hint=f"give {TAKEN}")
 
 
-def _home(value: Any) -> str | None:
-    """The reader of a class, or of the nearest class that it derives from."""
-    if isinstance(value, tuple) and value and _home(value[0]) == _SCENES:
-        return _SCENES  # a model and its data
+def _reader(value: Any) -> Reader | None:
+    """The reader for the class of an object, or for its nearest base class; None if unknown."""
+    if isinstance(value, tuple) and value and _reader(value[0]) is mujoco_objects.read:
+        return mujoco_objects.read  # a pair (MjModel, MjData)
     packages = (str(kind.__module__).partition(".")[0] for kind in type(value).__mro__)
-    return next((HOMES[package] for package in packages if package in HOMES), None)
+    return next((READERS[package] for package in packages if package in READERS), None)
 
 
 def _is_surface(value: Any) -> bool:

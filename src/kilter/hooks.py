@@ -1,0 +1,47 @@
+"""Functions that an upper package defines and a lower package calls.
+
+A method such as `Assembly.to_mjcf` needs a function of an upper package, but an import of that
+package would close a circle. The lower package therefore calls the function by a name that
+`kilter/__init__.py` registers, and imports no upper module.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+__all__ = ["hook", "register"]
+
+Function = Callable[..., Any]
+
+_LOADERS: dict[str, Callable[[], Function]] = {}
+"""Loader of each registered function; it imports the module of the function at the first call."""
+
+
+def register(name: str, loader: Callable[[], Function]) -> None:
+    """Register a function under a name.
+
+    Parameters
+    ----------
+    name : str
+    loader : callable
+        Function without parameters that returns the registered function.
+    """
+    _LOADERS[name] = loader
+
+
+def hook(name: str) -> Function:
+    """The function that is registered under a name.
+
+    Raises
+    ------
+    KeyError
+        If no function has that name.
+
+    Examples
+    --------
+    >>> register("double", lambda: lambda x: 2 * x)
+    >>> hook("double")(4)
+    8
+    """
+    return _LOADERS[name]()
