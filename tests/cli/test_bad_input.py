@@ -154,7 +154,7 @@ def test_a_broken_file(
         (["view", "a.json", "--port", "x"], "given with '--port' is not a whole number; see"),
         (["draw", "a.json", "--what", "y"], "'--what': 'y' is not one of 'assembly', 'region'"),
         (["check", "a.json", "--ground", "cubes"], "did you mean 'cube'"),
-        (["check", "a.json", "--without", "c?be", "--without", "table"], "no part is left"),
+        (["check", "a.json", "--without", "c?be", "--without", "table"], "all parts are left out"),
         (["check", "a.json", "--gap", "0"], "--gap"),
         (["check", "a.json", "--angle", "90"], "--angle"),
         (["check", "a.json", "--friction", "-1"], "friction"),

@@ -45,7 +45,7 @@ def test_separate_bodies_of_a_nameless_file_are_one_part(write, obj_box) -> None
     path = write("w/a.obj", obj_box() + obj_box(1, (5, 0, 0), 9))
     assembly = load(path.parent)
     assert assembly.names == ("a",)
-    assert assembly.notes == ("a.obj: 2 separate bodies, taken as one part",)
+    assert assembly.notes == ("a.obj: 2 separate bodies, read as one part",)
 
 
 def test_files_of_other_kinds_are_named_in_a_note(write, obj_box) -> None:
@@ -54,7 +54,7 @@ def test_files_of_other_kinds_are_named_in_a_note(write, obj_box) -> None:
     write("w/sub/b.obj", obj_box())
     write("w/.hidden.obj", "x")
     note = load(write("w/a.obj", obj_box()).parent).notes
-    assert note == ("passed over, no mesh or STEP files: 'a.kilter.json', 'readme.txt', 'sub'",)
+    assert note == ("ignored, not mesh or STEP files: 'a.kilter.json', 'readme.txt', 'sub'",)
 
 
 def test_many_ignored_files_are_counted(write, obj_box) -> None:

@@ -302,7 +302,9 @@ def test_units_that_differ_from_the_file_are_refused(write) -> None:
         "a.json", {"kilter": 1, "units": "mm", "parts": [{"name": "C1", "box": [1, 1, 1]}]}
     )
     assert load(path, units="mm").units == "mm"
-    with pytest.raises(InputError, match=r"a\.json: the file is in mm, m were asked for; leave"):
+    with pytest.raises(
+        InputError, match=r"a\.json: the file is in mm, but the units given are m; leave"
+    ):
         load(path, units="m")
 
 
@@ -336,7 +338,7 @@ def test_several_objects_of_a_mesh_file_are_one_part(write, obj_box) -> None:
     write("two.obj", "o a\n" + obj_box() + "o b\n" + obj_box(1, (3, 0, 0), 9))
     assembly = load(write("a.json", {"kilter": 1, "parts": [{"name": "P", "mesh": "two.obj"}]}))
     assert assembly.geometry.volume == pytest.approx([2])
-    assert assembly.notes == ("mesh 'two.obj' holds 2 objects, taken as one part",)
+    assert assembly.notes == ("mesh 'two.obj' holds 2 objects, read as one part",)
 
 
 # writing -------------------------------------------------------------------------------

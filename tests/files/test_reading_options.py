@@ -103,11 +103,11 @@ def test_contacts_of_a_kilter_file(tmp_path: Path) -> None:
 
 def test_a_file_without_contacts_has_none_to_take(tmp_path: Path) -> None:
     dump(Assembly(CUBES), tmp_path / "a.kilter.json")
-    with pytest.raises(InputError, match="carries no contacts; leave contacts='file' out"):
+    with pytest.raises(InputError, match="lists no contacts; leave contacts='file' out"):
         load(tmp_path / "a.kilter.json", contacts="file")
 
 
 def test_a_floor_touches_nothing_in_the_file(tmp_path: Path) -> None:
     dump(Assembly(CUBES, contacts=[ASIDE]), tmp_path / "a.kilter.json")
-    with pytest.raises(InputError, match="a floor has none in it"):
+    with pytest.raises(InputError, match="the file lists none with the floor"):
         load(tmp_path / "a.kilter.json", contacts="file", floor=True)

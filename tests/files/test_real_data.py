@@ -39,7 +39,7 @@ def test_compas(name: str, count: int) -> None:
 def test_folders(name: str, count: int, accuracy: float, capfd) -> None:
     assembly = load(DATA / "learn2assemble" / name)
     assert assembly.names == tuple(str(k) for k in range(count))
-    assert assembly.notes == ("passed over, no mesh or STEP files: 'rbe_admm.json'",)
+    assert assembly.notes == ("ignored, not mesh or STEP files: 'rbe_admm.json'",)
     assert assembly.geometry.accuracy.max() == pytest.approx(accuracy, rel=0.6)
     assert capfd.readouterr() == ("", "")
 

@@ -129,7 +129,9 @@ def test_the_unit_of_the_file_is_kept(units: str, tmp_path: Path) -> None:
     assert assembly.units == units
     assert assembly.geometry.volume == pytest.approx([6.0])
     other = "m" if units == "mm" else "mm"
-    with pytest.raises(InputError, match=f"the file is in {units}, {other} were asked for"):
+    with pytest.raises(
+        InputError, match=f"the file is in {units}, but the units given are {other}"
+    ):
         load(path, units=other)
     assert load(path, units=units, density=7850).parts[0].density == 7850
 

@@ -251,7 +251,7 @@ def test_without_leaves_solids_out_before_they_are_cut(tmp_path: Path) -> None:
     assert steps[1:] == ["cutting faces of solid 1 of 1"]
     assert load(path, without="a*").names == ("base",)
     assert load(path, without=["a", "ab"]).names == ("base",)
-    with pytest.raises(InputError, match="no part is left"):
+    with pytest.raises(InputError, match="all parts are left out"):
         load(path, without="*")
     with pytest.raises(InputError, match="no part is named 'abc'"):
         load(path, without=["a", "abc"])

@@ -76,7 +76,8 @@ def test_a_mesh_in_millimetres_says_so(agree: Agree) -> None:
     found = agree(mesh, made.export, "brick.3mf", "stable", floor=True)
     assert (found.units, found.names[0]) == ("mm", "brick")
     assert found.geometry.mass[0] == pytest.approx(0.008)
-    with pytest.raises(InputError, match="the object is in mm, m were asked for; leave the units"):
+    message = "the object is in mm, but the units given are m; leave the units"
+    with pytest.raises(InputError, match=message):
         kilter.load(mesh, units="m")
 
 

@@ -1,10 +1,10 @@
-"""Files that describe an assembly, read and written.
+"""Read and write files that describe an assembly.
 
-What is read: kilter's own JSON (`kilter_json`), COMPAS JSON (`compas`), meshes of several
-objects (`formats`: OBJ, STL, 3MF, GLB, STEP) and folders of meshes (`folder`). What is written:
-kilter's own JSON. Every fault of a file is one `InputError` that names file and part.
+Readers: kilter's own JSON (`kilter_json`), COMPAS JSON (`compas`), meshes of several objects
+(`formats`: OBJ, STL, 3MF, GLB, STEP) and folders of meshes (`folder`). The writer writes kilter's
+own JSON. A fault in a file is reported as one `InputError` that names file and part.
 
-What is public is imported when it is first used: the process that reads STEP starts before.
+Public names are imported at their first use, so that the process that reads STEP starts fast.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _HOMES = {
     "write_bytes": "writing",
     "write_text": "writing",
 }
-"""Where each public name is from."""
+"""Module that defines each public name."""
 
 __all__ = sorted(_HOMES)
 

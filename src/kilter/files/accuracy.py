@@ -1,19 +1,19 @@
-"""How far the coordinates of a file may be from the truth [length unit].
+"""Estimate the error of the coordinates in a text file [length unit].
 
-A file of decimals does not say how they were made. Three makers are told apart by the values
-themselves:
+A file of decimals does not state their accuracy. The values themselves distinguish three kinds of
+writers:
 
-- A program that computes in float32 and prints every digit: each value is exactly a float32,
-  and some is no short decimal (0.2525 comes out as 0.25249999761581421). Its rounding is
-  ``2^-24 x largest``. Values such as 0.5 or 0.125 are exact in both and prove nothing.
-- A program that prints k decimals (``%.6f``): every value is a multiple of 10^-k, and not
+- A program that computes in float32 and prints every digit. Each value is exactly a float32, and
+  at least one value is not a short decimal (0.2525 is printed as 0.25249999761581421). Its
+  rounding is ``2^-24 x largest``. Values such as 0.5 or 0.125 are exact in both and prove nothing.
+- A program that prints k decimals (``%.6f``). Every value is a multiple of 10^-k, and not
   all are multiples of 10^-(k-1). Its rounding is ``0.5 x 10^-k``. Below k = 5 the numbers are
-  taken as meant (a part of 12.25 mm is 12.25 mm), above k = 9 as full float64.
-- A program that prints k digits and an exponent (``%e``, the usual ASCII STL): likewise with
-  digits after the first, ``0.5 x 10^(e - k)``, e = exponent of the largest value.
+  assumed exact (12.25 mm is 12.25 mm), above k = 9 they are full float64.
+- A program that prints k digits and an exponent (``%e``, the usual ASCII STL). The same rule holds
+  for the digits after the first: ``0.5 x 10^(e - k)``, e = exponent of the largest value.
 
-Anything else is float64, ``2^-53 x largest``. The estimate errs towards too fine: a file of
-a few round numbers looks exact although its maker rounded.
+All other values are float64, ``2^-53 x largest``. The estimate errs towards too small an error: a
+file of a few round numbers looks exact although its writer rounded.
 """
 
 from __future__ import annotations
@@ -29,27 +29,28 @@ __all__ = ["SINGLE", "text_accuracy"]
 
 
 SINGLE = 2.0**-24
-"""Relative rounding of float32."""
+"""Relative rounding error of float32 [-]."""
 FEWEST, MOST = 5, 9
-"""Decimals that are taken as rounding: fewer are meant, more are float64."""
+"""Numbers of decimals that count as rounded; fewer decimals are exact, more are float64."""
 SAMPLE = 10_000
-"""Numbers with an exponent that are looked at."""
+"""Largest number of values with an exponent that are examined; more take longer."""
 
 
 def text_accuracy(values: ArrayLike, *, exponent: bool = False) -> Callable[[Array], float | None]:
-    """How accurate numbers read from text are, judged from all of a file together.
+    """Estimate the error of numbers that were read from text, from all numbers of the file.
 
     Parameters
     ----------
     values : array_like
         Every coordinate of the file.
     exponent : bool
-        The numbers were written with an exponent (``1.234568e+01``).
+        Whether the numbers have an exponent (``1.234568e+01``).
 
     Returns
     -------
     callable
-        From the coordinates of one mesh to its accuracy [length unit]; None = float64.
+        Function from the coordinates of a mesh of the file to their largest error [length unit];
+        None for float64.
 
     Examples
     --------
@@ -61,17 +62,18 @@ def text_accuracy(values: ArrayLike, *, exponent: bool = False) -> Callable[[Arr
     None
     None
     """
-    judged: Array = np.array(values, dtype=np.float64).reshape(-1)
-    judged = judged[np.isfinite(judged)]
+    finite: Array = np.array(values, dtype=np.float64).reshape(-1)
+    finite = finite[np.isfinite(finite)]
     with np.errstate(over="ignore"):
-        single = bool((judged.astype(np.float32) == judged).all())
-    if single and not _is_rounded(judged, MOST):
-        return lambda own: SINGLE * float(np.abs(own).max(initial=0.0))
-    step = _mantissa_step(judged) if exponent else _decimal_step(judged)
-    return lambda own: step
+        single = bool((finite.astype(np.float32) == finite).all())
+    if single and not _is_rounded(finite, MOST):
+        return lambda coordinates: SINGLE * float(np.abs(coordinates).max(initial=0.0))
+    step = _mantissa_step(finite) if exponent else _decimal_step(finite)
+    return lambda coordinates: step
 
 
 def _decimal_step(values: Array) -> float | None:
+    """Half of the last printed decimal; None if the values are exact decimals or float64."""
     if _is_rounded(values, FEWEST - 1):
         return None
     for k in range(FEWEST, MOST + 1):
@@ -81,10 +83,11 @@ def _decimal_step(values: Array) -> float | None:
 
 
 def _mantissa_step(values: Array) -> float | None:
+    """Half of the last printed digit of the largest number, for numbers with an exponent."""
     values = np.unique(values[values != 0])
     if not len(values):
         return None
-    # the shortest digits that give the number, of a spread of them where there are many
+    # the shortest digits that reproduce each number, for an evenly spread sample
     chosen = values[np.unique(np.linspace(0, len(values) - 1, SAMPLE).astype(int))]
     printed = [np.format_float_scientific(value, trim="-").split("e") for value in chosen]
     step = _decimal_step(np.array([float(mantissa) for mantissa, _ in printed]))
@@ -92,7 +95,7 @@ def _mantissa_step(values: Array) -> float | None:
 
 
 def _is_rounded(values: Array, k: int) -> bool:
-    """Every value is the float64 nearest to a decimal of k places."""
-    # past 2^53 / 10^k a float64 has no digits behind the k-th place to judge by
-    judged = values[np.abs(values) < 2.0**53 / 10.0**k]
-    return bool((np.round(judged, k) == judged).all())
+    """Whether every value is the float64 nearest to a decimal of k places."""
+    # a float64 above 2^53 / 10^k has no digits after the k-th place
+    small = values[np.abs(values) < 2.0**53 / 10.0**k]
+    return bool((np.round(small, k) == small).all())

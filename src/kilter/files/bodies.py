@@ -1,9 +1,9 @@
-"""The separate bodies of one mesh: what a file without names holds.
+"""Split a mesh without names into its separate bodies.
 
-Two faces belong to one body where they meet at an edge. Bodies that touch share edges in
-space, so at an edge of more than two faces each is paired with the next one *through the
-material between them*, found by going around the edge. A closed shell turned inwards is a
-hole of the body around it. Pieces that are open and share a corner stay together.
+Two faces that meet at an edge belong to the same body. Bodies that touch share edges in space.
+Therefore, at an edge of more than two faces, each face is paired with the next face *across the
+material between them*, in the order of their angles about the edge. A closed shell turned inwards
+is a hole of the body around it. Open pieces that share a corner stay together.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ __all__ = ["split_bodies"]
 
 
 def split_bodies(mesh: Mesh) -> list[Mesh]:
-    """The bodies of a mesh, in the order of their first face.
+    """Split a mesh into its separate bodies, in the order of their first face.
 
     Examples
     --------
@@ -34,7 +34,7 @@ def split_bodies(mesh: Mesh) -> list[Mesh]:
     proper = (faces != np.roll(faces, 1, axis=1)).all(axis=1)
     if not proper.any():
         return [mesh]
-    if not proper.all():  # a face of two corners hangs together with nothing
+    if not proper.all():  # a face with a repeated corner has no area and connects no faces
         rows = mesh.triangles[proper]
         return split_bodies(Mesh(mesh.vertices, rows, accuracy=mesh.accuracy))
     with np.errstate(all="ignore"):
@@ -43,23 +43,31 @@ def split_bodies(mesh: Mesh) -> list[Mesh]:
             return [mesh]
         label = _with_holes(places, faces, label)
     _, rows = _by_label(label)
-    return [_piece(mesh, mesh.triangles[own]) for own in sorted(rows, key=lambda own: int(own[0]))]
+    return [_piece(mesh, mesh.triangles[k]) for k in sorted(rows, key=lambda k: int(k[0]))]
 
 
 def _by_label(label: Index) -> tuple[Index, list[Index]]:
-    """The labels that there are, in order, and the rows of each."""
+    """The distinct labels in ascending order, and the rows of each label."""
     order = np.argsort(label, kind="stable")
     first = np.flatnonzero(np.diff(label[order], prepend=-1))
     return label[order[first]], np.split(order, first[1:])
 
 
 def _piece(mesh: Mesh, triangles: Index) -> Mesh:
+    """Some triangles of a mesh as a mesh of its own, without unused vertices."""
     used, compact = np.unique(triangles, return_inverse=True)
     return Mesh(mesh.vertices[used], compact.reshape(-1, 3), accuracy=mesh.accuracy)
 
 
 def _labels(places: Array, faces: Index) -> Index:
-    """Body of each face, shape (m,), holes apart."""
+    """A label for each face, shape (m,), equal for the faces of a shell; a hole is its own shell.
+
+    Parameters
+    ----------
+    places : ndarray, shape (n, 3)
+        Distinct vertices.
+    faces : ndarray of int, shape (m, 3)
+    """
     sign = 1 if _volume(places, faces) >= 0 else -1
     face, key, turn, (low, high) = _edges(faces)
     order = np.argsort(key, kind="stable")
@@ -67,17 +75,17 @@ def _labels(places: Array, faces: Index) -> Index:
     count = np.diff(np.append(first, len(order)))
     balanced = np.add.reduceat(turn[order], first) == 0
     simple = (count == 2) | ~balanced
-    # within a group that needs no care, each face is joined to the one before
+    # at an edge of two faces, or of an open piece, every face is joined to the previous face
     rank = np.arange(len(order)) - np.repeat(first, count)
     chained = np.flatnonzero((rank > 0) & np.repeat(simple, count))
     pairs = [np.column_stack([face[order[chained]], face[order[chained - 1]]])]
-    for size in np.unique(count[~simple]):  # those of as many faces in one go
+    for size in np.unique(count[~simple]):  # all edges with the same number of faces at once
         rows = order[first[~simple & (count == size)][:, None] + np.arange(size)]
         ends = low[rows[:, :1]], high[rows[:, :1]]
         opposite = places[_third(faces[face[rows]], *ends)]
         edge = places[ends[0][:, 0]], places[ends[1][:, 0]]
-        group, one, other = _around(edge, opposite, sign * turn[rows])
-        pairs.append(np.column_stack([face[rows[group, one]], face[rows[group, other]]]))
+        group, opening, closing = _around(edge, opposite, sign * turn[rows])
+        pairs.append(np.column_stack([face[rows[group, opening]], face[rows[group, closing]]]))
     label = connected(len(faces), *np.concatenate(pairs).T)
     loose = np.unique(face[order[np.repeat(~balanced, count)]])
     if len(loose):
@@ -86,7 +94,10 @@ def _labels(places: Array, faces: Index) -> Index:
 
 
 def _edges(faces: Index) -> tuple[Index, Index, Index, tuple[Index, Index]]:
-    """Of every edge of every face: the face, a key, its turn (+1 from low to high), its ends."""
+    """All edges of all faces: the face, a key, the sense (+1 from low to high), the two ends.
+
+    The key is the same for edges with the same ends. Edges of no length are left out.
+    """
     ends = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     face = np.repeat(np.arange(len(faces)), 3)
     proper = ends[:, 0] != ends[:, 1]
@@ -97,9 +108,18 @@ def _edges(faces: Index) -> tuple[Index, Index, Index, tuple[Index, Index]]:
 
 
 def _third(faces: Index, low: Index, high: Index) -> Index:
-    """The corner of each face that is not on the edge (its first one, of a face of no area).
+    """The corner of each face that is not on the edge; the first corner for a face of no area.
 
-    Faces of shape (n, s, 3) about n edges, whose ends have shape (n, 1).
+    Parameters
+    ----------
+    faces : ndarray of int, shape (n, s, 3)
+        The s faces at each of n edges.
+    low, high : ndarray of int, shape (n, 1)
+        Ends of the edges.
+
+    Returns
+    -------
+    ndarray of int, shape (n, s)
     """
     off = (faces != low[:, :, None]) & (faces != high[:, :, None])
     third: Index = np.take_along_axis(faces, off.argmax(axis=2)[:, :, None], axis=2)[:, :, 0]
@@ -107,24 +127,25 @@ def _third(faces: Index, low: Index, high: Index) -> Index:
 
 
 def _around(edge: tuple[Array, Array], opposite: Array, turn: Index) -> tuple[Index, Index, Index]:
-    """Pairs of an opening and a closing face with material between, going around edges.
+    """Pair the faces about each edge so that material lies between the two faces of a pair.
 
-    A face that runs along the edge has its outside at larger angles: it closes material;
-    one that runs against it opens. Of faces that lie on each other the closing come first.
+    Faces are sorted by their angle about the edge. A face that runs along the edge has its
+    outside at larger angles, so the material ends there: it closes. A face that runs against the
+    edge opens. Among faces that lie on each other, the closing faces come first.
 
     Parameters
     ----------
     edge : (ndarray, ndarray), shape (n, 3)
-        Ends.
+        Ends of the edges.
     opposite : ndarray, shape (n, s, 3)
-        The other corner of each of the s faces at an edge.
+        Third corner of each of the s faces at an edge.
     turn : ndarray of int, shape (n, s)
-        1 of a face that runs along the edge, -1 of one against it.
+        1 if a face runs along the edge, -1 if it runs against it.
 
     Returns
     -------
     edge, opening, closing : ndarray of int, shape (m,)
-        Places among the n edges and the s faces of each.
+        Index of the edge, and indices of the two faces among the s faces at that edge.
     """
     axis = edge[1] - edge[0]
     arm = opposite - edge[0][:, None]
@@ -142,25 +163,33 @@ def _around(edge: tuple[Array, Array], opposite: Array, turn: Index) -> tuple[In
 
 
 def _bracketed(order: Index, turn: Index) -> tuple[Index, Index, Index]:
-    """Each closing face with the last opening one that still waits, for n edges in step."""
+    """Pair each closing face with the last unpaired opening face, as brackets, for n edges at once.
+
+    Parameters
+    ----------
+    order : ndarray of int, shape (n, s)
+        Faces at each edge in the order of their angles.
+    turn : ndarray of int, shape (n, s)
+        1 if a face closes, -1 if it opens.
+    """
     every, size = np.arange(len(order)), order.shape[1]
     waiting, height = np.empty((len(order), 2 * size), dtype=np.int64), np.zeros_like(every)
-    found = np.zeros_like(every)
+    paired = np.zeros_like(every)
     pairs = []
-    for k in (*order.T, *order.T):  # twice around: material may lie across the start
+    for k in (*order.T, *order.T):  # two rounds, since material may lie across angle 0
         opens = turn[every, k] < 0
-        closes = np.flatnonzero(~opens & (height > 0) & (found < size))
+        closes = np.flatnonzero(~opens & (height > 0) & (paired < size))
         height[closes] -= 1
-        found[closes] += 1
+        paired[closes] += 1
         pairs.append((closes, waiting[closes, height[closes]], k[closes]))
         waiting[opens, height[opens]] = k[opens]
         height[opens] += 1
-    edge, one, other = (np.concatenate([pair[k] for pair in pairs]) for k in range(3))
-    return edge, one, other
+    edge, opening, closing = (np.concatenate([pair[k] for pair in pairs]) for k in range(3))
+    return edge, opening, closing
 
 
 def _joined_at_corners(faces: Index, label: Index, chosen: Mask) -> Index:
-    """Labels after the chosen faces' pieces are joined where they share a corner."""
+    """Labels after joining those pieces of the chosen faces that share a corner."""
     count = int(label.max()) + 1
     corners = faces[chosen].reshape(-1)
     piece = np.repeat(label[chosen], 3)
@@ -170,9 +199,9 @@ def _joined_at_corners(faces: Index, label: Index, chosen: Mask) -> Index:
 
 
 def _with_holes(places: Array, faces: Index, label: Index) -> Index:
-    """Labels after each shell that is turned inwards is given to the body around it."""
+    """Labels after joining each inward shell (a hole) to the smallest body around it."""
     names, rows = _by_label(label)
-    volume = np.array([_volume(places, faces[own]) for own in rows])
+    volume = np.array([_volume(places, faces[k]) for k in rows])
     sign = 1 if volume.sum() >= 0 else -1
     inwards = np.flatnonzero(sign * volume < 0)
     if not len(inwards):
@@ -180,7 +209,8 @@ def _with_holes(places: Array, faces: Index, label: Index) -> Index:
     bodies = np.flatnonzero(sign * volume > 0)
     bodies = bodies[np.argsort(np.abs(volume[bodies]), kind="stable")]
     corners = [places[faces[rows[k]]].reshape(-1, 3) for k in bodies]
-    low, high = (np.array([side(own, axis=0) for own in corners]) for side in (np.min, np.max))
+    low = np.array([points.min(axis=0) for points in corners])
+    high = np.array([points.max(axis=0) for points in corners])
     label = label.copy()
     for k in inwards:
         point = places[faces[rows[k][0], 0]]
@@ -191,5 +221,6 @@ def _with_holes(places: Array, faces: Index, label: Index) -> Index:
 
 
 def _volume(places: Array, faces: Index) -> float:
+    """Signed volume inside a closed surface, negative if it is turned inwards."""
     p, q, r = (places[faces[:, k]] - places[faces[0, 0]] for k in range(3))
     return float(np.einsum("ij,ij->", p, cross(q, r)) / 6)

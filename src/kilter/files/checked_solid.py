@@ -1,4 +1,4 @@
-"""A solid that hangs together: closed, and of the volume that its triangles enclose."""
+"""Verify a solid: its triangles are closed and enclose the volume that it states."""
 
 from __future__ import annotations
 
@@ -14,19 +14,23 @@ __all__ = ["checked"]
 
 
 def checked(solid: Solid) -> Solid:
-    """The solid itself.
+    """Return the solid if it is valid.
+
+    The enclosed volume may differ from the stated volume by the distance of the triangles from
+    the faces times their area. A solid with holes is not verified.
 
     Raises
     ------
     InputError
-        If its triangles are not closed and it states no holes, or they enclose another volume
-        than it states: by more than their distance from the faces accounts for.
+        If the triangles are not closed, or enclose another volume than the solid states.
     """
     vertices, triangles = solid.vertices, solid.triangles
     if len(solid.holes) and len(triangles):
         return solid
     if not len(triangles) or len(open_edges(vertices, triangles)):
-        raise InputError("the faces of the solid do not close", hint="heal it where it was made")
+        raise InputError(
+            "the faces of the solid do not close", hint="repair it in the program that made it"
+        )
     p, q, r = (vertices[triangles[:, k]] for k in range(3))
     area = float(np.linalg.norm(np.cross(q - p, r - p), axis=1).sum() / 2)
     volume = polyhedron_moments(vertices, triangles, np.array([0, len(triangles)]))[0][0]
@@ -34,6 +38,6 @@ def checked(solid: Solid) -> Solid:
     if abs(solid.volume - volume) > leeway:
         raise InputError(
             f"the solid states a volume of {solid.volume:.6g}, its triangles enclose {volume:.6g}",
-            hint="heal it where it was made",
+            hint="repair it in the program that made it",
         )
     return solid

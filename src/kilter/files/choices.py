@@ -1,4 +1,4 @@
-"""What is chosen where a file or an object leaves it open."""
+"""Options that only some file formats use."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ __all__ = ["Choices"]
 
 @dataclass(frozen=True, slots=True)
 class Choices:
-    """The options of `kilter.load` that a format of its own kind asks for.
+    """The options of `kilter.load` that only some formats use; None for the default.
 
     Attributes
     ----------
     units : {"m", "cm", "mm", "in"} or None
-        Where none are stated.
+        Length unit, for formats that state none.
     contacts : {"file", "geometry"} or None
-        Of COMPAS: whether interfaces are the contacts.
+        COMPAS: whether the interfaces of the file are the contacts.
     keyframe : str or None
-        Of MuJoCo: the name of the pose.
+        MuJoCo: name of the keyframe whose pose is used.
     base : {"fixed", "floating"} or None
-        Of URDF: whether the root is held.
+        URDF: whether the root link is held.
     studs : StudRules or None
-        Of bricks: how their studs and sides hold each other.
+        Bricks: strength of studs, and points at which sides push each other.
     """
 
     units: str | None = None

@@ -1,4 +1,4 @@
-"""Faults that pydantic finds, said as one error: where, what, and what to do."""
+"""Turn the validation errors of pydantic into one `InputError` with place, fault and remedy."""
 
 from __future__ import annotations
 
@@ -15,32 +15,43 @@ if TYPE_CHECKING:
 __all__ = ["complaint"]
 
 _TAGS = re.compile(r"as path|inline|named|constrained-\w+|literal\[.*\]|float|list\[float\]")
-"""Of kinds of mesh and step, of what may be of several kinds: pydantic puts them into places."""
+"""Tags of union types (kinds of mesh, step, number) that pydantic inserts into the place."""
 
 
 def complaint(error: ValidationError, data: dict[str, Any], model: type[BaseModel]) -> InputError:
-    """The first fault, unknown keys before all others, since they explain what is missing."""
+    """The error for the first fault; an unknown key comes first, since it explains missing keys.
+
+    Parameters
+    ----------
+    error : pydantic.ValidationError
+    data : dict
+        Content of the file.
+    model : type of pydantic.BaseModel
+        Model of the whole file; its keys serve to suggest a spelling.
+    """
     faults = error.errors(include_url=False, include_context=True)
     fault = next((f for f in faults if f["type"] == "extra_forbidden"), faults[0])
     place = _untagged(fault)
-    part, shown = _place(place, data)
+    part, shown = _part_and_place(place, data)
     keys = _keys_at(model, place[:-1])
-    what, _ = _said(fault, shown, keys)
-    here = [one for one in faults if _untagged(one) == place]
-    hint = ", or ".join(dict.fromkeys(_said(one, shown, keys)[1] for one in here))
-    more = len({_untagged(one) for one in faults}) - 1
+    what, _ = _fault_and_remedy(fault, shown, keys)
+    # a value of a union type has one fault for each type: each contributes its remedy
+    same_place = [other for other in faults if _untagged(other) == place]
+    remedies = [_fault_and_remedy(other, shown, keys)[1] for other in same_place]
+    hint = ", or ".join(dict.fromkeys(remedies))
+    more = len({_untagged(other) for other in faults}) - 1
     if more:
         what += f" (and {more} more faults)"
     return InputError(what, part=part, hint=hint)
 
 
 def _untagged(fault: Any) -> tuple[Any, ...]:
-    """The place of a fault in the file."""
+    """Keys and indices that lead to a fault in the file, without the tags of union types."""
     return tuple(key for key in fault["loc"] if not _TAGS.fullmatch(str(key)))
 
 
-def _place(place: tuple[Any, ...], data: dict[str, Any]) -> tuple[str | None, str]:
-    """The part by name where it has one, and the rest of the place as it is written."""
+def _part_and_place(place: tuple[Any, ...], data: dict[str, Any]) -> tuple[str | None, str]:
+    """The name of the part, if known, and the rest of the place as text (``pose.position``)."""
     part = None
     if len(place) >= 2 and place[0] == "parts" and isinstance(place[1], int):
         entry = data["parts"][place[1]]
@@ -51,8 +62,8 @@ def _place(place: tuple[Any, ...], data: dict[str, Any]) -> tuple[str | None, st
     return part, text.lstrip(".")
 
 
-def _said(fault: Any, place: str, keys: list[str]) -> tuple[str, str]:
-    """What is wrong and what to do."""
+def _fault_and_remedy(fault: Any, place: str, keys: list[str]) -> tuple[str, str]:
+    """Two phrases for a fault of pydantic: the fault, and the remedy."""
     kind, context, value = fault["type"], fault.get("ctx", {}), fault["input"]
     if kind == "extra_forbidden":
         return _unknown_key(place, keys)
@@ -64,7 +75,7 @@ def _said(fault: Any, place: str, keys: list[str]) -> tuple[str, str]:
     hints = {
         "list_type": "give a list",
         "string_type": "give a text in quotes",
-        "string_too_short": "give a text of some length",
+        "string_too_short": "give a text that is not empty",
         "bool_type": "give true or false",
         "finite_number": "give a finite number",
         "float_type": "give a number",
@@ -80,22 +91,23 @@ def _said(fault: Any, place: str, keys: list[str]) -> tuple[str, str]:
 
 
 def _count(place: str, wanted: Any) -> str:
-    """How many entries a list wants; some lists may have more."""
+    """The required number of entries of a list; "or more" for lists without an upper limit."""
     several = re.search(r"(^parts|(^|\.)(polygon|points|faces\[\d+\]))$", place)
     return f"{wanted} or more" if several else str(wanted)
 
 
 def _unknown_key(place: str, keys: list[str]) -> tuple[str, str]:
+    """Fault and remedy for an unknown key: the nearest known key, or all of them."""
     key = place.rpartition(".")[2]
     near = nearest_name(key, keys)
     if key == "radius" and "curvature" in keys:
-        return f"unknown key {place!r}", "give its curvature, 1 / radius, negative where hollow"
+        return f"unknown key {place!r}", "give its curvature, 1 / radius, negative if hollow"
     hint = f"did you mean {near!r}?" if near else f"known keys are {', '.join(keys)}"
     return f"unknown key {place!r}", hint
 
 
 def _keys_at(model: type[BaseModel], place: tuple[Any, ...]) -> list[str]:
-    """Known keys of the object at a place."""
+    """Known keys of the object at a place in the file."""
     from pydantic import BaseModel
 
     for key in place:
@@ -108,6 +120,7 @@ def _keys_at(model: type[BaseModel], place: tuple[Any, ...]) -> list[str]:
 
 
 def _models_in(annotation: Any, base: type) -> list[Any]:
+    """Subclasses of `base` that a type annotation contains."""
     if isinstance(annotation, type) and issubclass(annotation, base):
         return [annotation]
     inner = getattr(annotation, "__args__", ())
@@ -115,6 +128,7 @@ def _models_in(annotation: Any, base: type) -> list[Any]:
 
 
 def _shown(value: Any) -> str:
+    """A value as text of at most 40 characters; "a list" or "an object" for a compound value."""
     if value is None or isinstance(value, bool | int | float | str):
         text = json.dumps(value, ensure_ascii=False)
         return text if len(text) <= 40 else text[:37] + "..."

@@ -1,9 +1,10 @@
-"""Tolerances of files: what readers take for the same, for rigid, for a known surface.
+"""Tolerances of the file readers.
 
     INTEGRAL < RIGID < SAME_FACE < VOLUME < RECOGNISED = SAME_ANGLE < DEFLECTION
 
-What a surface integrates to is known best; then what files state (placements, equal faces);
-a face is recognised before its triangles, which only lie within DEFLECTION of it.
+Integrals over exact surfaces have the smallest error. Numbers of the file (placements, equal
+faces) come next. Recognised surfaces follow, and triangles, which lie within DEFLECTION of their
+face, have the largest error.
 """
 
 from __future__ import annotations
@@ -29,39 +30,44 @@ __all__ = [
 ]
 
 INTEGRAL = 1e-14
-"""Relative error that OCCT is asked for: it sets the points of its Gauss rules. What comes out is
-right to 1e-10 on rational B-splines (with 1e-9 here: to 2e-7), and to rounding on plain faces."""
+"""Relative error given to the Gauss integration of OCCT [-]; a larger value means fewer points.
+The results are right to 1e-10 on rational B-splines (2e-7 with the value 1e-9), and to rounding on
+planes."""
 RIGID = 1e-9
-"""A placement that changes lengths by less than this fraction of them is taken for rigid."""
+"""Largest relative change of lengths by a placement that counts as rigid [-]."""
 PARALLEL = 1e-9
-"""Axes of the joints of a body that lie on each other within this angle are one [rad]."""
+"""Largest angle between two joint axes of a body that count as the same axis [rad]."""
 SAME_FACE = 1e-7
-"""Faces that meet lie on one surface where its numbers agree to this, in sizes of the solid."""
+"""Largest difference of the numbers of two surfaces that count as the same [sizes of the solid].
+A larger value merges more neighbouring faces."""
 VOLUME = 1e-6
-"""Fraction of the volume that integrals over the faces may be wrong by."""
+"""Relative error allowed for a volume that is integrated over the faces [-]."""
 RECOGNISED = 1e-5
-"""Points of a face may be this far from the surface it is taken for, in sizes of the face."""
+"""Largest distance of the points of a face from a recognised surface [sizes of the face].
+A larger value recognises more faces as planes, cylinders and so on."""
 LOWEST_CORNERS = 1e-4
-"""Corners this fraction of the height above the lowest one are lowest too [-]."""
+"""Corners within this height above the lowest corner bear the assembly [fractions of its height].
+A larger value adds corners."""
 SAME_ANGLE = 1e-5
-"""Faces that leave an edge within this angle lie on each other [rad]."""
+"""Largest angle between two faces at an edge that count as lying on each other [rad]."""
 DEFLECTION = 1e-3
-"""Greatest distance of a triangle from its face, in sizes of the solid."""
+"""Largest distance of a triangle from its face [sizes of the solid]; a larger value gives fewer
+triangles."""
 TURN = 0.2
-"""Angle that OCCT is asked for; neighbouring triangles of a round face turn by half of it [rad]."""
+"""Angular deflection given to OCCT [rad]; neighbouring triangles of a round face turn by half."""
 ALONG = 0.7
-"""Cosine from which on a face of a block may be one side of an interface [-]."""
+"""Least cosine between the normals of a block's face and an interface on it [-]."""
 COARSE = 5e-3
-"""The same where the mesher of OCCT cannot cut a face finely."""
+"""DEFLECTION of a second try, for solids that OCCT cannot triangulate finely [sizes]."""
 COARSE_TURN = 0.5
-"""Its angle [rad]."""
+"""TURN of the second try [rad]."""
 SEWN = 1e-5
-"""Edges of a damaged solid this far apart are sewn together, in sizes of the solid."""
+"""Edges of a damaged solid within this distance are sewn together [sizes of the solid]."""
 HOLLOW = 1e-3
-"""Faces that are closed in thought enclose at least this fraction of their hull."""
+"""Least volume of an open shell after closing its holes, for a solid [fractions of its hull]."""
 CUT_AREA = 1e-9
-"""Triangles fill an outline but for this fraction of its area."""
+"""Area of an outline that its triangles may leave uncovered [fractions of the area]."""
 OFF_GRID = 1e-3
-"""Bricks this fraction of a cell off the grid of the others stand on it [-]."""
+"""Bricks within this offset stand on the grid of the other bricks [cells]."""
 LEEWAY = 2.0
-"""Times the sagitta that triangles may be off, on average, from the faces they stand for."""
+"""Average distance allowed between triangles and their faces [times the sagitta]."""

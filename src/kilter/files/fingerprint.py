@@ -1,4 +1,4 @@
-"""Have the files of an assembly changed? Their times and sizes say."""
+"""Detect changes of the files of an assembly by their times and sizes."""
 
 from __future__ import annotations
 
@@ -9,23 +9,25 @@ from typing import Any
 __all__ = ["Stamp", "fingerprint"]
 
 Stamp = tuple[str, int, int]
-"""Name, time of the last change [ns] and size [bytes] of a file."""
+"""Path, time of the last change [ns] and size [bytes] of a file."""
 
 
 def fingerprint(file: str) -> tuple[Stamp, ...]:
-    """Time and size of an assembly's files: of a folder all in it, of JSON the meshes it names.
+    """Times and sizes of the files of an assembly.
 
-    What is missing is left out: a file that comes back is a change.
+    The files are those in a folder, or a file and the meshes and STEP files that its JSON names.
+    Missing files are left out, so that a file that reappears is a change.
     """
     path = Path(file)
     if path.is_dir():
         files = sorted(p for p in path.iterdir() if p.is_file())
     else:
         files = [path, *_named_in(path)]
-    return tuple(stamp for one in files if (stamp := _stamp(one)) is not None)
+    return tuple(stamp for name in files if (stamp := _stamp(name)) is not None)
 
 
 def _stamp(path: Path) -> Stamp | None:
+    """Path, time and size of a file; None if it is missing."""
     try:
         state = path.stat()
     except OSError:
@@ -39,7 +41,7 @@ def _named_in(path: Path) -> list[Path]:
         return []
     try:
         data: Any = json.loads(path.read_text(encoding="utf-8-sig"))
-    except (OSError, ValueError, RecursionError):  # missing, half written, or nested to break it
+    except (OSError, ValueError, RecursionError):  # missing, half written, or nested too deeply
         return []
     parts = data.get("parts") if isinstance(data, dict) else None
     listed = [part for part in parts if isinstance(part, dict)] if isinstance(parts, list) else []

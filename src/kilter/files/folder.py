@@ -1,8 +1,8 @@
-"""A folder of mesh and STEP files, one part a file.
+"""Read a folder of mesh and STEP files, one part per file.
 
-A part has the name of its file; a file of several objects gives ``<file>/<object>``. Files
-come in the order in which people count (2 before 10). What is neither is passed over and named
-in a note.
+A part has the name of its file; the objects of a file with several are named
+``<file>/<object>``. Files are sorted by the numbers in their names (2 before 10). Files of other
+types are ignored and listed in a note.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ __all__ = ["load_folder"]
 
 
 def load_folder(path: Path, *, units: str | None = None) -> Assembly:
-    """An assembly of the mesh and STEP files of a folder; folders within it are not entered.
+    """Read the mesh and STEP files of a folder as an assembly; subfolders are ignored.
 
     Raises
     ------
     InputError
-        If the folder cannot be read or holds no such file, or a file is damaged.
+        If the folder cannot be read, has no mesh or STEP file, or a file is damaged.
     """
     try:
         entries = sorted(path.iterdir(), key=lambda entry: natural_key(entry.name))
@@ -35,26 +35,27 @@ def load_folder(path: Path, *, units: str | None = None) -> Assembly:
         raise InputError(
             f"cannot be read: {error.strerror or error}",
             file=str(path),
-            hint="check the path and its rights",
+            hint="check the path and the permissions",
         ) from None
     entries = [entry for entry in entries if not entry.name.startswith(".")]
     chosen = [e for e in entries if e.suffix.lower() in FORMATS and not e.is_dir()]
     if not chosen:
         raise InputError(
-            "no mesh or STEP file in the folder", file=str(path), hint=_instead(entries)
+            "no mesh or STEP file in the folder", file=str(path), hint=_remedy(entries)
         )
     solids = [read_bodies(entry) for entry in chosen]
     target = _units(path, chosen, solids, units)
     notes = _ignored([entry for entry in entries if entry not in chosen])
-    for entry, found in zip(chosen, solids, strict=True):
-        notes += [f"{entry.name}: {note}" for note in found.notes]
-        notes += _several_bodies(entry, found)
+    for entry, bodies in zip(chosen, solids, strict=True):
+        notes += [f"{entry.name}: {note}" for note in bodies.notes]
+        notes += _several_bodies(entry, bodies)
     return Assembly(
         _parts(path, chosen, solids, target), units=target, source=str(path), notes=notes
     )
 
 
-def _instead(entries: Sequence[Path]) -> str:
+def _remedy(entries: Sequence[Path]) -> str:
+    """Advice for a folder without mesh files: give its JSON file, or add meshes."""
     files = [e.name for e in entries if e.name.lower().endswith(".json")]
     if files:
         return f"give the file itself: {files[0]!r}"
@@ -62,13 +63,14 @@ def _instead(entries: Sequence[Path]) -> str:
 
 
 def _parts(path: Path, files: list[Path], solids: list[FileBodies], target: str) -> list[Part]:
+    """The parts of all files, with lengths in the units `target`."""
     stems = distinct([file.stem for file in files])
     parts = []
-    for file, stem, found in zip(files, stems, solids, strict=True):
-        several = len(found.names) > 1
-        names = [f"{stem}/{name}" for name in filled(found.names, stem)] if several else [stem]
+    for file, stem, bodies in zip(files, stems, solids, strict=True):
+        several = len(bodies.names) > 1
+        names = [f"{stem}/{name}" for name in filled(bodies.names, stem)] if several else [stem]
         try:
-            for name, (shape, pose) in zip(names, found.in_units(target), strict=True):
+            for name, (shape, pose) in zip(names, bodies.in_units(target), strict=True):
                 parts.append(Part(name, shape, pose))
         except InputError as error:
             raise error.located(file=str(file)) from None
@@ -76,11 +78,14 @@ def _parts(path: Path, files: list[Path], solids: list[FileBodies], target: str)
 
 
 def _units(path: Path, files: list[Path], solids: list[FileBodies], units: str | None) -> str:
-    """The units asked for, else those that the files state."""
-    stated = sorted({found.units for found in solids if found.units})
+    """The length unit of the assembly: the given unit, else the unit that the files state, else m.
+
+    If the files state several units, metres serve as the common unit.
+    """
+    stated = sorted({bodies.units for bodies in solids if bodies.units})
     if units:
         return units
-    silent = [file.name for file, found in zip(files, solids, strict=True) if not found.units]
+    silent = [file.name for file, bodies in zip(files, solids, strict=True) if not bodies.units]
     if len(stated) > 1 and silent:
         raise InputError(
             f"files are in {' and '.join(stated)}, {silent[0]!r} states no units",
@@ -92,16 +97,18 @@ def _units(path: Path, files: list[Path], solids: list[FileBodies], units: str |
 
 
 def _ignored(entries: Sequence[Path], limit: int = 8) -> list[str]:
+    """A note that lists files of other types, at most `limit` by name."""
     if not entries:
         return []
     shown = ", ".join(repr(entry.name) for entry in entries[:limit])
     more = f" and {len(entries) - limit} more" if len(entries) > limit else ""
-    return [f"passed over, no mesh or STEP files: {shown}{more}"]
+    return [f"ignored, not mesh or STEP files: {shown}{more}"]
 
 
-def _several_bodies(file: Path, found: FileBodies) -> list[str]:
-    alone = found.shapes[0]
-    if found.names != (None,) or not isinstance(alone, Mesh):
+def _several_bodies(file: Path, bodies: FileBodies) -> list[str]:
+    """A note if a file without names holds several separate bodies."""
+    only = bodies.shapes[0]
+    if bodies.names != (None,) or not isinstance(only, Mesh):
         return []
-    count = len(split_bodies(alone))
-    return [f"{file.name}: {count} separate bodies, taken as one part"] if count > 1 else []
+    count = len(split_bodies(only))
+    return [f"{file.name}: {count} separate bodies, read as one part"] if count > 1 else []

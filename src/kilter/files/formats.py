@@ -1,11 +1,11 @@
-"""The formats of files that hold bodies, and what each is read by.
+"""File formats that hold bodies, with the reader of each.
 
     a new format:  a function from a path to `FileBodies`, and its ending in `FORMATS`
 
-Objects keep their names; those without take the name of the file, and instances of one
-object are numbered (``bolt``, ``bolt_2``). A mesh file that names nothing and holds several
-bodies is taken apart into them. STL and OBJ state no unit; GLB is in metres by its standard
-(y stays up); 3MF and STEP state theirs.
+Objects keep their names. An object without a name is named after the file, and instances of the
+same object are numbered (``bolt``, ``bolt_2``). A mesh file without names is split into its
+separate bodies. STL and OBJ state no unit; GLB is in metres by its standard (y stays up); 3MF and
+STEP state their unit.
 """
 
 from __future__ import annotations
@@ -38,31 +38,36 @@ __all__ = [
     "read_bodies",
 ]
 
-_Named = list[tuple[str | None, Mesh]]
+_Objects = list[tuple[str | None, Mesh]]
 
 
-def _bodies(found: _Named, notes: list[str], units: str | None = None) -> FileBodies:
-    names, meshes = tuple(name for name, _ in found), tuple(mesh for _, mesh in found)
+def _bodies(objects: _Objects, notes: list[str], units: str | None = None) -> FileBodies:
+    """Named meshes as `FileBodies`."""
+    names, meshes = tuple(name for name, _ in objects), tuple(mesh for _, mesh in objects)
     return FileBodies(names, meshes, units=units, notes=tuple(notes))
 
 
 def _obj(path: Path) -> FileBodies:
+    """Read an OBJ file."""
     return _bodies(read_obj(read_bytes(path)), [])
 
 
 def _stl(path: Path) -> FileBodies:
+    """Read an STL file."""
     return _bodies(*read_stl(read_bytes(path)))
 
 
 def _glb(path: Path) -> FileBodies:
-    found, notes = read_glb(read_bytes(path))
-    names, meshes = tuple(name for name, _ in found), tuple(mesh for _, mesh in found)
+    """Read a GLB file; its unit is that of the standard."""
+    objects, notes = read_glb(read_bytes(path))
+    names, meshes = tuple(name for name, _ in objects), tuple(mesh for _, mesh in objects)
     return FileBodies(names, meshes, units="m", by_standard=True, notes=tuple(notes))
 
 
 def _3mf(path: Path) -> FileBodies:
-    found, units = read_3mf(read_bytes(path))
-    return _bodies(found, [], units)
+    """Read a 3MF file."""
+    objects, units = read_3mf(read_bytes(path))
+    return _bodies(objects, [], units)
 
 
 FORMATS: dict[str, Callable[[Path], FileBodies]] = {
@@ -73,11 +78,11 @@ FORMATS: dict[str, Callable[[Path], FileBodies]] = {
     ".step": read_step,
     ".stp": read_step,
 }
-"""What reads files of each ending, lower case."""
+"""Reader of each file ending (lower case)."""
 EXACT = (".step", ".stp")
-"""Endings of files whose faces are exact: what a part's `step` may name."""
+"""Endings of files with exact faces; the key `step` of a part accepts these."""
 MESHES = tuple(ending for ending in FORMATS if ending not in EXACT)
-"""Endings of mesh files: what a part's `mesh` may name."""
+"""Endings of mesh files; the key `mesh` of a part accepts these."""
 
 
 def read_bodies(
@@ -86,14 +91,15 @@ def read_bodies(
     without: Sequence[str] = (),
     progress: Callable[[str], None] | None = None,
 ) -> FileBodies:
-    """The bodies of a file, in the file's own unit.
+    """Read the bodies of a file, in the file's own unit.
 
     Parameters
     ----------
+    path : Path
     without : sequence of str
-        Names, or globs, of bodies that need not be read where that saves work (STEP).
+        Names, or globs, of bodies that are left out; only the STEP reader leaves them out here.
     progress : callable, optional
-        Called with a word at each stage (STEP).
+        Called with a word at each stage (STEP only).
 
     Raises
     ------
@@ -103,12 +109,12 @@ def read_bodies(
     try:
         suffix = path.suffix.lower()
         if suffix in EXACT:
-            found = read_step(path, without=without, progress=progress)
+            bodies = read_step(path, without=without, progress=progress)
         else:
-            found = FORMATS[suffix](path)
-        if not found.left_out and not any(len(shape.triangles) for shape in found.shapes):
+            bodies = FORMATS[suffix](path)
+        if not bodies.left_out and not any(len(shape.triangles) for shape in bodies.shapes):
             raise InputError("no faces", hint="export solids, as triangles or polygons")
-        return found
+        return bodies
     except InputError as error:
         raise error.located(file=str(path)) from None
 
@@ -120,42 +126,51 @@ def load_bodies(
     without: Sequence[str] = (),
     progress: Callable[[str], None] | None = None,
 ) -> tuple[Assembly, tuple[str, ...]]:
-    """An assembly of the bodies of one file, and the names of those left out already.
+    """Read the bodies of one file as an assembly.
 
-    `without`, `progress`: as of `read_bodies`.
+    `without` and `progress` are those of `read_bodies`.
+
+    Returns
+    -------
+    assembly : Assembly
+    left_out : tuple of str
+        Names of the bodies that the reader has left out.
 
     Raises
     ------
     InputError
-        As `read_bodies`; and if `units` differ from those that the file states.
+        As `read_bodies`; also if `units` differ from the units that the file states.
     """
-    found = read_bodies(path, without=without, progress=progress)
+    bodies = read_bodies(path, without=without, progress=progress)
     try:
-        return assembly_of(found, units=units, stem=path.stem, source=str(path)), found.left_out
+        return assembly_of(bodies, units=units, stem=path.stem, source=str(path)), bodies.left_out
     except InputError as error:
         raise error.located(file=str(path)) from None
 
 
 def assembly_of(
-    found: FileBodies, *, units: str | None = None, stem: str = "part", source: str = ""
+    bodies: FileBodies, *, units: str | None = None, stem: str = "part", source: str = ""
 ) -> Assembly:
-    """An assembly of bodies; those without a name are named by the stem, one that is several cut.
+    """An assembly of bodies.
+
+    A body without a name is named after `stem`. A single mesh without a name is split into its
+    separate bodies.
 
     Raises
     ------
     InputError
-        If none is left, or `units` differ from those that are stated.
+        If there is no body, or `units` differ from the units that are stated.
     """
-    if not found.shapes:
-        raise InputError("no part is left", hint="leave fewer parts out")
-    notes = list(found.notes)
+    if not bodies.shapes:
+        raise InputError("all parts are left out", hint="leave fewer parts out")
+    notes = list(bodies.notes)
     what = "the file" if source else "the object"
-    agreed = agreed_units(found.units, units, notes if found.by_standard else None, what=what)
-    alone = found.shapes[0]
-    if found.names == (None,) and isinstance(alone, Mesh):
-        apart = tuple(split_bodies(alone))
-        found = replace(found, names=(None,) * len(apart), shapes=apart)
-    rows = zip(filled(found.names, stem), found.shapes, found.places, strict=True)
+    agreed = agreed_units(bodies.units, units, notes if bodies.by_standard else None, what=what)
+    only = bodies.shapes[0]
+    if bodies.names == (None,) and isinstance(only, Mesh):
+        pieces = tuple(split_bodies(only))
+        bodies = replace(bodies, names=(None,) * len(pieces), shapes=pieces)
+    rows = zip(filled(bodies.names, stem), bodies.shapes, bodies.places, strict=True)
     parts = [Part(name, shape, pose) for name, shape, pose in rows]
     return Assembly(parts, units=agreed, source=source, notes=notes)
 
@@ -167,22 +182,33 @@ def agreed_units(
     *,
     what: str = "the object",
 ) -> str:
-    """The units to read in: those that are stated, else those asked for, else metres.
+    """The unit of lengths: the stated unit, else the given unit, else metres.
 
-    Of a format that is in its units by its standard others may be asked for: `notes` says so.
+    Parameters
+    ----------
+    stated : str or None
+        Unit that the file or the standard of its format states.
+    asked : str or None
+        Unit that the user gives.
+    notes : list of str, optional
+        Given if the unit is only that of the standard: the user's unit then wins, and a note is
+        appended.
+    what : str
+        Noun for the message.
 
     Raises
     ------
     InputError
-        If they differ.
+        If both units are given, differ, and `notes` is None.
     """
     if asked is not None:
         metres_per_unit(asked)
     if stated and asked and stated != asked:
         if notes is None:
             raise InputError(
-                f"{what} is in {stated}, {asked} were asked for", hint="leave the units out"
+                f"{what} is in {stated}, but the units given are {asked}",
+                hint="leave the units out",
             )
-        notes.append(f"this format is in {stated} by its standard; read as {asked} as asked")
+        notes.append(f"the units of this format are {stated}; the given units {asked} are used")
         return asked
     return stated or asked or "m"

@@ -1,12 +1,12 @@
-"""What a file may ask for: memory, time and places of reading are bounded, and the bound is said.
+"""Bounds on the memory, time and paths that a file may demand; the error states the bound.
 
-    bytes        of a file, and of what a zip in it unfolds to, `MOST_BYTES`
-    fold         bytes out of a zip over bytes in it, `MOST_FOLD` (above 16 MB)
-    entries      tags and attributes of an XML, `MOST_ENTRIES`: 0.1 kB of memory for each
-    triangles    of all bodies, each as often as it stands somewhere, `MOST_TRIANGLES`
+    bytes        size of a file, and of the contents of a zip in it, `MOST_BYTES`
+    fold         size of the contents of a zip / size of the zip, `MOST_FOLD` (above 16 MB)
+    entries      tags and attributes of an XML text, `MOST_ENTRIES`: 0.1 kB of memory for each
+    triangles    triangles of all bodies, counted once for each instance, `MOST_TRIANGLES`
 
-A few bytes can name one mesh a million times, so triangles are counted while they are placed. A
-file that is named in another is a plain one, in the folder of that one.
+A few bytes can place a mesh a million times, so triangles are counted while they are placed. A
+file that another file names must be a regular file in the folder of that file, or below.
 """
 
 from __future__ import annotations
@@ -29,19 +29,26 @@ __all__ = [
 ]
 
 MOST_BYTES = 1_000_000_000
-"""Bytes of one file."""
+"""Largest size of a file that is read [bytes]."""
 MOST_FOLD = 200
-"""Bytes that come out of a zip for each that is in it: XML of meshes has 5 to 40."""
+"""Largest ratio of unpacked to packed size of a zip [-]: XML of meshes has 5 to 40."""
 SMALL = 16_000_000
-"""Bytes that may come out of any zip."""
+"""Unpacked size that is allowed for every zip, whatever its ratio [bytes]."""
 MOST_ENTRIES = 24_000_000
-"""Tags and attributes of an XML text: six million corners and triangles."""
+"""Largest number of tags and attributes of an XML text: six million corners and triangles."""
 MOST_TRIANGLES = 10_000_000
-"""Triangles of all bodies of a file; what is asked of them takes a kilobyte for each."""
+"""Largest number of triangles of all bodies of a file; the analysis needs a kilobyte for each."""
 
 
 class Tally:
-    """A count that stops where it is beyond a bound.
+    """A count that raises an error beyond a bound.
+
+    Parameters
+    ----------
+    what : str
+        Plural noun of the counted things, for the message.
+    most : int
+        Largest count that is allowed.
 
     Examples
     --------
@@ -50,7 +57,7 @@ class Tally:
     >>> corners.add(7)
     Traceback (most recent call last):
     ...
-    kilter.errors.InputError: it asks for more than 10 corners; make it coarser, or ...
+    kilter.errors.InputError: the file has more than 10 corners; make it coarser, or ...
     """
 
     def __init__(self, what: str = "triangles", most: int = MOST_TRIANGLES) -> None:
@@ -59,70 +66,73 @@ class Tally:
         self.count = 0
 
     def add(self, count: int) -> None:
-        """Count so many more.
+        """Add `count` to the count.
 
         Raises
         ------
         InputError
-            If they are too many.
+            If the count is then above the bound.
         """
         self.count += count
         if self.count > self.most:
             raise InputError(
-                f"it asks for more than {self.most:,} {self.what}",
+                f"the file has more than {self.most:,} {self.what}",
                 hint="make it coarser, or read it in pieces",
             )
 
 
 def require_unfolded(size: int, held: int) -> None:
-    """Refuse a zip of `held` bytes from which `size` bytes would come.
+    """Verify that a zip of `held` bytes may unpack to `size` bytes.
 
     Raises
     ------
     InputError
-        If that is too much.
+        If the unpacked size is above the bound.
     """
     most = min(max(SMALL, MOST_FOLD * held), MOST_BYTES)
     if size > most:
         raise InputError(
-            f"{size / 1e6:,.0f} MB would come out of a zip of {held / 1e6:,.1f} MB, up to "
-            f"{most / 1e6:,.0f} MB are read",
-            hint="a file of such a ratio is damaged or made to do harm",
+            f"a zip of {held / 1e6:,.1f} MB unpacks to {size / 1e6:,.0f} MB; the limit is "
+            f"{most / 1e6:,.0f} MB",
+            hint="the file is damaged or malicious: export it anew",
         )
 
 
 def require_few_entries(text: bytes) -> None:
-    """Refuse an XML text of more tags and attributes than are read, or with a DTD.
+    """Verify that an XML text has at most `MOST_ENTRIES` tags and attributes, and no DTD.
 
     Raises
     ------
     InputError
-        If it is one.
+        If it has more, or a DTD.
     """
     if b"<!DOCTYPE" in text[:100_000]:
         raise InputError(
-            "its XML defines entities (<!DOCTYPE)", hint="take the definition of a document out"
+            "its XML has a document type definition (<!DOCTYPE)", hint="remove the definition"
         )
     count = text.count(b"<") + text.count(b"=")
     if count > MOST_ENTRIES:
         raise InputError(
-            f"its XML has {count:,} tags and attributes, up to {MOST_ENTRIES:,} are read",
+            f"its XML has {count:,} tags and attributes; the limit is {MOST_ENTRIES:,}",
             hint="make its meshes coarser, or write them as STL",
         )
 
 
 def named_path(folder: Path, name: str, top: Path | None = None) -> Path:
-    """The path of a file that another file names, which stands in `folder`.
+    """The path of a file that another file names.
 
     Parameters
     ----------
+    folder : Path
+        Folder of the naming file; `name` is relative to it.
+    name : str
     top : Path, optional
-        The folder that it may not leave, links followed; `folder` where not given.
+        Folder that the path may not leave, after following links; default `folder`.
 
     Raises
     ------
     InputError
-        If the path leads out, or to what is no plain file: a device, a pipe.
+        If the path leads out of `top`, or to a device or a pipe instead of a regular file.
     """
     path = folder / name
     try:
@@ -130,13 +140,13 @@ def named_path(folder: Path, name: str, top: Path | None = None) -> Path:
             os.path.join(os.path.realpath(top or folder), "")
         )
         kind = path.stat().st_mode if inside and path.exists() else stat.S_IFREG
-    except (OSError, ValueError):  # what is wrong with it is said when it is read
+    except (OSError, ValueError):  # reading the file will report the fault
         return path
     if not inside:
         raise InputError(
             f"{name!r:.80} leads out of the folder of the file",
-            hint="put the file that is named beside it, or in a folder below",
+            hint="put the named file beside it, or into a folder below",
         )
     if not stat.S_ISREG(kind):
-        raise InputError(f"{name!r:.80} is no plain file", hint="name a file")
+        raise InputError(f"{name!r:.80} is not a regular file", hint="name a file")
     return path

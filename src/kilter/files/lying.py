@@ -1,8 +1,8 @@
-"""How a file lies: a word where an axis other than z seems to point up.
+"""Detect a file in which an axis other than z points up.
 
-Along an axis the whole would stand, as one rigid body, if its centre of mass were above the
-polygon of its lowest corners: seen from the centre, no two neighbours of them are half a turn
-apart. A file that cannot stand along z, and can along another axis, was made with that one up.
+An assembly stands with an axis up if, as one rigid body, its centre of mass is above the support
+polygon of its lowest corners: seen from the centre, neighbouring corners are less than half a turn
+apart. A file that does not stand with z up, but does with another axis up, was made for that axis.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ UP: dict[str, tuple[float, float, float]] = {
     "-y": (0.0, -1.0, 0.0),
     "-z": (0.0, 0.0, -1.0),
 }
-"""Directions by the names that `up` may have."""
+"""Unit vector of each value of the option `up`."""
 USUAL = ("y", "x", "-z", "-y", "-x")
-"""What may point up where z does not, the usual first."""
+"""Values of `up` other than z in the order in which they are tried, the most usual first."""
 
 
 def note_on_up(assembly: Assembly) -> list[str]:
-    """A note where the assembly stands along another axis and not along z; else none.
+    """A note if the assembly stands with another axis up, but not with z; else no note.
 
     Examples
     --------
@@ -38,27 +38,35 @@ def note_on_up(assembly: Assembly) -> list[str]:
     >>> from kilter.shape.primitives import Prism
     >>> tip = Part("tip", Prism([[0, 0], [2, -2], [2, 2]], 1))
     >>> note_on_up(Assembly([tip]))[0][:58]
-    'nothing stands under its centre of mass with z up, but wit'
+    'with z up the centre of mass is outside the support polygo'
     """
     try:
         geometry = assembly.geometry
     except InputError:
-        return []  # said where the geometry is asked for
+        return []  # the check of the geometry will report the fault
     middle = geometry.mass @ geometry.center / geometry.mass.sum()
     corners = geometry.vertices - middle
     if _stands(corners, "z"):
         return []
-    found = next((axis for axis in USUAL if _stands(corners, axis)), None)
-    if found is None:
+    better = next((axis for axis in USUAL if _stands(corners, axis)), None)
+    if better is None:
         return []
     return [
-        f"nothing stands under its centre of mass with z up, but with {found} up it does: "
-        f"if the file is made so, give --up {found} (in Python up={found!r})"
+        f"with z up the centre of mass is outside the support polygon, with {better} up inside: "
+        f"if {better} points up in the file, give --up {better} (in Python up={better!r})"
     ]
 
 
 def _stands(corners: Array, up: str) -> bool:
-    """Corners from the centre of mass, shape (n, 3): is it above the lowest of them?"""
+    """Whether the centre of mass is above the support polygon of the lowest corners.
+
+    Parameters
+    ----------
+    corners : ndarray, shape (n, 3)
+        Positions relative to the centre of mass.
+    up : str
+        Key of `UP`.
+    """
     axis = int(np.abs(UP[up]).argmax())
     heights = corners @ np.array(UP[up])
     lowest = heights <= heights.min() + LOWEST_CORNERS * float(np.ptp(heights))

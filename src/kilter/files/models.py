@@ -1,7 +1,8 @@
-"""The kilter file as pydantic models: what may stand in it, and its published schema.
+"""Pydantic models of the kilter file: its keys, their types, and the published schema.
 
-Imported only when a file is read, since pydantic takes its time. What several entries say
-together (names that exist, polygons that do not cross) is asked by the values themselves.
+The module is imported only when a file is read, since importing pydantic is slow. Conditions on
+several entries together (names that exist, polygons that do not cross) are verified by the
+values that are built from them.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
 __all__ = ["AssemblyFile", "PartEntry", "build_schema"]
 
 SHAPES = ("mesh", "box", "cylinder", "sphere", "polygon", "step", "solid")
-"""Keys of which a part has exactly one."""
+"""Keys for the shape of a part; a part has exactly one of them."""
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
@@ -30,11 +31,13 @@ Pair = Annotated[list[Name], Field(min_length=2, max_length=2)]
 
 
 class _Entry(BaseModel):
+    """An object of the file; unknown keys are errors."""
+
     model_config = ConfigDict(extra="forbid")
 
 
 class PoseEntry(_Entry):
-    """From the part's frame to the world."""
+    """The pose of a part: the transform from its own frame to the world frame."""
 
     position: Vector = Field([0.0, 0.0, 0.0], description="[length unit]")
     rotation: Quaternion = Field([1.0, 0.0, 0.0, 0.0], description="quaternion w x y z")
@@ -46,49 +49,68 @@ class MeshEntry(_Entry):
     vertices: list[Vector]
     faces: list[Annotated[list[Whole], Field(min_length=3)]]
     accuracy: NotNegative | None = Field(
-        None, description="how far a coordinate may be from the truth [length unit]"
+        None, description="largest error of a coordinate [length unit]"
     )
 
 
 class StepEntry(_Entry):
     """One solid of a STEP file."""
 
-    path: Name = Field(description="relative to the file")
-    name: Name | None = Field(None, description="as `kilter contacts` names it; of several solids")
+    path: Name = Field(description="path of the STEP file, relative to this file")
+    name: Name | None = Field(
+        None,
+        description="name of the solid, as `kilter contacts` prints it; needed if the file has "
+        "several solids",
+    )
 
 
 class SurfaceEntry(_Entry):
     """The exact surface of a face; lengths in the length unit, angles in rad."""
 
     kind: Literal["plane", "cylinder", "cone", "sphere", "torus"]
-    point: Vector = Field(description="on the plane or axis; apex of a cone; else the centre")
-    axis: Vector = Field([0.0, 0.0, 1.0], description="a plane's outward normal; into the cone")
-    radius: NotNegative = Field(0.0, description="of a torus: of its centre line")
-    tube: NotNegative = 0.0
-    half_angle: NotNegative = 0.0
-    hollow: Flag = Field(False, description="the material lies outside: a hole")
+    point: Vector = Field(
+        description="point on a plane or on the axis of a cylinder; apex of a cone; centre of a "
+        "sphere or torus"
+    )
+    axis: Vector = Field(
+        [0.0, 0.0, 1.0],
+        description="outward normal of a plane; axis of a cylinder or torus; direction from the "
+        "apex into a cone",
+    )
+    radius: NotNegative = Field(
+        0.0, description="radius of a cylinder or sphere, or of the centre line of a torus"
+    )
+    tube: NotNegative = Field(0.0, description="radius of the tube of a torus")
+    half_angle: NotNegative = Field(0.0, description="angle of a cone from its axis [rad]")
+    hollow: Flag = Field(
+        False, description="true: the material is outside of the surface, as around a hole"
+    )
 
 
 class SolidEntry(_Entry):
-    """A solid with exact faces, as a STEP file gives it."""
+    """A solid with exact faces, as read from a STEP file."""
 
     vertices: list[Vector]
     triangles: list[Annotated[list[Whole], Field(min_length=3, max_length=3)]]
     surfaces: list[SurfaceEntry]
-    triangle_surface: list[Whole] = Field(description="-1: on none of the surfaces")
+    triangle_surface: list[Whole] = Field(
+        description="index of the surface of each triangle; -1: no listed surface"
+    )
     volume: Positive
     centroid: Vector
     second_moment: Annotated[list[Vector], Field(min_length=3, max_length=3)] = Field(
-        description="integral of x x^T about the centroid"
+        description="integral of x x^T over the volume, x from the centroid"
     )
-    sagitta: NotNegative = Field(0.0, description="greatest distance of a triangle from its face")
-    accuracy: NotNegative = Field(0.0, description="of a coordinate [length unit]")
+    sagitta: NotNegative = Field(0.0, description="largest distance of a triangle from its face")
+    accuracy: NotNegative = Field(0.0, description="largest error of a coordinate [length unit]")
     holes: list[Annotated[list[Vector], Field(min_length=2, max_length=2)]] = Field(
-        [], description="boxes in which faces are missing: lower and upper corner"
+        [], description="boxes in which faces are missing: lower and upper corner of each"
     )
-    stand_in: Flag = Field(False, description="the triangles bound it, its faces are not known")
+    stand_in: Flag = Field(
+        False, description="true: the triangles bound the solid, but its exact faces are unknown"
+    )
     uncertainty: NotNegative = Field(
-        0.0, description="how far points may be off, as the file it came from states"
+        0.0, description="largest error of a point, as the STEP file states [length unit]"
     )
 
 
@@ -106,20 +128,22 @@ class SphereEntry(_Entry):
 
 
 class BrickEntry(_Entry):
-    """What a box is as a toy brick: it is drawn with studs, in its colour."""
+    """A box as a toy brick, which is drawn with studs and in its colour."""
 
     cells: Annotated[list[Whole], Field(min_length=2, max_length=2)] = Field(
-        description="studs along x and along y"
+        description="number of studs along x and along y"
     )
-    plates: Whole = Field(3, description="height in plates: 3 of a brick")
-    color: Whole | None = Field(None, description="code of LDraw's colours")
+    plates: Whole = Field(3, description="height in plates; a brick has 3")
+    color: Whole | None = Field(None, description="LDraw colour code")
 
 
 def _mesh_kind(value: Any) -> str:
+    """Tag of the value of `mesh`, for the discriminator."""
     return "as path" if isinstance(value, str) else "inline"
 
 
 def _step_kind(value: Any) -> str:
+    """Tag of the value of `step`, for the discriminator."""
     return "as path" if isinstance(value, str) else "named"
 
 
@@ -142,7 +166,7 @@ class PartEntry(_Entry):
     cylinder: CylinderEntry | None = None
     sphere: SphereEntry | None = None
     polygon: Annotated[list[PlanePoint], Field(min_length=3)] | None = Field(
-        None, description="corners in x-z, in order around it"
+        None, description="corners in the x-z plane, in order around the polygon"
     )
     depth: Positive | None = Field(None, description="length of the polygon's prism along y")
     step: (
@@ -154,15 +178,15 @@ class PartEntry(_Entry):
     ) = Field(None, description="a STEP file of one solid, or a file and the name of the solid")
     solid: SolidEntry | None = None
     pose: PoseEntry | None = None
-    grounded: Flag = Field(False, description="held: it does not move")
-    density: Positive | None = Field(None, description="[kg/m^3]; 1000 where no mass is given")
+    grounded: Flag = Field(False, description="true: the part is held, it cannot move")
+    density: Positive | None = Field(None, description="[kg/m^3]; default 1000 if no mass is given")
     mass: Positive | None = Field(None, description="[kg]")
     center_of_mass: Vector | None = Field(None, description="in the part's own frame")
     brick: BrickEntry | None = None
 
     @staticmethod
     def shapes() -> tuple[str, ...]:
-        """Keys of which a part has exactly one."""
+        """Keys for the shape of a part; a part has exactly one of them."""
         return SHAPES
 
 
@@ -177,36 +201,43 @@ class LoadEntry(_Entry):
     """A force [N] and a torque [N x length unit] on a part, fixed in the world."""
 
     part: Name
-    point: Vector | None = Field(None, description="the part's centre of mass where absent")
+    point: Vector | None = Field(
+        None, description="point of attack, world frame; default the part's centre of mass"
+    )
     force: Vector = [0.0, 0.0, 0.0]
     torque: Vector = [0.0, 0.0, 0.0]
 
 
 class FeatureEntry(_Entry):
-    """What touches of one part; curvatures positive where it is convex [1/length unit]."""
+    """The face, edge or vertex of a part at a contact.
 
-    kind: Literal["face", "edge", "vertex"] = Field(description="a rim is an edge")
+    Curvatures are positive on the convex side [1/length unit].
+    """
+
+    kind: Literal["face", "edge", "vertex"] = Field(description="a circular rim is an edge")
     along: Vector | None = Field(
-        None, description="tangent of an edge; of a face, a principal direction"
+        None, description="tangent of an edge; a principal direction of a face"
     )
     curvature: Number | Curvatures = Field(
-        0.0, description="of an edge along it; of a face, along `along` and across it"
+        0.0, description="curvature of an edge; or of a face, along `along` and across it"
     )
-    point: Vector | None = Field(None, description="on `axis`")
+    point: Vector | None = Field(None, description="point on `axis`")
     axis: Vector | None = Field(
-        None, description="what the face or rim is of revolution about, through `point`"
+        None, description="axis of revolution of the face or rim, through `point`"
     )
 
 
 class ContactEntry(_Entry):
-    """Contact points of two parts, used instead of detection for that pair."""
+    """Contact points of two parts; they replace detection for that pair."""
 
     parts: Pair
     points: Annotated[list[Vector], Field(min_length=1)]
     normal: Vector = Field(description="from the first part to the second")
     mu: NotNegative | None = None
     feature: Annotated[list[FeatureEntry], Field(min_length=2, max_length=2)] | None = Field(
-        None, description="of the first part and of the second; without it second order is open"
+        None,
+        description="features of the first and of the second part; without them the second-order "
+        "test is undecided",
     )
 
 
@@ -216,24 +247,25 @@ class JointEntry(_Entry):
     parts: Pair
     kind: Literal["fixed", "revolute", "prismatic", "cylindrical", "spherical"]
     point: Vector | None = Field(
-        None, description="needed for revolute, cylindrical (on the axis) and spherical"
+        None, description="needed for revolute and cylindrical (on the axis), and for spherical"
     )
-    axis: Vector | None = Field(None, description="needed for revolute, prismatic, cylindrical")
+    axis: Vector | None = Field(None, description="needed for revolute, prismatic and cylindrical")
 
 
 class BondEntry(_Entry):
-    """A connection of two parts that takes pull up to a limit: glue, a stud, a magnet."""
+    """A connection of two parts that resists pull up to a limit: glue, a stud, a magnet."""
 
     parts: Pair
-    pull: NotNegative | None = Field(None, description="at each point [N]")
+    pull: NotNegative | None = Field(None, description="largest pull at each point [N]")
     pull_per_area: NotNegative | None = Field(
-        None, description="in place of pull [N per square of the length unit]"
+        None, description="instead of pull [N per square of the length unit]"
     )
     shear: NotNegative | Literal["mu"] | None = Field(
-        None, description="at each point [N], or by friction; any force where absent"
+        None,
+        description='largest sideways force at each point [N]; "mu": by friction; default no limit',
     )
     points: Annotated[list[Vector], Field(min_length=1)] | None = Field(
-        None, description="all contact points of the pair where absent"
+        None, description="default all contact points of the pair"
     )
     normal: Vector | None = Field(
         None, description="from the first part to the second; needed with points"
@@ -242,26 +274,28 @@ class BondEntry(_Entry):
 
 
 class AssemblyFile(_Entry):
-    """An assembly of rigid parts: what they are, where, which are held, what pulls on them."""
+    """An assembly of rigid parts: shapes, poses, held parts, contacts, joints, bonds and loads."""
 
     model_config = ConfigDict(extra="forbid", title="kilter assembly")
 
     kilter: Literal[1]
     units: Literal["m", "cm", "mm", "in"] = Field("m", description="unit of every length")
     gravity: Vector = Field([0.0, 0.0, -9.81], description="[m/s^2]")
-    friction: NotNegative = Field(0.0, description="where a contact has no coefficient of its own")
+    friction: NotNegative = Field(
+        0.0, description="friction coefficient of contacts without a coefficient of their own"
+    )
     parts: Annotated[list[PartEntry], Field(min_length=1)]
     friction_pairs: list[FrictionPairEntry] = []
     loads: list[LoadEntry] = []
     contacts: list[ContactEntry] = []
     joints: list[JointEntry] = []
     bonds: list[BondEntry] = []
-    planar: Flag = Field(False, description="motions in x-z only")
-    detect: Flag = Field(True, description="false: only the given contacts count")
+    planar: Flag = Field(False, description="true: motions in the x-z plane only")
+    detect: Flag = Field(True, description="false: only the listed contacts count")
 
 
 def build_schema() -> dict[str, Any]:
-    """The JSON schema of the kilter file, as these models give it."""
+    """The JSON schema of the kilter file."""
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         **AssemblyFile.model_json_schema(),

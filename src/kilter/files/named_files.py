@@ -1,4 +1,4 @@
-"""Files that the parts of a kilter file name: meshes and STEP, each read once."""
+"""Read the mesh and STEP files that the parts of a kilter file name, each once."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ __all__ = ["NamedFiles"]
 
 
 class NamedFiles:
-    """Mesh and STEP files named by parts, each read once; in the units of the assembly.
+    """Shapes from mesh and STEP files, in the units of the assembly; each file is read once.
 
     Parameters
     ----------
     folder : Path
-        What paths are relative to.
+        Folder that the paths are relative to.
     units : str
-        Of the assembly.
+        Length unit of the assembly.
     """
 
     def __init__(self, folder: Path, units: str) -> None:
@@ -35,61 +35,61 @@ class NamedFiles:
         self._shapes: dict[tuple[str, str, str | None], Mesh | Solid] = {}
 
     def mesh(self, path: str) -> Mesh | Solid:
-        """All objects of a mesh file as one mesh."""
+        """Read all objects of a mesh file as one mesh."""
         key = ("mesh", path, None)
         if key not in self._shapes:
-            found = self._file("mesh", path, MESHES)
-            if len(found.shapes) > 1:
+            bodies = self._file("mesh", path, MESHES)
+            if len(bodies.shapes) > 1:
                 self.notes.append(
-                    f"mesh {path!r} holds {len(found.shapes)} objects, taken as one part"
+                    f"mesh {path!r} holds {len(bodies.shapes)} objects, read as one part"
                 )
-            shapes = [shape for shape, _ in found.in_units(self.units)]
+            shapes = [shape for shape, _ in bodies.in_units(self.units)]
             self._shapes[key] = joined([shape for shape in shapes if isinstance(shape, Mesh)])
         return self._shapes[key]
 
     def step(self, path: str, name: str | None = None) -> Mesh | Solid:
-        """A solid of a STEP file, where that file has it."""
+        """Read a solid of a STEP file, at its place in that file."""
         key = ("step", path, name)
         if key not in self._shapes:
-            found = self._file("step", path, EXACT)
+            bodies = self._file("step", path, EXACT)
             try:
-                k = _position(found.names, name)
+                k = _position(bodies.names, name)
             except InputError as error:
                 raise error.about(f"step {path!r}: {error.what}") from None
-            solid, pose = found.shapes[k], found.places[k]
+            solid, pose = bodies.shapes[k], bodies.places[k]
             assert isinstance(solid, Solid)
-            factor = metres_per_unit(found.units or self.units) / metres_per_unit(self.units)
+            factor = metres_per_unit(bodies.units or self.units) / metres_per_unit(self.units)
             self._shapes[key] = scaled_solid(moved_solid(solid, pose), factor)
         return self._shapes[key]
 
     def _file(self, key: str, name: str, endings: Sequence[str]) -> FileBodies:
-        """A file that is named under a key, read once."""
+        """The bodies of a file that is named under a key of a part; cached."""
         if Path(name).suffix.lower() not in endings:
             raise InputError(
-                f"{key} {name!r} is of no kind that is read",
+                f"{key} {name!r}: this file type cannot be read",
                 hint=f"give one of {', '.join(endings)}",
             )
         if name not in self._read:
             try:
-                found = read_bodies(named_path(self.folder, name))
+                bodies = read_bodies(named_path(self.folder, name))
             except InputError as error:
                 what = "object" if key == "mesh" else "solid"
                 inside = f" {what} {error.part!r}:" if error.part else ""
                 raise InputError(f"{key} {name!r}:{inside} {error.what}", hint=error.hint) from None
-            self.notes += [f"{key} {name!r}: {note}" for note in found.notes]
-            self._read[name] = found
+            self.notes += [f"{key} {name!r}: {note}" for note in bodies.notes]
+            self._read[name] = bodies
         return self._read[name]
 
 
 def _position(names: Sequence[str | None], name: str | None) -> int:
-    """Where a solid stands; its name may be left out where there is one.
+    """The index of a solid by its name; the name may be None if there is only one solid.
 
     Raises
     ------
     InputError
-        If there is none of that name, or several and no name was given.
+        If no solid has the name, or if there are several and no name is given.
     """
-    known = [str(one) for one in names]
+    known = [str(label) for label in names]
     if name is None and len(known) > 1:
         raise InputError(
             f"it holds {len(known)} solids: {some_names(known)}",

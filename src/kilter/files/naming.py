@@ -1,4 +1,4 @@
-"""Names of parts: distinct ones, and the order in which people count."""
+"""Names of parts: make them distinct, fill in missing names, sort them by their numbers."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ __all__ = ["distinct", "filled", "natural_key", "tails"]
 
 
 def distinct(names: Sequence[str]) -> list[str]:
-    """The names with a number behind those that came before.
+    """The names, with a number appended to every repeated name.
 
     Examples
     --------
     >>> distinct(["bolt", "nut", "bolt", "bolt"])
     ['bolt', 'nut', 'bolt_2', 'bolt_3']
-    >>> distinct(["bolt", "bolt", "bolt_2"])  # a name that is there already is not taken
+    >>> distinct(["bolt", "bolt", "bolt_2"])  # a number that is in use is skipped
     ['bolt', 'bolt_3', 'bolt_2']
     """
     taken = set(names)
@@ -24,23 +24,23 @@ def distinct(names: Sequence[str]) -> list[str]:
     result = []
     for name in names:
         count[name] += 1
-        own = name
+        label = name
         if count[name] > 1:
-            while (own := f"{name}_{count[name]}") in taken:
+            while (label := f"{name}_{count[name]}") in taken:
                 count[name] += 1
-            taken.add(own)
-        result.append(own)
+            taken.add(label)
+        result.append(label)
     return result
 
 
 def tails(paths: Sequence[tuple[str, ...]]) -> list[str]:
-    """The shortest end of each path that no other path ends with, its pieces parted by ``/``.
+    """The shortest end of each path that no other path ends with, joined by ``/``.
 
     Examples
     --------
     >>> tails([("left", "nut"), ("right", "nut"), ("right", "rod"), ("plate",), ("plate",)])
     ['left/nut', 'right/nut', 'rod', 'plate', 'plate']
-    >>> tails([("a", "plate"), ("plate",)])  # a whole path stays, although others end with it
+    >>> tails([("a", "plate"), ("plate",)])  # a whole path is kept, although others end with it
     ['a/plate', 'plate']
     """
     ends = Counter(path[k:] for path in set(paths) for k in range(len(path)))
@@ -52,7 +52,7 @@ def tails(paths: Sequence[tuple[str, ...]]) -> list[str]:
 
 
 def filled(names: Sequence[str | None], stem: str) -> list[str]:
-    """The names, those missing made from the stem of the file; all distinct.
+    """The names, distinct, with missing names made from the stem of the file.
 
     Examples
     --------
@@ -65,7 +65,7 @@ def filled(names: Sequence[str | None], stem: str) -> list[str]:
 
 
 def natural_key(name: str) -> list[tuple[int, int, str]]:
-    """A key to sort by, in which numbers within a name count as numbers.
+    """A sort key that compares the digits within names as numbers.
 
     Examples
     --------
@@ -73,7 +73,7 @@ def natural_key(name: str) -> list[tuple[int, int, str]]:
     ['1', 'b', 'part2', 'part10']
     """
     pieces = re.split(r"([0-9]+)", name)
-    # of numbers without leading zeros the longer is larger: none is too long to be read
+    # a number is compared by length, then by digits: int() rejects very long numbers
     key = [
         (0, len(p.lstrip("0")), p.lstrip("0")) if p.isdecimal() else (1, 0, p.casefold())
         for p in pieces

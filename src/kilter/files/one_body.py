@@ -1,6 +1,7 @@
-"""Several shapes that are one rigid body: one alone keeps its exact faces, more are united.
+"""Combine the shapes of a rigid body into one shape.
 
-The union is that of their triangles, cut by manifold3d: shapes may overlap or stand apart.
+A single shape keeps its exact faces. The triangles of several shapes are united by manifold3d;
+they may overlap or be separate.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ __all__ = ["combined", "one_body"]
 
 
 def combined(outer: Pose, inner: Pose) -> Pose:
-    """First the inner pose, then the outer one.
+    """The composition of two poses: first the inner pose, then the outer pose.
 
     Examples
     --------
@@ -30,24 +31,36 @@ def combined(outer: Pose, inner: Pose) -> Pose:
 
 
 def one_body(shapes: Sequence[tuple[Shape, Pose]]) -> tuple[Shape, Pose]:
-    """The shape of a body made of shapes in its frame, and the pose of that shape in it.
+    """Combine shapes into one shape.
+
+    Parameters
+    ----------
+    shapes : sequence of (Shape, Pose)
+        Shapes, and their poses in the frame of the body.
+
+    Returns
+    -------
+    shape : Shape
+    pose : Pose
+        Pose of the shape in the frame of the body.
 
     Raises
     ------
     InputError
-        If shapes that are to be united are not closed.
+        If there are several shapes and the mesh of one is not closed.
     """
     if len(shapes) == 1:
         return shapes[0]
     import manifold3d
 
-    solids = [_solid(*surface(shape), pose) for shape, pose in shapes]
+    solids = [_manifold(*surface(shape), pose) for shape, pose in shapes]
     mesh = manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add).to_mesh64()
     vertices = np.asarray(mesh.vert_properties)[:, :3]
     return Mesh(vertices, np.asarray(mesh.tri_verts).astype(np.int64)), Pose()
 
 
-def _solid(vertices: Array, triangles: Index, pose: Pose) -> object:
+def _manifold(vertices: Array, triangles: Index, pose: Pose) -> object:
+    """A placed mesh as a solid of manifold3d."""
     import manifold3d
 
     mesh = manifold3d.Mesh64(
@@ -58,6 +71,7 @@ def _solid(vertices: Array, triangles: Index, pose: Pose) -> object:
     solid = manifold3d.Manifold(mesh)
     if solid.status() != manifold3d.Error.NoError:
         raise InputError(
-            "a mesh among several shapes of one body is not closed", hint="close it, or part them"
+            "a mesh among several shapes of one body is not closed",
+            hint="close the mesh, or make each shape a body of its own",
         )
     return solid

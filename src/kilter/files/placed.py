@@ -1,4 +1,4 @@
-"""Bodies of files put in place: turned, scaled, joined; their accuracy goes with them."""
+"""Bodies of a file, and how to place, scale and join their meshes together with their accuracy."""
 
 from __future__ import annotations
 
@@ -18,22 +18,23 @@ __all__ = ["FileBodies", "joined", "placed", "scaled"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FileBodies:
-    """What a file of meshes, or of solids, holds, in its own unit.
+    """The bodies of a file of meshes or solids, in the file's own unit.
 
     Attributes
     ----------
     names : tuple of str or None
     shapes : tuple of Mesh or Solid
-        In their own frames; one that is used several times is the same object.
+        Shapes in their own frames; instances of a shape are the same object.
     poses : tuple of Pose
-        From the frame of the shape to that of the file; none where the two are one.
+        Transforms from the frame of each shape to the frame of the file; empty if the frames are
+        the same.
     units : str or None
-        None where the file states no unit.
+        Length unit; None if the file states none.
     by_standard : bool
-        The unit is that of the format, not one that the file states.
+        Whether the unit is fixed by the standard of the format, and not stated in the file.
     notes : tuple of str
     left_out : tuple of str
-        Names of bodies that were left out as asked.
+        Names of the bodies that the options leave out.
     """
 
     names: tuple[str | None, ...]
@@ -45,7 +46,7 @@ class FileBodies:
     left_out: tuple[str, ...] = ()
 
     def sealed(self) -> FileBodies:
-        """The same, its arrays read-only: those that come from another process are not."""
+        """Make all arrays read-only; arrays that come from another process are writeable."""
         for value in (*self.shapes, *self.poses, *(s for x in self.shapes for s in _surfaces(x))):
             for name in value.__slots__:
                 array = getattr(value, name)
@@ -55,30 +56,33 @@ class FileBodies:
 
     @property
     def places(self) -> tuple[Pose, ...]:
-        """The pose of each shape."""
+        """The pose of each shape in the frame of the file."""
         return self.poses or (Pose(),) * len(self.shapes)
 
     def in_units(self, units: str) -> list[tuple[Mesh | Solid, Pose]]:
-        """Shapes and poses with lengths in `units`; of a file without a unit as they are."""
+        """Shapes and poses with lengths in `units`; unchanged if the file states no unit."""
         factor = metres_per_unit(self.units or units) / metres_per_unit(units)
-        own = {
+        converted = {
             id(shape): scaled(shape, factor)
             if isinstance(shape, Mesh)
             else scaled_solid(shape, factor)
             for shape in self.shapes
         }
         return [
-            (own[id(shape)], Pose(pose.position * factor, pose.rotation))
+            (converted[id(shape)], Pose(pose.position * factor, pose.rotation))
             for shape, pose in zip(self.shapes, self.places, strict=True)
         ]
 
 
 def _surfaces(shape: Mesh | Solid) -> tuple[Surface, ...]:
+    """The exact surfaces of a solid; none for a mesh."""
     return shape.surfaces if isinstance(shape, Solid) else ()
 
 
 def placed(mesh: Mesh, matrix: Array) -> Mesh:
-    """The mesh moved by a 4 x 4 matrix (columns); a mirror image keeps its outside outside.
+    """The mesh transformed by a 4 x 4 matrix that acts on column vectors.
+
+    A reflection also reverses the triangles, so that their normals still point outwards.
 
     Examples
     --------
@@ -91,21 +95,21 @@ def placed(mesh: Mesh, matrix: Array) -> Mesh:
     linear, step = matrix[:3, :3], matrix[:3, 3]
     triangles = mesh.triangles[:, ::-1] if np.linalg.det(linear) < 0 else mesh.triangles
     largest = np.abs(mesh.vertices).max(axis=0, initial=0.0)
-    # what the coordinates are off by, relative to the largest, holds for the sums they enter
+    # the error of a sum of coordinates has the relative size of the error of its terms
     relative = mesh.accuracy / (float(largest.max()) or 1.0)
     accuracy = relative * float((np.abs(linear) @ largest + np.abs(step)).max())
     return Mesh(mesh.vertices @ linear.T + step, triangles, accuracy=accuracy)
 
 
 def scaled(mesh: Mesh, factor: float) -> Mesh:
-    """The mesh with every length times a factor."""
+    """The mesh with every length multiplied by a factor."""
     if factor == 1.0:
         return mesh
     return Mesh(mesh.vertices * factor, mesh.triangles, accuracy=mesh.accuracy * factor)
 
 
 def joined(meshes: Sequence[Mesh]) -> Mesh:
-    """Several meshes as one."""
+    """Several meshes as one mesh, with the largest of their coordinate errors."""
     if len(meshes) == 1:
         return meshes[0]
     start = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])

@@ -1,4 +1,4 @@
-"""Bytes of a file or a stream, or one error that says why not."""
+"""Read the bytes of a file or a stream, or raise one `InputError` that states the reason."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ __all__ = ["read_bytes"]
 
 
 def read_bytes(path: Path) -> bytes:
-    """The contents of a file.
+    """Read the contents of a file.
 
     Raises
     ------
     InputError
-        If it is missing, a folder, not readable, empty, or larger than is read.
+        If the path is missing, a folder, or not readable; or the file is empty or too large.
     """
     try:
         with path.open("rb") as stream:
@@ -26,7 +26,9 @@ def read_bytes(path: Path) -> bytes:
         raise InputError("no such file", file=str(path), hint=_near(path)) from None
     except (OSError, ValueError) as error:
         raise InputError(
-            f"cannot be read: {_why(error)}", file=str(path), hint="check the path and its rights"
+            f"cannot be read: {_why(error)}",
+            file=str(path),
+            hint="check the path and the permissions",
         ) from None
     if not data:
         raise InputError("the file is empty", file=str(path), hint="give a file with contents")
@@ -34,29 +36,30 @@ def read_bytes(path: Path) -> bytes:
 
 
 def bounded(stream: BinaryIO, file: str) -> bytes:
-    """All that a stream gives.
+    """Read a stream to its end.
 
     Raises
     ------
     InputError
-        If that is more than is read; it names the file.
+        If it is longer than `MOST_BYTES`; the error names `file`.
     """
     data = stream.read(MOST_BYTES + 1)
     if len(data) > MOST_BYTES:
         raise InputError(
-            f"larger than {MOST_BYTES / 1e9:g} GB, which is the most that is read",
+            f"larger than {MOST_BYTES / 1e9:g} GB, the largest size that is read",
             file=file,
-            hint="make it coarser, or give it in pieces",
+            hint="make it coarser, or split it",
         )
     return data
 
 
 def _why(error: OSError | ValueError) -> str:
+    """The reason of the operating system, without the path."""
     return getattr(error, "strerror", None) or str(error)
 
 
 def _near(path: Path) -> str:
-    """The file of the folder whose name is most like the missing one's, as a hint."""
+    """A hint for a missing file: the most similar name in its folder."""
     try:
         names = [entry.name for entry in path.parent.iterdir() if not entry.name.startswith(".")]
         near = nearest_name(path.name, names)

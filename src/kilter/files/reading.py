@@ -1,4 +1,7 @@
-"""Reading of whatever describes an assembly: the kind is told by suffix and content."""
+"""Read an assembly from a file, a folder, a stream or an object.
+
+The ending of the path, and for JSON the content, select the reader.
+"""
 
 from __future__ import annotations
 
@@ -37,25 +40,26 @@ __all__ = ["LOWEST", "Reading", "load", "read_json", "reading_for"]
 
 STANDARD_INPUT = "-"
 LOWEST = "lowest"
-"""Floor under the lowest point, in place of a height."""
+"""Value of `floor` that puts the floor under the lowest point of the assembly."""
 SOURCES = ("file", "geometry")
-"""What `contacts` may be taken from."""
+"""Values of the option `contacts`: the sources of the contacts."""
 _OR = " or "
 
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """How a file is read: the options that change what is judged.
+    """The options of reading a file that change the assembly; a proof lists them.
 
-    Those of `load`, and what `kilter.fastened` joins, since a proof names them all: pairs of
-    names (`fasten`), what looks fastened, what overlaps; and bonds, of two names and a pull.
-    `floor` is a height [length unit] or `LOWEST`.
+    The options of `load`, and those of `kilter.fastened`: pairs of part names to join
+    (`fasten`), whether to join pairs that look fastened, whether to join pairs that overlap.
+    Each entry of `bond` has two part names and a pull [N]. `floor` is a height [length unit] or
+    `LOWEST`.
 
     Raises
     ------
     InputError
-        If `up` is no axis, or stands beside `down`; `contacts` is none of the two; or a rule of
-        bricks is none.
+        If `up`, `base`, `contacts` or a brick rule has an invalid value, or if both `up` and
+        `down` are given.
     """
 
     ground: tuple[str, ...] = ()
@@ -90,19 +94,19 @@ class Reading:
 
     @property
     def fastens(self) -> bool:
-        """Something is to be joined, which takes the contacts."""
+        """Whether an option joins parts; joining needs the contacts."""
         return bool(self.fasten or self.bond) or self.fasten_suggested or self.fasten_overlaps
 
     @property
     def choices(self) -> Choices:
-        """What a format of its own kind asks for."""
+        """The options that only some formats use."""
         return Choices(self.units, self.contacts, self.keyframe, self.base, self.studs)
 
     @property
     def studs(self) -> StudRules:
-        """The rules of bricks: those of StableLego but for what is asked."""
-        asked = {"pull": self.stud_pull, "shear": self.stud_shear, "sides": self.brick_sides}
-        given: dict[str, Any] = {k: value for k, value in asked.items() if value is not None}
+        """The brick rules: those of StableLego, except for the options that are set."""
+        rules = {"pull": self.stud_pull, "shear": self.stud_shear, "sides": self.brick_sides}
+        given: dict[str, Any] = {k: value for k, value in rules.items() if value is not None}
         return StudRules(**given)
 
     def options(self) -> dict[str, Any]:
@@ -115,12 +119,12 @@ class Reading:
 
     @classmethod
     def from_options(cls, options: Any) -> Reading:
-        """The reading that `options` came from.
+        """The reading whose `options()` are given: the inverse of `options`.
 
         Raises
         ------
         InputError
-            If they are none.
+            If the options are invalid.
         """
         try:
             values = dict(options)
@@ -134,24 +138,26 @@ class Reading:
                 values[key] = bool(values.get(key, False))
             return cls(**values)
         except (TypeError, ValueError):
-            raise InputError("the proof's options cannot be read", hint="make it anew") from None
+            raise InputError(
+                "the proof's options cannot be read", hint="make a new proof"
+            ) from None
 
     def read(self, source: Any, *, progress: Callable[[str], None] | None = None) -> Assembly:
-        """The assembly of a file or an object; what is to be fastened is left as it is."""
+        """Read the assembly of a file or an object; the options that join parts are not applied."""
         if self.units is not None:
             metres_per_unit(self.units)
         if not isinstance(source, str | os.PathLike):
-            read = _Read(*read_object(source, self.choices))
+            content = _FileContent(*read_object(source, self.choices))
         elif not os.fspath(source):
             raise InputError(f"a file's path is {source!r:.60}", hint="give a path, or '-'")
         else:
-            read = _read(source, self, progress)
-        assembly = _with_contacts(self, read.assembly)
+            content = _read_path(source, self, progress)
+        assembly = _with_contacts(self, content.assembly)
         if self.density is not None:
             assembly = _with_density(assembly, self.density)
-        still = [p for p in self.without if not fnmatch.filter(read.left_out, p)]
-        if still:
-            assembly = assembly.without(still)
+        remaining = [p for p in self.without if not fnmatch.filter(content.left_out, p)]
+        if remaining:  # the reader of STEP has left out the others
+            assembly = assembly.without(remaining)
         if self.friction is not None:
             assembly = assembly.with_friction(self.friction)
         if self.up is not None:
@@ -160,9 +166,9 @@ class Reading:
             assembly = assembly.with_down(self.down)
         if self.ground:
             assembly = assembly.with_grounded(self.ground)
-        if self.up is None and self.down is None and not read.states_gravity:
+        if self.up is None and self.down is None and not content.states_gravity:
             notes = note_on_up(assembly)
-            if notes:  # else it keeps the geometry that was asked for
+            if notes:  # an unchanged assembly keeps the geometry that it has computed
                 assembly = dataclasses.replace(assembly, notes=[*assembly.notes, *notes])
         if self.floor is not None:
             assembly = assembly.with_floor(None if self.floor == LOWEST else float(self.floor))
@@ -187,9 +193,9 @@ def load(
     stud_shear: float | str | None = None,
     brick_sides: str | None = None,
 ) -> Assembly:
-    """The assembly that a file, a folder, standard input (``-``) or an object describes.
+    """Read an assembly from a file, a folder, standard input (``-``) or an object.
 
-    The options are those of every command, applied in the order `without`, `friction`,
+    Every command has the same options. They are applied in the order `without`, `friction`,
     `down`, `ground`, `floor`.
 
     Parameters
@@ -201,41 +207,41 @@ def load(
         ``-`` for JSON on standard input.
         Or an object: a trimesh Trimesh or Scene, a pair of arrays (vertices, faces), a
         shape or assembly of build123d or CadQuery, a COMPAS Assembly, Block or Mesh, a
-        model of MuJoCo or (model, data); a list of such, or a dict of them by name.
+        model of MuJoCo or (model, data); a list of these, or a dict of them by name.
     units : {"m", "cm", "mm", "in"}, optional
-        For formats without units; metres where it is not given.
+        Length unit of a format that states none; default metres.
     density : float, optional
-        Of parts without density and mass [kg/m^3].
+        Density of parts without density and mass [kg/m^3].
     ground, without : str or iterable of str
-        Parts to hold, to leave out; ``*`` and ``?`` are globs.
+        Names of the parts to hold, and of the parts to leave out; ``*`` and ``?`` are globs.
     floor : bool or float, optional
         True: a held table under the lowest point; a number: at that height [length unit].
     down : array_like, shape (3,), optional
-        Direction of gravity; its size stays that of the file.
+        Direction of gravity; its magnitude stays that of the file.
     up : {"x", "y", "z", "-x", "-y", "-z"}, optional
         The axis of the file that points up, against gravity: ``"y"`` is ``down=[0, -1, 0]``.
     friction : float, optional
-        Coefficient of contacts that have none of their own [-].
+        Friction coefficient of contacts that have no coefficient of their own [-].
     contacts : {"file", "geometry"}, optional
-        "file": those that the file carries (interfaces of COMPAS, `contacts` of a kilter file),
-        and no others; "geometry": all are detected. Where it is not given, those of a kilter
-        file stand for their pairs, interfaces of COMPAS are not used, and that is noted.
+        "file": only the contacts that the file lists (interfaces of COMPAS, `contacts` of a
+        kilter file); "geometry": all contacts are detected. By default, the contacts of a kilter
+        file replace detection for their pairs. Interfaces of COMPAS are then ignored, with a note.
     keyframe : str, optional
-        Of MuJoCo: the pose of that name; the first there is where it is not given.
+        MuJoCo: name of the keyframe whose pose is used; default the first keyframe.
     base : {"fixed", "floating"}, optional
-        Of URDF: whether the root is held; "fixed" where it is not given.
+        URDF: whether the root link is held; default "fixed".
     stud_pull : float, optional
-        Of bricks: what a point of a stud holds [N]; .98 where it is not given.
+        Bricks: largest pull at each point of a stud [N]; default .98.
     stud_shear : float or {"unlimited", "mu"}, optional
-        Of bricks: sideways at such a point up to a force [N], any force, or mu (f_n + pull);
-        "unlimited" where it is not given.
+        Bricks: largest sideways force at each point of a stud: a number [N], no limit, or
+        mu (f_n + pull); default "unlimited".
     brick_sides : {"lower-edge", "face", "none"}, optional
-        Of bricks: where neighbours push each other; "lower-edge" where it is not given.
+        Bricks: the points at which neighbours side by side push each other; default "lower-edge".
 
     Raises
     ------
     InputError
-        If it cannot be read; it says what is wrong, where, and what to do.
+        If the source cannot be read; the message names the fault, its place and the remedy.
     """
     return reading_for(
         units=units,
@@ -263,12 +269,12 @@ def reading_for(
     down: ArrayLike | None = None,
     **others: Any,
 ) -> Reading:
-    """The reading that the options of `load` ask for.
+    """The `Reading` of the options of `load`.
 
     Raises
     ------
     InputError
-        If one of them makes no sense.
+        If an option has an invalid value.
     """
     height: float | str | None = LOWEST if floor is True else None
     if floor is not None and not isinstance(floor, bool):
@@ -284,19 +290,20 @@ def reading_for(
 
 
 def _names(patterns: str | Iterable[str]) -> tuple[str, ...]:
+    """Patterns of names as a tuple; a single string is one pattern."""
     return (patterns,) if isinstance(patterns, str) else tuple(patterns)
 
 
 def _lists(value: Any) -> Any:
-    """Tuples as lists, for JSON."""
+    """The value with nested tuples turned into lists, for JSON."""
     return [_lists(inner) for inner in value] if isinstance(value, tuple) else value
 
 
-class _Read(NamedTuple):
-    """The assembly as the file has it.
+class _FileContent(NamedTuple):
+    """An assembly as its source describes it, before the options are applied.
 
-    `states_gravity`: the file says which way gravity points; `left_out`: names of parts that were
-    left out while it was read.
+    `states_gravity`: whether the format fixes the direction of gravity; `left_out`: names of
+    parts that the reader has left out already.
     """
 
     assembly: Assembly
@@ -304,9 +311,10 @@ class _Read(NamedTuple):
     left_out: tuple[str, ...] = ()
 
 
-def _read(
+def _read_path(
     source: str | os.PathLike[str], reading: Reading, progress: Callable[[str], None] | None
-) -> _Read:
+) -> _FileContent:
+    """Read a path, or standard input, with the reader of its kind."""
     if os.fspath(source) == STANDARD_INPUT:
         return _from_json(
             bounded(sys.stdin.buffer, "standard input"), Path(), "standard input", reading
@@ -314,34 +322,36 @@ def _read(
     path, units = Path(source), reading.units
     suffix = path.suffix.lower()
     if _is_folder(path):
-        return _Read(load_folder(path, units=units))
+        return _FileContent(load_folder(path, units=units))
     if suffix in FORMATS:
         assembly, left_out = load_bodies(
             path, units=units, without=reading.without, progress=progress
         )
-        return _Read(assembly, left_out=left_out)
+        return _FileContent(assembly, left_out=left_out)
     if suffix in XML:
-        return _Read(*load_xml(path, reading.choices))
+        return _FileContent(*load_xml(path, reading.choices))
     if suffix in LDRAW_FILES:
-        return _Read(load_ldraw(path, rules=reading.studs), states_gravity=True)
+        return _FileContent(load_ldraw(path, rules=reading.studs), states_gravity=True)
     if suffix in BRICK_TEXT:
-        return _Read(load_brick_text(path, rules=reading.studs), states_gravity=True)
+        return _FileContent(load_brick_text(path, rules=reading.studs), states_gravity=True)
     data = read_bytes(path)
     if suffix == ".json":
         return _from_json(data, path.parent, str(path), reading)
     kinds = f".json, {', '.join([*FORMATS, *XML, *LDRAW_FILES, *BRICK_TEXT])}, or a folder of them"
     raise InputError(
-        f"files of {path.suffix or 'no ending'} are not read", file=str(path), hint=f"give {kinds}"
+        f"cannot read files of type {path.suffix or '(no ending)'}",
+        file=str(path),
+        hint=f"give {kinds}",
     )
 
 
 def read_json(path: Path) -> Any:
-    """The value of a JSON file.
+    """Read the value of a JSON file.
 
     Raises
     ------
     InputError
-        If it is missing, or no JSON; it names the file.
+        If the file is missing or is not JSON; the error names the file.
     """
     data = read_bytes(path)
     try:
@@ -351,44 +361,46 @@ def read_json(path: Path) -> Any:
 
 
 def _is_folder(path: Path) -> bool:
+    """Whether the path is a folder; False for a path that the system rejects."""
     try:
         return path.is_dir()
     except (OSError, ValueError):
         return False
 
 
-def _from_json(data: bytes, folder: Path, source: str, reading: Reading) -> _Read:
+def _from_json(data: bytes, folder: Path, source: str, reading: Reading) -> _FileContent:
+    """The assembly of JSON data: COMPAS, StableLego or kilter, by its content."""
     try:
         content = parse_json(data)
     except InputError as error:
         raise error.located(file=source) from None
     if is_compas(content):
         units, contacts = reading.units, reading.contacts
-        return _Read(from_compas(content, units=units, source=source, contacts=contacts))
+        return _FileContent(from_compas(content, units=units, source=source, contacts=contacts))
     if is_stable_lego(content):
         bricks = from_stable_lego(content, data, rules=reading.studs, source=source)
-        return _Read(bricks, states_gravity=True)
+        return _FileContent(bricks, states_gravity=True)
     assembly = from_dict(content, folder=folder, source=source)
     _check_units(assembly, reading.units)
-    return _Read(assembly, states_gravity=True)
+    return _FileContent(assembly, states_gravity=True)
 
 
 def _with_contacts(reading: Reading, assembly: Assembly) -> Assembly:
-    """The assembly with the contacts of the file alone, or with none of them, as asked."""
+    """Apply the option `contacts`: keep only the contacts of the file, or drop them."""
     if reading.contacts == "geometry":
         return dataclasses.replace(assembly, contacts=(), detect=True)
     if reading.contacts != "file":
         return assembly
     if not assembly.contacts:
         raise InputError(
-            "the file carries no contacts",
+            "the file lists no contacts",
             file=assembly.source or None,
             hint="leave contacts='file' out",
             option="leave --contacts file out",
         )
     if reading.floor is not None:
         raise InputError(
-            "the contacts are those of the file, and a floor has none in it",
+            "only the contacts of the file count, and the file lists none with the floor",
             file=assembly.source or None,
             hint="hold parts with ground=[...] in place of the floor",
             option="hold parts with --ground NAME in place of --floor",
@@ -397,15 +409,18 @@ def _with_contacts(reading: Reading, assembly: Assembly) -> Assembly:
 
 
 def _check_units(assembly: Assembly, units: str | None) -> None:
+    """Raise `InputError` if the option `units` contradicts the units of the file."""
     if units is not None and units != assembly.units:
         raise InputError(
-            f"the file is in {assembly.units}, {units} were asked for",
+            f"the file is in {assembly.units}, but the units given are {units}",
             file=assembly.source,
-            hint="leave the units out, the file states them",
+            hint="leave the units out",
         )
 
 
 def _with_density(assembly: Assembly, density: float) -> Assembly:
+    """The assembly whose parts without density and mass have the given density [kg/m^3]."""
+
     def filled(part: Part) -> Any:
         if part.density is not None or part.mass is not None:
             return part

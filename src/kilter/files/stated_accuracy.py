@@ -1,10 +1,10 @@
-"""The accuracy that a STEP file states of its coordinates.
+"""Read the coordinate accuracy that a STEP file states.
 
     #15 = UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE(0.01), #12, 'distance_accuracy_value', ...)
 
-in the unit #12: SI with a prefix, or one that is defined by a conversion (inch). Every shape may
-state its own; the greatest counts. The text is searched, since OCCT folds the value into the
-tolerances of edges.
+The value is in the unit #12: an SI unit with a prefix, or a unit that is defined by a conversion
+(inch). Every shape may state a value; the largest counts. The text of the file is searched, since
+OCCT merges the value into the tolerances of edges.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ _NAMED = {"INCH": 0.0254, "FOOT": 0.3048, "MILLIMETRE": 1e-3, "MILLIMETER": 1e-3
 
 
 def stated_accuracy(paths: Iterable[Path], units: str) -> float:
-    """How far a coordinate of some files may be off [`units`]; 0 where nothing can be read."""
-    found = 0.0
+    """The largest coordinate error that STEP files state [`units`]; 0 if none states it."""
+    largest = 0.0
     for path in paths:
         try:
             text = path.read_bytes().decode("latin-1")
@@ -39,12 +39,12 @@ def stated_accuracy(paths: Iterable[Path], units: str) -> float:
         for number, unit in set(_STATED.findall(text)):
             metres = _metres(text, unit)
             if metres is not None:
-                found = max(found, _number(number) * metres / METRES[units])
-    return found
+                largest = max(largest, _number(number) * metres / METRES[units])
+    return largest
 
 
 def _number(word: str) -> float:
-    """A number above zero; 0 where it is none."""
+    """The value of a word that is a positive finite number; else 0."""
     try:
         value = float(word)
     except ValueError:
@@ -53,7 +53,7 @@ def _number(word: str) -> float:
 
 
 def _metres(text: str, unit: str) -> float | None:
-    """Metres in the unit that is defined as an entity of that number."""
+    """Length of a unit in metres, from its entity number; None if it cannot be read."""
     defined = re.search(rf"#{unit}\s*=([^;]*);", text)
     if defined is None:
         return None
