@@ -1,8 +1,8 @@
-"""Does kilter work on this machine? What `kilter doctor` looks at.
+"""Self-test of the installation: the checks of `kilter doctor`.
 
-Each look asks for something whose answer is known: a program with a vertex that can be written
-down, a scene of the paper, a ball of radius 1 in a STEP file. A look that fails says what
-failed; the others are taken all the same. An extra that is not installed is no failure.
+Each check solves a problem with a known answer: a linear program with a known vertex, a scene of
+the paper, a ball of radius 1 in a STEP file. A check that fails reports the failure, and the other
+checks still run. An extra that is not installed does not count as a failure.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ NEEDED = (
     "typer",
     "threadpoolctl",
 )
-"""Packages that kilter cannot do without."""
+"""Required packages."""
 EXTRAS = {
     "step": ("OCP", "cadquery-ocp-novtk", "STEP files"),
     "figures": ("matplotlib", "matplotlib", "kilter draw"),
@@ -50,11 +50,11 @@ EXTRAS = {
     "batch": ("pyarrow", "pyarrow", "kilter batch: Parquet"),
     "cluster": ("distributed", "distributed", "kilter batch --cluster"),
 }
-"""Of each extra: what is imported, the package that brings it, what it is for."""
+"""For each extra: the imported module, the package that contains it, and its purpose."""
 EXACT = 1e-9
-"""How near a solver comes to a vertex that is known, and OCCT to a volume, over its size."""
+"""Tolerance for the known vertex [-], and for the known volume from OCCT [its size]."""
 CONIC_EXACT = 1e-6
-"""The same of an interior point, which ends inside."""
+"""Tolerance for interior-point solvers, which stop before the boundary [-]."""
 METHODS: dict[Literal["simplex", "interior"], float] = {"simplex": EXACT, "interior": CONIC_EXACT}
 BALL = """ISO-10303-21;
 HEADER;
@@ -98,7 +98,7 @@ END-ISO-10303-21;
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """What was looked at, how it is, what was found, and what to do about it."""
+    """Result of one check: its name, its state, the finding, and the remedy for a problem."""
 
     name: str
     state: State
@@ -108,37 +108,38 @@ class Look:
 
 @dataclass(frozen=True, slots=True)
 class Health:
-    """What `doctor` found.
+    """Result of `doctor`.
 
     Attributes
     ----------
     looks : tuple of Look
+        Results of the single checks.
     """
 
     looks: tuple[Look, ...]
 
     @property
     def works(self) -> bool:
-        """Whether nothing that is installed is broken."""
+        """Whether no installed component is broken."""
         return all(look.state != "broken" for look in self.looks)
 
     def to_dict(self) -> dict[str, Any]:
-        """Every look as data."""
+        """JSON data of all checks."""
         keys = ("name", "state", "found", "remedy")
         looks = [{key: getattr(look, key) for key in keys} for look in self.looks]
         return {"kind": "doctor", "kilter": kilter.__version__, "works": self.works, "looks": looks}
 
 
-class _Wrong(Exception):
-    """An answer that is not the known one."""
+class _WrongAnswer(Exception):
+    """An answer differs from the known answer."""
 
 
 def doctor() -> Health:
-    """Look whether what kilter needs is there and answers what is known.
+    """Test whether kilter works on this machine.
 
-    Versions, the solvers, a verdict with its proof, the readers and libraries of extras, a page
-    served on this machine, files in the folder for temporary ones, the terminal. Nothing is
-    asked of a network. It takes about two seconds.
+    The checks cover versions, solvers, verdicts with their proofs, the packages of extras, a page
+    served on this machine, temporary files and the terminal. They use no network and take about
+    two seconds.
 
     Examples
     --------
@@ -147,22 +148,25 @@ def doctor() -> Health:
     (True, 'kilter')
     """
     looks = [_look("kilter", _versions), _look("packages", _packages)]
-    looks += [_look(name, ask) for name, ask in _ASKED.items()]
+    looks += [_look(name, check) for name, check in _CHECKS.items()]
     looks += [_extra(name) for name in EXTRAS]
     return Health((*looks, _look("terminal", _terminal)))
 
 
-def _look(name: str, ask: Callable[[], str], remedy: str = "") -> Look:
-    """What a look found; whatever goes wrong in it is what was found."""
+def _look(name: str, check: Callable[[], str], remedy: str = "") -> Look:
+    """Run a check and return its result; an exception becomes the finding of a broken component."""
     try:
-        return Look(name, "works", ask())
+        return Look(name, "works", check())
     except Exception as error:
-        said = " ".join(str(error).split())[:200]
-        found = said if isinstance(error, _Wrong) else f"{type(error).__name__}: {said}"
-        return Look(name, "broken", found, remedy or "install kilter again: pip install kilter")
+        message = " ".join(str(error).split())[:200]
+        finding = (
+            message if isinstance(error, _WrongAnswer) else f"{type(error).__name__}: {message}"
+        )
+        return Look(name, "broken", finding, remedy or "install kilter again: pip install kilter")
 
 
 def _versions() -> str:
+    """Versions of kilter, Python and the system, and the number of cores."""
     cores = os.cpu_count()
     return (
         f"{kilter.__version__}, Python {platform.python_version()}, {platform.system()} "
@@ -171,6 +175,7 @@ def _versions() -> str:
 
 
 def _packages() -> str:
+    """Versions of the required packages; raises if one cannot be imported."""
     missing = []
     for name in NEEDED:
         try:
@@ -178,12 +183,12 @@ def _packages() -> str:
         except Exception as error:
             missing.append(f"{name} ({error})")
     if missing:
-        raise _Wrong("cannot be imported: " + ", ".join(missing))
+        raise _WrongAnswer("cannot be imported: " + ", ".join(missing))
     return ", ".join(f"{name} {importlib.metadata.version(name)}" for name in NEEDED)
 
 
 def _highs() -> str:
-    """The greatest x + y under x + 2 y <= 4 and 3 x + y <= 6 lies at (1.6, 1.2); none above 9."""
+    """Check HiGHS: max x + y with x + 2 y <= 4, 3 x + y <= 6 is at (1.6, 1.2); x + y >= 9 fails."""
     import numpy as np
     from scipy.sparse import csc_array
 
@@ -191,23 +196,26 @@ def _highs() -> str:
     from kilter.solvers.problem import LinearProgram
 
     def program(least: float) -> LinearProgram:
-        none, rows = np.full(2, np.inf), csc_array([[1.0, 2.0], [3.0, 1.0], [1.0, 1.0]])
+        free, rows = np.full(2, np.inf), csc_array([[1.0, 2.0], [3.0, 1.0], [1.0, 1.0]])
         sides = np.array([4.0, 6.0, np.inf])
         lower = np.array([-np.inf, -np.inf, least])
-        return LinearProgram(-np.ones(2), rows, lower, sides, np.zeros(2), none)
+        return LinearProgram(-np.ones(2), rows, lower, sides, np.zeros(2), free)
 
     for method, near in METHODS.items():
-        found = solve_linear(program(0.0), method=method)
-        none = solve_linear(program(9.0), method=method)
-        if found.outcome != "optimal" or np.abs(found.x - [1.6, 1.2]).max() > near:
-            raise _Wrong(f"{method}: a vertex at (1.6, 1.2) is {found.outcome}: {found.x}")
-        if none.outcome != "infeasible":
-            raise _Wrong(f"{method}: a program without a point is {none.outcome}")
-    return "finds a known vertex, and that there is none"
+        vertex = solve_linear(program(0.0), method=method)
+        infeasible = solve_linear(program(9.0), method=method)
+        if vertex.outcome != "optimal" or np.abs(vertex.x - [1.6, 1.2]).max() > near:
+            raise _WrongAnswer(
+                f"{method}: the vertex is (1.6, 1.2), the solver returned "
+                f"{vertex.outcome}: {vertex.x}"
+            )
+        if infeasible.outcome != "infeasible":
+            raise _WrongAnswer(f"{method}: an infeasible program was {infeasible.outcome}")
+    return "solves a linear program with a known vertex; detects an infeasible program"
 
 
 def _clarabel() -> str:
-    """The least x + y on the disk of radius 1 lies at -(1, 1) / sqrt(2)."""
+    """Check Clarabel: the minimum of x + y on the disk of radius 1 is at -(1, 1) / sqrt(2)."""
     import numpy as np
     from scipy.sparse import csc_array
 
@@ -217,14 +225,17 @@ def _clarabel() -> str:
     matrix = csc_array([[0.0, 0.0], [-1.0, 0.0], [0.0, -1.0]])
     bound, cones = np.array([1.0, 0.0, 0.0]), np.array([3])
     disk = ConicProgram(csc_array((2, 2)), np.ones(2), matrix, bound, 0, 0, cones)
-    found = solve_conic(disk)
-    if found.outcome != "optimal" or np.abs(found.x + math.sqrt(0.5)).max() > CONIC_EXACT:
-        raise _Wrong(f"the least sum of a disk is {found.outcome}: {found.x}")
-    return "finds a known point of a cone"
+    solution = solve_conic(disk)
+    if solution.outcome != "optimal" or np.abs(solution.x + math.sqrt(0.5)).max() > CONIC_EXACT:
+        raise _WrongAnswer(
+            f"the minimum on a disk is at -(1, 1) / sqrt(2), the solver returned "
+            f"{solution.outcome}: {solution.x}"
+        )
+    return "solves a conic program with a known minimum"
 
 
 def _verdicts() -> str:
-    """Scenes whose answers are known, through the proof of each."""
+    """Check the verdicts of scenes with known answers, and verify their proofs."""
     from kilter.analysis.check import check
     from kilter.scenes import SCENES, scene
 
@@ -232,13 +243,16 @@ def _verdicts() -> str:
     for name in names:
         verdict = check(scene(name))
         if verdict.verdict not in {SCENES[name].answer, "settles"}:
-            raise _Wrong(f"{name!r} is {SCENES[name].answer}, and is said to be {verdict.verdict}")
+            raise _WrongAnswer(
+                f"{name!r} is {SCENES[name].answer}, but the verdict is {verdict.verdict}"
+            )
         with tempfile.TemporaryDirectory() as folder:
-            _verified(Path(folder), name, verdict.proof())
-    return f"{len(names)} examples have their known answers; their proofs hold"
+            _verify_proof(Path(folder), name, verdict.proof())
+    return f"{len(names)} examples have the known verdicts; their proofs hold"
 
 
-def _verified(folder: Path, name: str, proof: dict[str, Any]) -> None:
+def _verify_proof(folder: Path, name: str, proof: dict[str, Any]) -> None:
+    """Write a scene and its proof to files and verify them; raises if the proof does not hold."""
     import json
 
     from kilter.analysis.verification import verify
@@ -248,11 +262,11 @@ def _verified(folder: Path, name: str, proof: dict[str, Any]) -> None:
     files.write_text(folder / "proof.json", json.dumps(proof))
     result = verify(folder / "a.kilter.json", folder / "proof.json")
     if not result.holds:
-        raise _Wrong(f"the proof of {name!r} does not hold: {result.reasons[0]}")
+        raise _WrongAnswer(f"the proof of {name!r} does not hold: {result.reasons[0]}")
 
 
 def _page() -> str:
-    """A page written to a file, and another served to this machine."""
+    """Check that a page survives writing to a file and serving on this machine."""
     import urllib.request
     import webbrowser
 
@@ -265,19 +279,19 @@ def _page() -> str:
         path = Path(folder) / "page.html"
         files.write_text(path, html)
         if path.read_bytes().decode("utf-8") != html:
-            raise _Wrong("a page that is written is not what is read again")
+            raise _WrongAnswer("a page changed when it was written to a file")
     direct = urllib.request.build_opener(urllib.request.ProxyHandler({}))
     with PageServer(html) as server, direct.open(server.url, timeout=10) as answer:
         if answer.read().decode("utf-8") != html:
-            raise _Wrong("a page that is served is not what arrives")
+            raise _WrongAnswer("a page changed when it was served")
     try:
         webbrowser.get()
     except webbrowser.Error:
-        return "written and served; no browser is known here: kilter view --no-browser"
-    return "written and served"
+        return "can be written and served; no browser found: use kilter view --no-browser"
+    return "can be written and served"
 
 
-_ASKED: dict[str, Callable[[], str]] = {
+_CHECKS: dict[str, Callable[[], str]] = {
     "HiGHS": _highs,
     "Clarabel": _clarabel,
     "verdicts": _verdicts,
@@ -286,39 +300,40 @@ _ASKED: dict[str, Callable[[], str]] = {
 
 
 def _extra(name: str) -> Look:
-    """An extra: its version, or how it is installed."""
+    """Check an extra: its version, or the command that installs it."""
     module, package, purpose = EXTRAS[name]
     install = f"pip install 'kilter[{name}]'"
     if importlib.util.find_spec(module) is None:
         return Look(name, "absent", purpose, install)
-    return _look(name, lambda: f"{purpose}: {_works(name, module, package)}", install)
+    return _look(name, lambda: f"{purpose}: {_try_extra(name, module, package)}", install)
 
 
-def _works(name: str, module: str, package: str) -> str:
+def _try_extra(name: str, module: str, package: str) -> str:
+    """Import the module of an extra and return its version; for STEP, also read a solid."""
     if name == "step":
-        _ball()
+        _read_ball()
     else:
         importlib.import_module(module)
     try:
-        said = f"{package} {importlib.metadata.version(package)}"
+        version = f"{package} {importlib.metadata.version(package)}"
     except importlib.metadata.PackageNotFoundError:
-        said = f"{module}, brought by another package"
-    return said + (", reads a built-in solid" if name == "step" else "")
+        version = f"{module}, installed with another package"
+    return version + (", reads a built-in solid" if name == "step" else "")
 
 
-def _ball() -> None:
-    """The volume of a ball of radius 1, out of a STEP file."""
+def _read_ball() -> None:
+    """Check the volume of a ball of radius 1 read from a STEP file."""
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "ball.step").write_text(BALL, encoding="ascii")
         [volume] = files.load(str(Path(folder) / "ball.step")).geometry.volume.tolist()
     if abs(volume - 4 / 3 * math.pi) > EXACT * volume:
-        raise _Wrong(f"the ball of radius 1 has a volume of {volume:.9g}, not 4/3 pi")
+        raise _WrongAnswer(f"the ball of radius 1 has the volume {volume:.9g} instead of 4/3 pi")
 
 
 def _terminal() -> str:
-    """What answers are printed on."""
+    """Kind, encoding and colours of the standard output."""
     stream = sys.stdout
-    kind = "a terminal" if stream is not None and stream.isatty() else "no terminal"
+    kind = "a terminal" if stream is not None and stream.isatty() else "not a terminal"
     encoding = (getattr(stream, "encoding", None) or "utf-8").lower()
-    colour = "NO_COLOR" if os.environ.get("NO_COLOR") else os.environ.get("TERM", "no TERM")
+    colour = "NO_COLOR" if os.environ.get("NO_COLOR") else os.environ.get("TERM", "TERM not set")
     return f"{kind}, {encoding}, {colour}"

@@ -1,8 +1,8 @@
-"""Answers in a notebook: the page that `kilter.report` writes, in a cell.
+"""Answers in a notebook: the page of `kilter.report` in the output of a cell.
 
-The page is the text of an inner frame, which runs its own programs and asks for nothing: it turns
-in Jupyter, VS Code and marimo, without a network. Viewers that run no programs get a figure (with
-the extra ``kilter[figures]``), and text.
+The page is embedded in an iframe, which runs its program and makes no request. It works in
+Jupyter, VS Code and marimo without a network. Viewers that run no programs show a figure (with
+the extra ``kilter[figures]``) and text.
 """
 
 from __future__ import annotations
@@ -28,15 +28,15 @@ FRAME = (
 
 
 class Shown:
-    """What a cell shows of an answer.
+    """An answer with its page, for the output of a notebook cell.
 
     Attributes
     ----------
     html : str
-        The page, as `kilter.report` gives it.
+        The page of `kilter.report`.
     answer : Verdict, Region or Order
     height : int
-        Of the frame [px].
+        Height of the frame [px].
     """
 
     __slots__ = ("_figure", "answer", "height", "html")
@@ -51,7 +51,7 @@ class Shown:
         return FRAME.format(title=title, height=self.height, page=page)
 
     def _repr_svg_(self) -> str | None:
-        """The figure; None where matplotlib is not there, or there is nothing to draw."""
+        """The figure as SVG, or None without matplotlib or without anything to draw."""
         if self._figure is None:
             try:
                 figure = draw(self.answer)
@@ -68,21 +68,21 @@ class Shown:
 
 
 def cell(answer: Verdict | Region | Order, *, height: int = 720, title: str = "") -> Shown:
-    """The page of an answer as a cell shows it.
+    """Build the page of an answer for the output of a notebook cell.
 
     Parameters
     ----------
     answer : Verdict, Region or Order
-        Of a verdict and a region the page of their assembly, with the contacts they rest on.
+        For a verdict or a region, the page shows their assembly with the contacts of the answer.
     height : int
-        Of the frame [px].
+        Height of the frame [px].
     title : str
-        Above the page; the name of the file where it is not given.
+        Title of the page; by default the name of the file.
 
     Raises
     ------
     InputError
-        If the region is shared by several assemblies, or as `kilter.report`.
+        If the region belongs to several assemblies, or for the reasons of `kilter.report`.
 
     Examples
     --------
@@ -95,13 +95,13 @@ def cell(answer: Verdict | Region | Order, *, height: int = 720, title: str = ""
     from kilter.analysis.regions.region import Region
 
     if not (isinstance(height, int) and height > 0):
-        raise InputError(f"the height is {height!r:.40}", hint="give pixels, a whole number")
+        raise InputError(f"the height is {height!r:.40}", hint="give a whole number of pixels")
     if isinstance(answer, Order):
         return Shown(answer, report(answer, title=title).html, height)
     if isinstance(answer, Region):
         if len(answer.assemblies) > 1:
             raise InputError(
-                f"{len(answer.assemblies)} assemblies share this region, a page shows one",
+                f"the region belongs to {len(answer.assemblies)} assemblies, a page shows only one",
                 hint="draw it with kilter.draw(region)",
             )
         page = report(answer.assemblies[0], contacts=answer.contacts[0], title=title)

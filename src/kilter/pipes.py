@@ -1,4 +1,4 @@
-"""A process of one's own: its start, values to and from it, and its end with the one before."""
+"""Worker processes: start, exchange of values through pipes, and end with the parent process."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ _SERVE = "import sys; sys.path[:] = {path!r}; from {module} import serve; serve(
 
 
 def can_start() -> bool:
-    """Whether Python can be started anew: not in a program that it is frozen into."""
+    """Whether a Python process can be started; False inside a frozen program."""
     return bool(sys.executable) and not getattr(sys, "frozen", False)
 
 
 def started(module: str) -> subprocess.Popen[bytes]:
-    """A process that runs the `serve` of a module, with pipes to it and from it."""
+    """Start a process that runs `serve` of a module, with pipes to its input and output."""
     command = [sys.executable, "-c", _SERVE.format(path=sys.path, module=module)]
     pipe = subprocess.PIPE
     return subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL)
 
 
 def ended(process: subprocess.Popen[bytes]) -> None:
-    """End a process, whatever it is at."""
+    """Kill a process, close its pipes and wait for its end."""
     process.kill()
     for stream in (process.stdin, process.stdout):
         with contextlib.suppress(OSError):
@@ -37,7 +37,7 @@ def ended(process: subprocess.Popen[bytes]) -> None:
 
 
 def end_with_parent() -> None:
-    """Have Linux end this process with the one that started it, also where that is killed."""
+    """Let Linux kill this process when its parent ends, even if the parent is killed."""
     if sys.platform != "linux":
         return
     import ctypes
@@ -46,14 +46,14 @@ def end_with_parent() -> None:
 
 
 def send(stream: IO[bytes], value: Any) -> None:
-    """A value, whole."""
+    """Write a value to a pipe, pickled with its length."""
     data = pickle.dumps(value, protocol=pickle.HIGHEST_PROTOCOL)
     stream.write(len(data).to_bytes(8, "little") + data)
     stream.flush()
 
 
 def receive(stream: IO[bytes]) -> Any:
-    """The next value.
+    """Read the next value from a pipe.
 
     Raises
     ------

@@ -1,8 +1,8 @@
-"""One thread for linear algebra: the same bits with any number of cores, and no waiting.
+"""Limit linear algebra to a single thread, so that results do not depend on the machine.
 
-Sums that several threads share come out in another order than those of one, so that their
-last bits depend on the machine. The matrices here are small as well: threads that wait for
-one another on a busy machine take twenty times longer than one alone.
+Several threads sum in a different order than a single thread, so that the last bits depend on the
+number of cores. The matrices of kilter are also small. On a busy machine, several threads wait for
+each other and take up to twenty times longer than a single thread.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ Given = ParamSpec("Given")
 Result = TypeVar("Result")
 
 Numbers = list[tuple[Any, int]]
-"""Libraries, and how many threads each is given."""
+"""Pairs of a library and its number of threads."""
 VARIABLES = (
     "OMP_NUM_THREADS",
     "OPENBLAS_NUM_THREADS",
@@ -30,25 +30,24 @@ VARIABLES = (
     "BLIS_NUM_THREADS",
     "VECLIB_MAXIMUM_THREADS",
 )
-"""Where libraries of linear algebra look, when they are loaded, for how many threads to make."""
+"""Environment variables from which libraries read their number of threads when they are loaded."""
 
 
 def make_no_threads() -> None:
-    """Have libraries that are loaded from now on make no threads, here and in child processes.
+    """Set the environment so that libraries create no threads, here and in child processes.
 
-    For a program before it loads numpy: threads that are made cost a fifth of a second, also
-    where nothing is given to them. What the environment says already stays.
+    Call it before numpy is loaded. Creating the threads takes a fifth of a second, even if they
+    are never used. Variables that are already set keep their values.
     """
     for name in VARIABLES:
         os.environ.setdefault(name, "1")
 
 
 def on_one_thread(function: Callable[Given, Result]) -> Callable[Given, Result]:
-    """The function, with one thread for linear algebra while it runs; as before afterwards.
+    """Decorate a function so that linear algebra uses a single thread while the function runs.
 
-    A call within another one, on the same thread, finds it set and costs nothing. The number is
-    that of the whole process: of calls on several threads the first sets it, and the last that
-    ends puts back what was.
+    A nested call on the same thread costs nothing. The setting applies to the whole process: among
+    calls on several threads, the first call sets it and the last call restores the former value.
     """
 
     @wraps(function)
@@ -69,9 +68,10 @@ def on_one_thread(function: Callable[Given, Result]) -> Callable[Given, Result]:
 
 
 class _Limit:
-    """One thread from the first call that begins to the last that ends, whichever these are.
+    """Sets a single thread at the first call and restores the former numbers after the last.
 
-    Libraries on OpenMP have a number for each thread, which every call sets and puts back.
+    Libraries on OpenMP have a separate number for each calling thread, so that every call sets and
+    restores it.
     """
 
     def __init__(self) -> None:
@@ -80,39 +80,45 @@ class _Limit:
         self._shared: Numbers = []
 
     def begin(self) -> Numbers:
-        """Set one thread; what the caller itself has to put back."""
+        """Set a single thread; returns the numbers that this caller must restore."""
         with self._lock:
             libraries = _libraries().lib_controllers
-            own = [(one, one.get_num_threads()) for one in libraries if _of_each(one)]
+            per_thread = [
+                (library, library.get_num_threads())
+                for library in libraries
+                if _is_per_thread(library)
+            ]
             if self._calls == 0:
-                others = [one for one in libraries if not _of_each(one)]
-                self._shared = [(one, one.get_num_threads()) for one in others]
-                _set([(one, 1) for one in others])
+                others = [library for library in libraries if not _is_per_thread(library)]
+                self._shared = [(library, library.get_num_threads()) for library in others]
+                _set([(library, 1) for library in others])
             self._calls += 1
-            _set([(one, 1) for one, _ in own])
-            return own
+            _set([(library, 1) for library, _ in per_thread])
+            return per_thread
 
-    def end(self, own: Numbers) -> None:
+    def end(self, per_thread: Numbers) -> None:
+        """Restore the numbers of this caller, and after the last call those of the process."""
         with self._lock:
             self._calls -= 1
-            _set(own + ([] if self._calls else self._shared))
+            _set(per_thread + ([] if self._calls else self._shared))
 
     def begin_anew(self) -> None:
-        """In a process that was just forked: of all calls it has at most that which forked it."""
+        """Correct the count in a forked process: only the call that forked can still be running."""
         self._lock = threading.Lock()
         if self._calls and not _running.inside:
             _set(self._shared)
         self._calls = int(_running.inside)
 
 
-def _of_each(library: Any) -> bool:
-    """Whether each thread has a number of its own."""
+def _is_per_thread(library: Any) -> bool:
+    """Whether a library has a separate number of threads for each calling thread."""
     return "openmp" in (library.user_api, getattr(library, "threading_layer", None))
 
 
 def _set(numbers: Numbers) -> None:
+    """Set the number of threads of each library."""
     for library, number in numbers:
-        # newer ones of threadpoolctl hear the thread alone that was the first to set a number
+        # newer versions of threadpoolctl accept changes only from the thread of the first change
         release = getattr(library, "clear_controlling_thread", None)
         if release is not None:
             release(force=True)
@@ -127,7 +133,7 @@ if hasattr(os, "register_at_fork"):
 
 
 class _Running(threading.local):
-    """Whether this thread is inside a call that needs one thread."""
+    """Whether the current thread is inside a call of a decorated function."""
 
     inside = False
 
@@ -141,6 +147,6 @@ def _libraries() -> threadpoolctl.ThreadpoolController:
     import threadpoolctl
 
     if not all(os.environ.get(name) == "1" for name in VARIABLES):
-        import scipy.linalg  # noqa: F401  (its own library is loaded with it)
+        import scipy.linalg  # noqa: F401  (loads the library that scipy contains)
 
     return threadpoolctl.ThreadpoolController()

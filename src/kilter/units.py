@@ -1,7 +1,7 @@
 """Units of length: metres in one unit of a file.
 
-Lengths, areas and volumes are kept in the unit of the file. Everything else is SI, so a
-gravity of 9.81 m/s^2 is ``9.81 / metres_per_unit`` file units per second squared.
+Lengths, areas and volumes keep the unit of the file. Everything else is in SI units. A gravity of
+9.81 m/s^2 is therefore ``9.81 / metres_per_unit`` file units per second squared.
 """
 
 from __future__ import annotations
@@ -11,10 +11,11 @@ from kilter.errors import InputError
 __all__ = ["METRES", "metres_per_unit"]
 
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
+"""Length of each unit [m]."""
 
 
 def metres_per_unit(units: str) -> float:
-    """Metres in one unit of length [m].
+    """Length of a unit [m].
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Checks of what users hand over: numbers, arrays of a shape, sizes within range."""
+"""Validation of user input: numbers, arrays of a given shape, sizes within range."""
 
 from __future__ import annotations
 
@@ -13,16 +13,26 @@ from kilter.errors import InputError
 __all__ = ["LARGEST", "finite", "frozen", "in_range", "number"]
 
 LARGEST = 1e100
-"""Numbers above this, or below its inverse, are taken for mistakes."""
+"""Numbers with a size above this, or below its inverse, are rejected [any unit]."""
 
 
 def number(value: Any, what: str, *, lowest: float = -np.inf, above: bool = False) -> float:
-    """`value` as a finite float, at least (or above) `lowest`, and in range.
+    """Convert a value to a finite float that is at least `lowest` and in range.
+
+    Parameters
+    ----------
+    value : Any
+    what : str
+        Name of the value for the message.
+    lowest : float
+        Least allowed value.
+    above : bool
+        Exclude `lowest` itself.
 
     Raises
     ------
     InputError
-        If it is none; it names `what`.
+        If the value is not such a number.
     """
     bound = f"{'above' if above else 'at least'} {lowest:g}" if lowest > -np.inf else "finite"
     hint = f"give a number {bound}" if lowest > -np.inf else "give a finite number"
@@ -39,14 +49,15 @@ def number(value: Any, what: str, *, lowest: float = -np.inf, above: bool = Fals
 
 
 def in_range(values: Any, what: str, *, tiny: bool = False) -> None:
-    """Refuse numbers so large or small that no digit of an answer would be right.
+    """Reject numbers of a size at which float64 computations lose all digits.
 
     Parameters
     ----------
     values : array_like
     what : str
+        Name of the values for the message.
     tiny : bool
-        However small they may be: places, where the size is asked of the differences.
+        Allow small numbers; for positions, of which only the differences need a size.
 
     Raises
     ------
@@ -57,17 +68,25 @@ def in_range(values: Any, what: str, *, tiny: bool = False) -> None:
     if size > LARGEST or (0 < size < 1 / LARGEST and not tiny):
         raise InputError(
             f"{what} is of size {size:g}, out of range",
-            hint="check its unit: sizes from 1e-100 to 1e100 are read",
+            hint="check its unit: sizes from 1e-100 to 1e100 are allowed",
         )
 
 
 def frozen(values: ArrayLike, shape: tuple[int, ...] | None = None, what: str = "") -> Array:
-    """A read-only float64 copy of `values`.
+    """Copy values to a read-only float64 array.
+
+    Parameters
+    ----------
+    values : array_like
+    shape : tuple of int, optional
+        Required shape; -1 allows any length.
+    what : str
+        Name of the values for the message.
 
     Raises
     ------
     InputError
-        If the values are not numbers of the given shape (-1 = any length); it names `what`.
+        If the values are not numbers, or have another shape.
     """
     name = f"{what}: " if what else ""
     try:
@@ -84,12 +103,12 @@ def frozen(values: ArrayLike, shape: tuple[int, ...] | None = None, what: str = 
 
 
 def finite(values: ArrayLike, shape: tuple[int, ...], what: str) -> Array:
-    """`frozen`, and every number finite.
+    """Copy values to a read-only float64 array, as `frozen`, and require finite numbers.
 
     Raises
     ------
     InputError
-        As `frozen`; or if a number is not finite; it names `what`.
+        If a number is not finite, or for the reasons of `frozen`.
     """
     array = frozen(values, shape, what)
     if not np.isfinite(array).all():
@@ -98,6 +117,7 @@ def finite(values: ArrayLike, shape: tuple[int, ...], what: str) -> Array:
 
 
 def _fits(shape: tuple[int, ...], wanted: tuple[int, ...]) -> bool:
+    """Whether a shape equals the wanted shape, in which -1 allows any length."""
     return len(shape) == len(wanted) and all(
         n in (-1, m) for n, m in zip(wanted, shape, strict=True)
     )

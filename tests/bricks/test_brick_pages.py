@@ -42,7 +42,7 @@ def test_the_page_says_and_shows_which_brick_to_add(tmp_path: Path) -> None:
 def test_the_page_of_what_stands_lists_what_is_still_taken(tmp_path: Path) -> None:
     found = everything(stair(tmp_path / "stair.txt", 3))
     page = render(found, "stair")
-    assert "Loads that are still taken (3)" in page
+    assert "Load capacities (3)" in page
     assert "Changes tried" in page
     assert [one["part"] for one in found.margin["loads"]] == ["2x4-1", "2x4-2", "2x4-3"]
 
@@ -54,7 +54,7 @@ def test_a_brick_to_take_away_is_the_part_of_the_page(tmp_path: Path) -> None:
     found = replace(found, change=replace(found.change, best=removed))
     part = build_scene(found)["change"]["part"]
     assert assembly.names[part] == removed.name
-    assert "Show the brick to take away" in render(found, "stair")
+    assert "Show the brick to remove" in render(found, "stair")
 
 
 def test_large_models_say_that_it_is_left_out_unless_it_is_asked_for(
@@ -73,4 +73,4 @@ def test_other_assemblies_have_nothing_to_change() -> None:
     found = everything(kilter.example("tower"))
     assert found.change is None
     assert not any("brick" in note for note in found.notes)
-    assert "What to change" not in render(found, "tower")
+    assert "Recommended change" not in render(found, "tower")

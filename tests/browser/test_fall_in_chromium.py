@@ -75,7 +75,7 @@ def test_without_shapes_the_page_shows_how_it_begins(opened: Callable) -> None:
     page = opened(next(case for case in CASES if case.number == "02").build(0.0))
     assert page.js("document.getElementById('fall').hidden") is True
     assert page.js("document.getElementById('motion').disabled") is False
-    assert page.js("document.getElementById('motion-label').textContent") == "how it begins to fall"
+    assert page.js("document.getElementById('motion-label').textContent") == "start of the fall"
     before = np.array(page.js(ROWS))
     page.slide("motion", 1.0)
     assert np.abs(np.array(page.js(ROWS)) - before).max() > 1e-2

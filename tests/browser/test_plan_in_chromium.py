@@ -35,7 +35,7 @@ def test_it_plays_from_the_base_to_the_whole(
     built: kilter.Order, opened: Callable, tmp_path: Path
 ) -> None:
     page = opened(page_of(built, tmp_path))
-    assert page.text("when") == "put together"
+    assert page.text("when") == "assembled"
     assert len(page.js(SHOWN)) == 11
     page.page.select_option("#pace", "4")
     page.page.click("#play")
@@ -44,7 +44,7 @@ def test_it_plays_from_the_base_to_the_whole(
     page.until("window.kilter.time > 4.5")
     assert page.text("play") == "Pause"
     page.until("document.getElementById('play').textContent === 'Play'", 60)
-    assert page.text("when") == "put together"
+    assert page.text("when") == "assembled"
     assert len(page.js(SHOWN)) == 11
 
 

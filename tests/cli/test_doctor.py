@@ -58,7 +58,7 @@ def test_a_solver_that_answers_wrong_is_seen(name: str, monkeypatch: pytest.Monk
         return found
 
     monkeypatch.setattr(home, verb, wrong)
-    look = health._look(name, health._ASKED[name])
+    look = health._look(name, health._CHECKS[name])
     assert look.state == "broken"
     assert "optimal: [" in look.found
 

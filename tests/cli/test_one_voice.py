@@ -139,7 +139,7 @@ def test_the_greatest_force_is_one_number_everywhere(
     assert f'"force_words":"{phrase}"' in kilter.report(arch, effort=0).html
     pytest.importorskip("matplotlib")
     kilter.draw(verdict, tmp_path / "arch.svg")
-    assert f"greatest {number[1]}" in (tmp_path / "arch.svg").read_text(encoding="utf-8")
+    assert f"largest {number[1]}" in (tmp_path / "arch.svg").read_text(encoding="utf-8")
 
 
 def test_the_page_orients_as_orient_does_with_friction(monkeypatch: pytest.MonkeyPatch) -> None:

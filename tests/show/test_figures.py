@@ -149,9 +149,9 @@ def test_a_ball_that_falls_is_outlined_where_it_comes_to() -> None:
     ]
     off = np.concatenate(drawn.get_segments()) - [0.9, 1.2]
     assert np.linalg.norm(off, axis=1) == pytest.approx(0.5, abs=0.01)
-    assert "where a push leads, without friction" in words(figure)
-    assert "where a push leads, without friction" in words(kilter.draw(verdict))
-    assert "where a push leads, without friction" not in words(draw_assembly(verdict))
+    assert "after a small push, without friction" in words(figure)
+    assert "after a small push, without friction" in words(kilter.draw(verdict))
+    assert "after a small push, without friction" not in words(draw_assembly(verdict))
 
 
 @pytest.mark.parametrize("down", [[0, 0, 1], [1, 0, 0], [0.3, -0.5, 0.2]])

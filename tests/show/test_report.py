@@ -226,7 +226,7 @@ def test_who_calls_it_by_another_name_is_told_nothing() -> None:
             own = [line.format(port=server.port) for line in host]
             for path in ("/", "/version"):
                 code, _, body = said(server, f"GET {path} HTTP/1.0", *own)
-                assert (code, body) == (403, "only for this machine\n"), host
+                assert (code, body) == (403, "this page is served to this machine only\n"), host
         code, _, body = said(server, "GET / HTTP/1.0", f"Host: 127.0.0.1:{server.port}")
         assert (code, body) == (200, "<p>secret")
 
@@ -281,14 +281,14 @@ def test_view_says_that_its_port_is_taken(capsys: pytest.CaptureFixture[str]) ->
         port = str(server.port)
         assert main(["view", "tower.kilter.json", "--port", port, "--no-browser"]) == 2
     error = capsys.readouterr().err
-    assert error.startswith(f"kilter: port {port} cannot be had")
+    assert error.startswith(f"kilter: port {port} is not available")
     assert error.count("\n") == 1
 
 
 def test_a_port_that_is_taken_is_named() -> None:
     with (
         PageServer("page") as server,
-        pytest.raises(InputError, match=f"port {server.port} cannot"),
+        pytest.raises(InputError, match=f"port {server.port} is not available"),
     ):
         PageServer("other", server.port)
 

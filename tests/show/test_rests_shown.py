@@ -33,7 +33,7 @@ def test_the_page_marks_each_place_of_rest_with_the_words_of_the_answer() -> Non
     assert [one["words"] for one in marked] == [rest_words(one) for one in rests]
     assert [one["state"] for one in marked] == ["minimum", "free", "free", "free"]
     assert marked[0]["down"] == pytest.approx(rests[0]["down"])
-    assert "How it rests (4)" in page
+    assert "Rest directions (4)" in page
     for row in rest_table({"rests": rests}).rows(9):
         assert all(f"<td>{cell}</td>" in page for cell in row)
 
@@ -65,7 +65,7 @@ def test_the_figure_marks_them_where_they_were_asked(mu: float) -> None:
 def test_with_friction_the_page_marks_none() -> None:
     page = render(everything(corner(0.3)), title="rests", command="")
     assert data_of(page)["region"]["rests"] == []
-    assert "How it rests" not in page
+    assert "Rest directions" not in page
 
 
 def test_many_parts_are_not_asked() -> None:

@@ -1,4 +1,4 @@
-// Arrows: forces and motions as instances of one shape each, drawn over the parts.
+// Arrows of forces and motions, drawn over the parts as instances of a few shapes.
 
 import {
   BackSide,
@@ -20,7 +20,7 @@ import { arrow as arrowVertex, arrowFace } from "./shaders.js";
 const SIDES = 8;
 const UP = new Vector3(0, 1, 0);
 
-/** Triangles of a body of revolution about y, from radii and heights, along `path`. */
+/** Geometry of a body of revolution about y; `profile` lists pairs of radius and height. */
 function lathe(profile) {
   const [positions, index] = [[], []];
   for (const [r, y] of profile) {
@@ -35,10 +35,11 @@ function lathe(profile) {
       index.push(a, a + SIDES, b, b, a + SIDES, b + SIDES);
     }
   }
-  return made(positions, index);
+  return toGeometry(positions, index);
 }
 
-function made(positions, index) {
+/** A geometry from flat lists of coordinates and of triangle corners. */
+function toGeometry(positions, index) {
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(new Float32Array(positions), 3));
   geometry.setIndex(index);
@@ -68,7 +69,7 @@ export const rod = () =>
 export const ball = () =>
   lathe(Array.from({ length: 9 }, (_, k) => [Math.sin((Math.PI * k) / 8), -Math.cos((Math.PI * k) / 8)]));
 
-/** Three quarters of a turn about y, at radius 1, with a head. */
+/** An arrow along three quarters of a turn about y, at radius 1. */
 export function round() {
   const [positions, index] = [[], []];
   const steps = 28;
@@ -89,10 +90,10 @@ export function round() {
       index.push(a, a + 6, b, b, a + 6, b + 6);
     }
   }
-  return made(positions, index);
+  return toGeometry(positions, index);
 }
 
-/** Arrows, or balls, of one colour, of which `set` shows a list. */
+/** Arrows, rods or balls of one colour; `set` replaces the list that is shown. */
 export class Arrows {
   constructor() {
     this.material = painted(false);
@@ -102,9 +103,10 @@ export class Arrows {
   }
 
   /**
-   * Show arrows: `straight` and `round` are lists of {at, along, size, wide}; `along` need not
-   * be of length 1; `wide` is the size that gives its thickness. Of a `ball`, `size` is the radius.
-   * `tint` goes from the colour, 0, to the second one, 1.
+   * Replace the arrows. `lists` maps the name of a shape to a list of {at, along, size, wide}.
+   * `along` need not be of length 1. `size` is the length of a straight arrow and the radius of
+   * a ball; `wide` is the length of the arrow that would have this thickness. `tint` blends from
+   * the first colour, 0, to the second colour, 1.
    */
   set(lists) {
     for (const child of [...this.group.children]) {
@@ -139,12 +141,12 @@ function tinted(shape, list) {
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", shape.getAttribute("position"));
   geometry.setIndex(shape.getIndex());
-  const tints = new Float32Array(list.map((one) => Math.min(1, one.tint || 0)));
+  const tints = new Float32Array(list.map((arrow) => Math.min(1, arrow.tint || 0)));
   geometry.setAttribute("tint", new InstancedBufferAttribute(tints, 1));
   return geometry;
 }
 
-/** Colour lit a little, or the rim: the back faces of a thicker arrow, in one colour. */
+/** Material of an arrow, slightly shaded; `plain`: of its halo, the back faces of a thicker arrow. */
 const painted = (plain) =>
   new ShaderMaterial({
     glslVersion: GLSL3,

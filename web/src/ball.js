@@ -1,5 +1,5 @@
-// The gravity ball: the directions of gravity as a sphere, the stable ones on it, an arrow.
-// The ball lies in the frame of the assembly; the arrow shows where gravity pulls.
+// The gravity ball: the sphere of directions of gravity with the stable region and an arrow.
+// The ball is in the frame of the assembly; the arrow points in the direction of gravity.
 
 import { innerOf, outerOf } from "./answer.js";
 import { along, arcs, contains, isThin, outline } from "./cone.js";
@@ -9,14 +9,14 @@ import { paintRests, restAt } from "./rests.js";
 import { eyeFor, inPlane, onDisc, sphereView, underPoint } from "./sphere.js";
 import { angleBetween, cross, dot, norm, scaled, turnedAbout, unit, without } from "./vector.js";
 
-const EDGE = 30; // pixels around the disc
-const KNOB = 23; // from its middle, clear of the knob of gravity and of half a name [CSS pixels]
-const REACH = 24; // pixels around the knob that still take hold of it
-const SEEN_DEG = 0.5; // a gap between inner and outer cone that is narrower is one line
-const STEP = Math.PI / 90; // of the arrow keys, 2 degrees; a tenth with shift
+const EDGE = 30; // margin around the disc [CSS px]
+const KNOB = 23; // names of axes keep this distance from the knob of gravity [CSS px]
+const REACH = 24; // a pointer within this distance takes hold of the knob [CSS px]
+const SEEN_DEG = 0.5; // a narrower gap between inner and outer cone is drawn as one line [deg]
+const STEP = Math.PI / 90; // turn per arrow key [rad]; a tenth of it with Shift
 
 export class Ball {
-  /** `turned(direction, how)` is called as the arrow is dragged, set or moved by keys. */
+  /** `turned(direction, how, step)` is called when the user moves the arrow; `how`: pointer or key. */
   constructor(canvas, page, turned) {
     Object.assign(this, { canvas, page, turned });
     this.above = scaled(unit(page.given.down), -1);
@@ -35,7 +35,7 @@ export class Ball {
     return sphereView(this.above, ...this.eye);
   }
 
-  /** The arrow at a direction; the ball turns to show it where `follow`. */
+  /** Set the arrow to a direction; with `follow`, the ball turns so that the arrow is visible. */
   set(direction, follow = false) {
     this.down = direction;
     if (follow && !this.page.planar && dot(direction, this.view.front) < 0.12) {
@@ -45,7 +45,7 @@ export class Ball {
     this.draw();
   }
 
-  /** Where a direction lies on the page [CSS pixels from the canvas's corner]. */
+  /** Position of a direction on the canvas [CSS px], and whether it is on the near side. */
   place(direction) {
     const [x, y, z] = onDisc(this.view, direction);
     const { middle, radius } = this.frame();
@@ -93,7 +93,7 @@ export class Ball {
     }
   }
 
-  /** Over a place of rest its words are the canvas's title. */
+  /** Show the description of a rest direction under the pointer as the title of the canvas. */
   point(event) {
     const { x, y, direction } = this.under(event);
     const rest = Math.hypot(x, y) <= 1.05 ? restAt(this.rests, direction) : null;
@@ -126,7 +126,7 @@ export class Ball {
     const way = ways[event.key];
     if (!way || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();
-    // along the great circle that starts that way; at the edge, on round the back
+    // along the great circle that starts in this direction; at the edge, on to the far side
     let ahead = without(way, this.down);
     if (this.page.planar) ahead = without(ahead, [0, 1, 0]);
     if (norm(ahead) < 1e-3) ahead = without(scaled(front, -1), this.down);
@@ -174,11 +174,11 @@ export class Ball {
     this.paintArrow(c, style, true);
   }
 
-  /** The disc, pixel by pixel: inside the stable region, or coloured by instability. */
+  /** Paint the disc pixel by pixel: the stable region, or a colour for the instability. */
   paintLayer(dense, style) {
     const { side, middle, radius } = this.frame();
-    // half as fine while the ball is turned by hand, or where the map has many partitions:
-    // the arcs over it are exact at any size
+    // half the resolution while the ball is dragged or if the map has many vertices; the arcs
+    // of the boundary are drawn over it, exactly at any resolution
     const many = this.page.map && this.page.map.vertices.length > 180;
     const fine = ((this.drag && !this.drag.holds) || many ? 0.5 : 1) * dense;
     const pixels = Math.round(side * fine);
@@ -208,11 +208,11 @@ export class Ball {
     c.putImageData(image, 0, 0);
   }
 
-  /** The colour of a direction; `pixel`: its size as an angle, for smooth edges. */
+  /** A function from direction to colour; `pixel`: angle of a pixel [rad], for smooth edges. */
   painter(style, pixel) {
     const { region, map, planar } = this.page;
     const [stable, table] = [rgb(style("stable-fill")), rampOf(style)];
-    // without a map it is known that it moves, but not how much
+    // without a map the degree of instability is unknown: one plain colour
     const plain = region && region.outside === "unstable" ? "unstable-fill" : "blank";
     const blank = rgb(style(plain));
     const solid = region && region.dimension === 3 && !isThin(region, planar);
@@ -239,7 +239,7 @@ export class Ball {
     };
   }
 
-  /** A planar assembly's directions: a circle, coloured along its edge. */
+  /** Paint the directions of a planar assembly: a circle, coloured along its edge. */
   paintRing(c, style) {
     const { middle, radius } = this.frame();
     const paint = this.painter(style, 1e-6);
@@ -254,7 +254,7 @@ export class Ball {
     }
   }
 
-  /** Where the name of an axis goes: as wanted, or beside the knob of gravity where that is over it. */
+  /** Position for the name of an axis: as wanted, or beside the knob of gravity if it would cover the name. */
   beside(wanted, point) {
     const { side } = this.frame();
     const [x, y, z] = this.onCanvas(this.down);
@@ -291,7 +291,7 @@ export class Ball {
     });
   }
 
-  /** The boundary of the stable region: exact arcs, dashed on the far side. */
+  /** Paint the boundary of the stable region as exact arcs, dashed on the far side. */
   paintRegion(c, style) {
     if (!this.page.region) return;
     const { region } = this.page;
@@ -307,7 +307,7 @@ export class Ball {
     for (const arc of all) if (!arc.angle) this.dot(c, arc.u, style);
   }
 
-  /** Arcs in strokes of colour, width and whether in front; dashed on the far side. */
+  /** Paint arcs in several strokes, each [colour, width, on the near side]; the far side is dashed. */
   paintArcs(c, all, strokes) {
     const lines = all.filter((arc) => arc.angle).map((arc) => {
       const count = Math.max(2, Math.ceil(arc.angle / 0.02));
@@ -355,7 +355,7 @@ export class Ball {
     c.setLineDash([]);
   }
 
-  /** Small letters where the given and the recommended direction are. */
+  /** Mark the given and the recommended direction with the letters G and R. */
   paintMarks(c, style) {
     for (const [name, letter] of [
       ["given", "G"],
@@ -374,7 +374,7 @@ export class Ball {
     }
   }
 
-  /** The arrow of gravity; `above`: the part of it in front of the ball. */
+  /** Paint the arrow of gravity; `above`: whether this pass paints over the ball or under it. */
   paintArrow(c, style, above) {
     const { middle } = this.frame();
     const [x, y, z] = this.onCanvas(this.down);
@@ -418,6 +418,7 @@ export class Ball {
   }
 }
 
+/** Text with a light outline, readable on any background. */
 function halo(c, text, x, y, style) {
   c.textAlign = "center";
   c.textBaseline = "middle";

@@ -1,15 +1,15 @@
-// The numbers of one part, for the direction of gravity that is shown.
+// The facts of one part for the current direction of gravity.
 
 import { direction, force, number, short } from "./words.js";
 
-const LISTED = 12; // parts that it touches
+const LISTED = 12; // touching parts that are listed by name
 
-/** Terms and their values, as text. */
+/** Terms and values of part k, as text; lengths are in the units of the file. */
 export function factsOf(page, found, k) {
   const { parts, units, center } = page;
   const at = [0, 1, 2].map((i) => parts.center[3 * k + i] + center[i]);
   const moves = Boolean(found.moving && found.moving.includes(k));
-  const state = moves ? "moves" : found.moving ? "stays" : "not known";
+  const state = moves ? "moves" : found.moving ? "stays" : "unknown";
   const near = touching(page.patches.parts, k);
   const names = near.slice(0, LISTED).map((j) => short(parts.tails[j]));
   if (near.length > LISTED) names.push(`${near.length - LISTED} more`);
@@ -20,27 +20,27 @@ export function factsOf(page, found, k) {
     ["touches", names.join(", ") || "nothing"],
     ["state", parts.grounded[k] ? "held" : state],
   ];
-  if (moves && found.words) rows.push(["how", found.words[k]]);
+  if (moves && found.words) rows.push(["motion", found.words[k]]);
   else if (moves && found.motion) {
     const m = found.motion.subarray(6 * k, 6 * k + 6);
     rows.push(["dr", `${direction([...m.subarray(0, 3)])} ${units}`]);
     rows.push(["dθ", `${direction([...m.subarray(3, 6)])} rad`]);
   }
-  if (found.forces) rows.push(["pressed", `${force(pressed(found.forces, k))} in all`]);
+  if (found.forces) rows.push(["contact forces", `${force(pressed(found.forces, k))} in total`]);
   return rows;
 }
 
-/** The parts that a part has patches with. */
+/** Indices of the parts that share a contact patch with part k. */
 export function touching(pairs, k) {
-  const found = new Set();
+  const neighbours = new Set();
   for (let p = 0; p < pairs.length; p += 2) {
-    if (pairs[p] === k) found.add(pairs[p + 1]);
-    if (pairs[p + 1] === k) found.add(pairs[p]);
+    if (pairs[p] === k) neighbours.add(pairs[p + 1]);
+    if (pairs[p + 1] === k) neighbours.add(pairs[p]);
   }
-  return [...found];
+  return [...neighbours];
 }
 
-/** The sum of the sizes of the forces on a part [N]. */
+/** Sum of the magnitudes of the contact forces on part k [N]. */
 export function pressed({ parts, forces }, k) {
   let sum = 0;
   for (let p = 0; p < parts.length / 2; p += 1) {

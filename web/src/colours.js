@@ -1,4 +1,4 @@
-// Colours: instability from pale to dark (never by hue alone), and the style of the page.
+// Colours: instability from pale to dark (brightness, not hue alone), and the style of the page.
 
 /** The colour of an instability from 0 to 1 in a table of colours from light to dark. */
 export function ramp(share, table) {
@@ -7,10 +7,10 @@ export function ramp(share, table) {
   return table[k].map((c, i) => c + (at - k) * (table[k + 1][i] - c));
 }
 
-/** The table of the page's style. */
+/** The colour table of the page's style: rows of red, green, blue from 0 to 255. */
 export const rampOf = (style) => style("ramp").split(",").map((text) => rgb(text.trim()));
 
-/** The colours of the page's style, by their names there. */
+/** A function that returns a colour of the page's style by the name of its CSS variable. */
 export function themeOf(element) {
   const style = getComputedStyle(element);
   return (name) => style.getPropertyValue(`--${name}`).trim();

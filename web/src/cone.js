@@ -1,5 +1,5 @@
 // The cone of stable directions: C = {g : e.g = 0, q.g >= 0} = lines + sums of rays.
-// Directions nearer to the boundary than `blur` [rad] count as on it, as in kilter itself.
+// A direction within `blur` [rad] of the boundary counts as on it, as in the Python package.
 
 import { across, add, angleBetween, cross, dot, norm, scaled, unit, without } from "./vector.js";
 
@@ -15,8 +15,8 @@ export function contains(cone, direction) {
 
 /**
  * The angle from a direction inside to the nearest facet, within the span [rad]; a half turn
- * where there is no facet. The foot of a convex cone's nearest facet lies on the cone, so this
- * is the distance to the boundary.
+ * if the cone has no facet. The foot point on the nearest facet of a convex cone lies on the
+ * cone, so this is the distance to the boundary.
  */
 export function margin(cone, direction) {
   const u = unit(direction);
@@ -25,10 +25,10 @@ export function margin(cone, direction) {
   return Math.asin(Math.min(1, Math.max(0, least)));
 }
 
-/** Whether the cone is thinner than the space that gravity may turn in. */
+/** Whether the cone has a lower dimension than the space of directions. */
 export const isThin = (cone, planar) => cone.dimension < (planar ? 2 : 3);
 
-/** The unit direction of the cone nearest to a direction; null where the cone is empty. */
+/** The unit direction of the cone nearest to a direction; null if the cone is empty. */
 export function nearest(cone, direction) {
   if (cone.dimension === 0) return null;
   const u = unit(direction);
@@ -40,12 +40,12 @@ export function nearest(cone, direction) {
   if (inside.length) {
     return unit(inside.reduce((best, p) => (norm(p) > norm(best) ? p : best)));
   }
-  // more than a right angle away from all of it: the ray, or sense of a line, least far
+  // more than a right angle from the whole cone: the nearest ray, or sense of a line
   const ends = [...cone.rays, ...cone.lines, ...cone.lines.map((l) => scaled(l, -1))];
   return ends.reduce((best, p) => (dot(p, u) > dot(best, u) ? p : best));
 }
 
-/** The angle from a direction to the cone [rad], 0 inside; null where the cone is empty. */
+/** The angle from a direction to the cone [rad], 0 inside; null if the cone is empty. */
 export function distance(cone, direction) {
   if (contains(cone, direction)) return 0;
   const foot = nearest(cone, direction);
@@ -92,7 +92,7 @@ export function between(a, b) {
   return { u: a, v: norm(v) ? v : across(a), angle: angleBetween(a, b) };
 }
 
-/** A point of an arc. */
+/** The point of an arc at parameter t [rad]. */
 export const along = (arc, t) => add(scaled(arc.u, Math.cos(t)), scaled(arc.v, Math.sin(t)));
 
 /**
@@ -107,10 +107,10 @@ export function outline(facets) {
     for (const q of facets) {
       const [c, s] = [dot(q, a), dot(q, b)];
       if (q === facet || Math.hypot(c, s) < 1e-12) continue; // the same plane
-      const there = Math.atan2(s, c); // the half circle about it meets q
-      if (half === Math.PI) [middle, half] = [there, Math.PI / 2];
+      const centre = Math.atan2(s, c); // the half circle about it meets q
+      if (half === Math.PI) [middle, half] = [centre, Math.PI / 2];
       else {
-        const off = Math.atan2(Math.sin(there - middle), Math.cos(there - middle));
+        const off = Math.atan2(Math.sin(centre - middle), Math.cos(centre - middle));
         const [low, high] = [Math.max(-half, off - Math.PI / 2), Math.min(half, off + Math.PI / 2)];
         [middle, half] = [middle + (low + high) / 2, (high - low) / 2];
       }
@@ -122,22 +122,22 @@ export function outline(facets) {
 }
 
 /**
- * Shares s >= 0 with sum s_k d_k = direction, over directions d_k each of which holds; null
- * where there are none. Three at most are used, the first that fit.
+ * Weights s >= 0 with sum s_k d_k = direction, as pairs [k, s_k]; null if no weights exist.
+ * At most three of the directions d_k get a weight; the first combination that fits is returned.
  */
 export function shares(downs, direction) {
   const u = unit(direction);
-  const fit = (chosen, found) => {
-    const sum = chosen.reduce((p, k, i) => add(p, scaled(downs[k], found[i])), [0, 0, 0]);
+  const weightsOf = (chosen, weights) => {
+    const sum = chosen.reduce((p, k, i) => add(p, scaled(downs[k], weights[i])), [0, 0, 0]);
     const off = norm(add(sum, scaled(u, -1)));
-    return found.every((s) => s >= -1e-9) && off < 1e-7
-      ? chosen.map((k, i) => [k, Math.max(0, found[i])])
+    return weights.every((s) => s >= -1e-9) && off < 1e-7
+      ? chosen.map((k, i) => [k, Math.max(0, weights[i])])
       : null;
   };
   const n = downs.length;
   for (let i = 0; i < n; i += 1) {
-    const one = fit([i], [dot(downs[i], u)]);
-    if (one) return one;
+    const single = weightsOf([i], [dot(downs[i], u)]);
+    if (single) return single;
   }
   for (let i = 0; i < n; i += 1) {
     for (let j = i + 1; j < n; j += 1) {
@@ -145,8 +145,8 @@ export function shares(downs, direction) {
       const det = 1 - c * c;
       if (det < 1e-12) continue;
       const [a, b] = [dot(downs[i], u), dot(downs[j], u)];
-      const two = fit([i, j], [(a - c * b) / det, (b - c * a) / det]);
-      if (two) return two;
+      const pair = weightsOf([i, j], [(a - c * b) / det, (b - c * a) / det]);
+      if (pair) return pair;
     }
   }
   for (let i = 0; i < n; i += 1) {
@@ -157,8 +157,8 @@ export function shares(downs, direction) {
         if (Math.abs(det) < 1e-9) continue;
         const a = dot(cross(downs[j], downs[k]), u) / det;
         const b = dot(cross(downs[k], downs[i]), u) / det;
-        const three = fit([i, j, k], [a, b, dot(w, u) / det]);
-        if (three) return three;
+        const triple = weightsOf([i, j, k], [a, b, dot(w, u) / det]);
+        if (triple) return triple;
       }
     }
   }

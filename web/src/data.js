@@ -26,7 +26,7 @@ export function unpacked(value) {
   return Object.fromEntries(Object.entries(value).map(([k, v]) => [k, unpacked(v)]));
 }
 
-/** The data of this page; null where there is nothing to draw. */
+/** The data of this page; null if the page has no picture. */
 export function pageData(text) {
   const data = unpacked(JSON.parse(text));
   if (data) data.parts.tails = tailsOf(data.parts.names);

@@ -1,18 +1,18 @@
-// How what is balanced falls: places along its path, and the graph of its energy. Without friction.
+// The fall of a balanced assembly without friction: positions along its path, graph of its energy.
 
 import { turn } from "./pose.js";
 import { energy, number } from "./words.js";
 
-const WIDE = 360; // of the graph, in its own units; the page scales it
+const WIDE = 360; // width of the graph in its own units; the page scales it
 const HIGH = 112;
 const EDGE = { left: 8, right: 8, top: 20, bottom: 20 };
 const FRICTION = {
-  open: "Drawn as it slides without friction.",
-  holds: "Drawn as it would slide without.",
-  falls: "Drawn as it slides without friction; with friction it rolls.",
+  open: "The drawing shows the fall without friction.",
+  holds: "The drawing shows how the parts would slide without friction.",
+  falls: "The drawing shows the parts sliding without friction; with friction they roll.",
 };
 
-/** Between which places a share of the way lies, and how far between them. */
+/** Locate a share of the path: [index of the next place, share between the places, length]. */
 function between(lengths, share) {
   const last = lengths.length - 1;
   const length = Math.max(0, Math.min(1, share)) * lengths[last];
@@ -23,8 +23,8 @@ function between(lengths, share) {
 }
 
 /**
- * Where the parts are after a share of the way: `shifts` of their centres of mass and `turns`, as
- * quaternions, one for each of `fall.parts`; how far, and the energy there [J].
+ * Positions of the falling parts after a share of the path: `shifts` of the centres of mass and
+ * `turns` as quaternions, in the order of `fall.parts`; also the length and the energy [J].
  */
 export function fallen(fall, share) {
   const { motions, energies, lengths } = fall.places;
@@ -40,7 +40,7 @@ export function fallen(fall, share) {
   };
 }
 
-/** By how much parts that have fallen reach farther out of a box about the middle than at rest. */
+/** How much farther the fallen parts reach out of the view's box than at rest, per axis. */
 export function overhang(fall, { center, radius }, extent, shifts) {
   const beyond = (k, i, shift) => Math.max(0, Math.abs(center[3 * k + i] + shift) + radius[k] - extent[i]);
   return [0, 1, 2].map((i) =>
@@ -48,16 +48,16 @@ export function overhang(fall, { center, radius }, extent, shifts) {
   );
 }
 
-/** How far it has fallen after a share of the time: ever faster. */
+/** Share of the path after a share of the time; the fall accelerates evenly. */
 export const paced = (time) => Math.min(1, Math.max(0, time)) ** 2;
 
-/** What is said of a place, or of the whole way. */
+/** Words for a place of the path: its length and its energy. */
 export const placeWords = (units, { length, energy: joules }) =>
-  `${number(length, 3)} ${units} along, energy ${energy(joules).replace("-", "−")}`;
+  `${number(length, 3)} ${units} along the path, energy ${energy(joules).replace("-", "−")}`;
 
 export const frictionWords = (fall) => FRICTION[fall.friction];
 
-/** Points of the line of energy over the way, and where one of them is, in units of the graph. */
+/** The energy over the path in units of the graph: `points`, and `place`, which maps a point. */
 export function line({ energies, lengths }) {
   const last = lengths.length - 1;
   const least = energies[last];
@@ -69,7 +69,7 @@ export function line({ energies, lengths }) {
   return { place, points: Array.from(lengths, (length, k) => place(length, energies[k])) };
 }
 
-/** The graph of energy as it falls, with a mark that goes along it. */
+/** The graph of the energy during the fall, with a mark at the current position. */
 export class Graph {
   constructor(svg, fall, units) {
     const { energies, lengths } = fall.places;
@@ -84,15 +84,15 @@ export class Graph {
     const path = points.map((p) => p.map((c) => c.toFixed(2)).join(" ")).join("L");
     this.place = place;
     this.mark = svg.querySelector(".mark");
-    svg.setAttribute("aria-label", `Energy as it falls: at its end ${placeWords(units, end)}`);
+    svg.setAttribute("aria-label", `Energy during the fall; at the end: ${placeWords(units, end)}`);
     put(".axis", `M${left} ${HIGH - EDGE.bottom}V${top}H${WIDE - EDGE.right}`);
     put(".under", `M${path}V${top}H${left}Z`);
     put(".energy", `M${path}`);
-    say(".far", `${number(end.length, 3)} ${units} along`);
+    say(".far", `${number(end.length, 3)} ${units} along the path`);
     say(".least", energy(end.energy).replace("-", "−"));
   }
 
-  /** Put the mark where it has fallen to. */
+  /** Move the mark to a position of the fall. */
   show({ length, energy: joules }) {
     const [x, y] = this.place(length, joules);
     this.mark.setAttribute("cx", x);

@@ -1,4 +1,4 @@
-// A part that is not there: the brick to add, in one colour with dark edges.
+// The brick to add, which is not part of the assembly: in one colour with dark edges.
 
 import { BufferAttribute, BufferGeometry, Group, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial } from "three";
 
@@ -14,7 +14,7 @@ export class Ghost {
     this.group.visible = false;
   }
 
-  /** Its shape, and where its middle is in the frame of the assembly. */
+  /** Set the shape, and the position of its middle in the frame of the assembly. */
   set({ positions, triangles, edges }, at) {
     const vertices = new BufferAttribute(new Float32Array(positions), 3);
     for (const [mesh, index] of [[this.faces, triangles], [this.edges, edges]]) {

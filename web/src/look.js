@@ -1,4 +1,4 @@
-// What every page does: the picture, its controls, names, picking, light and dark.
+// The common base of all pages: picture, controls, name labels, selection, light and dark.
 
 import { factsOf } from "./card.js";
 import { themeOf } from "./colours.js";
@@ -6,13 +6,13 @@ import { Names } from "./names.js";
 import { openMarks } from "./overlay.js";
 import { Stage } from "./stage.js";
 
-const NAMED = 14; // up to so many parts bear their names from the start
-const PATCHES = 40; // and so many patches are shown
+const NAMED = 14; // names are shown at first for up to this many parts
+const PATCHES = 40; // contacts are shown at first for up to this many patches
 
 export const id = (name) => document.getElementById(name);
 export const on = (name, type, action) => id(name).addEventListener(type, action);
 
-/** A page; `repose` places parts, arrows and names as the controls have them. */
+/** A page; its `repose` places parts, arrows and names for the current controls. */
 export class Look {
   constructor(page) {
     this.page = page;
@@ -22,12 +22,12 @@ export class Look {
       this.stage = new Stage(id("picture"), page);
     } catch (error) {
       id("no-picture").hidden = false;
-      id("no-picture").textContent = `No picture: ${error.message}`;
+      id("no-picture").textContent = `No picture can be drawn: ${error.message}`;
     }
     this.names = this.stage && new Names(id("names"), this.stage);
   }
 
-  /** Draw for the first time, once all is in its place. */
+  /** Draw for the first time, when the set-up is complete. */
   begin() {
     this.theme();
     if (this.stage) {
@@ -39,6 +39,7 @@ export class Look {
 
   // controls --------------------------------------------------------------------------
 
+  /** Connect the controls that all pages have. */
   look() {
     const { page } = this;
     on("explode", "input", () => this.slide("apart", "explode", 1.6));
@@ -74,25 +75,26 @@ export class Look {
       id("picture").scrollIntoView({ block: "nearest" });
     });
     if (!this.stage) {
-      for (const one of document.querySelectorAll(".tools input, .tools select, .tools button")) one.disabled = true;
+      for (const control of document.querySelectorAll(".tools input, .tools select, .tools button")) control.disabled = true;
       return;
     }
     id("show-names").checked = page.parts.names.length <= NAMED;
     const { start, kinds } = page.patches;
-    // points of studs would hide the bricks
+    // the contact points of studs would hide the bricks
     id("show-contacts").checked = start.length - 1 <= PATCHES && kinds.join() !== "bond";
     this.stage.parts.patches.visible = id("show-contacts").checked;
     this.label();
     this.picking();
   }
 
+  /** Take over the value of a slider, scaled to `most`. */
   slide(key, name, most = 1) {
     this[key] = most * Number(id(name).value);
     if (key === "apart" && this.stage) this.stage.spread(this.spreading());
     this.repose();
   }
 
-  /** Half lengths of the box around the parts, as far apart as they are pulled. */
+  /** Half lengths of the box around the parts, pulled apart by the explode slider. */
   spreading() {
     return this.page.extent.map((e) => (1 + this.apart) * e);
   }
@@ -102,7 +104,7 @@ export class Look {
     this.names.show(id("show-names").checked ? all.slice(0, 400) : []);
   }
 
-  /** Loads and open pairs, where the parts now are. */
+  /** Draw loads and open pairs at the current positions of the parts. */
   marks() {
     const { stage } = this;
     const { loads } = this.page;
@@ -167,7 +169,7 @@ export class Look {
     });
   }
 
-  /** Another key in the picture: whether it does something. */
+  /** Handle a further key in the picture; returns whether the page uses it. */
   key() {
     return false;
   }
@@ -229,9 +231,9 @@ export class Look {
     if (this.stage) this.stage.theme(themeOf(document.documentElement));
   }
 
-  // for tests and for the curious -----------------------------------------------------
+  // measurement -----------------------------------------------------------------------
 
-  /** Pictures a second over some pictures, each drawn in full from another side. */
+  /** Pictures per second over `pictures` pictures, each drawn in full from another side. */
   speed(pictures = 20) {
     const { renderer } = this.stage;
     const pixel = new Uint8Array(4);
@@ -248,7 +250,7 @@ export class Look {
   }
 }
 
-/** Terms and values as text in a list of facts. */
+/** Fill a description list with terms and values, set as text. */
 export function listFacts(list, facts) {
   list.replaceChildren(
     ...facts.flatMap(([term, value]) => {

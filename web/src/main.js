@@ -1,4 +1,4 @@
-// The page: which it is, by what its data hold.
+// Entry point: starts the page of a plan or of a report, depending on the data.
 
 import { pageData } from "./data.js";
 import { id } from "./look.js";

@@ -1,6 +1,6 @@
-// The stability map: z(g) = -max over the vertices q of q.g; the vertex says what moves.
+// The stability map: z(g) = -max over the vertices q of q.g; each vertex stores the motion.
 
-/** The vertex farthest along a direction, and how far: [position, q.g]. */
+/** The vertex farthest along a direction g: [its index, q.g]. */
 export function farthest(vertices, g) {
   let best = -1;
   let most = -Infinity;
@@ -17,7 +17,7 @@ export function farthest(vertices, g) {
 /** z over the mass of the free parts, never above 0. */
 export const zOverMass = (map, g) => Math.min(0, -farthest(map.vertices, g)[1] / map.mass);
 
-/** The largest -z/mass of any direction: the longest vertex. */
+/** The largest -z/mass over all directions: the length of the longest vertex over the mass. */
 export function deepest(map) {
   let most = 0;
   for (let k = 0; k < map.vertices.length; k += 3) {
@@ -26,7 +26,10 @@ export function deepest(map) {
   return most / map.mass;
 }
 
-/** Which parts move by more than a small part of the largest motion; `radius` a part. */
+/**
+ * Indices of the parts that move by more than `share` of the largest motion.
+ * `radius`: bounding radius of each part.
+ */
 export function movers(motion, radius, share = 1e-4) {
   const sizes = radius.map((r, k) => size(motion, k, r));
   const most = sizes.reduce((a, b) => Math.max(a, b), 0);
@@ -37,7 +40,7 @@ export function movers(motion, radius, share = 1e-4) {
   return moving;
 }
 
-/** How far the outermost point of a part goes: translation, or radius x rotation. */
+/** Size of a part's motion: the larger of translation and radius x rotation [length unit]. */
 export function size(motion, part, radius) {
   const m = motion.subarray(6 * part, 6 * part + 6);
   return Math.max(Math.hypot(m[0], m[1], m[2]), radius * Math.hypot(m[3], m[4], m[5]));

@@ -1,16 +1,16 @@
-// Names over the parts: each on its own part and on nothing of another.
+// Name labels over the picture: each label lies on its own part and covers no other part.
 
 import { short } from "./words.js";
 
-export const CELL = 4; // CSS pixels of a cell of the picture of numbers
-const REST = 140; // milliseconds without a new picture, after which names find their places
-const ROOM = 1; // cells around a name
+export const CELL = 4; // size of a cell of the picture of part numbers [CSS px]
+const REST = 140; // labels are placed anew after this time without a new picture [ms]
+const ROOM = 1; // margin around a label [cells]
 
 /**
- * Where a label goes: the middle of a field of `wide` x `high` cells that holds no cell of another
- * part, nor of `taken`, and is at least half on its own; wholly on its own if it can be, and near
- * `at`. `cells` has the number of the part in each cell, counted from 1, and 0 beside them. Null
- * where there is no such place.
+ * Position of a label: the middle of a rectangle of `wide` x `high` cells, or null if none fits.
+ * The rectangle contains no cell of another part and none of `taken`. At least half of it lies on
+ * the label's part, all of it if possible; among those, the one nearest to `at` is chosen. `cells`
+ * has the number of the part in each cell, counted from 1, and 0 for the background.
  */
 export function spotFor(cells, width, height, part, at, wide, high, taken) {
   const own = part + 1;
@@ -19,7 +19,7 @@ export function spotFor(cells, width, height, part, at, wide, high, taken) {
   const [left, top] = [Math.max(0, box[0] - wide), Math.max(0, box[1] - high)];
   const [right, bottom] = [Math.min(width, box[2] + wide + 1), Math.min(height, box[3] + high + 1)];
   const [w, h] = [right - left + 1, bottom - top + 1];
-  const mine = new Int32Array(w * h); // sums over all cells above and to the left
+  const mine = new Int32Array(w * h); // summed-area tables: counts above and to the left
   const others = new Int32Array(w * h);
   for (let y = 1; y < h; y += 1) {
     for (let x = 1; x < w; x += 1) {
@@ -46,6 +46,7 @@ export function spotFor(cells, width, height, part, at, wide, high, taken) {
   return best;
 }
 
+/** Bounding box of a part's cells as [left, top, right, bottom]; null if the part is not seen. */
 function boundsOf(cells, width, height, own) {
   const box = [Infinity, Infinity, -1, -1];
   for (let y = 0; y < height; y += 1) {
@@ -60,14 +61,14 @@ function boundsOf(cells, width, height, own) {
   return box[2] < 0 ? null : box;
 }
 
-/** Names as text; while the picture moves they go with their parts. */
+/** The labels as text elements. While the picture moves, they move with their parts. */
 export class Names {
   constructor(element, stage) {
     Object.assign(this, { element, stage });
     this.tags = new Map();
   }
 
-  /** Names for these parts. */
+  /** Replace the labels by those of the listed parts. */
   show(list) {
     this.element.replaceChildren();
     this.element.hidden = !list.length;
@@ -82,7 +83,7 @@ export class Names {
     this.settle();
   }
 
-  /** With their parts; once the picture rests, each finds a place of its own. */
+  /** Move the labels with their parts; place them anew once the picture rests. */
   place() {
     for (const [k, { element, off }] of this.tags) {
       const at = off && this.stage.onScreen(this.stage.parts.centre(k));
@@ -93,7 +94,7 @@ export class Names {
     if (this.tags.size) this.waiting = setTimeout(() => this.settle(), REST);
   }
 
-  /** A place for each name, the largest parts first. */
+  /** Find a position for each label, the largest parts first. */
   settle() {
     const { stage, tags } = this;
     if (!tags.size || !stage.size) return;
@@ -113,6 +114,7 @@ export class Names {
   }
 }
 
+/** Mark the cells under a placed label as taken. */
 function mark(taken, width, [x, y], wide, high) {
   for (let j = Math.round(y - high / 2); j < y + high / 2; j += 1) {
     taken.fill(1, j * width + Math.round(x - wide / 2), j * width + Math.round(x + wide / 2));

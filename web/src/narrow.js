@@ -1,8 +1,8 @@
-// Narrow windows: rows of tables as cards with the words of their columns, names by their tails.
+// Narrow windows: each table row becomes a card with the names of its columns; names are short.
 
 const NARROW = "(max-width: 480px)";
 
-/** Cells that know their column, names that are short where the window is narrow. */
+/** Label the table cells with their columns, and shorten names while the window is narrow. */
 export function readNarrow(page) {
   for (const table of document.querySelectorAll(".text table")) label(table);
   const tails = new Map();
@@ -22,7 +22,7 @@ function label(table) {
   }
 }
 
-/** Names as tails, or whole again. */
+/** Replace full names by their shortest unique tails, or restore them. */
 function rename(tails, narrow) {
   for (const element of document.querySelectorAll(".text .name, #margins .name")) {
     const whole = element.title || element.textContent;

@@ -1,12 +1,12 @@
-// What lies over the parts: arrows of motion and of forces, marks.
+// Drawings over the parts: arrows of motion and of forces, lines of thrust, marks of open pairs.
 
 import { reachOf } from "./pose.js";
 import { resultants, thrust } from "./resultant.js";
 import { norm, scaled } from "./vector.js";
 
-const MANY = 6000; // arrows of forces; above, the largest are shown
+const MANY = 6000; // with more force arrows, only the largest are shown
 
-/** Arrows along the motion of each moving part: straight, and round where it turns. */
+/** Arrows of the moving parts: straight for translation, round for rotation. */
 export function motionArrows(stage, motion, moving, long) {
   const lists = { straight: [], round: [] };
   const { radius } = stage.page.parts;
@@ -30,13 +30,14 @@ export function motionArrows(stage, motion, moving, long) {
 }
 
 /**
- * Arrows of contact forces, all to one scale: each on its second part, or, where that is hidden or
- * cut away, turned about on its first. `each`: at every point, not one a patch. Returns the
- * arrows, the largest force [N], what is shown, as {part, force} [N], and what all are.
+ * Arrows of the contact forces, all to one scale. An arrow acts on the second part of its pair;
+ * if that part is hidden or cut away, the opposite force on the first part is drawn. `each`: one
+ * arrow per point instead of one per patch. Returns `straight`, the arrows; `most`, the largest
+ * force [N]; `shown`, the forces that are drawn [N]; `all`, the resultants of all patches.
  */
 export function forceArrows(stage, forces, long, each = false) {
   const all = resultants(stage.page, forces, each);
-  const sizes = all.map((one) => norm(one.force));
+  const sizes = all.map((resultant) => norm(resultant.force));
   const most = sizes.reduce((a, b) => Math.max(a, b), 0);
   const order = sizes.map((_, k) => k).filter((k) => sizes[k] > 1e-9 * most);
   order.sort((a, b) => sizes[b] - sizes[a]);
@@ -56,7 +57,7 @@ export function forceArrows(stage, forces, long, each = false) {
   return { straight, most, shown, all };
 }
 
-/** Rods along the line of thrust, each with its part. */
+/** Rods along the line of thrust; each moves with its part. */
 export function thrustRods(stage, all, long) {
   const rod = [];
   for (const { part, from, to } of thrust(stage.page, all)) {
@@ -70,7 +71,7 @@ export function thrustRods(stage, all, long) {
   return rod;
 }
 
-/** A ball where each open pair meets; it goes with the second part. */
+/** A ball at each open pair; it moves with the second part. */
 export function openMarks(stage) {
   const { at, parts } = stage.page.open;
   const size = 0.03 * stage.page.radius;
@@ -84,7 +85,7 @@ export function openMarks(stage) {
   return { ball: balls };
 }
 
-/** The most that any bond of each part uses of its pull, 0 to 1; null where no force is known. */
+/** Largest bond use of each part, pull over strength, 0 to 1; null without bonds or forces. */
 export function bondUse(page, forces) {
   if (!forces || !forces.pull) return null;
   const most = new Float32Array(page.parts.names.length);

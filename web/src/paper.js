@@ -1,10 +1,10 @@
-// On paper: light, with the picture as it stands, and the ball.
+// Printing: light colours, with the current picture and the gravity ball.
 
 import { themeOf } from "./colours.js";
 
-const ROWS = 400; // sections up to so many are printed, and longer ones that are open
+const ROWS = 400; // closed sections are printed up to this many table rows
 
-/** The page as it is to be printed, from `beforeprint` to `afterprint`. */
+/** Prepare the page for print at `beforeprint` and restore it at `afterprint`. */
 export function printWell(shown, canvas) {
   const root = document.documentElement;
   let was = null;
@@ -12,9 +12,9 @@ export function printWell(shown, canvas) {
   window.addEventListener("beforeprint", () => {
     was = root.dataset.theme || "";
     opened = [...document.querySelectorAll("details:not([open])")].filter(
-      (one) => one.querySelectorAll("tr").length <= ROWS,
+      (section) => section.querySelectorAll("tr").length <= ROWS,
     );
-    for (const one of opened) one.open = true;
+    for (const section of opened) section.open = true;
     root.dataset.theme = "light";
     shown.theme();
     if (shown.ball) shown.ball.paint();
@@ -24,17 +24,17 @@ export function printWell(shown, canvas) {
   window.addEventListener("afterprint", () => {
     if (was) root.dataset.theme = was;
     else delete root.dataset.theme;
-    for (const one of opened) one.open = false;
+    for (const section of opened) section.open = false;
     shown.theme();
   });
 }
 
-/** The picture as it stands, with its names: what WebGL drew is not there when it is printed. */
+/** Copy the current picture and its names to a 2D canvas; browsers do not print a WebGL canvas. */
 function picture({ stage, names }, canvas) {
   const [width, height] = stage.size;
   const dense = canvas.width / width;
   canvas.height = Math.round(height * dense);
-  // Chromium prints what is drawn into a canvas, and not pixels that were put into it
+  // Chromium prints drawn images, but not pixels from putImageData
   const layer = document.createElement("canvas");
   Object.assign(layer, { width: canvas.width, height: canvas.height });
   stage.shootInto(layer, stage.camera, dense);

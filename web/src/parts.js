@@ -1,4 +1,4 @@
-// The parts as one mesh with edges, the contact patches on them, and the texture of states.
+// All parts as one mesh with edges, their contact patches, and the texture of their states.
 
 import {
   AlwaysStencilFunc,
@@ -40,7 +40,7 @@ import {
 } from "./shaders.js";
 
 const ACROSS = 1024; // texels in a row of the texture
-const FEW = 8; // patches that shine through the parts
+const FEW = 8; // up to this many patches are visible through the parts
 
 export class Parts {
   constructor(page) {
@@ -74,13 +74,13 @@ export class Parts {
     this.cut = new Group();
     ["back", "front", "cap"].forEach((name, k) => {
       const mesh = new Mesh(faces, this.material[name]);
-      mesh.renderOrder = k - 3; // before all else: the faces behind a cut are then hidden by it
+      mesh.renderOrder = k - 3; // first, so that the face of the section hides the faces behind it
       this.cut.add(mesh);
     });
     this.cut.visible = false;
     this.group.add(this.faces, this.edges, this.patches, this.cut);
     for (const child of [this.faces, this.edges, ...this.patches.children, ...this.cut.children]) {
-      child.frustumCulled = false; // the texture moves what the bounds do not know of
+      child.frustumCulled = false; // bounds do not include the motion from the texture
     }
     this.paint(page.parts.colour);
     for (let k = 0; k < this.count; k += 1) {
@@ -143,7 +143,7 @@ export class Parts {
     this.data[4 * (TEXELS * part + row) + channel] = value;
   }
 
-  /** Colours of the parts: red, green and blue from 0 to 255 of each. */
+  /** Set the colours of the parts: red, green and blue from 0 to 255 for each part. */
   paint(colour) {
     for (let k = 0; k < this.count; k += 1) {
       for (let i = 0; i < 3; i += 1) this.put(k, 2, i, colour[3 * k + i] / 255);
@@ -151,7 +151,7 @@ export class Parts {
     this.texture.needsUpdate = true;
   }
 
-  /** Move the parts along a motion, and apart. */
+  /** Place the parts: moved along a motion, and pulled apart. */
   pose(motion, amount, apart) {
     for (let k = 0; k < this.count; k += 1) {
       const [q, p] = posed(this.page.parts, k, motion, amount, apart);
@@ -162,7 +162,7 @@ export class Parts {
     this.texture.needsUpdate = true;
   }
 
-  /** Move each part by a vector and a turn about its centre of mass: lists, null where none. */
+  /** Place the parts by a shift and a rotation about the centre of mass; an entry may be null. */
   carry(shifts, turns) {
     for (let k = 0; k < this.count; k += 1) {
       const [q, p] = carried(this.page.parts, k, shifts[k], turns[k]);
@@ -173,7 +173,7 @@ export class Parts {
     this.texture.needsUpdate = true;
   }
 
-  /** Whether a part is there and not hidden. */
+  /** Whether a part is present and not hidden. */
   shown(k) {
     return Boolean(this.visible[k] && this.present[k]);
   }
@@ -186,7 +186,7 @@ export class Parts {
     return this.shown(k) && !cut;
   }
 
-  /** Hidden, moving, gripped and selected parts, as they now are. */
+  /** Write the states of the parts to the texture: hidden, moving, gripped, selected. */
   states() {
     for (let k = 0; k < this.count; k += 1) {
       this.put(k, 3, 0, this.shown(k) ? 1 : 0);
@@ -196,18 +196,18 @@ export class Parts {
     this.texture.needsUpdate = true;
   }
 
-  /** Where a part's centre of mass now is, in the frame of the assembly. */
+  /** Current centre of mass of part k in the frame of the assembly. */
   centre(k) {
     const rest = this.page.parts.center.subarray(3 * k, 3 * k + 3);
     return this.carried(k, local(this.page.parts, k, rest));
   }
 
-  /** Where a point of a part at rest now is; without one, its centre of mass. */
+  /** Current position of a point of part k given at rest; without a point, its centre of mass. */
   placeOf(k, rest) {
     return rest ? this.carried(k, local(this.page.parts, k, rest)) : this.centre(k);
   }
 
-  /** Where a point of a part's own frame now is, in the frame of the assembly. */
+  /** Current position, in the frame of the assembly, of a point in the frame of part k. */
   carried(k, point) {
     const at = 4 * TEXELS * k;
     const [x, y, z, w] = this.data.subarray(at, at + 4);
@@ -222,12 +222,12 @@ export class Parts {
     ];
   }
 
-  /** Cut away what lies beyond a plane, n.x > offset; or nothing. */
+  /** Cut away the half space n.x > offset; without a normal, show everything. */
   section(normal, offset) {
     this.shared.cutting.value = Boolean(normal);
     this.cut.visible = Boolean(normal);
     this.material.number.side = normal ? DoubleSide : FrontSide;
-    // filled patches would stand for the cut
+    // filled patches would be mistaken for the face of the section
     this.material.patch.visible = !normal;
     this.material.through.visible = !normal;
     if (normal) this.shared.plane.value.set(...normal, offset);
@@ -261,7 +261,7 @@ const counting = (side, op) => ({
   stencilZPass: op,
 });
 
-/** Faces and edges of all parts, each shape as often as there are parts of it. */
+/** Merged faces and edges of all parts; a shape is repeated for each of its parts. */
 function merged(page) {
   const { shape } = page.parts;
   const total = { vertex: 0, triangle: 0, edge: 0 };
@@ -276,14 +276,14 @@ function merged(page) {
   const edges = new Uint32Array(total.edge);
   let [v, t, e] = [0, 0, 0];
   shape.forEach((which, k) => {
-    const one = page.shapes[which];
-    positions.set(one.positions, v);
-    part.fill(k, v / 3, (v + one.positions.length) / 3);
-    for (let i = 0; i < one.triangles.length; i += 1) triangles[t + i] = one.triangles[i] + v / 3;
-    for (let i = 0; i < one.edges.length; i += 1) edges[e + i] = one.edges[i] + v / 3;
-    v += one.positions.length;
-    t += one.triangles.length;
-    e += one.edges.length;
+    const form = page.shapes[which];
+    positions.set(form.positions, v);
+    part.fill(k, v / 3, (v + form.positions.length) / 3);
+    for (let i = 0; i < form.triangles.length; i += 1) triangles[t + i] = form.triangles[i] + v / 3;
+    for (let i = 0; i < form.edges.length; i += 1) edges[e + i] = form.edges[i] + v / 3;
+    v += form.positions.length;
+    t += form.triangles.length;
+    e += form.edges.length;
   });
   const attributes = {
     position: new BufferAttribute(positions, 3),
@@ -293,13 +293,13 @@ function merged(page) {
 }
 
 function geometry(attributes, index) {
-  const made = new BufferGeometry();
-  for (const [name, attribute] of Object.entries(attributes)) made.setAttribute(name, attribute);
-  if (index) made.setIndex(new BufferAttribute(index, 1));
-  return made;
+  const result = new BufferGeometry();
+  for (const [name, attribute] of Object.entries(attributes)) result.setAttribute(name, attribute);
+  if (index) result.setIndex(new BufferAttribute(index, 1));
+  return result;
 }
 
-/** Rings of round patches and the surfaces between them, on their first or second part. */
+/** Add the rings of round patches and the surfaces between them, on part `side` of each pair. */
 function addRound(page, side, positions, owner, triangles, lines) {
   const { parts, round } = page.patches;
   const first = owner.length;
@@ -312,7 +312,7 @@ function addRound(page, side, positions, owner, triangles, lines) {
   for (const k of round.lines) lines.push(first + k);
 }
 
-/** Contact patches, on both of their parts: filled and rimmed; lines and points as they are. */
+/** Contact patches on both of their parts: flat patches filled with an outline, lines, points. */
 function patches(page, material) {
   const { start, points, parts, kinds, kind } = page.patches;
   const [positions, owner, triangles, lines, spots] = [[], [], [], [], []];
@@ -341,7 +341,7 @@ function patches(page, material) {
   };
   const group = new Group();
   const filled = geometry(attributes, new Uint32Array(triangles));
-  // many patches that shine through the parts would hide more than they show
+  // many patches visible through the parts would hide the picture
   const few = start.length - 1 <= FEW;
   if (few) group.add(new Mesh(filled, material.through));
   material.rim.depthTest = !few;

@@ -1,10 +1,10 @@
-// `kilter view` makes the page anew when the file changes: direction and view outlive it.
+// `kilter view` reloads the page when the file changes; direction and view are kept.
 
 import { angleBetween } from "./vector.js";
 
 const KEY = "kilter";
 
-/** Take up the place that was kept for this file, and keep it when the page goes. */
+/** Restore the direction and the view stored for this file, and store them when the page closes. */
 export function keepPlace(view) {
   const camera = view.stage && view.stage.camera.position;
   try {
@@ -17,7 +17,7 @@ export function keepPlace(view) {
       }
     }
   } catch {
-    // what was kept cannot be read: the page starts anew
+    // unreadable stored data: start with the defaults
   }
   addEventListener("pagehide", () => {
     const turned = angleBetween(view.down, view.page.given.down) > 0;

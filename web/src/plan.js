@@ -1,4 +1,4 @@
-// The page of a plan: its steps as a film and as a strip, and what each rests on.
+// The page of a plan: its steps as a film and as a strip of pictures, with the facts of each step.
 
 import { Look, id, listFacts, on } from "./look.js";
 import { forceArrows, motionArrows } from "./overlay.js";
@@ -7,8 +7,8 @@ import { pictureTime, sceneAt, stepAt } from "./steps.js";
 import { Strip } from "./strip.js";
 import { force } from "./words.js";
 
-const PACE = 1250; // milliseconds a step
-const REACH = 1.9; // from how far a part comes in, over the radius of the picture
+const PACE = 1250; // duration of a step at normal speed [ms]
+const REACH = 1.9; // a part starts at most this far from its seat [radius of the picture]
 const SIGNS = { found: "✓", impossible: "✕", fails: "✕", "none-found": "?" };
 const TONES = { found: "stable", impossible: "unstable", fails: "unstable" };
 
@@ -17,7 +17,7 @@ export class Plan extends Look {
     super(page);
     const { plan } = page;
     this.count = plan.steps.length;
-    this.time = this.count; // all is put together
+    this.time = this.count; // the end of the film: the complete assembly
     this.reach = REACH * page.radius;
     this.found = { moving: [], motion: null, forces: null };
     this.look();
@@ -29,7 +29,7 @@ export class Plan extends Look {
     if (this.stage && this.count) this.strip.renew();
   }
 
-  /** What the plan says as a whole. */
+  /** Write the verdict of the plan and its sentence. */
   tell() {
     const { plan } = this.page;
     id("banner").dataset.verdict = TONES[plan.verdict] || "undecided";
@@ -41,14 +41,14 @@ export class Plan extends Look {
 
   controls() {
     const { plan } = this.page;
-    for (const name of ["force-mode", "thrust"]) id(`${name}-row`).hidden = true; // of one answer, not of steps
+    for (const name of ["force-mode", "thrust"]) id(`${name}-row`).hidden = true; // only for reports
     for (const name of ["player", "step-card"]) id(name).hidden = !this.count;
     if (!this.count) {
       id("show-forces").disabled = true;
-      id("motion-word").textContent = "how each falls";
+      id("motion-word").textContent = "motion of the falling parts";
       return;
     }
-    id("motion-word").textContent = "what falls without a hold";
+    id("motion-word").textContent = "motion without the hand";
     id("show-motion").checked = false;
     id("scrub").max = String(this.count);
     on("scrub", "input", () => this.go(Number(id("scrub").value), true));
@@ -59,8 +59,8 @@ export class Plan extends Look {
     const paint = (k, canvas) => this.paint(k, canvas);
     this.strip = new Strip(id("strip"), this.page, (k) => this.show(k), paint);
     document.body.addEventListener("click", (e) => {
-      const one = e.target.closest && e.target.closest("[data-step]");
-      if (one) this.show(Number(one.dataset.step));
+      const target = e.target.closest && e.target.closest("[data-step]");
+      if (target) this.show(Number(target.dataset.step));
     });
     this.nodes = [...document.querySelectorAll("#graph [data-step]")];
     if (plan.steps.length > 60) id("pace").value = "2";
@@ -85,7 +85,7 @@ export class Plan extends Look {
 
   // time ------------------------------------------------------------------------------
 
-  /** The picture of a step: its part is close to its seat. */
+  /** Go to the picture of step k, in which its part is close to its seat. */
   show(k) {
     this.go(this.pictureAt(k), true);
   }
@@ -96,7 +96,7 @@ export class Plan extends Look {
     return pictureTime(plan, k, radius, this.reach);
   }
 
-  /** One step back or on, from picture to picture. */
+  /** Go one step back (-1) or forward (1), from picture to picture. */
   jump(step) {
     const [k] = stepAt(this.page.plan.steps, this.time);
     if (step > 0 && this.time < this.pictureAt(k) - 1e-6) this.show(k);
@@ -105,7 +105,7 @@ export class Plan extends Look {
     else this.show(Math.max(0, k + step));
   }
 
-  /** The film at a time, counted in steps. */
+  /** Show the film at a time [steps]. */
   go(time, stop = false) {
     if (stop && this.playing) this.pause();
     this.time = Math.max(0, Math.min(this.count, time));
@@ -113,7 +113,7 @@ export class Plan extends Look {
       id("scrub").value = String(this.time);
       const [k] = stepAt(this.page.plan.steps, this.time);
       if (k !== this.told) this.tellStep(k);
-      const word = this.time >= this.count ? "put together" : `step ${k + 1} of ${this.count}`;
+      const word = this.time >= this.count ? "assembled" : `step ${k + 1} of ${this.count}`;
       id("when").textContent = word;
       id("scrub").setAttribute("aria-valuetext", word);
     }
@@ -136,7 +136,7 @@ export class Plan extends Look {
       if (this.playing !== began) return;
       let time = Math.min(this.count, from + Math.max(0, now - began) / pace);
       const over = time >= this.count;
-      // who wants no motion sees one picture a step
+      // with reduced motion, one picture per step
       if (still && !over) time = this.pictureAt(Math.floor(time));
       this.go(time);
       if (over) this.pause();
@@ -163,7 +163,7 @@ export class Plan extends Look {
     if (this.stage) this.stage.turnTo(step.down);
   }
 
-  /** Put the parts, their states and the arrows where the film has them. */
+  /** Place parts, states and arrows for the current time of the film. */
   repose() {
     if (!this.stage) return;
     this.place(this.time);
@@ -200,7 +200,7 @@ export class Plan extends Look {
     parts.states();
   }
 
-  /** How far each part is pulled apart: back along the way that it came. */
+  /** Displacement of each part by the explode slider: back along its path. */
   spread() {
     const { explode } = this.page.plan;
     const apart = this.apart;
@@ -220,9 +220,9 @@ export class Plan extends Look {
     let [label, most] = ["support forces", 0];
     const forces = !small && under && id("show-forces").checked && step.support;
     if (forces && forces.points.length) {
-      const found = forceArrows(stage, forces, long);
-      most = found.most;
-      stage.forces.set({ straight: found.straight });
+      const drawn = forceArrows(stage, forces, long);
+      most = drawn.most;
+      stage.forces.set({ straight: drawn.straight });
       label = `support forces, up to ${force(most)}`;
     } else stage.forces.set({});
     stage.hands.set(forces ? this.handArrows(step, long, most) : {});
@@ -230,12 +230,12 @@ export class Plan extends Look {
     this.drawLines();
   }
 
-  /** The way of the part that moves; or what would fall. */
+  /** Arrows of the part that is being inserted, or of the parts that would fall. */
   motions(step, small) {
     const { stage, page } = this;
     const falls = step ? step.hands.filter((hand) => hand.motion).slice(0, 1) : page.plan.falls;
     if (!small && id("show-motion").checked && falls.length) {
-      const lists = falls.map((one) => motionArrows(stage, one.motion, one.moves, 0.6 * this.long));
+      const lists = falls.map((fall) => motionArrows(stage, fall.motion, fall.moves, 0.6 * this.long));
       return {
         straight: lists.flatMap((list) => list.straight),
         round: lists.flatMap((list) => list.round),
@@ -251,7 +251,7 @@ export class Plan extends Look {
     return { straight };
   }
 
-  /** The forces of hands, to the scale of the others, never longer than twice the longest. */
+  /** Arrows of the hand forces, to the scale of the contact forces, at most twice the longest. */
   handArrows(step, long, most) {
     const straight = step.hands
       .filter((hand) => hand.force && Math.hypot(...hand.force) > 0)
@@ -263,7 +263,7 @@ export class Plan extends Look {
     return { straight };
   }
 
-  /** From where each part is pulled to, to its seat. */
+  /** Draw a line from each displaced part to its seat. */
   drawLines() {
     const { stage, page } = this;
     const points = [];
@@ -278,12 +278,12 @@ export class Plan extends Look {
     stage.drawLines(points);
   }
 
-  /** A small picture of a step; the large one is as it was afterwards. */
+  /** Paint the small picture of step k; the large picture is restored afterwards. */
   paint(k, canvas) {
     if (!this.stage) return;
     const [apart, time] = [this.apart, this.pictureAt(k)];
     const { stage } = this;
-    const were = [stage.parts.patches, stage.parts.edges].map((one) => one.visible);
+    const were = [stage.parts.patches, stage.parts.edges].map((object) => object.visible);
     const { selected } = stage.parts;
     this.apart = 0;
     stage.parts.selected = -1;
@@ -303,12 +303,12 @@ export class Plan extends Look {
   showPart(k) {
     super.showPart(k);
     const { steps, base } = this.page.plan;
-    const step = steps.findIndex((one) => one.parts.includes(k));
-    const word = base.includes(k) ? "there from the start" : step < 0 ? "not in the plan" : `step ${step + 1}`;
+    const step = steps.findIndex((candidate) => candidate.parts.includes(k));
+    const word = base.includes(k) ? "in place from the start" : step < 0 ? "not in the plan" : `step ${step + 1}`;
     [...id("part-facts").querySelectorAll("dt")]
       .filter((term) => term.textContent === "state")
       .forEach((term) => {
-        term.textContent = "put in";
+        term.textContent = "inserted";
         term.nextSibling.textContent = word;
       });
   }

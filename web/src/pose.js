@@ -1,9 +1,9 @@
-// Where each part is drawn: moved along its motion, pulled apart. Quaternions are x, y, z, w.
+// Poses in which parts are drawn: moved along a motion, pulled apart. Quaternions are x, y, z, w.
 
 import { size } from "./map.js";
 import { cross, norm } from "./vector.js";
 
-/** The quaternion of a turn by a rotation vector [rad]. */
+/** The quaternion of a rotation vector [rad]. */
 export function turn(x, y, z) {
   const angle = Math.hypot(x, y, z);
   if (angle === 0) return [0, 0, 0, 1];
@@ -11,7 +11,7 @@ export function turn(x, y, z) {
   return [x * s, y * s, z * s, Math.cos(angle / 2)];
 }
 
-/** The product of two quaternions: first b, then a. */
+/** The product of two quaternions: the rotation b followed by a. */
 export function times(a, b) {
   return [
     a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1],
@@ -35,8 +35,8 @@ export function turned(q, v) {
 }
 
 /**
- * The factor that makes the largest motion go `reach` far. A motion is of first order: how far
- * it is drawn is a matter of seeing, not of physics.
+ * The factor that scales the largest motion to the length `reach`. A motion is of first order, so
+ * the drawn length has no physical meaning.
  */
 export function reachOf(motion, radius, reach) {
   let most = 0;
@@ -45,7 +45,8 @@ export function reachOf(motion, radius, reach) {
 }
 
 /**
- * How far the centre of mass goes by a screw motion: what turns together stays together.
+ * Displacement of the centre of mass by a finite screw motion. Parts with one common screw keep
+ * their relative positions.
  *
  *   shift = a v + (1 - cos t)/t^2 a^2 w x v + (t - sin t)/t^3 a^3 w x (w x v)      t = a |w|
  */
@@ -58,8 +59,8 @@ export function screwed(v, w, amount) {
 }
 
 /**
- * Quaternion and position of a part, moved by `amount` times its motion, a screw, and
- * pulled `apart` times its distance from the middle.
+ * Quaternion and position of part k, moved by `amount` times its screw motion and pulled away
+ * from the middle by `apart` times its distance.
  */
 export function posed(parts, k, motion, amount, apart) {
   const at = parts.position.subarray(3 * k, 3 * k + 3);
@@ -82,7 +83,7 @@ export function posed(parts, k, motion, amount, apart) {
   return [q, p];
 }
 
-/** Quaternion and position of a part moved by a vector, and turned about its centre of mass. */
+/** Quaternion and position of part k, shifted by a vector and rotated about its centre of mass. */
 export function carried(parts, k, shift, rotation) {
   const at = parts.position.subarray(3 * k, 3 * k + 3);
   const [w, x, y, z] = parts.rotation.subarray(4 * k, 4 * k + 4);
@@ -98,7 +99,7 @@ export function carried(parts, k, shift, rotation) {
   return [q, p];
 }
 
-/** A point given in the world at rest, in the frame of a part's shape. */
+/** Coordinates of a world point at rest in the frame of the shape of part k. */
 export function local(parts, k, point) {
   const [w, x, y, z] = parts.rotation.subarray(4 * k, 4 * k + 4);
   const at = parts.position.subarray(3 * k, 3 * k + 3);

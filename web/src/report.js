@@ -1,4 +1,5 @@
-// The page of a report: gravity, and what follows from it. Words from the data are set as text.
+// The page of a report: the user turns gravity, and verdict, motion and forces follow.
+// Words from the data are set as text, never as HTML.
 
 import { answer, nearestHeld } from "./answer.js";
 import { Ball } from "./ball.js";
@@ -29,9 +30,9 @@ const TONES = {
   unstable: "unstable",
   undecided: "undecided",
 };
-const SNAP = (3 * Math.PI) / 180; // a thin region draws the arrow in from so near
-const FALLS = 2400; // milliseconds of a fall
-const QUIET = 1200; // forces at more points are not shown from the start
+const SNAP = (3 * Math.PI) / 180; // a thin region attracts the arrow within this angle [rad]
+const FALLS = 2400; // duration of the animated fall [ms]
+const QUIET = 1200; // with more contact points, forces are hidden at first
 
 export class Report extends Look {
   constructor(page) {
@@ -49,7 +50,7 @@ export class Report extends Look {
 
   // gravity ---------------------------------------------------------------------------
 
-  /** Gravity as the ball's arrow asks: drawn in by a region too thin to be hit by hand. */
+  /** Follow the ball's arrow. A thin region attracts it, because a hand could not hit the region. */
   pull(wanted, how, step = 0) {
     const { region, planar } = this.page;
     let u = unit(wanted);
@@ -63,7 +64,7 @@ export class Report extends Look {
     this.turn(u, { follow: how === "key" });
   }
 
-  /** Gravity along a direction: everything follows. */
+  /** Set the direction of gravity and update the answer, the ball and the picture. */
   turn(u, { exactly = false, follow = false } = {}) {
     this.down = u;
     const before = this.found;
@@ -81,21 +82,21 @@ export class Report extends Look {
     this.tell();
   }
 
-  /** Parts, arrows and names as the sliders have them. */
+  /** Place parts, arrows and names for the current values of the sliders. */
   repose() {
     if (!this.stage) return;
     const { parts } = this.stage;
     const { motion, fall } = this.found;
     if (fall && fall.places) this.fallTo(fall);
     else parts.pose(motion, motion && this.amount ? this.amount * this.farthest() : 0, this.apart);
-    // the brick to add has a place among parts at rest
+    // the position of the brick to add is only right among parts at rest
     this.stage.ghost.group.visible = Boolean(this.added && !this.amount && !this.apart);
     this.arrows();
     this.names.place();
     this.stage.draw();
   }
 
-  /** The brick to add in its place, or the one to take away picked; or neither any more. */
+  /** Show or hide the recommended change: the brick to add, or the selection of the one to remove. */
   showChange() {
     const { part, shape, at } = this.page.change;
     this.changed = !this.changed;
@@ -109,13 +110,13 @@ export class Report extends Look {
     }
   }
 
-  /** Parts that move, or, of what is balanced, that fall. */
+  /** Indices of the parts that move, or that fall from a balanced state. */
   movers() {
     const { moving, fall } = this.found;
     return fall ? fall.parts : moving || [];
   }
 
-  /** Parts as they have fallen, pulled apart. */
+  /** Place the parts at the current point of their fall, pulled apart by the explode slider. */
   fallTo(fall) {
     const { center } = this.page.parts;
     const { shifts, turns } = fallen(fall, this.fell);
@@ -129,7 +130,7 @@ export class Report extends Look {
     this.stage.parts.carry(all, turned);
   }
 
-  /** The card of what is balanced, where it has a path. */
+  /** Show the card of a fall if the assembly is balanced and its path is known; else hide it. */
   showFall() {
     const { fall } = this.found;
     const shown = Boolean(fall && fall.places);
@@ -148,7 +149,7 @@ export class Report extends Look {
     this.fall(0);
   }
 
-  /** After a share of the way. */
+  /** Set the progress of the fall, from 0 to 1 of its path. */
   fall(share) {
     this.fell = share;
     const place = fallen(this.found.fall, share);
@@ -162,13 +163,13 @@ export class Report extends Look {
     this.repose();
   }
 
-  /** The box that the view must hold, with what has fallen out of it. */
+  /** Half lengths of the box that the view must show, including the fallen parts. */
   spreading() {
     const box = super.spreading();
     return this.fell ? box.map((e, i) => e + this.outside[i]) : box;
   }
 
-  /** The fall from where it is, from the start where it is over; or stopped. */
+  /** Play the fall on from its current point, from the start if it is over; or pause it. */
   playFall() {
     if (this.falling) {
       this.stopFall();
@@ -193,11 +194,11 @@ export class Report extends Look {
     id("fall-play").textContent = "Play";
   }
 
-  /** The amount of the motion at the end of its slider: before any part enters another. */
+  /** Amount of the motion at the end of its slider: the largest without overlap of parts. */
   farthest() {
     const { found, page } = this;
     if (found.farthest === undefined) {
-      // as far as the moving parts are large: more would say nothing
+      // at most 1.1 times the median radius of the moving parts: enough to show the direction
       const sizes = this.movers().map((k) => page.parts.radius[k]);
       sizes.sort((a, b) => a - b);
       const reach = reachOf(found.motion, page.parts.radius, 1.1 * (sizes[sizes.length >> 1] || 0));
@@ -210,11 +211,11 @@ export class Report extends Look {
     const { stage, found } = this;
     const motion = found.fall ? found.fall.begins : found.motion;
     const moving = motion && !this.fell && id("show-motion").checked ? this.movers() : [];
-    // many arrows are drawn shorter
+    // many arrows are drawn shorter, so that they do not cover each other
     const long = this.long * (moving.length > 20 ? 0.5 : 1);
     stage.motion.set(moving.length ? motionArrows(stage, motion, moving, long) : {});
-    let label = found.forces ? "contact forces" : "contact forces: none to show here";
-    // what balances it at rest does not where it has fallen to
+    let label = found.forces ? "contact forces" : "contact forces: none for this direction";
+    // the forces balance the parts at rest, not at a later point of the fall
     const forces = found.forces && !this.fell && id("show-forces").checked;
     stage.parts.patches.visible = !this.fell && id("show-contacts").checked;
     if (forces) {
@@ -225,7 +226,7 @@ export class Report extends Look {
       stage.forces.set({ straight, rod });
       this.shown = shown;
       this.useKey(all);
-      label = `contact forces ${found.forceWords || `at points up to ${force(most)}`}`;
+      label = `contact forces ${found.forceWords || `up to ${force(most)} at a point`}`;
     } else {
       stage.forces.set({});
       this.shown = [];
@@ -236,14 +237,14 @@ export class Report extends Look {
     this.marks();
   }
 
-  /** What the colour of forces says: the friction or the bond that they use. */
+  /** Update the key of the force colours: friction used, bond used, or hidden. */
   useKey(all) {
     const [rubs, pulls] = ["use", "bond"].map((name) => all.some((one) => one[name] !== null));
     id("use-key").hidden = !rubs && !pulls;
     id("use-words").textContent = [...(rubs ? ["friction"] : []), ...(pulls ? ["bond"] : [])].join(" or ");
   }
 
-  /** Parts in their own colours, or in that of the bond that each uses most. */
+  /** Colour the parts as given, or by the largest bond use of each part. */
   paint() {
     const { stage, found, page } = this;
     if (found.bondUse === undefined) found.bondUse = bondUse(page, found.forces);
@@ -261,14 +262,14 @@ export class Report extends Look {
     stage.parts.paint(colour);
   }
 
-  /** Of the longest arrow of a force: within a part or two, so that each is seen by itself. */
+  /** Length of the longest force arrow: about the size of a part, so that arrows stay apart. */
   forceLength() {
     const { radius, parts } = this.page;
     const largest = parts.radius.reduce((most, r, k) => (parts.grounded[k] ? most : Math.max(most, r)), 0);
     return Math.min(0.4 * radius, 1.8 * largest || radius);
   }
 
-  /** Verdict, margin and moving parts in words. */
+  /** Write verdict, margin, moving parts and labels for the current direction. */
   tell() {
     const { page, found } = this;
     const banner = id("banner");
@@ -284,11 +285,11 @@ export class Report extends Look {
     id("basis").textContent = basis(page, found);
     id("down").textContent = direction(this.down);
     const away = angleBetween(this.down, page.given.down);
-    id("turned").textContent = away ? `turned by ${degrees(away)}` : "as given";
+    id("turned").textContent = away ? `turned by ${degrees(away)} from the given direction` : "as given";
     const [sign, value] = (found.instability ?? null) === null ? ["z", found.z] : ["κ", found.instability];
     id("level").textContent = found.level ? `level: ${found.level}` : "";
     id("figure").title =
-      found.verdict === "undecided" ? "of the frictionless contacts that are modelled" : "";
+      found.verdict === "undecided" ? "for the modelled frictionless contacts alone" : "";
     const said = TONES[found.verdict] !== "stable" && (value ?? null) !== null;
     id("figure").textContent = said ? `${sign} ${number(value)}` : "";
     const at = (name) => page[name] && angleBetween(page[name].down, this.down) < 1e-9;
@@ -299,7 +300,7 @@ export class Report extends Look {
     this.ball.canvas.setAttribute("aria-valuenow", String(Math.round((away * 180) / Math.PI)));
     id("motion").disabled = !found.motion;
     id("play").disabled = !found.motion;
-    const motion = found.fall ? "how it begins to fall" : "motion";
+    const motion = found.fall ? "start of the fall" : "motion";
     id("motion-label").textContent = found.motion ? motion : "motion: none";
     if (this.selected >= 0) this.showPart(this.selected);
   }
@@ -312,9 +313,9 @@ export class Report extends Look {
     on("go-recommended", "click", () => this.turn(page.recommended.down, { follow: true }));
     id("go-recommended").disabled = !page.recommended;
     id("go-recommended").hidden = page.coincide;
-    if (page.coincide) id("go-given").textContent = "Given, and recommended";
+    if (page.coincide) id("go-given").textContent = "Given and recommended";
     const held = page.recommended && ["stable", "settles", "potentially-stable"].includes(page.recommended.verdict);
-    if (page.recommended && !held) id("go-recommended").textContent = "Nearest to stable";
+    if (page.recommended && !held) id("go-recommended").textContent = "Closest to stable";
     on("go-nearest", "click", () =>
       this.turn(nearestHeld(page.region, this.down), { follow: true }),
     );
@@ -324,11 +325,11 @@ export class Report extends Look {
     id("no-map").hidden = Boolean(page.map) || !region || !region.equations.length + region.facets.length;
     id("no-map").dataset.known = String(known);
     id("no-map-words").textContent = known
-      ? "unstable; how much is not mapped at this size"
-      : "undecided: further forces may hold it";
+      ? "unstable; the degree is not computed for this many parts"
+      : "undecided: forces that are not modelled may hold the parts";
     id("ramp-words").textContent = known
-      ? "unstable, a little to much"
-      : "unstable by its frictionless contacts alone, a little to much";
+      ? "unstable, from slightly to strongly"
+      : "unstable with the frictionless contacts alone, from slightly to strongly";
     id("ramp").hidden = !page.map || deepest(page.map) === 0;
     this.keys();
     on("motion", "input", () => this.slide("amount", "motion"));
@@ -346,7 +347,7 @@ export class Report extends Look {
     if (this.stage) id("show-forces").checked = points <= QUIET;
   }
 
-  /** What the ball asks, and what its colours say. */
+  /** Write the question of the ball and the key of its colours. */
   keys() {
     const { region } = this.page;
     id("question").hidden = !region;
@@ -359,7 +360,7 @@ export class Report extends Look {
     if (region.inner) id("gap-words").textContent = gapWords(region.gap_deg);
   }
 
-  /** The motion once forth and back, or stopped. */
+  /** Play the motion once forth and back, or stop it. */
   play() {
     if (this.playing) {
       this.playing = null;
@@ -385,7 +386,7 @@ export class Report extends Look {
     this.ball.draw();
   }
 
-  /** Verdict and words for a direction, as the page shows them. */
+  /** Set a direction and return the verdict, the margin [rad] and the moving parts; for tests. */
   ask(direction_) {
     this.turn(unit(direction_));
     return { verdict: id("verdict").textContent, margin: this.found.margin, moving: this.found.moving };

@@ -1,11 +1,11 @@
-// Places of rest on the gravity ball: each a sign where gravity points, its words on hover.
+// Rest directions on the gravity ball: a sign at each direction, its description on hover.
 
 import { angleBetween } from "./vector.js";
 
-const SIZE = 5; // of a sign, from its middle [CSS pixels]
-const WITHIN = 0.08; // a pointer so near is on a sign [rad]
+const SIZE = 5; // half size of a sign [CSS px]
+const WITHIN = 0.08; // a pointer within this angle is on a sign [rad]
 
-/** Corners of the sign of a state about its middle; null: a circle. Only a strict one is filled. */
+/** Corners of the sign of a state about its middle, null for a circle; only a minimum is filled. */
 export function signOf(state) {
   const diamond = [[0, -SIZE], [SIZE, 0], [0, SIZE], [-SIZE, 0]];
   const cross = [[-SIZE, -SIZE], [SIZE, SIZE], [0, 0], [SIZE, -SIZE], [-SIZE, SIZE], [0, 0]];
@@ -13,7 +13,7 @@ export function signOf(state) {
   return { corners, filled: state === "minimum", dashed: state === "open" };
 }
 
-/** The place of rest nearest to a direction, if a pointer there is on its sign; else null. */
+/** The rest direction nearest to `direction`, or null if the pointer is on no sign. */
 export function restAt(rests, direction) {
   let best = null;
   let least = WITHIN;
@@ -24,7 +24,7 @@ export function restAt(rests, direction) {
   return best;
 }
 
-/** All signs; `place` gives where a direction is on the canvas, z towards the eye. */
+/** Paint all signs; `place` maps a direction to canvas coordinates, z towards the eye. */
 export function paintRests(c, rests, place, style) {
   for (const rest of rests) {
     const [x, y, z] = place(rest.down);

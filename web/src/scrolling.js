@@ -1,4 +1,4 @@
-// The wheel, and a finger, over the picture scroll the page unless the picture has the focus.
+// Wheel and touch over the picture scroll the page, unless the picture has the focus.
 
 export function scrollPast(stage, canvas) {
   const change = () => {

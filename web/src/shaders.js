@@ -1,5 +1,5 @@
-// All parts are one mesh: a texture holds, for each part, its quaternion, position, colour and
-// state in four texels, so that a thousand parts are drawn, moved and hidden in one call.
+// Shaders. All parts are one mesh. A texture holds the quaternion, position, colour and state of each
+// part in four texels, so that one call draws, moves and hides a thousand parts.
 
 export const TEXELS = 4;
 
@@ -26,7 +26,7 @@ void place() {
   vec4 view = modelViewMatrix * vec4(root, 1.0);
   seen = view.xyz;
   gl_Position = projectionMatrix * view;
-  if (state.x < 0.5) gl_Position = vec4(0.0, 0.0, 2.0, 1.0); // hidden: outside of the view
+  if (state.x < 0.5) gl_Position = vec4(0.0, 0.0, 2.0, 1.0); // hidden: moved out of the view
 }
 `;
 
@@ -73,9 +73,9 @@ void main() {
 `;
 
 /**
- * The cut itself. Where the line of sight is inside a part at the plane (counted in the stencil:
- * one more back face than front faces beyond it), the nearest back face is that part's; it is
- * drawn half way between the plane and itself, before all that lies beyond and nearest first.
+ * The face of the section. If the line of sight is inside a part at the plane (the stencil counts
+ * one back face more than front faces beyond it), the nearest back face belongs to that part. It
+ * is drawn half way between the plane and itself, nearest first, before everything behind it.
  */
 export const cap = `precision highp float;
 ${CUT}
@@ -99,7 +99,7 @@ void main() {
 }
 `;
 
-/** Nothing is drawn: for counting in the stencil. */
+/** Draws nothing; for counting faces in the stencil. */
 export const nothing = `precision highp float;
 ${CUT}
 out vec4 result;

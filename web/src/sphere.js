@@ -1,4 +1,4 @@
-// Looking at the unit sphere from far away: directions to the disc and back, exactly.
+// Parallel projection of the unit sphere: directions to points of the disc and back, exactly.
 
 import { add, cross, dot, norm, scaled, unit, without } from "./vector.js";
 
@@ -16,12 +16,12 @@ export function sphereView(above, azimuth, elevation) {
   return { front, right, up: cross(front, right) };
 }
 
-/** Where a direction is on the disc: x right, y up, z towards the eye. */
+/** Coordinates of a direction on the disc: x right, y up, z towards the eye. */
 export const onDisc = (view, u) => [dot(u, view.right), dot(u, view.up), dot(u, view.front)];
 
 /**
- * The direction under a point of the disc. Beyond its edge the direction goes on round the
- * back: at twice the radius it points away from the eye.
+ * The direction under a point of the disc. Beyond the edge it continues on the far side: at
+ * twice the radius it points away from the eye.
  */
 export function underPoint(view, x, y) {
   const r = Math.hypot(x, y);
@@ -33,13 +33,13 @@ export function underPoint(view, x, y) {
   return unit(add(scaled(side, s), scaled(view.front, c)));
 }
 
-/** A direction put into the x-z plane. */
+/** A direction projected into the x-z plane. */
 export function inPlane(u) {
   const flat = [u[0], 0, u[2]];
   return norm(flat) > 1e-9 ? unit(flat) : [0, 0, -1];
 }
 
-/** Azimuth and elevation [rad] of an eye that sees a direction well. */
+/** Azimuth and elevation of an eye from which a direction is well visible [rad]. */
 export function eyeFor(above, u) {
   const { front, right } = sphereView(above, 0, 0);
   const azimuth = Math.atan2(dot(u, right), dot(u, front));

@@ -25,11 +25,11 @@ import { Parts } from "./parts.js";
 import { sphereView } from "./sphere.js";
 import { scaled, unit } from "./vector.js";
 
-const OPENING = (30 * Math.PI) / 180; // of the view, upright
-const SLOW = 55; // milliseconds a picture
+const OPENING = (30 * Math.PI) / 180; // vertical angle of view [rad]
+const SLOW = 55; // slower pictures switch to plain drawing [ms]
 const DOWN = new Vector3(0, -1, 0);
 
-ColorManagement.enabled = false; // colours are those of the style, as they stand
+ColorManagement.enabled = false; // the colours of the style are used unchanged
 
 export class Stage {
   constructor(canvas, page) {
@@ -54,11 +54,11 @@ export class Stage {
     this.ghost = new Ghost();
     this.root.add(this.parts.group, this.lines, this.ghost.group);
     this.scene.add(this.root);
-    // arrows lie over the parts: drawn after, with a depth of their own
+    // arrows are drawn after the parts, with a separate depth buffer, so that they lie on top
     this.over = new Scene();
     this.overRoot = new Group();
-    for (const one of [this.motion, this.forces, this.loads, this.open, this.hands]) {
-      this.overRoot.add(one.group);
+    for (const arrows of [this.motion, this.forces, this.loads, this.open, this.hands]) {
+      this.overRoot.add(arrows.group);
     }
     this.over.add(this.overRoot);
     this.renderer.autoClear = false;
@@ -75,7 +75,7 @@ export class Stage {
     this.fit();
   }
 
-  /** The first view: from the right, in front and above. */
+  /** Go to the default view: from the right, in front and above. */
   home() {
     this.controls.target.set(0, 0, 0);
     this.frame(this.camera);
@@ -83,7 +83,7 @@ export class Stage {
     this.draw();
   }
 
-  /** A camera at the first view, as far as it must be to see the box around the parts. */
+  /** Put a camera at the default view, far enough to show the box around the parts. */
   frame(camera) {
     const planar = this.page.planar;
     const place = new Spherical(1, planar ? 1.35 : 1.22, planar ? 0.25 : 0.55);
@@ -92,7 +92,7 @@ export class Stage {
     camera.position.setLength(this.reach(camera));
   }
 
-  /** How far a camera must be for the box around the parts to be seen, as it is turned now. */
+  /** Distance at which a camera shows the whole box around the parts, in its current orientation. */
   reach(camera) {
     const tangent = Math.tan(OPENING / 2);
     const back = camera.quaternion.clone().invert();
@@ -106,7 +106,7 @@ export class Stage {
     return far;
   }
 
-  /** The same view after a change of the assembly, as much nearer or farther as it needs. */
+  /** Apply a change and adapt the distance of the camera; the direction of view stays. */
   refit(change) {
     const before = this.reach(this.camera);
     change();
@@ -117,7 +117,7 @@ export class Stage {
     this.draw();
   }
 
-  /** Half lengths of the box that the view must hold. */
+  /** Set the half lengths of the box that the view must show. */
   spread(extent) {
     this.refit(() => (this.extent = extent));
   }
@@ -135,7 +135,7 @@ export class Stage {
     this.draw();
   }
 
-  /** Turn the assembly by the least turn that makes a direction point down on the screen. */
+  /** Turn the assembly by the smallest rotation that makes a direction point down on the screen. */
   turnTo(direction, exactly = false) {
     this.refit(() => {
       if (exactly) this.root.quaternion.copy(this.upright);
@@ -156,18 +156,18 @@ export class Stage {
     this.draw();
   }
 
-  /** The part under a point of the canvas [CSS pixels], -1 where there is none. */
+  /** The part under a point of the canvas [CSS px], or -1. */
   pick(x, y) {
     const { camera } = this;
     const [width, height] = this.size;
     const dense = this.renderer.getPixelRatio();
     camera.setViewOffset(width * dense, height * dense, x * dense, y * dense, 1, 1);
-    const [found] = this.numbers(1, 1);
+    const [number] = this.numbers(1, 1);
     camera.clearViewOffset();
-    return found - 1;
+    return number - 1;
   }
 
-  /** The number of the part, counted from 1, in each cell of so many CSS pixels, from the top. */
+  /** Part numbers, counted from 1, in cells of `cell` CSS pixels; the top row first. */
   numbered(cell) {
     const [width, height] = this.size.map((size) => Math.max(1, Math.floor(size / cell)));
     this.scene.updateMatrixWorld();
@@ -180,12 +180,12 @@ export class Stage {
     return { cells, width, height };
   }
 
-  /** Numbers of parts, counted from 1, as the camera sees them in so many pixels, from below. */
+  /** Part numbers, counted from 1, in `width` x `height` pixels; the bottom row first. */
   numbers(width, height) {
     const { renderer, camera, parts } = this;
     const hidden = [parts.edges, parts.patches, parts.cut, this.lines, this.ghost.group];
-    const were = hidden.map((one) => one.visible);
-    hidden.forEach((one) => (one.visible = false));
+    const were = hidden.map((object) => object.visible);
+    hidden.forEach((object) => (object.visible = false));
     parts.faces.material = parts.material.number;
     this.target.setSize(width, height);
     renderer.setRenderTarget(this.target);
@@ -195,13 +195,13 @@ export class Stage {
     renderer.readRenderTargetPixels(this.target, 0, 0, width, height, bytes);
     renderer.setRenderTarget(null);
     parts.faces.material = parts.material.face;
-    hidden.forEach((one, k) => (one.visible = were[k]));
+    hidden.forEach((object, k) => (object.visible = were[k]));
     return Uint32Array.from({ length: width * height }, (_, k) =>
       bytes[4 * k + 3] ? 1 + bytes[4 * k] + 256 * (bytes[4 * k + 1] + 256 * bytes[4 * k + 2]) : 0,
     );
   }
 
-  /** Where a point of the assembly is on the canvas [CSS pixels]; null behind the camera. */
+  /** Position of a point of the assembly on the canvas [CSS px]; null behind the camera. */
   onScreen(point) {
     const at = new Vector3(...point).applyMatrix4(this.root.matrixWorld).project(this.camera);
     if (at.z > 1) return null;
@@ -216,7 +216,7 @@ export class Stage {
     });
   }
 
-  /** Where pictures come slowly while all moves, plainer ones are drawn until it rests. */
+  /** Draw plain pictures while the view moves if full pictures are slow, full ones at rest. */
   keepPace() {
     const now = performance.now();
     const since = now - this.last;
@@ -227,13 +227,13 @@ export class Stage {
     if (this.isPlain) {
       this.rest = setTimeout(() => {
         this.plain(false);
-        this.last = -1e9; // the picture at rest is no measure of the pace
+        this.last = -1e9; // the picture at rest does not count for the pace
         this.draw();
       }, 250);
     }
   }
 
-  /** Plain pictures: coarser, and without edges. */
+  /** Switch plain pictures on or off: half the resolution, without edges. */
   plain(on) {
     if (this.isPlain === on) return;
     this.isPlain = on;
@@ -248,7 +248,7 @@ export class Stage {
     this.parts.shared.dense.value = dense;
   }
 
-  /** Draw now. */
+  /** Draw immediately, instead of with the next animation frame. */
   render() {
     cancelAnimationFrame(this.waiting);
     this.waiting = 0;
@@ -268,7 +268,7 @@ export class Stage {
     this.renderer.render(this.over, camera);
   }
 
-  /** A small picture from the first view, as it now stands, put into a canvas. */
+  /** Draw the current scene from the default view into a small canvas. */
   snap(canvas) {
     const { width, height } = canvas;
     const camera = new PerspectiveCamera(30, width / height, this.page.radius / 50, this.page.radius * 60);
@@ -276,7 +276,7 @@ export class Stage {
     this.shootInto(canvas, camera);
   }
 
-  /** What a camera sees, put into a canvas of so many pixels a pixel of the page. */
+  /** Draw the view of a camera into a canvas; `fine`: canvas pixels per CSS pixel. */
   shootInto(canvas, camera, fine = 1) {
     const { width, height } = canvas;
     camera.updateMatrixWorld();
@@ -299,7 +299,7 @@ export class Stage {
     canvas.getContext("2d").putImageData(picture, 0, 0);
   }
 
-  /** Lines, pairs of points in the frame of the assembly. */
+  /** Draw lines between pairs of points, in the frame of the assembly. */
   drawLines(points) {
     this.lines.geometry.dispose();
     this.lines.geometry = new BufferGeometry();
@@ -307,7 +307,7 @@ export class Stage {
     this.lines.visible = points.length > 0;
   }
 
-  /** Colours of the page's style. */
+  /** Take over the colours of the page's style. */
   theme(style) {
     this.parts.theme(style);
     this.motion.theme(style("unstable"), style("surface"));
@@ -321,7 +321,7 @@ export class Stage {
   }
 }
 
-/** The turn that shows the assembly upright for a direction of gravity, x to the right. */
+/** The rotation that shows the assembly upright for a direction of gravity, x to the right. */
 function upright(down) {
   const above = scaled(unit(down), -1);
   const { right, front } = sphereView(above, 0, 0);

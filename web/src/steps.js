@@ -1,20 +1,20 @@
-// The plan as a film: where every part is at a time, counted in steps. No drawing.
+// The plan as a film: positions of the parts at a time [steps]. No drawing.
 
-const MOVES = 0.82; // of a step; then the part rests in its seat
-const NEAR = 1.7; // radii of the part: how far from its seat a picture of a step shows it
-const TURNS = 3; // of a nut on its thread: for the picture alone
+const MOVES = 0.82; // the part moves during this share of a step, then rests in its seat
+const NEAR = 1.7; // distance of the part from its seat in the picture of a step [part radius]
+const TURNS = 3; // turns of a nut on its thread, for illustration
 
-/** Which step a time is in, and how much of it is done: from 0 to 1. */
+/** The step of a time [steps], and the share of the step that is done, from 0 to 1. */
 export function stepAt(steps, time) {
   const k = Math.max(0, Math.min(steps.length - 1, Math.floor(time)));
   return [k, Math.max(0, Math.min(1, time - k))];
 }
 
-/** Lengths of the pieces of a way, given by its places, the seat last. */
+/** Lengths of the segments of a path; the last point of the path is the seat. */
 const lengths = (path) =>
   path.slice(1).map((place, k) => Math.hypot(...place.map((c, i) => c - path[k][i])));
 
-/** A way that begins no farther from where it first turns than `reach`. */
+/** A path whose first segment is cut to at most `reach`. */
 export function clipped(path, reach) {
   const first = lengths(path)[0];
   if (!(first > reach)) return path;
@@ -24,7 +24,7 @@ export function clipped(path, reach) {
 
 export const lengthOf = (path) => lengths(path).reduce((a, b) => a + b, 0);
 
-/** The place on a way so far before its end, how far the next turn is, and the way there. */
+/** A point at distance `left` before the end of a path: its place, the direction and the distance to the next corner. */
 export function placeOn(path, left) {
   const sizes = lengths(path);
   for (let k = sizes.length - 1; k >= 0; k -= 1) {
@@ -42,19 +42,19 @@ export function placeOn(path, left) {
   return { place: [0, 0, 0], heading: [0, 0, 0], ahead: 0 };
 }
 
-/** From 0 to 1, gently at both ends. */
+/** Smoothstep from 0 to 1. */
 const gently = (t) => t * t * (3 - 2 * t);
 
 /**
- * What is there at a time: `present` parts, the `moving` ones, those that hands hold, and where
- * the moving ones are before their seat. Nothing of a step is there before it begins.
+ * State of the film at a time: `present`, `moving` and `gripped` parts, and the position of the
+ * moving parts relative to their seat (`on`). The parts of a step are absent before it begins.
  */
 export function sceneAt(plan, time, reach) {
   const { steps, base } = plan;
   const [k, done] = stepAt(steps, time);
   const step = steps[k];
   const present = new Set(base);
-  steps.slice(0, k).forEach((one) => one.parts.forEach((part) => present.add(part)));
+  steps.slice(0, k).forEach(({ parts }) => parts.forEach((part) => present.add(part)));
   const path = clipped(step.path, reach);
   const left = lengthOf(path) * (1 - gently(Math.min(1, done / MOVES)));
   if (done > 0) step.parts.forEach((part) => present.add(part));
@@ -69,13 +69,13 @@ export function sceneAt(plan, time, reach) {
   };
 }
 
-/** How far a nut still has to turn [rad]; it advances along a right-handed thread. */
+/** Remaining rotation of a nut before its seat [rad]; the thread is right-handed. */
 function turnLeft(step, left) {
   const thread = step.thread || 0;
   return thread ? -2 * Math.PI * TURNS * Math.min(1, left / thread) : 0;
 }
 
-/** The time at which a picture of a step is taken: the part is close to its seat. */
+/** Time of the picture of step k [steps], when the part is close to its seat; by bisection. */
 export function pictureTime(plan, k, radius, reach) {
   const path = clipped(plan.steps[k].path, reach);
   const whole = lengthOf(path);

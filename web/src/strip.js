@@ -1,10 +1,10 @@
-// The steps as a strip of small pictures, each a button, drawn by the painter of the picture.
+// The steps as a strip of small pictures; each is a button.
 
 const WIDE = 168;
 const HIGH = 126;
 
 export class Strip {
-  /** `go(k)` is called with a step, `paint(k, canvas)` draws its picture. */
+  /** `go(k)` shows step k in the large picture; `paint(k, canvas)` draws its small picture. */
   constructor(list, page, go, paint) {
     Object.assign(this, { list, page, go, paint, now: -1, stale: new Set() });
     this.buttons = page.plan.steps.map((step, k) => this.button(step, k));
@@ -17,18 +17,18 @@ export class Strip {
     );
     list.addEventListener("keydown", (e) => this.key(e));
     addEventListener("beforeprint", () => this.finish());
-    this.seen = new IntersectionObserver((found) => {
-      found.forEach((one) => one.isIntersecting && this.want(this.buttons.indexOf(one.target)));
+    this.seen = new IntersectionObserver((entries) => {
+      entries.forEach((entry) => entry.isIntersecting && this.want(this.buttons.indexOf(entry.target)));
     }, { rootMargin: "300px" });
     this.renew();
   }
 
   button(step, k) {
     const make = (kind, name, text) => {
-      const one = document.createElement(kind);
-      one.className = name;
-      one.textContent = text;
-      return one;
+      const element = document.createElement(kind);
+      element.className = name;
+      element.textContent = text;
+      return element;
     };
     const button = make("button", "step", "");
     button.type = "button";
@@ -56,7 +56,7 @@ export class Strip {
     this.buttons[k].focus();
   }
 
-  /** The step that is shown now. */
+  /** Mark step k as the current step, and scroll to it. */
   mark(k) {
     if (this.now === k) return;
     this.now = k;
@@ -72,7 +72,7 @@ export class Strip {
     }
   }
 
-  /** All pictures anew: those that are seen, one after the other. */
+  /** Repaint all pictures: first those in view, one after the other. */
   renew() {
     this.stale = new Set(this.buttons.keys());
     this.queue = [];
@@ -99,7 +99,7 @@ export class Strip {
     this.paint(k, this.buttons[k].firstChild);
   }
 
-  /** Every picture, at once. */
+  /** Paint all remaining pictures at once, for print. */
   finish() {
     for (const k of [...this.stale]) this.draw(k);
   }

@@ -1,29 +1,29 @@
-// How far parts may move along a motion before one enters another: swept, not solved.
+// The largest amount of a motion without overlap of parts, by stepping along the motion.
 //
-// A part enters another where one of its edges comes deeper into it than DEEP. Of a convex part that
-// is exact: the edge is clipped by its planes, moved in by so much. Of others, points of the edge
-// between its crossings of the surface are asked how deep they are.
+// A part overlaps another if one of its edges lies deeper in it than DEEP. For a convex part the
+// test is exact: the edge is clipped by the planes of the part, moved inwards by DEEP. For other
+// parts, the depth of sample points of the edge between its crossings of the surface is computed.
 
 import { size } from "./map.js";
 import { posed, turned } from "./pose.js";
 import { add, cross, dot, norm, scaled } from "./vector.js";
 
-const DEEP = 4e-4; // of the radius of the smaller part: what rounding and facets leave of none
+const DEEP = 4e-4; // tolerated depth, for rounding and facets [radius of the smaller part]
 const STEPS = 24;
 const HALVINGS = 10;
-const WORK = 3e7; // edges against planes or triangles; beyond, no farther than is known
-const SAMPLES = 5; // of an edge between two crossings
+const WORK = 3e7; // limit on edge-plane and edge-triangle tests; beyond it the sweep stops
+const SAMPLES = 5; // sample points of an edge between two crossings
 
 const less = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
 const forms = new WeakMap();
 
-/** Corners, edges, triangles and, of a convex shape, planes of a shape of the page; once. */
+/** Corners, edges, triangles, box and (for a convex shape) planes of a shape; cached. */
 export function formOf(shape) {
-  if (!forms.has(shape)) forms.set(shape, made(shape));
+  if (!forms.has(shape)) forms.set(shape, buildForm(shape));
   return forms.get(shape);
 }
 
-function made({ positions, triangles }) {
+function buildForm({ positions, triangles }) {
   const corners = [];
   for (let k = 0; k < positions.length; k += 3) corners.push([...positions.subarray(k, k + 3)]);
   const [edges, planes, reach] = [new Map(), new Map(), Math.max(...corners.map(norm))];
@@ -48,8 +48,8 @@ function made({ positions, triangles }) {
 }
 
 /**
- * The largest amount of a motion, up to `most`, at which no part is deeper in another than it is at
- * rest, by more than DEEP.
+ * The largest amount of a motion, up to `most`, without overlap. The depth at rest plus DEEP is
+ * tolerated, so that parts that overlap at rest can move.
  */
 export function clearAmount(page, motion, most) {
   const work = { left: WORK };
@@ -77,7 +77,7 @@ export function clearAmount(page, motion, most) {
   return most;
 }
 
-/** Pairs of parts of which one moves and that may meet. */
+/** Pairs of parts with at least one moving part whose swept bounding spheres meet. */
 function nearPairs(page, motion, most) {
   const { center, radius, position } = page.parts;
   const far = Array.from(radius, (r, k) => most * size(motion, k, r));
@@ -97,7 +97,7 @@ function nearPairs(page, motion, most) {
   return position.length ? pairs : [];
 }
 
-/** Whether one of two parts is deeper in the other than `deep`. */
+/** Whether an edge of one of two parts lies deeper in the other than `deep`. */
 export function enters(page, motion, amount, a, b, deep, work = { left: Infinity }) {
   const [formA, formB] = [a, b].map((k) => formOf(page.shapes[page.parts.shape[k]]));
   const [placeA, placeB] = [a, b].map((k) => posed(page.parts, k, motion, amount, 0));
@@ -107,24 +107,24 @@ export function enters(page, motion, amount, a, b, deep, work = { left: Infinity
 }
 
 /** Whether an edge of the first shape lies deeper in the second than `deep`. */
-function into(one, [q, p], other, [turnBack, origin], deep, work) {
+function into(form, [q, p], other, [turnBack, origin], deep, work) {
   const [x, y, z, w] = turnBack;
   const inverse = [-x, -y, -z, w];
-  const corners = one.corners.map((c) => turned(inverse, less(add(turned(q, c), p), origin)));
-  const near = one.edges.filter(([i, j]) =>
+  const corners = form.corners.map((c) => turned(inverse, less(add(turned(q, c), p), origin)));
+  const near = form.edges.filter(([i, j]) =>
     [0, 1, 2].every(
       (k) =>
         Math.max(corners[i][k], corners[j][k]) > other.low[k] + deep &&
         Math.min(corners[i][k], corners[j][k]) < other.high[k] - deep,
     ),
   );
-  work.left -= one.corners.length + near.length * (other.planes || other.triangles).length;
+  work.left -= form.corners.length + near.length * (other.planes || other.triangles).length;
   if (work.left < 0) return true;
   const test = other.planes ? clipped : crossed;
   return near.some(([i, j]) => test(corners[i], corners[j], other, deep));
 }
 
-/** Whether any of a segment lies below all planes, moved in by `deep`. */
+/** Whether a piece of a segment lies behind all planes of a convex shape, moved inwards by `deep`. */
 function clipped(a, b, { planes }, deep) {
   let [from, to] = [0, 1];
   for (const { n, d } of planes) {
@@ -137,7 +137,7 @@ function clipped(a, b, { planes }, deep) {
   return true;
 }
 
-/** The same of a shape that is not convex. */
+/** Whether a sample point of a segment lies deeper than `deep` in a shape that is not convex. */
 function crossed(a, b, form, deep) {
   const along = less(b, a);
   const cuts = [0, 1, ...eachTriangle(form, (p, q, r) => crossing(a, along, p, q, r))]
@@ -152,7 +152,7 @@ function crossed(a, b, form, deep) {
   return false;
 }
 
-/** Whether a point is inside, farther than `deep` from every triangle. */
+/** Whether a point is inside a shape and farther than `deep` from every triangle. */
 function isDeep(x, form, deep) {
   let turns = 0;
   let close = false;
@@ -164,14 +164,14 @@ function isDeep(x, form, deep) {
 }
 
 function eachTriangle({ corners, triangles }, action) {
-  const found = [];
+  const results = [];
   for (let t = 0; t < triangles.length; t += 3) {
-    found.push(action(...[0, 1, 2].map((i) => corners[triangles[t + i]])));
+    results.push(action(...[0, 1, 2].map((i) => corners[triangles[t + i]])));
   }
-  return found;
+  return results;
 }
 
-/** Where a + t along meets a triangle, 0 < t < 1; null where it does not. */
+/** The t with 0 < t < 1 at which a + t along crosses a triangle; null without a crossing. */
 function crossing(a, along, p, q, r) {
   const n = cross(less(q, p), less(r, p));
   const slope = dot(n, along);
@@ -185,7 +185,7 @@ function crossing(a, along, p, q, r) {
 
 /** Solid angle of a triangle seen from a point, after van Oosterom and Strackee. */
 function solidAngle(x, ...three) {
-  const [a, b, c] = three.map((one) => less(one, x));
+  const [a, b, c] = three.map((corner) => less(corner, x));
   const [la, lb, lc] = [norm(a), norm(b), norm(c)];
   const below = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
   return 2 * Math.atan2(dot(a, cross(b, c)), below);

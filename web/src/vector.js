@@ -10,7 +10,7 @@ export const cross = (a, b) => [
 ];
 export const norm = (a) => Math.hypot(a[0], a[1], a[2]);
 
-/** A vector at length 1; zero stays zero. */
+/** A vector scaled to length 1; the zero vector stays zero. */
 export function unit(a) {
   const length = norm(a);
   return length > 0 ? scaled(a, 1 / length) : [0, 0, 0];
@@ -21,7 +21,7 @@ export function angleBetween(a, b) {
   return Math.atan2(norm(cross(a, b)), dot(a, b));
 }
 
-/** A vector less its part along a unit vector. */
+/** A vector without its component along a unit vector. */
 export const without = (a, u) => add(a, scaled(u, -dot(a, u)));
 
 /** A vector turned about a unit axis by an angle [rad]. */
@@ -32,7 +32,7 @@ export function turnedAbout(v, axis, angle) {
   return add(add(scaled(v, c), scaled(cross(axis, v), s)), along);
 }
 
-/** Some unit vector at a right angle to a unit vector. */
+/** A unit vector perpendicular to a unit vector. */
 export function across(u) {
   const k = [0, 1, 2].reduce((best, i) => (Math.abs(u[i]) < Math.abs(u[best]) ? i : best), 0);
   const axis = [0, 0, 0];

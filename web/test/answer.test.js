@@ -37,7 +37,7 @@ function page(more = {}) {
   };
 }
 
-test("the given direction is answered in full, any other by the cone", () => {
+test("the given direction has a full answer, other directions are answered by the cone", () => {
   assert.equal(answer(page(), DOWN).from, "given");
   const inside = answer(page(), [0.5, 0, -1]);
   assert.deepEqual([inside.verdict, inside.from, inside.moving], ["stable", "cone", []]);
@@ -47,25 +47,25 @@ test("the given direction is answered in full, any other by the cone", () => {
   assert.equal(outside.z, -4);
 });
 
-test("one number flips the verdict: just inside and just outside of a facet", () => {
+test("the verdict flips between directions just inside and just outside a facet", () => {
   assert.equal(answer(page(), [1 - 1e-6, 0, -1]).verdict, "stable");
   assert.equal(answer(page(), [1 + 1e-6, 0, -1]).verdict, "unstable");
 });
 
-test("without a region nothing but the given direction is known", () => {
+test("without a region only the given direction has an answer", () => {
   const loaded = page({ region: null, map: null });
   assert.equal(answer(loaded, DOWN).verdict, "stable");
   assert.equal(answer(loaded, [1, 0, -1]).verdict, "unknown");
   assert.match(basis(loaded, answer(loaded, [1, 0, -1])), /Only the given/);
 });
 
-test("where the region is an inner one, outside of it is undecided", () => {
+test("directions outside an inner region are undecided", () => {
   const region = { ...page().region, outside: "undecided" };
   assert.equal(answer(page({ region }), [3, 0, -1]).verdict, "undecided");
   assert.match(basis(page({ region }), answer(page({ region }), [3, 0, -1])), /by the cone/);
 });
 
-test("between inner rays and outer facets it is undecided", () => {
+test("directions between the inner and the outer cone are undecided", () => {
   const wide = pyramid.facets.map(([x, y, z]) => {
     const v = [0.6 * x, 0.6 * y, z];
     const n = Math.hypot(...v);
@@ -80,14 +80,14 @@ test("between inner rays and outer facets it is undecided", () => {
     outside: "unstable",
   };
   assert.equal(verdictAt(region, [0.9, 0, -1]), "potentially-stable");
-  // an inner cone is entered by its blur, and what is nearest in it lies within
+  // the direction nearest to an inner cone lies inside by its blur
   assert.equal(verdictAt(region, [1 - 1e-6, 0, -1]), "undecided");
   assert.equal(verdictAt(region, nearestHeld(region, [3, 1, -1])), "potentially-stable");
   assert.equal(verdictAt(region, [1.2, 0, -1]), "undecided");
   assert.equal(verdictAt(region, [2, 0, -1]), "unstable");
 });
 
-test("between a wedge and the one around it is undecided too", () => {
+test("directions between two wedges are undecided", () => {
   const region = {
     ...cones.wedge,
     facets: [
@@ -103,7 +103,7 @@ test("between a wedge and the one around it is undecided too", () => {
   assert.equal(verdictAt(region, [1, -0.3, 0]), "unstable");
 });
 
-test("a thin inner cone leaves its neighbours open, not unstable", () => {
+test("neighbours of a thin inner cone are undecided, not unstable", () => {
   const region = {
     ...cones.fan,
     facets: cones.cone.facets,
@@ -116,7 +116,7 @@ test("a thin inner cone leaves its neighbours open, not unstable", () => {
   assert.equal(verdictAt(region, [1, -0.1, 1]), "unstable");
 });
 
-test("a thin region has no margin out of it, and says so", () => {
+test("a thin region has margin 0 out of it, and the words report it", () => {
   const region = { ...cones.fan, inside: "stable", outside: "unstable", words };
   const fan = page({ region, map: null });
   const found = answer(fan, [1, 0, 1]);
@@ -128,7 +128,7 @@ test("a thin region has no margin out of it, and says so", () => {
   assert.match(movingWords(fan, off), /not known/);
 });
 
-test("forces for a direction inside are mixed as the direction is", () => {
+test("forces for a direction inside combine those of the rays with the same weights", () => {
   const rays = {
     downs: [
       [1, 0, 0],
@@ -144,7 +144,7 @@ test("forces for a direction inside are mixed as the direction is", () => {
   assert.equal(balanceAt(null, DOWN), null);
 });
 
-test("the farthest vertex decides z and who moves", () => {
+test("the farthest vertex gives z and the moving parts", () => {
   const { map } = page();
   assert.deepEqual(farthest(map.vertices, [-1, 0, 0]), [2, 2]);
   assert.equal(zOverMass(map, [1, 0, 0]), -1);
@@ -161,23 +161,23 @@ test("arrays are unpacked at any depth", () => {
   assert.deepEqual(found, { a: [new Float32Array([1])], type: "x", data: "y" });
 });
 
-test("words for one part that moves, and for motions that further forces may hold", () => {
+test("words for one moving part, and for motions that further forces may prevent", () => {
   const found = { verdict: "unstable", moving: [1] };
   assert.equal(movingWords(page(), found), "1 of 1 free part moves: \u2068cube\u2069");
-  assert.match(movingWords(page(), { ...found, verdict: "undecided" }), /^by the frictionless/);
+  assert.match(movingWords(page(), { ...found, verdict: "undecided" }), /^with the frictionless/);
   assert.equal(movingWords(page(), { verdict: "stable", moving: [] }), "no part moves");
 });
 
-test("that no direction holds is said in the words of the region", () => {
+test("the words of the region report that no direction holds", () => {
   const region = { ...cones.none, words, inside: "stable", outside: "unstable" };
   const found = answer(page({ region }), [1, 0, 0]);
   assert.equal(marginWords(page({ region }), found), "none is held");
 });
 
-test("with friction the motion of the map is said to be without it", () => {
+test("with friction, the words state that the motion of the map ignores friction", () => {
   const region = { ...page().region, friction: true };
   const found = { verdict: "unstable", from: "cone", moving: [1] };
-  assert.match(movingWords(page({ region }), found), /^by the frictionless contacts alone 1 of 1/);
+  assert.match(movingWords(page({ region }), found), /^with the frictionless contacts alone, 1 of 1/);
   assert.match(movingWords(page({ region }), { ...found, from: "given" }), /^1 of 1/);
 });
 

@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { ball, round, straight } from "../src/arrows.js";
 
-/** Six times the volume that a surface encloses, seen from outside turning left. */
+/** Six times the volume inside a closed surface whose triangles turn left seen from outside. */
 function volume(geometry) {
   const p = geometry.getAttribute("position");
   const at = (k) => [p.getX(k), p.getY(k), p.getZ(k)];
@@ -18,14 +18,14 @@ function volume(geometry) {
   return sum;
 }
 
-test("arrows turn their outsides out, so that the rim lies behind them", () => {
+test("triangles of arrows face outwards, so that the halo lies behind the arrow", () => {
   assert.ok(volume(straight()) > 0.01);
   assert.ok(volume(round()) > 0.01);
   assert.ok(volume(ball()) > 0.9 * 8 * Math.PI * (Math.SQRT2 / 2) * 0.9);
   assert.ok(volume(ball()) < 8 * Math.PI);
 });
 
-test("the round arrow turns right-handed about y: its head lies on from its tail", () => {
+test("the round arrow is right-handed about y: its head continues the turn of its tail", () => {
   const p = round().getAttribute("position");
   const angle = (k) => Math.atan2(p.getX(k), p.getZ(k));
   assert.ok(Math.abs(angle(0)) < 1e-6);

@@ -63,7 +63,7 @@ test("the arcs of a solid cone close a loop, those of a wedge and a cone share t
   }
 });
 
-test("margin is the angle to the nearest facet: turning by a little less stays, a little more not", () => {
+test("the margin is the angle to the nearest facet: a slightly smaller turn stays inside, a larger one leaves", () => {
   for (const u of directions(400)) {
     if (!contains(pyramid, u)) continue;
     const m = margin(pyramid, u);
@@ -79,7 +79,7 @@ test("margin is the angle to the nearest facet: turning by a little less stays, 
   }
 });
 
-test("the axis of the pyramid has a margin of 45 degrees, half-spaces of 90, all of 180", () => {
+test("margins: 45 degrees at the axis of the pyramid, 90 in half-spaces, 180 in the whole space", () => {
   near(margin(pyramid, [0, 0, -1]), Math.PI / 4);
   near(margin(cones["half-space"], [0, 0, -1]), Math.PI / 2);
   near(margin(cones.all, [0, 0, -1]), Math.PI);
@@ -91,7 +91,7 @@ test("directions within the blur count as on the boundary, beyond it as outside"
   assert.ok(!contains(cones.ray, tilted(1.1e-8)));
 });
 
-test("the outline of facets is the boundary of the cone, as its rays have it", () => {
+test("the outline from facets equals the boundary from rays", () => {
   const length = (all) => all.reduce((sum, arc) => sum + arc.angle, 0);
   for (const cone of [pyramid, cones.cone, cones.wedge, cones["half-space"]]) {
     const found = outline(cone.facets);
@@ -107,7 +107,7 @@ test("the outline of facets is the boundary of the cone, as its rays have it", (
   assert.deepEqual(outline([...corner, corner[0].map((c) => -c)]).length, 2);
 });
 
-test("shares of rays give back every direction inside, and none outside", () => {
+test("weights of rays reproduce every direction inside, and no direction outside", () => {
   const { rays } = pyramid;
   for (const u of directions(300)) {
     const found = shares(rays, u);

@@ -1,4 +1,4 @@
-// Cones of all ten kinds, with what is known of them.
+// Cones of all ten kinds, with their known properties.
 
 const BLUR = 1e-8;
 const cone = (kind, dimension, lines, rays, equations, facets) => ({
@@ -50,7 +50,7 @@ export const pyramid = cone(
   ],
 );
 
-/** Numbers that look random and are the same every time. */
+/** Pseudo-random numbers from a fixed seed. */
 export function numbers(seed = 1) {
   let state = seed;
   return () => {
@@ -59,7 +59,7 @@ export function numbers(seed = 1) {
   };
 }
 
-/** Directions over the sphere. */
+/** Random directions over the whole sphere. */
 export function directions(count, seed = 7) {
   const next = numbers(seed);
   return Array.from({ length: count }, () => {

@@ -32,7 +32,7 @@ test("a fall begins at rest and ends at its last place", () => {
   near(turned(end.turns[1], [1, 0, 0]), [0, 1, 0]);
 });
 
-test("its places are as far along as they are long, and between them it goes straight on", () => {
+test("positions match the lengths of the path, and are interpolated linearly between them", () => {
   near(fallen(fall, 1 / 3).shifts[0], [1, 0, 0]);
   const half = fallen(fall, 2 / 3);
   near(half.shifts[0], [1, 0, -1]);
@@ -52,19 +52,19 @@ test("the graph goes down from rest to the least energy", () => {
   near(place(2, -5), [(second[0] + last[0]) / 2, (second[1] + last[1]) / 2]);
 });
 
-test("it falls ever faster", () => {
+test("the fall accelerates", () => {
   assert.deepEqual([paced(-1), paced(0), paced(0.5), paced(1), paced(3)], [0, 0, 0.25, 1, 1]);
 });
 
-test("a place has its unit, and friction its words", () => {
-  assert.equal(placeWords("mm", { length: 12.345, energy: -0.00321 }), "12.3 mm along, energy −3.21 mJ");
+test("words for a place with its unit, and for friction", () => {
+  assert.equal(placeWords("mm", { length: 12.345, energy: -0.00321 }), "12.3 mm along the path, energy −3.21 mJ");
   assert.equal(energy(0), "0 J");
   assert.equal(energy(-4.2e6), "-4.2 MJ");
   assert.match(frictionWords(fall), /without friction/);
   assert.match(frictionWords({ friction: "holds" }), /would slide without/);
 });
 
-test("the view makes room for what falls out of it, and for nothing at rest", () => {
+test("the view makes room for parts that fall out of it, and stays the same at rest", () => {
   const parts = { center: new Float32Array([0, 0, 0, 2, 0, 1]), radius: [9, 1] };
   const two = { parts: [1] };
   near(overhang(two, parts, [3, 1, 2], [[0, 0, 0]]), [0, 0, 0]);

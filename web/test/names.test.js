@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { spotFor } from "../src/names.js";
 
-/** Cells drawn as text: a digit is a part counted from 1, a stop is beside them. */
+/** Cells drawn as text: a digit is a part counted from 1, a dot is background. */
 function drawn(...rows) {
   const cells = new Uint32Array(rows.join("").split("").map((c) => Number(c.replace(".", "0"))));
   const ask = (part, at, wide, high, taken = new Uint8Array(cells.length)) =>
@@ -13,12 +13,12 @@ function drawn(...rows) {
 test("a name lies on its own part, as near to the middle as it can", () => {
   const ask = drawn("11112222", "11112222", "11112222");
   assert.deepEqual(ask(0, [2, 1.5], 2, 1), [2, 1.5]);
-  // asked for on the border, it keeps off it
+  // wanted on the border, the label stays off it
   assert.deepEqual(ask(0, [4, 1.5], 2, 1), [3, 1.5]);
   assert.deepEqual(ask(1, [4, 1.5], 2, 1), [5, 1.5]);
 });
 
-test("it may reach beside the parts by half, never onto another", () => {
+test("a label may cover the background by half, never another part", () => {
   const ask = drawn(".......", "..11...", ".......", "..22...");
   assert.deepEqual(ask(0, [3, 1.5], 4, 1), [3, 1.5]);
   assert.equal(ask(0, [3, 1.5], 5, 1), null);
@@ -26,7 +26,7 @@ test("it may reach beside the parts by half, never onto another", () => {
   assert.equal(drawn("2222222", "2211222")(0, [3, 1.5], 3, 1), null);
 });
 
-test("no place for what is not seen, nor where another name lies", () => {
+test("no position for an invisible part, and none on another label", () => {
   const ask = drawn("1111", "1111");
   assert.equal(ask(4, [0, 0], 1, 1), null);
   const taken = new Uint8Array(8).fill(1, 0, 4);

@@ -17,7 +17,7 @@ const forces = {
   patch: [0, 0, 1],
 };
 
-test("a patch has one force, at its centre of pressure, and says how much friction it uses", () => {
+test("a patch has one force at its centre of pressure, and its friction use", () => {
   const [one, ...more] = resultants(page, forces);
   assert.equal(more.length, 0); // nothing presses on the other
   near(one.force, [1, 0, 4]);
@@ -25,22 +25,22 @@ test("a patch has one force, at its centre of pressure, and says how much fricti
   assert.ok(Math.abs(one.use - 1 / (0.5 * 4)) < 1e-12);
 });
 
-test("where forces have no patches, each point is one", () => {
+test("without patches, each point has its force", () => {
   const found = resultants(page, { ...forces, patch: null });
   assert.equal(found.length, 2);
   near(found[1].at, [4, 0, 0]);
   assert.equal(found[0].use, null);
 });
 
-test("normals of a curved patch are those of its points", () => {
+test("a curved patch uses the normals of its points", () => {
   const curved = { ...page, patches: { ...page.patches, normals: [1, 0, 0, 0, 0, 1, 0, 0, 1] } };
   const [one] = resultants(curved, forces);
   near(one.at, [2, 0, 0]); // 1 N along the first normal, 1 N along the second
   assert.ok(Math.abs(one.use - 3 / (0.5 * 2)) < 1e-12);
 });
 
-test("of a bond the force is drawn where it pulls, and says how much of the pull it uses", () => {
-  // 2 N down at one point and 1 N up at the other, of up to 4 N each; friction counts the pull
+test("the force of a bond acts where the bond pulls, and has its bond use", () => {
+  // 2 N down at one point and 1 N up at the other, strength 4 N each; friction counts the pull
   const moved = { ...forces, forces: [1, 0, -2, 0, 0, 1, 0, 0, 0] };
   const pulled = { ...moved, pull: [4, 4, 0] };
   const [one, ...more] = resultants(page, pulled);
@@ -57,7 +57,7 @@ test("of a bond the force is drawn where it pulls, and says how much of the pull
   assert.equal(thrust(page, [one]).length, 0);
 });
 
-test("the line of thrust joins two patches, begins at a centre of mass, or meets in the middle", () => {
+test("the line of thrust joins two patches, starts at a centre of mass, or meets in the mean", () => {
   const at = (parts, point, size) => ({ parts, at: point, force: [0, 0, size] });
   const two = [at([0, 1], [0, 0, 0], 2), at([1, 2], [2, 0, 1], 1)];
   const pieces = thrust(page, two);

@@ -14,13 +14,13 @@ const plan = {
   ],
 };
 
-test("a way is cut to a reach before its first turn, and no further", () => {
+test("a path is cut to a reach before its first corner, and not after it", () => {
   assert.deepEqual(clipped(bent, 4), [[4, 0, 3], [0, 0, 3], [0, 0, 0]]);
   assert.deepEqual(clipped(bent, 40), bent);
   assert.equal(lengthOf(clipped(bent, 4)), 7);
 });
 
-test("places on a way of two pieces are counted from the seat", () => {
+test("positions on a path of two segments are measured from the seat", () => {
   near(placeOn(bent, 0).place, [0, 0, 0]);
   near(placeOn(bent, 2).place, [0, 0, 2]);
   near(placeOn(bent, 2).heading, [0, 0, -1]);
@@ -30,7 +30,7 @@ test("places on a way of two pieces are counted from the seat", () => {
   near(placeOn(bent, 99).place, [10, 0, 3]);
 });
 
-test("a part is there from the beginning of its step, and at rest before its end", () => {
+test("a part is present from the beginning of its step, and at rest before its end", () => {
   assert.deepEqual([...sceneAt(plan, 0, 20).present], [0]);
   const begun = sceneAt(plan, 1e-9, 20);
   assert.deepEqual([...begun.present], [0, 1]);
@@ -41,18 +41,18 @@ test("a part is there from the beginning of its step, and at rest before its end
   assert.deepEqual(sceneAt(plan, 3, 20).moving, []);
 });
 
-test("what is held is gripped before the part comes, and until it rests", () => {
+test("held parts are gripped before the part arrives, and until it rests", () => {
   for (const time of [1, 1.5, 1.99]) assert.deepEqual(sceneAt(plan, time, 20).gripped, [1]);
   assert.deepEqual(sceneAt(plan, 0.99, 20).gripped, []);
   assert.deepEqual(sceneAt(plan, 2, 20).gripped, []);
 });
 
-test("a part comes ever nearer", () => {
+test("the distance of a part from its seat decreases", () => {
   const left = Array.from({ length: 40 }, (_, k) => Math.hypot(...sceneAt(plan, (k + 0.5) / 40, 20).on.place));
   left.slice(1).forEach((far, k) => assert.ok(far <= left[k]));
 });
 
-test("a nut turns on its thread alone, and ends as it is drawn", () => {
+test("a nut turns only on its thread, and ends in its drawn pose", () => {
   assert.equal(sceneAt(plan, 2.01, 20).turn, -6 * Math.PI);
   assert.equal(sceneAt(plan, 2.9, 20).turn, -0);
   const on = sceneAt(plan, 2.7, 20);
@@ -60,7 +60,7 @@ test("a nut turns on its thread alone, and ends as it is drawn", () => {
   assert.equal(sceneAt(plan, 1.5, 20).turn, 0);
 });
 
-test("the picture of a step shows its part near its seat, and not in it", () => {
+test("the picture of a step shows its part near its seat, but not in it", () => {
   for (const [k, far] of [[0, 1.7], [1, 1.7]]) {
     const time = pictureTime(plan, k, 1, 20);
     assert.equal(stepAt(plan.steps, time)[0], k);
@@ -68,7 +68,7 @@ test("the picture of a step shows its part near its seat, and not in it", () => 
   }
 });
 
-test("a part turns about its centre of mass, and then moves", () => {
+test("a part is rotated about its centre of mass, then shifted", () => {
   const parts = {
     position: new Float64Array([1, 0, 0]),
     center: new Float64Array([2, 0, 0]),

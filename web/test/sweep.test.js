@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { clearAmount, distanceTo, enters, formOf } from "../src/sweep.js";
 
-/** A box about its middle as the page has it. */
+/** A box about its middle, in the form of the page's shapes. */
 function box([x, y, z]) {
   const corners = [];
   for (let k = 0; k < 8; k += 1) corners.push(k & 4 ? x : -x, k & 2 ? y : -y, k & 1 ? z : -z);
@@ -39,14 +39,14 @@ const moving = (...motions) => new Float32Array(motions.flat());
 const still = [0, 0, 0, 0, 0, 0];
 const near = (a, b, within = 2e-3) => assert.ok(Math.abs(a - b) < within, `${a} is not ${b}`);
 
-test("a part stops where it meets another, and not before", () => {
+test("a part stops where it meets another, not before", () => {
   const page = cubes([0, 0, 0], [3, 0, 0]);
   near(clearAmount(page, moving([1, 0, 0, 0, 0, 0], still), 5), 2);
   assert.equal(clearAmount(page, moving([-1, 0, 0, 0, 0, 0], still), 5), 5);
   assert.equal(clearAmount(page, moving([0, 1, 0, 0, 0, 0], still), 5), 5);
 });
 
-test("parts that touch slide along each other, and go together without end", () => {
+test("touching parts slide along each other, and move together without limit", () => {
   const page = cubes([0, 0, 0], [0.4, 0, 1]);
   assert.equal(clearAmount(page, moving(still, [1, 0, 0, 0, 0, 0]), 3), 3);
   // both about the lower edge of the lower one at x = .5: v = w x (c - e)
@@ -60,20 +60,20 @@ test("a cube that turns in a slot of its own width stops at once", () => {
   assert.ok(clearAmount(page, turning, 1) < 2e-3);
 });
 
-test("a bar through a bar is seen, though no corner is inside", () => {
+test("a bar through a bar is detected, though no corner is inside", () => {
   const page = pageOf([box([6, 1, 1]), box([1, 6, 1])], [[0, 0, 0], [0, 0, 0.99]]);
   assert.ok(enters(page, null, 0, 0, 1, 0.005));
   assert.ok(!enters(page, null, 0, 0, 1, 0.02));
 });
 
-test("a cube goes down beside the leg of an L, as far as its foot", () => {
+test("a cube moves down beside the leg of an L as far as its foot", () => {
   assert.equal(formOf(corner()).planes, null);
   const page = pageOf([corner(), box([1, 1, 1])], [[0, 0, 0], [1.6, 0, 3]]);
   near(clearAmount(page, moving(still, [0, 0, -1, 0, 0, 0]), 4), 1.5);
   near(clearAmount(page, moving(still, [-1, 0, -1, 0, 0, 0]), 4), 0.1);
 });
 
-test("what is inside at rest may stay, and goes no deeper", () => {
+test("an overlap at rest is tolerated, but may not get deeper", () => {
   const page = cubes([0, 0, 0], [0.9, 0, 0]);
   assert.equal(clearAmount(page, moving(still, [1, 0, 0, 0, 0, 0]), 2), 2);
   assert.ok(clearAmount(page, moving(still, [-1, 0, 0, 0, 0, 0]), 2) < 0.11);

@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { tailsOf } from "../src/tails.js";
 
-test("a long name is its shortest tail that no other has; a short one stays", () => {
+test("a long name becomes its shortest unique tail; a short name stays", () => {
   const names = [
     "plate",
     "l-bracket-assembly_1/nut-bolt-assembly_1/bolt",
@@ -21,7 +21,7 @@ test("a long name is its shortest tail that no other has; a short one stays", ()
   assert.equal(new Set(tails).size, names.length);
 });
 
-test("of a name that is the end of another, neither is lost", () => {
+test("a name that is the end of another name stays distinguishable", () => {
   const names = ["assembly of frames/left/bolt", "left/bolt"];
   assert.deepEqual(tailsOf(names), ["…frames/left/bolt", "left/bolt"]);
 });

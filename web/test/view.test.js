@@ -8,7 +8,7 @@ import { directions } from "./cones.js";
 
 const near = (a, b, within = 1e-9) => assert.ok(Math.abs(a - b) < within, `${a} is not ${b}`);
 
-test("a direction comes back from the disc, from the front as from round the back", () => {
+test("projection to the disc and back reproduces directions on the near and the far side", () => {
   for (const above of directions(10, 5)) {
     const view = sphereView(above, 0.7, -0.4);
     near(norm(view.right), 1);
@@ -24,7 +24,7 @@ test("a direction comes back from the disc, from the front as from round the bac
   }
 });
 
-test("an eye is found from where a direction is well seen", () => {
+test("an eye from which a direction is well visible", () => {
   const above = [0, 0, 1];
   for (const u of directions(60)) {
     assert.ok(dot(sphereView(above, ...eyeFor(above, u)).front, u) > 0.8);
@@ -36,7 +36,7 @@ test("planar directions stay in the plane", () => {
   assert.deepEqual(inPlane([0, 1, 0]), [0, 0, -1]);
 });
 
-test("colours get darker as instability grows, so that no hue is needed to read them", () => {
+test("colours get darker as instability grows, so that they are readable without hue", () => {
   const table = [[255, 246, 222], [243, 161, 75], [140, 48, 6]];
   const light = (share) => {
     const [r, g, b] = ramp(share, table);
@@ -54,7 +54,7 @@ const parts = {
   rotation: new Float32Array([s, 0, 0, s]), // w first: a quarter turn about z
 };
 
-test("a part at rest is where it is; points come back to its own frame", () => {
+test("a part at rest keeps its place; points transform back to its frame", () => {
   const [q, p] = posed(parts, 0, null, 1, 0);
   assert.deepEqual(p, [1, 0, 0]);
   const back = local(parts, 0, [1, 3, 0]);
@@ -71,7 +71,7 @@ test("motion turns about the centre of mass and moves it", () => {
   near(Math.abs(q[2]), 1, 1e-6);
 });
 
-test("what turns together stays together: a screw about one axis carries two parts alike", () => {
+test("parts with one common screw keep their relative position", () => {
   const two = {
     position: new Float32Array([1, 0, 0, 4, 0, 0]),
     center: new Float32Array([1, 1, 0, 4, 2, 0]),
@@ -90,11 +90,11 @@ test("what turns together stays together: a screw about one axis carries two par
   }
 });
 
-test("pulled apart, parts go away from the middle by their own distance", () => {
+test("exploded parts move away from the middle by their distance", () => {
   assert.deepEqual(posed(parts, 0, null, 0, 0.5)[1], [1.5, 0.5, 0]);
 });
 
-test("turns multiply, and the largest motion reaches as far as asked", () => {
+test("rotations multiply, and the largest motion has the given length", () => {
   const q = times(turn(0, 0, 0.3), turn(0, 0, 0.4));
   near(2 * Math.asin(q[2]), 0.7);
   assert.equal(reachOf(new Float32Array([0, 0, 0, 0, 3, 0]), parts.radius, 12), 2);

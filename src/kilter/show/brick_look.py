@@ -1,4 +1,4 @@
-"""How bricks look: studs on their boxes, and LDraw's colours.
+"""Appearance of bricks: studs on their boxes, and the colours of LDraw.
 
 References
 ----------
@@ -17,15 +17,15 @@ from kilter.shape.primitives import Box, surface
 __all__ = ["brick_rgb", "studded"]
 
 RADIUS = 0.3
-"""Of a stud, in cells."""
+"""Radius of a stud [cell]."""
 HEIGHT = 0.5
-"""Of a stud, in plates."""
+"""Height of a stud [plate]."""
 SIDES = 16
-"""Of the polygon that is drawn for its circle: too many for its edges to count as creases."""
+"""Corners of the polygon of a stud; with fewer, its side edges would be drawn as creases."""
 MOST = 2500
-"""Parts with more studs are drawn without them."""
+"""Bricks with more studs are drawn without studs."""
 DIRECT = 0x2000000
-"""Codes from here on are red, green and blue themselves."""
+"""Colour codes from this value on contain red, green and blue directly."""
 
 _LISTED = """
 0:1b2a34 1:0055bf 2:257a3e 3:00838f 4:c91a09 5:c870a0 6:583927 7:9ba19d 8:6d6e5c 9:b4d2e3
@@ -38,12 +38,12 @@ _LISTED = """
 322:3ec2dd 323:bddcd8 326:dfeea5 330:9b9a5a 335:d67572 351:f785b1 353:ff6d77 366:fa9c1c
 373:845e84 378:a0bcac 379:597184 450:b67b50 462:ffa70b 484:a95500 503:e6e3da
 """
-COLORS = {int(k): int(v, 16) for k, v in (one.split(":") for one in _LISTED.split())}
-"""Solid colours by code, as red, green, blue in one number."""
+COLORS = {int(k): int(v, 16) for k, v in (entry.split(":") for entry in _LISTED.split())}
+"""Solid colours by LDraw code; red, green and blue in one number."""
 
 
 def brick_rgb(brick: Brick | None) -> tuple[int, int, int] | None:
-    """The colour of a brick; None where none is stated, or the code is no solid colour.
+    """Red, green and blue of a brick, or None if it has no colour code or no solid colour.
 
     Examples
     --------
@@ -58,22 +58,25 @@ def brick_rgb(brick: Brick | None) -> tuple[int, int, int] | None:
 
 
 def studded(box: Box, brick: Brick) -> tuple[Array, Index]:
-    """Vertices and triangles of a box with a stud in the middle of each cell of its top."""
+    """Surface of a brick: its box with a stud in the middle of each cell of the top.
+
+    Returns the vertices, shape (n, 3), and the triangles, shape (m, 3).
+    """
     vertices, triangles = surface(box)
     across, along = brick.cells
     if brick.studs > MOST:
         return vertices, triangles
     cell = box.size[:2] / (across, along)
     height = HEIGHT * box.size[2] / brick.plates
-    turn = np.arange(SIDES) * (2 * np.pi / SIDES)
-    ring = RADIUS * cell.min() * np.column_stack([np.cos(turn), np.sin(turn), 0 * turn])
+    angle = np.arange(SIDES) * (2 * np.pi / SIDES)
+    ring = RADIUS * cell.min() * np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
     stud = np.concatenate([ring, ring + np.array([0, 0, height]), [[0, 0, height]]])
-    k, then = np.arange(SIDES), np.roll(np.arange(SIDES), -1)
+    k, following = np.arange(SIDES), np.roll(np.arange(SIDES), -1)
     faces = np.concatenate(
         [
-            np.column_stack([k, then, then + SIDES]),
-            np.column_stack([k, then + SIDES, k + SIDES]),
-            np.column_stack([k + SIDES, then + SIDES, 0 * k + 2 * SIDES]),
+            np.column_stack([k, following, following + SIDES]),
+            np.column_stack([k, following + SIDES, k + SIDES]),
+            np.column_stack([k + SIDES, following + SIDES, 0 * k + 2 * SIDES]),
         ]
     )
     x, y = (np.stack(np.meshgrid(range(across), range(along)), axis=-1).reshape(-1, 2) + 0.5).T

@@ -1,6 +1,6 @@
-"""Figures that matplotlib makes: without pyplot, a display, or a file of settings.
+"""matplotlib figures without pyplot, a display or a settings file.
 
-Words from a file are never read as formulas, and never run over the picture: see `label`.
+Words from a file are never read as formulas, and are cut so that they fit (`label`).
 """
 
 from __future__ import annotations
@@ -22,38 +22,39 @@ if TYPE_CHECKING:
 __all__ = ["SUFFIXES", "blank", "label", "legend", "rendered", "require", "title"]
 
 SUFFIXES = (".svg", ".png", ".pdf")
-"""What a figure can be written as."""
+"""File endings of the supported figure formats."""
 SHORT = 24
-"""Characters of a name that are shown."""
+"""A longer name is cut [characters]."""
 LINE = 72
-"""Characters of a line of the title."""
+"""Length of a title line [characters]."""
 LINES = 3
+"""Maximum number of title lines; a longer title ends in an ellipsis."""
 DOTS = 200
-"""Of a PNG, an inch."""
+"""Resolution of a PNG [dots per inch]."""
 INK = ROLES["ink"].light
 PAPER = ROLES["surface"].light
 
 
 def require() -> None:
-    """See that matplotlib is there.
+    """Check that matplotlib is installed.
 
     Raises
     ------
     InputError
-        If not, with the command that installs it.
+        If matplotlib is missing; the hint is the command that installs it.
     """
     if importlib.util.find_spec("matplotlib") is None:
         raise InputError("drawing needs matplotlib", hint="pip install 'kilter[figures]'")
 
 
 def blank(width: float, height: float) -> Figure:
-    """An empty figure, sizes in inches, that shows itself in a notebook."""
+    """Return an empty figure of a width and height in inches; a notebook displays it."""
     require()
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     class Picture(Figure):  # type: ignore[misc, unused-ignore]
-        """A figure that a notebook shows without any settings."""
+        """A figure that a notebook shows as PNG."""
 
         def _repr_png_(self) -> bytes:
             return rendered(self, ".png")
@@ -64,19 +65,21 @@ def blank(width: float, height: float) -> Figure:
 
 
 def rendered(figure: Figure, suffix: str) -> bytes:
-    """The figure as the bytes of a file: the same bytes for the same picture.
+    """Encode a figure as a file; equal figures give equal bytes.
 
     Raises
     ------
     InputError
-        If `suffix` is none of `SUFFIXES`.
+        If `suffix` is not in `SUFFIXES`.
     """
     import matplotlib
 
     suffix = suffix.lower()
     if suffix not in SUFFIXES:
         kinds = ", ".join(SUFFIXES)
-        raise InputError(f"{suffix or 'no ending'!r} is no kind of figure", hint=f"one of {kinds}")
+        raise InputError(
+            f"{suffix or 'no ending'!r} is not a figure format", hint=f"use one of {kinds}"
+        )
     metadata: dict[str, dict[str, Any]] = {
         ".svg": {"Date": None, "Creator": "kilter"},
         ".pdf": {"CreationDate": None, "Creator": "kilter", "Producer": None},
@@ -89,27 +92,27 @@ def rendered(figure: Figure, suffix: str) -> bytes:
     }
     target = io.BytesIO()
     with matplotlib.rc_context(settings), warnings.catch_warnings():
-        # scripts that the font lacks are shown as boxes in a PNG, as themselves in an SVG
+        # a script that the font lacks: an SVG keeps its text, a PNG shows boxes
         warnings.filterwarnings("ignore", message=".*[Gg]lyph.*")
         figure.savefig(target, format=suffix[1:], dpi=DOTS, metadata=metadata[suffix])
     return target.getvalue()
 
 
 def label(name: str, length: int = SHORT) -> str:
-    """A name, short and in one line of characters that can be shown.
+    """Cut a name to `length` printable characters on one line.
 
     Examples
     --------
     >>> label("a" * 100, 5)
     'aaaa…'
     """
-    # cut first: a name may be very long
+    # cut first, because a name may be very long
     name = readable(name[: length + 1])
     return name if len(name) <= length else name[: length - 1] + "…"
 
 
 def title(figure: Figure, sentence: str, verdict: str = "") -> None:
-    """The sentence above a picture, in the colour of its verdict."""
+    """Write the sentence above the picture, in the colour of its verdict."""
     text = " ".join(label(word, LINE) for word in sentence[: LINE * (LINES + 1)].split())
     lines = textwrap.wrap(text, LINE, max_lines=LINES, placeholder=" …")
     figure.text(
@@ -125,10 +128,10 @@ def title(figure: Figure, sentence: str, verdict: str = "") -> None:
 
 
 def legend(figure: Figure, entries: Sequence[tuple[Any, str]], columns: int = 2) -> None:
-    """What the signs below a picture mean, and in which units."""
+    """Add the legend below the picture: pairs of a sign and its words."""
     if not entries:
         return
-    drawn = figure.legend(
+    box = figure.legend(
         [handle for handle, _ in entries],
         [words for _, words in entries],
         loc="lower center",
@@ -138,5 +141,5 @@ def legend(figure: Figure, entries: Sequence[tuple[Any, str]], columns: int = 2)
         handlelength=2.2,
         labelcolor=INK,
     )
-    for text in drawn.get_texts():
+    for text in box.get_texts():
         text.set_parse_math(False)

@@ -1,4 +1,4 @@
-"""A colour a part, of `kilter.tell.palette`: a hue a shape, shades among its copies."""
+"""Colours of parts, from `kilter.tell.palette`: one hue per shape, shades for its copies."""
 
 from __future__ import annotations
 
@@ -16,26 +16,26 @@ if TYPE_CHECKING:
 __all__ = ["assembly_colours", "part_colours"]
 
 SHADES = (0.0, 0.10, -0.08, 0.05, -0.04, 0.13, -0.11)
-"""Lighter (towards white) or darker: copies of one shape next to each other."""
+"""Shares of white (positive) or black (negative) mixed into the colours of successive copies."""
 
 
 def assembly_colours(assembly: Assembly, shape: ArrayLike) -> NDArray[np.uint8]:
-    """A colour a part of an assembly, shape (N, 3): bricks have their own where one is stated.
+    """Colours of the parts of an assembly, shape (N, 3), from 0 to 255.
 
-    `shape` (N,): the shape that each part is drawn with.
+    `shape` (N,): index of the shape of each part. A brick with a stated colour keeps that colour.
     """
     colours = part_colours(shape, assembly.geometry.grounded)
     for k, part in enumerate(assembly.parts):
-        own = brick_rgb(part.brick)
-        if own is not None:
-            colours[k] = own
+        stated = brick_rgb(part.brick)
+        if stated is not None:
+            colours[k] = stated
     return colours
 
 
 def part_colours(shape: ArrayLike, grounded: ArrayLike) -> NDArray[np.uint8]:
-    """A colour a part, shape (N, 3): a hue a shape, shades among copies, grey where held.
+    """Colours of parts, shape (N, 3): one hue per shape, shades for its copies, grey if held.
 
-    Few parts have a hue each, whatever their shape.
+    With few free parts, each part has a hue of its own, whatever its shape.
 
     Examples
     --------

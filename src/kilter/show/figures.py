@@ -1,7 +1,7 @@
 """Figures of answers: the assembly with its motion or forces, the stable region on the sphere.
 
-Each function takes an answer and gives a matplotlib figure, which a notebook shows by itself.
-All that is drawn stands in the answer; gravity points down on the page.
+Each function takes an answer and returns a matplotlib figure, which a notebook displays. The
+figures compute nothing that the answer does not contain. Gravity points down on the page.
 """
 
 from __future__ import annotations
@@ -35,23 +35,23 @@ __all__ = ["VIEW", "camera_of", "draw_assembly", "draw_region"]
 
 
 VIEW = (-32.0, 22.0)
-"""Azimuth and elevation of the eye [deg]."""
+"""Default azimuth and elevation of the eye [deg]."""
 FRONT = (0.0, 0.0)
-"""Of planar assemblies: x to the right, z up."""
+"""Azimuth and elevation for planar assemblies [deg]: x to the right, z up."""
 WIDTH, HEIGHT = 7.0, 5.6
-"""Of the figure [inch]."""
+"""Size of the figure [inch]."""
 SPACE = (0.89, 0.76)
-"""Width and height of the picture in the figure [size of the figure]."""
+"""Width and height of the picture [size of the figure]."""
 MARGIN = 0.06
-"""Around the assembly [size of the picture]."""
+"""Margin around the assembly [size of the picture]."""
 HELD_IN_VIEW = 0.35
-"""Held parts are shown this much farther than the free ones reach [size of the free ones]."""
+"""Held parts are cut off at this distance beyond the free parts [size of the free parts]."""
 ARROW = 0.24
-"""Length of the longest arrow, and of the farthest ghost [size of the picture]."""
+"""Length of the longest arrow, and displacement of the farthest ghost [size of the picture]."""
 NAMED = 14
-"""Parts up to which names are written."""
+"""By default, names are written for up to this many parts."""
 PATCHES = 30
-"""Patches up to which contacts are drawn."""
+"""By default, contacts are drawn for up to this many patches."""
 
 
 def draw_assembly(
@@ -62,20 +62,21 @@ def draw_assembly(
     contacts: bool | None = None,
     fall: Array | None = None,
 ) -> Figure:
-    """The parts, and how they start to move, or the contact forces that balance them.
+    """Draw the parts with their impending motion, or with the contact forces that balance them.
 
     Parameters
     ----------
     verdict : Verdict
-        What `kilter.check` found.
+        Answer of `kilter.check`.
     view : (float, float), optional
         Azimuth (to the right of -y) and elevation of the eye [deg], with gravity down.
     names : bool, optional
-        Write names; where not given, for up to `NAMED` parts.
+        Write names; by default, for up to `NAMED` parts.
     contacts : bool, optional
-        Show contact patches; where not given, for up to `PATCHES`.
+        Draw contact patches; by default, up to `PATCHES`.
     fall : ndarray, shape (N, 6), optional
-        Where parts of what is balanced fall to: shifts [length unit] and rotation vectors [rad].
+        End of the fall of a balanced assembly: shift [length unit] and rotation vector [rad] of
+        each part.
 
     Returns
     -------
@@ -116,16 +117,17 @@ def draw_assembly(
 
 
 def camera_of(assembly: Assembly, view: tuple[float, float] | None) -> Camera:
-    """The eye; the assembly is turned so that gravity points down on the page."""
+    """Camera of a view; it turns the assembly so that gravity points down on the page."""
     azimuth, elevation = view or (FRONT if assembly.planar else VIEW)
     turn = quaternion_to_matrix(rotation_between(assembly.down, [0.0, 0.0, -1.0]))
     if np.allclose(assembly.down[:2], 0.0) and assembly.down[2] > 0:
-        turn = np.diag([-1.0, 1.0, -1.0])  # upside down: about the axis of sight
+        # upside down: the shortest rotation is not unique, so turn about the axis of sight
+        turn = np.diag([-1.0, 1.0, -1.0])
     return Camera.at(azimuth, elevation, turn)
 
 
 def _limits(assembly: Assembly, camera: Camera, figure: Figure) -> tuple[Array, Array]:
-    """Corners of the picture on the page: the free parts, and what is near of the held ones."""
+    """Lower left and upper right corner of the picture: the free parts and nearby held parts."""
     geometry = assembly.geometry
     flat = camera.flat(geometry.vertices)
     free = ~geometry.grounded[geometry.vertex_part]

@@ -1,6 +1,7 @@
-"""An assembly as an animated GLB (binary glTF 2.0): its parts as nodes, and tracks that move them.
+"""Animated GLB files (binary glTF 2.0): the parts of an assembly as nodes, moved by tracks.
 
-Lengths are metres and y is up, as the standard has it. Without normals faces are flat, as they are.
+Lengths are metres and y is up, as the standard requires. The meshes have no normals, so that
+viewers shade the faces flat.
 
 References
 ----------
@@ -29,14 +30,15 @@ if TYPE_CHECKING:
 __all__ = ["Film", "xyzw"]
 
 HELD = rgb(ROLES["grip"].light)
-"""Colour of what marks a held part, sRGB."""
+"""Colour of the mark of a held part, sRGB from 0 to 255."""
 FLOAT, INDEX = 5126, 5125
+"""Component types of the standard: float32, uint32."""
 VERTICES, CORNERS = 34962, 34963
-"""Numbers of the standard: types of numbers, kinds of buffers."""
+"""Buffer targets of the standard: vertex attributes, corner indices."""
 
 
-class _Binary:
-    """The buffer of a GLB, and the accessors into it."""
+class _BufferBuilder:
+    """The buffer of a GLB with its views and accessors."""
 
     def __init__(self) -> None:
         self.data = bytearray()
@@ -44,7 +46,10 @@ class _Binary:
         self.accessors: list[dict[str, Any]] = []
 
     def put(self, values: ArrayLike, kind: str, target: int | None = None) -> int:
-        """The number of a new accessor: values of a kind, with bounds where they are floats."""
+        """Append values and return the index of their accessor.
+
+        `kind` is the element type, as "VEC3". Accessors of floats get the bounds of their values.
+        """
         index = target == CORNERS
         rows = np.ascontiguousarray(values, dtype="<u4" if index else "<f4")
         view: dict[str, Any] = {
@@ -56,34 +61,34 @@ class _Binary:
             view["target"] = target
         self.views.append(view)
         self.data += rows.tobytes()
-        found: dict[str, Any] = {
+        accessor: dict[str, Any] = {
             "bufferView": len(self.views) - 1,
             "componentType": INDEX if index else FLOAT,
             "count": len(rows) if kind != "SCALAR" else rows.size,
             "type": kind,
         }
         if not index:
-            wide = rows.reshape(found["count"], -1)
-            found |= {"min": wide.min(axis=0).tolist(), "max": wide.max(axis=0).tolist()}
-        self.accessors.append(found)
+            wide = rows.reshape(accessor["count"], -1)
+            accessor |= {"min": wide.min(axis=0).tolist(), "max": wide.max(axis=0).tolist()}
+        self.accessors.append(accessor)
         return len(self.accessors) - 1
 
 
 class Film:
-    """An assembly at rest as nodes, and what moves them.
+    """An assembly at rest as glTF nodes, with animation tracks.
 
     Attributes
     ----------
     center : ndarray, shape (3,)
         Middle of the assembly, the origin of the picture [length unit].
     size : float
-        Its largest extent [length unit].
+        Largest extent of the assembly [length unit].
     places : Placed
-        Where each part is at rest.
+        Shape and pose of each part at rest.
     """
 
     def __init__(self, assembly: Assembly) -> None:
-        self._assembly, self._binary = assembly, _Binary()
+        self._assembly, self._binary = assembly, _BufferBuilder()
         self.places = placed(assembly)
         low, high = (getattr(assembly.geometry.vertices, end)(axis=0) for end in ("min", "max"))
         self.center, self.size = (low + high) / 2, float((high - low).max())
@@ -101,7 +106,7 @@ class Film:
         self._samplers: list[dict[str, Any]] = []
 
     def add_mark(self, name: str, at: Array) -> int:
-        """The node of a new mark, at a point of the world; of size zero until it is animated."""
+        """Add a mark of scale zero at a world point and return its node."""
         self._nodes.append(
             {
                 "name": readable(name),
@@ -115,7 +120,19 @@ class Film:
     def animate(
         self, node: int, path: str, times: ArrayLike, values: ArrayLike, way: str = "LINEAR"
     ) -> None:
-        """Move a node by times [s]: "translation", "rotation" (x, y, z, w) or "scale"."""
+        """Add a track to a node.
+
+        Parameters
+        ----------
+        node : int
+        path : {"translation", "rotation", "scale"}
+        times : array_like, shape (k,)
+            Times of the keys [s].
+        values : array_like, shape (k, 3) or (k, 4)
+            Values at the keys; quaternions as x, y, z, w.
+        way : {"LINEAR", "STEP"}
+            Interpolation between the keys.
+        """
         kind = "VEC4" if path == "rotation" else "VEC3"
         self._samplers.append(
             {
@@ -128,7 +145,7 @@ class Film:
         self._channels.append({"sampler": len(self._samplers) - 1, "target": target})
 
     def to_bytes(self, name: str) -> bytes:
-        """The file, its animation under a name."""
+        """Encode the file; `name` is the name of its animation."""
         assembly = self._assembly
         root = {
             "name": "assembly",
@@ -154,9 +171,12 @@ class Film:
 
 
 def _meshes(
-    assembly: Assembly, binary: _Binary
+    assembly: Assembly, binary: _BufferBuilder
 ) -> tuple[list[dict[str, Any]], list[dict[str, Any]], list[int]]:
-    """Meshes, materials, and the mesh of each part; the last mesh marks what is held."""
+    """Meshes, materials, and the mesh index of each part; the last mesh is the mark of held parts.
+
+    Parts with equal shape and colour share a mesh.
+    """
     places = placed(assembly)
     colours = assembly_colours(assembly, places.shape)
     shapes = [
@@ -192,14 +212,14 @@ def _meshes(
 
 
 def _mesh(surface: tuple[int, int], material: int) -> dict[str, Any]:
-    """A mesh of one surface: its accessors of positions and of corners."""
+    """A mesh with one surface, given by its accessors of positions and of corners."""
     positions, corners = surface
     primitive = {"attributes": {"POSITION": positions}, "indices": corners, "material": material}
     return {"primitives": [primitive]}
 
 
 def _material(colour: Array) -> dict[str, Any]:
-    """A dull surface; the standard has colours in linear light."""
+    """A matt material; converts an sRGB colour, from 0 to 1, to the linear values of glTF."""
     linear = np.where(colour <= 0.04045, colour / 12.92, ((colour + 0.055) / 1.055) ** 2.4)
     surface = {
         "baseColorFactor": [*linear.round(6).tolist(), 1.0],
@@ -210,13 +230,13 @@ def _material(colour: Array) -> dict[str, Any]:
 
 
 def xyzw(quaternion: Array) -> list[float]:
-    """A quaternion w, x, y, z in the order of the standard."""
+    """Reorder a quaternion w, x, y, z to x, y, z, w, the order of glTF."""
     w, x, y, z = quaternion.tolist()
     return [x, y, z, w]
 
 
 def _glb(header: dict[str, Any], data: bytes) -> bytes:
-    """Header and buffer as one file, each chunk filled up to four bytes."""
+    """Join the JSON header and the buffer to one file; chunks are padded to four bytes."""
     text = json.dumps(header, separators=(",", ":"), allow_nan=False).encode("ascii")
     text += b" " * (-len(text) % 4)
     data += b"\0" * (-len(data) % 4)

@@ -1,4 +1,4 @@
-"""The first motion of an assembly, as far as it is free, or its fall, as an animated GLB."""
+"""The impending motion of an assembly, or its fall, as an animated GLB."""
 
 from __future__ import annotations
 
@@ -16,19 +16,20 @@ if TYPE_CHECKING:
 __all__ = ["film_of_fall", "film_of_motion"]
 
 MOVES, RESTS = 2.0, 1.0
-"""Of the motion, and of its end before it begins again [s]."""
+"""Duration of the motion, and of the pause before it repeats [s]."""
 KEYS = 25
-"""Places along it."""
+"""Keys of a track along the motion."""
 
 
 def film_of_motion(assembly: Assembly, travel: Array) -> bytes:
-    """Parts that start to move, as the bytes of a GLB file: ever faster, then at rest for a while.
+    """Encode the start of a motion as a GLB file: accelerating, then a pause.
 
     Parameters
     ----------
     assembly : Assembly
     travel : ndarray, shape (N, 6)
-        Screws of the parts (`kilter.rigid.screwed`): shifts [length unit] and turns [rad].
+        Finite screw motion of each part (`kilter.rigid.screwed`): shift [length unit] and
+        rotation vector [rad].
     """
     film, share = Film(assembly), np.linspace(0.0, 1.0, KEYS)
     times, amounts = np.append(MOVES * share, MOVES + RESTS), np.append(share**2, 1.0)
@@ -38,15 +39,16 @@ def film_of_motion(assembly: Assembly, travel: Array) -> bytes:
 
 
 def film_of_fall(assembly: Assembly, motions: Array, lengths: Array) -> bytes:
-    """Parts that fall from place to place, in the same way, as the bytes of a GLB file.
+    """Encode the fall of parts along a path as a GLB file: accelerating, then a pause.
 
     Parameters
     ----------
     assembly : Assembly
     motions : ndarray, shape (k, N, 6)
-        Shifts of the centres of mass [length unit] and rotation vectors [rad], at rest first.
+        Shifts of the centres of mass [length unit] and rotation vectors [rad]; the first row is
+        the rest position.
     lengths : ndarray, shape (k,)
-        How far along each place is [length unit].
+        Length of the path up to each row [length unit].
     """
     from scipy.spatial.transform import Rotation
 
@@ -61,16 +63,19 @@ def film_of_fall(assembly: Assembly, motions: Array, lengths: Array) -> bytes:
 def _move(
     film: Film, assembly: Assembly, part: int, times: Array, turns: Array, shifts: Array
 ) -> None:
-    """Tracks of a part that turns about its centre of mass, and shifts."""
+    """Add the tracks of a part.
+
+    `turns`, shape (k, 3, 3), rotate about the centre of mass; `shifts`, shape (k, 3), move it.
+    """
     center, places = assembly.geometry.center[part], film.places
     arm, rest = places.position[part] - center, quaternion_to_matrix(places.rotation[part])
     film.animate(part, "translation", times, center - film.center + turns @ arm + shifts)
-    turned = [xyzw(matrix_to_quaternion(turn @ rest)) for turn in turns]
-    film.animate(part, "rotation", times, _continuous(np.array(turned)))
+    quaternions = [xyzw(matrix_to_quaternion(turn @ rest)) for turn in turns]
+    film.animate(part, "rotation", times, _continuous(np.array(quaternions)))
 
 
 def _continuous(quaternions: Array) -> Array:
-    """The same turns, each with the sign that is nearer to the one before, shape (k, 4)."""
+    """Choose the signs of quaternions, (k, 4), so that interpolation takes the short way."""
     agree = np.einsum("ij,ij->i", quaternions[1:], quaternions[:-1])
     signs = np.cumprod(np.append(1.0, np.where(agree < 0, -1.0, 1.0)))
     return quaternions * signs[:, None]

@@ -1,6 +1,6 @@
-"""What lies over the parts: contact patches, arrows of motion and of forces, names, gravity.
+"""Drawings over the parts: contact patches, arrows of motion and of forces, names, gravity.
 
-Arrows are in proportion to each other; the legend says how much the longest is.
+Arrows are in proportion to each other; the legend states the value of the longest.
 """
 
 from __future__ import annotations
@@ -31,39 +31,39 @@ __all__ = ["draw_fall", "draw_forces", "draw_gravity", "draw_motion", "draw_name
 MOTION, FORCE, PATCH = (ROLES[name].light for name in ("unstable", "force", "patch"))
 PATCH_FILL, PATCH_EDGE = (PATCH, 0.15), (PATCH, 0.7)
 SHOWN = 0.02
-"""Arrows shorter than this part of the longest are left out [-]."""
+"""Arrows shorter than this share of the longest are left out [-]."""
 ARROWS = 400
-"""The longest arrows that are drawn."""
+"""Maximum number of arrows; the longest are drawn."""
 GHOSTS = 60
-"""Moving parts up to which it is shown where they go."""
+"""Displaced outlines are drawn for up to this many moving parts."""
 ARC = np.linspace(0.0, 1.5 * np.pi, 40)
 """Angles of the arrow of a rotation [rad]."""
 GRAVITY_AT = (0.052, 0.80)
-"""Where the arrow of gravity begins [size of the figure]."""
+"""Start of the arrow of gravity [size of the figure]."""
 FRAME_AT, FRAME = (30.0, 42.0), 24.0
-"""Where the axes of the frame meet, and their length [pt]."""
+"""Origin of the axes of the frame, and their length [pt]."""
 PALE = ROLES["soft"].light
 PLATE = (PAPER, 0.68)
-"""Behind a name."""
+"""Background colour of a name, and its opacity."""
 HEAD = "-|>,head_width={},head_length={}"
 CANDIDATES = 12
-"""Faces of a part that are looked at for its name."""
+"""Largest faces of a part that are tried as the place of its name."""
 HEAD_SIZE = 11.0
-"""Of an arrow [pt]; smaller for short ones."""
-KIND = {"potentially-stable": "a possible ", "undecided": "by modelled contacts alone: "}
-"""What the motion of a verdict is that does not say "it moves so"."""
+"""Size of an arrow head [pt]; heads of short arrows are smaller."""
+KIND = {"potentially-stable": "a possible ", "undecided": "with the modelled contacts alone: "}
+"""Start of the motion's legend for the verdicts that do not assert the motion."""
 HALO = 2.6
-"""White around an arrow [pt]."""
+"""Width of the light outline around an arrow [pt]."""
 
 
 def draw_patches(axes: Axes, verdict: Verdict, camera: Camera) -> list[tuple[Any, str]]:
-    """Where parts touch, seen through them."""
+    """Draw the contact patches, visible through the parts, and return their legend entry."""
     from matplotlib.collections import PolyCollection
     from matplotlib.patches import Patch
 
     contacts = verdict.contacts
     flat, starts = camera.flat(contacts.points), contacts.patch_start
-    outlines = [_around(flat[a:b]) for a, b in pairwise(starts.tolist()) if b > a + 1]
+    outlines = [_outline_order(flat[a:b]) for a, b in pairwise(starts.tolist()) if b > a + 1]
     if not outlines:
         return []
     style: dict[str, Any] = {"facecolor": PATCH_FILL, "edgecolor": PATCH_EDGE, "linewidth": 0.9}
@@ -72,8 +72,8 @@ def draw_patches(axes: Axes, verdict: Verdict, camera: Camera) -> list[tuple[Any
     return [(Patch(**style), f"{count} contact patch{'es' if count > 1 else ''}")]
 
 
-def _around(flat: Array) -> Array:
-    """Corners of a convex patch, in order around it on the page."""
+def _outline_order(flat: Array) -> Array:
+    """Corners of a convex patch, sorted by angle around its middle on the page."""
     apart = flat - flat.mean(axis=0)
     return flat[np.argsort(np.arctan2(apart[:, 1], apart[:, 0]), kind="stable")]
 
@@ -81,7 +81,10 @@ def _around(flat: Array) -> Array:
 def draw_motion(
     axes: Axes, verdict: Verdict, camera: Camera, longest: float
 ) -> list[tuple[Any, str]]:
-    """Arrows of the first accelerations; outlines of where they lead, much enlarged."""
+    """Draw arrows of the first accelerations and outlines of the displaced parts, enlarged.
+
+    `longest`: length of the longest arrow [length unit]. Returns the legend entries.
+    """
     motion, geometry = verdict.motion, verdict.assembly.geometry
     if not motion.known:
         return []
@@ -101,15 +104,20 @@ def draw_motion(
     turning = motion.relative[:, 1]
     turns = np.flatnonzero(motion.moves & (turning > 0.1 * float(motion.relative.max())))
     for k in turns[np.argsort(-turning[turns], kind="stable")][:ARROWS]:
-        _turn(axes, camera, geometry.center[k], motion.acceleration[k, 3:], geometry.radius[k])
+        _rotation_arrow(
+            axes, camera, geometry.center[k], motion.acceleration[k, 3:], geometry.radius[k]
+        )
     if len(turns):
         fastest = float(np.linalg.norm(motion.acceleration[turns, 3:], axis=1).max())
-        entries.append((_sign(MOTION, "dotted"), f"it turns, fastest {fastest:.3g} rad/s²"))
+        entries.append((_sign(MOTION, "dotted"), f"rotation, fastest {fastest:.3g} rad/s²"))
     return entries + _ghosts(axes, verdict, camera, 0.6 * longest)
 
 
 def _ghosts(axes: Axes, verdict: Verdict, camera: Camera, farthest: float) -> list[tuple[Any, str]]:
-    """Edges of the moving parts, moved along their first accelerations."""
+    """Draw the edges of the moving parts, displaced along their first accelerations.
+
+    `farthest`: largest displacement of a point [length unit].
+    """
     motion, assembly = verdict.motion, verdict.assembly
     moving = np.flatnonzero(motion.moves)
     if len(moving) > GHOSTS:
@@ -123,13 +131,14 @@ def _ghosts(axes: Axes, verdict: Verdict, camera: Camera, farthest: float) -> li
         paths.append(motion.acceleration[k, :3] + np.cross(angular, ends - center[k]))
     start, path = np.concatenate(edges), np.concatenate(paths)
     most = float(np.linalg.norm(path, axis=-1).max())
-    return _outlines(
-        axes, camera.flat(start + path * farthest / most), "where that leads, enlarged"
-    )
+    return _outlines(axes, camera.flat(start + path * farthest / most), "displaced parts, enlarged")
 
 
 def draw_fall(axes: Axes, verdict: Verdict, camera: Camera, end: Array) -> list[tuple[Any, str]]:
-    """Edges of the parts where they have fallen to: shifts and rotation vectors, shape (N, 6)."""
+    """Draw the edges of the parts at the end of their fall.
+
+    `end`, shape (N, 6): shift [length unit] and rotation vector [rad] of each part.
+    """
     from scipy.spatial import ConvexHull
 
     assembly, center = verdict.assembly, verdict.assembly.geometry.center
@@ -140,23 +149,24 @@ def draw_fall(axes: Axes, verdict: Verdict, camera: Camera, end: Array) -> list[
     for k, corners, pairs in _corners(assembly, fallen):
         turns, _ = screwed(np.append(np.zeros(3), end[k, 3:]), [1.0])
         flat = camera.flat((corners - center[k]) @ turns[0].T + center[k] + end[k, :3])
-        lines.append(flat[pairs if len(pairs) else ConvexHull(flat).simplices])  # a ball
-    return _outlines(axes, np.concatenate(lines), "where a push leads, without friction")
+        # a ball has no feature edges: draw its outline on the page
+        lines.append(flat[pairs if len(pairs) else ConvexHull(flat).simplices])
+    return _outlines(axes, np.concatenate(lines), "after a small push, without friction")
 
 
 def _corners(assembly: Assembly, parts: Index) -> list[tuple[int, Array, Index]]:
-    """Parts with the corners of their triangles, shape (m, 3), and of their edges, shape (e, 2)."""
+    """For each part: its index, its vertices (m, 3) in the world, its feature edges (e, 2)."""
     places = placed(assembly)
-    found = []
+    rows = []
     for k in parts.tolist():
         shape, matrix = places.shapes[places.shape[k]], quaternion_to_matrix(places.rotation[k])
         corners = shape.positions.astype(np.float64) @ matrix.T + places.position[k]
-        found.append((k, corners, shape.edges))
-    return found
+        rows.append((k, corners, shape.edges))
+    return rows
 
 
 def _outlines(axes: Axes, lines: Array, words: str) -> list[tuple[Any, str]]:
-    """Lines of what is elsewhere, and their sign."""
+    """Draw the dashed lines of displaced parts and return their legend entry."""
     from matplotlib.collections import LineCollection
     from matplotlib.lines import Line2D
 
@@ -169,7 +179,10 @@ def _outlines(axes: Axes, lines: Array, words: str) -> list[tuple[Any, str]]:
 def draw_forces(
     axes: Axes, verdict: Verdict, camera: Camera, longest: float
 ) -> list[tuple[Any, str]]:
-    """Resultants of the patches, as lines through the points where they press."""
+    """Draw the resultants of the patches as lines through their centres of pressure.
+
+    `longest`: length of the longest line [length unit]. Returns the legend entry.
+    """
     from matplotlib.collections import LineCollection
     from matplotlib.lines import Line2D
 
@@ -192,24 +205,27 @@ def draw_forces(
     dot: dict[str, Any] = {"marker": "o", "markersize": 5.2, "markeredgecolor": PAPER}
     x, y = camera.flat(middle[order]).T
     axes.plot(x, y, linestyle="none", color=FORCE, zorder=5, **dot)
-    words = f"contact force, one possible set: greatest {force(most)}"
+    words = f"contact forces, one possible set: largest {force(most)}"
     return [(Line2D([], [], color=FORCE, linewidth=1.9, **dot), words)]
 
 
 def draw_names(axes: Axes, assembly: Assembly, faces: list[tuple[int, Array]]) -> None:
-    """Names on the faces that are seen of the parts, as text and nothing else."""
+    """Write the names on visible faces of the parts, as plain text."""
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     style: dict[str, Any] = {"fontsize": 8.5, "color": INK, "ha": "center", "va": "center"}
     for k, place in name_places(faces, len(assembly.parts)).items():
         x, y = np.clip(place, [left, bottom], [right, top])
         text = axes.text(float(x), float(y), label(assembly.names[k]), zorder=6, **style)
         text.set_parse_math(False)
-        # no outline: an outlined text would be a path in an SVG
+        # a background instead of an outline, because an outlined text becomes a path in an SVG
         text.set_bbox({"boxstyle": "round,pad=0.12", "facecolor": PLATE, "edgecolor": "none"})
 
 
 def name_places(faces: list[tuple[int, Array]], count: int) -> dict[int, Array]:
-    """The middle of the largest face of each part whose middle nothing hides; none if all are.
+    """Position of each part's name: the middle of its largest face whose middle is visible.
+
+    `faces` lists the drawn faces as (part, corners), the farthest first. A part without such a
+    face is not in the result.
 
     Examples
     --------
@@ -221,14 +237,14 @@ def name_places(faces: list[tuple[int, Array]], count: int) -> dict[int, Array]:
         return {}
     part = np.array([k for k, _ in faces])
     middle = np.array([corners.mean(axis=0) for _, corners in faces])
-    area = np.array([abs(_area(corners)) for _, corners in faces])
+    area = np.array([abs(_signed_area(corners)) for _, corners in faces])
     low = np.array([corners.min(axis=0) for _, corners in faces])
     high = np.array([corners.max(axis=0) for _, corners in faces])
     places = {}
     for k in range(count):
-        own = np.flatnonzero(part == k)
-        own = own[np.argsort(-area[own], kind="stable")][:CANDIDATES]
-        for face in own:
+        candidates = np.flatnonzero(part == k)
+        candidates = candidates[np.argsort(-area[candidates], kind="stable")][:CANDIDATES]
+        for face in candidates:
             near = (low[face + 1 :] < middle[face]) & (high[face + 1 :] > middle[face])
             over = face + 1 + np.flatnonzero(near.all(axis=1))
             if not any(_within(middle[face], faces[j][1]) for j in over):
@@ -237,12 +253,13 @@ def name_places(faces: list[tuple[int, Array]], count: int) -> dict[int, Array]:
     return places
 
 
-def _area(corners: Array) -> float:
+def _signed_area(corners: Array) -> float:
     x, y = corners.T
     return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
 
 
 def _within(point: Array, corners: Array) -> bool:
+    """Whether a point is inside a convex polygon of either orientation."""
     side = np.roll(corners, -1, axis=0) - corners
     to = point - corners
     turn = side[:, 0] * to[:, 1] - side[:, 1] * to[:, 0]
@@ -250,7 +267,7 @@ def _within(point: Array, corners: Array) -> bool:
 
 
 def draw_gravity(axes: Axes, camera: Camera) -> None:
-    """An arrow down with a g, and the axes of the assembly's frame."""
+    """Draw an arrow down with a g, and the axes of the assembly's frame."""
     x, y = GRAVITY_AT
     place: dict[str, Any] = {"xycoords": "figure fraction", "textcoords": "figure fraction"}
     bold: dict[str, Any] = {"arrowstyle": HEAD.format(0.22, 0.5), "lw": 1.6, "shrinkA": 0}
@@ -270,7 +287,7 @@ def draw_gravity(axes: Axes, camera: Camera) -> None:
 
 
 def _arrow(axes: Axes, ends: Array, colour: str, share: float) -> None:
-    """An arrow; `share`: its length over that of the longest, for the size of its head."""
+    """Draw an arrow; `share`: its length over that of the longest, for the size of its head."""
     from matplotlib.patches import FancyArrowPatch
     from matplotlib.patheffects import Normal, withStroke
 
@@ -290,8 +307,10 @@ def _arrow(axes: Axes, ends: Array, colour: str, share: float) -> None:
     )
 
 
-def _turn(axes: Axes, camera: Camera, center: Array, angular: Array, radius: float) -> None:
-    """Three quarters of a circle about the axis of a rotation, with a head."""
+def _rotation_arrow(
+    axes: Axes, camera: Camera, center: Array, angular: Array, radius: float
+) -> None:
+    """Draw an arrow along three quarters of a circle about the axis of a rotation."""
     from matplotlib.patches import FancyArrowPatch
     from matplotlib.path import Path
     from matplotlib.patheffects import Normal, withStroke

@@ -1,4 +1,4 @@
-"""Data inside a page: arrays as base64, JSON that cannot end the element it stands in."""
+"""Data inside a page: arrays as base64, and JSON that cannot close its script element."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from numpy.typing import ArrayLike, DTypeLike
 __all__ = ["as_json", "pack", "readable"]
 
 CODES = {"f4": "<f4", "f8": "<f8", "u1": "|u1", "u2": "<u2", "u4": "<u4"}
-"""Types of packed arrays, little-endian."""
+"""Types of packed arrays, as little-endian NumPy types."""
 ESCAPED = {"<": "\\u003c", ">": "\\u003e", "&": "\\u0026"}
 
 
 def pack(values: ArrayLike, code: str = "f4") -> dict[str, Any]:
-    """An array as JSON data: its type, and its bytes in base64.
+    """Encode an array as JSON data: its type, and its bytes in base64.
 
-    `code` is one of f4, f8, u1, u2, u4, or "index": the shortest of u2 and u4 that fits.
+    `code` is f4, f8, u1, u2 or u4. "index" selects u2 if all values fit, else u4.
 
     Raises
     ------
     KeyError
-        If there is no such type.
+        If `code` is unknown.
 
     Examples
     --------
@@ -40,7 +40,7 @@ def pack(values: ArrayLike, code: str = "f4") -> dict[str, Any]:
 
 
 def as_json(data: Any) -> str:
-    """JSON in ASCII without ``<``, ``>`` and ``&``: nothing in it can end a script element.
+    """Encode as ASCII JSON without ``<``, ``>`` and ``&``; it cannot close a script element.
 
     Examples
     --------
@@ -54,10 +54,10 @@ def as_json(data: Any) -> str:
 
 
 def readable(name: str) -> str:
-    """A name as one line of characters that can be shown; others become U+FFFD.
+    """Replace the characters of a name that cannot be shown by U+FFFD.
 
-    Control characters, half surrogates and signs that turn the direction of the text about
-    are among the others.
+    These are line breaks, control characters, lone surrogates and characters that change the
+    direction of the text.
 
     Examples
     --------

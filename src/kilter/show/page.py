@@ -1,7 +1,7 @@
-"""One offline page: template, style, program and data in one file that asks for nothing.
+"""The offline page: template, style, program and data in one file that makes no request.
 
-The page forbids every connection by its own policy (Content-Security-Policy), and runs only
-the programs whose digests it names: words from a file cannot run even if they got that far.
+The Content-Security-Policy of the page forbids every connection and allows only the programs
+whose digests it lists. Words from a file therefore cannot run as a program.
 """
 
 from __future__ import annotations
@@ -28,60 +28,63 @@ if TYPE_CHECKING:
 __all__ = ["error_page", "render", "render_plan"]
 
 MAIN = "<main>"
-"""Where a page begins in its template; titles are escaped."""
+"""Start of the content in the template. It is unique, because titles are escaped."""
 REPORT = {"motion": "motion.html", "player": "fall.html", "side": "ball.html"}
+"""Files of a report for the slots of the template."""
 PLAN = {"player": "player.html", "side": "step.html"}
-"""What stands at the places of the template in which pages differ."""
+"""Files of a plan for the slots of the template."""
 PACKAGES = ("kilter", "numpy", "scipy", "highspy", "clarabel")
+"""Packages whose versions the page states."""
 
 
 def render(answers: Everything, title: str, *, command: str = "", live: bool = False) -> str:
-    """The page of an assembly and its answers.
+    """HTML page of an assembly and its answers.
 
     Parameters
     ----------
     answers : Everything
     title : str
-        Shown above; usually the name of the file.
+        Title of the page; usually the name of the file.
     command : str
-        How to make the page again.
+        Command that reproduces the page.
     live : bool
-        For `kilter view`: the page asks its own server whether it has changed.
+        For `kilter view`: the page asks its server for changes and reloads.
     """
     data = as_json({"title": readable(title), **build_scene(answers)})
     body = sections(answers, command=command, versions=_versions())
-    return _filled(
+    return _fill_template(
         title, body, data, live=live, margins=change_card(answers) + margin_card(answers)
     )
 
 
 def render_plan(order: Order, explained: Explained, title: str, *, command: str = "") -> str:
-    """The page of a plan: its steps as a film and a strip, and what each rests on.
+    """HTML page of a plan: its steps as a film and as a strip of pictures, with their facts.
 
     Parameters
     ----------
     order : Order
     explained : Explained
-        Of that order.
+        Forces and reasons of the steps of `order`.
     title : str
-        Shown above; usually the name of the file.
+        Title of the page; usually the name of the file.
     command : str
-        How to make the page again.
+        Command that reproduces the page.
     """
     data = as_json({"title": readable(title), **build_plan_scene(order, explained)})
     body = plan_sections(order, explained, command=command, versions=_versions())
-    return _filled(title, body, data, live=False, pieces=PLAN)
+    return _fill_template(title, body, data, live=False, pieces=PLAN)
 
 
 def error_page(message: str, last: str) -> str:
-    """What `kilter view` shows while the file cannot be judged: why, above its last page."""
-    said = (
-        f'<p class="problem" role="alert">{text(message)}<br>Below: the file as it was before.</p>'
+    """The last page with an error message above; `kilter view` shows it for an invalid file."""
+    problem = (
+        f'<p class="problem" role="alert">{text(message)}<br>'
+        "The page below shows the last valid version of the file.</p>"
     )
-    return last.replace(MAIN, f"{MAIN}\n{said}", 1)
+    return last.replace(MAIN, f"{MAIN}\n{problem}", 1)
 
 
-def _filled(
+def _fill_template(
     title: str,
     body: str,
     data: str,
@@ -90,7 +93,7 @@ def _filled(
     margins: str = "",
     pieces: dict[str, str] | None = None,
 ) -> str:
-    """The template, with `pieces`: the files of the parts in which pages differ."""
+    """Fill the template; `pieces` maps its slots to asset files, by default `REPORT`."""
     style, program = as_css() + _asset("page.css"), _asset("page.js")
     scripts = [program, _asset("reload.js")] if live else [program]
     policy = "; ".join(
@@ -114,19 +117,19 @@ def _filled(
         "data": data,
         "program": "".join(f"<script>{script}</script>\n" for script in scripts),
     }
-    # one pass: what is filled in is not looked at again
-    return re.sub(r"\{\{(\w+)\}\}", lambda found: values[found[1]], _asset("page.html"))
+    # one pass, so that a slot name inside a filled-in value is not replaced
+    return re.sub(r"\{\{(\w+)\}\}", lambda match: values[match[1]], _asset("page.html"))
 
 
 def _versions() -> dict[str, str]:
-    """Of kilter and of what it computes with."""
-    found = {}
+    """Versions of kilter and of the packages it computes with."""
+    versions = {}
     for package in PACKAGES:
         try:
-            found[package] = version(package)
+            versions[package] = version(package)
         except PackageNotFoundError:
-            found[package] = "unknown"
-    return found
+            versions[package] = "unknown"
+    return versions
 
 
 def _digest(script: str) -> str:

@@ -1,9 +1,9 @@
-"""Polygons in the order in which a painter lays them on: what is behind comes first.
+"""Painter's algorithm: convex polygons ordered from back to front.
 
-A binary space partition orders polygons without error where they do not cross each other, and
-cuts those that another one's plane passes through. The largest polygons part the others first;
-once `WORK` is done, what is left in one place is ordered by its middles, which is right for
-small polygons, and those are what is left.
+A binary space partition orders polygons that do not intersect exactly. It cuts polygons that
+are crossed by the plane of another polygon. The largest polygons are used as planes first. After
+`WORK` the remaining groups are sorted by the depth of their middles; they consist of small
+polygons, for which this order is usually right.
 
 References
 ----------
@@ -23,13 +23,13 @@ __all__ = ["Camera", "Polygon", "back_to_front", "visible_triangles"]
 
 
 WORK = 400_000
-"""Looks at a polygon after which the order is no longer exact: some thousand polygons."""
+"""Polygon-plane tests up to which the order is exact; enough for some thousand polygons."""
 MANY = 200
-"""Polygons above which the largest are tried as planes, and not some from all over."""
+"""In larger groups only the largest polygons are tried as planes, else an even sample."""
 THICK = 1e-6
-"""Corners closer than this to a plane lie in it [size of the scene]."""
+"""Corners closer than this to a plane count as in the plane [size of the scene]."""
 TRIED = 5
-"""Planes that are tried at each cut, to find the one that cuts least."""
+"""Planes that are tried at each partition; the plane with the fewest cuts is used."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,10 +48,9 @@ class Camera:
 
     @classmethod
     def at(cls, azimuth: float, elevation: float, turn: Array | None = None) -> Camera:
-        """Seen from `azimuth` to the right of -y and `elevation` above the ground [deg].
+        """Camera at `azimuth` to the right of -y and `elevation` above the ground [deg].
 
-        `turn`, shape (3, 3), takes the directions of the scene to those of the page, where z
-        is up.
+        `turn`, shape (3, 3), rotates directions of the scene to a frame in which z is up.
         """
         a, e = np.radians([azimuth, elevation])
         right = np.array([np.cos(a), np.sin(a), 0.0])
@@ -61,13 +60,17 @@ class Camera:
         return cls(right @ turn, up @ turn, towards @ turn)
 
     def flat(self, points: Array) -> Array:
-        """Where points are on the page, shape (..., 2)."""
+        """Project points, shape (..., 3), to the page, shape (..., 2)."""
         return np.stack([points @ self.right, points @ self.up], axis=-1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Polygon:
-    """A convex polygon in space; `drawn[k]`: is there an edge from corner k to the next?"""
+    """A convex polygon in space.
+
+    `corners` (n, 3), unit `normal` (3,), index of its `part`; `drawn` (n,): whether the side
+    from each corner to the next is drawn as an edge.
+    """
 
     corners: Array
     normal: Array
@@ -76,7 +79,10 @@ class Polygon:
 
 
 def visible_triangles(vertices: Array, triangles: Index, edges: Index, part: int) -> list[Polygon]:
-    """Triangles of a part as polygons, `edges` (k, 2) to be drawn."""
+    """Triangles (m, 3) of a part as polygons; sides that are in `edges` (k, 2) are drawn.
+
+    Triangles of zero area are left out.
+    """
     corners = vertices[triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(normal, axis=1)
@@ -90,7 +96,7 @@ def visible_triangles(vertices: Array, triangles: Index, edges: Index, part: int
 
 
 def back_to_front(polygons: list[Polygon], camera: Camera) -> list[Polygon]:
-    """Those that face the eye, the farthest first, some of them cut in two.
+    """Polygons that face the eye, the farthest first; some are cut in two.
 
     Examples
     --------
@@ -110,7 +116,7 @@ def back_to_front(polygons: list[Polygon], camera: Camera) -> list[Polygon]:
 
 
 def _ordered(polygons: list[Polygon], towards: Array, thick: float) -> list[Polygon]:
-    """By partition, without recursion: a stack of sets that are yet to be laid on."""
+    """Sort polygons by binary space partition, with a stack instead of recursion."""
     result: list[Polygon] = []
     waiting: list[tuple[list[Polygon], bool]] = [(polygons, False)]
     work = 0
@@ -123,18 +129,21 @@ def _ordered(polygons: list[Polygon], towards: Array, thick: float) -> list[Poly
         if work > WORK:
             result += sorted(group, key=lambda p: float(p.corners.mean(axis=0) @ towards))
             continue
-        behind, within, front = _parted(group, thick)
+        behind, within, front = _partition(group, thick)
         # every polygon faces the eye, so the eye is in front of every plane
-        for some, finished in ((front, False), (within, True), (behind, False)):
-            if some:
-                waiting.append((some, finished))
+        for subset, finished in ((front, False), (within, True), (behind, False)):
+            if subset:
+                waiting.append((subset, finished))
     return result
 
 
-def _parted(
+def _partition(
     group: list[Polygon], thick: float
 ) -> tuple[list[Polygon], list[Polygon], list[Polygon]]:
-    """Behind, in, and in front of the plane of one of them."""
+    """Split a group by the plane of one of its polygons: those behind, in, and in front of it.
+
+    The plane is the candidate with the lowest cost, 8 per cut polygon plus the imbalance.
+    """
     sizes = [len(p.corners) for p in group]
     starts = np.concatenate([[0], np.cumsum(sizes)[:-1]])
     points = np.concatenate([p.corners for p in group])
@@ -162,9 +171,9 @@ def _parted(
         elif low[k] >= -thick:
             front.append(polygon)
         else:
-            own = height[starts[k] : starts[k] + sizes[k]]
-            behind.append(_half(polygon, -own))
-            front.append(_half(polygon, own))
+            heights = height[starts[k] : starts[k] + sizes[k]]
+            behind.append(_clip(polygon, -heights))
+            front.append(_clip(polygon, heights))
     return behind, within, front
 
 
@@ -174,19 +183,19 @@ def _area(polygon: Polygon) -> float:
     return float(np.linalg.norm(crossed)) / 2
 
 
-def _half(polygon: Polygon, height: Array) -> Polygon:
-    """What of a convex polygon has a height above zero; the cut has no edge."""
+def _clip(polygon: Polygon, height: Array) -> Polygon:
+    """The piece of a convex polygon with positive `height` (n,); the cut is no drawn edge."""
     corners: list[Array] = []
     drawn: list[bool] = []
     count = len(height)
     for k in range(count):
         after = (k + 1) % count
-        here, there = height[k], height[after]
+        here, ahead = height[k], height[after]
         if here >= 0:
             corners.append(polygon.corners[k])
-            drawn.append(bool(polygon.drawn[k]) and not (here == 0 and there < 0))
-        if here * there < 0:
-            share = here / (here - there)
+            drawn.append(bool(polygon.drawn[k]) and not (here == 0 and ahead < 0))
+        if here * ahead < 0:
+            share = here / (here - ahead)
             corners.append(
                 polygon.corners[k] + share * (polygon.corners[after] - polygon.corners[k])
             )

@@ -1,7 +1,7 @@
-"""The steps of a plan as a sheet of small pictures, for print: one a step.
+"""The steps of a plan as a sheet of small pictures for print, one per step.
 
-A part stands back from its seat along its way, an arrow before it; what a hand holds has blue
-stripes and edges. Colours are those of the page.
+Each picture shows the new part at a distance from its seat, with an arrow along its path. Parts
+that are held by a hand have blue stripes and edges. The colours are those of the page.
 """
 
 from __future__ import annotations
@@ -32,19 +32,19 @@ if TYPE_CHECKING:
 __all__ = ["draw_plan"]
 
 WIDTH = 7.0
-"""Of the sheet [inch]."""
+"""Width of the sheet [inch]."""
 HIGH = (0.4, 1.2)
-"""Of a picture, at least and at most [its width]."""
+"""Least and greatest height of a picture [its width]."""
 ABOVE, BELOW = 0.78, 0.42
-"""For the sentence, for the legend [inch]."""
+"""Height of the space for the sentence and for the legend [inch]."""
 WORDS = 0.33
-"""Below a picture [inch]."""
+"""Height of the text below a picture [inch]."""
 BACK = 1.5
-"""How far from its seat a part stands [its bounding radius]."""
+"""Distance of the new part from its seat [its bounding radius]."""
 MARGIN = 0.07
-"""Around the assembly [its size]."""
+"""Margin around the assembly [its size]."""
 REACH = 0.12
-"""Held parts are shown this much farther than the free ones reach [size of the free ones]."""
+"""Held parts are cut off at this distance beyond the free parts [size of the free parts]."""
 
 
 def draw_plan(
@@ -53,13 +53,13 @@ def draw_plan(
     *,
     view: tuple[float, float] | None = None,
 ) -> Figure:
-    """A picture a step, from left to right.
+    """Draw the steps of a plan, one picture per step, in rows from left to right.
 
     Parameters
     ----------
     assembly : Assembly
     answer : mapping
-        Data of a plan that was found.
+        JSON data of a plan with steps.
     view : (float, float), optional
         Azimuth (to the right of -y) and elevation of the eye [deg], with gravity down.
     """
@@ -75,7 +75,7 @@ def draw_plan(
     height = ABOVE + rows * tall + BELOW
     figure = blank(WIDTH, height)
     colours = assembly_colours(assembly, placed(assembly).shape)
-    there = set(answer["base"])
+    present = set(answer["base"])
     entries: list[tuple[Any, str]] = []
     for k, step in enumerate(steps):
         row, column = divmod(k, columns)
@@ -84,28 +84,31 @@ def draw_plan(
         axes = figure.add_axes(place)
         axes.set_axis_off()
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", anchor="C")
-        there |= set(step["parts"])
-        entries = _picture(axes, assembly, camera, step, there, colours, float(max(high - low)))
-        _words(axes, k, step)
+        present |= set(step["parts"])
+        entries = _draw_step(axes, assembly, camera, step, present, colours, float(max(high - low)))
+        _write_words(axes, k, step)
     title(figure, answer["sentence"], "stable")
     legend(figure, _signs(entries, steps), columns=3)
     return figure
 
 
-def _picture(
+def _draw_step(
     axes: Axes,
     assembly: Assembly,
     camera: Camera,
     step: Mapping[str, Any],
-    there: set[str],
+    present: set[str],
     colours: Any,
     size: float,
 ) -> list[tuple[Any, str]]:
-    """What stands, the part on its way, and its arrow."""
+    """Draw the present parts, the new part at a distance, and the arrow along its path.
+
+    `size`: size of the picture [length unit]. Returns the legend entries of the parts.
+    """
     index = assembly.index
     group = [index[name] for name in step["parts"]]
     shift, heading = _before(assembly, group, step)
-    shown = [k for k, name in enumerate(assembly.names) if name in there]
+    shown = [k for k, name in enumerate(assembly.names) if name in present]
     parts = [
         dataclasses.replace(part, pose=Pose(part.pose.position + shift, part.pose.rotation))
         if k in group
@@ -139,7 +142,10 @@ def _picture(
 
 
 def _before(assembly: Assembly, group: list[int], step: Mapping[str, Any]) -> tuple[Array, Array]:
-    """How far from its seat parts stand on the last piece of their way, and the way there."""
+    """Displacement of the new parts on the last segment of their path, and the unit direction.
+
+    `group` lists the indices of the parts. Both results have shape (3,).
+    """
     away = np.array(step["path"][-2])
     whole = float(np.linalg.norm(away))
     far = min(BACK * float(assembly.geometry.radius[group].max()), 0.9 * whole)
@@ -149,7 +155,7 @@ def _before(assembly: Assembly, group: list[int], step: Mapping[str, Any]) -> tu
 def _limits(
     assembly: Assembly, camera: Camera, steps: Sequence[Mapping[str, Any]]
 ) -> tuple[Array, Array]:
-    """Corners of every picture on the page: the free parts, also before they are in."""
+    """Lower left and upper right corner of every picture: the free parts, also before insertion."""
     geometry, index = assembly.geometry, assembly.index
     corners = [geometry.vertices[~geometry.grounded[geometry.vertex_part]]]
     for step in steps:
@@ -165,8 +171,8 @@ def _limits(
     return low - room, high + room
 
 
-def _words(axes: Axes, k: int, step: Mapping[str, Any]) -> None:
-    """The number and the name below a picture, and what is held."""
+def _write_words(axes: Axes, k: int, step: Mapping[str, Any]) -> None:
+    """Write the number, the names of the new parts and the held parts below a picture."""
     lines: list[tuple[str, Any, str]] = [
         (f"{k + 1}  {label(', '.join(step['parts']), 20)}", INK, "bold")
     ]
@@ -189,11 +195,12 @@ def _words(axes: Axes, k: int, step: Mapping[str, Any]) -> None:
 
 
 def _signs(entries: list[tuple[Any, str]], steps: list[Any]) -> list[tuple[Any, str]]:
+    """Legend entries: parts held from the start, the arrow, parts held by a hand."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
     arrow = Line2D([0, 1], [0, 0], color=MOTION, linewidth=1.3, marker=">", markevery=[1])
-    signs = [*((sign, "held from the start") for sign, _ in entries), (arrow, "comes in")]
+    signs = [*((sign, "held from the start") for sign, _ in entries), (arrow, "is inserted")]
     if any(step["held"] for step in steps):
         sign = Patch(facecolor=PAPER, edgecolor=GRIP, hatch="/////", linewidth=0.8)
         signs.append((sign, "held by a hand"))

@@ -1,8 +1,7 @@
-"""A plan as an animated GLB: each part comes in along its way.
+"""A plan as an animated GLB: each part is inserted along its path.
 
-A part that is not there yet has the size zero, since core glTF hides nothing; while a part is
-held, a small octahedron marks it. At rest all is put together, so that a viewer that plays
-nothing shows the whole.
+A part has scale zero before its step, because core glTF cannot hide nodes. A small octahedron
+marks a part while a hand holds it. Without animation, a viewer shows the complete assembly.
 """
 
 from __future__ import annotations
@@ -22,37 +21,37 @@ if TYPE_CHECKING:
 __all__ = ["film_of_plan"]
 
 LEAD, STEP, MOVES = 0.8, 1.25, 1.0
-"""Before the first step, of a step, of its motion [s]."""
+"""Time before the first step, duration of a step, and duration of its motion [s]."""
 KEYS = 13
-"""Places along a way, one after the other in time."""
+"""Keys of a track along a path."""
 NEAR = 1.2
-"""How far away a part begins at most [size of the assembly]."""
+"""Greatest distance of a part from its first corner at the start [size of the assembly]."""
 TURNS = 3
-"""Of a nut on its thread, for the picture alone."""
+"""Rotations of a nut on its thread, for illustration."""
 MARK = 0.28
-"""Size of what marks a held part [bounding radius of the part]."""
+"""Size of the mark of a held part [bounding radius of the part]."""
 
 
 def film_of_plan(assembly: Assembly, answer: Mapping[str, Any]) -> bytes:
-    """The steps of a plan that was found, as the bytes of a GLB file.
+    """Encode the steps of a plan as a GLB file.
 
     Parameters
     ----------
     assembly : Assembly
     answer : mapping
-        Data of the plan.
+        JSON data of a plan with steps.
     """
     film, index = Film(assembly), assembly.index
     places = film.places
     for k, step in enumerate(answer["steps"]):
         start = LEAD + k * STEP
         times = start + MOVES * np.linspace(0.0, 1.0, KEYS)
-        path = _way(np.array(step["path"]), NEAR * film.size)
+        path = _sampled_path(np.array(step["path"]), NEAR * film.size)
         for part in (index[name] for name in step["parts"]):
             film.animate(part, "scale", [0.0, start], [[0.0] * 3, [1.0] * 3], "STEP")
             film.animate(part, "translation", times, places.position[part] - film.center + path)
             if step["over"] is not None:
-                turning = _turning(np.array(step["direction"]), places.rotation[part])
+                turning = _nut_rotations(np.array(step["direction"]), places.rotation[part])
                 film.animate(
                     part, "rotation", np.linspace(start, start + MOVES, len(turning)), turning
                 )
@@ -65,8 +64,11 @@ def film_of_plan(assembly: Assembly, answer: Mapping[str, Any]) -> bytes:
     return film.to_bytes("plan")
 
 
-def _way(path: Array, reach: float) -> Array:
-    """Places along a way at even times, gently at both ends, shape (KEYS, 3)."""
+def _sampled_path(path: Array, reach: float) -> Array:
+    """Points of a path at even times, slow at both ends, shape (KEYS, 3).
+
+    `path`, shape (k, 3), ends at the seat; its first segment is cut to `reach` [length unit].
+    """
     first = path[0] - path[1]
     far = float(np.linalg.norm(first))
     path = np.vstack([path[1] + first * min(1.0, reach / far), path[1:]])
@@ -76,21 +78,27 @@ def _way(path: Array, reach: float) -> Array:
     return np.column_stack([np.interp(at, along, path[:, i]) for i in range(3)])
 
 
-def _turning(along: Array, rest: Array) -> Array:
-    """Quaternions x, y, z, w of a nut that advances along a right-handed thread to its seat."""
+def _nut_rotations(along: Array, rest: Array) -> Array:
+    """Quaternions x, y, z, w of a nut that advances on a right-handed thread, shape (k, 4).
+
+    `along`, shape (3,), is the direction of insertion; `rest` is the quaternion in the seat.
+    """
     angles = np.linspace(-2 * np.pi * TURNS, 0.0, 4 * TURNS + 1)
     turns = np.column_stack([np.cos(angles / 2), np.sin(angles / 2)[:, None] * along])
     turned = quaternion_to_matrix(turns) @ quaternion_to_matrix(rest)
-    return np.array([xyzw(matrix_to_quaternion(one)) for one in turned])
+    return np.array([xyzw(matrix_to_quaternion(matrix)) for matrix in turned])
 
 
 def _held_times(steps: list[dict[str, Any]]) -> dict[str, list[tuple[float, int]]]:
-    """Of each part that is held, when it is and when no more, from the time 0 on."""
-    found: dict[str, list[tuple[float, int]]] = {}
+    """For each part that is ever held, the times [s] at which that changes, with 1 or 0.
+
+    Each list begins at the time 0.
+    """
+    changes: dict[str, list[tuple[float, int]]] = {}
     for k, step in enumerate([*steps, {"held": []}]):
         for name in step["held"]:
-            found.setdefault(name, [(0.0, 0)])
-        for name, times in found.items():
+            changes.setdefault(name, [(0.0, 0)])
+        for name, times in changes.items():
             if (name in step["held"]) != bool(times[-1][1]):
                 times.append((LEAD + k * STEP, int(name in step["held"])))
-    return found
+    return changes

@@ -1,11 +1,11 @@
-"""A plan as data to draw: its steps with their ways, hands and forces, and how it is pulled apart.
+"""The data of a plan's page: steps with paths, hands and forces, and the exploded view.
 
-Positions are about `center` of the picture. Apart, a part stands back along the way that it came,
-beyond the parts that it was put on,
+Positions are relative to `center` of the picture. In the exploded view a part is displaced back
+along its path, beyond the parts on which it is seated,
 
-    apart_p = apart_q - size_p d_p        q: of the parts it is seated on the one farthest apart
+    apart_p = apart_q - size_p d_p        q: the part under p with the largest displacement
 
-where seated on are the parts that it touches and does not slide along.
+The parts on which p is seated are those that it touches without sliding along them.
 """
 
 from __future__ import annotations
@@ -31,25 +31,25 @@ __all__ = ["build_plan_scene", "pulled_apart"]
 WORDS = {
     "found": "There is an order",
     "impossible": "Impossible",
-    "none-found": "None found",
+    "none-found": "No order found",
     "fails": "This order fails",
 }
-"""Of a plan by its verdict."""
+"""Words for the verdicts of a plan."""
 GAP = 0.85
-"""Between a part and what it was put on, pulled apart [extent of the part along its way]."""
+"""Gap between a part and the part under it in the exploded view [extent of the part along d_p]."""
 FARTHEST = 1.1
-"""No part is pulled farther [radius of the picture]."""
+"""Largest displacement of a part in the exploded view [radius of the picture]."""
 
 
 def build_plan_scene(order: Order, explained: Explained) -> dict[str, Any]:
-    """What the page of a plan draws, as JSON data."""
+    """JSON data of the page of a plan."""
     states = order.states
     assembly, answer = states.assembly, order.to_dict()
     things = build_things(assembly, states.contacts)
     center = np.array(things["center"])
     steps = [
-        _step(assembly, told, support, center)
-        for told, support in zip(answer["steps"], explained.supports, strict=True)
+        _step(assembly, step, support, center)
+        for step, support in zip(answer["steps"], explained.supports, strict=True)
     ]
     sentence = answer["sentence"]
     return {
@@ -71,9 +71,20 @@ def build_plan_scene(order: Order, explained: Explained) -> dict[str, Any]:
 
 
 def _step(
-    assembly: Assembly, told: dict[str, Any], support: StepForces, center: Array
+    assembly: Assembly, step: dict[str, Any], support: StepForces, center: Array
 ) -> dict[str, Any]:
-    index, metres, over = assembly.index, metres_per_unit(assembly.units), told["over"]
+    """JSON data of one step.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    step : dict
+        Data of the step in the plan's answer.
+    support : StepForces
+    center : ndarray, shape (3,)
+        Middle of the picture [length unit].
+    """
+    index, metres, over = assembly.index, metres_per_unit(assembly.units), step["over"]
     hands = [
         {
             "part": hand.part,
@@ -87,15 +98,15 @@ def _step(
         for hand in support.hands
     ]
     return {
-        "parts": [index[name] for name in told["parts"]],
-        # without a way a part is there at once
-        "path": told["path"] if told["direction"] else 2 * told["path"],
-        "direction": told["direction"] or told["down"],
-        "down": told["down"],
-        "held": [index[name] for name in told["held"]],
+        "parts": [index[name] for name in step["parts"]],
+        # a part without a path is in its seat from the beginning of its step
+        "path": step["path"] if step["direction"] else 2 * step["path"],
+        "direction": step["direction"] or step["down"],
+        "down": step["down"],
+        "held": [index[name] for name in step["held"]],
         "over": None if over is None else index[over],
-        "thread": 0.0 if over is None else _thread(assembly, told, over),
-        "facts": [[readable(k), readable(v)] for k, v in step_facts(told, hands)],
+        "thread": 0.0 if over is None else _thread(assembly, step, over),
+        "facts": [[readable(k), readable(v)] for k, v in step_facts(step, hands)],
         "hands": [_hand(assembly, hand) for hand in support.hands],
         "support": {
             "points": pack(support.points - center),
@@ -106,6 +117,7 @@ def _step(
 
 
 def _hand(assembly: Assembly, hand: Hand) -> dict[str, Any]:
+    """JSON data of a hand: its part, its force [N], and the motion without the hand."""
     index = assembly.index
     return {
         "part": index[hand.part],
@@ -116,41 +128,41 @@ def _hand(assembly: Assembly, hand: Hand) -> dict[str, Any]:
 
 
 def _falls(order: Order) -> list[dict[str, Any]]:
-    """Parts that nothing that can be reached holds, where no order was found, and how they fall."""
+    """Groups of parts that fall in every reachable state, if no order was found."""
     if order.steps:
         return []
-    found = []
+    groups = []
     for state in order.falling:
         moves = [int(k) for k in np.flatnonzero(state.free)]
         motion = None if state.motion is None else pack(state.motion.motion)
-        found.append({"part": moves[0], "moves": moves, "motion": motion})
-    return [one for one in found if one["motion"] is not None]
+        groups.append({"part": moves[0], "moves": moves, "motion": motion})
+    return [group for group in groups if group["motion"] is not None]
 
 
-def _thread(assembly: Assembly, told: dict[str, Any], over: str) -> float:
-    """How far a nut moves while it is on its bolt [length unit]."""
-    along = np.array(told["direction"])
+def _thread(assembly: Assembly, step: dict[str, Any], over: str) -> float:
+    """Length of the path of a nut on its bolt, `over` [length unit]."""
+    along = np.array(step["direction"])
     nut, bolt = (
         assembly.geometry.corners_of(assembly.index[name]).reshape(-1, 3) @ along
-        for name in (told["parts"][0], over)
+        for name in (step["parts"][0], over)
     )
     return float(max(nut.max() - bolt.min(), 0.0))
 
 
 def _in_view(apart: Array, radius: float) -> Array:
-    """The same, no farther than the picture reaches."""
+    """Scale displacements, shape (N, 3), so that none exceeds `FARTHEST`."""
     farthest = float(np.linalg.norm(apart, axis=1).max(initial=0.0))
     return apart * min(1.0, FARTHEST * radius / farthest) if farthest > 0 else apart
 
 
 def pulled_apart(assembly: Assembly, steps: list[dict[str, Any]]) -> Array:
-    """How far each part stands from its seat where all is pulled apart, shape (N, 3).
+    """Displacement of each part from its seat in the exploded view, shape (N, 3).
 
     Parameters
     ----------
     assembly : Assembly
     steps : list of dict
-        `steps` of a plan.
+        `steps` of a plan's JSON data.
     """
     index, geometry = assembly.index, assembly.geometry
     apart = np.zeros((len(assembly), 3))

@@ -1,4 +1,4 @@
-"""The text of the page of a plan: what was found, its steps, which must come first, how made."""
+"""The text of a plan's page: result, steps, precedence graph, warnings, how to reproduce."""
 
 from __future__ import annotations
 
@@ -25,34 +25,44 @@ if TYPE_CHECKING:
 __all__ = ["plan_sections"]
 
 DRAWN = 150
-"""Steps up to which the graph is drawn."""
+"""The graph is drawn for up to this many steps."""
 PLAYED = (
-    "Playing solves nothing: ways, held parts and forces are those of the plan. Forces are one "
-    "possible set, as the proof of the step has them; a nut turns for the picture alone."
+    "Playing starts no computation: paths, held parts and forces are those of the plan. The forces "
+    "are one possible set, taken from the proof of the step. The turning of a nut is illustration."
 )
 
 
 def plan_sections(
     order: Order, explained: Explained, *, command: str, versions: dict[str, str]
 ) -> str:
-    """The sections below the picture."""
+    """HTML of the sections below the picture.
+
+    Parameters
+    ----------
+    order : Order
+    explained : Explained
+    command : str
+        Command that reproduces the page.
+    versions : dict
+        Version of each package.
+    """
     answer = order.to_dict()
-    parts = [_found(answer), _steps(answer), _graph(answer, explained)]
+    parts = [_result(answer), _steps(answer), _graph(answer, explained)]
     parts.append(warnings_section(answer["warnings"]))
     parts.append(made_section(command, versions, ("the film", PLAYED)))
     return "\n".join(filter(None, parts))
 
 
-def _found(answer: dict[str, Any]) -> str:
+def _result(answer: dict[str, Any]) -> str:
     rows = [("in words", text(answer["sentence"]))]
     rows += [(term, text(words)) for term, words in facts(answer)]
     if answer["level"] is not None:
-        rows.append(("what that says", text(LEVELS[answer["level"]])))
-    return section("What was found", facts_html(rows))
+        rows.append(("meaning of the level", text(LEVELS[answer["level"]])))
+    return section("Result", facts_html(rows))
 
 
 def _steps(answer: dict[str, Any]) -> str:
-    """A row a step."""
+    """Section with a table of the steps; empty without steps."""
     if not answer["steps"]:
         return ""
 
@@ -63,20 +73,25 @@ def _steps(answer: dict[str, Any]) -> str:
         touches = ", ".join(step["touches"])
         return [str(k + 1), button, *map(text, (way, touches, held, freed, level))]
 
-    head = ["", "part", "comes in", "touches", "held meanwhile", "then let go", "level"]
+    head = ["", "part", "inserted", "touches", "held during the step", "released after", "level"]
     body = rows_html(head, [row(k, s) for k, s in enumerate(answer["steps"])], len(answer["steps"]))
     return section(f"Steps ({len(answer['steps'])})", body)
 
 
 def _graph(answer: dict[str, Any], explained: Explained) -> str:
+    """Section with the precedence graph; empty without steps or with more than `DRAWN`."""
     if not answer["steps"] or len(answer["steps"]) > DRAWN:
         return ""
-    needs = [(one.before, one.after) for one in explained.needs]
-    way = "would be in its way" if explained.swept else "(ways are not compared at this size)"
+    needs = [(need.before, need.after) for need in explained.needs]
+    reason = (
+        "because of an option or because the second would block the path of the first"
+        if explained.swept
+        else "because of an option (paths are not compared for this many parts)"
+    )
     note = (
-        f"Dark arrows: the first has to come before the second, which was asked for or {way}. Pale "
-        "lines: the second touches the first once it is in place. What others imply is left out. "
-        "Nodes are steps; blue ones are held at some time."
+        f"Nodes are steps. A dark arrow: the first step must come before the second, {reason}. "
+        "A pale line: the part of the second step touches that of the first. Arrows and lines that "
+        "follow from others are left out. Blue: the part is held by a hand at some time."
     )
     body = (
         f'<div id="graph" class="wide">{graph_svg(answer, needs)}</div><p class="small">{note}</p>'

@@ -1,7 +1,8 @@
-"""The precedence graph of a plan as SVG: what was put on what, and what must come first.
+"""The precedence graph of a plan as SVG: required orders and touching parts.
 
-A row is a depth: one more than the deepest of what a part must come after or was put on. An arrow
-that others imply is left out. Within a row, parts stand near the middle of what is above them.
+A row contains the steps of one depth. The depth of a step is one more than the largest depth of
+its predecessors. Edges that follow from others are left out. Within a row, a step is near the
+mean position of its neighbours.
 """
 
 from __future__ import annotations
@@ -14,28 +15,29 @@ from kilter.show.sections import text
 __all__ = ["graph_svg"]
 
 HIGH, ROW, GAP = 24.0, 62.0, 10.0
-"""Height of a node, between two rows, between two nodes [px]."""
+"""Height of a node, distance between two rows, gap between two nodes of a row [px]."""
 WIDE = (30.0, 128.0)
-"""Of a node with its number alone, and with a name [px]."""
+"""Width of a node with its number alone, and with a name [px]."""
 NAMED = 40
-"""Steps up to which names are written."""
+"""Names are written for up to this many steps."""
 LETTERS = 15
-"""Of a name."""
+"""A longer name is cut [characters]."""
 MARGIN = 8.0
+"""Margin around the graph [px]."""
 SWEEPS = 6
-"""Times the rows are put in order."""
+"""Passes that sort the rows; more passes give fewer crossings."""
 Edge = tuple[int, int]
 
 
 def graph_svg(answer: Mapping[str, Any], needs: Sequence[tuple[str, str]]) -> str:
-    """The graph; node 0 is the base, node k step k.
+    """Draw the graph as SVG; node 0 is the base, node k is step k.
 
     Parameters
     ----------
     answer : mapping
-        Data of a plan that was found.
+        JSON data of a plan with steps.
     needs : sequence of (before, after)
-        Names of parts of which one has to come first.
+        Pairs of names of parts; the first must be inserted before the second.
     """
     steps = answer["steps"]
     node = dict.fromkeys(answer["base"], 0)
@@ -43,13 +45,13 @@ def graph_svg(answer: Mapping[str, Any], needs: Sequence[tuple[str, str]]) -> st
     must = {(node[a], node[b]) for a, b in needs if a in node and b in node}
     must = {(a, b) for a, b in must if a and a < b}
     put = {(node[name], k) for k, step in enumerate(steps, 1) for name in step["touches"]}
-    edges = _needed(len(steps) + 1, must | {(a, b) for a, b in put if a < b})
+    edges = _transitive_reduction(len(steps) + 1, must | {(a, b) for a, b in put if a < b})
     rows = _rows(len(steps) + 1, edges)
-    return _drawn(answer, rows, edges, must)
+    return _to_svg(answer, rows, edges, must)
 
 
-def _needed(count: int, edges: set[Edge]) -> set[Edge]:
-    """The edges that no path of others implies."""
+def _transitive_reduction(count: int, edges: set[Edge]) -> set[Edge]:
+    """The edges (a, b), a < b, that do not follow from a path of other edges."""
     above = [0] * count
     kept: set[Edge] = set()
     for b in range(count):
@@ -61,7 +63,7 @@ def _needed(count: int, edges: set[Edge]) -> set[Edge]:
 
 
 def _rows(count: int, edges: set[Edge]) -> list[list[int]]:
-    """The nodes by depth, each row in an order that crosses little."""
+    """The nodes by depth; each row is sorted so that few edges cross."""
     depth = [0] * count
     for a, b in sorted(edges, key=lambda edge: edge[1]):
         depth[b] = max(depth[b], depth[a] + 1)
@@ -85,9 +87,10 @@ def _rows(count: int, edges: set[Edge]) -> list[list[int]]:
     return rows
 
 
-def _drawn(
+def _to_svg(
     answer: Mapping[str, Any], rows: list[list[int]], edges: set[Edge], must: set[Edge]
 ) -> str:
+    """SVG of nodes in rows; edges in `must` are arrows, other edges are pale lines."""
     steps = answer["steps"]
     wide = WIDE[len(steps) <= NAMED]
     width = max(len(row) for row in rows) * (wide + GAP) - GAP + 2 * MARGIN
@@ -121,7 +124,7 @@ def _drawn(
 
 
 def _line(start: tuple[float, float], end: tuple[float, float], must: bool) -> str:
-    """A curve from below one node to above another, with a head."""
+    """A curve from the lower side of a node to the upper side of another; `must` adds a head."""
     (x, y), (u, v) = (start[0], start[1] + HIGH), end
     bend = (v - y) / 2
     kind = "must" if must else "touch"

@@ -1,11 +1,12 @@
-"""Contact patches of round faces as rings, and the surfaces between them.
+"""Contact patches of round faces as rings, and the surfaces between the rings.
 
-The points of a cylinder or cone lie on circles about one axis a, and their normals lean on it
-alike, n.a = const. With m the unit part of n across the axis, a circle has
+The contact points of a cylinder or cone lie on circles about a common axis a, and their normals
+have a constant inclination, n.a = const. With m the normalised component of n across the axis, a
+circle has
 
-    R = (x - y).(m_x - m_y) / |m_x - m_y|^2        its centre x - R m_x, for any two of its points
+    R = (x - y).(m_x - m_y) / |m_x - m_y|^2        centre x - R m_x, for any two of its points
 
-and is drawn from point to point; the widest step between neighbours stays open above `OPEN`.
+It is drawn through its points. The widest gap between neighbours stays open if it exceeds `OPEN`.
 """
 
 from __future__ import annotations
@@ -23,16 +24,20 @@ if TYPE_CHECKING:
 __all__ = ["RoundPatches", "round_patches"]
 
 OPEN = np.radians(125.0)
-"""Neighbours on a circle that are farther apart have no contact between them [rad]."""
+"""Between neighbours on a circle with a wider gap, no contact is drawn [rad]."""
 FINE = np.radians(7.5)
-"""Of an arc as it is drawn [rad]."""
+"""Angle between the drawn points of an arc [rad]."""
 ALIKE = 1e-3
-"""How far normals may lean apart [-], and points of one circle be apart along it [its patch]."""
+"""Tolerance for equal normals [-], and for equal heights along the axis [size of the patch]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RoundPatches:
-    """`points` (M, 3), the `patch` (M,) of each; `lines` (L, 2) and `triangles` (T, 3) of them."""
+    """Rings of all round patches, as arrays to draw.
+
+    `points` (M, 3); `patch` (M,), the patch of each point; `lines` (L, 2) and `triangles` (T, 3),
+    indices of points.
+    """
 
     points: Array
     patch: Index
@@ -41,7 +46,7 @@ class RoundPatches:
 
 
 def round_patches(contacts: ContactSet) -> RoundPatches:
-    """Of all patches that are round; those whose points lie on no circle are left out."""
+    """Rings and surfaces of all round patches, without those whose points lie on no circle."""
     points, patch, lines, triangles = [np.zeros((0, 3))], [], [np.zeros((0, 2), int)], []
     count = 0
     starts = contacts.patch_start
@@ -59,7 +64,7 @@ def round_patches(contacts: ContactSet) -> RoundPatches:
                 before = row - len(ring)
                 triangles.append(np.column_stack([before[:-1], before[1:], row[1:]]))
                 triangles.append(np.column_stack([before[:-1], row[1:], row[:-1]]))
-                # the sides of what does not go all round
+                # the straight sides of a patch that is not closed around the axis
                 lines.append(np.array([[before[0], row[0]], [before[-1], row[-1]]]))
             points.append(ring)
             patch += [p] * len(ring)
@@ -73,7 +78,10 @@ def round_patches(contacts: ContactSet) -> RoundPatches:
 
 
 def _rings(points: Array, normals: Array) -> list[Array]:
-    """Closed or open polygons along the circles of a patch, from one end of its axis to the other.
+    """Polygons along the circles of a patch, from one end of its axis to the other.
+
+    Returns an empty list if the patch is not round: fewer than three points, normals of varying
+    inclination, or points off their circle.
 
     Examples
     --------
@@ -106,7 +114,11 @@ def _rings(points: Array, normals: Array) -> list[Array]:
 
 
 def _ring(points: Array, across: Array, angle: Array, axes: Array) -> Array | None:
-    """The polygon along one circle; None where two points do not make one."""
+    """The polygon along one circle, shape (k, 3), or None if the points lie on no common circle.
+
+    `across`: unit normals across the axis; `angle`: angles of the points about it [rad]; `axes`:
+    the two directions across the axis, and the axis.
+    """
     order = np.argsort(angle, kind="stable")
     points, across, angle = points[order], across[order], angle[order]
     gaps = np.diff(np.append(angle, angle[0] + 2 * np.pi))

@@ -1,8 +1,8 @@
-"""An assembly and its answers as arrays to draw, about the middle of the picture.
+"""The data of a report's page: an assembly and its answers as arrays to draw.
 
-Nothing is computed here that an answer does not hold: shapes are placed, motions and forces
-are laid out part by part and point by point. Positions are float32 about `center`, so that
-an assembly far from the origin keeps its digits.
+Nothing is computed here that an answer does not contain. Motions are arranged by part, forces by
+contact point. Positions are float32 relative to `center`, so that an assembly far from the origin
+keeps its digits.
 """
 
 from __future__ import annotations
@@ -32,15 +32,15 @@ __all__ = ["build_scene", "build_things", "coincide"]
 
 
 SAME = 1e-12
-"""Points this close are one [size of the largest part]."""
+"""Points closer than this are equal [size of the largest part]."""
 SAME_DOWN = 1e-9
-"""Unit directions nearer than this are one [-]."""
+"""Unit directions closer than this are equal [-]."""
 HELD_IN_VIEW = 1.5
-"""Held parts reach at most this much farther than the free ones in the first view [-]."""
+"""The first view shows held parts up to this size, relative to the free parts [-]."""
 
 
 def build_scene(answers: Everything) -> dict[str, Any]:
-    """What the page of an assembly draws, as JSON data."""
+    """JSON data of the page of an assembly and its answers."""
     things = build_things(answers.assembly, answers.contacts)
     center, recommended = np.array(things["center"]), answers.recommended
     same = coincide(answers)
@@ -60,13 +60,13 @@ def build_scene(answers: Everything) -> dict[str, Any]:
 
 
 def coincide(answers: Everything) -> bool:
-    """Whether the direction that is recommended is that of gravity as given."""
-    one = answers.recommended
-    return one is not None and float(np.linalg.norm(one.down - answers.given.down)) < SAME_DOWN
+    """Whether the recommended direction is that of gravity as given."""
+    best = answers.recommended
+    return best is not None and float(np.linalg.norm(best.down - answers.given.down)) < SAME_DOWN
 
 
 def build_things(assembly: Assembly, contacts: ContactSet) -> dict[str, Any]:
-    """What every page draws of an assembly: shapes, parts, contact patches, loads."""
+    """JSON data that every page has: shapes, parts, contact patches, open pairs, loads."""
     center, extent = _view(assembly)
     return {
         "words": VERDICTS,
@@ -92,9 +92,9 @@ def build_things(assembly: Assembly, contacts: ContactSet) -> dict[str, Any]:
 
 
 def _view(assembly: Assembly) -> tuple[Array, Array]:
-    """Middle and half lengths of the box that the first view must hold [length unit].
+    """Middle and half lengths of the box of the first view [length unit].
 
-    A table reaches out of it on every side.
+    The box contains the free parts and the held parts near them. A table extends beyond it.
     """
     geometry = assembly.geometry
     table = np.array([part.table for part in assembly.parts])
@@ -122,7 +122,7 @@ def _shape(shape: Drawn) -> dict[str, Any]:
 
 
 def _change(answers: Everything, center: Array) -> dict[str, Any] | None:
-    """The brick to take away, by its number, or the one to add: its shape, and where."""
+    """JSON data of the best change: the brick to remove, or shape and place of a new brick."""
     best = None if answers.change is None else answers.change.best
     if best is None:
         return None
@@ -174,7 +174,7 @@ def _patches(contacts: ContactSet, center: Array) -> dict[str, Any]:
 
 
 def _curved(contacts: ContactSet) -> bool:
-    """Whether normals differ within a patch."""
+    """Whether the normals of a patch differ from each other."""
     start = contacts.patch_start
     return not np.array_equal(
         contacts.normals, np.repeat(contacts.patch_normal, np.diff(start), axis=0)
@@ -182,18 +182,18 @@ def _curved(contacts: ContactSet) -> bool:
 
 
 def _open_pairs(contacts: ContactSet, center: Array) -> dict[str, Any]:
-    """Where the open pairs are: in the middle of what their boxes share, or between them."""
+    """JSON data of the open pairs: their parts, and the middle between their bounding boxes."""
     geometry = contacts.assembly.geometry
-    parts = np.array([one.parts for one in contacts.open_pairs], dtype=np.int64)
+    parts = np.array([pair.parts for pair in contacts.open_pairs], dtype=np.int64)
     low, high = geometry.part_boxes
     a, b = parts.reshape(-1, 2).T
     middle = (np.maximum(low[a], low[b]) + np.minimum(high[a], high[b])) / 2
     return {"parts": pack(parts.reshape(-1, 2), "index"), "at": pack(middle - center)}
 
 
-def _orientation(answers: Everything, one: Answered, center: Array) -> dict[str, Any]:
-    """One direction of gravity: words and figures, motion a part, forces a point."""
-    check, units = one.check, answers.assembly.units
+def _orientation(answers: Everything, answer: Answered, center: Array) -> dict[str, Any]:
+    """JSON data of answer direction of gravity: words, figures, motion by part, forces by point."""
+    check, units = answer.check, answers.assembly.units
     count = len(answers.assembly.parts)
     motion = np.zeros((count, 6))
     moves = np.zeros(count, dtype=bool)
@@ -207,27 +207,33 @@ def _orientation(answers: Everything, one: Answered, center: Array) -> dict[str,
     return {
         **{key: check.get(key) for key in keys},
         "sentence": readable(check["sentence"]),
-        "why": one.sentence,
+        "why": answer.sentence,
         "level": dict(facts(check)).get("level"),
-        "down": one.down.tolist(),
+        "down": answer.down.tolist(),
         "motion": pack(motion) if moves.any() else None,
         "moves": pack(moves, "u1"),
         "words": words,
-        "forces": None if one.balance is None else _balance(one.balance, answers.contacts, center),
+        "forces": None
+        if answer.balance is None
+        else _balance(answer.balance, answers.contacts, center),
         "force_words": forces_phrase(check["forces"]),
-        "fall": _fall(one, answers.assembly),
+        "fall": _fall(answer, answers.assembly),
     }
 
 
-def _fall(one: Answered, assembly: Assembly) -> dict[str, Any] | None:
-    """How what is balanced falls: its first derivative, and the places along its path [J]."""
-    second = one.check["second_order"]
+def _fall(answer: Answered, assembly: Assembly) -> dict[str, Any] | None:
+    """JSON data of the fall of a balanced assembly; None in any other state.
+
+    `begins` is the first derivative of the path. `places` has the poses, lengths [length unit] and
+    energies [J] along the path, or is None if the path was not computed.
+    """
+    second = answer.check["second_order"]
     if second is None or second["state"] != "balanced":
         return None
     begins = np.zeros((len(assembly.parts), 6))
     for name, motion in second["motion"].items():
         begins[assembly.index[name]] = motion
-    moves, places, path = begins.any(axis=1), None, one.path
+    moves, places, path = begins.any(axis=1), None, answer.path
     if path is not None:
         moves |= path.motions.any(axis=(0, 2))
         places = {
@@ -250,7 +256,10 @@ def _balance(balance: Balance, contacts: ContactSet, center: Array) -> dict[str,
 
 
 def _points(balance: Balance, contacts: ContactSet, center: Array) -> dict[str, Any]:
-    """Where forces act, on which parts, and of which patch: None where they are not its points."""
+    """JSON data of the points of forces: position, pair of parts, and patch.
+
+    `patch` is None if the points are not those of the contact set.
+    """
     reach = SAME * float(contacts.assembly.geometry.size.max())
     same = len(balance.points) == len(contacts.points) and bool(
         (np.abs(balance.points - contacts.points) <= reach).all()
@@ -264,7 +273,7 @@ def _points(balance: Balance, contacts: ContactSet, center: Array) -> dict[str, 
 
 
 def _rays(answers: Everything, center: Array) -> dict[str, Any] | None:
-    """Forces at the same points for several directions; None where there are none to show."""
+    """JSON data of the forces for the rays of the cone; None without rays or common points."""
     rays = answers.rays
     if not rays or any(len(ray.points) != len(rays[0].points) for ray in rays):
         return None
@@ -276,19 +285,19 @@ def _rays(answers: Everything, center: Array) -> dict[str, Any] | None:
 
 
 def _region(answers: Everything) -> dict[str, Any] | None:
-    """The region, and what lies within, outside and between.
+    """JSON data of the stable region, with the verdicts inside and outside it.
 
-    Where friction makes it round, `inner` bounds what surely holds and `facets` what may;
-    where it is exact but for forces that are not modelled, what lies outside is undecided.
-    A direction is within where it meets every facet to `blur`, of the inner cone to its own,
-    which is negative where it asks for more than the facet.
+    If friction makes the region round, it lies between two cones: holding is proved within
+    `inner` and excluded outside `facets`. If some forces are not modelled, directions outside the
+    region are undecided. A direction u is inside a cone if q.u >= -blur for every facet q. The
+    inner cone has its own `blur`, which is negative if the proof needs a distance from the facet.
     """
     region, inner = answers.region, answers.inner
     if region is None:
         return None
     rests = [
-        {"down": one["down"], "state": one["state"], "words": rest_words(one)}
-        for one in region["rests"]
+        {"down": rest["down"], "state": rest["state"], "words": rest_words(rest)}
+        for rest in region["rests"]
     ]
     keys = ("kind", "dimension", "lines", "rays", "equations", "facets", "center")
     band, rough = inner is not None, region["friction"]
@@ -310,11 +319,12 @@ def _region(answers: Everything) -> dict[str, Any] | None:
     }
 
 
-def _map(found: MapMotions | None) -> dict[str, Any] | None:
-    if found is None:
+def _map(stability_map: MapMotions | None) -> dict[str, Any] | None:
+    """JSON data of the stability map: its vertices, the mass [kg] and the motion of each vertex."""
+    if stability_map is None:
         return None
     return {
-        "vertices": pack(found.vertices, "f8"),
-        "mass": found.mass,
-        "motions": pack(found.motions),
+        "vertices": pack(stability_map.vertices, "f8"),
+        "mass": stability_map.mass,
+        "motions": pack(stability_map.motions),
     }

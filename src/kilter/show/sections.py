@@ -1,7 +1,7 @@
-"""The text of a page: verdict and facts, parts, contacts, warnings, how it was made.
+"""The text of a report's page: verdict, facts, parts, contacts, warnings, how to reproduce.
 
-The words are those of `kilter.tell`, from the data of the answers. Every word from a file goes
-through `text` or `named`: it is shown, and never read as HTML.
+The words come from `kilter.tell` and the data of the answers. Every word from a file is escaped
+by `text` or `named`, so that it is never read as HTML.
 """
 
 from __future__ import annotations
@@ -36,24 +36,26 @@ __all__ = [
 ]
 
 LISTED = 1000
-"""Rows of a table; what is left out is counted, and `--json` gives all."""
+"""Maximum rows of a table. A note counts the remaining rows, and `--json` lists all."""
 ABOVE = ("seconds", "level")
-"""Facts that are not listed: the banner has the level, and no time belongs to an answer."""
+"""Facts that are not listed: the banner shows the level, and the time would change each page."""
 OPEN = 60
-"""A section with more rows than this begins closed."""
+"""A section with more rows than this is closed at first."""
 RESTS = (
-    "Without friction: a strict minimum comes back after small pushes. The tilt is that of gravity "
-    "up to which it stays, or of one body on a table, from which it comes back."
+    "Without friction, the assembly returns to a strict minimum after small pushes. The tilt is "
+    "the largest turn of gravity for which the assembly stays. For a single body on a table it is "
+    "the largest turn from which the body returns."
 )
 LIVE = (
-    "Turning gravity solves nothing: a direction is answered by the cone of directions that is in "
-    "this page, and its margin is the angle to the nearest side of that cone. Colour and moving "
-    "parts come from the stability map (LP (9), without friction). All of it is of first order."
+    "Turning gravity starts no computation. The answer for a direction comes from the cone of "
+    "stable directions in this page; its margin is the angle to the nearest side of the cone. "
+    "Colours and moving parts come from the stability map (displacement program, without "
+    "friction). These answers are of first order."
 )
 
 
 def text(value: object) -> str:
-    """Any text as HTML.
+    """Escape any text for HTML.
 
     Examples
     --------
@@ -64,34 +66,43 @@ def text(value: object) -> str:
 
 
 def named(name: str) -> str:
-    """A name as HTML: apart from the direction of the text around it."""
+    """A name as HTML, isolated so that its writing direction does not affect the text around it."""
     return f'<bdi class="name">{text(name)}</bdi>'
 
 
 def sections(answers: Everything, *, command: str, versions: dict[str, str]) -> str:
-    """The sections below the picture."""
-    parts = [_verdict(answers), _left_open(answers), _parts(answers), _contacts(answers)]
+    """HTML of the sections below the picture.
+
+    Parameters
+    ----------
+    answers : Everything
+    command : str
+        Command that reproduces the page.
+    versions : dict
+        Version of each package.
+    """
+    parts = [_verdict(answers), _open_pairs(answers), _parts(answers), _contacts(answers)]
     parts[2:2] = [_rests(answers), _tried(answers), _pushes(answers), _loads(answers)]
-    warned = [
+    warnings = [
         *answers.given.check["warnings"],
         *(answers.region or {}).get("warnings", ()),
         *(answers.margin or {}).get("warnings", ()),
     ]
-    parts.append(warnings_section(warned))
+    parts.append(warnings_section(warnings))
     return "\n".join(
         filter(None, [*parts, made_section(command, versions, ("live answers", LIVE))])
     )
 
 
 def section(title: str, *body: str, rows: int = 0) -> str:
-    """A part of the page; one of many rows begins closed."""
+    """A collapsible section of the page; it is closed at first if it has many rows."""
     state = " open" if rows <= OPEN else ""
     inner = "\n".join(body)
     return f"<details{state}><summary><h2>{text(title)}</h2></summary>\n{inner}\n</details>"
 
 
 def _table(table: Table) -> str:
-    """A list of an answer."""
+    """HTML of a table of an answer, cut to `LISTED` rows."""
     rows = table.rows(LISTED)
     return rows_html(table.head, [[_cell(cell) for cell in row] for row in rows], len(table.items))
 
@@ -101,10 +112,10 @@ def _cell(cell: str) -> str:
 
 
 def rows_html(head: Sequence[str], rows: Iterable[Sequence[str]], of: int) -> str:
-    """A table; cells are HTML, `of`: how many rows there would be."""
+    """HTML of a table whose cells are HTML; `of`: number of rows of the whole table."""
     lines = ["<tr>" + "".join(f"<td>{cell}</td>" for cell in row) + "</tr>" for row in rows]
     more = of - len(lines)
-    note = f"<p>and {more} more; the command with --json lists all.</p>" if more > 0 else ""
+    note = f"<p>{more} more rows; the command with --json lists all.</p>" if more > 0 else ""
     top = "<tr>" + "".join(f'<th scope="col">{text(cell)}</th>' for cell in head) + "</tr>"
     return (
         f'<div class="wide"><table><thead>{top if head else ""}</thead><tbody>'
@@ -114,18 +125,19 @@ def rows_html(head: Sequence[str], rows: Iterable[Sequence[str]], of: int) -> st
 
 
 def facts_html(rows: Iterable[tuple[str, str]]) -> str:
-    """Terms and what they are; the values are HTML."""
+    """HTML of terms and values; the values are HTML already."""
     return "<dl>" + "".join(f"<dt>{text(k)}</dt><dd>{v}</dd>" for k, v in rows) + "</dl>"
 
 
 def _verdict(answers: Everything) -> str:
-    check, found, one = answers.given.check, answers.region, answers.recommended
+    """Section with the facts, notes and contact forces for gravity as given."""
+    check, region, best = answers.given.check, answers.region, answers.recommended
     rows = [(term, text(words)) for term, words in facts(check) if term not in ABOVE]
-    if found is not None:
-        rows.append(("stable directions", text(region_words(found, proved_none=answers.none))))
-    if one is not None:
-        words = "gravity as given" if coincide(answers) else f"gravity along {vector(one.down)}"
-        rows.append(("recommended", f"{words}: {text(one.sentence)}"))
+    if region is not None:
+        rows.append(("stable directions", text(region_words(region, proved_none=answers.none))))
+    if best is not None:
+        words = "gravity as given" if coincide(answers) else f"gravity along {vector(best.down)}"
+        rows.append(("recommended", f"{words}: {text(best.sentence)}"))
     rows += [("note", text(note)) for note in answers.notes]
     forces = forces_table(check)
     body = [f"<h3>{text(forces.title)}</h3>", _table(forces)] if forces.items else []
@@ -134,7 +146,7 @@ def _verdict(answers: Everything) -> str:
 
 
 def margin_card(answers: Everything) -> str:
-    """By how much it holds, for gravity as given; nothing where it was not asked."""
+    """Card with the margins for gravity as given; empty if they were not computed."""
     margin = answers.margin
     if margin is None:
         return ""
@@ -142,9 +154,9 @@ def margin_card(answers: Everything) -> str:
     pushes = push_table(margin)
     if pushes.items:
         name, *words = pushes.row(pushes.items[0])
-        said = f"{text(' '.join(filter(None, words)))}, {named(name)}"
-        rows.append(("weakest push", said))
-    items = "".join(f"<li>{text(one['sentence'])}</li>" for one in margin["helps"])
+        weakest = f"{text(' '.join(filter(None, words)))}, {named(name)}"
+        rows.append(("weakest push", weakest))
+    items = "".join(f"<li>{text(change['sentence'])}</li>" for change in margin["helps"])
     if items:
         rows.append(("what helps", f"<ul>{items}</ul>"))
     return (
@@ -154,36 +166,36 @@ def margin_card(answers: Everything) -> str:
 
 
 def change_card(answers: Everything) -> str:
-    """Which brick to add or to take away, and a button that shows it; nothing of other parts."""
-    found = answers.change
-    if found is None:
+    """Card with the brick to add or to remove, and a button; empty if no change was computed."""
+    change = answers.change
+    if change is None:
         return ""
-    added = found.best is not None and found.best.what == "add"
+    added = change.best is not None and change.best.what == "add"
     button = (
         f'<p class="buttons"><button id="show-change" type="button" aria-pressed="false">'
-        f"Show the brick to {'add' if added else 'take away'}</button></p>"
-        if found.best is not None
+        f"Show the brick to {'add' if added else 'remove'}</button></p>"
+        if change.best is not None
         else ""
     )
     key = '<p class="key"><span><i class="swatch added"></i> to add</span></p>' if added else ""
-    rows = facts_html((term, text(words)) for term, words in facts(found.to_dict()))
+    rows = facts_html((term, text(words)) for term, words in facts(change.to_dict()))
     return (
         '<section class="card" id="change" aria-labelledby="change-title">'
-        f'<h2 id="change-title">What to change</h2><p>{text(found.sentence)}</p>{rows}{button}{key}'
-        "</section>\n"
+        f'<h2 id="change-title">Recommended change</h2><p>{text(change.sentence)}</p>'
+        f"{rows}{button}{key}</section>\n"
     )
 
 
 def _rests(answers: Everything) -> str:
-    """How it rests in the directions of its region."""
+    """Section with the rest directions of the region; empty without rest directions."""
     if answers.region is None or not answers.region["rests"]:
         return ""
     table = rest_table(answers.region)
-    return section(f"How it rests ({len(table.items)})", f"<p>{text(RESTS)}</p>", _table(table))
+    return section(f"Rest directions ({len(table.items)})", f"<p>{text(RESTS)}</p>", _table(table))
 
 
 def _tried(answers: Everything) -> str:
-    """The changes that were tried."""
+    """Section with the changes that were tried; empty without changes."""
     if answers.change is None or not answers.change.tried:
         return ""
     [table] = tables(answers.change.to_dict())
@@ -191,16 +203,16 @@ def _tried(answers: Everything) -> str:
 
 
 def _loads(answers: Everything) -> str:
-    """The load that each part still takes."""
+    """Section with the load capacity of each part; empty if it was not computed."""
     table = None if answers.margin is None else load_table(answers.margin)
     if table is None or not table.items:
         return ""
-    title = f"Loads that are still taken ({len(table.items)})"
+    title = f"Load capacities ({len(table.items)})"
     return section(title, f"<p>{text(table.title)}</p>", _table(table), rows=len(table.items))
 
 
 def _pushes(answers: Everything) -> str:
-    """The weakest push of each part, where there are several."""
+    """Section with the weakest push of each part; empty for fewer than two parts."""
     table = None if answers.margin is None else push_table(answers.margin)
     if table is None or len(table.items) < 2:
         return ""
@@ -208,15 +220,15 @@ def _pushes(answers: Everything) -> str:
 
 
 def _parts(answers: Everything) -> str:
-    """The parts, those that move first, then as in the file."""
-    told, geometry = answers.given.check["parts"], answers.assembly.geometry
-    order = sorted(range(len(told)), key=lambda k: not told[k]["moves"])
+    """Section with a table of the parts: moving parts first, otherwise in the order of the file."""
+    parts, geometry = answers.given.check["parts"], answers.assembly.geometry
+    order = sorted(range(len(parts)), key=lambda k: not parts[k]["moves"])
 
     possible = answers.given.check["verdict"] == "potentially-stable"
     moves = "could move" if possible else "moves"
 
     def row(k: int) -> Sequence[str]:
-        part = told[k]
+        part = parts[k]
         return (
             f'<button class="link" data-part="{k}">{named(part["name"])}</button>',
             "held" if part["grounded"] else moves if part["moves"] else "stays",
@@ -226,39 +238,43 @@ def _parts(answers: Everything) -> str:
         )
 
     units = answers.assembly.units
-    head = ["part", "state", "how it starts to move", "mass [kg]", f"centre [{units}]"]
-    body = rows_html(head, [row(k) for k in order[:LISTED]], len(told))
-    return section(f"Parts ({len(told)})", body, rows=len(told))
+    head = ["part", "state", "first motion", "mass [kg]", f"centre [{units}]"]
+    body = rows_html(head, [row(k) for k in order[:LISTED]], len(parts))
+    return section(f"Parts ({len(parts)})", body, rows=len(parts))
 
 
-def _left_open(answers: Everything) -> str:
-    """Pairs that the geometry leaves open; nothing where there are none."""
+def _open_pairs(answers: Everything) -> str:
+    """Section with the open pairs; empty without open pairs."""
     table = open_table(answers.contacts.to_dict())
     if not len(table.items):
         return ""
-    return section(f"Left open ({len(table.items)})", _table(table), rows=len(table.items))
+    return section(f"Open pairs ({len(table.items)})", _table(table), rows=len(table.items))
 
 
 def _contacts(answers: Everything) -> str:
+    """Section with the facts and tables of the contacts."""
     touching = answers.contacts.to_dict()
     body = [facts_html((term, text(words)) for term, words in facts(touching))]
     for table in tables(touching):
         if table.title == open_table(touching).title:
-            continue  # it has a section of its own
+            continue  # the open pairs have a separate section
         body += [f"<h3>{text(table.title.rstrip(':'))}</h3>", _table(table)]
     count = len(touching["patches"])
     return section(f"Contacts ({count})", *body, rows=count)
 
 
-def warnings_section(found: Iterable[str]) -> str:
-    """Warnings, each once."""
-    listed = [f"<li>{text(warning)}</li>" for warning in dict.fromkeys(found)]
+def warnings_section(warnings: Iterable[str]) -> str:
+    """Section with the warnings, without repetitions."""
+    listed = [f"<li>{text(warning)}</li>" for warning in dict.fromkeys(warnings)]
     body = f"<ul>{''.join(listed)}</ul>" if listed else "<p>None.</p>"
     return section(f"Warnings ({len(listed)})", body)
 
 
 def made_section(command: str, versions: dict[str, str], *more: tuple[str, str]) -> str:
-    """How to make the page again, with what, and what else is to know of it."""
+    """Section with the command and the versions that reproduce the page, and further notes.
+
+    `more` lists further terms and their values.
+    """
     used = ", ".join(f"{text(k)} {text(v)}" for k, v in versions.items())
     rows = [
         ("command", f"<code>{text(command)}</code>"),

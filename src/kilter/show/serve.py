@@ -1,4 +1,4 @@
-"""A page served to this machine alone, and its version, so that the page can ask for news."""
+"""HTTP server for one page on this machine only; the page polls its version to reload."""
 
 from __future__ import annotations
 
@@ -13,26 +13,27 @@ __all__ = ["PageServer"]
 
 LOOPBACK = "127.0.0.1"
 NAMES = (LOOPBACK, "localhost")
-"""Names that a browser on this machine may call it by; any other is refused, so that a page
-from elsewhere cannot read this one under a name of its own (DNS rebinding)."""
+"""Host names that a request may use. Other names are refused, so that a foreign web page cannot
+read this page through a host name of its own (DNS rebinding)."""
 
 HTTP = 80
-"""The port that a browser leaves out."""
+"""Default port of HTTP; browsers omit it from the Host header."""
 
 
 class PageServer:
-    """Serves one page on the loopback interface, in a thread of its own.
+    """Serves one page on the loopback interface, in a separate thread.
 
     Parameters
     ----------
     page : str
+        HTML of the page.
     port : int
-        0: any that is free.
+        Port to listen on; 0 selects a free port.
 
     Raises
     ------
     InputError
-        If the port is taken.
+        If the port is not available.
     """
 
     def __init__(self, page: str, port: int = 0) -> None:
@@ -43,35 +44,35 @@ class PageServer:
             self._server = ThreadingHTTPServer((LOOPBACK, port), _handler(self))
         except OSError as error:
             raise InputError(
-                f"port {port} cannot be had ({error.strerror})", hint="give another --port"
+                f"port {port} is not available ({error.strerror})", hint="give another --port"
             ) from None
         self._server.daemon_threads = True
         self._thread = threading.Thread(target=self._server.serve_forever, daemon=True)
 
     @property
     def port(self) -> int:
-        """The port that it listens on."""
+        """Port on which the server listens."""
         return int(self._server.server_address[1])
 
     @property
     def url(self) -> str:
-        """Where the page is."""
+        """URL of the page."""
         return f"http://{LOOPBACK}:{self.port}/"
 
     @property
     def hosts(self) -> list[list[str]]:
-        """What the headers of a request may call it, which a browser says with the port."""
+        """Accepted values of the Host headers of a request."""
         hosts = [[f"{name}:{self.port}"] for name in NAMES]
         return hosts + [[name] for name in NAMES] if self.port == HTTP else hosts
 
     def publish(self, page: str) -> None:
-        """Serve another page from now on."""
+        """Replace the page and increase its version."""
         with self._lock:
             self._page = page.encode("utf-8")
             self._version += 1
 
     def now(self) -> tuple[bytes, int]:
-        """The page and its version."""
+        """Return the page and its version."""
         with self._lock:
             return self._page, self._version
 
@@ -90,6 +91,8 @@ class PageServer:
 
 
 def _handler(server: PageServer) -> type[BaseHTTPRequestHandler]:
+    """Request handler class for a server; it answers only GET / and GET /version."""
+
     class Handler(BaseHTTPRequestHandler):
         """Answers GET / and GET /version."""
 
@@ -100,13 +103,17 @@ def _handler(server: PageServer) -> type[BaseHTTPRequestHandler]:
         def do_GET(self) -> None:
             page, version = server.now()
             if self.headers.get_all("Host") not in server.hosts:
-                self._reply(HTTPStatus.FORBIDDEN, b"only for this machine\n", "text/plain")
+                self._reply(
+                    HTTPStatus.FORBIDDEN,
+                    b"this page is served to this machine only\n",
+                    "text/plain",
+                )
             elif self.path == "/":
                 self._reply(HTTPStatus.OK, page, "text/html; charset=utf-8")
             elif self.path == "/version":
                 self._reply(HTTPStatus.OK, str(version).encode(), "text/plain")
             else:
-                self._reply(HTTPStatus.NOT_FOUND, b"there is only /\n", "text/plain")
+                self._reply(HTTPStatus.NOT_FOUND, b"not found: the only page is /\n", "text/plain")
 
         def _reply(self, status: HTTPStatus, body: bytes, kind: str) -> None:
             self.send_response(status)
@@ -120,6 +127,6 @@ def _handler(server: PageServer) -> type[BaseHTTPRequestHandler]:
             self.wfile.write(body)
 
         def log_message(self, format: str, *args: object) -> None:
-            """Nothing is printed here."""
+            """Print nothing; by default each request would be logged."""
 
     return Handler

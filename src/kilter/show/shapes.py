@@ -1,7 +1,7 @@
-"""Shapes to draw: each once, about its own middle, with the edges that an eye would draw.
+"""Shapes to draw, each stored once about its middle, with its feature edges.
 
-Positions are float32 about the middle of the bounding box, rounded to `GRID` of the shape's
-size, so that copies of one shape which differ by rounding are one shape.
+Positions are float32 relative to the middle of the bounding box, rounded to `GRID` of the size.
+Copies of a shape that differ by rounding therefore become equal.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ __all__ = ["Drawn", "Placed", "drawn", "feature_edges", "placed"]
 
 
 GRID = 2.0**-20
-"""Positions are rounded to this part of the size of the shape [-]."""
+"""Grid to which positions are rounded [size of the shape]."""
 CREASE = 25.0
-"""Faces that meet at more than this angle have an edge between them [deg]."""
+"""An edge is drawn between faces whose normals differ by more than this angle [deg]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Drawn:
-    """A shape: `positions` (n, 3) float32, `triangles` (m, 3), `edges` (k, 2)."""
+    """A shape to draw: `positions` (n, 3) float32, `triangles` (m, 3), feature `edges` (k, 2)."""
 
     positions: NDArray[np.float32]
     triangles: Index
@@ -40,10 +40,10 @@ class Drawn:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Placed:
-    """Shapes, and where each part has which.
+    """The shapes of an assembly, and the shape and pose of each part.
 
-    `shape` (N,): the shape of each part; `rotation` (N, 4): w, x, y, z; `position` (N, 3): of
-    the middle of its shape in the world [length unit].
+    `shape` (N,): index of the shape of each part; `rotation` (N, 4): quaternion w, x, y, z;
+    `position` (N, 3): middle of the shape in the world [length unit].
     """
 
     shapes: tuple[Drawn, ...]
@@ -53,13 +53,13 @@ class Placed:
 
 
 def placed(assembly: Assembly) -> Placed:
-    """Every part of an assembly as a shape and a place.
+    """Shapes and poses of all parts of an assembly; equal shapes are stored once.
 
     Examples
     --------
     >>> from kilter.scenes import scene
-    >>> found = placed(scene("wall"))
-    >>> len(found.shapes), len(found.shape)
+    >>> places = placed(scene("wall"))
+    >>> len(places.shapes), len(places.shape)
     (3, 40)
     """
     known: dict[object, int] = {}
@@ -68,7 +68,7 @@ def placed(assembly: Assembly) -> Placed:
     middles = np.zeros((len(assembly.parts), 3))
     chosen = np.zeros(len(assembly.parts), dtype=np.int64)
     for k, part in enumerate(assembly.parts):
-        # boxes are many and alike: named by their size, they are cut into triangles once
+        # boxes are frequent: equal sizes share one shape without building it again
         key: object = tuple(part.shape.size.tolist()) if isinstance(part.shape, Box) else None
         if key is not None and part.brick is not None and isinstance(part.shape, Box):
             key = key, part.brick.cells
@@ -91,7 +91,7 @@ def placed(assembly: Assembly) -> Placed:
 
 
 def drawn(vertices: Array, triangles: Index) -> tuple[Drawn, Array]:
-    """A surface as a shape about its middle, and that middle, shape (3,)."""
+    """A surface as a shape relative to its middle, and that middle, shape (3,)."""
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     middle = (low + high) / 2
     step = GRID * max(float((high - low).max()), 1e-300)
@@ -104,12 +104,12 @@ def drawn(vertices: Array, triangles: Index) -> tuple[Drawn, Array]:
 
 
 def feature_edges(vertices: Array, triangles: Index, crease: float = CREASE) -> Index:
-    """Edges where faces meet at an angle, or where there is but one face, shape (k, 2).
+    """Edges between faces that meet at an angle, and edges of a single face, shape (k, 2).
 
     Parameters
     ----------
         vertices : ndarray, shape (n, 3)
-            Each place once.
+            Vertices without duplicates.
         triangles : ndarray of int, shape (m, 3)
         crease : float
             Least angle between the normals of the faces [deg].
@@ -129,10 +129,10 @@ def feature_edges(vertices: Array, triangles: Index, crease: float = CREASE) -> 
     face = np.repeat(np.arange(int(flat.sum())), 3)
     key = edges[:, 0] * len(vertices) + edges[:, 1]
     order = np.argsort(key, kind="stable")
-    found, start, count = np.unique(key[order], return_index=True, return_counts=True)
+    edge_keys, start, count = np.unique(key[order], return_index=True, return_counts=True)
     pair = count == 2
     first, second = face[order[start[pair]]], face[order[start[pair] + 1]]
     sharp = ~pair
     sharp[pair] = (normal[first] * normal[second]).sum(axis=1) < np.cos(np.radians(crease))
-    kept = found[sharp]
+    kept = edge_keys[sharp]
     return np.column_stack([kept // len(vertices), kept % len(vertices)])

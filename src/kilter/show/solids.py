@@ -1,4 +1,4 @@
-"""Parts on a page: shaded faces, edges, stripes on what is held; nothing seen through."""
+"""Drawing of the parts in a figure: opaque shaded faces, edges, stripes on held parts."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ __all__ = ["GRIP", "draw_parts"]
 Colour = str | tuple[str, float] | tuple[float, float, float, float]
 
 LIGHT = np.array([0.22, -0.66, 0.72])
-"""Where the light comes from, on the page (right, away from the eye, up)."""
+"""Direction towards the light: right on the page, away from the eye, up."""
 DARK = 0.70
-"""Brightness of a face that the light does not meet [-]."""
+"""Brightness of a face that is turned away from the light [-]."""
 EDGE: Colour = ROLES["edge"].light
 STRIPE: Colour = (ROLES["hatch"].light, 0.9)
 GRIP: Colour = ROLES["grip"].light
-"""Of parts that a hand holds."""
+"""Colour of parts that a hand holds."""
 STRIPES = 0.018
-"""Between the stripes of held parts [size of the picture]."""
+"""Distance between the stripes of held parts [size of the picture]."""
 HELD = 400
-"""Held polygons up to which they are striped."""
+"""Held parts are striped if they have at most this many polygons."""
 CLEAR: Colour = "none"
 
 
@@ -55,20 +55,20 @@ def draw_parts(
     ----------
     axes, assembly, camera
     size : float
-        Of the picture [length unit].
+        Size of the picture [length unit].
     colours : ndarray, shape (N, 3), optional
-        Of the parts, from 0 to 255; where not given, as every picture has them.
+        Colours of the parts, from 0 to 255; by default those of `assembly_colours`.
     gripped : collection of int
-        Parts that a hand holds.
+        Indices of the parts that a hand holds.
     line_width : float
-        Of edges [pt].
+        Width of edges [pt].
 
     Returns
     -------
     entries : list of (sign, words)
-        For the legend.
+        Legend entries.
     faces : list of (part, corners)
-        What was drawn, corners on the page of shape (n, 2), the farthest first.
+        Drawn faces, the farthest first; corners on the page, shape (n, 2).
     """
     from matplotlib.collections import PolyCollection
     from matplotlib.patches import Patch
@@ -91,7 +91,7 @@ def draw_parts(
         strokes.append(colour)
         widths.append(width)
 
-    # a polygon, then its edges, so that what comes later hides both
+    # a polygon, then its edges, so that nearer polygons hide both
     for polygon in ordered:
         shade = DARK + (1.06 - DARK) * max(float(polygon.normal @ light), 0.0)
         red, green, blue = np.clip(base[polygon.part] * shade, 0.0, 1.0).tolist()
@@ -99,7 +99,7 @@ def draw_parts(
         flat = camera.flat(polygon.corners)
         outlines.append(flat)
         fills.append(colour)
-        # its own colour around it: no gaps between neighbours
+        # an outline in the same colour closes the gaps between neighbouring polygons
         strokes.append(colour)
         widths.append(0.4)
         if striped and grounded[polygon.part]:
@@ -136,6 +136,7 @@ def _closed(outlines: list[Array]) -> list[Array]:
 
 
 def _polygons(assembly: Assembly) -> list[Polygon]:
+    """The triangles of all parts as polygons in the world."""
     places = placed(assembly)
     matrices = quaternion_to_matrix(places.rotation)
     polygons: list[Polygon] = []
@@ -147,13 +148,17 @@ def _polygons(assembly: Assembly) -> list[Polygon]:
 
 
 def _stripes(flat: Array, apart: float) -> list[Array]:
-    """Slanted lines within a convex polygon of the page, on one grid for the whole page."""
+    """Slanted lines within a convex polygon of the page, on one grid for the whole page.
+
+    `flat`, shape (n, 2); `apart`: distance of the lines, up to the factor sqrt(2) of the slant.
+    Returns the ends of each line, shape (2, 2).
+    """
     height = flat @ np.array([1.0, -1.0]) / apart
-    after, there = np.roll(flat, -1, axis=0), np.roll(height, -1)
-    found = []
+    after, ahead = np.roll(flat, -1, axis=0), np.roll(height, -1)
+    lines = []
     for level in range(int(np.ceil(height.min())), int(np.floor(height.max())) + 1):
-        cut = (height - level) * (there - level) < 0
+        cut = (height - level) * (ahead - level) < 0
         if cut.sum() == 2:
-            share = ((level - height[cut]) / (there[cut] - height[cut]))[:, None]
-            found.append(flat[cut] + share * (after[cut] - flat[cut]))
-    return found
+            share = ((level - height[cut]) / (ahead[cut] - height[cut]))[:, None]
+            lines.append(flat[cut] + share * (after[cut] - flat[cut]))
+    return lines

@@ -1,7 +1,7 @@
-"""The stable region on the sphere of directions of gravity: two halves, side by side.
+"""Figure of the stable region on the sphere of directions of gravity.
 
-Each point of a sphere is a direction of gravity in the frame of the assembly. The left half is
-seen from where the recommended direction leads, the right one from behind.
+Each point of the sphere is a direction of gravity in the frame of the assembly. Two pictures show
+opposite halves of the sphere; the left half contains the recommended direction.
 """
 
 from __future__ import annotations
@@ -36,22 +36,22 @@ REST_MARKS = {
     "balanced": ("P", PALE),
     "open": ("d", PALE),
 }
-"""Markers of places of rest and their colours."""
+"""Markers and colours of rest directions, by state."""
 SAMPLES = 241
-"""Of the fill, across a half: its border is drawn apart, and exactly."""
+"""Samples of the fill across a half; the border is drawn separately and exactly."""
 AROUND = np.linspace(0.0, 2 * np.pi, 721)
-"""Angles of great circles [rad]."""
+"""Angles of the points of a great circle [rad]."""
 ON = 1e-7
-"""Directions this close to a facet are on it [-]."""
+"""Directions this close to a facet count as on it [-]."""
 
 
 def draw_region(region: Region) -> Figure:
-    """The directions of gravity for which an assembly stays together.
+    """Draw the directions of gravity for which an assembly stays together.
 
     Parameters
     ----------
     region : Region
-        What `kilter.region` found.
+        Answer of `kilter.region`.
 
     Returns
     -------
@@ -70,23 +70,23 @@ def draw_region(region: Region) -> Figure:
         axes = figure.add_axes((0.02 + 0.49 * k, 0.16, 0.47, 0.74))
         axes.set(xlim=(-1.3, 1.3), ylim=(-1.22, 1.22), aspect="equal")
         axes.set_axis_off()
-        _ball(axes, camera)
+        _draw_ball(axes, camera)
         entries |= _fill(axes, region, camera)
         entries |= _border(axes, region, camera)
         entries |= _marks(axes, region, camera, given)
         _axes_of_frame(axes, camera)
         axes.text(0, -1.24, words, ha="center", va="top", fontsize=8.5, color=PALE)
-    said, wide = region_sentence(region.kind, friction=region.friction), ""
+    sentence, wide = region_sentence(region.kind, friction=region.friction), ""
     if region.half_angle_deg not in (None, 0.0, 180.0):
-        wide = f" At best it bears a tilt of {angle_words(region.half_angle_deg)}."
-    inner = "" if region.exact else " An inner region: more may be."
-    title(figure, f"{said}{wide}{inner}", "" if region.kind == "none" else "stable")
+        wide = f" The largest margin is {angle_words(region.half_angle_deg)}."
+    inner = "" if region.exact else " More directions may be stable."
+    title(figure, f"{sentence}{wide}{inner}", "" if region.kind == "none" else "stable")
     legend(figure, [(sign, words) for words, sign in entries.items()], columns=3)
     return figure
 
 
 def _halves(middle: Array) -> list[tuple[Camera, str]]:
-    """Two eyes opposite each other, a little beside `middle`, z up on the page."""
+    """Two opposite cameras with captions; the first sees `middle` slightly from the side."""
     azimuth = float(np.degrees(np.arctan2(middle[0], -middle[1])))
     if np.hypot(middle[0], middle[1]) < ON:
         azimuth = 0.0
@@ -98,7 +98,8 @@ def _halves(middle: Array) -> list[tuple[Camera, str]]:
     return [(near, "from one side"), (far, "from the other side")]
 
 
-def _ball(axes: Axes, camera: Camera) -> None:
+def _draw_ball(axes: Axes, camera: Camera) -> None:
+    """Draw the sphere with its parallels and meridians."""
     from matplotlib.patches import Circle
 
     axes.add_patch(Circle((0, 0), 1.0, facecolor=BALL, edgecolor=PALE, linewidth=0.9))
@@ -112,7 +113,7 @@ def _ball(axes: Axes, camera: Camera) -> None:
 
 
 def _line(axes: Axes, points: Array, camera: Camera, colour: str, width: float) -> bool:
-    """The near side of a curve on the sphere; whether any of it is."""
+    """Draw the near side of a curve on the sphere; return whether any of it is on the near side."""
     flat = camera.flat(points)
     near = points @ camera.towards >= -ON
     flat[~near] = np.nan
@@ -121,14 +122,14 @@ def _line(axes: Axes, points: Array, camera: Camera, colour: str, width: float) 
 
 
 def _fill(axes: Axes, region: Region, camera: Camera) -> dict[str, Any]:
-    """The inside of a region that is as wide as space."""
+    """Fill a region of full dimension; return its legend entry."""
     from matplotlib.patches import Circle, Patch
 
     if region.dimension < 3:
         return {}
     across = np.linspace(-1.0, 1.0, SAMPLES)
     x, y = np.meshgrid(across, across)
-    # beyond the rim: as on it, so that the fill reaches it
+    # samples beyond the rim take the value on the rim, so that the fill reaches it
     size = np.maximum(np.hypot(x, y), 1.0)
     u, v = x / size, y / size
     depth = np.sqrt(np.maximum(1.0 - u**2 - v**2, 0.0))
@@ -145,7 +146,7 @@ def _fill(axes: Axes, region: Region, camera: Camera) -> dict[str, Any]:
 
 
 def _border(axes: Axes, region: Region, camera: Camera) -> dict[str, Any]:
-    """Great circles that bound the region, or are it, where every facet holds."""
+    """Draw the boundary of the region as great circles, or the region itself if it is flat."""
     from matplotlib.lines import Line2D
 
     if region.dimension < 2:
@@ -161,7 +162,7 @@ def _border(axes: Axes, region: Region, camera: Camera) -> dict[str, Any]:
 
 
 def _arc(normal: Array, facets: Array) -> Array:
-    """Of the great circle about `normal`, what all facets allow; the rest is NaN."""
+    """Points of the great circle about `normal` that satisfy all facets; other points are NaN."""
     first = np.cross(normal, np.eye(3)[np.abs(normal).argmin()])
     first /= np.linalg.norm(first)
     second = np.cross(normal, first)
@@ -174,14 +175,14 @@ def _arc(normal: Array, facets: Array) -> Array:
 
 
 def _marks(axes: Axes, region: Region, camera: Camera, given: Array) -> dict[str, Any]:
-    """Single directions, the recommended one, and gravity as it is given."""
+    """Draw single stable directions, the recommended direction, rests, and gravity as given."""
     single = np.vstack([region.rays, region.lines, -region.lines])
     entries: dict[str, Any] = {}
     if region.dimension == 1:
         entries["stable direction"] = _dots(axes, single, camera, "o", BORDER, 9)
     elif region.center is not None:
         sign = _dots(axes, region.center[None], camera, "*", BORDER, 11)
-        entries["widest margin"] = sign
+        entries["largest margin"] = sign
     for state, sign in REST_SIGNS.items():
         rests = [rest.down for rest in region.rests if rest.state == state]
         if rests:
@@ -193,6 +194,7 @@ def _marks(axes: Axes, region: Region, camera: Camera, given: Array) -> dict[str
 
 
 def _dots(axes: Axes, points: Array, camera: Camera, sign: str, colour: str, size: float) -> Any:
+    """Draw the directions of the near side with a marker, and return the legend sign."""
     from matplotlib.lines import Line2D
 
     style: dict[str, Any] = {
@@ -209,7 +211,7 @@ def _dots(axes: Axes, points: Array, camera: Camera, sign: str, colour: str, siz
 
 
 def _axes_of_frame(axes: Axes, camera: Camera) -> None:
-    """Names of the axes where they leave the sphere, on the near side."""
+    """Write the names of the axes where they leave the sphere, on the near side."""
     for name, axis in zip("xyz", np.eye(3), strict=True):
         for sign, word in ((1.0, f"+{name}"), (-1.0, f"\N{MINUS SIGN}{name}")):
             point = sign * axis

@@ -1,6 +1,6 @@
 "use strict";
 (() => {
-  // asks the server that gave this page whether the file has changed
+  // reload the page when the server that delivered it has a newer version
   let known = null;
   const ask = async () => {
     try {
@@ -9,7 +9,7 @@
       if (answer.ok && known !== null && version !== known) location.reload();
       if (answer.ok) known = version;
     } catch {
-      // the server has ended; the page stays as it is
+      // the server has stopped; the page stays as it is
     }
   };
   ask();
