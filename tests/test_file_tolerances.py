@@ -31,6 +31,7 @@ def test_the_fifth_power_of_the_largest_size_is_a_number() -> None:
     assert a.LARGEST**5 < 1e300
 
 
+@pytest.mark.slow
 def test_no_small_number_goes_without_a_name() -> None:
     # what bricks weigh, in kg
     found = unnamed("assembly", but="assembly_tolerances.py")

@@ -88,6 +88,7 @@ def test_a_bar_on_an_ellipse_stays_flat() -> None:
     assert kinds(bar(np.column_stack([3 * np.cos(angle), 2 * np.sin(angle)]))) == {"plane": 402}
 
 
+@pytest.mark.slow
 def test_bands_of_a_face_that_is_curved_both_ways_are_no_cones() -> None:
     ring = [(5 + 2 * np.cos(t), 2 * np.sin(t)) for t in np.arange(24) * (2 * np.pi / 24)]
     assert set(kinds(revolved(ring, 48))) == {"plane"}
@@ -121,6 +122,7 @@ PARTS = {
 }
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("single", [False, True], ids=["double", "single"])
 @pytest.mark.parametrize("name", PARTS)
 def test_round_faces_in_any_pose(name: str, single: bool) -> None:
@@ -216,6 +218,7 @@ def test_one_corner_off_the_circle_leaves_its_facets_flat() -> None:
         assert (which == 0).sum() == 120 - others
 
 
+@pytest.mark.slow
 def test_a_short_arc_within_a_smooth_face_is_no_evidence() -> None:
     """A spline of slowly changing curvature is an arc to within rounding, piece by piece."""
     t = np.linspace(0, 1, 400)
@@ -226,6 +229,7 @@ def test_a_short_arc_within_a_smooth_face_is_no_evidence() -> None:
     assert "cylinder" not in kinds(single, accuracy_of(single))
 
 
+@pytest.mark.slow
 def test_a_hundred_thousand_triangles_take_about_a_second() -> None:
     ball = trimesh.creation.icosphere(subdivisions=6)
     wavy = ball.vertices * (1 + 0.05 * np.sin(3 * ball.vertices[:, :1]))

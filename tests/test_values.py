@@ -147,6 +147,7 @@ def arrays_of(value: Any, seen: set[int]) -> Iterator[tuple[str, np.ndarray]]:
                 yield from ((f".{name}{way}", a) for way, a in arrays_of(attribute, seen))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["paper-figure-8", "ladder", "trough", "three-cylinders", "corner-wedges"]
 )

@@ -148,6 +148,7 @@ def test_density_is_per_cubic_metre_in_every_unit():
         assert Assembly([part], units=units).geometry.mass[0] == pytest.approx(7850.0)
 
 
+@pytest.mark.slow
 def test_given_mass_decides_and_the_default_beside_it_brings_a_warning():
     # a lever: the weight at its end decides
     table = block("table", [-1, -1, -1], [0, 1, 0], grounded=True)

@@ -121,6 +121,7 @@ def require_proved(found: kilter.Verdicts) -> None:
         assert kept is None or kept[1].holds, k
 
 
+@pytest.mark.slow
 def test_every_way_of_asking_gives_the_verdict_of_check() -> None:
     given = mixed()
     found = kilter.check_many(given, proofs=True)
@@ -129,6 +130,7 @@ def test_every_way_of_asking_gives_the_verdict_of_check() -> None:
     require_proved(found)
 
 
+@pytest.mark.slow
 def test_piles_turned_at_random_get_the_verdicts_of_check() -> None:
     given = piles(range(24))
     found = kilter.check_many(given, proofs=True)
@@ -212,6 +214,7 @@ def test_refusals_are_rows_with_their_reason() -> None:
     assert found.stable.tolist() == [False, True, False, False]
 
 
+@pytest.mark.slow
 def test_arrays_are_read_as_meshes_are() -> None:
     given = piles(range(6))
     arrays = arrays_of(given)

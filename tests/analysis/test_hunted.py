@@ -17,6 +17,7 @@ FLOOR = Part("floor", Box([10, 10, 1]), Pose([0, 0, -0.5]), grounded=True)
 RIDGE = Part("ridge", Prism([[-1, -1], [1, -1], [0, 0]], 2), grounded=True)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("degrees", [0, 0.3, 1, 2, 45])
 @pytest.mark.parametrize("axis", [[1, 0, 0], [1, 2, 3]])
 def test_a_ball_rests_however_its_polyhedron_is_turned(axis, degrees):
@@ -26,6 +27,7 @@ def test_a_ball_rests_however_its_polyhedron_is_turned(axis, degrees):
     assert np.allclose(verdict.contacts.points, 0.0, atol=1e-12)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("spin", [0.0, 0.02, np.pi / 96, 1.0])
 def test_a_lying_cylinder_rests_however_it_is_rolled(spin):
     lying = Part("c", Cylinder(0.5, 2), Pose([0, 0, 0.5], rolled(spin)))
@@ -46,6 +48,7 @@ def rolled(spin):
 SIDES = pytest.mark.parametrize(("side", "word"), [(1 / 0.98, "stable"), (0.98, "unstable")])
 
 
+@pytest.mark.quick(1)
 @SIDES
 def test_friction_holds_a_bar_on_a_ridge(side, word):
     # tilted by .2 with the centre of mass over the ridge: it holds where mu > tan .2
@@ -57,6 +60,7 @@ def test_friction_holds_a_bar_on_a_ridge(side, word):
     assert judged(Assembly([RIDGE, bar])).verdict == "unstable"
 
 
+@pytest.mark.quick(1)
 @SIDES
 def test_friction_holds_a_ball_on_a_slope(side, word):
     # its centre of mass lies over the point of contact: it holds where mu > tan .2
@@ -66,6 +70,7 @@ def test_friction_holds_a_ball_on_a_slope(side, word):
     assert judged(rests).verdict == word
 
 
+@pytest.mark.quick(1)
 @SIDES
 def test_friction_holds_a_cylinder_along_a_leaning_strip(side, word):
     # it may slide along its axis, where mu < .5 / 9.7; it would tip where .5 / 9.7 > .25 / .5

@@ -54,12 +54,14 @@ def same(assembly, answer, *, off=1e-8):
     assert verdict.motion.instability == pytest.approx(answer[1], abs=off)
 
 
+@pytest.mark.quick(1)
 @EACH
 @pytest.mark.parametrize("factor", sampled(1, [1e-3, 1e3]))
 def test_scale_changes_no_verdict(answers, name, factor):
     same(scaled(SCENES[name](), factor), answers[name])
 
 
+@pytest.mark.quick(1)
 @EACH
 @pytest.mark.parametrize("factor", sampled(1, [1e3, 1e-3]))
 def test_change_of_density_changes_no_verdict(answers, name, factor):
@@ -75,6 +77,7 @@ def test_change_of_density_changes_no_verdict(answers, name, factor):
     same(dataclasses.replace(assembly, parts=parts), answers[name])
 
 
+@pytest.mark.quick(1)
 @EACH
 @pytest.mark.parametrize("size", sampled(1, [1e-3, 1e3]))
 def test_size_of_gravity_changes_no_verdict(answers, name, size):
@@ -82,6 +85,7 @@ def test_size_of_gravity_changes_no_verdict(answers, name, size):
     same(dataclasses.replace(assembly, gravity=assembly.gravity * size), answers[name])
 
 
+@pytest.mark.quick(1)
 @EACH
 def test_turn_changes_no_verdict(answers, name):
     random = np.random.default_rng(7)
@@ -97,6 +101,7 @@ def test_many_turns_change_no_verdict(answers, name, seed):
     same(turned, answers[name])
 
 
+@pytest.mark.quick(1)
 @EACH
 def test_turn_and_shift_by_ten_thousand_sizes_change_no_verdict(answers, name):
     random = np.random.default_rng(11)
@@ -105,12 +110,14 @@ def test_turn_and_shift_by_ten_thousand_sizes_change_no_verdict(answers, name):
     same(moved(SCENES[name](), random_turn(random), shift), answers[name], off=1e-6)
 
 
+@pytest.mark.quick(1)
 @EACH
 def test_shift_alone_changes_no_verdict(answers, name):
     shift = np.array([1.0, -2.0, 0.5]) * 1e4 * LENGTH
     same(moved(SCENES[name](), shift=shift), answers[name], off=1e-6)
 
 
+@pytest.mark.quick(1)
 @EACH
 def test_order_and_names_change_no_verdict(answers, name):
     assembly = SCENES[name]()
@@ -122,6 +129,7 @@ def test_order_and_names_change_no_verdict(answers, name):
 TURNED = {k: SCENES[k] for k in ("figure-8", "figure-11", "figure-11-off", "staircase", "wedges")}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TURNED)
 @settings(max_examples=6)
 @given(
@@ -134,12 +142,14 @@ def test_no_turn_changes_a_verdict(answers, name, quaternion):
     same(moved(TURNED[name](), unit), answers[name])
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("degrees", [1e-6, 45 - 1e-7, 90 - 1e-6, 180 - 1e-6])
 @pytest.mark.parametrize("name", TURNED)
 def test_turns_near_the_axes_change_no_verdict(answers, name, degrees):
     same(moved(TURNED[name](), turn([1, 1, 0], degrees)), answers[name])
 
 
+@pytest.mark.slow
 def test_planar_verdicts_do_not_change_with_a_turn_in_the_plane():
     for build, word in ((paper.figure_9, "stable"), (paper.figure_8, "unstable")):
         for degrees in (17.0, 90.0, 233.0):
@@ -178,6 +188,7 @@ def rounded(assembly, seed):
     return as_single(moved(assembly, random_turn(random), shift))
 
 
+@pytest.mark.quick(1)
 @SEEDS
 @pytest.mark.parametrize("name", BALANCED)
 def test_balanced_scene_in_float32_is_stable_within_the_accuracy_of_its_data(name, seed):
@@ -197,6 +208,7 @@ TILTED = {
 }
 
 
+@pytest.mark.quick(1)
 @SEEDS
 @pytest.mark.parametrize("degrees", [0.1, -1.0])
 @pytest.mark.parametrize("name", TILTED)
@@ -206,12 +218,14 @@ def test_tilted_scene_in_float32_is_unstable(name, degrees, seed):
     assert "not by rounding of its coordinates" in verdict.sentence
 
 
+@pytest.mark.quick(1)
 @SEEDS
 def test_fallen_scene_in_float32_is_unstable(seed):
     for assembly in (paper.figure_8(), stacks.inverted_triangle(3), paper.figure_1()):
         assert judged(rounded(assembly, seed)).verdict == "unstable"
 
 
+@pytest.mark.slow
 @SEEDS
 @pytest.mark.parametrize("name", ["tower", "figure-9", "wall"])
 def test_float32_near_the_origin_is_judged_more_sharply(name, seed):

@@ -38,6 +38,7 @@ def box(low, high, name="box", **options):
 # what each kind leaves free ---------------------------------------------------------------
 
 
+@pytest.mark.quick(10)
 @EACH
 @pytest.mark.parametrize("other", ["ground", "held", "free"])
 def test_freedoms_of_each_kind_are_those_of_mechanics(kind, other):
@@ -66,6 +67,7 @@ def _free_twists(kind, arm, axis):
     ]
 
 
+@pytest.mark.quick(1)
 @EACH
 def test_loads_along_what_is_held_are_carried_both_ways_and_others_are_not(kind):
     random = np.random.default_rng(10 + list(KINDS).index(kind))
@@ -100,6 +102,7 @@ def pendulum(kind="revolute", **options):
     return Assembly([box([-0.1, -0.1, -2], [0.1, 0.1, 0])], joints=[joint(kind)], **options)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("kind", ["revolute", "spherical", "cylindrical"])
 @pytest.mark.parametrize("planar", [False, True])
 def test_pendulum_hangs_and_falls_sideways_as_a_compound_pendulum(kind, planar):
@@ -115,6 +118,7 @@ def test_pendulum_hangs_and_falls_sideways_as_a_compound_pendulum(kind, planar):
     assert np.allclose(off.motion.acceleration[0, :3], np.cross([0, alpha, 0], [0, 0, -1]))
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("degrees", [OFF, 1.0, 30.0, 90.0])
 @pytest.mark.parametrize("planar", [False, True])
 def test_slider_runs_along_its_rail_at_g_times_the_sine(degrees, planar):
@@ -166,6 +170,7 @@ def test_door_on_two_hinges_pulls_above_and_pushes_below():
     assert np.allclose([low[1], high[1], *low[3:], *high[3:]], 0, atol=1e-9)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("kinds", [("revolute", "revolute"), ("cylindrical", "revolute")])
 def test_door_swings_when_its_axis_leans_and_only_then(kinds):
     assert judged(door(kinds)).verdict == "stable"
@@ -262,6 +267,7 @@ SCENES = {
 }
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", SCENES)
 def test_turn_shift_scale_and_order_change_no_verdict(name):
     build, word = SCENES[name]
@@ -344,6 +350,7 @@ def numbers_of(joints):
                 yield number, key, place
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", SCENES)
 def test_flipped_number_of_a_joint_is_refused(name):
     assembly = SCENES[name][0]()
@@ -356,6 +363,7 @@ def test_flipped_number_of_a_joint_is_refused(name):
         assert not verified(reloaded(assembly), other).holds, (number, key, place)
 
 
+@pytest.mark.quick(3)
 @EACH
 def test_wrench_that_its_kind_cannot_carry_is_refused_by_name(kind):
     # the box hangs below the joint and is held by a fixed one beside: balance stays
@@ -407,6 +415,7 @@ def test_joint_without_what_it_needs_is_refused(kind, given, missing):
         Joint(("a", "b"), kind, **given)
 
 
+@pytest.mark.quick(5)
 @pytest.mark.parametrize(
     ("kind", "axis", "fits"),
     [

@@ -12,6 +12,7 @@ from kilter.scenes.transform import moved, tilted
 G = 9.81
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", SCENES)
 def test_every_scene_gives_its_answer(name):
     verdict = judged(scene(name), effort=0.5)
@@ -27,6 +28,7 @@ def test_every_scene_gives_its_answer(name):
 # overhangs ------------------------------------------------------------------------------
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("count", [1, 2, 3, 5, 10, 20])
 @pytest.mark.parametrize(("scale", "word"), [(1 - 1e-6, "stable"), (1 + 1e-4, "unstable")])
 def test_o1_harmonic_stack_just_balances(count, scale, word):
@@ -36,21 +38,25 @@ def test_o1_harmonic_stack_just_balances(count, scale, word):
     assert judged(assembly).verdict == word
 
 
+@pytest.mark.slow
 def test_o2_three_blocks_balance_and_moved_by_a_thousandth_do_not():
     assert judged(stacks.three_block_overhang()).verdict == "stable"
     assert judged(stacks.three_block_overhang(1e-3)).verdict == "unstable"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("rows", "word"), [(2, "stable"), *((k, "unstable") for k in (3, 4, 5))])
 def test_o3_inverted_triangle(rows, word):
     assert judged(stacks.inverted_triangle(rows)).verdict == word
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("order", [2, 3, 4, 5, 6])
 def test_o4_diamond(order):
     assert judged(stacks.diamond(order)).verdict == ("stable" if order < 5 else "unstable")
 
 
+@pytest.mark.quick(4)
 @pytest.mark.parametrize("count", [1, 2, 3, 4, 7])
 @pytest.mark.parametrize("share", [0.98, 1 - 1e-6, 1 + 1e-6, 1.02])
 def test_s3_staircase_stands_up_to_its_limit(count, share):
@@ -58,6 +64,7 @@ def test_s3_staircase_stands_up_to_its_limit(count, share):
     assert verdict.verdict == ("stable" if share < 1 else "unstable")
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("count", [1, 3, 6])
 @pytest.mark.parametrize("tilt", [0.01, 0.1, 5.0])
 def test_s2_tower_without_friction_stands_upright_only(count, tilt):
@@ -69,6 +76,7 @@ def test_s2_tower_without_friction_stands_upright_only(count, tilt):
     assert np.allclose(verdict.motion.acceleration[1:], slide, atol=1e-10)
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("count", [1, 2, 4])
 @pytest.mark.parametrize("off", [-0.01, 0.01])
 def test_s2_body_that_cannot_slide_topples_at_one_over_its_height(count, off):
@@ -87,6 +95,7 @@ def test_s2_body_that_cannot_slide_topples_at_one_over_its_height(count, off):
 # accelerations --------------------------------------------------------------------------
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("angle", [0.5, 10.0, 30.0, 44.0])
 @pytest.mark.parametrize("azimuth", [0.0, 22.5, 45.0, 200.0])
 def test_s8_block_on_slope_starts_with_the_sine(angle, azimuth):
@@ -99,6 +108,7 @@ def test_s8_block_on_slope_starts_with_the_sine(angle, azimuth):
     assert verdict.motion.instability == pytest.approx(np.sin(a), abs=1e-10)
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("angle", [15.0, 30.0, 45.0, 60.0])
 @pytest.mark.parametrize(("m", "below"), [(1.0, 2.0), (3.0, 0.5), (1e-3, 10.0)])
 @pytest.mark.parametrize("planar", [True, False])
@@ -126,6 +136,7 @@ def test_box_past_an_edge_turns_about_it():
 # near the limit -------------------------------------------------------------------------
 
 
+@pytest.mark.quick(4)
 @pytest.mark.parametrize("past", [1e-3, 1e-6, 1e-7, 1e-8])
 @pytest.mark.parametrize("size", [0.01, 1.0, 100.0])
 @pytest.mark.parametrize("side", [-1, 1])
@@ -137,6 +148,7 @@ def test_box_just_past_an_edge_is_answered_rightly(past, size, side):
     assert verdict.verdict == ("stable" if side < 0 else "unstable")
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("past", [1e-6, 1e-7, 1e-8])
 @pytest.mark.parametrize("side", [-1, 1])
 def test_turned_box_just_past_an_edge_is_answered_rightly(past, side):

@@ -151,6 +151,7 @@ def complaints(seeds, name: str | None = None) -> list[str]:
     return wrong
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(FAMILIES))
 def test_random_scenes_agree_with_the_oracle(name):
     count = -(-(SCENES or 140) // len(FAMILIES))
@@ -165,6 +166,7 @@ def test_two_thousand_random_scenes_agree_with_the_oracle(block_of_scenes):
     assert not wrong, "\n".join(wrong)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", sorted(set(FAMILIES) - {"gaps", "tilts"}))
 def test_one_patch_a_pair_and_plane(name):
     wrong = []
@@ -195,6 +197,7 @@ def test_real_assemblies_agree_with_the_oracle(file):
     assert not wrong, "\n".join(wrong)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("seed", [1131, 2147])
 def test_a_way_along_a_facet_at_a_corner_is_no_number_too_many(seed):
     """A direction and a target at one height over a facet: their way runs along its plane."""

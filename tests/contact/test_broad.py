@@ -21,6 +21,7 @@ def crowd(rng, owners):
     return owner, low, low + rng.random((count, 3)) * rng.choice([0.0, 0.02, 0.4], (count, 1))
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("most", [0, 100, 10**9], ids=["trees", "both", "products"])
 def test_joins_of_random_boxes_are_those_of_all_pairs(most, monkeypatch):
     rng = np.random.default_rng(7)
@@ -55,6 +56,7 @@ def sampled(triangle, rng, count=4000):
     return weights @ triangle
 
 
+@pytest.mark.slow
 def test_distance_from_a_surface_is_that_of_its_nearest_point():
     rng = np.random.default_rng(3)
     for _ in range(20):
@@ -67,6 +69,7 @@ def test_distance_from_a_surface_is_that_of_its_nearest_point():
         assert (rough - exact <= 0.1).all()
 
 
+@pytest.mark.slow
 def test_triangles_that_come_near_are_those_whose_points_do():
     from scipy.spatial import cKDTree
 
@@ -106,6 +109,7 @@ def pairs_of(assembly: kilter.Assembly) -> int:
     return len(part_pairs(boxes, geometry.grounded, np.zeros(len(assembly))))
 
 
+@pytest.mark.slow
 def test_parts_that_all_lie_in_one_another_are_refused() -> None:
     """Before their pairs are listed: a file of 1 MB could ask for all of the memory."""
     assert pairs_of(piled(1000, 0.0)) == 1000 * 999 // 2

@@ -42,6 +42,7 @@ def peers() -> Iterator[SimpleNamespace]:
                 del sys.modules[name]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("family", ["limits", "angles", "masses", "sizes"])
 def test_what_closed_forms_say_is_proved(peers, family):
     """Each limit has a case on both sides, and the certificate agrees with the closed form."""
@@ -52,6 +53,7 @@ def test_what_closed_forms_say_is_proved(peers, family):
         assert found.stable is case.holds, case.name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tool", OWN)
 def test_an_answer_is_measured(peers, tool):
     case = peers.closed_forms.CASES["side 1e-2, 1.02"]
@@ -64,6 +66,7 @@ def test_an_answer_is_measured(peers, tool):
     assert row.peak >= 0
 
 
+@pytest.mark.slow
 def test_what_is_missing_is_left_out_and_said(peers, tmp_path, monkeypatch, capsys):
     """Rows that a file has are kept; a tool that is not installed brings none."""
     asked = []
@@ -88,6 +91,7 @@ def test_what_is_missing_is_left_out_and_said(peers, tmp_path, monkeypatch, caps
     assert {"kilter", "numpy", "cores"} <= set(about)
 
 
+@pytest.mark.slow
 def test_an_answer_over_its_time_is_ended(peers):
     """The limit is processor time, so that a busy machine changes nothing; others keep theirs."""
     case, tool = peers.closed_forms.CASES["wall-300"], peers.tools.TOOLS["HiGHS"]

@@ -42,6 +42,7 @@ def clamp(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return write_step(tmp_path / "clamp.step", [*roots, ("bolt", shaft, None), ("nut", nut, None)])
 
 
+@pytest.mark.slow
 def test_the_example_is_what_is_made_here(clamp: Path) -> None:
     made, kept = (kilter.load(path, ground="base") for path in (clamp, EXAMPLE))
     assert made.names == kept.names

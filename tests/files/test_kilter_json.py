@@ -167,6 +167,7 @@ part = st.builds(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(
     st.lists(part, min_size=1, max_size=4, unique_by=lambda p: p.name),

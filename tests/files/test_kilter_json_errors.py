@@ -213,6 +213,7 @@ json_value = st.recursive(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(
     st.sampled_from(["parts", "loads", "contacts", "joints", "gravity", "units", "friction_pairs"])

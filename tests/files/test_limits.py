@@ -56,6 +56,7 @@ def doubled(mesh: str, levels: int) -> str:
     return f'<resources>{"".join(objects)}</resources><build><item objectid="{levels}"/></build>'
 
 
+@pytest.mark.slow
 def test_a_zip_unfolds_to_no_more_than_its_size_allows(tmp_path: Path) -> None:
     refused(threemf(tmp_path / "a.3mf", " " * 100_000_000), "a zip of 0.1 MB unpacks to 100 MB")
 
@@ -101,6 +102,7 @@ def test_entities_are_not_read(tmp_path: Path) -> None:
     refused(path, "the XML is invalid")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("many", ["nodes", "primitives"])
 def test_one_mesh_of_a_glb_does_not_stand_a_million_times(many: str, tmp_path: Path) -> None:
     count, corners = 20_000, 3000
@@ -194,6 +196,7 @@ def test_numbers_of_thousands_of_digits(tmp_path: Path) -> None:
     assert natural_key("a2") < natural_key("a010") < natural_key("a11")
 
 
+@pytest.mark.slow
 def test_a_robot_of_a_long_chain(tmp_path: Path) -> None:
     """Written from its tip to its root: what leads to a link is known last."""
     links = [f'<link name="l{k}"/>' for k in range(5000)]
@@ -262,6 +265,7 @@ def test_links_lead_nowhere_else(file: str, folders: Path) -> None:
     refused(named(folders / file, "pipe.obj"), "is not a regular file")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="limits of POSIX")
 def test_too_little_memory_is_one_sentence(tmp_path: Path) -> None:
     import subprocess

@@ -381,6 +381,7 @@ GOOD = {
 }
 
 
+@pytest.mark.slow
 @settings(max_examples=120, deadline=None)
 @given(
     suffix=st.sampled_from(sorted(GOOD)),

@@ -78,6 +78,7 @@ def round_of(kind: str, seeds: range, folder: Path, capsys: pytest.CaptureFixtur
     return seen
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["mesh", "STEP"])
 def test_a_short_round(kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     if kind == "STEP":

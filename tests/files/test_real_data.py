@@ -61,6 +61,7 @@ def test_densities_turn_the_verdict_over() -> None:
     assert check(dataclasses.replace(assembly, parts=alike)).verdict == "unstable"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("mu", "forces"), sampled(2, [(0, False), (0.04, False), (0.02, False), (0.84, True)])
 )
@@ -73,6 +74,7 @@ def test_curved_blocks_on_the_interfaces_of_the_file(mu: float, forces: bool) ->
     assert found.certificate is not None
 
 
+@pytest.mark.slow
 def test_crossvault_on_the_interfaces_of_the_file() -> None:
     path = DATA / "compas_assembly" / "crossvault.json"
     assembly = load(path, contacts="file", friction=0.84)

@@ -51,6 +51,7 @@ def leaning(path: Path, beyond: float, accuracy: str) -> Assembly:
     return load(path, ground="base")
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize(("beyond", "accuracy", "verdict"), [
     (-0.004, "1.E-07", "stable"),
     (-0.004, "0.01", "stable"),  # what is drawn stable is
@@ -80,6 +81,7 @@ def test_what_falls_falls(tmp_path: Path) -> None:
     assert check(Assembly([base, cube, stray], units="mm")).verdict == "unstable"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not DATA.is_dir(), reason="real data is not here")
 def test_bolts_whose_heads_are_off_by_less_than_the_file_knows() -> None:
     assembly = load(DATA / "dm1-id-214.stp", floor=True)

@@ -154,6 +154,7 @@ SHAPES = {
 PLACES = [None, placement((100, -20, 7), (0.5, 0.1, -0.7, 0.3))]
 
 
+@pytest.mark.quick(14)
 @pytest.mark.parametrize("place", PLACES, ids=["home", "away"])
 @pytest.mark.parametrize("hidden", [False, True], ids=["plain", "splines"])
 @pytest.mark.parametrize("name", SHAPES)
@@ -369,6 +370,7 @@ def test_step_files_in_a_folder(tmp_path: Path, obj_box: Any) -> None:
 # speed ---------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_two_hundred_parts_take_seconds_and_instances_nearly_nothing(tmp_path: Path) -> None:
     first = drilled()
     different = [(f"p{k}", drilled(k) if k else first, None) for k in range(40)]

@@ -34,6 +34,7 @@ def fresh():
     step_process._end()
 
 
+@pytest.mark.slow
 def test_what_is_read_ahead_is_what_is_asked_for(fresh, tmp_path):
     path = box(tmp_path / "one.step", 1.0, 2.0, 3.0)
     step_process.begin_early(path)
@@ -45,6 +46,7 @@ def test_what_is_read_ahead_is_what_is_asked_for(fresh, tmp_path):
     assert depth(read_step(path)) == pytest.approx(3.0)  # asked once more
 
 
+@pytest.mark.slow
 def test_another_file_and_another_state_of_it_are_read_anew(fresh, tmp_path):
     one, other = (box(tmp_path / f"{n}.step", 1.0, 2.0, n) for n in (3.0, 4.0))
     step_process.begin_early(one)
@@ -60,6 +62,7 @@ def test_another_file_and_another_state_of_it_are_read_anew(fresh, tmp_path):
     assert left_out.left_out == ("block",)
 
 
+@pytest.mark.slow
 def test_a_file_that_is_refused_leaves_nothing_behind(fresh, tmp_path):
     bad, good = tmp_path / "bad.step", box(tmp_path / "good.step", 1.0, 2.0, 3.0)
     bad.write_text(good.read_text().replace("END-ISO-10303-21", ""))
@@ -76,6 +79,7 @@ def test_a_name_that_is_no_file_starts_nothing(fresh, word, capsys):
     assert "Traceback" not in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_what_comes_to_no_end_is_tried_once_more_and_refused(fresh, tmp_path, monkeypatch):
     path = box(tmp_path / "one.step", 1.0, 2.0, 3.0)
     made = []

@@ -106,6 +106,7 @@ OVERLAPS = {
 """By exact Booleans of the faces [mm^3]."""
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not SPACESHIP.is_file(), reason="real data is not here")
 def test_shells_on_one_axis_do_not_interfere_and_what_overlaps_does() -> None:
     # mainbodyback has a solid cylinder of radius 73, mainbodyfront holes of 67 and 72 on its axis

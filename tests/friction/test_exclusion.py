@@ -58,6 +58,7 @@ REFUTED = {
 }
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("name", PROVED)
 def test_proved(name):
     answer = asked(PROVED[name]())
@@ -67,6 +68,7 @@ def test_proved(name):
     assert answer.kind is not None
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", sampled(8, REFUTED))
 def test_never_proved(name):
     answer = asked(REFUTED[name](), effort=1)
@@ -117,6 +119,7 @@ def test_books():
     assert not asked(friction.books(4, force=300.0), effort=3).proved
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("seed", range(8))
 def test_against_all_modes_in_the_plane(seed):
     one = standing(seed, planar=True, parts=1 + seed % 2, points=3)
@@ -151,6 +154,7 @@ def test_motions_built_in(options):
         assert found is None or not prove_no_motion(found.program, work=1).proved
 
 
+@pytest.mark.slow
 def test_size_changes_nothing():
     for size in (1e-3, 1e3):
         assert asked(stacks.tower(2, tilt=10.0, friction=0.5, size=size)).proved

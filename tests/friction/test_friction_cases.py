@@ -24,6 +24,7 @@ def planar(assembly):
     return dataclasses.replace(assembly, planar=True)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("azimuth", [0.0, 22.5, 45.0])
 @pytest.mark.parametrize(("angle", "word"), [(28.0, "unstable"), (26.0, "stable")])
 def test_w4_w5_slope_to_every_side(angle, word, azimuth):
@@ -31,6 +32,7 @@ def test_w4_w5_slope_to_every_side(angle, word, azimuth):
     assert judged(slope).verdict == word
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("planar", [False, True])
 def test_i1_block_between_walls_is_held_by_squeeze_only(planar):
     verdict = judged(friction.h_block(friction=0.01, planar=planar))
@@ -40,6 +42,7 @@ def test_i1_block_between_walls_is_held_by_squeeze_only(planar):
     assert verdict.moving == ["block"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("angle", [5.0, 10.0, 20.0])
 def test_i2_trapezoid_between_plates_that_lean_inwards(angle):
     limit = np.tan(np.radians(angle))
@@ -54,6 +57,7 @@ def test_i2_trapezoid_between_plates_that_lean_inwards(angle):
         assert guaranteed(judged(friction.v_block(angle, friction=mu)))
 
 
+@pytest.mark.slow
 def test_i3_trough_is_guaranteed_only_below_where_it_slips():
     static, true = 47.961, 44.126
     cosine = np.cos(np.radians(30.0))
@@ -78,6 +82,7 @@ def test_i3_trough_is_guaranteed_at_35_degrees():
     assert guaranteed(judged(friction.trough(30.0, tilt=35.0, friction=0.84), effort=3))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("side", [0.5, 1.0])
 def test_upright_walls_need_no_friction(side):
     upright = judged(wall(20, 20, friction=0.6 * side))
@@ -85,12 +90,14 @@ def test_upright_walls_need_no_friction(side):
     assert upright.friction is None
 
 
+@pytest.mark.slow
 def test_stable_without_friction_is_stable_for_every_mu():
     for build in (stacks.tower, wedges.corner_boxes, wall):
         for mu in (0.0, 0.1, 0.5, 2.0):
             assert guaranteed(judged(build().with_friction(mu)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [1e-3, 1.0, 9.81, 1e3])
 def test_verdict_does_not_depend_on_the_size_of_gravity(size):
     for build, word in (
@@ -103,6 +110,7 @@ def test_verdict_does_not_depend_on_the_size_of_gravity(size):
         assert judged(assembly).verdict == word
 
 
+@pytest.mark.slow
 def test_raising_mu_never_takes_equilibrium_away():
     words = [
         judged(stacks.block_on_slope(20.0, friction=mu)).verdict
@@ -140,6 +148,7 @@ def piles(name, side):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sampled(1, PILES))
 def test_r1_r2_piles_of_round_parts(name):
     for pile in piles(name, 0.98):
@@ -180,6 +189,7 @@ def rock_wedge(phi):
     return Assembly([*held, block_], contacts=contacts, friction=mu, detect=False)
 
 
+@pytest.mark.slow
 def test_i4_rock_wedge():
     static, true = 31.0744, 33.3572
     assert judged(rock_wedge(static - 0.01)).verdict == "unstable"
@@ -192,6 +202,7 @@ def test_i4_rock_wedge():
     assert above.level in ("settles", "proved")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("ratio", "mu", "held"),
     [

@@ -61,12 +61,14 @@ def scale(proof, path):
     return 1e-3 * max([1.0, *sizes])
 
 
+@pytest.mark.quick(1)
 def test_proof_holds_on_a_fresh_copy(proven):
     assembly, proof = proven
     answer = verified(assembly, proof)
     assert answer.holds, answer.reasons
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", sampled(1, 3))
 def test_every_number_changed_is_refused_although_the_digest_fits(proven, share):
     assembly, proof = proven

@@ -37,6 +37,7 @@ def rougher(assembly, factor):
     )
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_verdict_and_its_opposite_never_both(seed):
     _, assembly = random_assembly(seed)
@@ -54,6 +55,7 @@ def test_a_verdict_and_its_opposite_never_both(seed):
         assert not prove_no_motion(verdict.program, work=EFFORT).proved
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_more_friction_never_takes_equilibrium_away(seed):
     _, assembly = random_assembly(seed)
@@ -64,6 +66,7 @@ def test_more_friction_never_takes_equilibrium_away(seed):
         assert set(words) == {"stable"}
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("seed", SEEDS[:15])
 def test_units_and_pose_change_no_verdict(seed):
     _, assembly = random_assembly(seed)
@@ -79,6 +82,7 @@ def test_every_family_is_drawn():
     assert drawn == set(FAMILIES)
 
 
+@pytest.mark.slow
 def test_forces_shown_balance_and_stay_in_their_cones():
     for seed in SEEDS[:20]:
         _, assembly = random_assembly(seed)

@@ -106,6 +106,7 @@ LONG = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", [*LIMITS, *(pytest.param(name, marks=pytest.mark.slow) for name in LONG)]
 )
@@ -120,6 +121,7 @@ def test_both_sides_of_a_limit_have_their_levels(name):
         assert inside.tries == ((8, 8) if name.startswith("S6") else (0, 8))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("tilt", "level"),
     [(44.126 - 0.05, "proved"), (44.126 + 0.05, "equilibrium"), (47.961 - 0.05, "equilibrium"),
@@ -130,6 +132,7 @@ def test_i3_a_trough_passes_through_three_levels(tilt, level):
     assert judged(friction.trough(30.0, tilt=tilt, friction=0.84)).level == level
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("count", "thickness"),
     [(12, 0.5), *(pytest.param(*more, marks=pytest.mark.slow) for more in (

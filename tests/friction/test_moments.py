@@ -51,6 +51,7 @@ def known(seed, kind):
     return law, *true_motion(law, found)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_true_motion_satisfies_every_product(kind):
     tried = 0
@@ -74,6 +75,7 @@ def test_a_true_motion_satisfies_every_product(kind):
     assert tried >= 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", sampled(2, KINDS))
 def test_no_bound_falls_below_a_true_motion(kind):
     tried = 0
@@ -128,6 +130,7 @@ def test_multipliers_that_do_not_fit_bound_nothing():
     assert power_left(law, step, np.inf) == 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("tilt", "closed"), [(44.0, True), (44.15, False), (45.0, False)])
 def test_trough_on_both_sides_of_its_limit(tilt, closed):
     law = reduced_law(program(friction.trough(30.0, tilt=tilt)))

@@ -74,6 +74,7 @@ KINDS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_true_motions_are_contained_and_never_excluded(kind):
     tried = moved = 0
@@ -111,6 +112,7 @@ def test_true_motions_are_contained_and_never_excluded(kind):
     assert moved
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_never_a_proof_where_a_motion_is_built_in(kind):
     for seed in range(100, 112):
@@ -121,6 +123,7 @@ def test_never_a_proof_where_a_motion_is_built_in(kind):
             assert answer.bound > 1e-9
 
 
+@pytest.mark.slow
 def test_contraction_keeps_the_motion():
     found = witnessed(3, planar=True, corners=2)
     attempt, bounds = begun(found.program)

@@ -26,6 +26,7 @@ def in_cones_and_balanced(built, seating):
     return bool(inside.all() and (rest <= 1e-9 * built.weight[built.free]).all())
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize(
     ("assembly", "seated"),
     [
@@ -62,6 +63,7 @@ def test_limits_are_those_of_the_formula():
     assert slips == pytest.approx([44.126, 59.237], abs=1e-3)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("pad", [0.1, 0.3])
 def test_wide_pads_press_evenly_and_so_need_more(pad):
     """Elastic pads from z = h/2 to h/2 + p press in proportion to z: the bracket is higher."""
@@ -73,6 +75,7 @@ def test_wide_pads_press_evenly_and_so_need_more(pad):
         assert find_seating(built, starts=12).holds == seated
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     "assembly",
     [
@@ -93,6 +96,7 @@ def test_held_by_squeeze_alone_is_not_seated(assembly):
     assert float((built.load * seating.runaway).sum()) > 0
 
 
+@pytest.mark.quick(1)
 @real_data
 @pytest.mark.parametrize("name", ["A", "H"])
 def test_real_blocks_between_plates_are_not_seated(name):
@@ -101,12 +105,14 @@ def test_real_blocks_between_plates_are_not_seated(name):
     assert not find_seating(built).holds
 
 
+@pytest.mark.quick(1)
 @real_data
 @pytest.mark.parametrize("name", ["type-a", "type-c", "bridge"])
 def test_real_wedges_and_a_bridge_are_seated(name):
     assert find_seating(program(compas(name))).holds
 
 
+@pytest.mark.quick(5)
 @pytest.mark.parametrize(
     "assembly",
     [
@@ -129,6 +135,7 @@ def test_what_rests_is_seated(assembly):
     assert in_cones_and_balanced(built, seating)
 
 
+@pytest.mark.slow
 def test_seated_implies_equilibrium_for_blocks_at_random():
     rng = np.random.default_rng(5)
     counts = {True: 0, False: 0}

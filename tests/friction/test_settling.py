@@ -20,6 +20,7 @@ from kilter.tell.facts import facts
 from kilter.work import Work
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("assembly", "settles"),
     [
@@ -46,6 +47,7 @@ def test_both_sides_of_a_limit(assembly, settles):
     assert all(check_balance(built, one) <= 1e-9 for one in found.forces)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     "assembly",
     [
@@ -66,6 +68,7 @@ def test_what_only_jams_or_is_squeezed_does_not_settle(assembly):
     assert not verdict.stable
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("count", "planar"), [(20, False), (50, False), (100, True)])
 def test_arches_settle_with_no_more_newton_steps_than_contact_points(count, planar):
     built = program(arches.arch(count, friction=0.6, planar=planar))
@@ -96,6 +99,7 @@ def test_tries_that_were_not_made_are_told_with_the_effort_that_makes_them():
     assert words["level"].startswith("equilibrium: not every try was finished")
 
 
+@pytest.mark.slow
 def test_a_long_arch_is_seated():
     seating = find_seating(program(arches.arch(300, friction=0.6, planar=False)))
     assert (seating.seated, seating.starts) == ("yes", 1)
@@ -108,6 +112,7 @@ def test_an_arch_of_a_thousand_voussoirs_is_seated(planar):
     assert (seating.seated, seating.starts) == ("yes", 1)
 
 
+@pytest.mark.slow
 @real_data
 def test_a_real_shelf_and_a_real_bridge_settle():
     for name in ("shelf-stable", "bridge"):
@@ -160,6 +165,7 @@ def test_the_newton_step_solves_the_system_written_out(wide, monkeypatch):
     assert 0.3 * step - ahead / (2 * small) == pytest.approx(right, abs=1e-5)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("name", "require", "code"),
     [

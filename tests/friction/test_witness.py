@@ -70,6 +70,7 @@ def test_a_bracket_is_seated_and_can_fall():
     assert witness.law.power == pytest.approx(1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("tilt", "tips"), [(40.0, False), (41.5, True), (50.0, True)])
 def test_a_wedge_in_a_steep_v_tips_out_past_its_corner(tilt, tips):
     """The V of 60 degrees holds by wedging; the prism tips where its centre passes its corner.
@@ -88,6 +89,7 @@ def test_a_wedge_in_a_steep_v_tips_out_past_its_corner(tilt, tips):
         assert find_coulomb_motion(program(wedge), work=1) is None
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     "assembly",
     [
@@ -155,6 +157,7 @@ def test_nothing_touches_and_all_falls():
 # against every mode, one by one --------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_planar_blocks_at_random_by_every_mode():
     rng = np.random.default_rng(2)
     counts = {"moves": 0, "rests": 0, "both": 0}
@@ -209,6 +212,7 @@ def test_radians_and_metres_whatever_the_unit_of_the_file():
     )
 
 
+@pytest.mark.slow
 def test_tells_what_it_does_keeps_to_its_budget_and_repeats_itself():
     said = []
     built = program(slope(10))

@@ -40,6 +40,7 @@ def fuzz(*words: str | Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True, timeout=280)
 
 
+@pytest.mark.slow
 def test_a_short_round_finds_no_fault_and_goes_on(tmp_path: Path) -> None:
     log = tmp_path / "log.json"
     for part in (2, 1):
@@ -76,11 +77,13 @@ def test_why_one_answer_is_undecided_has_a_name() -> None:
     assert why_undecided(plain, plain) == ""  # nothing about it is far from usual
 
 
+@pytest.mark.slow
 def test_forces_beyond_the_squares_of_numbers_are_not_polished() -> None:
     """Scene 705427: a start of the search for motions had some; numpy warned."""
     assert kilter.check(scene_of(705427), effort=EFFORT).verdict != "unstable"
 
 
+@pytest.mark.slow
 def test_what_moves_is_told_without_a_warning_where_masses_are_far_apart() -> None:
     """Scene 700182: forces that a solver left at its end were beyond all numbers."""
     scene = scene_of(700182)
@@ -90,6 +93,7 @@ def test_what_moves_is_told_without_a_warning_where_masses_are_far_apart() -> No
         assert any("masses differ" in warning for warning in verdict.warnings)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", sorted((HERE / "found").iterdir()), ids=lambda path: path.name)
 def test_files_that_were_faults_once(path: Path, tmp_path: Path) -> None:
     copy = Path(shutil.copy(path, tmp_path))
@@ -104,6 +108,7 @@ def test_files_that_were_faults_once(path: Path, tmp_path: Path) -> None:
     assert faults_of_loading(copy, effort=0.2)[1] == []
 
 
+@pytest.mark.slow
 def test_an_arch_of_wedges_that_was_a_fault_once() -> None:
     """Nine prisms over a half circle, a fifth as thick as its radius: no cone had a size."""
     angle = np.linspace(0, np.pi, 10)
@@ -137,6 +142,7 @@ SMALL = {
 }
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("shape", SMALL)
 def test_a_part_that_rounding_is_larger_than_is_refused(shape: str) -> None:
     """One was called unstable, others ended with a warning of numpy."""
@@ -151,6 +157,7 @@ def test_a_part_that_rounding_is_larger_than_is_refused(shape: str) -> None:
             kilter.check(assembly)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", sorted(corpus()))
 def test_a_whole_file_is_answered_and_its_damage_is_seeded(name: str, tmp_path: Path) -> None:
     path = tmp_path / name

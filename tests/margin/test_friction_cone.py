@@ -25,6 +25,7 @@ def table(mu: float, **options) -> kilter.Assembly:
     return kilter.Assembly(parts, friction=mu, **options)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mu", [0.05, 0.5, 1.5])
 def test_a_block_on_a_table_has_a_circular_cone(mu):
     found = friction_cone(program_of(table(mu)))
@@ -40,6 +41,7 @@ def test_a_block_on_a_table_has_a_circular_cone(mu):
     assert found.proved
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gap", [2.0, 0.5, 0.02])
 def test_the_gap_is_what_was_asked_for(gap):
     found = friction_cone(program_of(table(0.5)), gap_deg=gap)
@@ -99,6 +101,7 @@ SCENES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 def test_membership_agrees_with_judge(name):
     held, excluded = agrees_with_judge(SCENES[name](), 60)
@@ -111,6 +114,7 @@ def test_membership_agrees_with_judge_on_many_directions(name):
     agrees_with_judge(SCENES[name](), 1000, seed=1)
 
 
+@pytest.mark.slow
 def test_the_cone_grows_with_friction():
     """The rays held with less friction are not excluded with more; some beyond are new."""
     before = None
@@ -172,6 +176,7 @@ def test_where_no_contact_has_friction_nothing_changes():
     assert one == other
 
 
+@pytest.mark.slow
 def test_orient_takes_the_middle_and_says_what_it_promises():
     answer = kilter.orient(stacks.block_on_slope(35.0, friction=0.5))
     assert answer.found
@@ -181,6 +186,7 @@ def test_orient_takes_the_middle_and_says_what_it_promises():
     assert "Forces that hold it exist" in answer.sentence
 
 
+@pytest.mark.slow
 def test_a_wall_of_a_few_bricks_leans_as_far_as_its_margin():
     from kilter.analysis.margins.tilt import find_tilt_margin
 
@@ -192,6 +198,7 @@ def test_a_wall_of_a_few_bricks_leans_as_far_as_its_margin():
     assert margin - 0.2 <= nearest <= margin + 1e-6
 
 
+@pytest.mark.slow
 def test_commands_take_friction(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     kilter.dump(dataclasses.replace(table(0.0)), "slab.json")
@@ -209,6 +216,7 @@ def test_commands_take_friction(tmp_path, monkeypatch, capsys):
     assert json.loads(capsys.readouterr().out)["exact"] is True
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(("count", "ratio"), [(3, 0.1), (4, 0.1), (5, 0.1), (6, 0.1), (4, 0.3)])
 def test_arches_in_space_agree_with_judge(count, ratio):
     """Thin arches have few corners, each found again and again a little aside."""
@@ -241,6 +249,7 @@ def test_a_line_of_contact_has_a_fan(mu):
     assert region.half_angle_deg == pytest.approx(np.degrees(np.arctan(mu)), abs=1e-3)
 
 
+@pytest.mark.slow
 def test_points_of_contact_have_a_ray():
     parts = [floor([-5, -5], [5, 5]), block("slab", [-2, -2, 0], [2, 2, 0.5])]
     contact = kilter.GivenContact(("floor", "slab"), [[0, 0, 0]], [0, 0, 1], 0.5)

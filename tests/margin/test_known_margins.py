@@ -60,6 +60,7 @@ def test_load_factor_of_the_walls_of_ferris_and_tin_loi(number, published):
     assert factor(walls.ferris_tin_loi(number)) == pytest.approx(published, abs=6e-6)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("number", "local"), [(1, 0.6007), (2, 0.5573), (3, 0.35581), (4, 0.26373), (5, 0.20859)]
 )
@@ -118,6 +119,7 @@ def test_least_thickness_of_a_semicircle(sectors, least):
     assert 0.0 < spare.value < 1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [1, 2, 5])
 def test_a_tower_topples_at_one_over_its_height(count):
     tower = stacks.tower(count, friction=2.0)
@@ -146,6 +148,7 @@ def test_a_staircase_is_at_its_limit_where_nothing_is_left_to_lean(count):
     assert factor(inside) == pytest.approx(arm / (count / 2), abs=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mu", [0.15, 0.6])
 def test_books_are_held_from_a_least_force(mu):
     """Case S6, as a load factor of the force on the end plate: sliding, then opening joints."""
@@ -164,6 +167,7 @@ def test_books_are_held_from_a_least_force(mu):
         assert judged(given, effort=0.5).verdict in verdicts
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("mu", "degrees"), [(0.6, 10.4915), (0.15, 8.5308)])
 def test_a_wall_leans_out_of_its_plane(mu, degrees):
     wall = walls.tilted_wall(0.0, friction=mu, courses=9, per_course=3)
@@ -185,6 +189,7 @@ def test_tilt_margin_of_a_wall_is_that_of_its_depth(courses):
     assert abs(found.down[1]) == pytest.approx(np.sin(found.angle), abs=1e-8)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("pile", "least"),
     [
@@ -207,6 +212,7 @@ def test_least_friction_of_a_squeezed_block_is_any_above_zero():
     assert find_least_friction(program_of(friction.v_block())).attained
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("degrees", [5.0, 15.0])
 def test_least_friction_between_leaning_plates(degrees):
     least = np.tan(np.radians(degrees))
@@ -217,6 +223,7 @@ def test_least_friction_between_leaning_plates(degrees):
         assert judged(block, effort=0.5).verdict in verdicts
 
 
+@pytest.mark.slow
 def test_a_push_a_little_less_is_held_and_a_little_more_is_not():
     """The enclosure of the weakest push is a percent wide where the limits are round."""
     tower = stacks.tower(2, friction=0.3)
@@ -240,6 +247,7 @@ def test_a_load_a_little_less_is_held_and_a_little_more_is_not(number):
         assert judge(more).stable is stable
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("seed", sampled(12, 50))
 def test_the_conic_limit_is_where_the_verdict_changes(seed):
     """`judge` on both sides of it, and by bisection from far away."""
@@ -265,6 +273,7 @@ def test_the_conic_limit_is_where_the_verdict_changes(seed):
         assert judge(with_more(program, wrench, limit.value + step)).stable is stable
 
 
+@pytest.mark.slow
 def test_a_body_force_in_the_file_is_the_same_as_one_that_is_asked_about():
     tower = stacks.tower(2, friction=2.0)
     assert factor(tower) == pytest.approx(0.5, abs=1e-8)
@@ -299,6 +308,7 @@ def test_the_nearest_held_direction_carries_its_proof_on_both_sides():
     assert not kilter.verify(slope, proofs).holds
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("planar", [False, True])
 @pytest.mark.parametrize("off", [0.0, 1e-12, 3e-9, 1e-8, 5e-8, 1e-6, 1e-3])
 def test_beside_the_limit_a_tilt_has_the_sign_of_the_verdict_and_the_truth_between_its_sides(
@@ -399,6 +409,7 @@ def test_a_push_that_is_not_resisted_says_why():
     assert any("no push is resisted" in text for text in answer.warnings)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["harmonic-stack", "tube", "channel", "paper-figure-11-turned"])
 def test_what_is_just_balanced_has_margins_of_exactly_zero(name):
     answer = kilter.margin(scene(name), effort=0)
@@ -415,6 +426,7 @@ def test_where_no_tilt_fails_there_is_no_direction_that_does(name):
     assert "more than 90 deg" in str(facts(answer.to_dict()))
 
 
+@pytest.mark.slow
 def test_a_limit_without_a_motion_is_no_right_angle(monkeypatch):
     """What is held is proved, and that no more is held is not."""
     real = tilt.find_limit
@@ -429,6 +441,7 @@ def test_a_limit_without_a_motion_is_no_right_angle(monkeypatch):
     assert "is not proved" in str(facts(answer.to_dict()))
 
 
+@pytest.mark.slow
 def test_parts_above_the_limit_are_asked_for_by_name():
     tower = stacks.tower(PUSHED + 1, friction=0.8)
     silent = kilter.margin(tower, effort=0)

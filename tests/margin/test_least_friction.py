@@ -24,6 +24,7 @@ FEW = 40
 """Programs that are enough; bisection of undecided ones took minutes for each of some."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     ["tilted-wall", "wall-with-opening", "wall-on-short-base", "inverted-triangle", "arch"],
@@ -41,6 +42,7 @@ def test_few_programs_close_in_on_it_and_both_sides_are_proved(name):
     assert check_motion(beyond, found.mechanism.motion).holds
 
 
+@pytest.mark.slow
 def test_a_wall_over_an_opening_needs_a_fifth():
     """Its closed form, and the verdict a millionth beside it."""
     opening = scene("wall-with-opening")

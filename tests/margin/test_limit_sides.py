@@ -31,6 +31,7 @@ limit_of = on_one_thread(find_limit)
 CASES = [("arch", 1), ("arch", 2), ("pile", 6), ("pile", 12), ("wedge", 3), ("round", 5)]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(("family", "seed"), CASES)
 def test_both_ways_find_one_limit_and_judge_agrees(family: str, seed: int) -> None:
     program = program_of(random_turned(family, seed))
@@ -105,6 +106,7 @@ def unasked(*_: object, **__: object) -> None:
     raise AssertionError("another solver was asked")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mu", [0.25, 0.7])
 def test_limits_of_one_program_share_their_start(monkeypatch, mu):
     """As from the middle of the cones, in fewer steps; and alike where the wall mirrors itself."""
@@ -137,6 +139,7 @@ def test_limits_of_one_program_share_their_start(monkeypatch, mu):
     assert values == pytest.approx([values[0]] * 3, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_start_of_what_is_not_held_proves_nothing():
     program = program_of(walls.wall_of(50, friction=0.6).with_down([0.0, 0.5, -1.0]))
     shared = SharedCones(program)
@@ -146,6 +149,7 @@ def test_a_start_of_what_is_not_held_proves_nothing():
         assert isinstance(found, NoLimit) or found.value < 0
 
 
+@pytest.mark.slow
 def test_from_a_start_that_leads_nowhere_it_begins_anew(monkeypatch):
     monkeypatch.setattr(load_limit, "_in_cones", unasked)
     program = program_of(walls.wall_of(50, friction=0.6))

@@ -38,6 +38,7 @@ def answered(capsys: pytest.CaptureFixture[str], *words: str) -> dict:
     return json.loads(out)
 
 
+@pytest.mark.slow
 def test_json_has_all_keys_and_the_numbers_of_a_tower(tower, capsys):
     answer = answered(
         capsys, "margin", tower, "--push", "1", "0", "0", "--about", "0", "1", "0",
@@ -52,6 +53,7 @@ def test_json_has_all_keys_and_the_numbers_of_a_tower(tower, capsys):
     assert np.linalg.norm(answer["tilt_down"]) == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_the_text_says_what_starts_to_move(tower, capsys):
     assert main(["margin", tower, "--quiet", "--effort", "0.5"]) == 0
     text = capsys.readouterr().out
@@ -60,6 +62,7 @@ def test_the_text_says_what_starts_to_move(tower, capsys):
     assert "none is needed" in text
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("words", "said"),
     [

@@ -99,6 +99,7 @@ def all_are_safe(name, count):
         is_at_least_as_safe(program, ranges, worst, random)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_samples_within_the_intervals_are_at_least_as_safe(name):
     all_are_safe(name, 120 // len(CASES) + 1)
@@ -165,6 +166,7 @@ def test_a_failure_is_not_taken_for_what_is_not_held(monkeypatch, corners):
     assert said["worst case"] == "not known: the numbers failed"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(5))
 def test_forces_that_follow_are_no_safer_than_the_corners(seed, monkeypatch):
     """The inner answer is below the exact one, and not far below where the cones are exact."""
@@ -179,6 +181,7 @@ def test_forces_that_follow_are_no_safer_than_the_corners(seed, monkeypatch):
     assert inner.load_factor[0] >= exact.load_factor[0] * (1 + 1e-7)
 
 
+@pytest.mark.slow
 def test_without_intervals_the_worst_case_is_the_margin():
     program = program_of(small_assembly(1))
     worst = find_uncertainty(program, Ranges(), push=X)

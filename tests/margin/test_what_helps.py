@@ -52,6 +52,7 @@ def with_mass(program, part, share):
     return program.with_rows(mass=mass)
 
 
+@pytest.mark.slow
 def test_friction_that_helps_the_tilt_by_finite_differences():
     program = program_of(offset_pair())
     found = by_kind(what_helps(program, find_tilt_margin(program), None, None, held=()))["friction"]
@@ -71,6 +72,7 @@ def test_mass_that_helps_the_tilt_by_finite_differences():
     assert (one - other) / (2 * STEP) == pytest.approx(found.gain, rel=1e-4)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("number", [1, 3])
 def test_what_helps_the_load_factor_of_a_wall_by_finite_differences(number):
     wall = walls.ferris_tin_loi(number)
@@ -107,6 +109,7 @@ def test_what_helps_against_a_given_load():
     assert np.isinf(found["hold"].gain)
 
 
+@pytest.mark.slow
 def test_holding_a_part_gains_what_it_says():
     tower = stacks.tower(4, friction=2.0)
     program = program_of(tower)

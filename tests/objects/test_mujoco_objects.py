@@ -72,6 +72,7 @@ SCENES = {
 }  # fmt: skip
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", SCENES)
 def test_a_model_and_its_file_give_the_same_answer(agree: Agree, name: str) -> None:
     made, verdict = SCENES[name]
@@ -86,6 +87,7 @@ def test_a_model_and_its_file_give_the_same_answer(agree: Agree, name: str) -> N
             assert np.allclose(found.geometry.center[k], data.body(part.name).xipos)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(("slope", "verdict"), [(0.29, True), (0.31, False)])
 def test_two_geoms_rub_with_the_greater_of_their_coefficients(slope: float, verdict: bool) -> None:
     made = text(

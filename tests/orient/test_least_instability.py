@@ -24,6 +24,7 @@ def kappa_at(program, direction):
     return np.sqrt(answer.x @ (quadratic.quadratic @ answer.x) / (mass.sum() / mass.max()))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sampled(8, UNSTABLE))
 def test_value_and_bound_meet_and_no_direction_is_below(name):
     program = program_of(name)

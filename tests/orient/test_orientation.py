@@ -35,6 +35,7 @@ def proved(assembly, answer):
     return answer
 
 
+@pytest.mark.quick(1)
 @PLANAR
 @pytest.mark.parametrize(
     ("chamfer", "mass_b", "expected"),
@@ -55,6 +56,7 @@ def test_figure_10_planar_has_a_margin():
     assert answer.tilt_margin_deg == pytest.approx(45.0, abs=1e-6)
 
 
+@pytest.mark.quick(1)
 @PLANAR
 def test_figure_1_b_is_found(planar):
     assembly = paper.figure_1(planar=planar)
@@ -71,12 +73,14 @@ def test_a_cone_has_its_widest_margin():
 
 
 # the contacts of the ladder bring their own friction
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", [n for n in ALL if n not in {*UNSTABLE, "ladder"}])
 def test_what_is_found_is_proved(name):
     assembly = ALL[name]().with_friction(0.0)
     proved(assembly, orient(assembly))
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("method", ["joint", "walk"])
 @pytest.mark.parametrize("name", ["wedge-on-wedge", "pile-turned", "floating-block"])
 def test_none_is_stable(name, method):
@@ -118,6 +122,7 @@ def test_what_is_not_modelled_and_could_hold_it_leaves_it_undecided():
     assert answer.nearest is not None
 
 
+@pytest.mark.slow
 def test_a_direction_found_without_friction_holds_with_it():
     smooth, rough = (orient(stacks.tower(2).with_friction(mu)) for mu in (0.0, 0.4))
     assert smooth.found
@@ -153,6 +158,7 @@ def test_upside_down_is_a_half_turn(planar):
     assert np.abs(answer.rotation) == pytest.approx(about, abs=1e-12)
 
 
+@pytest.mark.slow
 @given(
     axis=st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda a: np.linalg.norm(a) > 0.1),
     degrees=st.floats(-180, 180),

@@ -26,6 +26,7 @@ def mass_of(program):
 # the paper's figures -----------------------------------------------------------------
 
 
+@pytest.mark.quick(5)
 @METHODS
 @PLANAR
 @pytest.mark.parametrize(
@@ -81,6 +82,7 @@ def test_figure_4_z_rises_to_0_and_the_walk_ends_there(planar):
 # the two methods agree ---------------------------------------------------------------
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ALL)
 def test_walk_and_joint_agree_on_every_facet(name):
     program = program_of(name)
@@ -96,6 +98,7 @@ def test_walk_and_joint_agree_on_every_facet(name):
     assert (joined.z < -1e-6 * scale) == (name in UNSTABLE)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["arch", "inverted-triangle", "short-base-turned", "keystone"])
 def test_the_directions_found_have_the_z_that_is_said(name):
     program = program_of(name)
@@ -107,6 +110,7 @@ def test_the_directions_found_have_the_z_that_is_said(name):
             assert work.solve(facet.gravity).z * scale == pytest.approx(facet.z, abs=1e-8 * scale)
 
 
+@pytest.mark.quick(4)
 @pytest.mark.parametrize("name", UNSTABLE)
 def test_one_motion_a_facet_proves_that_no_direction_of_it_is_stable(name):
     program = program_of(name)
@@ -116,6 +120,7 @@ def test_one_motion_a_facet_proves_that_no_direction_of_it_is_stable(name):
             assert check_motion(program.with_rows(gravity=corner), facet.motion).holds
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["arch", "pile-turned", "wedge-on-wedge", "slot-and-float"])
 def test_no_direction_is_better(name):
     program = program_of(name)
@@ -124,6 +129,7 @@ def test_no_direction_is_better(name):
     assert max(z) * mass_of(program) <= best.z + 1e-9 * mass_of(program)
 
 
+@pytest.mark.slow
 def test_a_stop_of_the_published_rule_may_fail_the_test_and_is_counted():
     walked = walk(program_of(wedges.corner_wedges(6)), every=True)
     assert walked.failed > 0

@@ -34,6 +34,7 @@ def from_both_sides(hold: int) -> Order:
     return kilter.plan(arch(9, ratio=0.3, friction=0.6), before=chain, hold=hold)
 
 
+@pytest.mark.slow
 def test_an_arch_from_both_sides_needs_two() -> None:
     one = from_both_sides(1)
     assert (one.verdict, one.to_dict()["impossible"]["kind"]) == ("impossible", "exhaustion")
@@ -86,6 +87,7 @@ def test_chains_by_all_permutations(seed: int) -> None:
     assert leads_nowhere(whole, 0, lambda _, rest: bool(may[rest])) != any(chains)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("change", ["left out", "free", "held more", "precedence", "turn"])
 def test_a_proof_that_is_changed_is_refused(change: str) -> None:
     def changed(proof: Proof) -> None:

@@ -21,6 +21,7 @@ def built() -> Any:
     return order, explain(order)
 
 
+@pytest.mark.slow
 def test_hands_and_ground_carry_the_weight_of_what_stands(built: Any) -> None:
     order, found = built
     assembly = order.states.assembly
@@ -69,6 +70,7 @@ def test_a_tower_is_put_up_from_below_and_nothing_else_is_asked() -> None:
     assert pairs == {(a, b, "way") for k, a in enumerate(cubes) for b in cubes[k + 1 :]}
 
 
+@pytest.mark.slow
 def test_what_was_asked_for_is_among_the_needs() -> None:
     order = kilter.plan(scene("wall"), before=[("brick-0-3", "brick-0-2")])
     [asked] = [one for one in explain(order).needs if one.why == "asked"]

@@ -55,6 +55,7 @@ LEFT_PROPS = [0, 0, 0, 0, *range(1, 16)]
 BOTH_FINGERS = [0] * 8 + [1, 2, 2, 2, 2, 2, 3, 4, 5, 6, 7]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "sides", "standing", "least"),
     [
@@ -80,6 +81,7 @@ def test_props_and_fingers_of_an_arch_of_twenty(
     assert rechecked(found) == ""
 
 
+@pytest.mark.slow
 def test_fingers_cannot_hold_more_than_ten_voussoirs_from_one_side() -> None:
     ten, eleven = (part_of_an_arch(20, k, sides="left") for k in (10, 11))
     assert kilter.hold(ten, candidates=under(ten, "finger")).least == 4
@@ -117,6 +119,7 @@ def magnets(count: int, capacity: float, mu: float = 0.0) -> list[Support]:
     ]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(("share", "least"), [(1.01, 1), (0.99, 2), (0.251, 4), (0.249, 5)])
 def test_magnets_carry_a_weight_together(share: float, least: int) -> None:
     """N magnets of F hold the weight W where n F >= W; six of them are there."""
@@ -128,6 +131,7 @@ def test_magnets_carry_a_weight_together(share: float, least: int) -> None:
     assert rechecked(found) == ""
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(("share", "verdict"), [(0.17, "held"), (0.16, "impossible")])
 def test_magnets_of_which_all_together_are_too_weak(share: float, verdict: str) -> None:
     made, weight = hanging(0.0)
@@ -158,6 +162,7 @@ def test_a_finger_presses_against_a_wall(friction: float, verdict: str) -> None:
     assert rechecked(found) == ""
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(("mu", "held"), [(0.35, False), (0.37, True)])
 def test_a_finger_holds_within_its_cone(mu: float, held: bool) -> None:
     """One finger under a sphere's centre, off the vertical by 20 degrees: tan 20 = .364."""
@@ -171,6 +176,7 @@ def test_a_finger_holds_within_its_cone(mu: float, held: bool) -> None:
     assert rechecked(found) == ""
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(("weight", "least"), [(1.9, 1), (2.1, 2)])
 def test_a_prop_on_a_part_loads_that_part(weight: float, least: int) -> None:
     """A plank over an edge, tipped by a cube propped on its end: weight w at 1 against 2 at 1."""
@@ -278,6 +284,7 @@ def agree(seeds: range) -> list[tuple[str, int]]:
     return answers
 
 
+@pytest.mark.slow
 def test_fewest_supports_are_those_of_enumeration() -> None:
     assert len({verdict for verdict, _ in agree(range(8))}) == 2
 
@@ -291,6 +298,7 @@ def test_fewest_supports_of_many_are_those_of_enumeration() -> None:
     assert len(answers) - len(held) > 20
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("why", "change"),
     [
@@ -377,6 +385,7 @@ def test_wrong_candidates() -> None:
         kilter.hold(scene("tower"), most=-1)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("options", "code"),
     [
@@ -394,6 +403,7 @@ def test_exit_codes_and_proofs(tmp_path: Any, options: list[str], code: int) -> 
         assert main(["verify", str(path), str(proof)]) == 0
 
 
+@pytest.mark.slow
 def test_a_file_of_supports(tmp_path: Any, capsys: pytest.CaptureFixture[str]) -> None:
     path, supports = tmp_path / "a.kilter.json", tmp_path / "s.json"
     kilter.dump(hanging(0.0)[0], path)

@@ -93,6 +93,7 @@ def agree(count: int, *, verify: bool) -> list[int]:
     return sizes
 
 
+@pytest.mark.slow
 def test_fewest_holds_are_those_of_enumeration() -> None:
     assert len(set(agree(8, verify=True))) > 1
 

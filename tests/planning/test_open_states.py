@@ -34,6 +34,7 @@ def dome() -> States:
     return kilter.states(ringed_dome(6, (0, 24, 46, 66)))
 
 
+@pytest.mark.slow
 def test_a_state_that_hangs_on_edges_is_left_open_without_a_check(dome: States) -> None:
     """The upper ring with one stone of six in place, which tips in but for edges beside it."""
     names = [name for name in dome.assembly.names if name[:7] != "stone-2"] + ["stone-2-0"]
@@ -46,6 +47,7 @@ def test_a_state_that_hangs_on_edges_is_left_open_without_a_check(dome: States) 
         dome.proof(state)
 
 
+@pytest.mark.slow
 def test_verdicts_where_edges_meet_are_those_of_check(dome: States) -> None:
     random, verdicts = np.random.default_rng(0), set()
     grounded = dome.assembly.geometry.grounded
@@ -58,6 +60,7 @@ def test_verdicts_where_edges_meet_are_those_of_check(dome: States) -> None:
     assert len(verdicts) > 1
 
 
+@pytest.mark.slow
 def test_a_search_among_open_states_ends_by_its_work() -> None:
     order = kilter.plan(ringed_dome(6, (0, 24, 46, 66)), effort=0.01)
     assert order.verdict == "none-found"

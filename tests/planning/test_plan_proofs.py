@@ -69,11 +69,13 @@ def exchange(proof: Proof, first: int, second: int) -> None:
         one[key], other[key] = other[key], one[key]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["arch", "no order", "tower", "screw", "row"])
 def test_what_was_not_changed_holds(name: str) -> None:
     assert judged(name, lambda proof: None) == ""
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("name", ["arch", "tower", "screw", "row"])
 def test_steps_exchanged_with_their_states_are_refused(name: str) -> None:
     """Whole entries exchanged: the states no longer follow one another."""
@@ -184,6 +186,7 @@ CHANGES: list[tuple[str, str, Change]] = [
 ]  # fmt: skip
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("name", "why", "change"), CHANGES, ids=[f"{one[0]}: {one[1]}" for one in CHANGES]
 )
@@ -214,6 +217,7 @@ def test_an_entry_without_its_form_is_wrong_input(key: str) -> None:
         judged("tower", lambda proof: entries(proof, "step")[0].pop(key))
 
 
+@pytest.mark.slow
 def test_no_solver_is_loaded(tmp_path: Path) -> None:
     """The arch's file and proof, where neither solver can be imported."""
     order, proof, file = planned("arch"), tmp_path / "p.json", tmp_path / "arch.kilter.json"

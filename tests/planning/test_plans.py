@@ -35,6 +35,7 @@ def rechecked(order: Order) -> dict[str, Any]:
     return proof
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("name", "held"),
     [
@@ -65,6 +66,7 @@ def test_the_wedge_that_leaves_first_is_the_only_one_that_can() -> None:
     assert kilter.plan(scene("pit-wedges")).steps[-1].part == "wedge-3"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("count", "ratio", "reached"), [(9, 0.3, 4), (20, 0.2, 8)])
 def test_an_arch_needs_one_part_held_and_that_is_proved(
     count: int, ratio: float, reached: int
@@ -83,6 +85,7 @@ def test_an_arch_needs_one_part_held_and_that_is_proved(
         assert "does not fall alone" in reasons(none, proof)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("count", "ratio", "held"),
     [(9, 0.3, 4), pytest.param(20, 0.2, 11, marks=pytest.mark.slow)],
@@ -94,6 +97,7 @@ def test_fewest_held_steps_of_an_arch(count: int, ratio: float, held: int) -> No
         assert (order.held_steps, order.least) == (held, "as-tried")
 
 
+@pytest.mark.slow
 def test_fewest_held_steps_are_those_of_all_orders() -> None:
     """Against every order of seven voussoirs, set by set."""
     made = arch(7, ratio=0.3, friction=0.6)
@@ -125,6 +129,7 @@ def test_fewest_held_steps_are_those_of_all_orders() -> None:
     assert worst.held_steps > order.held_steps
 
 
+@pytest.mark.slow
 def test_what_is_said_of_fewer() -> None:
     tower = kilter.plan(scene("tower"))
     assert (tower.least, tower.to_dict()["sentence"]) == (
@@ -235,6 +240,7 @@ def test_none_found_is_no_proof() -> None:
     assert kilter.plan(Assembly([*walls[:-1], peg])).found
 
 
+@pytest.mark.slow
 def test_parts_that_may_not_be_held() -> None:
     made = arch(9, ratio=0.3, friction=0.6)
     none = kilter.plan(made, never_hold="voussoir-*")
@@ -309,6 +315,7 @@ def test_of_two_that_are_alike_the_first_leaves_first() -> None:
     assert [step.part for step in order.steps[::-1][:2]] == ["voussoir-2", "voussoir-3"]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not DATA.is_dir(), reason="real assemblies are not here")
 def test_a_real_assembly_without_holds() -> None:
     made = kilter.load(DATA / "learn2assemble" / "tetris-2", ground=["0"])
@@ -340,6 +347,7 @@ def test_a_bridge_of_levers_has_its_weights_first() -> None:
     assert kilter.plan(bridge, sequence=upwards, hold=1).verdict == "fails"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not DATA.is_dir(), reason="real assemblies are not here")
 def test_a_real_bridge_without_holds_that_needs_two_by_height() -> None:
     file = DATA / "compas_cra" / "bridge.json"

@@ -18,6 +18,7 @@ from kilter.scenes.pieces import block, floor
 CUBES = [f"cube-{k}" for k in range(1, 6)]
 
 
+@pytest.mark.slow
 def test_the_order_of_a_plan_is_confirmed() -> None:
     made = arch(9, ratio=0.3, friction=0.6)
     plan = kilter.plan(made)

@@ -71,6 +71,7 @@ def agree(seed: int, count: int) -> list[bool | None]:
     return verdicts
 
 
+@pytest.mark.slow
 def test_states_agree_with_check_on_both_sides() -> None:
     verdicts = [one for seed in range(4) for one in agree(seed, 3)]
     assert {True, False} <= set(verdicts)
@@ -108,6 +109,7 @@ def agree_under(seed: int, count: int) -> list[bool | None]:
     return verdicts
 
 
+@pytest.mark.slow
 def test_states_under_other_gravity_and_friction_agree_with_check() -> None:
     verdicts = [one for seed in range(4) for one in agree_under(seed, 4)]
     assert {True, False} <= set(verdicts)
@@ -135,6 +137,7 @@ def test_a_direction_and_a_coefficient_are_asked_of_contacts_that_were_found_onc
         found.of(down=[0, 0, 0])
 
 
+@pytest.mark.slow
 def test_known_proofs_answer_for_other_states_and_hold_there() -> None:
     """Every state of an arch that lacks voussoirs at random: most need no program of their own."""
     found, random = kilter.states(arch(9, ratio=0.3, friction=0.6)), np.random.default_rng(0)
@@ -202,6 +205,7 @@ def test_holding_more_never_hurts_and_a_held_part_may_be_added() -> None:
     assert held_more > 10
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["tower", "three-cylinders", "box-pile", "bracket"])
 def test_contacts_of_some_parts_are_those_found_of_them_alone(name: str) -> None:
     whole = scene(name)

@@ -32,6 +32,7 @@ def test_turned_once_where_it_would_slide() -> None:
     assert "with nothing held, turned once." in order.to_dict()["sentence"]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(("share", "turns"), [(1.01, 0), (0.99, 1)])
 def test_no_turn_where_friction_holds(share: float, turns: int) -> None:
     made = leaning(30.0, share * np.tan(np.radians(30.0)))

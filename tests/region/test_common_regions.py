@@ -26,6 +26,7 @@ PAIRS = [
 ]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(("one", "other", "kind"), PAIRS)
 def test_intersections(one: str, other: str, kind: str) -> None:
     both = [rails.railed(one), rails.railed(other, count=2)]
@@ -34,6 +35,7 @@ def test_intersections(one: str, other: str, kind: str) -> None:
     assert common_region(both[::-1]).kind == kind
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("names", list(itertools.combinations(BUILDERS, 2))[::9])
 def test_stable_for_all_is_stable_for_each(names: tuple[str, str]) -> None:
     each = [region_of(name) for name in names]
@@ -44,6 +46,7 @@ def test_stable_for_all_is_stable_for_each(names: tuple[str, str]) -> None:
     assert (region.contains(asked) == wanted)[~near].all()
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("rounded", [False, True])
 def test_knife_edges_that_agree(rounded: bool) -> None:
     """Steps of one plan: their one direction is the same but for rounding."""
@@ -63,6 +66,7 @@ def test_a_plan_without_a_common_direction() -> None:
     assert region.warnings[0].startswith("assembly 1: ")
 
 
+@pytest.mark.slow
 def test_common_proofs_verify() -> None:
     region = common_region([rails.railed("-x +x -z", count=2), rails.railed("-x -y -z")])
     proofs = region.proofs()

@@ -44,6 +44,7 @@ def cone_of(rays: Array) -> tuple[Cone, int]:
     return cone, oracle.asked
 
 
+@pytest.mark.slow
 @given(st.integers(0, 10**6), st.integers(1, 12), st.sampled_from([0.01, 0.3, 1.0, 3.0]))
 def test_a_cone_is_found_from_its_rays(seed: int, count: int, spread: float) -> None:
     random = np.random.default_rng(seed)

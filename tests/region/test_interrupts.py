@@ -96,6 +96,7 @@ def again_and_again(program: LinearProgram) -> None:
         highs.solve_linear(program, presolve=False)
 
 
+@pytest.mark.slow
 def test_the_simplex_is_interrupted() -> None:
     program = large_program()
     assert program.matrix.nnz > interrupts.LONG
@@ -106,6 +107,7 @@ def test_the_simplex_is_interrupted() -> None:
     assert time.perf_counter() - started < 10
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("beside", ["clarabel.LONG", "clarabel.DEAF", "highs.LONG"])
 def test_it_is_the_same_beside(monkeypatch: pytest.MonkeyPatch, beside: str) -> None:
     linear = LinearProgram(

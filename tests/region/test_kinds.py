@@ -9,6 +9,7 @@ from kilter.analysis.regions.polyhedral_cone import KINDS as ALL_KINDS
 from kilter.scenes import rails
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("name", KINDS)
 def test_closed_form(name: str) -> None:
     kind, build, lines, rays = KINDS[name]
@@ -24,6 +25,7 @@ def test_every_kind_is_produced() -> None:
     assert {entry[0] for entry in KINDS.values()} == set(ALL_KINDS.values())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*KINDS, *MORE])
 def test_directions_one_by_one(name: str) -> None:
     region = region_of(name)
@@ -37,6 +39,7 @@ def test_twenty_thousand_directions_one_by_one(name: str) -> None:
     assert not disagreements(region, directions(region, 20_000, seed=1))
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("name", [*KINDS, *MORE])
 def test_the_answer_describes_itself(name: str) -> None:
     """Equations, facets, rays and lines of the JSON answer are one and the same cone."""
@@ -65,6 +68,7 @@ def _center_and_angle(answer: dict, facets: np.ndarray) -> None:
     assert (answer["center"] is None) == (kind in ("none", "line", "plane", "all"))
 
 
+@pytest.mark.slow
 def test_planar_kinds() -> None:
     wanted = {"": "none", "-z": "ray", "-x +x": "line", "-x -z": "fan"}
     wanted |= {"-x +x -z": "half-plane", "-x +x -z +z": "plane"}
@@ -76,6 +80,7 @@ def test_planar_kinds() -> None:
         assert not disagreements(region, directions(region, 50))
 
 
+@pytest.mark.slow
 def test_grooves_of_many_angles() -> None:
     for angle in (5.0, 20.0, 45.0, 70.0, 85.0):
         fan = kilter.region(rails.groove(angle))

@@ -14,6 +14,7 @@ SPATIAL = [name for name, build in BUILDERS.items() if not build().planar]
 POSES = [([0.3, -0.5, 0.2, 0.7], [3, -2, 5]), ([0.9, 0.1, -0.4, 0.2], [0, 0, 0])]
 
 
+@pytest.mark.slow
 @given(
     name=st.sampled_from(SPATIAL),
     seed=st.integers(0, 10**6),
@@ -33,6 +34,7 @@ def test_rigid_motion_and_scale(name: str, seed: int, factor: float, distance: f
     assert same_span(there.lines, list(here.lines @ matrix.T), 1e-8)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("pose", [None, *range(len(POSES))])
 @pytest.mark.parametrize("name", BUILDERS)
 def test_float32_keeps_the_kind(name: str, pose: int | None) -> None:
@@ -51,6 +53,7 @@ def test_float32_keeps_the_kind(name: str, pose: int | None) -> None:
         assert np.linalg.norm(exact.rays - ray, axis=1).min() < 5 * blur
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["tower", "corner-wedges", "groove"])
 def test_the_file_s_gravity_does_not_matter(name: str) -> None:
     assembly = BUILDERS[name]()

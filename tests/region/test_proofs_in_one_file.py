@@ -31,6 +31,7 @@ def through_json(data):
     return json.loads(json.dumps(data, allow_nan=False))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_a_region_is_rechecked(name: str) -> None:
     assembly = CASES[name]()
@@ -44,6 +45,7 @@ def test_a_region_is_rechecked(name: str) -> None:
     assert about.count("facet") == len(found.facets)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["arch", "planar arch", "stack"])
 def test_a_margin_is_rechecked(name: str) -> None:
     assembly = CASES[name]()
@@ -62,6 +64,7 @@ def test_a_margin_is_rechecked(name: str) -> None:
     assert len(sides) == 3 + sum(np.isfinite(push.force) for push in found.pushes)
 
 
+@pytest.mark.slow
 def test_one_number_flipped_is_caught() -> None:
     assembly = CASES["arch"]()
     data = through_json(kilter.region(assembly).proof())
@@ -93,6 +96,7 @@ def test_one_number_flipped_is_caught() -> None:
     assert not kilter.verify(other, data).holds
 
 
+@pytest.mark.slow
 def test_commands_write_and_recheck(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file, proof = str(tmp_path / "a.kilter.json"), str(tmp_path / "p.json")
     kilter.dump(stacks.block_on_slope(10.0, friction=0.5), file)

@@ -70,6 +70,7 @@ def test_a_joint_and_a_contact() -> None:
     assert np.allclose(region.rays, [[0, 0, -1]])
 
 
+@pytest.mark.slow
 def test_what_is_left_out_is_said() -> None:
     rough = stacks.tower(2, friction=0.5)
     assert any("friction left out" in text for text in kilter.common_region([rough]).warnings)

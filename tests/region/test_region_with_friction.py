@@ -29,6 +29,7 @@ def asked(family: str, seed: int) -> tuple[Assembly, ContactSet, Program, Region
     return assembly, contacts, program, kilter.region(assembly, contacts=contacts)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("family", "seed"), CASES)
 def test_every_direction_is_judged_as_the_region_says(family: str, seed: int) -> None:
     assembly, _, program, found = asked(family, seed)
@@ -51,6 +52,7 @@ def test_every_direction_is_judged_as_the_region_says(family: str, seed: int) ->
             assert judge(program.turned(down)).stable is not True
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("family", "seed"), CASES)
 def test_three_margins_are_one(family: str, seed: int) -> None:
     assembly, contacts, program, found = asked(family, seed)

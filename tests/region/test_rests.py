@@ -36,6 +36,7 @@ def test_a_cube_in_a_corner_is_v_shaped_about_its_axis() -> None:
         assert (edge.state, edge.tilt_deg, edge.moving) == ("free", pytest.approx(0), ("cube",))
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("wall", [[1, 0, 0], [0, 1, 0], [0, 0, 1]])
 def test_up_to_its_tilt_it_stays_and_beyond_it_moves(wall: list[int]) -> None:
     rest = kilter.region(corner(), rests=True).rests[0]
@@ -48,6 +49,7 @@ def test_up_to_its_tilt_it_stays_and_beyond_it_moves(wall: list[int]) -> None:
         assert kilter.check(corner().with_down(down)).verdict == verdict
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("number", "state"), [("01", "free"), ("02", "balanced"), ("03", "minimum"), ("05", "free")]
 )
@@ -68,6 +70,7 @@ def test_a_ball_in_a_bowl_has_no_width_but_swings_as_a_pendulum_does() -> None:
     assert rest.rate == pytest.approx(np.sqrt(9.81 / 0.6), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_the_command_marks_them(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

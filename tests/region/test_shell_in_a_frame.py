@@ -78,6 +78,7 @@ def found():
     return assembly, program, kilter.region(assembly, contacts=contacts)
 
 
+@pytest.mark.slow
 def test_tilt_limits_at_eight_azimuths_agree(found) -> None:
     _, program, region = found
     assert int(program.free.sum()) == 40

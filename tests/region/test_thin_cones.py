@@ -12,6 +12,7 @@ from kilter.scenes import rails, stacks, wedges
 from kilter.scenes.pieces import block
 
 
+@pytest.mark.slow
 def test_a_hundred_plates_on_thin_seats() -> None:
     region = kilter.region(rails.seats(100, angle=0.3))
     directions = np.random.default_rng(0).normal(size=(10_000, 3))
@@ -61,12 +62,14 @@ def test_a_hundred_wedges() -> None:
     assert found.programs <= len(found.rays) + len(found.facets) + 12
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("name", [*KINDS, *MORE])
 def test_few_programs(name: str) -> None:
     region = region_of(name)
     assert region.programs <= len(region.rays) + len(region.facets) + 12
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("build", [lambda: stacks.tower(200), lambda: wedges.corner_boxes(8)])
 def test_two_hundred_parts_in_seconds(build) -> None:
     """The aim is half a second on a free core; measured 0.03 s and 0.13 s."""

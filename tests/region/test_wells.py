@@ -153,6 +153,7 @@ def test_a_half_cylinder_rights_itself_about_its_length_only() -> None:
     assert (well.over_deg, well.barrier) == (None, None)  # not of revolution about the vertical
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("beside", [-1e-3, 1e-3])
 def test_a_roly_poly_of_one_density_stands_up_to_r_over_root_two(beside: float) -> None:
     height = 1 / np.sqrt(2) + beside
@@ -164,6 +165,7 @@ def test_a_roly_poly_of_one_density_stands_up_to_r_over_root_two(beside: float) 
         assert well.stiffness == pytest.approx(1000 * np.pi * volume * G * (1 - center), rel=1e-9)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("rise", [-1e-4, 1e-4])
 def test_a_weeble_stands_where_its_centre_of_mass_is_low(rise: float) -> None:
     ball = Part("b", Sphere(1.0), Pose([0, 0, 1]), mass=3.0, center_of_mass=[0, 0, rise])
@@ -174,6 +176,7 @@ def test_a_weeble_stands_where_its_centre_of_mass_is_low(rise: float) -> None:
         assert well.stiffness == pytest.approx(-3.0 * G * rise, rel=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("part", "base", "center"),
     [
@@ -193,6 +196,7 @@ def test_what_stands_on_a_round_base_tips_over_its_rim(
     assert well.stiffness is None
 
 
+@pytest.mark.slow
 def test_what_only_rolls_or_balances_has_no_well() -> None:
     assert well_of(Part("ball", Sphere(1.0), Pose([0, 0, 1]))) is None
     lying = Part("log", Cylinder(1.0, 3.0), Pose([0, 0, 1], turn([1, 0, 0], 90)))
@@ -209,6 +213,7 @@ def test_in_a_corner_there_is_no_table() -> None:
 # a second method: the heights of the exact hull ---------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "part",
     [

@@ -46,6 +46,7 @@ def made(kind: str) -> Any:
     return BRepPrimAPI_MakeCylinder(axes(0), 10.0, 4.0).Shape()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "over"),
     [

@@ -41,6 +41,7 @@ class TestStacks:
     def test_inverted_triangle(self, rows, holds):
         assert stable(stacks.inverted_triangle(rows)) == holds
 
+    @pytest.mark.quick(3)
     @pytest.mark.parametrize("order", [2, 3, 4, 5, 6])
     def test_diamond_holds_up_to_four(self, order):
         assert stable(stacks.diamond(order)) == (order <= 4)
@@ -71,11 +72,13 @@ class TestStacks:
 
 
 class TestWalls:
+    @pytest.mark.quick(4)
     @pytest.mark.parametrize("build", [walls.wall, walls.stack_bond, walls.wall_with_lintel])
     @pytest.mark.parametrize("courses", [1, 2, 5])
     def test_whole_walls_are_stable(self, build, courses):
         assert stable(build(courses, 3) if build is not walls.wall_with_lintel else build(7, 7))
 
+    @pytest.mark.quick(1)
     @pytest.mark.parametrize("opening", [(2, 4, 1, 3), (2, 4, 2, 4), (3, 4, 0, 3), (2, 5, 1, 2)])
     def test_lintel_saves_what_falls_into_the_opening(self, opening):
         assert stable(walls.wall_with_lintel(5, 6, opening=opening))
@@ -83,6 +86,7 @@ class TestWalls:
         wide = opening[1] - opening[0] > 1
         assert stable(walls.wall_with_opening(5, 6, opening=opening)) != wide
 
+    @pytest.mark.slow
     def test_wall_on_short_base_and_hanging_brick_fall(self):
         assert not stable(walls.short_base())
         hung = walls.hanging_brick()
@@ -101,6 +105,7 @@ class TestWalls:
         with pytest.raises(InputError, match="leaves nothing"):
             walls.wall(3, 3, gap=0.1)
 
+    @pytest.mark.slow
     @pytest.mark.parametrize(("number", "blocks", "interfaces", "factor"), [
         (1, 33, 83, 0.64286), (2, 55, 141, 0.58000), (3, 46, 102, 0.40369),
         (4, 55, 116, 0.33195), (5, 61, 120, 0.23964), (6, 146, 345, 0.34782),
@@ -111,6 +116,7 @@ class TestWalls:
         assert len(touching(assembly).pairs) == interfaces
         assert frictional(assembly, push=(1, 0, 0)) == pytest.approx(factor, abs=6e-6)
 
+    @pytest.mark.slow
     def test_tilted_wall_overturns_and_slides_at_its_angles(self):
         for friction, limit in ((0.6, 10.49), (0.15, 8.53)):
             for off, holds in ((-0.1, True), (0.1, False)):
@@ -141,6 +147,7 @@ def falling(assembly):
 
 
 class TestPilesAndWedges:
+    @pytest.mark.quick(1)
     @pytest.mark.parametrize("seed", range(5))
     def test_level_piles_are_stable(self, seed):
         assembly = packings.box_pile(20, seed=seed)
@@ -153,6 +160,7 @@ class TestPilesAndWedges:
         assert overlapping(assembly) == []
         assert not stable(assembly)
 
+    @pytest.mark.quick(6)
     @pytest.mark.parametrize("seed", range(4))
     @pytest.mark.parametrize("count", [1, 4, 9])
     def test_corner_wedges_fill_the_cube(self, seed, count):

@@ -11,6 +11,7 @@ HOLDS = 1e-8
 
 
 class TestArches:
+    @pytest.mark.quick(1)
     @pytest.mark.parametrize(("sectors", "count", "least"), [
         (True, 20, 0.10746), (True, 40, 0.10746), (False, 20, 0.10735), (False, 40, 0.10743),
     ])  # fmt: skip
@@ -19,6 +20,7 @@ class TestArches:
             assembly = arches.arch(count, ratio=least + off, friction=10, sectors=sectors)
             assert (frictional(assembly) < 1e-9) == holds
 
+    @pytest.mark.quick(1)
     @pytest.mark.parametrize(("count", "sector", "straight"), [
         (7, 0.370010, 0.373612), (13, 0.358076, 0.358857), (28, 0.354686, 0.354868),
     ])  # fmt: skip
@@ -27,6 +29,7 @@ class TestArches:
             assembly = arches.oppenheim_arch(count, sectors=sectors)
             assert frictional(assembly, push=(1, 0, 0)) == pytest.approx(factor, abs=1e-6)
 
+    @pytest.mark.slow
     @pytest.mark.parametrize(("ratio", "count", "sector", "straight"), [
         (0.15, 27, 0.145104, 0.145338), (0.2, 100, 0.283792, 0.283809),
     ])  # fmt: skip
@@ -35,6 +38,7 @@ class TestArches:
             assembly = arches.arch(count, ratio=ratio, friction=10, sectors=sectors)
             assert frictional(assembly, push=(1, 0, 0)) == pytest.approx(factor, abs=1e-6)
 
+    @pytest.mark.quick(1)
     @pytest.mark.parametrize(
         ("count", "thickness"), [(12, 0.5), (12, 1), (12, 2), (20, 0.5), (20, 2), (6, 2)]
     )

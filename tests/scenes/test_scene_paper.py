@@ -46,6 +46,7 @@ class TestFigures:
         frame, loop = {(0, k) for k in range(1, 5)}, {(1, 2), (2, 3), (3, 4), (1, 4)}
         assert touching(assembly).pairs == frame | loop
 
+    @pytest.mark.quick(1)
     def test_10_is_stable_between_minus_x_and_minus_z_only(self, planar):
         assembly = paper.figure_10("a", planar=planar)
         assert not stable(assembly)
@@ -55,6 +56,7 @@ class TestFigures:
         for lean in (-0.01, 90.01):
             assert not stable(tilted(assembly.with_down([0, 0, -1]), [0, 1, 0], lean))
 
+    @pytest.mark.quick(2)
     @pytest.mark.parametrize(
         ("figure", "leans"), [(paper.figure_11, 45.0), (paper.figure_12, 60.0)]
     )
@@ -66,6 +68,7 @@ class TestFigures:
         for off in (-0.01, 0.01):
             assert imbalance(tilted(assembly, [0, 1, 0], leans + off)) > 1e-5
 
+    @pytest.mark.quick(3)
     @pytest.mark.parametrize("angle", [30, 45, 60])
     @pytest.mark.parametrize("ratio", [0.5, 1.0, 2.0])
     def test_11_for_unequal_masses_and_other_chamfers(self, planar, angle, ratio):
@@ -84,6 +87,7 @@ def test_1_has_two_identical_blocks():
     assert np.allclose(geometry.center[1], geometry.center[2][[2, 1, 0]])
 
 
+@pytest.mark.slow
 def test_9_circulates_at_no_cost_and_moves_no_other_way_in_the_plane():
     assert neutral(paper.figure_9(planar=True)) == (1, 0)
 
@@ -116,6 +120,7 @@ class TestTrappedWedge:
     def test_holds_in_space_too(self, ratio):
         assert stable(paper.trapped_wedge(10.0, mass_b=ratio, planar=False))
 
+    @pytest.mark.quick(1)
     def test_moves_at_no_cost_when_level_and_not_at_all_when_tilted(self, ratio):
         two_sided, one_sided = neutral(paper.trapped_wedge(0.0, mass_b=ratio))
         assert two_sided == 0

@@ -40,6 +40,7 @@ def everything():
 
 @pytest.mark.parametrize("name", SMALL)
 class TestChangesNoAnswer:
+    @pytest.mark.quick(2)
     def test_moved(self, name):
         assembly = SCENES[name].build()
         turned = moved(assembly, TURN, [3, -4, 5])

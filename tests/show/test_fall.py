@@ -25,6 +25,7 @@ def fall_of(assembly: Assembly) -> dict[str, Any] | None:
     return found
 
 
+@pytest.mark.slow
 def test_its_energy_is_in_joules_whatever_the_unit_of_length() -> None:
     base = Part("base", Sphere(100.0), grounded=True)
     aside = Part("aside", Sphere(10.0), Pose([900, 0, 0]), grounded=True)
@@ -41,6 +42,7 @@ def test_its_energy_is_in_joules_whatever_the_unit_of_length() -> None:
     assert fall["words"].startswith("balanced: the slightest push makes ball fall")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("thick", "friction"), [(0.6, "holds"), (1.4, "falls")])
 def test_it_says_what_friction_makes_of_it(thick: float, friction: str) -> None:
     """A board on a roller rolls back where its middle is no higher above it than the radius."""
@@ -53,5 +55,6 @@ def test_it_says_what_friction_makes_of_it(thick: float, friction: str) -> None:
     assert fall["places"] is not None
 
 
+@pytest.mark.slow
 def test_what_is_not_balanced_has_none() -> None:
     assert fall_of(scene("tower")) is None

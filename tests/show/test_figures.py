@@ -55,6 +55,7 @@ def named(names: list[str]) -> Assembly:
 # --- the order of painting -----------------------------------------------------------------
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["tower", "paper-figure-8", "keystone", "ladder"])
 @pytest.mark.parametrize("angles", [(-32, 22), (140, 60), (75, -35)])
 def test_nothing_is_painted_over_what_lies_in_front_of_it(
@@ -115,6 +116,7 @@ def test_polygons_that_cross_each_other_are_cut() -> None:
 # --- what the figures show -----------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_arrows_are_the_accelerations_of_the_answer() -> None:
     verdict = kilter.check(scene("paper-figure-8"))
     figure = draw_assembly(verdict, view=(0.0, 0.0))
@@ -138,6 +140,7 @@ def test_a_stable_assembly_has_forces_and_no_motion() -> None:
     assert any(f"{greatest / 1e3:.4g} kN" in text for text in words(figure))
 
 
+@pytest.mark.slow
 def test_a_ball_that_falls_is_outlined_where_it_comes_to() -> None:
     base = Part("base", Sphere(1.0), grounded=True)
     verdict = kilter.check(Assembly([base, Part("ball", Sphere(0.5), Pose([0, 0, 1.5]))]))
@@ -165,6 +168,7 @@ def test_gravity_points_down_on_the_page(down: list[float]) -> None:
     assert x1 == pytest.approx(x0, abs=1e-9)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["floating-block", "closed-frame", "corner-wedges", "channel",
                                   "paper-figure-10", "paper-figure-11", "tower"])  # fmt: skip
 def test_the_region_on_the_sphere_is_the_region(name: str) -> None:
@@ -190,6 +194,7 @@ def test_the_region_on_the_sphere_is_the_region(name: str) -> None:
 # --- names ---------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_hostile_names_are_text(recwarn: pytest.WarningsRecorder) -> None:
     verdict = kilter.check(named(HOSTILE))
     figure = draw_assembly(verdict)
@@ -238,6 +243,7 @@ def test_a_label_is_short() -> None:
     assert label("a\tb") == "a\ufffdb"
 
 
+@pytest.mark.slow
 def test_import_stays_light_and_pyplot_is_never_touched() -> None:
     code = (
         "import sys, kilter; assert 'matplotlib' not in sys.modules\n"
@@ -259,6 +265,7 @@ def wall(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("suffix", "start"), [("svg", b"<?xml"), ("png", b"\x89PNG"), ("PDF", b"%PDF")]
 )
@@ -281,6 +288,7 @@ def test_draw_what_region(wall: Path) -> None:
     assert "One direction of gravity is stable" in Path("r.svg").read_text(encoding="utf-8")
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("options", "said"),
     [

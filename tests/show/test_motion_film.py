@@ -25,6 +25,7 @@ def gone(film: Film, name: str) -> np.ndarray:
     return rows - rows[0]
 
 
+@pytest.mark.slow
 def test_a_wedge_drives_the_other_out_by_the_slope_of_its_side() -> None:
     verdict = kilter.check(scene("paper-figure-8"))
     film = Film(kilter.animate(verdict))
@@ -37,6 +38,7 @@ def test_a_wedge_drives_the_other_out_by_the_slope_of_its_side() -> None:
     assert (np.diff(speed) > 0).all(), "ever faster, as what falls"
 
 
+@pytest.mark.slow
 def test_what_is_balanced_falls_along_its_path() -> None:
     base = Part("base", Sphere(1.0), grounded=True)
     film = Film(
@@ -51,6 +53,7 @@ def test_what_is_balanced_falls_along_its_path() -> None:
     assert (np.diff(times) > 0).all()
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("gap", [0.1, 0.2])
 def test_a_block_falls_as_far_as_the_floor(gap: float) -> None:
     floor = Part("floor", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
@@ -68,6 +71,7 @@ def test_what_nothing_stops_goes_as_far_as_is_well_seen() -> None:
     assert -travel[1, 2] == pytest.approx(REACH * 11.5), "from -2 to 9.5 along x"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in SCENES if name.startswith("paper")])
 def test_parts_end_no_deeper_in_each_other_than_they_begin(name: str) -> None:
     verdict = kilter.check(scene(name))
@@ -107,6 +111,7 @@ def test_two_that_tip_together_stay_together() -> None:
     assert apart[0] == pytest.approx(apart[1], abs=0.02)
 
 
+@pytest.mark.slow
 def test_other_programs_read_it(tmp_path: Path) -> None:
     out = tmp_path / "motion.glb"
     kilter.animate(kilter.check(scene("paper-figure-8")), out)
@@ -114,6 +119,7 @@ def test_other_programs_read_it(tmp_path: Path) -> None:
     assert sorted(set(read.graph.nodes_geometry)) == ["C1", "C2", "C3"]
 
 
+@pytest.mark.slow
 def test_the_command_writes_it_and_refuses_what_it_cannot_show(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

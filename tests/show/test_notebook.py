@@ -26,6 +26,7 @@ ANSWERS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ask", ANSWERS, ids=["verdict", "region", "plan"])
 def test_a_cell_has_the_page_that_report_writes(ask: Any) -> None:
     answer = ask()
@@ -48,6 +49,7 @@ def _untimed(page: str) -> str:
     return re.sub(r"\d+(\.\d+)?(e-\d+)? ?m?s\b", "", page)
 
 
+@pytest.mark.slow
 def test_a_viewer_without_programs_gets_a_figure() -> None:
     pytest.importorskip("matplotlib")
     drawn = kilter.check(scene("tower")).show()._repr_svg_()

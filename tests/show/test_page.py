@@ -87,6 +87,7 @@ def bad() -> str:
     )
 
 
+@pytest.mark.slow
 def test_names_are_text_and_nothing_else(bad: str) -> None:
     plain = Tags(render(everything(scene("tower")), "tower"))
     tags = Tags(bad)
@@ -115,6 +116,7 @@ def test_a_name_in_the_table_stands_apart_from_the_direction_of_its_line(bad: st
     assert '<bdi class="name">שלום עולם</bdi>' in bad
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("live", [False, True])
 def test_only_the_programs_of_the_page_may_run_and_nothing_may_be_asked_for(live: bool) -> None:
     page = render(everything(scene("tower")), "tower", live=live)
@@ -136,6 +138,7 @@ def test_only_the_programs_of_the_page_may_run_and_nothing_may_be_asked_for(live
     assert "unsafe" not in policy[1]
 
 
+@pytest.mark.slow
 def test_the_page_names_no_address() -> None:
     page = render(everything(scene("paper-figure-8")), "f8")
     found = set(re.findall(r"[a-z]+://[^\s\"'`<>)]+", page))
@@ -145,17 +148,20 @@ def test_the_page_names_no_address() -> None:
         assert not {"src", "href", "srcset", "action", "data"} & set(attrs), tag
 
 
+@pytest.mark.slow
 def test_a_hundred_parts_take_less_than_a_megabyte_and_a_half() -> None:
     page = render(everything(wall_of(100)), "wall")
     assert len(page.encode()) < 1.5e6
 
 
+@pytest.mark.slow
 def test_the_page_is_the_same_each_time_but_for_the_seconds() -> None:
     first, second = (render(everything(scene("paper-figure-8")), "f8") for _ in range(2))
     seconds = re.compile(r"<dt>seconds</dt><dd>.*?</dd>")
     assert seconds.sub("", first) == seconds.sub("", second)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sampled(len(NAMES) // 3, NAMES))
 def test_what_is_drawn_is_what_was_answered(name: str) -> None:
     assembly = scene(name)
