@@ -1,7 +1,7 @@
 """The page of known answers of second order: ``python docs/build_known_answers.py``.
 
-What is known comes from `kilter.scenes.balance`, what kilter finds from `kilter.check`, on both
-sides of each limit, of what rolls from `find_rolling`; `SHOWS` says what a case is there for.
+`kilter.scenes.balance` has the known states. `kilter.check` and `find_rolling` compute the states
+on both sides of each limit. `SHOWS` has a remark on each case.
 """
 
 from __future__ import annotations
@@ -19,40 +19,41 @@ from kilter.tell.numbers import number
 
 PAGE = Path(__file__).resolve().parent / "known-answers.md"
 BESIDE = 0.1
-"""How far from a limit both sides are asked [that of its parameter]."""
+"""Distance from a limit at which both sides are computed [unit of the parameter]."""
 ROLLS = {"minimum": "holds", "balanced": "falls"}
 
 HEAD = """# Known answers of second order
 
-To first order each of these stands, those that roll by friction: forces of equilibrium exist, and
-no motion gains energy at once. What second order adds is known for each, by its closed form or by
-hand, and the tests ask kilter for it on both sides of every limit. This page is written by `python
-docs/build_known_answers.py`, which asks for it anew; how it is proved is in the
-[theory](theory.md), what the words mean in [what the answers mean](answers.md).
+To first order each of these assemblies stands, and the rolling cases stand by friction: forces of
+equilibrium exist, and no motion gains energy at once. The result of second order is known for
+each case, from a closed form or by hand. The tests compare kilter on both sides of every limit.
+`python docs/build_known_answers.py` computes this page. The [theory](theory.md) has the proofs,
+the [glossary](glossary.md) defines the words.
 
-The cases are `kilter.scenes.balance`. Contacts are given with what touches and how it curves
-([features](contacts.md#features)); the pictures are drawn from these, and choose what a case leaves
-open, as how thick a plank is. Where there is a limit, the first state is below it and the second
-above, as kilter finds them {beside} from it. *Costs nothing* counts the motions that cost nothing
-to first order, *free* those of them that are proved to cost nothing at all, below the limit.
-Lengths in m.
+The cases are `kilter.scenes.balance`. Their contacts are given with their
+[features](contacts.md#features). The pictures are drawn from these, and choose dimensions that a
+case leaves open, such as the thickness of a plank. If a case has a limit, the first state is
+{beside} below it and the second state is {beside} above it. *Neutral* counts the motions that
+cost no energy to first order. *Free* counts those that provably cost no energy at all, below the
+limit. Lengths are in m.
 
 """
 SLIPPERY = """## Without friction
 
-A *minimum* is strict but for free spins of round parts, *free* the same across motions that cost
-nothing; *balanced* falls at the slightest push.
+The states are [minimum](glossary.md#minimum), [free](glossary.md#free) and
+[balanced](glossary.md#balanced). Spins of round parts do not count against a minimum.
 
 {signs}
 {cards}
-Of {all} states {found} are found; {open}.
+kilter finds {found} of {all} states; {open}.
 
-| | case | known | kilter finds | costs nothing | free |
+| | case | known | kilter finds | neutral | free |
 |---|---|---|---|---|---|
 """
-SIGNS = """Held parts are striped. Quartered circles are centres of mass, below the limit, and the
-dashed line is where they are at it. One orange arrow away: it falls so. Two blue arrows back:
-pushed so, it returns. Two plain arrows away: it goes so at no cost.
+SIGNS = """Held parts are striped. Quartered circles are centres of mass below the limit; a dashed
+line is their height at the limit. An orange arrow away from the part shows a fall. Two blue
+arrows towards the part show that it returns after a push. Two plain arrows away from the part
+show free motion.
 """
 CARD = """
 -   ![{number}: {title}](images/known/{number}.svg){{ loading=lazy }}
@@ -62,11 +63,11 @@ CARD = """
 GRIPPING = """
 ## Rolling without slip
 
-With friction nothing here slips. It *holds* what rolls back, and what rolls off *falls*. What
-touches at one point of a plane is asked in that plane too, where rolling has one dimension. In
-space what rolls in a circle may come back shifted: where no energy bounds the sum of such shifts,
-the answer is *open* ([theory](theory.md)). A minimum without friction, or what is free there,
-holds with any.
+With friction, and without slip, these assemblies roll. *Holds* means that a part rolls back,
+*falls* that it rolls off. If all contacts lie at a single point of a plane, the case is also
+examined in that plane, in which rolling has a single dimension. In space, a part that rolls in a
+circle may come back shifted. If no energy bounds the sum of these shifts, the answer is *open*
+([theory](theory.md)). A state that is a minimum or free without friction also holds with friction.
 
 {cards}
 | | case | known | in the plane | in space |
@@ -74,65 +75,65 @@ holds with any.
 """
 
 SHOWS = {
-    "01": "two shifts and three turns",
-    "02": "the plainest balance",
-    "03": "rolls back; its spins are free",
-    "04": "one way down is enough",
-    "05": "slides along, and spins",
-    "06": "held along the line of the two, falls across it",
-    "07": "no motion but spins is left",
-    "08": "stands on its shortest axis, and on no other",
-    "09": "the centre of mass against that of the sphere",
-    "10": "the same on an edge that is round",
-    "11": "slides off, however low its centre",
-    "12": "slides off either",
-    "13": "a line of contact at five points: forces are not unique",
-    "14": "a line of contact that comes back",
-    "15": "the pair turns about the tube",
-    "16": "walls leave nothing but spins",
-    "17": "no motion opens both plates: the path keeps them",
-    "18": "nothing at its side",
-    "19": "ends that slide down as it turns",
-    "20": "the limit is minus the tangent of the slope",
-    "21": "hangs, and slips round",
-    "22": "the same where it is not round about its centre of mass",
-    "23": "as a coin on its rim",
-    "24": "slides out as it tips",
-    "24b": "the same where it cannot slide",
-    "25": "a pendulum, and one on its head",
-    "26": "spins about its axis, and turns about the upright one",
-    "27": "an axis that is not through the centre of mass",
-    "28": "many contacts, no motion but spins",
-    "29": "falls across, rolls along",
-    "30": "comes back across, rolls along",
-    "31": "held by the ring, off it at its side",
-    "32": "falls flat",
-    "33": "level shifts and a turn",
-    "34": "free motions of four parts at once",
-    "35": "three level motions of each box",
-    "36": "tips about the line of the two",
-    "37": "a weeble across the row, feet along it",
-    "38": "no motion is free",
-    "39": "no one set of forces proves it, several do",
-    "R1": "the height of the centre against the radius",
-    "R2": "the same, in two directions",
-    "R3": "the limit is 1 / (1/R + 1/r)",
-    "R4": "no height helps a ball",
-    "R5": "a bowl brings it back",
-    "R6": "curvatures across each other",
-    "R7": "stands by friction alone",
-    "R8": "a limit in its plane; across it, it falls",
-    "R9": "two lines of contact: it cannot roll, and needs no friction",
+    "01": "Two shifts and three turns are free",
+    "02": "The simplest balanced case",
+    "03": "The ball rolls back; its spins are free",
+    "04": "A single direction of descent is sufficient",
+    "05": "The ball slides along the trough, and spins",
+    "06": "Stable along the line of the two balls, it falls across that line",
+    "07": "Only spins remain",
+    "08": "It stands on its shortest axis only",
+    "09": "The centre of mass is compared with the centre of the sphere",
+    "10": "The same for a round edge",
+    "11": "The box slides off, however low its centre",
+    "12": "The upper cylinder slides off on either side",
+    "13": "A line of contact at five points: forces are not unique",
+    "14": "A line of contact that comes back",
+    "15": "The pair turns about the tube",
+    "16": "The walls leave only spins",
+    "17": "No motion opens both plates: the path keeps them",
+    "18": "No part supports it sideways",
+    "19": "The ends slide down as the plank turns",
+    "20": "The limit is minus the tangent of the slope",
+    "21": "The ring hangs, and slips round",
+    "22": "The same for a body that is not round about its centre of mass",
+    "23": "It falls as a coin on its rim does",
+    "24": "The box slides out as it tips",
+    "24b": "The same, but it cannot slide",
+    "25": "A pendulum, hanging or inverted",
+    "26": "It spins about its axis, and turns about the vertical",
+    "27": "The axis does not pass through the centre of mass",
+    "28": "Many contacts, and only spins remain",
+    "29": "The ball falls across the cylinder, and rolls along it",
+    "30": "The ball comes back across the pipe, and rolls along it",
+    "31": "The ring holds the ball in its plane, but not sideways",
+    "32": "The coin falls flat",
+    "33": "Two level shifts and a turn",
+    "34": "Free motions of four parts at once",
+    "35": "Three level motions of each box",
+    "36": "The plank tips about the line of the two balls",
+    "37": "A weeble across the row, two feet along it",
+    "38": "No motion is free",
+    "39": "No single set of forces proves it, but several sets do",
+    "R1": "The height of the centre is compared with the radius",
+    "R2": "The same, in two directions",
+    "R3": "The limit is 1 / (1/R + 1/r)",
+    "R4": "No height helps a ball",
+    "R5": "A bowl brings it back",
+    "R6": "The curvatures lie across each other",
+    "R7": "It stands by friction alone",
+    "R8": "A limit in its plane; across the plane it falls",
+    "R9": "Two lines of contact: it cannot roll, and needs no friction",
 }
 
 
-def asked(case: Case) -> list[float]:
-    """The parameter, or one on each side of the limit."""
+def parameters(case: Case) -> list[float]:
+    """The parameter, or a parameter on each side of the limit."""
     return [0.0] if case.limit is None else [case.limit - BESIDE, case.limit + BESIDE]
 
 
 def known(case: Case, words: dict[str, str]) -> str:
-    """The state, or both with the limit between."""
+    """Words for the known state, or for both states and the limit between them."""
     below = words.get(case.state, case.state)
     if case.limit is None or case.above is None:
         return below
@@ -140,25 +141,26 @@ def known(case: Case, words: dict[str, str]) -> str:
 
 
 def second_of(assembly: Assembly) -> SecondOrder | None:
-    """What second order says of what stands to first."""
+    """Second order of an assembly that is stable to first order."""
     verdict = kilter.check(assembly, effort=1)
     assert verdict.stable
     return verdict.second_order
 
 
 def slippery(case: Case) -> tuple[list[str], list[bool]]:
-    """The cells of a case without friction, and which of its states are found."""
-    found = [second_of(case.build(at)) for at in asked(case)]
-    states = ["" if one is None else one.state for one in found]
-    first = found[0]
+    """Cells of a case without friction, and for each state whether kilter finds it."""
+    answers = [second_of(case.build(at)) for at in parameters(case)]
+    states = ["" if answer is None else answer.state for answer in answers]
+    first = answers[0]
     assert first is not None
     cells = [known(case, {}), ", ".join(states), str(first.neutral), str(first.free)]
-    return cells, [one == two for one, two in zip(states, (case.state, case.above), strict=False)]
+    expected = (case.state, case.above)
+    return cells, [state == right for state, right in zip(states, expected, strict=False)]
 
 
 def in_the_plane(assembly: Assembly) -> Assembly | None:
-    """In the plane y = 0, where all contacts are at one point of it; else None."""
-    points = {tuple(one.points[0][[0, 2]].tolist()) for one in assembly.contacts}
+    """Assembly in the plane y = 0 if all contacts are at the same point of it; else None."""
+    points = {tuple(contact.points[0][[0, 2]].tolist()) for contact in assembly.contacts}
     if len(points) > 1:
         return None
     contacts = assembly.contacts[:1]
@@ -166,7 +168,7 @@ def in_the_plane(assembly: Assembly) -> Assembly | None:
 
 
 def rolls(assembly: Assembly | None) -> str:
-    """Whether friction holds it, as far as that is proved."""
+    """State of rolling with friction, "-" without an assembly."""
     if assembly is None:
         return "-"
     contacts = kilter.contacts(assembly)
@@ -175,17 +177,17 @@ def rolls(assembly: Assembly | None) -> str:
 
 
 def rests(assembly: Assembly) -> str:
-    """Whether it holds without friction already."""
+    """Word "holds" if the assembly already holds without friction, else empty."""
     second = kilter.check(assembly, effort=1).second_order
     return "holds" if second is not None and second.state in ("minimum", "free") else ""
 
 
 def gripping(case: Case) -> list[str]:
-    """The cells of a case that rolls."""
-    built = [case.build(at) for at in asked(case)]
-    flat = [rolls(in_the_plane(one)) for one in built]
-    space = [rests(one) or rolls(one) for one in built]
-    both = [", ".join(dict.fromkeys(found)) for found in (flat, space)]
+    """Cells of a rolling case."""
+    assemblies = [case.build(at) for at in parameters(case)]
+    flat = [rolls(in_the_plane(assembly)) for assembly in assemblies]
+    space = [rests(assembly) or rolls(assembly) for assembly in assemblies]
+    both = [", ".join(dict.fromkeys(states)) for states in (flat, space)]
     return [known(case, ROLLS), *both]
 
 
@@ -195,26 +197,26 @@ def row(case: Case, cells: list[str]) -> str:
 
 
 def cards(cases: list[Case], words: dict[str, str]) -> str:
-    """What is known of cases, with their pictures."""
-    told = [
+    """Cards of the cases: picture, known states and a remark."""
+    texts = [
         CARD.format(
             number=case.number,
             title=case.title,
             heading=case.title[0].upper() + case.title[1:],
             known=known(case, words),
-            shows=SHOWS[case.number][0].upper() + SHOWS[case.number][1:],
+            shows=SHOWS[case.number],
         )
         for case in cases
     ]
-    return '<div class="grid cards" markdown>\n' + "".join(told) + "\n</div>\n"
+    return '<div class="grid cards" markdown>\n' + "".join(texts) + "\n</div>\n"
 
 
 def page() -> str:
     """The whole page."""
     without = [(case, *slippery(case)) for case in CASES]
-    states = [one for _, _, found in without for one in found]
+    states = [right for _, _, found in without for right in found]
     missing = [case.number for case, _, found in without if not all(found)]
-    left = f"open: {', '.join(missing)}" if missing else "none is open"
+    left = f"open: {', '.join(missing)}" if missing else "no case is open"
     return "".join(
         [
             HEAD.format(beside=number(BESIDE, 2)),

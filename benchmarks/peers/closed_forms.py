@@ -136,11 +136,11 @@ def _limits() -> Iterator[Case]:
 def _angles() -> Iterator[Case]:
     yield Case(
         "angles", f"wedge, wider above by {NEAR:g}", True, partial(v_block, NEAR),
-        "no friction: it rests where it narrows downwards",
+        "no friction: it rests if it narrows downward",
     )  # fmt: skip
     yield Case(
         "angles", f"wedge, wider below by {NEAR:g}", False, partial(a_block, NEAR, friction=0.0),
-        "no friction: it falls where it widens downwards",
+        "no friction: it falls if it widens downward",
     )  # fmt: skip
     for turn in (-NEAR, NEAR):
         for azimuth in (0.0, 22.5):

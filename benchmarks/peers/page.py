@@ -65,7 +65,7 @@ def section(name: str, about: dict[str, str], rows: Sequence[Row], plot: str) ->
             f"## {name.replace('-', ' ').capitalize()}",
             f"Run with: {said}.",
             "### Leaning walls\n\nWalls of 200 x 100 x 60 mm bricks, friction 0.6, tilted out of"
-            " their plane to half of what overturns them: all stand. Seconds, and MiB in brackets.",
+            " their plane to half of the overturning angle: all stand. Seconds, and MiB in brackets.",
             sizes(walls),
             f"![Seconds by bricks, both logarithmic]({plot})",
             *compared(walls),
@@ -122,8 +122,8 @@ def compared(rows: Sequence[Row]) -> list[str]:
         ratio = other.seconds / max(mine.seconds, 1e-9)
         at_least = "more than " if other.answer in NEVER else ""
         said.append(
-            f"At {mine.bricks} bricks kilter answers the question of equilibrium"
-            f" {at_least}{ratio:,.0f} times sooner than {tool}."
+            f"At {mine.bricks} bricks, kilter decides equilibrium"
+            f" {at_least}{ratio:,.0f} times faster than {tool}."
         )
     return [" ".join(said)] if said else []
 

@@ -81,20 +81,20 @@ TOOLS = {
         Tool("linprog", "scipy", "ask_programs.linprog", "the same through scipy"),
         Tool(
             "compas_cra RBE", "compas_cra", "ask_compas_cra.rbe",
-            "equilibrium with pulls that cost",
+            "equilibrium with penalised tension",
         ),
         Tool(
             "compas_cra CRA", "compas_cra", "ask_compas_cra.cra",
-            "forces and displacements that agree",
+            "forces that agree with displacements",
         ),
         Tool(
             "compas_cra CRA, tuned", "compas_cra", "ask_compas_cra.cra_tuned",
-            "the same in the units that suit it best",
+            "the same in its fastest units",
         ),
-        Tool("MuJoCo", "mujoco", "ask_mujoco.settle", "simulated: did it move?"),
+        Tool("MuJoCo", "mujoco", "ask_mujoco.settle", "simulation: did it move?"),
         Tool(
             "factorisation", "scipy", "ask_programs.factorisation",
-            "one sparse factorisation: the floor",
+            "a single sparse factorisation: the lower bound",
         ),
     )
 }  # fmt: skip
