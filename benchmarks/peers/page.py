@@ -65,7 +65,8 @@ def section(name: str, about: dict[str, str], rows: Sequence[Row], plot: str) ->
             f"## {name.replace('-', ' ').capitalize()}",
             f"Run with: {said}.",
             "### Leaning walls\n\nWalls of 200 x 100 x 60 mm bricks, friction 0.6, tilted out of"
-            " their plane to half of the overturning angle: all stand. Seconds, and MiB in brackets.",
+            " their plane to half of the overturning angle: all stand."
+            " Seconds, and MiB in brackets.",
             sizes(walls),
             f"![Seconds by bricks, both logarithmic]({plot})",
             *compared(walls),
