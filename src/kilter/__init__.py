@@ -6,8 +6,8 @@
     verdict = kilter.check(assembly)
     print(verdict.sentence, verdict.moving)
 
-The functions are the commands of `kilter`, one to one. Everything public is imported when it
-is first used, so that ``import kilter`` stays light.
+Each command of ``kilter`` is also a function of the same name. A public name is imported at its
+first use, so that ``import kilter`` is fast.
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOMES = {
-    # verbs: the commands
+    # functions of the commands
     "batch": "kilter.analysis.many.batch",
     "check": "kilter.analysis.check",
     "contacts": "kilter.contact.detect",
@@ -101,13 +101,13 @@ _HOMES = {
     "report": "kilter.publish",
     "verify": "kilter.analysis.verification",
     "view": "kilter.publish",
-    # beside them
+    # further functions
     "animate": "kilter.publish",
     "check_many": "kilter.analysis.many.check_many",
     "common_region": "kilter.analysis.regions.region",
     "fastened": "kilter.contact.fits.fastening",
     "states": "kilter.analysis.planning.states.states",
-    # what they take
+    # types of their arguments
     "Assembly": "kilter.assembly.assembly",
     "AssemblyArrays": "kilter.assembly.assembly_arrays",
     "Box": "kilter.shape.primitives",
@@ -125,7 +125,7 @@ _HOMES = {
     "Sphere": "kilter.shape.primitives",
     "Support": "kilter.contact.supports",
     "Tolerance": "kilter.contact.gaps",
-    # what they answer
+    # types of their results
     "Batch": "kilter.analysis.many.batch",
     "ContactSet": "kilter.contact.contact_set",
     "Example": "kilter.scenes.registry",
@@ -144,12 +144,12 @@ _HOMES = {
     "Verdict": "kilter.analysis.verdict.verdict",
     "Verdicts": "kilter.analysis.many.verdicts",
     "Verification": "kilter.analysis.verification",
-    # and what they refuse
+    # exceptions
     "InputError": "kilter.errors",
     "KilterError": "kilter.errors",
     "SolverError": "kilter.errors",
 }
-"""Where each public name is from."""
+"""Module of each public name."""
 
 __all__ = sorted(_HOMES)
 

@@ -1,9 +1,9 @@
-"""Arrays, and the idioms of arrays of rows that every room needs; no physics.
+"""Array types and operations on arrays of rows, used by all packages; no physics.
 
     across:  u = e x n / |e x n|,   v = n x u,   e = the axis on which |n| is least
     ragged:  rows start[w] ... start[w + 1] - 1 of each w, one after the other
 
-Row k of every field of a `Rows` speaks of the same thing: a contact, a pair, a facet.
+Row k of every field of a `Rows` describes the same item: a contact, a pair, a facet.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ Mask = NDArray[np.bool_]
 Labels = NDArray[np.str_]
 
 TINY = 1e-300
-"""Below every size that is read [any unit]: keeps a division by nothing finite."""
+"""Smaller than every size that is accepted as input; avoids division by zero [any unit]."""
 
 
 def cross(a: Array, b: Array) -> Array:
@@ -64,7 +64,7 @@ def cross(a: Array, b: Array) -> Array:
 
 
 def ratio(a: ArrayLike, b: ArrayLike) -> Array:
-    """``a / b`` for sizes b >= 0; finite where b is 0.
+    """Quotient ``a / b`` for b >= 0; finite if b is 0.
 
     Examples
     --------
@@ -76,7 +76,7 @@ def ratio(a: ArrayLike, b: ArrayLike) -> Array:
 
 
 def unit_rows(v: Array) -> Array:
-    """The unit vectors along vectors, shape (..., m); 0 stays 0.
+    """Normalise vectors, shape (..., m), to length 1; a zero vector stays zero.
 
     Examples
     --------
@@ -88,9 +88,9 @@ def unit_rows(v: Array) -> Array:
 
 
 def across(n: Array) -> tuple[Array, Array]:
-    """Two unit directions u, v across unit vectors, each of shape (..., 3).
+    """Two unit vectors u, v perpendicular to unit vectors n, each of shape (..., 3).
 
-    (u, v, n) turn right: u x v = n.
+    (u, v, n) is right-handed: u x v = n.
 
     Examples
     --------
@@ -103,7 +103,7 @@ def across(n: Array) -> tuple[Array, Array]:
 
 
 def starts(count: ArrayLike) -> Index:
-    """First row of each run of `count` rows, and the number of all rows; shape (n + 1,).
+    """First row of each run of `count` rows, then the total number of rows; shape (n + 1,).
 
     Examples
     --------
@@ -117,7 +117,7 @@ def starts(count: ArrayLike) -> Index:
 
 
 def counted(count: ArrayLike) -> tuple[Index, Index]:
-    """Of runs of `count` rows: the run of each row, and its place in that run.
+    """For runs of `count` rows: the run of each row, and the position of the row in its run.
 
     Examples
     --------
@@ -130,7 +130,7 @@ def counted(count: ArrayLike) -> tuple[Index, Index]:
 
 
 def ragged(start: Index, which: Index) -> tuple[Index, Index]:
-    """Rows ``start[w]`` up to ``start[w + 1]`` of each w of `which`: (place in `which`, row).
+    """Rows ``start[w]`` to ``start[w + 1]`` for each w of `which`: position in `which`, and row.
 
     Examples
     --------
@@ -144,22 +144,23 @@ def ragged(start: Index, which: Index) -> tuple[Index, Index]:
 
 
 FEW = 50_000
-"""Pairs up to which neither sparse matrices nor trees are needed: they take longer to load."""
+"""Up to this many pairs, dense code is used; importing sparse matrices or trees takes longer."""
 
 
 def nearest(among: Array, points: Array, count: int = 1) -> tuple[Array, Index]:
-    """The `count` nearest of some points, of each point: distances and rows, the nearest first.
+    """The `count` nearest neighbours of each point among other points, the nearest first.
 
     Parameters
     ----------
     among : ndarray, shape (m, d)
-        At least `count`.
+        Candidates; m is at least `count`.
     points : ndarray, shape (n, d)
     count : int
 
     Returns
     -------
     distance, row : ndarray, shape (n, count)
+        Distances, and rows of `among`.
 
     Examples
     --------
@@ -177,9 +178,9 @@ def nearest(among: Array, points: Array, count: int = 1) -> tuple[Array, Index]:
 
 
 def connected(count: int, first: Index, second: Index) -> Index:
-    """A number for each of `count` things, the same for those that pairs of them connect.
+    """Label the connected components of a graph of `count` nodes with edges (first, second).
 
-    They are numbered by the first of each.
+    Returns the label of each node, shape (count,). Labels are in the order of the first nodes.
 
     Examples
     --------
@@ -187,7 +188,7 @@ def connected(count: int, first: Index, second: Index) -> Index:
     array([0, 1, 0, 0])
     """
     if len(first) <= FEW:
-        return _joined_to_least(count, first, second)
+        return _components_by_least(count, first, second)
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -196,22 +197,22 @@ def connected(count: int, first: Index, second: Index) -> Index:
     return label
 
 
-def _joined_to_least(count: int, first: Index, second: Index) -> Index:
-    """`connected`, each group joined to the least that it meets until none meets another."""
+def _components_by_least(count: int, first: Index, second: Index) -> Index:
+    """Labels as `connected`, by propagating the least node number of each component."""
     least: Index = np.arange(count)
     while True:
-        one, other = least[first], least[second]
-        apart = one != other
+        a, b = least[first], least[second]
+        apart = a != b
         if not apart.any():
             return np.unique(least, return_inverse=True)[1].reshape(-1).astype(np.int64)
-        first, second, one, other = first[apart], second[apart], one[apart], other[apart]
-        np.minimum.at(least, np.maximum(one, other), np.minimum(one, other))
+        first, second, a, b = first[apart], second[apart], a[apart], b[apart]
+        np.minimum.at(least, np.maximum(a, b), np.minimum(a, b))
         while ((nearer := least[least]) != least).any():
             least = nearer
 
 
 def read_only(arrays: Any) -> None:
-    """Every array among the fields of a frozen dataclass, as a view that nobody can write to."""
+    """Replace the array fields of a frozen dataclass by read-only views."""
     for f in fields(arrays):
         value = getattr(arrays, f.name)
         if isinstance(value, np.ndarray) and value.flags.writeable:
@@ -225,7 +226,9 @@ SCALAR = str | int | float
 
 
 def sealed(value: Held) -> Held:
-    """The value itself, every array that it holds read-only: of dataclasses, tuples and lists.
+    """Make all arrays inside a value read-only, and return the value.
+
+    Arrays in nested dataclasses, tuples and lists are included.
 
     Examples
     --------
@@ -235,17 +238,17 @@ def sealed(value: Held) -> Held:
     waiting: list[Any] = [value]
     seen: set[int] = set()
     while waiting:
-        one = waiting.pop()
-        if id(one) in seen:
+        item = waiting.pop()
+        if id(item) in seen:
             continue
-        seen.add(id(one))
-        if isinstance(one, np.ndarray):
-            one.flags.writeable = False
-        elif isinstance(one, tuple | list):
-            plain = one and isinstance(one[0], SCALAR) and isinstance(one[-1], SCALAR)
-            waiting += [] if plain else one
-        elif is_dataclass(one):
-            waiting += [getattr(one, f.name) for f in fields(one)]
+        seen.add(id(item))
+        if isinstance(item, np.ndarray):
+            item.flags.writeable = False
+        elif isinstance(item, tuple | list):
+            plain = item and isinstance(item[0], SCALAR) and isinstance(item[-1], SCALAR)
+            waiting += [] if plain else item
+        elif is_dataclass(item):
+            waiting += [getattr(item, f.name) for f in fields(item)]
     return value
 
 
@@ -255,18 +258,18 @@ _KINDS: dict[Any, type | str] = {
     "Labels": "<U11",
     "Mask": np.bool_,
 }
-"""Types of the rows by the annotation of their field, which is a string here."""
+"""Data types of the rows by the annotation of their field, which is a string here."""
 
 
 def columns(*shape: int) -> Any:
-    """A field of `Rows` whose rows have this shape; `columns()`: one number."""
+    """Declare a field of `Rows` whose rows have this shape; ``columns()``: one number per row."""
     return field(metadata={"row": shape})
 
 
 def distinct_rows(rows: NDArray[Any]) -> tuple[NDArray[Any], Index]:
-    """Each different row, once, in order, and which of them each row is.
+    """The distinct rows in lexicographic order, and the index of each row among them.
 
-    As `numpy.unique` by rows, several times faster.
+    Equivalent to `numpy.unique` along rows, but several times faster.
 
     Examples
     --------
@@ -284,10 +287,10 @@ def distinct_rows(rows: NDArray[Any]) -> tuple[NDArray[Any], Index]:
 
 
 class Rows:
-    """Arrays of equal length: a base for frozen dataclasses whose fields are all such arrays.
+    """Base class for frozen dataclasses whose fields are arrays of equal length.
 
-    A field is annotated `Array`, `Index`, `Labels` or `Mask`; ``= columns(3)`` says that its
-    rows have three numbers. Nothing, or ``columns()``: one number a row.
+    A field is annotated `Array`, `Index`, `Labels` or `Mask`. The default ``columns(3)`` declares
+    three numbers per row; no default, or ``columns()``, declares one number per row.
 
     Examples
     --------
@@ -307,12 +310,12 @@ class Rows:
         return len(getattr(self, _names(type(self))[0]))
 
     def take(self, rows: Any) -> Self:
-        """These rows alone: places, a mask, or a slice."""
+        """Select rows by indices, a mask or a slice."""
         return type(self)(*(getattr(self, name)[rows] for name in _names(type(self))))
 
     @classmethod
     def join(cls, blocks: Iterable[Self]) -> Self:
-        """The rows of all blocks, in their order; no blocks: no rows."""
+        """Concatenate the rows of all blocks in order; without blocks, the result has no rows."""
         blocks = list(blocks)
         if not blocks:
             return cls.none()
@@ -322,7 +325,7 @@ class Rows:
 
     @classmethod
     def none(cls) -> Self:
-        """No rows."""
+        """An instance without rows."""
         return cls(
             *(
                 np.empty((0, *f.metadata.get("row", ())), dtype=_KINDS[f.type])

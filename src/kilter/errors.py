@@ -1,7 +1,8 @@
-"""Errors: one root, and each error carries its evidence as attributes.
+"""Exceptions of kilter, and helpers for the words of their messages.
 
-"No" is an answer, not an error: an unstable assembly is a result. Errors are for wrong
-input (`InputError`, exit code 2 of the command) and for a fault of kilter itself.
+"No" is an answer, not an error: an unstable assembly is a result. Exceptions are raised for wrong
+input (`InputError`, exit code 2 of the command) and for failures of kilter itself. They carry
+their evidence as attributes.
 """
 
 from __future__ import annotations
@@ -24,28 +25,28 @@ __all__ = [
 
 
 LIKE = 0.6
-"""Names less like each other than this are no slips of one another: 'pge' and 'peg' have .67."""
+"""Least similarity [-] at which a name counts as a misspelling; 'pge' and 'peg' have 0.67."""
 
 
 class KilterError(Exception):
-    """Root of every error that kilter raises on purpose."""
+    """Base class of the exceptions that kilter raises deliberately."""
 
 
 class InputError(KilterError):
-    """Wrong input: says what is wrong, where, and what to do.
+    """Wrong input; the message states the problem, its place and the remedy.
 
     Parameters
     ----------
     what : str
-        What is wrong, without a full stop.
+        The problem, without a full stop.
     file : str, optional
-        The file it is in.
+        File of the problem.
     part : str, optional
-        The part it is about.
+        Name of the part that has the problem.
     hint : str, optional
-        What to do about it, in Python.
+        Remedy in Python.
     option : str, optional
-        What to do about it on the command line, where that differs.
+        Remedy on the command line, if it differs from `hint`.
 
     Examples
     --------
@@ -70,21 +71,21 @@ class InputError(KilterError):
         self.option = option
 
     def __str__(self) -> str:
-        return self._said(self.hint)
+        return self._message(self.hint)
 
     @property
     def for_command(self) -> str:
-        """The message for who typed a command: options in place of Python."""
-        return self._said(self.option or self.hint)
+        """Message for the command line: it names options instead of Python arguments."""
+        return self._message(self.option or self.hint)
 
-    def _said(self, hint: str | None) -> str:
+    def _message(self, hint: str | None) -> str:
         place = [self.file] if self.file else []
         place += [f"part {_short(self.part)}"] if self.part is not None else []
         message = ": ".join([*place, self.what])
         return f"{message}; {hint}" if hint else message
 
     def located(self, *, file: str | None = None, part: str | None = None) -> InputError:
-        """The same error with the place filled in where it was unknown."""
+        """Copy of the error with a file and a part, unless it has them already."""
         return type(self)(
             self.what,
             file=self.file or file,
@@ -94,14 +95,14 @@ class InputError(KilterError):
         )
 
     def about(self, what: str, *, part: str | None = None) -> InputError:
-        """The same error with other words for what is wrong, and the same remedy."""
+        """Copy of the error with another description of the problem and the same remedy."""
         return type(self)(
             what, file=self.file, part=self.part or part, hint=self.hint, option=self.option
         )
 
 
 class SolverError(KilterError):
-    """A solver broke down (not: said "infeasible"); `status` is what it returned."""
+    """A solver failed to finish; `status` is its return status. Infeasibility is no failure."""
 
     def __init__(self, what: str, *, status: str = "") -> None:
         super().__init__(what)
@@ -109,7 +110,7 @@ class SolverError(KilterError):
 
 
 def nearest_name(name: str, names: Iterable[str]) -> str | None:
-    """The known name most like `name`; None where none is like it, or two are alike.
+    """The known name most similar to `name`; None if no name is similar or two are equally so.
 
     Examples
     --------
@@ -121,16 +122,16 @@ def nearest_name(name: str, names: Iterable[str]) -> str | None:
     'C2'
     """
     given, names = str(name), list(names)
-    same = [one for one in names if one.casefold() == given.casefold()]
+    same = [known for known in names if known.casefold() == given.casefold()]
     if len(same) == 1:
         return same[0]
-    found = difflib.get_close_matches(given, names, n=2, cutoff=LIKE)
-    likeness = [difflib.SequenceMatcher(None, one, given).ratio() for one in found]
-    return None if not found or likeness[0] in likeness[1:] else found[0]
+    similar = difflib.get_close_matches(given, names, n=2, cutoff=LIKE)
+    likeness = [difflib.SequenceMatcher(None, match, given).ratio() for match in similar]
+    return None if not similar or likeness[0] in likeness[1:] else similar[0]
 
 
 def some_names(names: Sequence[str], limit: int = 5) -> str:
-    """The first names for a message, and how many more there are.
+    """The first `limit` names for a message, and the number of further names.
 
     Examples
     --------
@@ -141,18 +142,19 @@ def some_names(names: Sequence[str], limit: int = 5) -> str:
 
 
 def some(words: Sequence[str], limit: int = 5, total: int | None = None) -> str:
-    """The first of some words, and how many more there are of `total`."""
+    """The first `limit` words, joined by commas, and the number of further words of `total`."""
     total = len(words) if total is None else total
     shown = ", ".join(words[:limit])
     return f"{shown} and {total - limit} more" if total > limit else shown
 
 
 def _short(name: str, limit: int = 60) -> str:
+    """A quoted name, cut to `limit` characters."""
     return repr(name if len(name) <= limit else name[: limit - 3] + "...")
 
 
 def visible(text: str) -> str:
-    """The text in one line, with what does not print escaped: it moves no cursor, turns no line.
+    """Escape the characters of a text that do not print, so that it stays a single harmless line.
 
     Examples
     --------
@@ -163,7 +165,7 @@ def visible(text: str) -> str:
 
 
 def shell_words(words: Iterable[str]) -> str:
-    """A command as it is typed, in the shells of Windows too: quotes are double.
+    """Quote the words of a command for a shell; double quotes also work on Windows.
 
     Examples
     --------
@@ -174,6 +176,6 @@ def shell_words(words: Iterable[str]) -> str:
 
 
 def _shell_word(word: str) -> str:
-    if re.search(r'["$`]', word):  # quotes that only some shells know
+    if re.search(r'["$`]', word):  # double quotes would not protect these in POSIX shells
         return shlex.quote(word)
     return word if re.fullmatch(r"[\w@%+=:,./-]+", word) else f'"{word}"'

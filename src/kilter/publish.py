@@ -1,7 +1,7 @@
-"""Pages and figures of an assembly: `report`, `view`, `draw`.
+"""Pages, figures and films: `report`, `view`, `draw`, `animate`.
 
-Every answer is asked for first (`kilter.analysis.everything`), then handed to what draws
-(`kilter.show`), which computes nothing.
+The answers are computed first (`kilter.analysis.everything`) and then passed to the drawing
+functions (`kilter.show`), which compute nothing.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ if TYPE_CHECKING:
 __all__ = ["Report", "animate", "draw", "report", "view"]
 
 PAUSE = 0.4
-"""Between two looks at a file [s]."""
+"""Time between two checks of a watched file [s]."""
 PAGES = (".html", ".htm")
-"""Endings of pages: no input ends so, and a slip cannot write over one."""
+"""Endings of pages. No input file has them, so that a typing error cannot overwrite an input."""
 FILMS = (".glb",)
-"""Endings of what is played by others."""
+"""Endings of films."""
 MOST = 50_000
-"""Parts on a page: it takes a kilobyte for each, and seconds to open."""
+"""Maximum number of parts on a page. A part takes a kilobyte; larger pages open too slowly."""
 Tell = Callable[[str], None]
 Given = tuple["Assembly", "ContactSet | None"]
 
@@ -51,7 +51,7 @@ class Report:
     ----------
     html : str
     verdict : str
-        Of gravity as given, as of `kilter.Verdict`; of a plan, as of `kilter.Order`.
+        Verdict for gravity as given (see `kilter.Verdict`), or of the plan (see `kilter.Order`).
     """
 
     html: str
@@ -74,29 +74,29 @@ def report(
     command: str = "",
     progress: Tell | None = None,
 ) -> Report:
-    """One offline page: the assembly in space, its motion and forces, the gravity ball.
+    """Build an offline page: the assembly in 3D, its motion and forces, the gravity ball.
 
-    Of a plan: its steps as a film and as a strip of pictures, what is held and why.
+    The page of a plan shows its steps as a film and as a strip of pictures, with the held parts.
 
     Parameters
     ----------
     assembly : Assembly or Order
-        What `kilter.plan` found is shown as it is; nothing is asked again.
+        An `Order` of `kilter.plan` is shown unchanged; nothing is computed again.
     out : path, optional
-        Where the page is written, ending in .html.
+        File of the page, ending in .html.
     title : str
-        Shown above; the name of the file where it is not given.
+        Title of the page; by default the name of the file.
     contacts, tolerance, effort, time_limit, progress
-        As of `kilter.check`.
+        See `kilter.check`.
     margins : bool
-        Margins where more than 20 parts are free, too; up to 20 they are always on the page.
+        Compute margins even for more than 20 free parts; up to 20 the page always has them.
     command : str
-        How to make the page again, shown on it.
+        Command that reproduces the page, shown on it.
 
     Raises
     ------
     InputError
-        If nothing is held, the geometry is not usable, there are more than 50,000 parts, or the
+        If no part is held, the geometry is not usable, there are more than 50,000 parts, or the
         page cannot be written.
 
     Examples
@@ -107,7 +107,7 @@ def report(
     """
     if out is not None:
         require_ending(out, PAGES, "page")
-    made = _plan_page(assembly, title, command, progress) or _page(
+    page = _plan_page(assembly, title, command, progress) or _page(
         assembly,
         contacts,
         title=title,
@@ -122,12 +122,12 @@ def report(
     if out is not None:
         from kilter.files import write_text
 
-        write_text(Path(out), made.html)
-    return made
+        write_text(Path(out), page.html)
+    return page
 
 
 def _plan_page(subject: Any, title: str, command: str, progress: Tell | None) -> Report | None:
-    """The page of a plan; None of anything else."""
+    """Build the page of a plan; None if the subject is not an `Order`."""
     from kilter.analysis.planning.order.order import Order
 
     if not isinstance(subject, Order):
@@ -154,6 +154,7 @@ def _page(
     margins: bool = False,
     progress: Tell | None,
 ) -> Report:
+    """Build the page of an assembly; the arguments are those of `report` and `view`."""
     from kilter.analysis.everything import everything
     from kilter.assembly.assembly import require_assembly
     from kilter.show.page import render
@@ -161,10 +162,10 @@ def _page(
     require_assembly(assembly, "report")
     if len(assembly) > MOST:
         raise InputError(
-            f"a page of {len(assembly)} parts is too much for a browser, up to {MOST} are shown",
+            f"a page of {len(assembly)} parts is too large for a browser; it can have up to {MOST}",
             file=assembly.source or None,
-            hint="leave parts out with assembly.without(...), or ask kilter.check",
-            option="leave parts out with --without NAME, or ask 'kilter check'",
+            hint="leave parts out with assembly.without(...), or use kilter.check",
+            option="leave parts out with --without NAME, or use 'kilter check'",
         )
     answers = everything(
         assembly,
@@ -195,39 +196,39 @@ def view(
     say: Tell | None = None,
     progress: Tell | None = None,
 ) -> None:
-    """The page of an assembly in the browser; made anew whenever its file changes.
+    """Show the page of an assembly in the browser and rebuild it whenever its file changes.
 
-    It is served to this machine alone, until it is interrupted.
+    The page is served to this machine only. The function returns after an interrupt (Ctrl-C).
 
     Parameters
     ----------
     source : Assembly or path
-        A path is watched.
+        Assembly, or the file to watch.
     port : int
-        0: any that is free.
+        Port of the server; 0 selects a free port.
     browser : bool
         Open the page in a browser.
     read : callable, optional
-        How the file is read: gives the assembly, and its contacts where they are known;
-        `kilter.load` where it is not given.
+        Function that reads the file and returns the assembly, and its contacts or None; by
+        default `kilter.load`.
     tolerance, effort, time_limit, progress
-        As of `kilter.check`.
+        See `kilter.check`.
     command : str
-        How to see the page again, shown on it.
+        Command that shows the page, printed on it.
     say : callable, optional
-        Called with a line about the page: where it is, and what has changed.
+        Function that is called with a line for the user: the URL, and each change.
 
     Raises
     ------
     InputError
-        If the port is taken, or as `report`.
+        If the port is not available, or for the reasons of `report`.
     """
     from kilter.show.serve import PageServer
 
     tell = say or (lambda line: None)
     path = os.fspath(source) if isinstance(source, str | os.PathLike) else None
 
-    def made() -> Report:
+    def build() -> Report:
         if progress is not None:
             progress("reading")
         assembly, contacts = read() if read is not None else _read(source)
@@ -243,8 +244,8 @@ def view(
             progress=progress,
         )
 
-    watched = None if path is None else _Watched(path, made, tell, command)
-    first = made()
+    watch = None if path is None else _FileWatch(path, build, tell, command)
+    first = build()
     with PageServer(first.html, port) as server:
         try:
             tell(f"{server.url}  ({first.verdict}; Ctrl-C ends it)")
@@ -255,13 +256,14 @@ def view(
             last = first.html
             while True:
                 time.sleep(PAUSE)
-                if watched is not None:
-                    last = watched.look(server, last)
+                if watch is not None:
+                    last = watch.look(server, last)
         except KeyboardInterrupt:
             return
 
 
 def _read(source: Any) -> Given:
+    """Load an assembly from a path, or return an assembly unchanged; contacts are None."""
     if not isinstance(source, str | os.PathLike):
         return source, None
     from kilter.files import load
@@ -269,18 +271,18 @@ def _read(source: Any) -> Given:
     return load(os.fspath(source)), None
 
 
-class _Watched:
-    """A file whose page is served anew when it has changed."""
+class _FileWatch:
+    """Watches a file and publishes a new page when the file has changed."""
 
-    def __init__(self, path: str, made: Callable[[], Report], tell: Tell, command: str) -> None:
-        self.path, self.made, self.tell, self.command = path, made, tell, command
+    def __init__(self, path: str, build: Callable[[], Report], tell: Tell, command: str) -> None:
+        self.path, self.build, self.tell, self.command = path, build, tell, command
         self.seen = fingerprint(path)
 
     def look(self, server: PageServer, last: str) -> str:
-        """Serve the file anew if it has changed; its last page that was right.
+        """Publish a new page if the file has changed; return the last valid page.
 
-        A moment later, since it may be half written. Where it cannot be judged, the page that was
-        right stays, below the reason.
+        After a change the file is read with a delay, because it may be half written. If the file
+        is invalid, the last valid page is published below the error message.
         """
         from kilter.show.page import error_page
 
@@ -289,12 +291,12 @@ class _Watched:
         time.sleep(PAUSE / 2)
         self.seen = fingerprint(self.path)
         try:
-            page = self.made()
+            page = self.build()
         except InputError as error:
-            # only a command names itself: its error speaks of options
+            # started by the command: the message names options instead of arguments
             words = error.for_command if self.command else str(error)
             server.publish(error_page(words, last))
-            self.tell(f"changed: not judged: {words}")
+            self.tell(f"changed, but invalid: {words}")
             return last
         server.publish(page.html)
         self.tell(f"changed: {page.verdict}")
@@ -302,25 +304,26 @@ class _Watched:
 
 
 def animate(subject: Order | Region | Verdict, out: str | Path | None = None) -> bytes:
-    """A plan or a motion as an animated GLB, for any viewer.
+    """Export a plan or a motion as an animated GLB file, for any glTF viewer.
 
-    Of a plan each part comes in along its way, and held parts are marked; at rest all is put
-    together. Of a verdict the parts that move start to move, and stop before one enters another;
-    where it is balanced they fall along its path (`kilter.second_order.answer.path_places`).
-    Lengths in metres, y up, as glTF has it.
+    The film of a plan inserts each part along its path and marks held parts; without animation,
+    a viewer shows the complete assembly. The film of a verdict moves the moving parts along their
+    impending motion until parts would overlap. The parts of a balanced assembly fall along their
+    path (`kilter.second_order.answer.path_places`). Lengths are metres and y is up, as required by
+    glTF.
 
     Parameters
     ----------
     subject : Order or Verdict
-        What `kilter.plan` or `kilter.check` found; a region has no motion, and is refused.
+        Answer of `kilter.plan` or `kilter.check`; a region has no motion and is rejected.
     out : path, optional
-        Where the film is written, ending in .glb.
+        File of the film, ending in .glb.
 
     Raises
     ------
     InputError
-        If no order was found, nothing is known to move, there are more than 3,000 parts to move,
-        or the file cannot be written.
+        If no order was found, no part is known to move, more than 3,000 parts move, or the file
+        cannot be written.
 
     Examples
     --------
@@ -345,7 +348,7 @@ def animate(subject: Order | Region | Verdict, out: str | Path | None = None) ->
         if not isinstance(subject, Order):
             raise InputError(
                 f"a {type(subject).__name__.lower()} has no motion",
-                hint="animate what kilter.check or kilter.plan found",
+                hint="animate the answer of kilter.check or kilter.plan",
             )
         _require_steps(subject)
         film = film_of_plan(subject.states.assembly, subject.to_dict())
@@ -357,7 +360,7 @@ def animate(subject: Order | Region | Verdict, out: str | Path | None = None) ->
 
 
 def _film_of(verdict: Verdict) -> bytes:
-    """How parts start to move, or how what is balanced falls."""
+    """Film of the impending motion, or of the fall of a balanced assembly."""
     from kilter.analysis.verdict.free_travel import free_travel
     from kilter.show.motion_film import film_of_fall, film_of_motion
 
@@ -368,7 +371,7 @@ def _film_of(verdict: Verdict) -> bytes:
 
 
 def _path_of(verdict: Verdict) -> PathPlaces | None:
-    """How what is balanced falls."""
+    """Path along which a balanced assembly falls; None for any other verdict."""
     from kilter.second_order.answer.path_places import find_path_places
 
     second = verdict.second_order
@@ -376,6 +379,7 @@ def _path_of(verdict: Verdict) -> PathPlaces | None:
 
 
 def _require_steps(order: Order) -> None:
+    """Raise `InputError` if a plan has no steps to show."""
     if not order.found:
         raise InputError("no order was found: there are no steps to show")
 
@@ -393,27 +397,27 @@ def draw(
     time_limit: float | None = None,
     progress: Tell | None = None,
 ) -> Figure:
-    """A figure: the parts with their motion or forces, or the stable region on the sphere.
+    """Draw the parts with their motion or forces, or the stable region on the sphere.
 
-    Of a plan: a sheet with a picture a step.
+    The figure of a plan is a sheet with one picture per step.
 
     Parameters
     ----------
     subject : Assembly, Verdict, Region or Order
-        An answer is drawn as it is; of an assembly `what` is asked first.
+        An answer is drawn unchanged. For an assembly, the answer selected by `what` is computed.
     out : path, optional
-        Where the figure is written: .svg, .png or .pdf.
+        File of the figure, ending in .svg, .png or .pdf.
     what : {"assembly", "region"}
-        Of an assembly.
+        Figure of an assembly: its verdict or its stable region.
     view : (float, float), optional
         Azimuth (to the right of -y) and elevation of the eye [deg], with gravity down.
     names : bool, optional
-        Write names; where not given, where there are few.
+        Write the names of the parts; by default only for few parts.
     contacts : ContactSet or bool, optional
-        Those of an assembly; or whether contact patches are shown, where not given where
-        there are few.
+        Contacts of the assembly; or whether contact patches are drawn, by default only if there
+        are few.
     tolerance, effort, time_limit, progress
-        As of `kilter.check`.
+        See `kilter.check`.
 
     Returns
     -------
@@ -422,8 +426,8 @@ def draw(
     Raises
     ------
     InputError
-        If matplotlib is not installed, the subject cannot be judged, or the name of the figure
-        has no known ending.
+        If matplotlib is not installed, the assembly is not valid, or the ending of the file is
+        unknown.
 
     Examples
     --------
@@ -476,7 +480,7 @@ def answer_to_draw(
     time_limit: float | None = None,
     progress: Tell | None = None,
 ) -> Verdict | Region | Order:
-    """What a figure shows: of an assembly its verdict or its region; an answer as it is."""
+    """The answer that `draw` shows: the subject itself, or the verdict or region of an assembly."""
     from kilter.analysis.check import check
     from kilter.analysis.planning.order.order import Order
     from kilter.analysis.regions.region import Region, region
@@ -501,22 +505,24 @@ def answer_to_draw(
 
 
 def require_ending(out: str | Path, endings: tuple[str, ...], what: str) -> None:
-    """Refuse a name that could be that of an input."""
+    """Reject an output name with another ending, so that no input file is overwritten."""
     if Path(out).suffix.lower() not in endings:
-        hint = f"end it in {', '.join(endings)}"
-        raise InputError(f"is no name of a {what}", file=str(out), hint=hint)
+        hint = f"use a name that ends in {', '.join(endings)}"
+        raise InputError(f"not a file name for a {what}", file=str(out), hint=hint)
 
 
 def require_film(what: str, view: tuple[float, float] | None) -> None:
-    """Refuse what no film of a motion shows, before anything is asked."""
+    """Reject options that a film does not have, before anything is computed."""
     if what != "assembly":
-        raise InputError(f"a {what} has no motion", hint="name a figure: out.svg, out.png, out.pdf")
+        raise InputError(
+            f"a {what} has no motion", hint="write a figure: out.svg, out.png or out.pdf"
+        )
     if view is not None:
-        raise InputError("a film has no view", hint="its viewer turns it: leave the view out")
+        raise InputError("a film has no view", hint="leave the view out; its viewer turns the film")
 
 
 def require_figure(out: str | Path | None, view: tuple[float, float] | None) -> None:
-    """Refuse what cannot be drawn before anything is asked."""
+    """Reject a file ending or a view that cannot be drawn, before anything is computed."""
     from kilter.show.canvas import SUFFIXES, require
 
     if out is not None:

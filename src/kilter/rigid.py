@@ -32,18 +32,18 @@ __all__ = [
 ]
 
 SAMPLE = 2000
-"""About so many normals are asked for the common frame."""
+"""Approximate number of normals that are sampled for the common frame."""
 ALL_PAIRS = 300
-"""Up to this many normals are compared all with all."""
+"""Up to this many normals, every pair is compared."""
 FRAME_SQUARE = 1e-3
-"""Cosine up to which normals are square to the most common one [-]."""
+"""Largest |cosine| at which a normal counts as perpendicular to the most common normal [-]."""
 FRAME_ALIKE = 1e-10
-"""1 - cosine up to which normals count as one direction [-]."""
+"""Largest 1 - |cosine| at which two normals count as equal [-]."""
 FRAME_TIE = 1e-12
-"""Areas within this fraction of the largest are equal [-]."""
+"""Areas within this fraction of the largest count as equal [-]."""
 
 ORTHOGONAL = 1e-6
-"""A rotation matrix times its transpose is the identity to this [-]."""
+"""Tolerance for the entries of R R^T - 1 of a rotation matrix R [-]."""
 
 
 def skew(v: ArrayLike) -> Array:
@@ -63,7 +63,7 @@ def skew(v: ArrayLike) -> Array:
 
 
 def unit(v: ArrayLike, what: str = "direction") -> Array:
-    """The unit vector along `v`, shape (3,).
+    """Normalise a vector to length 1, shape (3,).
 
     Raises
     ------
@@ -76,10 +76,10 @@ def unit(v: ArrayLike, what: str = "direction") -> Array:
         raise InputError(
             f"{what} is {v.tolist()}", hint="give three finite numbers, not all of them zero"
         )
-    if not 1e-150 < largest < 1e150:  # its square would be out of range
+    if not 1e-150 < largest < 1e150:  # the square would overflow or underflow
         v = frozen(v / largest)
     length = float(np.linalg.norm(v))
-    # a unit vector stays the same to the last digit, so that it survives being written
+    # a unit vector is returned unchanged, so that writing and reading a file keeps every digit
     return v if abs(length - 1.0) <= 4e-16 else frozen(v / length)
 
 
@@ -105,9 +105,9 @@ def quaternion_to_matrix(quaternion: ArrayLike) -> Array:
 
 
 def rotation_between(a: ArrayLike, b: ArrayLike) -> Array:
-    """Quaternion (w, x, y, z) of the least turn that takes direction `a` to `b`.
+    """Quaternion (w, x, y, z) of the smallest rotation that takes direction `a` to `b`.
 
-    A half turn about x (or about z where `a` lies along x) where they are opposite.
+    For opposite directions it is a half turn about x, or about z if `a` is nearly along x.
 
     Examples
     --------
@@ -124,7 +124,7 @@ def rotation_between(a: ArrayLike, b: ArrayLike) -> Array:
 
 
 def in_brackets(values: ArrayLike) -> str:
-    """Numbers of a vector as a word, to six digits.
+    """The numbers of a vector as text in brackets, to six digits.
 
     Examples
     --------
@@ -140,7 +140,7 @@ def matrix_to_quaternion(matrix: ArrayLike) -> Array:
     Raises
     ------
     InputError
-        If the matrix is no rotation: it scales, shears or mirrors.
+        If the matrix is not a rotation: it scales, shears or mirrors.
 
     Examples
     --------
@@ -150,10 +150,11 @@ def matrix_to_quaternion(matrix: ArrayLike) -> Array:
     m = frozen(matrix, (3, 3))
     if not (np.abs(m @ m.T - np.eye(3)) <= ORTHOGONAL).all() or np.linalg.det(m) < 0:
         raise InputError(
-            "the matrix is no rotation", hint="give one that neither scales, shears nor mirrors"
+            "the matrix is not a rotation",
+            hint="give a matrix that neither scales, shears nor mirrors",
         )
     xx, yy, zz = np.diag(m)
-    # squares of twice each number: the largest is never near zero
+    # (2 q_k)^2 of each component; dividing by the largest avoids cancellation
     squares = np.array([1 + xx + yy + zz, 1 + xx - yy - zz, 1 - xx + yy - zz, 1 - xx - yy + zz])
     skewed = np.array([m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]])
     products = m + m.T
@@ -167,14 +168,14 @@ def matrix_to_quaternion(matrix: ArrayLike) -> Array:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pose:
-    """Where a part is: the shape is turned about its own origin, then moved.
+    """Position and orientation of a part: its shape is rotated about its origin, then shifted.
 
     Parameters
     ----------
     position : array_like, shape (3,)
-        Of the shape's origin, world frame [length unit].
+        Position of the shape's origin, world frame [length unit].
     rotation : array_like, shape (4,)
-        Quaternion w x y z, of any length.
+        Quaternion w x y z of any length but zero.
 
     Raises
     ------
@@ -205,12 +206,12 @@ class Pose:
 
     @classmethod
     def of(cls, pose: Any) -> Pose:
-        """A pose from a pose, a rotation matrix (3 x 3) or a rigid transform (4 x 4).
+        """Convert a pose, a rotation matrix (3 x 3) or a rigid transform (4 x 4) to a pose.
 
         Raises
         ------
         InputError
-            If it is none of them, or the matrix scales, shears or mirrors.
+            If the argument is of another kind, or the matrix scales, shears or mirrors.
         """
         if isinstance(pose, Pose):
             return pose
@@ -234,16 +235,18 @@ class Pose:
         return quaternion_to_matrix(self.rotation)
 
     def apply(self, points: ArrayLike) -> Array:
-        """Points of the part, shape (n, 3), in the world frame."""
-        moved: Array = np.asarray(points, dtype=np.float64) @ self.matrix.T + self.position
-        return moved
+        """Transform points of the part, shape (n, 3), to the world frame."""
+        world: Array = np.asarray(points, dtype=np.float64) @ self.matrix.T + self.position
+        return world
 
     def __repr__(self) -> str:
         return f"Pose(position={in_brackets(self.position)}, rotation={in_brackets(self.rotation)})"
 
 
 def common_frame(normals: Array, areas: Array) -> Array:
-    """Rotation whose rows are the most common directions of the normals, shape (3, 3).
+    """Rotation matrix whose rows are the most common normals, weighted by area, shape (3, 3).
+
+    The second row is the most common normal perpendicular to the first.
 
     Examples
     --------
@@ -252,7 +255,7 @@ def common_frame(normals: Array, areas: Array) -> Array:
     """
     step = max(1, len(normals) // SAMPLE)
     normals, areas = normals[::step], areas[::step]
-    sound = np.linalg.norm(normals, axis=1) > 0.5  # a facet of no area has no direction
+    sound = np.linalg.norm(normals, axis=1) > 0.5  # a facet of zero area has the normal 0
     if not sound.any():
         return np.eye(3)
     normals, areas = normals[sound], areas[sound]
@@ -271,9 +274,9 @@ def common_frame(normals: Array, areas: Array) -> Array:
 
 
 def common_frames(normals: Array, areas: Array, start: Index) -> Array:
-    """The common frame of each of M runs of normals, shape (M, 3, 3).
+    """The common frame of each of M runs of normals, shape (M, 3, 3); see `common_frame`.
 
-    Directions count as one where they agree to about five digits.
+    Normals that agree to about five digits count as equal.
 
     Parameters
     ----------
@@ -304,7 +307,10 @@ def common_frames(normals: Array, areas: Array, start: Index) -> Array:
 
 
 def _most_common_of(normals: Array, areas: Array, run: Index, default: Array) -> Array:
-    """The direction of the largest area of each run; `default`, shape (M, 3), where none is."""
+    """The normal with the largest total area in each run, shape (M, 3).
+
+    A run without normals gets its row of `default`, shape (M, 3).
+    """
     key = _direction_keys(normals)
     order = np.lexsort((key, run))
     new = np.flatnonzero(np.diff(run[order], prepend=-1) | np.diff(key[order], prepend=-1))
@@ -320,14 +326,14 @@ def _most_common_of(normals: Array, areas: Array, run: Index, default: Array) ->
 
 
 def _direction_keys(normals: Array) -> Index:
-    """A number for each direction, the same for those that agree to five digits, shape (n,)."""
+    """Integer keys of normals, shape (n,); normals that agree to five digits have equal keys."""
     grid = np.rint(normals * 1e5).astype(np.int64) + 100_001
     keys: Index = (grid[:, 0] * 200_003 + grid[:, 1]) * 200_003 + grid[:, 2]
     return keys
 
 
 def _most_common(normals: Array, areas: Array) -> Array:
-    """The direction (up to a sense that is the same for all) with the largest area."""
+    """The normal with the largest total area, shape (3,); normals n and -n count together."""
     if len(normals) <= ALL_PAIRS:
         alike = np.abs(normals @ normals.T) > 1 - FRAME_ALIKE
         total = np.where(alike, areas, 0.0).sum(axis=1)
@@ -340,22 +346,25 @@ def _most_common(normals: Array, areas: Array) -> Array:
 
 
 def screwed(screw: ArrayLike, amounts: ArrayLike) -> tuple[Array, Array]:
-    """Turns, and shifts of the centre, of a body that follows amounts of a screw.
+    """Rotations and shifts of the centre of a body that moves by amounts `a` of a screw.
 
         shift = a v + (1 - cos t)/t^2 a^2 w x v + (t - sin t)/t^3 a^3 w x (w x v),    t = a |w|
 
-    What turns together stays together: bodies with one screw do not change their distances.
+    Bodies with a common screw keep their relative positions.
 
     Parameters
     ----------
     screw : array_like, shape (6,)
         Velocity v of the centre and angular velocity w, world frame.
     amounts : array_like, shape (k,)
+        Amounts a of the screw [-].
 
     Returns
     -------
     turns : ndarray, shape (k, 3, 3)
+        Rotation matrices.
     shifts : ndarray, shape (k, 3)
+        Shifts of the centre [length unit].
 
     Examples
     --------

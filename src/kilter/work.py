@@ -1,15 +1,16 @@
-"""How much work a question may cost, counted and not timed, and words of progress meanwhile.
+"""Work budget of a computation, counted instead of timed, and progress messages.
 
-One `Work` is handed from the question down to the steps of its answer; a step that may take
-only a fraction gets a share of it. Every solver call and every factorisation is *charged* by
-what it did: iterations times entries of its matrix, entries of its factors. A unit is about
-half a microsecond of one core, but no clock is read: the same question costs the same on
-every machine, however busy, and so ends with the same answer.
+A `Work` object is passed from a public function down to the steps of its computation. A step that
+may use only a fraction gets a share. Every solver call and every factorisation is *charged* by
+its operations: iterations times entries of its matrix, entries of its factors. A unit is about
+half a microsecond of one core, but no clock is read. The same computation costs the same on every
+machine, however busy, and therefore ends with the same answer.
 
-A time limit may be set beside it. It is the only thing here that looks at a clock, none is
-set by default, and what it cuts short says so (`Work.late`).
+A time limit may be set in addition; by default there is none. It is the only part that reads a
+clock. An answer that it cuts short reports this (`Work.cut`).
 
-What runs out decides when a search *ends*, never what it says: what is left is open.
+An exhausted budget only decides when a search *ends*. It never decides the answer: whatever was
+not searched remains open.
 """
 
 from __future__ import annotations
@@ -24,41 +25,41 @@ from kilter.arrays import TINY
 __all__ = ["EFFORT", "PER_EFFORT", "Work", "units_of"]
 
 EFFORT = 1.0
-"""Of every search, where none is given."""
+"""Default effort of every search."""
 PER_EFFORT = 1_000_000
-"""Units of one effort: about half a second of one core."""
+"""Units of effort 1: about half a second of one core."""
 STEP = 10.0
-"""By what the work of a further effort is more than that of the last."""
+"""Factor between the additional units of successive efforts [-]."""
 MOST = 12.0
-"""An effort above this is no more work: it would take years."""
+"""Efforts above this add no work, because the computation would take years."""
 BETWEEN_WORDS = 1.0
-"""Least time between two words of `Work.tell` [s]."""
+"""Least time between two messages of `Work.tell` [s]."""
 LEAST = 1e-3
-"""What a solver is given at least, where a time limit is set [s]."""
+"""Least time limit of a solver call under a time limit [s]."""
 
-# Units of what is done, fitted to measured times on scenes of 4 to 800 contact points.
+# Costs in units, fitted to measured times on scenes with 4 to 800 contact points.
 CONIC, CONIC_ENTRY = 350.0, 0.25
-"""Of a conic program, and of an entry of its matrix in one iteration."""
+"""Cost of a conic program, and per iteration and matrix entry."""
 SEMIDEFINITE, SEMIDEFINITE_ENTRY = 2000.0, 2.0
-"""Of a semidefinite program, and of an entry of its rows in one iteration."""
+"""Cost of a semidefinite program, and per iteration and entry of its rows."""
 LOADED, LOADED_ENTRY = 700.0, 0.2
-"""Of a linear program made and handed over, and of an entry of it."""
+"""Cost of passing a linear program to the solver, and per matrix entry."""
 LINEAR, LINEAR_ENTRY = 1000.0, 0.012
-"""Of a linear program solved, and of an entry of its matrix in one step of the simplex."""
+"""Cost of solving a linear program, and per simplex step and matrix entry."""
 DENSE, DENSE_ENTRY, DENSE_WIDE = 60.0, 0.02, 250.0
-"""Of a full system solved, of an entry of it; one of so many unknowns costs twice that."""
+"""Cost of a dense system, per matrix entry; number of unknowns at which an entry costs double."""
 SPARSE, SPARSE_ENTRY, SPARSE_WIDE = 500.0, 0.3, 200.0
-"""Of a sparse system factorised, of an entry of the factors; the same."""
+"""Cost of a sparse factorisation, per factor entry; entries per unknown at which that doubles."""
 BAND, BAND_POINT, BAND_ENTRY = 150.0, 0.5, 0.01
-"""Of a band system solved, of a point of it, and of an entry of the band."""
+"""Cost of a band system, per contact point, and per entry of the band."""
 JUDGED, JUDGED_POINT = 1000.0, 6.0
-"""Of a candidate held against the contact law, and of a point of it."""
+"""Cost of testing a candidate against the contact law, and per contact point."""
 WEIGHED, WEIGHED_POINT = 150.0, 0.6
-"""Of a candidate of which it is told cheaply whether that is worth it, and of a point of it."""
+"""Cost of the cheap test whether a candidate is worth the full test, and per contact point."""
 
 
 def units_of(effort: float) -> float:
-    """Units of an effort: none for 0, `PER_EFFORT` for 1, and ten times more for each further.
+    """Units of an effort: 0 for effort 0, `PER_EFFORT` for 1, about ten times more per step.
 
     Examples
     --------
@@ -70,7 +71,7 @@ def units_of(effort: float) -> float:
 
 @dataclass(slots=True)
 class _Clock:
-    """When it has to end [s], whether that cut anything short, and when a word was last said."""
+    """Deadline [s], time of the last message [s], and whether the deadline cut anything short."""
 
     deadline: float
     said: float
@@ -78,16 +79,16 @@ class _Clock:
 
 
 class Work:
-    """Work that a question may take.
+    """Work budget of a computation, shared with its steps.
 
     Parameters
     ----------
     allowed : float
-        Units; infinite where not given.
+        Units; unlimited by default.
     progress : callable, optional
-        Called with words of progress.
+        Function that is called with each progress message.
     time_limit : float, optional
-        Seconds from now on, after which it is over whatever is left.
+        Time from now after which the budget is over, whatever is left [s].
 
     Examples
     --------
@@ -111,19 +112,19 @@ class Work:
     ) -> None:
         self.allowed = allowed
         self._progress = progress
-        self._count = [0.0]  # shared with the shares
+        self._count = [0.0]  # a list, so that shares count into the same number
         self._from = 0.0
         now = perf_counter()
         self._clock = _Clock(inf if time_limit is None else now + time_limit, now)
 
     @classmethod
     def of(cls, given: Work | float) -> Work:
-        """Some work as it is, or that of an effort."""
+        """Return a `Work` unchanged, or create the budget of an effort."""
         return given if isinstance(given, Work) else cls(units_of(given))
 
     @property
     def spent(self) -> float:
-        """Units charged since it began, also by its shares."""
+        """Units charged since the start, including those of shares."""
         return self._count[0] - self._from
 
     @property
@@ -133,81 +134,81 @@ class Work:
 
     @property
     def late(self) -> bool:
-        """Whether the time limit is met, so that who asks ends here: once late, always late."""
+        """Whether the time limit is reached; once True, it stays True. A caller then stops."""
         if isfinite(self._clock.deadline) and perf_counter() >= self._clock.deadline:
             self._clock.cut = True
         return self._clock.cut
 
     @property
     def cut(self) -> bool:
-        """Whether anything was ended by the time limit."""
+        """Whether the time limit ended any step."""
         return self._clock.cut
 
     @property
     def over(self) -> bool:
-        """Whether nothing is left, or the time limit was met."""
+        """Whether no units are left, or the time limit is reached."""
         return self.spent >= self.allowed or self.late
 
     @property
     def seconds(self) -> float | None:
-        """What a solver may take [s]; None where no time limit is set."""
+        """Time left for a solver call [s]; None without a time limit."""
         deadline = self._clock.deadline
         return max(deadline - perf_counter(), LEAST) if isfinite(deadline) else None
 
     def charge(self, units: float) -> None:
-        """Count units of work."""
+        """Add units to the work that is spent."""
         self._count[0] += units
 
     def conic(self, iterations: int, entries: int) -> None:
-        """Count a conic program."""
+        """Charge a solved conic program."""
         self.charge(CONIC + CONIC_ENTRY * iterations * entries)
 
     def semidefinite(self, iterations: int, entries: int) -> None:
-        """Count a semidefinite program."""
+        """Charge a solved semidefinite program."""
         self.charge(SEMIDEFINITE + SEMIDEFINITE_ENTRY * iterations * entries)
 
     def loaded(self, entries: int) -> None:
-        """Count a linear program that was made and handed over."""
+        """Charge a linear program that was passed to the solver."""
         self.charge(LOADED + LOADED_ENTRY * entries)
 
     def linear(self, steps: int, entries: int) -> None:
-        """Count a linear program that was solved."""
+        """Charge a solved linear program."""
         self.charge(LINEAR + LINEAR_ENTRY * steps * entries)
 
     def steps(self, most: int, entries: int) -> int:
-        """Steps of the simplex that are left, at least one, of `most`."""
+        """Number of simplex steps that the units allow: at least 1 and at most `most`."""
         return int(min(most, max(self.left / max(LINEAR_ENTRY * entries, TINY), 1.0)))
 
     def dense(self, unknowns: int) -> None:
-        """Count a full system that was solved."""
+        """Charge a solved dense system."""
         self.charge(DENSE + DENSE_ENTRY * unknowns**2 * (1.0 + unknowns / DENSE_WIDE))
 
     def sparse(self, unknowns: int, entries: int) -> None:
-        """Count a sparse system that was factorised, with entries of its factors."""
+        """Charge a sparse factorisation; `entries`: entries of its factors."""
         self.charge(SPARSE + SPARSE_ENTRY * entries * (1.0 + entries / unknowns / SPARSE_WIDE))
 
     def band(self, unknowns: int, width: int, points: int) -> None:
-        """Count a band system that was made from its points and solved."""
+        """Charge a band system that was built from contact points and solved."""
         self.charge(BAND + BAND_POINT * points + BAND_ENTRY * unknowns * width * (1 + width / 30))
 
     def judged(self, points: int) -> None:
-        """Count a candidate that was held against the contact law."""
+        """Charge a test of a candidate against the contact law."""
         self.charge(JUDGED + JUDGED_POINT * points)
 
     def weighed(self, points: int) -> None:
-        """Count a candidate of which it was told whether it is worth being judged."""
+        """Charge a cheap test whether a candidate is worth the full test."""
         self.charge(WEIGHED + WEIGHED_POINT * points)
 
     def until(self, fraction: float) -> Work:
-        """The share that is over when this fraction of the whole is spent."""
+        """Share that is over when this fraction of the whole budget is spent."""
         return self._share(fraction * self.allowed if fraction else 0.0, self._from)
 
     def fraction_left(self, fraction: float) -> Work:
-        """A share, from now on, of this fraction of what is left."""
+        """Share of this fraction of the remaining units, counted from now."""
         return self._share(fraction * self.left if fraction else 0.0, self._count[0])
 
     def beside(self, allowed: float = inf) -> Work:
-        """Work of its own, that of this one left as it is, under the same time limit."""
+        """Separate budget with the same time limit; charges to it do not count here."""
         part = Work(allowed, self._progress)
         part._clock = self._clock
         return part
@@ -218,12 +219,12 @@ class Work:
         return part
 
     def stage(self, word: str) -> None:
-        """Say what begins now."""
+        """Report the stage that begins now."""
         if self._progress is not None:
             self._progress(word)
 
     def tell(self, word: str) -> None:
-        """Say how far it is, if the last word is `BETWEEN_WORDS` ago."""
+        """Report progress, unless the last message is more recent than `BETWEEN_WORDS`."""
         now = perf_counter()
         if self._progress is not None and now - self._clock.said >= BETWEEN_WORDS:
             self._clock.said = now

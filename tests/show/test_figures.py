@@ -293,8 +293,8 @@ def test_draw_what_region(wall: Path) -> None:
     ("options", "said"),
     [
         ([], "no figure is named"),
-        (["-o", "f.jpg"], "no name of a figure"),
-        (["-o", "tower.kilter.json"], "no name of a figure"),
+        (["-o", "f.jpg"], "not a file name for a figure"),
+        (["-o", "tower.kilter.json"], "not a file name for a figure"),
         (["-o", "f.png", "--view", "nan", "0"], "--view"),
         (["-o", "no/such/folder/f.png"], "cannot be written"),
         (["-o", "f.png", "--what", "sphere"], "sphere"),

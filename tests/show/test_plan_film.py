@@ -87,7 +87,7 @@ def test_without_an_order_there_is_no_film(tmp_path: Path) -> None:
     for write in (kilter.animate, kilter.draw):
         with pytest.raises(InputError, match="there are no steps to show"):
             write(none)
-    with pytest.raises(InputError, match=r"end it in \.glb"):
+    with pytest.raises(InputError, match=r"ends in \.glb"):
         kilter.animate(none, tmp_path / "film.gltf")
 
 

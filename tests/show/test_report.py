@@ -59,7 +59,7 @@ def test_more_parts_than_a_browser_can_show_are_refused_before_anything_is_asked
     monkeypatch.setattr(publish, "MOST", len(tower))
     assert kilter.report(tower).verdict == "stable"
     monkeypatch.setattr(publish, "MOST", len(tower) - 1)
-    with pytest.raises(InputError, match=r"a page of 6 parts .* up to 5 .* assembly\.without"):
+    with pytest.raises(InputError, match=r"a page of 6 parts .* up to 5; .* assembly\.without"):
         kilter.report(tower)
     assert main(["report", "tower.kilter.json", "-o", "out.html"]) == 2
     assert "--without NAME" in capsys.readouterr().err
@@ -126,8 +126,8 @@ def test_a_page_of_eighteen_parts_of_step_has_less_than_a_megabyte() -> None:
     ("words", "said"),
     [
         ([], "-o out.html"),
-        (["-o", "tower.kilter.json"], "end it in .html"),
-        (["-o", "part.stl"], "end it in .html"),
+        (["-o", "tower.kilter.json"], "ends in .html"),
+        (["-o", "part.stl"], "ends in .html"),
         (["-o", "nowhere/out.html"], "cannot be written"),
         (["-o", "out.html", "--down", "0", "0", "0"], "down"),
         (["-o", "out.html", "--ground", "nobody"], "nobody"),
