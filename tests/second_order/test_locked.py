@@ -124,4 +124,4 @@ def test_in_the_plane_no_proof_is_of_what_is_locked() -> None:
     proof["second_order"] = {"state": "free", "neutral": 1, "free": 1, **numbers}
     proof["digest"] = digest_of(proof)
     reasons = kilter.verify(flat, proof).reasons
-    assert "its second order: locked is what moves in space" in reasons
+    assert "its second order: parts in a plane have no turns to lock" in reasons

@@ -22,7 +22,7 @@ from kilter.second_order.motions.free_motions import find_free_motions
 from kilter.second_order.motions.free_span import free_span
 from kilter.second_order.motions.null_space import null_space
 from kilter.second_order.proofs.minimum_proof import MinimumProof
-from kilter.second_order.proofs.second_order_file import by_part
+from kilter.second_order.proofs.proof_numbers import by_part
 from kilter.second_order.searches.decide import decide
 
 
@@ -57,9 +57,7 @@ def scaled(by: float) -> Callable[[Any], Any]:
 
 
 FORM = "not of its form"
-COUNTS = "its counts of motions are not its own"
 OWN = "its state or its counts are not"
-STATE = "its state is not"
 DAMAGES = [
     ("held", "state", "free", OWN),
     ("held", "neutral", 1, OWN),
@@ -67,7 +65,7 @@ DAMAGES = [
     ("held", "held", scaled(1.1), "do not balance"),
     ("held", "held", scaled(-1.0), "pulls"),
     ("held", "held", lambda old: old[:-1], "not those of the contacts"),
-    ("held", "held", lambda old: [[one] for one in old], "not those of the contacts"),
+    ("held", "held", lambda old: [[one] for one in old], FORM),
     ("held", "held", ["nan"] * 6, FORM),
     ("held", "held", lambda old: [str(one) for one in old], FORM),
     ("mixed", "clusters.0.held", scaled(1.1), "do not balance"),
@@ -94,10 +92,10 @@ DAMAGES = [
     ("stopped", "stopped", scaled(1.1), "do not balance"),
     ("stopped", "weights", lambda old: [scaled(2.0)(one) for one in old], "stops do not keep"),
     ("stopped", "motion", scaled(-1.0), "does not open every stop"),
-    ("minimum", "state", "free", STATE),
-    ("minimum", "state", "balanced", FORM),
-    ("minimum", "neutral", 4, COUNTS),
-    ("minimum", "free", 5, COUNTS),
+    ("minimum", "state", "free", OWN),
+    ("minimum", "state", "balanced", OWN),
+    ("minimum", "neutral", 4, OWN),
+    ("minimum", "free", 5, OWN),
     ("minimum", "basis", lambda old: old[:1], "not all that its forces leave neutral"),
     ("minimum", "across", lambda old: old[:1], "not all that its forces leave neutral"),
     ("minimum", "forces", lambda old: [scaled(1.1)(old[0])], "do not balance"),
@@ -111,15 +109,15 @@ DAMAGES = [
     ("cones", "splits.0", [0, 3], "no tree"),
     ("cones", "splits.0", [2, 1.5], ""),
     ("cones", "weights.0", lambda old: [scaled(-1.0)(one) for one in old], "weights of its sides"),
-    ("rolls", "state", "minimum", STATE),
-    ("rolls", "free", 4, COUNTS),
+    ("rolls", "state", "minimum", OWN),
+    ("rolls", "free", 4, OWN),
     ("idle", "idle", [], "no minimum"),
     ("idle", "idle", [0], "do not balance"),
     ("idle", "idle", [0, 1], "not those of the contacts"),
     ("idle", "idle", [2], FORM),
-    ("idle", "state", "minimum", STATE),
-    ("idle", "state", "balanced", "no minimum"),
-    ("idle", "basis", None, "no minimum"),
+    ("idle", "state", "minimum", OWN),
+    ("idle", "state", "balanced", OWN),
+    ("idle", "basis", None, FORM),
     ("idle", "motion", scaled(-1.0), "does not open the contacts"),
     ("idle", "motion", scaled(0.0), "does not open the contacts"),
     ("idle", "motion", {"ball": [1, 0, 0.1, 0, 0, 0]}, "none of those that are free"),
@@ -130,14 +128,14 @@ DAMAGES = [
     ("pair", "motion", {"ball": [0] * 6, "other": [1, 0, 0, 0, 0, 0]}, "does not open"),
     ("unknown", "idle", None, "free past contacts whose second order is not known"),
     ("unknown", "idle", [0], "free past contacts whose second order is not known"),
-    ("unknown", "state", "free", STATE),
-    ("path", "state", "minimum", FORM),
+    ("unknown", "state", "free", OWN),
+    ("path", "state", "minimum", OWN),
     ("path", "first", scaled(1.0 + 1e-6), "does not lead down"),
     ("path", "first", scaled(0.0), "does not lead down"),
     ("path", "second", scaled(-1.0), "does not lead down"),
     ("path", "second", None, FORM),
-    ("path", "neutral", 5, "counts motions of what falls"),
-    ("path", "free", 3, "counts motions of what falls"),
+    ("path", "neutral", 5, OWN),
+    ("path", "free", 3, OWN),
     ("path", "rolling", "holds", "does not roll as it says"),
     ("path", "rolling", "falls", "does not roll as it says"),
     ("path", "configuration", {"b": [0, 0, -1, 0, 0, 0]}, "not on its path"),
@@ -145,18 +143,18 @@ DAMAGES = [
     ("place", "configuration", scaled(-1.0), "not on its path"),
     ("beside", "configuration", None, "no configuration"),
     ("mesh", "second", scaled(-1.0), "does not lead down"),
-    ("joined", "state", "free", STATE),
-    ("joined", "state", "open", STATE),
-    ("joined", "neutral", 5, COUNTS),
-    ("joined", "free", 3, COUNTS),
-    ("joined", "neutral", None, COUNTS),
+    ("joined", "state", "free", OWN),
+    ("joined", "state", "open", OWN),
+    ("joined", "neutral", 5, OWN),
+    ("joined", "free", 3, OWN),
+    ("joined", "neutral", None, OWN),
     ("joined", "clusters", lambda old: old[:1], "not one of each cluster"),
     ("joined", "clusters", lambda old: old[::-1], FORM),
-    ("joined", "clusters", [None, None], STATE),
-    ("joined", "clusters.1", lambda old: None, STATE),
-    ("joined", "clusters.0.neutral", 4, COUNTS),
-    ("worst", "clusters.0", lambda old: None, STATE),
-    ("worst", "neutral", 5, COUNTS),
+    ("joined", "clusters", [None, None], OWN),
+    ("joined", "clusters.1", lambda old: None, OWN),
+    ("joined", "clusters.0.neutral", 4, OWN),
+    ("worst", "clusters.0", lambda old: None, OWN),
+    ("worst", "neutral", 5, OWN),
     ("board", "rolling", "falls", "does not roll as it says"),
     ("boards", "rolling", "holds", "does not roll as it says"),
     ("boards", "rolling", None, "does not roll as it says"),
@@ -258,7 +256,7 @@ def test_what_is_level_to_second_order_is_not_free_for_that() -> None:
     forged = {"state": "free", "neutral": 5, "free": 3, "basis": named[3:], "across": named[:3]}
     forged |= {"sides": [], "splits": [], "weights": [[]]}
     forged |= {"forces": [[float(program.weight[1])]]}
-    assert judge(forged) == ["a motion that it calls free is not proved to be"]
+    assert judge(forged) == ["its second order: a motion that it calls free is not proved to be"]
 
 
 def test_far_enough_out_of_a_corner_any_way_will_do() -> None:
@@ -320,12 +318,12 @@ def down_a_ball(step: float, opens: float) -> dict[str, Any]:
         ("place", 0.01, 0.25, []),
         ("place", 0.05, 0.25, []),
         ("near", 0.005, 0.25, []),
-        ("near", 0.02, 0.25, ["its configuration is not apart"]),
+        ("near", 0.02, 0.25, ["its second order: its configuration is not apart"]),
         # apart by opens step^2 / 2, lower by (1/2 - opens) step^2 / 2
-        ("place", 2.2e-6, 0.45, ["its configuration is not lower"]),
-        ("place", 2.2e-6, 0.05, ["its configuration is not apart"]),
+        ("place", 2.2e-6, 0.45, ["its second order: its configuration is not lower"]),
+        ("place", 2.2e-6, 0.05, ["its second order: its configuration is not apart"]),
         ("place", 3.5e-6, 0.25, []),
-        ("place", 1e-3, 1.1e-6, ["its configuration is not apart"]),
+        ("place", 1e-3, 1.1e-6, ["its second order: its configuration is not apart"]),
         ("place", 2e-3, 1.1e-6, []),
     ],
 )

@@ -23,7 +23,7 @@ from kilter.second_order.motions.sharp_points import (
     with_sharp,
 )
 from kilter.second_order.proofs.paths import judge_path
-from kilter.second_order.proofs.second_order_file import by_part, named_motion
+from kilter.second_order.proofs.proof_numbers import by_part, named_motion
 from kilter.second_order.searches.opening_contacts import enough_to_open
 from kilter.second_order.searches.path_search import find_path
 
@@ -309,7 +309,9 @@ def test_a_path_that_parts_them_later_is_refused(opens_at_once: bool) -> None:
     checked = kilter.verify(assembly, forged)
     assert checked.holds == opens_at_once, checked.reasons
     if not opens_at_once:
-        assert [*checked.reasons] == ["its path does not open edges and corners of no one normal"]
+        assert [*checked.reasons] == [
+            "its second order: its path does not open edges and corners of no one normal"
+        ]
 
 
 @pytest.mark.parametrize(

@@ -48,7 +48,7 @@ from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import digest_of, make_proof
 from kilter.mechanics.rows import POSSIBLE
-from kilter.second_order.proofs.second_order_file import second_order_data
+from kilter.second_order.answer.second_order_file import second_order_data
 from kilter.tell.cells import InCells
 from kilter.tell.html import html_of
 from kilter.tell.levels import REQUIRE, holds, level_of

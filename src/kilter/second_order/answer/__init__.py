@@ -3,6 +3,7 @@
 - `whole`: the answer for an assembly, joined from its clusters
 - `one_cluster`: the answer for one cluster
 - `second_order_answer`: the answer with its evidence
+- `second_order_file`: its proof as data of a proof file
 - `oscillation`: the rates of oscillation and of growth
 - `path_places`: exact places along the fall of a balanced assembly
 """

@@ -22,7 +22,9 @@ from kilter.second_order.answer.oscillation import least_frequency
 from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.motions.rolling import Rolling
 from kilter.second_order.parts.clusters import State
-from kilter.second_order.proofs.configuration import Configuration
+from kilter.second_order.proofs.fall_proof import Configuration, Fall
+from kilter.second_order.proofs.paths import Path
+from kilter.second_order.proofs.proof_kinds import Proof
 from kilter.second_order.searches.decide import Decision
 
 __all__ = ["SecondOrder", "answer_of", "open_answer"]
@@ -81,6 +83,14 @@ class SecondOrder:
     idle: Index = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     rolling: Rolling | None = None
     clusters: tuple[SecondOrder, ...] = ()
+
+    @property
+    def proof(self) -> Proof | None:
+        """The proof of one cluster."""
+        proof = None if self.decision is None else self.decision.proof
+        if isinstance(proof, Path):
+            return Fall(proof, None if self.configuration is None else self.configuration.motion)
+        return proof
 
     @property
     def strict(self) -> bool:

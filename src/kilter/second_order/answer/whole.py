@@ -21,13 +21,13 @@ from kilter.mechanics.program import Program
 from kilter.mechanics.rows import CONTACT
 from kilter.second_order.answer.one_cluster import answer_alone
 from kilter.second_order.answer.second_order_answer import SecondOrder, open_answer
-from kilter.second_order.gaps.features import Features
 from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.gaps.stationary import stationary
 from kilter.second_order.motions.rolling import find_rolling, worst_rolling
 from kilter.second_order.motions.sharp_points import sharp_points, with_sharp
 from kilter.second_order.parts.clusters import Cluster, clusters, joined_state
 from kilter.second_order.parts.rigid_groups import RigidGroups
+from kilter.second_order.proofs.cluster_facts import ClusterFacts
 from kilter.second_order.proofs.held import Held, judge_held
 from kilter.second_order.proofs.level_rest import LevelRest, level_rows
 from kilter.second_order.proofs.modelled import (
@@ -157,11 +157,13 @@ class _ClusterSearch:
         contacts: ContactSet,
         program: Program,
         forces: Array | None,
-        work: Work | None,
+        work: Work,
     ) -> None:
         self.assembly, self.contacts, self.program = assembly, contacts, program
         self.forces, self.work = forces, work
-        self.features: Features | None = None
+        self.facts = ClusterFacts(
+            assembly, contacts, program, lambda: features_of(program, contacts, recognised=True)
+        )
         self.asked = 0
         self.off, self.slanted = loads_off_centre(assembly, program)
 
@@ -210,16 +212,7 @@ class _ClusterSearch:
                 return _without_neutral(program, held)
         if self.off[program.free].any():
             return open_answer(OFF_CENTRE, program)
-        if self.features is None:
-            self.features = features_of(self.program, self.contacts, recognised=True)
-        return answer_alone(
-            self.assembly,
-            self.contacts,
-            program,
-            self.features.take(cluster.rows),
-            critical=critical,
-            work=self.work,
-        )
+        return answer_alone(self.facts.of_cluster(cluster), critical=critical, work=self.work)
 
 
 def _on_level(program: Program, rest: LevelRest) -> SecondOrder:

@@ -8,13 +8,18 @@ first order along every motion.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 from scipy.sparse import csr_array, diags_array
 
 from kilter.arrays import TINY, Array, read_only
 from kilter.mechanics.program import Program
+from kilter.mechanics.proof_form import NUMBER, Form, keys, list_of
+from kilter.mechanics.rows import CONTACT
+from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.proofs.carrying import all_carry
+from kilter.second_order.proofs.cluster_facts import ClusterFacts, Outcome
 from kilter.second_order.second_order_tolerances import BALANCED, BEARS
 
 __all__ = ["Held", "judge_held", "scaled_rows", "unbalanced"]
@@ -24,10 +29,29 @@ __all__ = ["Held", "judge_held", "scaled_rows", "unbalanced"]
 class Held:
     """Forces, shape (K,) [N]."""
 
+    FORM: ClassVar[Form] = keys(held=list_of(NUMBER))
+    SURFACES: ClassVar[str] = "none"
     forces: Array
 
     def __post_init__(self) -> None:
         read_only(self)
+
+    def to_data(self, program: Program, problem: Stationary | None) -> dict[str, Any]:
+        """Data of a proof file."""
+        return {"held": self.forces.tolist()}
+
+    @classmethod
+    def from_data(cls, facts: ClusterFacts, data: dict[str, Any]) -> Held:
+        """The proof from its data."""
+        return cls(np.array(data["held"], dtype=float))
+
+    def judge(self, facts: ClusterFacts) -> str:
+        """Why the proof does not hold; empty if it holds."""
+        return judge_held(facts.program.taking(facts.program.kind == CONTACT), self)
+
+    def outcome(self, facts: ClusterFacts) -> Outcome:
+        """A minimum without neutral motions."""
+        return "minimum", 0, 0
 
 
 def judge_held(program: Program, proof: Held) -> str:

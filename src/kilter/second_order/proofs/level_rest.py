@@ -20,14 +20,17 @@ motion that opens all the other contacts shows that they span what is neutral.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 
 from kilter.arrays import TINY, Array, Mask, read_only
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
+from kilter.mechanics.proof_form import NUMBER, SIX, Form, keys, list_of, named
 from kilter.second_order.gaps.features_of import FLAT, detected_rows
-from kilter.second_order.motions.sharp_points import SharpPoints
+from kilter.second_order.gaps.stationary import Stationary
+from kilter.second_order.motions.sharp_points import SharpPoints, sharp_points
 from kilter.second_order.parts.bearing import (
     Bearing,
     bearing_of,
@@ -36,7 +39,9 @@ from kilter.second_order.parts.bearing import (
     level_axes,
     sums_by_part,
 )
+from kilter.second_order.proofs.cluster_facts import ClusterFacts, Outcome
 from kilter.second_order.proofs.held import unbalanced
+from kilter.second_order.proofs.proof_numbers import named_motion, read_motion
 from kilter.second_order.second_order_tolerances import (
     ACROSS,
     BALANCED,
@@ -61,11 +66,34 @@ class LevelRest:
     length unit.
     """
 
+    FORM: ClassVar[Form] = keys(level=list_of(NUMBER), motion=named(SIX))
+    SURFACES: ClassVar[str] = "none"
     forces: Array
     motion: Array
 
     def __post_init__(self) -> None:
         read_only(self)
+
+    def to_data(self, program: Program, problem: Stationary | None) -> dict[str, Any]:
+        """Data of a proof file."""
+        return {"level": self.forces.tolist(), "motion": named_motion(program, self.motion)}
+
+    @classmethod
+    def from_data(cls, facts: ClusterFacts, data: dict[str, Any]) -> LevelRest:
+        """The proof from its data."""
+        motion = read_motion(facts.program, data["motion"])
+        return cls(np.array(data["level"], dtype=float), motion)
+
+    def judge(self, facts: ClusterFacts) -> str:
+        """Why the proof does not hold; empty if it holds."""
+        program, contacts = facts.program, facts.contacts
+        level, sharp = level_rows(program, contacts), sharp_points(program, contacts)
+        return judge_level_rest(program, level, self, sharp)
+
+    def outcome(self, facts: ClusterFacts) -> Outcome:
+        """Every part slides freely on its level faces, and turns about the vertical."""
+        free = int(facts.program.free.sum()) * (1 if facts.program.planar else 3)
+        return "free", free, free
 
 
 def level_rows(program: Program, contacts: ContactSet) -> Mask:

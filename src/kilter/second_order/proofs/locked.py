@@ -22,16 +22,19 @@ paper's figure 9 that has slid out of line wants to turn): what is locked does n
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 
 from kilter.arrays import TINY, Array, Index, Mask, read_only
 from kilter.contact.contact_set import ContactSet
 from kilter.mechanics.program import Program
+from kilter.mechanics.proof_form import NUMBER, Form, keys, list_of
 from kilter.second_order.gaps.features_of import detected_rows
 from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.motions.null_space import null_space
 from kilter.second_order.proofs.carrying import carry_beyond_doubt
+from kilter.second_order.proofs.cluster_facts import ClusterFacts, Outcome
 from kilter.second_order.proofs.minimum_proof import definite
 from kilter.second_order.second_order_tolerances import ACROSS, BALANCED, BEARS, SPREAD
 
@@ -51,11 +54,37 @@ class Faces:
 class LockedTurns:
     """Forces of equilibrium over the weight and self-stress, shape (K,) each [-]."""
 
+    FORM: ClassVar[Form] = keys(locked=list_of(NUMBER), stress=list_of(NUMBER))
+    SURFACES: ClassVar[str] = "exact"
     forces: Array
     stress: Array
 
     def __post_init__(self) -> None:
         read_only(self)
+
+    def to_data(self, program: Program, problem: Stationary | None) -> dict[str, Any]:
+        """Data of a proof file."""
+        assert problem is not None
+        forces = (self.forces * problem.weight).tolist()
+        return {"locked": forces, "stress": self.stress.tolist()}
+
+    @classmethod
+    def from_data(cls, facts: ClusterFacts, data: dict[str, Any]) -> LockedTurns:
+        """The proof from its data."""
+        forces = np.array(data["locked"], dtype=float) / facts.problem.weight
+        return cls(forces, np.array(data["stress"], dtype=float))
+
+    def judge(self, facts: ClusterFacts) -> str:
+        """Why the proof does not hold; empty if it holds."""
+        if facts.program.planar:
+            return "parts in a plane have no turns to lock"
+        faces = faces_of(facts.program, facts.contacts, facts.problem)
+        return judge_locked(facts.problem, faces, self)
+
+    def outcome(self, facts: ClusterFacts) -> Outcome:
+        """All shifts are free, and all turns are locked."""
+        free, across = (basis.shape[1] for basis in shifts(facts.problem))
+        return "free", free + across, free
 
 
 def faces_of(program: Program, contacts: ContactSet, problem: Stationary) -> Faces:

@@ -20,13 +20,20 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 
 from kilter.arrays import Array, Mask, unit_rows
+from kilter.mechanics.program import Program
+from kilter.mechanics.proof_form import COUNT, NUMBER, SIX, Form, keys, list_of, named, nullable
 from kilter.second_order.gaps.stationary import Stationary
+from kilter.second_order.motions.free_motions import FreeMotions
+from kilter.second_order.motions.free_span import free_span, moving_free
 from kilter.second_order.motions.null_space import null_space
 from kilter.second_order.proofs.carrying import carry_beyond_doubt, carrying_rows
+from kilter.second_order.proofs.cluster_facts import ClusterFacts, Outcome
+from kilter.second_order.proofs.proof_numbers import MalformedProof, by_part, square, stacked
 from kilter.second_order.second_order_tolerances import ACROSS, BALANCED, CURVED, LEVEL
 
 __all__ = [
@@ -66,11 +73,80 @@ class MinimumProof:
     leaves : tuple of Leaf
     """
 
+    FORM: ClassVar[Form] = keys(
+        basis=list_of(named(SIX)),
+        across=list_of(named(SIX)),
+        sides=list_of(list_of(NUMBER)),
+        splits=list_of(nullable(list_of(COUNT, 2))),
+        forces=list_of(list_of(NUMBER)),
+        weights=list_of(list_of(list_of(NUMBER))),
+    )
+    SURFACES: ClassVar[str] = "known"
     basis: Array
     sides: Array
     free: Array
     splits: tuple[tuple[int, int] | None, ...]
     leaves: tuple[Leaf, ...]
+
+    def to_data(self, program: Program, problem: Stationary | None) -> dict[str, Any]:
+        """Data of a proof file."""
+        assert problem is not None
+        return {
+            "basis": [by_part(program, problem, motion) for motion in self.basis.T],
+            "across": [by_part(program, problem, motion) for motion in self.free.T],
+            "sides": self.sides.tolist(),
+            "splits": [None if pair is None else list(pair) for pair in self.splits],
+            "forces": [(leaf.forces * problem.weight).tolist() for leaf in self.leaves],
+            "weights": [leaf.weights.tolist() for leaf in self.leaves],
+        }
+
+    @classmethod
+    def from_data(cls, facts: ClusterFacts, data: dict[str, Any]) -> MinimumProof:
+        """The proof from its data."""
+        program, problem, sides = facts.program, facts.problem, data["sides"]
+        basis, free = (stacked(program, problem, data[key]) for key in ("basis", "across"))
+        size = basis.shape[1]
+        if any(len(side) != size for side in sides):
+            raise MalformedProof("a side is not over the basis")
+        # counted before the cones are built: their number doubles with each dimension
+        if data["splits"] and len(data["splits"]) < 2 ** (size - 1):
+            raise MalformedProof("its cones are fewer than the orthants")
+        if len(data["forces"]) != len(data["weights"]):
+            raise MalformedProof("its forces and weights are not of the same cones")
+        return cls(
+            basis,
+            np.array(sides, dtype=float).reshape(len(sides), size),
+            free,
+            tuple(None if pair is None else (pair[0], pair[1]) for pair in data["splits"]),
+            tuple(
+                Leaf(np.array(forces, dtype=float) / problem.weight, square(weights))
+                for forces, weights in zip(data["forces"], data["weights"], strict=True)
+            ),
+        )
+
+    def judge(self, facts: ClusterFacts) -> str:
+        """Why the proof does not hold; empty if it holds."""
+        known = facts.known
+        if not known.all() and self.free.shape[1]:
+            return "motions count as free past contacts whose second order is not known"
+        wrong = judge_minimum(facts.problem.taking(known), self, facts.bounded(1.0).taking(known))
+        if wrong:
+            return wrong
+        span = free_span(facts.program, facts.problem.taking(known), self._free_motions(facts))
+        missing = null_space(span.T, ACROSS).T @ self.free if span.shape[1] else self.free
+        proved = np.abs(missing).max(initial=0.0) <= ACROSS
+        return "" if proved else "a motion that it calls free is not proved to be"
+
+    def outcome(self, facts: ClusterFacts) -> Outcome:
+        """A minimum across its free motions; free if one of these moves a part visibly."""
+        free = self.free.shape[1]
+        moves = free and len(moving_free(facts.assembly, self._free_motions(facts)))
+        return "free" if moves else "minimum", self.basis.shape[1] + free, free
+
+    def _free_motions(self, facts: ClusterFacts) -> FreeMotions:
+        """Free motions that may be divided out: beside other neutral motions only symmetries."""
+        motions = facts.free_motions
+        return motions.symmetries if self.basis.shape[1] else motions
 
 
 def orthants(dimension: int, *, half: bool) -> list[Array]:

@@ -27,22 +27,35 @@ energy is least on what is level, and there alone.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 
 from kilter.arrays import Array, Mask, read_only
 from kilter.mechanics.program import Program
+from kilter.mechanics.proof_form import NUMBER, SIX, Form, keys, list_of, named
 from kilter.second_order.gaps.features import Features
 from kilter.second_order.gaps.gap_form import formed
 from kilter.second_order.gaps.stationary import Stationary
 from kilter.second_order.gaps.touched_surfaces import Touched
+from kilter.second_order.motions.free_span import free_span
 from kilter.second_order.motions.null_space import null_space
 from kilter.second_order.parts.bearing import level_axes
 from kilter.second_order.proofs.carrying import carry_beyond_doubt, carrying_rows
+from kilter.second_order.proofs.cluster_facts import ClusterFacts, Outcome
 from kilter.second_order.proofs.minimum_proof import definite
+from kilter.second_order.proofs.proof_numbers import MalformedProof, by_part, read_columns
 from kilter.second_order.second_order_tolerances import ACROSS, BALANCED, DROPS, LEVEL
 
-__all__ = ["StopForms", "Stopped", "judge_stopped", "level_contacts", "level_motions", "stop_forms"]
+__all__ = [
+    "StopForms",
+    "Stopped",
+    "judge_stopped",
+    "level_contacts",
+    "level_motions",
+    "stop_forms",
+    "stop_question",
+]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,12 +66,46 @@ class Stopped:
     m level contacts that carry nothing; `opening`, shape (n,).
     """
 
+    FORM: ClassVar[Form] = keys(
+        stopped=list_of(NUMBER), weights=list_of(list_of(NUMBER)), motion=named(SIX)
+    )
+    SURFACES: ClassVar[str] = "exact"
     forces: Array
     weights: Array
     opening: Array
 
     def __post_init__(self) -> None:
         read_only(self)
+
+    def to_data(self, program: Program, problem: Stationary | None) -> dict[str, Any]:
+        """Data of a proof file."""
+        assert problem is not None
+        return {
+            "stopped": (self.forces * problem.weight).tolist(),
+            "weights": self.weights.tolist(),
+            "motion": by_part(program, problem, self.opening),
+        }
+
+    @classmethod
+    def from_data(cls, facts: ClusterFacts, data: dict[str, Any]) -> Stopped:
+        """The proof from its data."""
+        problem, weights = facts.problem, data["weights"]
+        if len({len(row) for row in weights}) > 1:
+            raise MalformedProof("rows of weights differ in length")
+        return cls(
+            np.array(data["stopped"], dtype=float) / problem.weight,
+            np.array(weights, dtype=float),
+            read_columns(facts.program, problem, data["motion"]),
+        )
+
+    def judge(self, facts: ClusterFacts) -> str:
+        """Why the proof does not hold; empty if it holds."""
+        return judge_stopped(*stop_question(facts), self)
+
+    def outcome(self, facts: ClusterFacts) -> Outcome:
+        """All level motions are free."""
+        forms = stop_forms(*stop_question(facts), self.forces)
+        return "free", forms.neutral, forms.neutral - forms.tilts.shape[1]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -114,6 +161,14 @@ def level_motions(program: Program) -> Array:
     six[: len(axes), :3], six[len(axes) :, 3:] = axes, program.down
     one = six[:, program.freedoms].T
     return np.asarray(np.kron(np.eye(int(program.free.sum())), one), dtype=np.float64)
+
+
+def stop_question(facts: ClusterFacts) -> tuple[Stationary, Mask, Array, Array]:
+    """The problem, its level contacts, its level motions and the span of its symmetries."""
+    program, problem = facts.program, facts.problem
+    level = level_contacts(program, facts.features, facts.touched)
+    span = free_span(program, problem, facts.free_motions.symmetries)
+    return problem, level, level_motions(program), span
 
 
 def stop_forms(

@@ -1,0 +1,38 @@
+"""The proof of second order as data of a proof file.
+
+Several clusters have a proof each, None for an open cluster. `proof_kinds` has the kinds of proof;
+`second_order_recheck` judges the data.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from kilter.second_order.answer.second_order_answer import SecondOrder
+from kilter.second_order.proofs.proof_numbers import by_part, counts
+
+__all__ = ["second_order_data"]
+
+
+def second_order_data(answer: SecondOrder) -> dict[str, Any] | None:
+    """The proof of an answer; None if the answer is open."""
+    if answer.state == "open":
+        return None
+    rolling = answer.rolling
+    rolls = {} if rolling is None or rolling.state == "open" else {"rolling": rolling.state}
+    if answer.clusters:
+        entries = [second_order_data(cluster) for cluster in answer.clusters]
+        return {"state": answer.state, **counts(entries), "clusters": entries} | rolls
+    problem, decision, program = answer.problem, answer.decision, answer.program
+    proof = answer.proof
+    if decision is None or program is None or proof is None:
+        return None
+    data: dict[str, Any] = {"state": answer.state}
+    if answer.state != "balanced":  # a path proves that parts fall, not how much may move
+        data |= {"neutral": answer.neutral, "free": answer.free}
+    if len(answer.idle):
+        data["idle"] = answer.idle.tolist()
+        if decision.opening is not None:
+            assert problem is not None
+            data["motion"] = by_part(program, problem, decision.opening)
+    return data | rolls | proof.to_data(program, problem)

@@ -1,0 +1,115 @@
+"""Facts of one cluster, computed from the assembly and never from a proof.
+
+Judges and searches use the same facts; each is computed when it is first used.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+
+from kilter.arrays import Index, Mask
+from kilter.assembly import Assembly
+from kilter.contact.contact_set import ContactSet
+from kilter.mechanics.program import Program
+from kilter.mechanics.rows import CONTACT
+from kilter.second_order.gaps.features import Features
+from kilter.second_order.gaps.recognised import bounded, formed_for_all
+from kilter.second_order.gaps.stationary import Stationary, problem_of
+from kilter.second_order.gaps.touched_surfaces import Touched, planes_of, touched_surfaces
+from kilter.second_order.motions.free_motions import FreeMotions, find_free_motions
+from kilter.second_order.parts.clusters import Cluster
+
+__all__ = ["ClusterFacts", "Outcome"]
+
+Outcome = tuple[str, int | None, int | None]
+"""State of a cluster, its number of neutral motions and its number of free motions.
+
+The numbers of a balanced cluster are None: a path that leads down does not prove them.
+"""
+
+
+class ClusterFacts:
+    """Geometry and gaps of one cluster.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    contacts : ContactSet
+        Contacts of the assembly.
+    program : Program
+        Contacts of the cluster, without friction; groups of tied parts are merged.
+    find_features : callable
+        Returns the features of the rows of `program`.
+    """
+
+    def __init__(
+        self,
+        assembly: Assembly,
+        contacts: ContactSet,
+        program: Program,
+        find_features: Callable[[], Features],
+    ) -> None:
+        self.assembly, self.contacts, self.program = assembly, contacts, program
+        self._find_features = find_features
+
+    def taking(self, rows: Index | Mask) -> ClusterFacts:
+        """The facts of a subset of the contacts."""
+        chosen = np.arange(len(self.program.kind))[rows]
+        return ClusterFacts(
+            self.assembly,
+            self.contacts,
+            self.program.taking(chosen),
+            lambda: self.features.take(chosen),
+        )
+
+    def of_cluster(self, cluster: Cluster) -> ClusterFacts:
+        """The facts of one cluster of this program."""
+        return ClusterFacts(
+            self.assembly,
+            self.contacts,
+            cluster.program,
+            lambda: self.features.take(cluster.rows),
+        )
+
+    @cached_property
+    def certain(self) -> ClusterFacts:
+        """The facts without edges and corners that have no unique normal."""
+        rows = self.program.kind == CONTACT
+        return self if rows.all() else self.taking(rows)
+
+    @cached_property
+    def features(self) -> Features:
+        """Features of the contact rows."""
+        return self._find_features()
+
+    @cached_property
+    def known(self) -> Mask:
+        """Contact rows whose gap has a second derivative, shape (K,)."""
+        return formed_for_all(self.program, self.features)
+
+    @cached_property
+    def touched(self) -> tuple[Touched, Touched]:
+        """Surfaces of both parts at each contact row."""
+        return touched_surfaces(self.program, self.features, self.contacts)
+
+    @cached_property
+    def free_motions(self) -> FreeMotions:
+        """Motions that keep every gap and the energy to all orders."""
+        return find_free_motions(self.program, self.features, self.touched)
+
+    @cached_property
+    def problem(self) -> Stationary:
+        """Gaps and load to second order."""
+        problem = problem_of(self.program, self.features)
+        return replace(problem, on_plane=planes_of(self.touched))
+
+    def bounded(self, sense: float) -> Stationary:
+        """Gaps at the upper (1) or lower (-1) bounds of all curvatures."""
+        if not self.features.doubted:
+            return self.problem
+        problem = bounded(self.program, self.features, sense)
+        return replace(problem, on_plane=planes_of(self.touched))

@@ -1,0 +1,189 @@
+"""Proof that parts fall: a path that leads down, and an exact lower place on it.
+
+All parts are apart there. Those that touched at a plane may also have shifted along it, all that
+is on its one side, and all on the other, as far from it as they were.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from kilter.arrays import TINY, Array
+from kilter.assembly import Assembly
+from kilter.contact.contact_set import ContactSet
+from kilter.mechanics.program import Program
+from kilter.mechanics.proof_form import SIX, Form, keys, named, nullable
+from kilter.second_order.gaps.stationary import Stationary
+from kilter.second_order.motions.free_span import scaled_columns
+from kilter.second_order.motions.sharp_points import opens_points
+from kilter.second_order.parts.rigid_groups import RigidGroups
+from kilter.second_order.parts.separation import least_separation
+from kilter.second_order.proofs.cluster_facts import ClusterFacts, Outcome
+from kilter.second_order.proofs.paths import Path, judge_path
+from kilter.second_order.proofs.proof_numbers import (
+    by_part,
+    named_motion,
+    read_columns,
+    read_motion,
+)
+from kilter.second_order.second_order_tolerances import ACROSS, APART, KEEPS
+
+__all__ = ["Configuration", "Fall", "by_path_alone", "find_configuration", "is_on", "separation_at"]
+
+STEPS = (0.004, 0.002, 0.001, 0.01, 0.02, 0.05)
+"""How far along a path of length 1 an exact configuration is sought: near by first."""
+BENT = 0.5
+"""Second-order part of a step over its first, above which it is no neighbour of the start."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Configuration:
+    """Parts elsewhere: all lower, and apart, but for those that have only shifted along a plane.
+
+    Attributes
+    ----------
+    motion : ndarray, shape (N, 6)
+        Shift of each centre of mass [length unit] and rotation vector [rad]; of parts that fixed
+        joints tie that of all of them, as the motion of the first.
+    apart : float
+        Least separation of two other parts [length unit].
+    energy : float
+        Of the loads, less than that at the start [N x length unit].
+    """
+
+    motion: Array
+    apart: float
+    energy: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fall:
+    """A path that leads down, and the motion of all parts to a place on it, shape (N, 6).
+
+    The place is None if the path alone is the proof (`by_path_alone`).
+    """
+
+    FORM: ClassVar[Form] = keys(
+        first=named(SIX), second=named(SIX), configuration=nullable(named(SIX))
+    )
+    SURFACES: ClassVar[str] = "all"
+    path: Path
+    place: Array | None
+
+    def to_data(self, program: Program, problem: Stationary | None) -> dict[str, Any]:
+        """Data of a proof file."""
+        assert problem is not None
+        return {
+            "first": by_part(program, problem, self.path.first),
+            "second": by_part(program, problem, self.path.second),
+            "configuration": None if self.place is None else named_motion(program, self.place),
+        }
+
+    @classmethod
+    def from_data(cls, facts: ClusterFacts, data: dict[str, Any]) -> Fall:
+        """The proof from its data; the path is judged at the lower bounds of all curvatures."""
+        program, problem = facts.program, facts.certain.bounded(-1.0)
+        first, second = (read_columns(program, problem, data[key]) for key in ("first", "second"))
+        place = data["configuration"]
+        return cls(
+            judge_path(problem, first, second),
+            None if place is None else read_motion(program, place),
+        )
+
+    def judge(self, facts: ClusterFacts) -> str:
+        """Why the proof does not hold; empty if it holds."""
+        path, wrong = self.path, []
+        if abs(float(np.linalg.norm(path.first)) - 1) > ACROSS or not path.falls:
+            wrong.append("its path does not lead down")
+        wrong += self._wrong_place(facts.certain)
+        if facts.certain is not facts:
+            scale = facts.certain.problem.scale
+            assert scale is not None
+            motion = facts.program.full(path.first * scale)
+            if not opens_points(facts.program, facts.contacts, motion):
+                wrong.append("its path does not open edges and corners of no one normal")
+        return "; ".join(wrong)
+
+    def _wrong_place(self, facts: ClusterFacts) -> list[str]:
+        """Why the place is not on the path, apart and lower; empty if it is."""
+        program, problem = facts.program, facts.bounded(-1.0)
+        if self.place is None:
+            if by_path_alone(facts) and self.path.one_form:
+                return []
+            return ["it has no configuration that is apart and lower"]
+        columns = scaled_columns(program, problem, self.place[None])[:, 0]
+        if not is_on(self.path, columns):
+            return ["its configuration is not on its path"]
+        wrong = []
+        apart = separation_at(facts.assembly, facts.contacts, program, problem, self.place)
+        if apart is None or not apart > APART * problem.length:
+            wrong.append("its configuration is not apart")
+        if not problem.load @ columns > APART:
+            wrong.append("its configuration is not lower")
+        return wrong
+
+    def outcome(self, facts: ClusterFacts) -> Outcome:
+        """Balanced; a path does not prove the counts of motions."""
+        return "balanced", None, None
+
+
+def by_path_alone(facts: ClusterFacts) -> bool:
+    """Whether only contacts are known exactly, and not the bodies that they belong to.
+
+    So of contacts that are given, and of surfaces that were recognised in meshes.
+    """
+    given = facts.contacts.patch_kind[facts.program.source] == "given"
+    return facts.features.doubted or bool(given.all())
+
+
+def separation_at(
+    assembly: Assembly, contacts: ContactSet, program: Program, problem: Stationary, motion: Array
+) -> float | None:
+    """The least separation where parts have moved, shape (N, 6), groups as their first parts.
+
+    Of parts that stay near; None where their surfaces cannot be held apart exactly.
+    """
+    groups = RigidGroups.of(assembly)
+    return least_separation(
+        assembly,
+        groups.apart(program, assembly, contacts),
+        groups.placed(motion),
+        beyond=0.01 * problem.length,
+        planes=problem.on_plane,
+        tied=groups.first,
+    )
+
+
+def is_on(path: Path, columns: Array) -> bool:
+    """Whether a place, shape (n,) scaled unknowns, is on a path, near its start."""
+    along, bend = columns @ path.first, path.second @ path.first
+    if not (along > 0 and 1 + 2 * along * bend >= 0):
+        return False
+    step = 2 * along / (1 + np.sqrt(1 + 2 * along * bend))  # along = step + bend step^2 / 2
+    bent = step**2 * path.second / 2
+    near = min(max(STEPS), 2 * BENT / max(float(np.linalg.norm(path.second)), TINY))
+    off = np.abs(columns - step * path.first - bent).max()
+    return bool(step <= near * (1 + ACROSS) and off <= KEEPS * step)
+
+
+def find_configuration(
+    assembly: Assembly, contacts: ContactSet, program: Program, problem: Stationary, path: Path
+) -> tuple[Configuration | None, str]:
+    """A place on a path where all parts are apart and lower, or why none is known."""
+    assert problem.scale is not None
+    for step in STEPS:
+        bent = step**2 * path.second / 2
+        if np.linalg.norm(bent) > BENT * step:
+            continue
+        columns = step * path.first + bent
+        motion = program.full(columns * problem.scale)
+        energy = -float(problem.load @ columns)
+        apart = separation_at(assembly, contacts, program, problem, motion)
+        if apart is None:
+            return None, "a path leads down, but its surfaces cannot be held apart exactly"
+        if apart > APART * problem.length and energy < -APART:
+            return Configuration(motion, apart, energy * problem.weight * problem.length), ""
+    return None, "a path leads down, but no exact configuration on it was found to be apart"

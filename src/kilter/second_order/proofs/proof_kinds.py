@@ -1,0 +1,67 @@
+"""The six kinds of proof of second order, behind one protocol.
+
+Each kind is named in a proof file by a key that no other kind has.
+"""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, Protocol
+
+from kilter.mechanics.program import Program
+from kilter.mechanics.proof_form import Form
+from kilter.second_order.gaps.stationary import Stationary
+from kilter.second_order.proofs.cluster_facts import ClusterFacts, Outcome
+from kilter.second_order.proofs.fall_proof import Fall
+from kilter.second_order.proofs.held import Held
+from kilter.second_order.proofs.level_rest import LevelRest
+from kilter.second_order.proofs.locked import LockedTurns
+from kilter.second_order.proofs.minimum_proof import MinimumProof
+from kilter.second_order.proofs.stopped import Stopped
+
+__all__ = ["KINDS", "Proof"]
+
+
+class Proof(Protocol):
+    """A proof of the state of one cluster.
+
+    Attributes
+    ----------
+    FORM : Form
+        Form of its data in a proof file.
+    SURFACES : {"none", "known", "exact", "all"}
+        The forms of gaps that the proof uses: none; those that are known; those without any
+        doubt; those of all contacts that have a unique normal.
+    """
+
+    FORM: ClassVar[Form]
+    SURFACES: ClassVar[str]
+
+    def to_data(self, program: Program, problem: Stationary | None) -> dict[str, Any]:
+        """Data of a proof file."""
+
+    @classmethod
+    def from_data(cls, facts: ClusterFacts, data: dict[str, Any]) -> Proof:
+        """The proof from data of this form.
+
+        Raises
+        ------
+        MalformedProof
+            If numbers do not fit one another, or motions do not fit the parts.
+        """
+
+    def judge(self, facts: ClusterFacts) -> str:
+        """Why the proof does not hold; empty if it holds."""
+
+    def outcome(self, facts: ClusterFacts) -> Outcome:
+        """State and counts that the proof establishes."""
+
+
+KINDS: dict[str, type[Proof]] = {
+    "held": Held,
+    "level": LevelRest,
+    "locked": LockedTurns,
+    "stopped": Stopped,
+    "first": Fall,
+    "basis": MinimumProof,
+}
+"""The kind of a proof by its key in a proof file."""

@@ -1,0 +1,84 @@
+"""Numbers of a proof file as arrays, and motions by the names of the parts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from kilter.arrays import Array
+from kilter.mechanics.program import Program
+from kilter.second_order.gaps.stationary import Stationary
+from kilter.second_order.motions.free_span import scaled_columns
+
+__all__ = [
+    "MalformedProof",
+    "by_part",
+    "counts",
+    "named_motion",
+    "read_columns",
+    "read_motion",
+    "square",
+    "stacked",
+]
+
+
+class MalformedProof(ValueError):
+    """The data of a proof do not have the form of its kind."""
+
+
+def counts(entries: Iterable[dict[str, Any] | None]) -> dict[str, int]:
+    """Sums of the counts of motions of several clusters; empty if one of them falls."""
+    given = [entry for entry in entries if entry is not None]
+    if any(entry["state"] == "balanced" for entry in given):
+        return {}
+    return {key: sum(entry[key] for entry in given) for key in ("neutral", "free")}
+
+
+def square(weights: list[Any]) -> Array:
+    """Rows of numbers as a square matrix, shape (n, n)."""
+    size = len(weights)
+    if any(len(row) != size for row in weights):
+        raise MalformedProof("weights are not square")
+    return np.array(weights, dtype=float).reshape(size, size)
+
+
+def stacked(program: Program, problem: Stationary, motions: Iterable[Any]) -> Array:
+    """Motions as columns of scaled unknowns, shape (n, d)."""
+    columns = [read_columns(program, problem, motion) for motion in motions]
+    return np.array(columns).T if columns else np.zeros((len(problem.load), 0))
+
+
+def by_part(program: Program, problem: Stationary, columns: Array) -> dict[str, list[float]]:
+    """A motion in scaled unknowns, shape (n,), by the names of the free parts."""
+    assert problem.scale is not None
+    return named_motion(program, program.full(columns * problem.scale))
+
+
+def named_motion(program: Program, motion: Array) -> dict[str, list[float]]:
+    """A motion of all parts, shape (N, 6), by the names of the free parts."""
+    return {program.names[k]: motion[k].tolist() for k in np.flatnonzero(program.free)}
+
+
+def read_motion(program: Program, named: dict[str, Any]) -> Array:
+    """A motion of all parts, shape (N, 6), from six numbers for each free part.
+
+    Raises
+    ------
+    MalformedProof
+        If the names are not those of the free parts, or a motion leaves the plane.
+    """
+    free = [program.names[k] for k in np.flatnonzero(program.free)]
+    if set(named) != set(free):
+        raise MalformedProof("a motion is not one of the free parts")
+    motion = np.zeros((len(program.names), 6))
+    motion[program.free] = np.array([named[name] for name in free], dtype=float).reshape(-1, 6)
+    if np.delete(motion, program.freedoms, axis=1).any():
+        raise MalformedProof("a motion leaves the plane")
+    return motion
+
+
+def read_columns(program: Program, problem: Stationary, named: dict[str, Any]) -> Array:
+    """A motion in scaled unknowns, shape (n,)."""
+    return scaled_columns(program, problem, read_motion(program, named)[None])[:, 0]
