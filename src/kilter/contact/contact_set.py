@@ -345,7 +345,8 @@ class ContactSet:
         index = self.assembly.index
         touched = np.zeros(len(self.assembly.parts), dtype=bool)
         touched[self.patch_parts.ravel()] = True
-        pairs = [pair.parts for pair in (*self.unsupported, *self.overlaps)]
+        pairs = [pair.parts for pair in self.unsupported]
+        pairs += [pair.parts for pair in self.overlaps]
         touched[np.array(pairs, dtype=np.int64).ravel()] = True
         joined = [name for joint in self.assembly.joints for name in joint.parts]
         touched[[index[name] for name in joined if name in index]] = True
