@@ -6,10 +6,12 @@ Several clusters have a proof each, None for an open cluster. `proof_kinds` has 
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from kilter.second_order.answer.second_order_answer import SecondOrder
 from kilter.second_order.proofs.proof_numbers import by_part, counts
+
+if TYPE_CHECKING:
+    from kilter.second_order.answer.second_order_answer import SecondOrder
 
 __all__ = ["second_order_data"]
 
