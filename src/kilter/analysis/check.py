@@ -10,46 +10,31 @@ it, the verdict is undecided and says why.
 
 from __future__ import annotations
 
-import dataclasses
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kilter.analysis.decision.as_stated import explained_by_accuracy
-from kilter.analysis.decision.degenerate_branches import decide_degenerate
-from kilter.analysis.decision.fitted_normals import rests_on_fits, why_fits_leave_it_open
-from kilter.analysis.decision.judge import Judgement, judge
-from kilter.analysis.open_pairs.open_question import OpenQuestion, ask_open, open_pairs_answer
+from kilter.analysis.decision.decide import decide
+from kilter.analysis.decision.decision import Decision
+from kilter.analysis.open_pairs.open_question import open_pairs_answer
 from kilter.analysis.open_pairs.ordinary_contacts import (
-    EQUILIBRIUM,
-    PROVED,
-    SETTLES,
-    OpenTrial,
     trial_words,
-    try_ordinary,
 )
 from kilter.analysis.verdict.remarks import loose_parts, remarks
-from kilter.analysis.verdict.verdict import Verdict, Word
+from kilter.analysis.verdict.verdict import Verdict
 from kilter.assembly import Assembly, require_assembly
 from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.coincident import require_apart
 from kilter.contact.open_pairs import still_open
 from kilter.errors import InputError
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
-from kilter.mechanics.program import Program, build_program
 from kilter.tell.levels import REQUIRE, require_level
 from kilter.tell.numbers import number as text_of
 from kilter.tell.open_words import undecided_sentence
-from kilter.tell.second_order_words import balanced_sentence
 from kilter.tell.words import verdict_sentence
 from kilter.threads import on_one_thread
 from kilter.validate import number
 from kilter.work import EFFORT, Work, units_of
-
-if TYPE_CHECKING:
-    from kilter.friction.answer import FrictionAnswer
-    from kilter.second_order.answer.second_order_answer import SecondOrder
 
 __all__ = ["check"]
 
@@ -125,24 +110,18 @@ def check(
     seconds["contacts"] = time.perf_counter() - started
     tell("verdict")
     started = time.perf_counter()
-    decision = _as_stated(assembly, contacts, _decide(assembly, contacts, work))
-    word, program = decision.verdict, decision.program
-    second = _second_order(decision, assembly, contacts, work, strict=require == "strict")
+    decision = decide(assembly, contacts, require=require, work=work)
     seconds["solve"] = time.perf_counter() - started
     sentence = _sentence(decision, assembly, contacts)
-    if second is not None and second.state == "balanced":
-        rolling = None if second.rolling is None else second.rolling.state
-        moving = [program.names[k] for k in second.moving]
-        sentence = balanced_sentence(moving, rolling=rolling)
     warnings = _warnings(assembly, contacts, decision)
     if work.cut:
         warnings.append(_late(time_limit))
     return Verdict(
-        word,
+        decision.verdict,
         sentence,
         assembly,
         contacts,
-        program,
+        decision.program,
         decision.judgement,
         decision.friction,
         tuple(warnings),
@@ -152,26 +131,8 @@ def check(
         decision.question,
         require,
         measures,
-        second,
+        decision.second_order,
     )
-
-
-def _second_order(
-    decision: _Decision, assembly: Assembly, contacts: ContactSet, work: Work, *, strict: bool
-) -> SecondOrder | None:
-    """What second order says of what is stable without friction."""
-    if decision.verdict != "stable" or decision.friction is not None:
-        return None
-    from kilter.second_order.answer.whole import find_second_order, with_rolling  # takes its time
-
-    proof = decision.judgement.forces
-    forces = None if proof is None else proof.forces
-    found = find_second_order(
-        assembly, contacts, decision.program, forces, work=work, strict=strict
-    )
-    if found is None or found.state != "balanced":
-        return found
-    return with_rolling(found, assembly, contacts, build_program(assembly, contacts))
 
 
 def _work(effort: float, time_limit: float | None, progress: Callable[[str], None] | None) -> Work:
@@ -186,32 +147,32 @@ def _late(time_limit: float | None) -> str:
     return f"cut short by the time limit of {time_limit:g} s: this is what is proved until then"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Decision:
-    """Verdict, the program it speaks of, its evidence, and what keeps it undecided."""
-
-    verdict: Word
-    program: Program
-    judgement: Judgement
-    friction: FrictionAnswer | None = None
-    why: tuple[str, ...] = ()
-    question: OpenQuestion | None = None
-    trial: OpenTrial | None = None
-
-
-def _sentence(decision: _Decision, assembly: Assembly, contacts: ContactSet) -> str:
+def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> str:
     if decision.verdict == "undecided":
         if decision.question is None:
-            return f"Undecided: {'; '.join(decision.why)}."
+            return f"Undecided: {'; '.join(decision.reasons)}."
         pairs = open_pairs_answer(assembly, contacts, decision.question)
-        return undecided_sentence(pairs, assembly.units, more=decision.why)
+        return undecided_sentence(pairs, assembly.units, more=decision.reasons)
     friction = decision.friction
     coarse = bool(decision.program.tolerance.max(initial=0.0) > TOLERANCE)
     bonded = bool(assembly.bonds)
     gap = contacts.counted_gap
     counted = "" if gap is None else f"{text_of(gap, 3)} {assembly.units}"
+    second = decision.second_order
+    if second is not None and second.state == "balanced":
+        rolling = None if second.rolling is None else second.rolling.state
+        moving = [decision.program.names[k] for k in second.moving]
+        return balanced_sentence(moving, rolling=rolling)
     if friction is None:
-        return verdict_sentence(decision.verdict, coarse=coarse, counted=counted, bonded=bonded)
+        first_order = second is not None and second.state in ("free", "open")
+        return verdict_sentence(
+            decision.verdict,
+            first_order=first_order,
+            frictionless=not decision.program.mu.any(),
+            coarse=coarse,
+            counted=counted,
+            bonded=bonded,
+        )
     settling = friction.settling
     return verdict_sentence(
         decision.verdict,
@@ -219,124 +180,14 @@ def _sentence(decision: _Decision, assembly: Assembly, contacts: ContactSet) -> 
         why=friction.why,
         squeeze=friction.seating.seated == "runs-away",
         tries=(len(friction.tries), len(settling.ends), settling.of),
+        assumed="" if friction.exclusion is None else friction.exclusion.assumes,
         coarse=coarse,
         counted=counted,
         bonded=bonded,
     )
 
 
-def _decide(assembly: Assembly, contacts: ContactSet, work: Work) -> _Decision:
-    program = build_program(assembly, contacts)
-    smooth = program.frictionless
-    judgement = judge(smooth, work=work)
-    if judgement.stable:
-        return _Decision("stable", smooth, judgement)
-    if program is not smooth:
-        work.stage("equilibrium with friction")
-        judgement = judge(program, work=work)
-    if judgement.stable is None:
-        reason = "the time limit was met" if work.cut else _figures(judgement)
-        return _Decision("undecided", program, judgement, why=(reason,))
-    if judgement.stable:
-        if rests_on_fits(program, assembly):
-            return _on_fits(program, judgement, work)
-        return _with_friction(assembly, contacts, program, judgement, work)
-    outer = build_program(assembly, contacts, possible=True)
-    if len(outer.part_a) == len(program.part_a):
-        return _Decision("unstable", program, judgement)
-    bound = judge(outer, work=work)
-    if bound.stable is False:
-        return _Decision("unstable", outer, bound)
-    sharp = decide_degenerate(assembly, contacts)
-    if sharp.program is not None and sharp.judgement is not None:
-        return _Decision("unstable", sharp.program, sharp.judgement)
-    fits = why_fits_leave_it_open(assembly, contacts, program, work)
-    work.stage("open pairs")
-    question = ask_open(
-        assembly, contacts, program, lambda other: _decide(other, contacts, work).verdict, work=work
-    )
-    unclear = () if question is not None or fits else (_unclear(contacts, bound, work),)
-    why = (*unclear, *fits, *sharp.words)
-    return _Decision("undecided", program, judgement, why=why, question=question)
-
-
-def _with_friction(
-    assembly: Assembly, contacts: ContactSet, program: Program, judgement: Judgement, work: Work
-) -> _Decision:
-    """What friction guarantees, with the open pairs as ordinary contacts too."""
-    from kilter.friction.answer import ask_friction, not_asked  # takes its time
-
-    if program.cohesion.any():
-        return _Decision("potentially-stable", program, judgement, not_asked(program))
-    answer, trial = ask_friction(program, work=work), None
-
-    def level(other: Program) -> int:
-        if judge(other.frictionless, work=work).stable:
-            return PROVED
-        return _level(ask_friction(other, work=work.beside(work.allowed)))
-
-    if _level(answer) > EQUILIBRIUM:
-        trial = try_ordinary(assembly, contacts, level)
-        if trial.level < PROVED and answer.guarantee == "proved":
-            answer = dataclasses.replace(answer, guarantee="open")
-        if trial.level < SETTLES:
-            answer = dataclasses.replace(answer, tries=())
-    return _Decision(_word(answer), program, judgement, answer, trial=trial)
-
-
-def _level(friction: FrictionAnswer) -> int:
-    """What friction guarantees, as a level that can be compared."""
-    if friction.guarantee == "proved":
-        return PROVED
-    return SETTLES if friction.settles else EQUILIBRIUM
-
-
-def _on_fits(program: Program, judgement: Judgement, work: Work) -> _Decision:
-    """Equilibrium alone: with normals in doubt nothing is said of other motions."""
-    from kilter.friction.answer import ask_friction
-
-    answer = ask_friction(program, work=work.beside(0.0))
-    answer = dataclasses.replace(answer, guarantee="open", tries=())
-    return _Decision("potentially-stable", program, judgement, answer)
-
-
-def _as_stated(assembly: Assembly, contacts: ContactSet, decision: _Decision) -> _Decision:
-    """The decision; undecided where the accuracy that the file states explains what moves."""
-    if decision.verdict != "unstable":
-        return decision
-    why = explained_by_accuracy(assembly, contacts, decision.program)
-    return dataclasses.replace(decision, verdict="undecided", why=(why,)) if why else decision
-
-
-def _word(friction: FrictionAnswer) -> Word:
-    """The verdict on what has forces of equilibrium by friction."""
-    if friction.guarantee == "proved":
-        return "stable"
-    return "settles" if friction.settles else "potentially-stable"
-
-
-def _figures(judgement: Judgement) -> str:
-    residual = judgement.forces.residual if judgement.forces else float("nan")
-    motion = judgement.motion
-    ratio = f"{motion.power:.2g} W at violation {motion.violation:.2g}" if motion else "none"
-    return (
-        f"the numbers do not carry a proof (best forces leave {residual:.2g} of a weight, "
-        f"best motion: {ratio})"
-    )
-
-
-def _unclear(contacts: ContactSet, bound: Judgement, work: Work) -> str:
-    """Why it is undecided where no joined pairs decide; `bound`: of all that could touch."""
-    if work.cut:
-        return "the time limit was met"
-    if bound.stable is None:
-        return f"of what could hold it {_figures(bound)}"
-    if contacts.open_pairs:
-        return "pairs that are left open could hold it together with round rims"
-    return "the polygon that stands for a round face could hold it, a circle might not"
-
-
-def _warnings(assembly: Assembly, contacts: ContactSet, decision: _Decision) -> list[str]:
+def _warnings(assembly: Assembly, contacts: ContactSet, decision: Decision) -> list[str]:
     warnings = remarks(assembly, contacts)
     friction, program = decision.friction, decision.program
     if friction is not None and program.cohesion.any():
@@ -344,8 +195,6 @@ def _warnings(assembly: Assembly, contacts: ContactSet, decision: _Decision) -> 
             "what friction guarantees is not asked beside bonds that bear shear up to a force: only"
             " that forces balance"
         )
-    if friction is not None and friction.exclusion is not None and friction.exclusion.assumes:
-        warnings.append(f"the proof assumes {friction.exclusion.assumes}")
     left_open = still_open(contacts.open_pairs, assembly)
     if decision.trial is not None and left_open:
         warnings.append(trial_words(decision.trial, assembly, len(left_open)))

@@ -62,7 +62,7 @@ MODES = 0.6
 to a motion are found in two thirds of that."""
 
 Answer = Literal["proved", "refuted", "open"]
-Why = Literal["refuted", "jams", "squeeze", "not-found"]
+Why = Literal["refuted", "jams", "squeeze", "not-found", "not-asked"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,6 +85,8 @@ class FrictionAnswer:
         The proof that there is no motion, or how far it came.
     work : float
         Units spent (`kilter.work`).
+    examined : bool
+        False if only the equilibrium was requested: then seating, settling and motions are unknown.
     """
 
     guarantee: Answer
@@ -95,6 +97,7 @@ class FrictionAnswer:
     tries: tuple[ForceProof, ...]
     exclusion: Exclusion | None
     work: float
+    examined: bool = True
 
     @property
     def settles(self) -> bool:
@@ -104,6 +107,8 @@ class FrictionAnswer:
     @property
     def why(self) -> Why | None:
         """Why it may not stay, the first that applies; None where it settles or is proved."""
+        if not self.examined:
+            return "not-asked"
         if self.guarantee == "refuted":
             return "refuted"
         if self.guarantee == "proved" or self.settles:
@@ -129,14 +134,14 @@ class FrictionAnswer:
 
 
 def not_asked(program: Program) -> FrictionAnswer:
-    """That forces balance, and nothing more.
+    """Return the answer that forces of equilibrium exist; the guarantee is not examined.
 
-    What is asked here knows Coulomb's law only: not bonds that bear shear up to a force.
+    The guarantee covers Coulomb's law only, not bonds that bear shear up to a force.
     """
     none = np.zeros((len(program.part_a), 3))
     seating = Seating("not-found", none, np.inf, 0, 0, None)
     settling = Settling((), (), TRIES, 0)
-    return FrictionAnswer("open", None, seating, None, settling, (), None, 0.0)
+    return FrictionAnswer("open", None, seating, None, settling, (), None, 0.0, examined=False)
 
 
 def ask_friction(

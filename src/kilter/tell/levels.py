@@ -17,7 +17,12 @@ LEVELS = ("equilibrium", "settles", "proved", "strict")
 """From the lowest on."""
 REQUIRE = "settles"
 """What is asked for where nothing is said."""
-REACHED = {"stable": "proved", "settles": "settles", "potentially-stable": "equilibrium"}
+REACHED = {
+    "stable": "proved",
+    "settles": "settles",
+    "potentially-stable": "equilibrium",
+    "balanced": "equilibrium",
+}
 """The level of a verdict; the others reach none."""
 
 

@@ -32,8 +32,13 @@ def balanced_sentence(parts: Sequence[str], within: str = "", rolling: str | Non
     them = "it" if len(parts) == 1 else "them"
     if rolling == "holds":
         return (
-            f"Balanced{within}: friction holds {_names(parts)} against small pushes; without "
-            f"friction the slightest makes {them} fall."
+            f"Stable{within}: friction holds {_names(parts)} against small pushes; without "
+            f"friction the slightest push makes {them} fall."
+        )
+    if rolling == "open":
+        return (
+            f"Stable to first order, as in the paper{within}: it cannot start to move by itself; "
+            f"the slightest push makes {_names(parts)} fall, unless friction holds {them}."
         )
     falls = f"makes {_names(parts)} fall"
     friction = f"unless friction holds {them}"

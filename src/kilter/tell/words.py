@@ -39,9 +39,12 @@ NAMED = 2
 """Parts that `motion_summary` describes, the fastest."""
 SENTENCES = {
     ("stable", None): "Stable{within}: it cannot start to move{slippery}.",
+    ("stable", "first order"): (
+        "Stable to first order, as in the paper{within}: it cannot start to move{slippery}."
+    ),
     ("stable", "proved"): (
         "Stable{within}: with this friction no motion can start, whatever the contact forces "
-        "were before."
+        "were before{assumed}."
     ),
     ("settles", None): (
         "Settles{within}: put down loosely, it came to rest in each of {of} tries, by the friction "
@@ -63,12 +66,16 @@ SENTENCES = {
         "Potentially stable{within}, held only by squeeze: it stays only if something other than "
         "its weight presses the parts together; no motion was found."
     ),
+    ("potentially-stable", "not-asked"): (
+        "Potentially stable{within}: forces that hold it exist; settling and other motions were not "
+        "examined."
+    ),
     ("potentially-stable", "not-found"): (
         "Potentially stable{within}: forces that hold it exist; no motion was found, and whether "
         "it settles was not found out."
     ),
     ("unstable", None): (
-        "Unstable{beyond}: no contact forces can hold it; here is how it starts to move."
+        "Unstable{beyond}: no contact forces can hold it{smooth}; here is how it starts to move."
     ),
 }
 """Sentence of a verdict and of what friction guarantees."""
@@ -123,6 +130,9 @@ def verdict_sentence(
     why: str | None = None,
     squeeze: bool = False,
     tries: tuple[int, int, int] = (0, 0, 0),
+    first_order: bool = False,
+    frictionless: bool = False,
+    assumed: str = "",
     coarse: bool = False,
     counted: str = "",
     bonded: bool = False,
@@ -140,6 +150,12 @@ def verdict_sentence(
         Every seat runs away.
     tries : tuple of int
         Passed, made, and asked for.
+    first_order : bool
+        Second order leaves a neutral motion free or open.
+    frictionless : bool
+        No contact of the assembly has friction.
+    assumed : str
+        The bound on contact forces that the proof of "proved" assumes.
     coarse : bool
         The data are coarser than float64.
     counted : str
@@ -155,6 +171,8 @@ def verdict_sentence(
     'Stable, counting gaps up to 1 mm as closed: it cannot start to move.'
     """
     key = guarantee if verdict == "stable" else why
+    if verdict == "stable" and guarantee is None and first_order:
+        key = "first order"
     if why == "refuted" and squeeze:
         key = "refuted squeeze"
     passed, tried, of = tries
@@ -163,6 +181,8 @@ def verdict_sentence(
     return SENTENCES[verdict, key].format(
         within=(" within the accuracy of the coordinates" if coarse else "") + counting,
         slippery="" if counted else ", however slippery the parts",
+        smooth=" without friction" if frictionless else "",
+        assumed=f" (up to {assumed})" if assumed else "",
         beyond=", and not by rounding of its coordinates" if coarse else "",
         passed=passed,
         tried=tried,

@@ -24,7 +24,7 @@ from kilter.shape.solid import Solid
 from kilter.tell.numbers import number
 from kilter.units import metres_per_unit
 
-__all__ = ["explained_by_accuracy"]
+__all__ = ["explained_by_accuracy", "stated_accuracy"]
 
 
 def explained_by_accuracy(assembly: Assembly, contacts: ContactSet, program: Program) -> str:
@@ -35,7 +35,7 @@ def explained_by_accuracy(assembly: Assembly, contacts: ContactSet, program: Pro
     program : Program
         Without friction, of which a motion is proved.
     """
-    off = _stated(assembly)
+    off = stated_accuracy(assembly)
     if not off.any() or assembly.loads or len(program.gripping):
         return ""
     motion = find_motion(program)
@@ -54,7 +54,7 @@ def explained_by_accuracy(assembly: Assembly, contacts: ContactSet, program: Pro
     )
 
 
-def _stated(assembly: Assembly) -> Array:
+def stated_accuracy(assembly: Assembly) -> Array:
     """How far points of each part may be off, shape (N,) [length unit]."""
     shapes = (part.shape for part in assembly.parts)
     return np.array([shape.uncertainty if isinstance(shape, Solid) else 0.0 for shape in shapes])

@@ -11,11 +11,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from kilter.analysis.analysis_tolerances import MOVES
+from kilter.analysis.decision.decision import Word
 from kilter.analysis.decision.judge import Judgement
 from kilter.analysis.open_pairs.open_question import OpenQuestion, open_pairs_answer
 from kilter.analysis.verdict.answers import joints_answer, unsupported_answer
@@ -62,8 +63,6 @@ if TYPE_CHECKING:
     from kilter.second_order.answer.second_order_answer import SecondOrder
 
 __all__ = ["Verdict", "Word"]
-
-Word = Literal["stable", "settles", "potentially-stable", "unstable", "undecided"]
 
 BARELY = 1e-3
 """Instability below which the accuracy of the coordinates is asked about."""
@@ -160,25 +159,30 @@ class Verdict(InCells):
     @property
     def why(self) -> str | None:
         """Why it is only potentially stable: refuted, jams, squeeze or not-found; else None."""
-        asked = self.verdict == "potentially-stable" and self.friction is not None
-        return self.friction.why if asked and self.friction is not None else None
+        if self.verdict == "balanced":
+            return "balanced"
+        if self.verdict != "potentially-stable" or self.friction is None:
+            return None
+        return self.friction.why
 
     @property
     def guarantee(self) -> str:
         """Is there no other motion that obeys the contact law? proved, refuted or open."""
         if self.verdict == "potentially-stable" and self.friction is not None:
             return self.friction.guarantee
-        return {"stable": "proved", "unstable": "refuted"}.get(self.verdict, "open")
+        known = {"stable": "proved", "balanced": "proved", "unstable": "refuted"}
+        return known.get(self.verdict, "open")
 
     @property
     def seated(self) -> str | None:
         """Has it a seat? yes, runs-away or not-found; None where it is not asked."""
-        return None if self.friction is None else self.friction.seating.seated
+        asked = self.friction is not None and self.friction.examined
+        return self.friction.seating.seated if asked and self.friction is not None else None
 
     @property
     def tries(self) -> tuple[int, int] | None:
         """How many tries came to rest, put down loosely, and of how many; None: not asked."""
-        if self.friction is None:
+        if self.friction is None or not self.friction.examined:
             return None
         return len(self.friction.tries), len(self.friction.settling.ends)
 
@@ -200,7 +204,7 @@ class Verdict(InCells):
     @on_one_thread
     def displacement(self) -> Displacement:
         """LP (9) of the paper, without friction: z and displacements."""
-        if self.verdict == "stable" and self.friction is None:
+        if self.verdict in ("stable", "balanced") and self.friction is None:
             count = len(self.program.names)
             large = int(self.program.free.sum()) > DISPLACEMENT_LIMIT
             return sealed(Displacement(0.0, None if large else np.zeros((count, 6))))
@@ -218,7 +222,7 @@ class Verdict(InCells):
 
     @on_one_thread
     def _motion(self) -> ImpendingMotion:
-        if self.verdict in ("stable", "settles"):
+        if self.verdict in ("stable", "settles", "balanced"):
             return still(self.program)
         if self.modelled.cohesion.any():
             rubs = self.modelled.mu.any()  # beside friction it is not known

@@ -46,7 +46,7 @@ def certificate_answer(
 
 def friction_answer(answer: FrictionAnswer | None, effort: float) -> dict[str, Any] | None:
     """How the guarantee came about, where the verdict rests on friction."""
-    if answer is None:
+    if answer is None or not answer.examined:
         return None
     witness, seating, exclusion = answer.witness, answer.seating, answer.exclusion
     return {
