@@ -31,6 +31,7 @@ from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.tell.levels import REQUIRE, require_level
 from kilter.tell.numbers import number as text_of
 from kilter.tell.open_words import undecided_sentence
+from kilter.tell.second_order_words import balanced_sentence
 from kilter.tell.words import verdict_sentence
 from kilter.threads import on_one_thread
 from kilter.validate import number

@@ -36,6 +36,8 @@ WHY = {
     "refuted": "Coulomb's law allows a motion too",
     "jams": "it can jam, but put down loosely it did not come to rest in every try",
     "squeeze": "it holds only if something other than its weight presses its parts together",
+    "balanced": "the slightest push makes it fall",
+    "not-asked": "settling and other motions were not examined",
     "not-found": "whether its own weight can hold it was not found out",
 }
 UNDONE = "not every try was finished"

@@ -27,6 +27,7 @@ AFTER_CHECK = {
     "stable": MARGIN,
     "settles": MARGIN,
     "potentially-stable": VIEW,
+    "balanced": VIEW,
     "unstable": HOLD,
     "undecided": CONTACTS,
 }
@@ -85,7 +86,6 @@ def _after_check(answer: Answer, bricks: bool) -> NextStep:
     """What falls is mended, what only balances is looked at."""
     if answer["verdict"] == "unstable" and answer["bonds"]:
         return BRICK if bricks else STRONGER
-    second = answer.get("second_order")
-    if second is not None and second["state"] == "balanced" and second["rolling"] != "holds":
+    if answer["verdict"] == "balanced":
         return FALL
     return AFTER_CHECK[answer["verdict"]]

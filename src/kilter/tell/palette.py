@@ -83,6 +83,7 @@ VERDICT_ROLE = {
     "held": "stable",
     "settles": "stable",
     "potentially-stable": "stable",
+    "balanced": "stable",
     "unstable": "unstable",
     "impossible": "unstable",
     "fails": "unstable",

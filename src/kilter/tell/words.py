@@ -24,6 +24,7 @@ VERDICTS = {
     "stable": "Stable",
     "settles": "Settles",
     "potentially-stable": "Potentially stable",
+    "balanced": "Balanced",
     "unstable": "Unstable",
     "undecided": "Undecided",
     "unknown": "Not known",
@@ -67,15 +68,15 @@ SENTENCES = {
         "its weight presses the parts together; no motion was found."
     ),
     ("potentially-stable", "not-asked"): (
-        "Potentially stable{within}: forces that hold it exist; settling and other motions were not "
-        "examined."
+        "Potentially stable{within}: forces that hold it exist; settling and other motions were "
+        "not examined."
     ),
     ("potentially-stable", "not-found"): (
         "Potentially stable{within}: forces that hold it exist; no motion was found, and whether "
         "it settles was not found out."
     ),
     ("unstable", None): (
-        "Unstable{beyond}: no contact forces can hold it{smooth}; here is how it starts to move."
+        "Unstable{beyond}: {smooth}no contact forces can hold it; here is how it starts to move."
     ),
 }
 """Sentence of a verdict and of what friction guarantees."""
@@ -181,7 +182,7 @@ def verdict_sentence(
     return SENTENCES[verdict, key].format(
         within=(" within the accuracy of the coordinates" if coarse else "") + counting,
         slippery="" if counted else ", however slippery the parts",
-        smooth=" without friction" if frictionless else "",
+        smooth="without friction " if frictionless else "",
         assumed=f" (up to {assumed})" if assumed else "",
         beyond=", and not by rounding of its coordinates" if coarse else "",
         passed=passed,

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kilter.analysis.decision.doubts import fitted_pairs
 from kilter.arrays import Index, Mask
 from kilter.assembly.side_by_side import SideBySide
 from kilter.contact.contact_set import ContactSet
@@ -98,5 +99,5 @@ def _odd(apart: SideBySide, contacts: ContactSet) -> Mask:
     odd = np.zeros(len(apart), dtype=bool)
     parts: Index = np.array([one.parts[0] for one in coincident(contacts)], dtype=np.int64)
     odd[owner[parts]] = True
-    odd[owner[contacts.patch_parts[contacts.patch_doubt > 0, 0]]] = True
+    odd[owner[fitted_pairs(contacts)[:, 0]]] = True
     return odd

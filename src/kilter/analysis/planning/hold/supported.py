@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from kilter.analysis.decision.as_stated import explained_by_accuracy
+from kilter.analysis.decision.doubts import doubts_of
 from kilter.analysis.decision.judge import judge
 from kilter.analysis.planning.states.covers import Shares
 from kilter.analysis.planning.states.state_programs import StatePrograms, build_state_programs
@@ -76,6 +76,7 @@ class Supported:
             assembly, contacts, [supports[k] for k in self._acting]
         )
         self._programs: StatePrograms = build_state_programs(self._loaded, self._touching)
+        self._doubts = doubts_of(self._loaded, self._touching)
         self._first = len(contacts.patch_mu)  # the first patch of a support
         self._found: dict[frozenset[int], SupportedState] = {}
 
@@ -104,14 +105,11 @@ class Supported:
         judgement = judge(program, work=work)
         state = SupportedState(chosen, None, program, judgement.forces, None)
         if judgement.stable:
-            in_doubt = self.contacts.patch_doubt.any() and not program.mu.any()
-            return state if in_doubt else replace(state, stable=True)
+            return replace(state, stable=True)
         if judgement.stable is False and self._programs.open:
             program = self._program(chosen, self._programs.outer)
             judgement = judge(program, work=work)
-        if judgement.stable is not False or explained_by_accuracy(
-            self._loaded, self._touching, program
-        ):
+        if judgement.stable is not False or self._doubts.explain_motion(program):
             return replace(state, forces=None)
         return SupportedState(chosen, False, program, None, judgement.motion)
 

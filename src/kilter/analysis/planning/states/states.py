@@ -27,8 +27,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check
-from kilter.analysis.decision.as_stated import explained_by_accuracy
-from kilter.analysis.decision.degenerate_branches import decide_degenerate
+from kilter.analysis.decision.doubts import doubts_of
 from kilter.analysis.decision.judge import Judgement, judge
 from kilter.analysis.planning.states.holds import Holds, find_fewest_holds
 from kilter.analysis.planning.states.known_proofs import (
@@ -101,6 +100,7 @@ class States:
         self.contacts = contacts
         self.counts = {"asked": 0, "known": 0, "programs": 0, "cones": 0, "open": 0, "checks": 0}
         self._programs: StatePrograms = programs or build_state_programs(assembly, contacts)
+        self._doubts = doubts_of(assembly, contacts)
         self._pyramid: PyramidProgram | None = None
         self._forces: list[KnownForces] = []
         self._motions: list[KnownMotion] = []
@@ -266,9 +266,9 @@ class States:
                 proof = self._learned_motion(outer, proof)
             elif proof is not None:
                 self._learn_forces(state, proof)
-        if isinstance(proof, ForceProof) and not self._fitted(program):
+        if isinstance(proof, ForceProof):
             return replace(state, stable=True, forces=proof)
-        if isinstance(proof, MotionProof) and not self._explained(program):
+        if isinstance(proof, MotionProof) and not self._doubts.explain_motion(outer):
             return replace(state, stable=False, program=outer, motion=proof)
         return self._checked(state)
 
@@ -326,14 +326,6 @@ class States:
             return None
         return judgement.forces if judgement.stable else judgement.motion
 
-    def _fitted(self, program: Program) -> bool:
-        """Whether forces may rest on normals in doubt, with no friction to make up for it."""
-        return bool(self.contacts.patch_doubt.any()) and not program.mu.any()
-
-    def _explained(self, program: Program) -> bool:
-        """Whether the accuracy that the file states may explain what moves."""
-        return bool(explained_by_accuracy(self.assembly, self.contacts, program))
-
     def _learn_forces(self, state: State, proof: ForceProof) -> None:
         """Keep forces, where none are kept that prove more."""
         whole = self._programs.whole
@@ -352,15 +344,12 @@ class States:
         return strongest if strongest.holds else proof
 
     def _hanging(self, state: State) -> State:
-        """A state that falls by its certain contacts and holds with every possible one.
+        """Return a state that falls by its certain contacts and holds with every possible contact.
 
-        Only a choice of normals at edges and corners may still prove that it falls; what else
-        `kilter.check` asks of it are words about what is undecided.
+        Only a choice of normals at degenerate points may still prove that such a state falls.
         """
         self.counts["open"] += 1
-        assembly = self.sub_assembly(state)
-        sharp = decide_degenerate(assembly, contacts_among(self.contacts, assembly))
-        return state if sharp.program is None else self._checked(state)
+        return self._checked(state) if self._doubts.normals_open(state.present) else state
 
     def _checked(self, state: State) -> State:
         """The state as `kilter.check` finds it."""

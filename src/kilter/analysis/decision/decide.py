@@ -1,0 +1,238 @@
+"""The decision: does an assembly hold, at which level, by which proof?
+
+Every command calls `decide`. The steps, each of which ends with a certificate that is judged:
+
+1. certain contacts without friction: forces of equilibrium prove *stable*, whatever the friction
+   and whatever contacts are not modelled. More forces only help an equilibrium to exist, and
+   without friction every solution of the contact law has a.M a <= w.a <= 0. Second order then
+   separates *balanced* from stable;
+2. certain contacts in Coulomb's cones: forces of equilibrium, then the levels of friction
+   (`kilter.friction.answer`), also with the open pairs as ordinary contacts;
+3. the outer bound: a motion that no force of an open pair can stop proves *unstable*;
+4. the normals of degenerate points, by branches (`degenerate_branches`);
+5. fitted normals, and the accuracy of coordinates that a file states;
+6. the open pairs that decide (`kilter.analysis.open_pairs`): *undecided*, with a question.
+
+The doubts that separate these steps are read in this package only
+(`kilter.analysis.decision.doubts`).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import TYPE_CHECKING
+
+from kilter.analysis.decision.decision import Decision, Word
+from kilter.analysis.decision.degenerate_branches import decide_degenerate
+from kilter.analysis.decision.doubts import doubts_of
+from kilter.analysis.decision.fitted_normals import rests_on_fits, why_fits_leave_it_open
+from kilter.analysis.decision.judge import Judgement, judge
+from kilter.analysis.open_pairs.open_question import OpenQuestion, ask_open
+from kilter.analysis.open_pairs.ordinary_contacts import (
+    EQUILIBRIUM,
+    PROVED,
+    SETTLES,
+    try_ordinary,
+)
+from kilter.assembly import Assembly
+from kilter.contact import ContactSet
+from kilter.mechanics.program import Program, build_program
+from kilter.tell.levels import REQUIRE
+from kilter.work import Work
+
+if TYPE_CHECKING:
+    from kilter.friction.answer import FrictionAnswer
+
+__all__ = ["decide"]
+
+
+def decide(
+    assembly: Assembly,
+    contacts: ContactSet,
+    *,
+    require: str = REQUIRE,
+    work: Work | None = None,
+    known: Judgement | None = None,
+    second_order: bool = True,
+    question: bool = True,
+) -> Decision:
+    """Decide an assembly with its contacts, up to the required level.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        At least one part is held.
+    contacts : ContactSet
+        The contacts of this assembly.
+    require : {"equilibrium", "settles", "proved", "strict"}
+        The level at which the decision may stop. At "equilibrium" the guarantee of friction is
+        not examined.
+    work : Work, optional
+        Work that the guarantee of friction may take, and the time limit of every step.
+    known : Judgement, optional
+        A judgement of the certain contacts with friction, if one exists already. It is used
+        instead of step 2.
+    second_order : bool
+        Whether second order separates balanced from stable.
+    question : bool
+        Whether the deciding open pairs of an undecided assembly are searched for.
+
+    Examples
+    --------
+    >>> from kilter.contact import contacts
+    >>> from kilter.scenes import scene
+    >>> tower = scene("tower")
+    >>> decide(tower, contacts(tower)).verdict
+    'stable'
+    """
+    work = Work() if work is None else work
+    decision = _first_order(assembly, contacts, require, work, known, question)
+    if decision.verdict == "unstable":
+        reason = doubts_of(assembly, contacts).explain_motion(decision.program)
+        return (
+            dataclasses.replace(decision, verdict="undecided", reasons=(reason,))
+            if reason
+            else decision
+        )
+    return _with_second_order(decision, assembly, contacts, work) if second_order else decision
+
+
+def _first_order(
+    assembly: Assembly,
+    contacts: ContactSet,
+    require: str,
+    work: Work,
+    known: Judgement | None,
+    question: bool,
+) -> Decision:
+    """The decision without second order and without the stated accuracy of coordinates."""
+    program = build_program(assembly, contacts)
+    smooth = program.frictionless
+    judgement = judge(smooth, work=work)
+    if judgement.stable:
+        return Decision("stable", smooth, judgement)
+    if program is not smooth:
+        if known is None:
+            work.stage("equilibrium with friction")
+            known = judge(program, work=work)
+        judgement = known
+    if judgement.stable is None:
+        reason = "the time limit was met" if work.cut else _best_figures(judgement)
+        return Decision("undecided", program, judgement, reasons=(reason,))
+    if judgement.stable:
+        return _with_friction(assembly, contacts, program, judgement, require, work)
+    outer = build_program(assembly, contacts, possible=True)
+    if len(outer.part_a) == len(program.part_a):
+        return Decision("unstable", program, judgement)
+    bound = judge(outer, work=work)
+    if bound.stable is False:
+        return Decision("unstable", outer, bound)
+    sharp = decide_degenerate(assembly, contacts)
+    if sharp.program is not None and sharp.judgement is not None:
+        return Decision("unstable", sharp.program, sharp.judgement)
+    fits = why_fits_leave_it_open(assembly, contacts, program, work)
+    asked = _deciding_pairs(assembly, contacts, program, require, work) if question else None
+    unclear = () if asked is not None or fits else (_unclear(contacts, bound, work),)
+    reasons = (*unclear, *fits, *sharp.words)
+    return Decision("undecided", program, judgement, reasons=reasons, question=asked)
+
+
+def _deciding_pairs(
+    assembly: Assembly, contacts: ContactSet, program: Program, require: str, work: Work
+) -> OpenQuestion | None:
+    """The open pairs that decide, with the verdict if their parts are joined."""
+    work.stage("open pairs")
+
+    def verdict_of(joined: Assembly) -> str:
+        return _first_order(joined, contacts, require, work, None, True).verdict
+
+    return ask_open(assembly, contacts, program, verdict_of, work=work)
+
+
+def _with_friction(
+    assembly: Assembly,
+    contacts: ContactSet,
+    program: Program,
+    judgement: Judgement,
+    require: str,
+    work: Work,
+) -> Decision:
+    """The guarantee of friction where forces of equilibrium exist in Coulomb's cones."""
+    from kilter.friction.answer import ask_friction, not_asked  # scipy.optimize takes its time
+
+    if rests_on_fits(program, assembly):
+        # with normals in doubt nothing is known of other motions: equilibrium only
+        answer = ask_friction(program, work=work.beside(0.0))
+        answer = dataclasses.replace(answer, guarantee="open", tries=())
+        return Decision("potentially-stable", program, judgement, answer)
+    if require == "equilibrium" or program.cohesion.any():
+        return Decision("potentially-stable", program, judgement, not_asked(program))
+    answer, trial = ask_friction(program, work=work), None
+
+    def level(other: Program) -> int:
+        if judge(other.frictionless, work=work).stable:
+            return PROVED
+        return _friction_level(ask_friction(other, work=work.beside(work.allowed)))
+
+    if _friction_level(answer) > EQUILIBRIUM:
+        trial = try_ordinary(assembly, contacts, level)
+        if trial.level < PROVED and answer.guarantee == "proved":
+            answer = dataclasses.replace(answer, guarantee="open")
+        if trial.level < SETTLES:
+            answer = dataclasses.replace(answer, tries=())
+    return Decision(_word(answer), program, judgement, answer, trial=trial)
+
+
+def _friction_level(friction: FrictionAnswer) -> int:
+    """The guarantee of friction as a level that can be compared."""
+    if friction.guarantee == "proved":
+        return PROVED
+    return SETTLES if friction.settles else EQUILIBRIUM
+
+
+def _word(friction: FrictionAnswer) -> Word:
+    """The verdict if forces of equilibrium exist by friction only."""
+    if friction.guarantee == "proved":
+        return "stable"
+    return "settles" if friction.settles else "potentially-stable"
+
+
+def _with_second_order(
+    decision: Decision, assembly: Assembly, contacts: ContactSet, work: Work
+) -> Decision:
+    """The decision with second order, which finds whether a stable assembly is only balanced."""
+    if decision.verdict != "stable" or decision.friction is not None or work.late:
+        return decision
+    from kilter.second_order.whole import find_second_order, with_rolling  # takes its time
+
+    proof = decision.judgement.forces
+    forces = None if proof is None else proof.forces
+    second = find_second_order(assembly, contacts, decision.program, forces)
+    if second is None or second.state != "balanced":
+        return dataclasses.replace(decision, second_order=second)
+    second = with_rolling(second, assembly, contacts, build_program(assembly, contacts))
+    falls = second.rolling is None or second.rolling.state == "falls"
+    word: Word = "balanced" if falls else "stable"
+    return dataclasses.replace(decision, verdict=word, second_order=second)
+
+
+def _best_figures(judgement: Judgement) -> str:
+    """The best forces and the best motion, neither of which passes as a proof."""
+    residual = judgement.forces.residual if judgement.forces else float("nan")
+    motion = judgement.motion
+    ratio = f"{motion.power:.2g} W at violation {motion.violation:.2g}" if motion else "none"
+    return (
+        f"the numbers do not carry a proof (best forces leave {residual:.2g} of a weight, "
+        f"best motion: {ratio})"
+    )
+
+
+def _unclear(contacts: ContactSet, bound: Judgement, work: Work) -> str:
+    """Why an assembly is undecided that no joined pairs decide; `bound`: with all open contacts."""
+    if work.cut:
+        return "the time limit was met"
+    if bound.stable is None:
+        return f"with every possible contact {_best_figures(bound)}"
+    if contacts.open_pairs:
+        return "open pairs could hold it together with round rims"
+    return "the polygon that stands for a round face could hold it, a circle might not"

@@ -1,0 +1,58 @@
+"""Decision: verdict, level and evidence about one assembly, as every command reports them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+from kilter.analysis.decision.judge import Judgement
+from kilter.analysis.open_pairs.open_question import OpenQuestion
+from kilter.analysis.open_pairs.ordinary_contacts import OpenTrial
+from kilter.mechanics.program import Program
+from kilter.tell.levels import level_of
+
+if TYPE_CHECKING:
+    from kilter.friction.answer import FrictionAnswer
+    from kilter.second_order.second_order_answer import SecondOrder
+
+__all__ = ["Decision", "Word"]
+
+Word = Literal["stable", "settles", "potentially-stable", "balanced", "unstable", "undecided"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Decision:
+    """The answer of `kilter.analysis.decision.decide.decide`.
+
+    Attributes
+    ----------
+    verdict : Word
+    program : Program
+        The program against which the certificate is proved.
+    judgement : Judgement
+        The proof: forces of equilibrium, or a motion.
+    friction : FrictionAnswer or None
+        The guarantee of friction; None if the verdict does not rest on friction.
+    second_order : SecondOrder or None
+        The answer of second order; None unless the verdict holds without friction.
+    reasons : tuple of str
+        Reasons why the verdict is undecided, in words.
+    question : OpenQuestion or None
+        The open pairs that decide an undecided verdict.
+    trial : OpenTrial or None
+        The level with the open pairs as ordinary contacts, if friction guarantees a level.
+    """
+
+    verdict: Word
+    program: Program
+    judgement: Judgement
+    friction: FrictionAnswer | None = None
+    second_order: SecondOrder | None = None
+    reasons: tuple[str, ...] = ()
+    question: OpenQuestion | None = None
+    trial: OpenTrial | None = None
+
+    @property
+    def level(self) -> str | None:
+        """The level that the assembly reaches, "strict" left out; None if it does not hold."""
+        return level_of(self.verdict)

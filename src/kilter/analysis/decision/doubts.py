@@ -1,0 +1,90 @@
+"""Doubts: the pairs of parts at which an assembly may differ from its contacts as they are found.
+
+    possible     forces of contacts that are not modelled, or not certain, may act between them
+    degenerate   edges or corners meet at a point that has no single normal
+    fitted       the normal of a contact comes from a fit and is known to an angle only
+    stated       the file of a part states that its coordinates are less accurate than rounding
+
+Only this package reads these marks of a contact set. The array paths (`kilter.check_many`,
+`kilter.states`, supports) decide every case by a proof in arrays that no doubt concerns, and pass
+the others on to `kilter.analysis.decision.decide`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kilter.analysis.decision.as_stated import explained_by_accuracy, stated_accuracy
+from kilter.arrays import Array, Index, Mask
+from kilter.assembly import Assembly
+from kilter.contact.contact_set import ContactSet
+from kilter.mechanics.program import Program
+
+__all__ = ["Doubts", "doubts_of", "fitted_pairs"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Doubts:
+    """The doubts about the contacts of an assembly of N parts.
+
+    Attributes
+    ----------
+    assembly : Assembly
+    contacts : ContactSet
+    degenerate, fitted : ndarray of int, shape (n, 2)
+        Pairs of parts, one row for each degenerate point or fitted contact.
+    stated : ndarray, shape (N,)
+        Stated inaccuracy of the coordinates of each part [length unit]; 0 if none is stated.
+    """
+
+    assembly: Assembly
+    contacts: ContactSet
+    degenerate: Index
+    fitted: Index
+    stated: Array
+
+    def normals_open(self, present: Mask) -> bool:
+        """Whether a choice of normals may decide among the present parts, mask of shape (N,)."""
+        return bool(present[self.degenerate].all(axis=1).any())
+
+    def explain_motion(self, program: Program) -> str:
+        """Why a proved motion of a program does not decide; empty if the motion decides.
+
+        Parameters
+        ----------
+        program : Program
+            Program of all N parts against which the motion is proved.
+        """
+        if not self.stated.any():
+            return ""
+        return explained_by_accuracy(self.assembly, self.contacts, program)
+
+
+def doubts_of(assembly: Assembly, contacts: ContactSet) -> Doubts:
+    """Collect the doubts about the contacts of an assembly.
+
+    Examples
+    --------
+    >>> from kilter.contact import contacts
+    >>> from kilter.scenes import scene
+    >>> tower = scene("tower")
+    >>> doubts = doubts_of(tower, contacts(tower))
+    >>> len(doubts.degenerate), len(doubts.fitted), doubts.stated.any()
+    (0, 0, np.False_)
+    """
+    points = contacts.degenerate
+    return Doubts(
+        assembly,
+        contacts,
+        degenerate=np.column_stack([points.part_a, points.part_b]),
+        fitted=fitted_pairs(contacts),
+        stated=stated_accuracy(assembly),
+    )
+
+
+def fitted_pairs(contacts: ContactSet) -> Index:
+    """Pairs of parts whose contacts have fitted normals, shape (n, 2)."""
+    pairs: Index = contacts.patch_parts[contacts.patch_doubt > 0]
+    return pairs
