@@ -17,7 +17,7 @@ def test_figure_1_is_unstable_and_stable_when_turned(planar):
     assert fallen.moving == ["C2", "C3"]
     dp = fallen.displacement.displacement
     assert np.allclose(dp[1:, [0, 2]], [[0, -1], [1, 0]], atol=1e-9)
-    assert judged(paper.figure_1("b", planar=planar)).verdict == "stable"
+    assert judged(paper.figure_1("b", planar=planar)).first_order == "stable"
 
 
 @IN_PLANE_AND_IN_SPACE
@@ -32,7 +32,7 @@ def test_figure_1_c2_and_c3_start_at_half_a_g_each(planar):
 def test_figure_4_z_rises_as_gravity_turns(planar, orientation, z):
     verdict = judged(paper.figure_4(orientation, planar=planar))
     assert verdict.displacement.z == pytest.approx(z, abs=1e-9)
-    assert verdict.verdict == ("stable" if z == 0 else "unstable")
+    assert verdict.first_order == ("stable" if z == 0 else "unstable")
 
 
 @IN_PLANE_AND_IN_SPACE
@@ -69,14 +69,14 @@ def test_figure_8_starts_as_two_wedges_do(planar, angle):
 
 def test_figure_9_is_stable_and_circulates_in_one_way_only():
     verdict = judged(paper.figure_9(planar=True))
-    assert verdict.verdict == "stable"
+    assert verdict.first_order == "stable"
     assert verdict.displacement.z == 0.0
     assert (verdict.neutral.two_sided, verdict.neutral.one_sided) == (1, 0)
 
 
 def test_figure_9_in_space_is_stable_too():
     verdict = judged(paper.figure_9())
-    assert verdict.verdict == "stable"
+    assert verdict.first_order == "stable"
     assert verdict.neutral.two_sided > 1
 
 
@@ -84,7 +84,7 @@ def test_figure_9_in_space_is_stable_too():
 def test_figure_9_is_stable_whichever_way_gravity_points(degrees):
     turned = tilted(paper.figure_9(planar=True), [0, 1, 0], degrees)
     verdict = judged(turned)
-    assert verdict.verdict == "stable"
+    assert verdict.first_order == "stable"
     assert verdict.neutral.two_sided == 1
 
 
@@ -113,8 +113,8 @@ def test_figure_10_is_stable_over_a_range(planar, lean, word):
 @pytest.mark.parametrize("off", [-0.01, 0.0, 0.01])
 def test_figures_11_and_12_are_stable_at_their_angle_only(planar, figure, leans, off):
     assembly = tilted(figure("a", planar=planar), [0, 1, 0], leans + off)
-    assert judged(assembly).verdict == ("stable" if off == 0 else "unstable")
-    assert judged(figure("b", planar=planar)).verdict == "stable"
+    assert judged(assembly).first_order == ("stable" if off == 0 else "unstable")
+    assert judged(figure("b", planar=planar)).first_order == "stable"
 
 
 @IN_PLANE_AND_IN_SPACE
@@ -134,7 +134,7 @@ def test_unequal_masses_lean_as_the_table_says(planar, angle, ratio, leans):
     assert exact == pytest.approx(leans, abs=1e-3)
     assembly = paper.two_blocks_in_an_l(angle, mass_b=ratio, planar=planar)
     for off, word in ((-0.01, "unstable"), (0.0, "stable"), (0.01, "unstable")):
-        assert judged(tilted(assembly, [0, 1, 0], exact + off)).verdict == word
+        assert judged(tilted(assembly, [0, 1, 0], exact + off)).first_order == word
 
 
 @pytest.mark.parametrize("axis", [[1, 0, 0], [1, 0, 1], [0.3, 0.9, -0.2]])
@@ -151,7 +151,7 @@ RATIOS = pytest.mark.parametrize("ratio", [0.5, 1.0, 2.0])
 def test_trapped_wedge_holds_between_its_limits(ratio):
     limit = np.degrees(np.arctan(1 / ratio))
     for tilt in (0.0, 0.01, 10.0, limit / 2, limit - 0.01):
-        assert judged(paper.trapped_wedge(tilt, mass_b=ratio)).verdict == "stable"
+        assert judged(paper.trapped_wedge(tilt, mass_b=ratio)).first_order == "stable"
 
 
 @RATIOS

@@ -46,7 +46,7 @@ def looked_at(assembly: Assembly, seed: int) -> tuple[Key, list[str], list[str]]
     """State and counts, what contradicts them, and what is left open."""
     verdict = kilter.check(assembly)
     key = key_of(verdict)
-    if verdict.verdict != "stable":
+    if verdict.first_order != "stable":
         return key, [], []
     wrong, opens = [], []
     for other in (Assembly(assembly.parts[::-1]), elsewhere(assembly)):

@@ -21,7 +21,7 @@ from kilter.shape.primitives import Box, Cylinder, Sphere
 
 def state_of(assembly: Assembly) -> str:
     verdict = kilter.check(assembly)
-    assert verdict.verdict == "stable"
+    assert verdict.first_order == "stable"
     assert verdict.second_order is not None
     return verdict.second_order.state
 

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from kilter.analysis.decision.decide import decide
 from kilter.analysis.decision.decision import Decision
@@ -161,7 +160,9 @@ def _sentence(decision: Decision, assembly: Assembly, contacts: ContactSet) -> s
     counted = "" if gap is None else f"{text_of(gap, 3)} {assembly.units}"
     second = decision.second_order
     if second is not None and second.state == "balanced":
-        rolling = None if second.rolling is None else second.rolling.state
+        rolling = second.rolling.state if second.rolling is not None else None
+        if rolling is None and decision.verdict == "stable":
+            rolling = "open"
         moving = [decision.program.names[k] for k in second.moving]
         return balanced_sentence(moving, rolling=rolling)
     if friction is None:

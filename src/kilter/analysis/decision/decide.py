@@ -203,15 +203,17 @@ def _with_second_order(
     """The decision with second order, which finds whether a stable assembly is only balanced."""
     if decision.verdict != "stable" or decision.friction is not None or work.late:
         return decision
-    from kilter.second_order.whole import find_second_order, with_rolling  # takes its time
+    from kilter.second_order.answer.whole import find_second_order, with_rolling  # takes its time
 
     proof = decision.judgement.forces
     forces = None if proof is None else proof.forces
     second = find_second_order(assembly, contacts, decision.program, forces)
     if second is None or second.state != "balanced":
         return dataclasses.replace(decision, second_order=second)
-    second = with_rolling(second, assembly, contacts, build_program(assembly, contacts))
-    falls = second.rolling is None or second.rolling.state == "falls"
+    program = build_program(assembly, contacts)
+    second = with_rolling(second, assembly, contacts, program)
+    # with friction a fall counts only if it is proved for rolling, too
+    falls = second.rolling.state == "falls" if second.rolling else not program.mu.any()
     word: Word = "balanced" if falls else "stable"
     return dataclasses.replace(decision, verdict=word, second_order=second)
 

@@ -13,7 +13,7 @@ from kilter.tell.levels import level_of
 
 if TYPE_CHECKING:
     from kilter.friction.answer import FrictionAnswer
-    from kilter.second_order.second_order_answer import SecondOrder
+    from kilter.second_order.answer.second_order_answer import SecondOrder
 
 __all__ = ["Decision", "Word"]
 

@@ -76,7 +76,7 @@ class Verdict(InCells):
 
     Attributes
     ----------
-    verdict : {"stable", "settles", "potentially-stable", "unstable", "undecided"}
+    verdict : {"stable", "settles", "potentially-stable", "balanced", "unstable", "undecided"}
     sentence : str
         The verdict in words.
     assembly : Assembly
@@ -155,6 +155,11 @@ class Verdict(InCells):
         if self.second_order is None or self._none_neutral:
             return None
         return self.second_order.to_dict(self.program.names)
+
+    @property
+    def first_order(self) -> str:
+        """The verdict to first order, as in the paper: "stable" for a balanced assembly."""
+        return "stable" if self.verdict == "balanced" else self.verdict
 
     @property
     def why(self) -> str | None:
@@ -336,6 +341,7 @@ class Verdict(InCells):
             evidence=None if self.friction is None else self.friction.evidence,
         )
         if self.second_order is not None:
+            proof["verdict"] = self.verdict
             proof["second_order"] = second_order_data(self.second_order)
             proof["digest"] = digest_of(proof)
         return proof
@@ -356,6 +362,7 @@ class Verdict(InCells):
             "level": self.level,
             "require": self.require,
             "holds": self.stable,
+            "first_order": self.first_order,
             "why": self.why,
             "guarantee": self.guarantee,
             "seated": self.seated,

@@ -27,6 +27,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check
+from kilter.analysis.decision.degenerate_branches import decide_degenerate
 from kilter.analysis.decision.doubts import doubts_of
 from kilter.analysis.decision.judge import Judgement, judge
 from kilter.analysis.planning.states.holds import Holds, find_fewest_holds
@@ -349,7 +350,11 @@ class States:
         Only a choice of normals at degenerate points may still prove that such a state falls.
         """
         self.counts["open"] += 1
-        return self._checked(state) if self._doubts.normals_open(state.present) else state
+        if not self._doubts.normals_open(state.present):
+            return state
+        assembly = self.sub_assembly(state)
+        sharp = decide_degenerate(assembly, contacts_among(self.contacts, assembly))
+        return state if sharp.program is None else self._checked(state)
 
     def _checked(self, state: State) -> State:
         """The state as `kilter.check` finds it."""
