@@ -94,7 +94,9 @@ def decide(
             if reason
             else decision
         )
-    return _with_second_order(decision, assembly, contacts, work) if second_order else decision
+    if not second_order or decision.verdict != "stable" or decision.friction is not None:
+        return decision
+    return _with_second_order(decision, assembly, contacts, require, work)
 
 
 def _first_order(
@@ -198,16 +200,16 @@ def _word(friction: FrictionAnswer) -> Word:
 
 
 def _with_second_order(
-    decision: Decision, assembly: Assembly, contacts: ContactSet, work: Work
+    decision: Decision, assembly: Assembly, contacts: ContactSet, require: str, work: Work
 ) -> Decision:
     """The decision with second order, which finds whether a stable assembly is only balanced."""
-    if decision.verdict != "stable" or decision.friction is not None or work.late:
-        return decision
     from kilter.second_order.answer.whole import find_second_order, with_rolling  # takes its time
 
     proof = decision.judgement.forces
     forces = None if proof is None else proof.forces
-    second = find_second_order(assembly, contacts, decision.program, forces)
+    second = find_second_order(
+        assembly, contacts, decision.program, forces, work=work, strict=require == "strict"
+    )
     if second is None or second.state != "balanced":
         return dataclasses.replace(decision, second_order=second)
     program = build_program(assembly, contacts)
