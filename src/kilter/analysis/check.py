@@ -13,7 +13,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from kilter.analysis.decision.decide import decide
+from kilter.analysis.decision.cascade import decide
 from kilter.analysis.decision.decision import Decision
 from kilter.analysis.open_pairs.open_question import open_pairs_answer
 from kilter.analysis.open_pairs.ordinary_contacts import (

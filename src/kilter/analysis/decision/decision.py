@@ -22,7 +22,7 @@ Word = Literal["stable", "settles", "potentially-stable", "balanced", "unstable"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Decision:
-    """The answer of `kilter.analysis.decision.decide.decide`.
+    """The answer of `kilter.analysis.decision.cascade.decide`.
 
     Attributes
     ----------

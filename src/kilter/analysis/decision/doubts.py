@@ -7,7 +7,7 @@
 
 Only this package reads these marks of a contact set. The array paths (`kilter.check_many`,
 `kilter.states`, supports) decide every case by a proof in arrays that no doubt concerns, and pass
-the others on to `kilter.analysis.decision.decide`.
+the others on to `kilter.analysis.decision.cascade`.
 """
 
 from __future__ import annotations
