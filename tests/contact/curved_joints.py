@@ -1,7 +1,7 @@
-"""Blocks that meet in a smooth face, cut into other triangles on each side; exact normals.
+"""Blocks that meet in a smooth face, divided into other triangles on each side; exact normals.
 
-The joint is z = f(x, y) over a rectangle: a wave, an arc, a saddle. Each side is cut along
-lines of its own, moved at random, with random diagonals.
+The joint is z = f(x, y) over a rectangle: a wave, an arc, a saddle. Each side is divided along its
+own lines, which are moved at random, with random diagonals.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ def arc(rng, lean=0.0):
 
 
 def saddle(rng, lean=0.0):
-    """Curved both ways."""
+    """A surface with curvature in both directions."""
     a, b, c = rng.uniform(0.1, 0.25), -rng.uniform(0.1, 0.25), rng.uniform(-0.1, 0.1)
 
     def slope(x, y):
@@ -71,7 +71,7 @@ JOINTS = {"wave": wave, "arc": arc, "saddle": saddle}
 
 
 def cut(rng, span, count):
-    """Places along one side, the ends among them, moved at random between."""
+    """Positions along a side, including its ends, moved at random between."""
     step = (span[1] - span[0]) / count
     places = np.linspace(*span, count + 1)
     places[1:-1] += rng.uniform(-0.25, 0.25, count - 1) * step
@@ -100,15 +100,15 @@ def body(rng, joint, span, level, count):
     side = np.concatenate(
         [np.column_stack([loop, loop + n, after + n]), np.column_stack([loop, after + n, after])]
     )
-    # the joint looks up, the far plane down; a block above its joint is turned inside out
+    # the joint faces up, the far plane down; a block above its joint is turned inside out
     faces = np.concatenate([up, up[:, ::-1] + n, side])
     return Mesh(np.concatenate([face, far]), faces if level < face[:, 2].min() else faces[:, ::-1])
 
 
 def blocks(rng, joint, *, count=(12, 15), pose=None, alike=False, lift=0.0):
-    """A held block below, a free one above, which is as deep and not as wide.
+    """A held block below and a free block above, equally deep but less wide.
 
-    `alike`: both are cut into the same triangles; `lift`: the upper one is that far up.
+    `alike`: both have the same triangles; `lift`: height of the upper block over the joint.
     """
     pose = pose or Pose()
     seed, span = int(rng.integers(1 << 30)), (0.0, 1.0) if alike else (-0.2, 1.2)

@@ -1,7 +1,7 @@
 """Brute-force oracle for convex polyhedra, and pairs that touch by construction.
 
-Every corner against every facet, every edge against every edge and facet, one by one.
-Shares nothing with `kilter.contact`: facets and edges come from the hull's planes.
+Every corner is compared with every facet, every edge with every edge and facet. Shares nothing with
+`kilter.contact`: facets and edges come from the planes of the hull.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Convex:
 
     @property
     def triangles(self) -> NDArray[np.int64]:
-        """Turning left seen from outside."""
+        """Triangles, anticlockwise seen from outside."""
         found = []
         for normal, offset in zip(self.planes[:, :3], self.planes[:, 3], strict=True):
             on = np.flatnonzero(np.abs(self.corners @ normal - offset) <= FLAT)
@@ -55,7 +55,7 @@ class Convex:
 
 
 def convex(points: Array) -> Convex:
-    """The hull of points; coplanar triangles make one facet."""
+    """The convex hull of points; coplanar triangles form a single facet."""
     made = ConvexHull(points)
     corners = points[made.vertices]
     planes: list[Array] = []
@@ -94,7 +94,7 @@ def some_convex(rng: np.random.Generator) -> Convex:
 
 @dataclass(frozen=True)
 class Contact:
-    """What must be found: kind, points, normal from a to b."""
+    """An expected contact: kind, points, normal from a to b."""
 
     kind: str
     points: Array
@@ -102,7 +102,7 @@ class Contact:
 
 
 def contacts(a: Convex, b: Convex, tolerance: float, angle: float = 1e-3) -> list[Contact]:
-    """Corners on facets and edges on edges, each pair of features in turn."""
+    """Corners on facets and edges on edges, for each pair of features."""
     found: list[Contact] = []
     lone: list[tuple[Array, Array]] = []
     for one, other, sign in ((b, a, 1.0), (a, b, -1.0)):
@@ -143,14 +143,14 @@ def contacts(a: Convex, b: Convex, tolerance: float, angle: float = 1e-3) -> lis
 
 
 def _along(p: Array, q: Array, body: Convex, k: int, tolerance: float, angle: float) -> list[Array]:
-    """Ends of the part of an edge over facet k, where it is tilted and comes near somewhere."""
+    """Ends of the part of a tilted edge over facet k, if it comes near at some point."""
     normal, offset = body.planes[k, :3], body.planes[k, 3]
     if abs((q - p) @ normal) > angle * np.linalg.norm(q - p):
         return []
     low, high = 0.0, 1.0
     for row in np.delete(body.planes, k, axis=0):
         n, d = row[:3], row[3]
-        # the side of the facet's prism: the other plane where it meets this one
+        # the side of the facet's prism contains the line of both planes
         side = n - (n @ normal) * normal
         room = d - (n @ normal) * offset
         here, there = room - side @ p, room - side @ q
@@ -186,10 +186,10 @@ def _across(rng: np.random.Generator, normal: Array) -> Array:
 
 
 def stacked(kind: str, gap: float, tilt: float, rng: np.random.Generator) -> tuple[Convex, Convex]:
-    """Two convex bodies that touch in one way, `gap` apart and b tilted about the point.
+    """Two convex bodies that touch in a single way, `gap` apart and b tilted about the point.
 
-    kind: "vertex-face", "edge-face" (b's edge in a's facet), "edge-edge"; for the first two
-    b may be the one with the facet.
+    kind: "vertex-face", "edge-face" (an edge of b on a facet of a), "edge-edge"; for the first two
+    b may have the facet instead.
     """
     a, b = some_convex(rng), some_convex(rng)
     point, up = a.facet(int(rng.integers(len(a.planes))))
@@ -220,7 +220,7 @@ def stacked(kind: str, gap: float, tilt: float, rng: np.random.Generator) -> tup
 
 
 def _supporting(body: Convex, corners: tuple[int, ...], rng: np.random.Generator) -> Array:
-    """A direction in which these corners, and no others, lie furthest, by a wide margin."""
+    """A direction in which the given corners are the farthest of all, by a wide margin."""
     on = np.ones(len(body.planes), dtype=bool)
     for k in corners:
         on &= np.abs(body.planes[:, :3] @ body.corners[k] - body.planes[:, 3]) <= FLAT

@@ -1,8 +1,8 @@
-"""First-order oracle: move by eps dp and see whether two parts enter each other by order eps.
+"""First-order oracle: move by eps dp, and test whether two parts overlap by order eps.
 
-Shares nothing with `kilter.contact`: parts are given as unions of convex cells, each the
-planes around it; how deep two cells overlap is the radius of the largest ball in both, a
-linear program. A motion enters iff the radius is of order eps and not of eps^2.
+Shares nothing with `kilter.contact`: parts are given as unions of convex cells, each bounded by
+planes; the overlap of two cells is measured by the radius of the largest ball in both, a linear
+program. A motion penetrates iff the radius is of order eps and not of eps^2.
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ def cubes(cells: set[tuple[int, int, int]]) -> Body:
 
 
 def sound(cells: set[tuple[int, int, int]]) -> bool:
-    """No two cubes meet in an edge or corner alone: the surface touches itself nowhere."""
+    """True if no two cubes meet in an edge or corner only: the surface touches itself nowhere."""
     low = np.min(list(cells), axis=0) - 1
     high = np.max(list(cells), axis=0) + 2
     full = np.zeros(high - low, dtype=int)
@@ -148,7 +148,7 @@ def depth(one: Array, other: Array, about: Array) -> float:
 
 
 def overlap(one: Body, other: Body, about: Array) -> float:
-    """Depth of the deepest overlap of any of their cells."""
+    """Depth of the deepest overlap of the cells of two bodies."""
     return max(depth(p, q, about) for p in one.cells for q in other.cells)
 
 
@@ -161,7 +161,7 @@ def turned(motion: Array, about: Array) -> tuple[Array, Array]:
 
 
 def enters(one: Body, other: Body, motion: Array, about: Array) -> bool:
-    """Whether other, moved by EPS (v, omega) about a point, enters one by order EPS."""
+    """Whether `other`, moved by EPS (v, omega) about a point, enters `one` by order EPS."""
     return overlap(one, other.moved(*turned(motion, about)), about) > ENTERS * EPS
 
 

@@ -1,4 +1,4 @@
-"""Exact solids with one free-form face: prisms over an oval, and blocks that meet in a joint."""
+"""Exact solids with a free-form face: prisms over an oval, and blocks that meet in a joint."""
 
 from __future__ import annotations
 
@@ -63,12 +63,12 @@ def oval(sides: int, out: float = 0.0, *, a: float = 2.0, b: float = 1.0, phase:
 
 
 def rings(*levels: tuple[np.ndarray, float]) -> np.ndarray:
-    """Outlines (n, 2) at heights, one behind the other."""
+    """Outlines (n, 2) at heights, in order."""
     return np.concatenate([np.column_stack([p, np.full(len(p), z)]) for p, z in levels])
 
 
 def band(low: int, high: int, sides: int) -> np.ndarray:
-    """Triangles between two outlines, whose first corners are given, turned outward."""
+    """Triangles between two outlines, given by their first corners, turned outwards."""
     k = np.arange(sides)
     m = (k + 1) % sides
     one = np.column_stack([low + k, low + m, high + m])
@@ -76,7 +76,7 @@ def band(low: int, high: int, sides: int) -> np.ndarray:
 
 
 def oval_plug(sides: int = 48, low: float = -1.0, high: float = 1.0, **outline: float) -> Solid:
-    """A plug over an oval, its side a free form."""
+    """A plug over an oval; its side is a free form."""
     points = oval(sides, **outline)
     vertices = np.concatenate([rings((points, low), (points, high)), [[0, 0, low], [0, 0, high]]])
     k = np.arange(sides)
@@ -89,7 +89,7 @@ def oval_plug(sides: int = 48, low: float = -1.0, high: float = 1.0, **outline: 
 
 
 def oval_hole(sides: int = 48, low: float = -1.0, high: float = 1.0, **outline: float) -> Solid:
-    """A hole over an oval in an oval plate, its side a free form, and so is the rim's."""
+    """A hole over an oval in an oval plate; its side and the rim of the plate are free forms."""
     inner, outer = oval(sides, **outline), oval(sides, a=4.0, b=3.0)
     vertices = rings((inner, low), (inner, high), (outer, low), (outer, high))
     n = sides
@@ -100,7 +100,7 @@ def oval_hole(sides: int = 48, low: float = -1.0, high: float = 1.0, **outline: 
 
 
 def _sagitta(points: np.ndarray) -> float:
-    """At least how far chords lie off the outline: that of the circle of greatest curvature."""
+    """Lower bound of the height of the outline over its chords: that of the most curved circle."""
     step = np.roll(points, -1, axis=0) - points
     bend = np.roll(step, -1, axis=0) - step
     return float(np.linalg.norm(bend, axis=1).max() / 8)

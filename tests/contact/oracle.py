@@ -1,9 +1,9 @@
-"""Brute-force oracle for planar contacts: every triangle of one part against every one of another.
+"""Brute-force oracle for planar contacts: every triangle of a part against every other part.
 
-Shares nothing with `kilter.contact`: faces are found greedily by their plane, triangles are
-clipped one against one (Sutherland-Hodgman in float64), gaps are measured at the corners of
-each clipped piece. What a rounding could decide is kept apart: `Region.sure` is what must be
-found, `Region.maybe` what may be.
+Shares nothing with `kilter.contact`: faces are found greedily by their plane, triangles are clipped
+pair by pair (Sutherland-Hodgman in float64), gaps are measured at the corners of each clipped
+piece. Regions that rounding could decide are kept apart: a correct search must find `Region.sure`,
+and may find `Region.maybe`.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ THICK = 4.0
 THIN = 0.25
 """A region thinner than this many gap tolerances must not be found."""
 AREA = 1e-11
-"""Relative error of areas allowed besides the rounding of coordinates."""
+"""Relative error of areas in addition to the rounding of coordinates."""
 
 
 @dataclass(frozen=True)
 class Region:
-    """Contact of two parts in one plane; `sure` and `maybe` are corners of its pieces."""
+    """Contact of two parts in a plane; `sure` and `maybe` are corners of its pieces."""
 
     parts: tuple[int, int]
     normal: Array
@@ -49,18 +49,18 @@ class Region:
 
     @property
     def borderline(self) -> bool:
-        """True where finding nothing would be right too."""
+        """True if finding no contact is also correct."""
         return not len(self.sure)
 
     @property
     def points(self) -> Array:
-        """All corners that may be found, shape (n, 3)."""
+        """All corners that a correct search may find, shape (n, 3)."""
         return np.vstack([self.sure, self.maybe])
 
 
 @dataclass(frozen=True)
 class Surface:
-    """Triangles of one part with the plane of the face that each belongs to."""
+    """Triangles of a part, with the plane of the face of each."""
 
     corners: Array
     normal: Array
@@ -83,7 +83,7 @@ class Pieces:
 
     @property
     def thickness(self) -> Array:
-        """Area over half the perimeter."""
+        """Area divided by half the perimeter."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.where(self.perimeter > 0, 2 * self.area / self.perimeter, 0.0)
 
@@ -98,7 +98,7 @@ class Pieces:
 
 
 def oracle(assembly: Assembly, tolerance: Tolerance | None = None) -> list[Region]:
-    """Every region of contact of an assembly, one a pair and plane."""
+    """Every region of contact of an assembly, a single region for each pair and plane."""
     tolerance = tolerance or Tolerance()
     geometry = assembly.geometry
     surfaces = [_surface(geometry, k) for k in range(len(assembly.parts))]
@@ -110,7 +110,7 @@ def oracle(assembly: Assembly, tolerance: Tolerance | None = None) -> list[Regio
 
 
 def gap_tolerance(geometry: Geometry, a: int, b: int, tolerance: Tolerance) -> tuple[float, float]:
-    """Least and greatest reading of the gap tolerance of a pair [length unit]."""
+    """Least and greatest interpretation of the gap tolerance of a pair [length unit]."""
     if tolerance.gap is not None:
         return tolerance.gap, tolerance.gap
     value = tolerance.relative_gap * float(min(geometry.size[a], geometry.size[b]))
@@ -129,8 +129,8 @@ def largest(geometry: Geometry, k: int) -> float:
 def rounding(geometry: Geometry, a: int, b: int) -> float:
     """Error of a position computed in float64 from the coordinates of two parts.
 
-    Coordinates are taken as they are: that float32 ones are coarser changes the scene, not
-    what there is to be found in it.
+    Coordinates are taken as given: the coarser float32 coordinates change the scene, not the
+    contacts that are in it.
     """
     return 8 * 2.0**-52 * max(largest(geometry, a), largest(geometry, b))
 
@@ -153,7 +153,7 @@ def _surface(geometry: Geometry, k: int) -> Surface:
 
 
 def _faces(corners: Array, cross: Array, flat: float) -> tuple[Index, Array, Array]:
-    """Label, plane normal and flatness: the largest triangle takes all that lie in its plane."""
+    """Label, plane normal and flatness; the largest triangle takes all triangles in its plane."""
     twice = np.linalg.norm(cross, axis=1)
     edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
     narrow = twice <= 4 * flat * edges
@@ -180,7 +180,7 @@ def _faces(corners: Array, cross: Array, flat: float) -> tuple[Index, Array, Arr
 
 
 def _frames(normal: Array) -> tuple[Array, Array]:
-    """Two directions that make a right-handed frame with each normal, shape (K, 3)."""
+    """Two directions that complete each normal, shape (K, 3), to a right-handed frame."""
     helper = np.eye(3)[np.argmin(np.abs(normal), axis=1)]
     u = np.cross(helper, normal)
     u /= np.linalg.norm(u, axis=1)[:, None]
@@ -188,7 +188,7 @@ def _frames(normal: Array) -> tuple[Array, Array]:
 
 
 def _turned(triangles: Array) -> Array:
-    """Triangles in the plane, shape (K, 3, 2), turning left."""
+    """Triangles in the plane, shape (K, 3, 2), with corners in anticlockwise order."""
     p, q, r = triangles[:, 0], triangles[:, 1], triangles[:, 2]
     right = _cross2(q - p, r - p) < 0
     return np.where(right[:, None, None], triangles[:, ::-1], triangles)
@@ -199,7 +199,7 @@ def _cross2(p: Array, q: Array) -> Array:
 
 
 def clip_triangles(first: Array, second: Array) -> Array:
-    """Overlaps of K pairs of left-turning triangles, shape (K, m, 2); nan where there is none."""
+    """Overlaps of K pairs of anticlockwise triangles, shape (K, m, 2); nan without overlap."""
     polygons = first
     for k in range(3):
         polygons = _cut(polygons, second[:, k], second[:, (k + 1) % 3])
@@ -207,7 +207,7 @@ def clip_triangles(first: Array, second: Array) -> Array:
 
 
 def _cut(polygons: Array, start: Array, end: Array) -> Array:
-    """What of each convex polygon lies left of the line from `start` to `end`."""
+    """The part of each convex polygon to the left of the line from `start` to `end`."""
     along = end - start
     with np.errstate(invalid="ignore", divide="ignore"):
         along = along / np.linalg.norm(along, axis=1)[:, None]
@@ -297,7 +297,7 @@ def _pair(
     least, greatest = gap_tolerance(geometry, *pair, tolerance)
     noise = rounding(geometry, *pair)
     accuracy = float(geometry.accuracy[list(pair)].max())
-    # a tilted face is measured to its far end, so that all of its pieces are judged as one
+    # a tilted face is measured to its far end, so that all of its pieces are judged together
     reach = 2 * greatest + 8 * noise + tolerance.angle * float(min(geometry.size[list(pair)]))
     if (one.low.min(axis=0) > two.high.max(axis=0) + reach).any():
         return []
@@ -327,7 +327,7 @@ def _face_pair(
     pair: tuple[int, int],
     limits: tuple[float, float, float, float, float],
 ) -> Iterator[Region]:
-    """The contact of one face with another: certain, possible or none."""
+    """The certain or possible contact of two faces, if any."""
     least, greatest, noise, accuracy, angle = limits
     f, g = pieces.face[0]
     normal = surfaces[0].face_normal[f] - surfaces[1].face_normal[g]
@@ -336,7 +336,7 @@ def _face_pair(
     flatness = float(surfaces[0].flatness[f] + surfaces[1].flatness[g])
     error = noise + 2 * flatness
     low, high = pieces.gap[:, 0], pieces.gap[:, 1]
-    if _convex(pieces, normal):  # one patch: judged as a whole, however far its end is off
+    if _convex(pieces, normal):  # a single patch: judged as a whole, even if its end is far off
         low, high = np.full_like(low, low.min()), np.full_like(high, high.max())
     near = (low <= least - error) & (high >= error - least)
     far = (low > greatest + error) | (high < -greatest - error)
@@ -367,7 +367,7 @@ def _face_pair(
 
 
 def _convex(pieces: Pieces, normal: Array) -> bool:
-    """True where the pieces fill their hull, so that they are one patch."""
+    """True if the pieces fill their hull, so that they are a single patch."""
     flat = pieces.points.reshape(-1, 3)
     u, v = (x[0] for x in _frames(normal[None]))
     hull = _hull((flat - flat[0]) @ np.stack([u, v], axis=1))
@@ -376,7 +376,7 @@ def _convex(pieces: Pieces, normal: Array) -> bool:
 
 
 def _merged(regions: list[Region]) -> Iterator[Region]:
-    """Regions of one pair, those in one plane put together."""
+    """Regions of a pair, with those in the same plane merged."""
     normals = [region.normal for region in regions]
     points = [region.points for region in regions]
     for group in planes(normals, points, [2 * r.tolerance for r in regions], angle=1e-3):
@@ -411,7 +411,7 @@ def _union(members: list[Region]) -> Region:
 def planes(
     normals: list[Array], points: list[Array], offsets: list[float], *, angle: float
 ) -> list[list[int]]:
-    """Groups of point sets that lie in one plane, by normal and distance at their middles."""
+    """Groups of point sets in the same plane, by normal and distance at their middles."""
     count = len(normals)
     label = list(range(count))
     middles = [p.mean(axis=0) for p in points]
@@ -434,7 +434,7 @@ def planes(
 def discrepancies(
     assembly: Assembly, contacts: ContactSet, regions: list[Region] | None = None
 ) -> list[str]:
-    """What a ContactSet lost, invented or got wrong, one line each."""
+    """Descriptions of lost, invented or wrong patches of a ContactSet."""
     regions = oracle(assembly, contacts.tolerance) if regions is None else regions
     found = _found(contacts)
     pairs = {tuple(r.parts) for r in regions} | {f[0] for f in found}
@@ -451,7 +451,7 @@ def _found(contacts: ContactSet) -> list[tuple[tuple[int, int], Array, float, Ar
     result = []
     for k, (a, b) in enumerate(contacts.patch_parts.tolist()):
         if contacts.patch_kind[k] != "plane":
-            continue  # edges and corners have an oracle of their own
+            continue  # edges and corners have another oracle
         sign = 1.0 if a < b else -1.0
         points = contacts.points[contacts.patch_start[k] : contacts.patch_start[k + 1]]
         pair = (min(a, b), max(a, b))
@@ -530,7 +530,7 @@ def _support_wrong(regions: list[Region], patches: list) -> list[str]:
         wrong.append(f"hull reaches {over:.3g} too far (bound {bound:.3g})")
     if len(lower):
         under = float((((lower - middle) @ directions.T).max(axis=0) - reach).max())
-        if under > bound + 2 * regions[0].accuracy:  # corners closer than that are one
+        if under > bound + 2 * regions[0].accuracy:  # closer corners are merged
             wrong.append(f"hull falls {under:.3g} short (bound {bound:.3g})")
     heights, allowed = (points - middle) @ normal, (upper - middle) @ normal
     slack = max(r.gap_error + max(abs(r.gap[0]), abs(r.gap[1])) for r in regions) + bound
@@ -552,7 +552,7 @@ def _corner_error(regions: list[Region], flat: Array) -> float:
 
 
 def _hull(points: Array) -> Array:
-    """Convex hull in the plane (monotone chain), turning left."""
+    """Convex hull in the plane (monotone chain), anticlockwise."""
     order = points[np.lexsort((points[:, 1], points[:, 0]))].tolist()
     chains = []
     for sequence in (order, order[::-1]):

@@ -18,7 +18,8 @@ from kilter.shape.primitives import Box, Mesh, Prism, Shape, fan, surface
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 Piece = tuple[Shape, Array]
-"""A shape and where its origin is; families never turn parts, the pose of the scene does."""
+"""A shape and the position of its origin; families never rotate parts, the pose of the scene
+does."""
 
 Family = Callable[[Generator], list[Piece]]
 FAMILIES: dict[str, Family] = {}
@@ -32,7 +33,7 @@ def family(make: Family) -> Family:
 
 @dataclass(frozen=True)
 class Wrap:
-    """How a scene is placed: turned, scaled, shifted, and what its coordinates are stored as."""
+    """Placement of a scene: rotation, scale, shift, and the storage of its coordinates."""
 
     rotation: Array
     scale: float
@@ -46,7 +47,7 @@ STORAGE = ("pose", "mesh", "soup", "float32")
 
 
 def random_scene(seed: int, name: str | None = None, storage: str | None = None) -> Assembly:
-    """The assembly of a seed; `source` says its family, storage and seed."""
+    """The assembly of a seed; `source` names its family, storage and seed."""
     rng = np.random.default_rng(seed)
     names = sorted(FAMILIES)
     name = names[int(rng.integers(len(names)))] if name is None else name
@@ -64,7 +65,7 @@ def placed(pieces: Iterable[Piece], wrap: Wrap, rng: Generator, source: str = ""
 def random_wrap(
     rng: Generator, pieces: Iterable[Piece], storage: str | None, *, fine: bool
 ) -> Wrap:
-    """A pose of the scene; `fine` ones need more digits than float32 has."""
+    """A random pose of the scene; `fine` scenes need more digits than float32 has."""
     if storage is None:
         storage = str(rng.choice(STORAGE[:3] if fine else STORAGE))
     q = rng.normal(size=4) if rng.random() < 0.7 else np.array([1.0, 0, 0, 0])
@@ -95,7 +96,7 @@ def _quaternion(rotation: Array) -> Array:
 
 
 def scaled(shape: Shape, scale: float) -> Shape:
-    """The shape, `scale` times as large."""
+    """The shape enlarged by the factor `scale`."""
     if isinstance(shape, Box):
         return Box(shape.size * scale)
     if isinstance(shape, Prism):
@@ -104,7 +105,7 @@ def scaled(shape: Shape, scale: float) -> Shape:
 
 
 def soup(vertices: Array, faces: Index, rng: Generator) -> tuple[Array, Index]:
-    """Vertices not shared, or doubled; faces in any order; zeros of either sign."""
+    """Triangles with unshared or doubled vertices, in random order, with zeros of either sign."""
     if rng.random() < 0.5:
         vertices, faces = vertices[faces].reshape(-1, 3), np.arange(faces.size).reshape(-1, 3)
     else:

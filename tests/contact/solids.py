@@ -1,8 +1,8 @@
 """Solids with exact faces for tests: profiles revolved about z, or extruded along y.
 
-A profile is a closed list of corners, turning left; between two corners runs a straight side
-or, where a centre is given, an arc. Sides become planes, cylinders and cones, arcs spheres
-and tori (revolved) or cylinders (extruded).
+A profile is a closed list of corners, anticlockwise; two corners are connected by a straight side
+or, if a centre is given, by an arc. Sides become planes, cylinders and cones, arcs spheres and tori
+(revolved) or cylinders (extruded).
 """
 
 from __future__ import annotations
@@ -156,7 +156,7 @@ def _solid(vertices, triangles, surfaces, labels):
 
 
 def mesh_of(solid):
-    """The same without its surfaces."""
+    """The same shape as a mesh, without its surfaces."""
     return Mesh(solid.vertices, solid.triangles)
 
 

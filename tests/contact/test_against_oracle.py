@@ -105,7 +105,7 @@ def test_oracle_finds_both_feet_of_a_u_in_one_plane():
 
 
 def altered(contacts: ContactSet, change: str) -> ContactSet:
-    """A ContactSet with one thing wrong."""
+    """A ContactSet with a single error."""
     points, normal = contacts.points.copy(), contacts.patch_normal.copy()
     area, gap = contacts.patch_area.copy(), contacts.patch_gap.copy()
     parts = contacts.patch_parts.copy()
@@ -200,5 +200,5 @@ def test_real_assemblies_agree_with_the_oracle(file):
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("seed", [1131, 2147])
 def test_a_way_along_a_facet_at_a_corner_is_no_number_too_many(seed):
-    """A direction and a target at one height over a facet: their way runs along its plane."""
+    """A direction and a target at the same height over a facet: the way runs along its plane."""
     assert complaints([seed]) == []

@@ -1,7 +1,7 @@
-"""Round fits with play: open as drawn, size on size where `--clearance` closes them; walls.
+"""Round fits with play: open as drawn, size on size if `--clearance` closes them; walls.
 
-The second method for a closed fit is the assembly that was drawn size on size, at the mean radius
-and about the axis of the part that is free.
+The second method for a closed fit is the assembly drawn size on size, at the mean radius and about
+the axis of the free part.
 """
 
 from __future__ import annotations

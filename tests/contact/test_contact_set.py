@@ -1,4 +1,4 @@
-"""What a `ContactSet` is to hold: read-only, short to print, and its JSON."""
+"""Properties of a `ContactSet`: read-only, short to print, and its JSON."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Contacts between exact curved faces: where they are, which motions they leave, what they hold."""
+"""Contacts between exact curved faces: positions, free motions, and the forces they hold."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def held(shape, pose=None):
 
 
 def motions(assembly):
-    """Dimension of {J dp = 0}, and that of the span of {J dp >= 0} where forces can cancel."""
+    """Dimension of {J dp = 0}, and of the span of {J dp >= 0} if forces can cancel."""
     jacobian = build_program(assembly, detect.contacts(assembly)).jacobian().toarray()
     values = np.linalg.svd(jacobian, compute_uv=False)
     return jacobian.shape[1] - int((values > 1e-7 * values[0]).sum())
@@ -230,7 +230,7 @@ def test_ball_in_a_cone_touches_around_a_circle(exact):
 
 @pytest.mark.parametrize("step", sampled(1, [9, 1]))
 def test_verdict_between_the_inner_and_the_outer_cone_is_not_given(step):
-    """Asked over points and half-way between them in turn."""
+    """Tested over points and half-way between them in turn."""
     alpha = 0.4
     centre = [0, 0, 1 / np.sin(alpha)]
     parts = [held(cone_socket(alpha, high=4)), Part("ball", Sphere(1.0), Pose(centre))]

@@ -22,7 +22,7 @@ def assembly_of(a: Convex, b: Convex) -> Assembly:
 
 
 def compared(kind: str, gap: float, tilt: float, seed: int, *, swap: bool = False) -> list[str]:
-    """What differs between the contacts found and those of the oracle."""
+    """Differences between the contacts of the search and those of the oracle."""
     a, b = stacked(kind, gap, tilt, np.random.default_rng(seed))
     if swap:
         a, b = b, a

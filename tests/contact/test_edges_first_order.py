@@ -1,4 +1,4 @@
-"""Contacts of bodies that are not convex, against moving them: no constraint lost or invented."""
+"""Contacts of non-convex bodies, compared with moved bodies: no constraint lost or invented."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ FAMILIES = {"cubes": pairs_of_cubes, "tips": tips_on_cubes}
 
 @dataclass
 class Examined:
-    """What was asked of one pair of bodies, and what was wrong."""
+    """The tests of a pair of bodies, and the errors."""
 
     counts: list[int]
     wrong: list[str]
@@ -32,7 +32,7 @@ class Examined:
 
 
 def posed(a: Body, b: Body, rng: np.random.Generator) -> tuple[Assembly, Body, Body]:
-    """Both in one random pose."""
+    """Both bodies in the same random pose."""
     turn = Rotation.random(rng=rng)
     shift = rng.normal(size=3)
     parts = [
@@ -71,7 +71,7 @@ def motion_within(rows: Array, right: Array, aim: Array) -> Array | None:
 
 
 def examine(a: Body, b: Body, rng: np.random.Generator, motions: int = 12) -> Examined:
-    """Motions allowed, and motions that break one constraint only, against the oracle."""
+    """Motions that are allowed, and motions that break a single constraint, against the oracle."""
     assembly, a, b = posed(a, b, rng)
     contacts = detect.contacts(assembly)
     center = assembly.geometry.center[1]
@@ -116,7 +116,7 @@ def examine(a: Body, b: Body, rng: np.random.Generator, motions: int = 12) -> Ex
 
 
 def crosses(assembly: Assembly, contacts: ContactSet, motion: Array) -> bool:
-    """Whether a motion allowed at all points enters on a line between degenerate ones."""
+    """Whether a motion that all points allow enters on a line between degenerate points."""
     both = np.vstack([np.zeros(6), motion])
     program = allowed_program(assembly, contacts, both)
     return program is not None and program.velocities(both).min(initial=0.0) < -1e-7

@@ -21,7 +21,7 @@ FLOOR = floor([-9, -9], [9, 9])
 
 
 def judged(assembly: Assembly) -> str:
-    """The verdict, its proof verified on contacts found anew."""
+    """The verdict, with its proof verified on recomputed contacts."""
     verdict = check(assembly)
     if verdict.verdict != "undecided":
         answer = verify_proof(assembly, detect.contacts(assembly), verdict.proof())

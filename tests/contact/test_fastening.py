@@ -1,4 +1,4 @@
-"""Fastening what touches, fits of shafts in holes, closed clearances, volumes of overlaps."""
+"""Fastening of touching parts, fits of shafts in holes, closed clearances, overlap volumes."""
 
 import dataclasses
 import json

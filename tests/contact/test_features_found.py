@@ -1,4 +1,4 @@
-"""What touches at contacts that are found, against the features that a hand would give them."""
+"""Features at detected contacts, compared with features given by hand."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ LYING = turn(X, 90)
 
 
 def found(assembly: Assembly) -> tuple[Features, np.ndarray, np.ndarray]:
-    """Features, whether they have a form, forms."""
+    """Features, whether they have a form, and their forms."""
     contacts = kilter.contacts(assembly)
     program = build_program(assembly, contacts)
     features = features_of(program, contacts)
@@ -34,7 +34,7 @@ def found(assembly: Assembly) -> tuple[Features, np.ndarray, np.ndarray]:
 
 
 def by_hand(assembly: Assembly, a: Feature, b: Feature) -> np.ndarray:
-    """Forms of the same points and normals, with features given."""
+    """Forms of the same points and normals, with given features."""
     contacts = kilter.contacts(assembly)
     given = [
         GivenContact(("a", "b"), [point], normal, feature=(a, b))
@@ -55,7 +55,7 @@ def held(shape: object, at: object, rotation: object = (1, 0, 0, 0)) -> Part:
 
 
 def pairs() -> Iterator[tuple[str, Assembly, Feature, Feature]]:
-    """Pairs that touch, and the features of a and of b there."""
+    """Pairs that touch, with the features of a and of b."""
     small, ball = Feature("face", curvature=2), Sphere(0.5)
     yield "ball on a table", on(TABLE, ball, [0, 0, 0.5]), PLANE, small
     top = held(Sphere(1.0), [0, 0, -1])
@@ -113,7 +113,7 @@ def test_turned_parts_have_the_same_features(
 
 
 def test_corners_of_a_flat_patch_are_corners_and_crossings() -> None:
-    """Corners of b on the face; edges that cross where b hangs over."""
+    """Corners of b lie on the face; edges cross at the overhang of b."""
     features, has, _ = found(on(TABLE, Box([1, 1, 1]), [1.8, 0, 0.5]))
     assert has.all()
     assert sorted(zip(features.kind_a.tolist(), features.kind_b.tolist(), strict=True)) == [
@@ -151,7 +151,7 @@ def test_a_line_that_ends_on_both_parts_keeps_its_points() -> None:
 
 
 def test_what_is_not_known_exactly_is_open() -> None:
-    """A ball of triangles on a table; a corner in a notch; a clearance that was closed."""
+    """A ball of triangles on a table; a corner in a notch; a closed clearance."""
     mesh = Mesh(*surface(Sphere(0.5)))
     low = -mesh.vertices[:, 2].min()
     features, has, _ = found(on(TABLE, mesh, [0, 0, low]))

@@ -1,4 +1,4 @@
-"""Fitted normals in orient, region and margin: nothing without friction above their doubt."""
+"""Fitted normals in orient, region and margin: no friction is counted above their error."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ LEANT = [0.1, 0.05, -1.0]
 
 
 def both(seed, mu):
-    """An assembly on a curved joint; its contacts as found, and with the exact normals."""
+    """An assembly on a curved joint; its detected contacts, and those with the exact normals."""
     joint, assembly, _ = made(seed)
     assembly = assembly.with_friction(mu)
     found = kilter.contacts(assembly)

@@ -1,4 +1,4 @@
-"""Free forms that stand apart: open as drawn, closed by a clearance with the normals of the faces.
+"""Free forms that stand apart: open as drawn, closed by a clearance with the faces' normals.
 
 The second method is the formula of the surface: an ellipse and the curves beside it, and the
 heights of joints.
@@ -50,7 +50,7 @@ def oval_normals(points, pose):
 
 
 def with_normals(contacts, normals):
-    """The same points with normals that are in no doubt."""
+    """The same points with exact normals."""
     return dataclasses.replace(
         contacts,
         normals=normals,

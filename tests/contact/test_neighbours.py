@@ -1,4 +1,4 @@
-"""What is nearest to a part that touches nothing, against closed forms; parts on one another."""
+"""The nearest part of a part that touches nothing, against closed forms; parts on one another."""
 
 from __future__ import annotations
 
@@ -173,7 +173,7 @@ def test_a_raw_folder_is_refused_in_a_sentence_and_contacts_lists_it(
 
 
 def table_with(*places: tuple[float, float, float]) -> Assembly:
-    """Feet on a base, and one of another shape that enters it."""
+    """Feet on a base, and a foot of another shape that enters it."""
     feet = [Part(f"foot_{k}", Box([1, 1, 2]), Pose(at)) for k, at in enumerate(places)]
     return Assembly([BASE, *feet, Part("peg", Box([1, 1, 1]), Pose([4, 4, 0.3]))])
 

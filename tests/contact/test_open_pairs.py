@@ -1,4 +1,4 @@
-"""Which pairs of parts the geometry leaves open, and which it does not."""
+"""Pairs of parts that the geometry leaves open, and pairs that it does not."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Triangles cut finer on exact surfaces: volumes of bodies, and of what two of them share."""
+"""Triangles refined on exact surfaces: volumes of bodies, and of the overlap of two bodies."""
 
 from __future__ import annotations
 

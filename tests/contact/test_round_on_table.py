@@ -1,17 +1,17 @@
-"""Round bodies on a table: where their exact surfaces are lowest, how they touch, what they may do.
+"""Round bodies on a table: their lowest points, their contacts, and their free motions.
 
 Free motions of a body on a plane, (v, w) with v of its centre of mass: a contact at r from the
-centre with the normal n gives the row (n, r x n). What costs no energy without friction is the
-kernel of the rows where forces of equilibrium press on all of them:
+centre with the normal n gives the row (n, r x n). Motions without energy and friction are the
+kernel of the rows, if equilibrium forces press on all of them:
 
-    ball             one point below the centre                 n          6 - 1 = 5
-    cylinder, lying  two ends of a line: n, and the turn that lifts one    6 - 2 = 4
+    ball             a point below the centre                   n          6 - 1 = 5
+    cylinder, lying  two ends of a line: n, and the rotation that lifts an end   6 - 2 = 4
     cone, lying      the same                                              6 - 2 = 4
-    cylinder, cone   standing: a disc: n and both turns across n           6 - 3 = 3
+    cylinder, cone   standing: a disc: n and both rotations across n       6 - 3 = 3
     torus, lying     a circle: the same                                    6 - 3 = 3
-    torus, standing  one point below the centre, as a ball                 6 - 1 = 5
+    torus, standing  a point below the centre, as a ball                   6 - 1 = 5
 
-The last balances, which first order cannot tell from rest.
+The last balances, which first order cannot distinguish from rest.
 """
 
 from __future__ import annotations
@@ -73,10 +73,10 @@ BODIES = {
 
 
 def lowest_point(name, fine, up):
-    """Where a body is lowest along a unit `up` (3,), in its own frame: by its outline's corners.
+    """The lowest point of a body along a unit `up` (3,), in its own frame, by its outline.
 
-    A corner (r, z) of an outline about z runs round a circle, whose lowest point is on the side
-    away from `up`: at the height z up_z - r |up_xy|.
+    A corner (r, z) of an outline about z describes a circle, whose lowest point is on the side away
+    from `up`, at the height z up_z - r |up_xy|.
     """
     corners = fine.vertices
     if name != "trough":

@@ -1,4 +1,4 @@
-"""Curved joints cut differently on both sides: one patch with the normals of the face itself."""
+"""Curved joints with different triangles on both sides: a patch with the normals of the face."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def made(seed, pose=None):
 
 
 def with_exact_normals(contacts, joint, pose):
-    """The same points with the normals of the formula, which are in no doubt."""
+    """The same points with the exact normals of the formula."""
     return dataclasses.replace(
         contacts,
         normals=exact_normals(joint, contacts.points, pose),
@@ -79,7 +79,7 @@ def test_sliding_is_free_where_the_formula_says_so(seed):
 
 
 def census(seeds):
-    """Verdicts with fitted and with exact normals, under gravity leant at random."""
+    """Verdicts with fitted and with exact normals, under randomly tilted gravity."""
     said = []
     for seed in seeds:
         joint, assembly, _ = made(seed)
@@ -116,7 +116,7 @@ def test_fitted_normals_never_say_the_opposite_of_exact_ones_on_hundreds():
 
 
 def test_facets_that_lie_on_each_other_stay_facets():
-    """The same triangles on both sides: nothing is fitted, as a stone cutter would have it."""
+    """The same triangles on both sides: no surface is fitted, as a stone cutter would expect."""
     rng = np.random.default_rng(3)
     joint = JOINTS["saddle"](rng)
     assembly = blocks(rng, joint, alike=True)

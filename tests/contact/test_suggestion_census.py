@@ -1,4 +1,4 @@
-"""Suggestions over random assemblies that were built with known joints: these and no others."""
+"""Suggestions over random assemblies with known joints: these and no others."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ WORDS = ["part", "Body", "Solid", "case/side", "a-1", "x y", "Teil", "12", "cove
 
 
 class Bench:
-    """A held plate with stations on it, and the joints that they are built with."""
+    """A held plate with stations on it, and the joints of their construction."""
 
     def __init__(self, seed: int) -> None:
         self.rng = np.random.default_rng(seed)
@@ -35,7 +35,7 @@ class Bench:
         return float(self.rng.uniform(low, high))
 
     def build(self, threads: bool) -> Assembly:
-        """Two to five stations; with `threads`, at least one is a screw in its thread."""
+        """Two to five stations; with `threads`, at least one station is a screw in its thread."""
         every = [
             self.thread,
             self.press,
@@ -60,7 +60,7 @@ class Bench:
         return scaled(assembly, float(self.rng.choice([1.0, 0.013, 40.0])))
 
     def fit(self, share: float, kind: str, *, hole: str = "", shaft: str = "") -> None:
-        """A tube that stands on the bench, and a shaft thicker than its bore by a share."""
+        """A tube that stands on the bench, and a shaft thicker than its bore by a fraction."""
         bore, height = self.number(3, 12), self.number(8, 20)
         radius = bore / (1 - share)
         sides = int(self.rng.integers(64, 100))
@@ -89,7 +89,7 @@ class Bench:
         self.joints.append((ring.name, body.name, "insert"))
 
     def overlap(self) -> None:
-        """A leg with a lid sunk into it, at times so far aside that it tips."""
+        """A leg with a lid sunk into it, sometimes so far aside that it tips."""
         high, wide = self.number(10, 30), self.number(10, 20)
         leg = block(self.name(), [-wide / 2, -wide / 2, 0], [wide / 2, wide / 2, high])
         aside = self.number(0, 0.9) * wide

@@ -1,4 +1,4 @@
-"""One scene for each way in which finding contacts has gone wrong before."""
+"""A scene for each way in which contact searches have failed before."""
 
 from __future__ import annotations
 

@@ -354,11 +354,11 @@ class ContactSet:
 
     def nearest(self) -> list[dict[str, Any]]:
         """Nearest part of each part that touches nothing, as JSON data of an answer."""
-        known = {neighbour.part: neighbour for neighbour in self.neighbours}
+        by_part = {neighbour.part: neighbour for neighbour in self.neighbours}
         names, held = self.assembly.names, self.assembly.geometry.grounded
         none = {"nearest": None, "gap": None, "accuracy": None}
         return [
-            (known[k].to_dict(names) if k in known else {"part": names[k], **none})
+            (by_part[k].to_dict(names) if k in by_part else {"part": names[k], **none})
             | {"grounded": bool(held[k])}
             for k in self.alone.tolist()
         ]
@@ -407,8 +407,8 @@ class ContactSet:
         over = [overlap for overlap in self.overlaps if frozenset(overlap.parts) in left_open]
         assembly = self.assembly
         odd = [
-            (assembly.names[part], self._names(others), assembly.names[copy])
-            for part, others, copy in odd_copies(assembly.geometry, self.overlaps, over)
+            (assembly.names[part], self._names(overlapped), assembly.names[copy])
+            for part, overlapped, copy in odd_copies(assembly.geometry, self.overlaps, over)
         ]
         return [
             *assembly.notes,

@@ -128,13 +128,13 @@ class Support:
         InputError
             If a key is unknown or missing, or a value is invalid.
         """
-        known = [field.name for field in dataclasses.fields(cls)]
+        keys = [field.name for field in dataclasses.fields(cls)]
         if not isinstance(data, Mapping) or not {"kind", "part"} <= set(data):
             raise InputError(f"a support is {data!r:.60}", hint="give its kind and its part")
         for key in data:
-            if key not in known:
-                near = nearest_name(key, known)
-                hint = f"did you mean {near!r}?" if near else f"there are: {', '.join(known)}"
+            if key not in keys:
+                near = nearest_name(key, keys)
+                hint = f"did you mean {near!r}?" if near else f"there are: {', '.join(keys)}"
                 raise InputError(f"a support has the key {key!r:.40}", hint=hint)
         return cls(**data)
 

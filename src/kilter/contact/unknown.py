@@ -51,8 +51,8 @@ def unknown_pairs(geometry: Geometry, pairs: Index, reach: Array) -> tuple[Index
 
 def _enters(geometry: Geometry, part: int, low: Array, high: Array) -> bool:
     """Whether the box of any triangle of a part meets the given box."""
-    mine = slice(geometry.triangle_start[part], geometry.triangle_start[part + 1])
-    corners = geometry.vertices[geometry.triangles[mine]]
+    rows = slice(geometry.triangle_start[part], geometry.triangle_start[part + 1])
+    corners = geometry.vertices[geometry.triangles[rows]]
     apart = (corners.max(axis=1) < low) | (corners.min(axis=1) > high)
     return bool((~apart.any(axis=1)).any())
 

@@ -193,9 +193,9 @@ def _resolve(search: ContactSearch, builder: PatchBuilder) -> tuple[list[Rejecte
     builder.touching = [
         patch for patch in builder.touching if patch.play > 0 or patch.key not in closed
     ]
-    known = {patch.key for patch in builder.touching}
-    known |= {patch.key for patch, _ in builder.pressed}
-    fits = {patch.key for patch in builder.apart if patch.play > 0} - known
+    in_contact = {patch.key for patch in builder.touching}
+    in_contact |= {patch.key for patch, _ in builder.pressed}
+    fits = {patch.key for patch in builder.apart if patch.play > 0} - in_contact
     rejected, overlaps = list(builder.rejected), []
     for patch in builder.apart:
         if (patch.key in fits) if patch.play > 0 else (patch.key not in fits | closed):

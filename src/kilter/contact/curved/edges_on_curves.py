@@ -107,9 +107,9 @@ def _is_sharp(geometry: Geometry, facets: Facets, edges: Edges, edge: Index) -> 
     for facet in (left, right):
         surface = facets.surface[facet]
         free = (surface >= 0) & (s.kind[surface] == FREE) if len(s) else surface >= 0
-        known = (surface >= 0) & ~free
+        has_formula = (surface >= 0) & ~free
         normal = facets.normal[facet].copy()
-        normal[known] = s.outward(surface[known], middle[known])
+        normal[has_formula] = s.outward(surface[has_formula], middle[has_formula])
         normals.append(normal)
         exact &= ~free
     sine = np.linalg.norm(cross(*normals), axis=1)
@@ -148,16 +148,16 @@ def _true_middle(
     for facet in edges.facet[line].T:
         surface = facets.surface[facet]
         curved = np.flatnonzero((surface >= 0) & (facet >= 0))
-        known = curved[s.kind[surface[curved]] != FREE]
+        rows = curved[s.kind[surface[curved]] != FREE]
         exact[curved] = (s.kind[surface[curved]] != FREE) & (s.doubt[surface[curved]] == 0)
-        row = surface[known]
+        row = surface[rows]
         # the flat neighbour and the chord both lie in the plane of the rim
-        out = _across_axis(s, row, middle[known])
+        out = _across_axis(s, row, middle[rows])
         for _ in range(3):
-            off = s.distance(row, middle[known])
-            steep = np.einsum("ij,ij->i", s.outward(row, middle[known]), out)
+            off = s.distance(row, middle[rows])
+            steep = np.einsum("ij,ij->i", s.outward(row, middle[rows]), out)
             step = off / np.where(np.abs(steep) > SMOOTH_ANGLE, steep, np.inf)
-            middle[known] -= step[:, None] * out
+            middle[rows] -= step[:, None] * out
     return exact, middle
 
 

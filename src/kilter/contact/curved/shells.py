@@ -49,12 +49,12 @@ def touching_shells(
     first, second = pairs.i[candidates.row], pairs.j[candidates.row]
     used, place = np.unique(np.concatenate([first, second]), return_inverse=True)
     bands = bands_of(search.geometry, used)
-    mine, partner = place.reshape(2, -1)
+    band_i, band_j = place.reshape(2, -1)
     for k in range(len(candidates.row)):
         i, j = int(first[k]), int(second[k])
         turned = bool(pairs.turned[candidates.row[k]]) ^ bool(surfaces.hollow[i])
         solid, hollow = (i, j) if not surfaces.hollow[i] else (j, i)
-        band_rows = (mine[k], partner[k]) if solid == i else (partner[k], mine[k])
+        band_rows = (band_i[k], band_j[k]) if solid == i else (band_j[k], band_i[k])
         region = shared_region(
             search.geometry, bands, (solid, hollow), (int(band_rows[0]), int(band_rows[1]))
         )

@@ -1,1 +1,1 @@
-"""How parts fit into each other: overlaps, shafts in holes, what is fastened."""
+"""Fits of parts: overlaps, shafts in holes, and fastened pairs."""

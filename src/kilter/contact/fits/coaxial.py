@@ -1,8 +1,8 @@
-"""Coaxial fits: a shaft of one part in a hole of another, from their exact cylinders.
+"""Coaxial fits: a shaft of a part in a hole of another part, from their exact cylinders.
 
-A shaft and its hole share an axis; their radii say what the fit is: the shaft is thicker
-(interference: a press fit, or a thread drawn as a cylinder), as thick within the gap
-tolerance (size on size), or thinner (a clearance, which holds nothing).
+A shaft and its hole share an axis; their radii determine the fit. The shaft is thicker
+(interference: a press fit, or a thread drawn as a cylinder), equally thick within the gap tolerance
+(size on size), or thinner (a clearance, which holds nothing).
 """
 
 from __future__ import annotations
@@ -32,17 +32,17 @@ class Fit:
     Attributes
     ----------
     parts : pair of int
-        The part with the shaft, the part with the hole.
+        The part with the shaft, and the part with the hole.
     point, axis : ndarray, shape (3,)
-        The middle of the fit, and its unit axis.
+        Middle of the fit, and its unit axis.
     radius : float
-        Of the shaft [length unit].
+        Radius of the shaft [length unit].
     interference : float
-        Radius of the shaft over that of the hole [length unit]; negative: a clearance.
+        Radius of the shaft minus that of the hole [length unit]; negative: a clearance.
     length : float
-        Along the axis [length unit].
+        Length along the axis [length unit].
     doubt : float
-        What the gap tolerance explains of it [length unit].
+        Largest interference that the gap tolerance explains [length unit].
     """
 
     parts: tuple[int, int]
@@ -55,11 +55,11 @@ class Fit:
 
     @property
     def tight(self) -> bool:
-        """The shaft is thicker than the gap tolerance explains."""
+        """True if the shaft is thicker than the gap tolerance explains."""
         return self.interference > self.doubt
 
     def to_dict(self, names: Sequence[str]) -> dict[str, Any]:
-        """As JSON data; `parts` are the shaft and the part with the hole."""
+        """JSON data; `parts` are the part with the shaft and the part with the hole."""
         return {
             "parts": [names[k] for k in self.parts],
             "point": self.point.tolist(),
@@ -72,15 +72,15 @@ class Fit:
 
     @property
     def kind(self) -> str:
-        """What it is: "interference", "size on size" or "clearance"."""
+        """Kind of the fit: "interference", "size on size" or "clearance"."""
         if self.tight:
             return "interference"
         return "clearance" if self.interference < -self.doubt else "size on size"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Bore:
-    """One cylinder, a row of the surfaces: solid or hollow, `low` to `high` along its axis."""
+class _Cylinder:
+    """A cylinder, solid or hollow, from `low` to `high` along its axis; `row` of the surfaces."""
 
     row: int
     point: Array
@@ -100,47 +100,50 @@ def coaxial_fits(
     thickest: float = INTERFERENCE,
     thinnest: float = 0.0,
 ) -> list[Fit]:
-    """Fits between pairs of parts: interfering, or size on size within the tolerance.
+    """Fits between pairs of parts: with interference, or size on size within the tolerance.
 
     Parameters
     ----------
     assembly : Assembly
     pairs : iterable of pairs of int
     tolerance : Tolerance
-        Of the gap, the clearance and the angle.
+        Tolerance of the gap, the clearance and the angle.
     thickest : float
-        The greatest interference, as a fraction of the radius of the shaft [-].
+        Largest interference, as a fraction of the radius of the shaft [-].
     thinnest : float
-        The greatest clearance, where that of the tolerance is less, as such a fraction [-].
+        Largest clearance, as a fraction of the radius of the shaft, if the clearance of the
+        tolerance is smaller [-].
     """
-    bores: dict[int, list[_Bore]] = {}
-    found = []
-    known = assembly.geometry.surfaces
-    rounds = set(known.part[known.kind == CYLINDER].tolist())
-    both = {(int(min(pair)), int(max(pair))) for pair in pairs if rounds.issuperset(pair)}
-    for a, b in sorted(both):
+    cylinders: dict[int, list[_Cylinder]] = {}
+    result = []
+    surfaces = assembly.geometry.surfaces
+    rounds = set(surfaces.part[surfaces.kind == CYLINDER].tolist())
+    candidates = {(int(min(pair)), int(max(pair))) for pair in pairs if rounds.issuperset(pair)}
+    for a, b in sorted(candidates):
         for part in (a, b):
-            if part not in bores:
-                bores[part] = _bores(assembly, part)
+            if part not in cylinders:
+                cylinders[part] = _cylinders_of(assembly, part)
         gap = float(tolerance.gap_of(assembly.geometry.size[[a, b]]).min())
         for shaft, hole in ((a, b), (b, a)):
             fits = [
                 fit
-                for one in bores[shaft]
-                for other in bores[hole]
-                if not one.hollow and other.hollow
-                for fit in _fit((shaft, hole), one, other, gap, tolerance, (thickest, thinnest))
-                if _over_each_other(assembly.geometry, one, other)
+                for solid in cylinders[shaft]
+                for hollow in cylinders[hole]
+                if not solid.hollow and hollow.hollow
+                for fit in _fits_of(
+                    (shaft, hole), solid, hollow, gap, tolerance, (thickest, thinnest)
+                )
+                if _over_each_other(assembly.geometry, solid, hollow)
             ]
-            # of several steps of one shaft, the tightest, and of those the longest
+            # a stepped shaft has several fits: keep the tightest, and of these the longest
             fits.sort(key=lambda fit: (not fit.tight, -fit.length))
-            found += fits[:1]
-    return found
+            result += fits[:1]
+    return result
 
 
 def is_tube(assembly: Assembly, fit: Fit) -> bool:
-    """Whether the shaft of a fit has a thinner bore on the same axis itself."""
-    for bore in _bores(assembly, fit.parts[0]):
+    """Whether the shaft of a fit has a thinner bore about the same axis."""
+    for bore in _cylinders_of(assembly, fit.parts[0]):
         apart = bore.point - fit.point
         offset = float(np.linalg.norm(apart - fit.axis * (fit.axis @ apart)))
         sine = float(np.linalg.norm(np.cross(bore.axis, fit.axis)))
@@ -149,21 +152,26 @@ def is_tube(assembly: Assembly, fit: Fit) -> bool:
     return False
 
 
-def _fit(
+def _fits_of(
     parts: tuple[int, int],
-    shaft: _Bore,
-    hole: _Bore,
+    shaft: _Cylinder,
+    hole: _Cylinder,
     gap: float,
     tolerance: Tolerance,
     widest: tuple[float, float],
 ) -> list[Fit]:
+    """The fit of a shaft and a hole, or none.
+
+    `gap` is the gap tolerance [length unit]; `widest` holds the largest interference and clearance
+    as fractions of the radius [-].
+    """
     gap += shaft.doubt + hole.doubt
     along = float(shaft.axis @ hole.axis)
     apart = hole.point - shaft.point
     offset = float(np.linalg.norm(apart - shaft.axis * (shaft.axis @ apart)))
     interference = shaft.radius - hole.radius
     sine = float(np.linalg.norm(np.cross(shaft.axis, hole.axis)))
-    thickest, thinnest = (part * shaft.radius for part in widest)
+    thickest, thinnest = (share * shaft.radius for share in widest)
     clearance = max(tolerance.clearance or 0.0, thinnest)
     if sine > tolerance.angle or offset > gap + abs(interference):
         return []
@@ -177,31 +185,32 @@ def _fit(
     return [Fit(parts, middle, shaft.axis, shaft.radius, interference, high - low, gap)]
 
 
-def _over_each_other(geometry: Geometry, one: _Bore, other: _Bore) -> bool:
-    """Whether the faces reach over each other around the axis, and not only along it."""
-    bands = bands_of(geometry, np.array([one.row, other.row]))
-    return shared_region(geometry, bands, (one.row, other.row), (0, 1)) is not None
+def _over_each_other(geometry: Geometry, shaft: _Cylinder, hole: _Cylinder) -> bool:
+    """Whether the faces overlap around the axis, not only along it."""
+    bands = bands_of(geometry, np.array([shaft.row, hole.row]))
+    return shared_region(geometry, bands, (shaft.row, hole.row), (0, 1)) is not None
 
 
-def _bores(assembly: Assembly, part: int) -> list[_Bore]:
-    """The cylinders of a part, exact ones and those recognised in its mesh."""
+def _cylinders_of(assembly: Assembly, part: int) -> list[_Cylinder]:
+    """The cylinders of a part, exact or recognised in its mesh."""
     geometry = assembly.geometry
-    known = geometry.surfaces
-    rows = range(int(known.start[part]), int(known.start[part + 1]))
-    return [_bore(geometry, row) for row in rows if known.kind[row] == CYLINDER]
+    surfaces = geometry.surfaces
+    rows = range(int(surfaces.start[part]), int(surfaces.start[part + 1]))
+    return [_cylinder(geometry, row) for row in rows if surfaces.kind[row] == CYLINDER]
 
 
-def _bore(geometry: Geometry, row: int) -> _Bore:
-    known = geometry.surfaces
-    corners = geometry.vertices[geometry.triangles[known.triangles_of(row)]].reshape(-1, 3)
-    height = (corners - known.point[row]) @ known.axis[row]
-    return _Bore(
+def _cylinder(geometry: Geometry, row: int) -> _Cylinder:
+    """The cylinder of a row of the surfaces, with the extent of its triangles."""
+    surfaces = geometry.surfaces
+    corners = geometry.vertices[geometry.triangles[surfaces.triangles_of(row)]].reshape(-1, 3)
+    height = (corners - surfaces.point[row]) @ surfaces.axis[row]
+    return _Cylinder(
         row=row,
-        point=known.point[row],
-        axis=known.axis[row],
-        radius=float(known.radius[row]),
-        hollow=bool(known.hollow[row]),
-        doubt=float(known.doubt[row]),
+        point=surfaces.point[row],
+        axis=surfaces.axis[row],
+        radius=float(surfaces.radius[row]),
+        hollow=bool(surfaces.hollow[row]),
+        doubt=float(surfaces.doubt[row]),
         low=float(height.min()),
         high=float(height.max()),
     )

@@ -1,9 +1,9 @@
-"""Parts that lie on one another: no verdict is given, since they cannot be as they are drawn.
+"""Rejection of parts that lie on one another, which cannot be positioned as drawn.
 
-Refused is a pair, not held on both sides nor fixed to each other, that shares more than half
-of the volume of its smaller part: files that are each in a frame of their own, a body that is
-there twice, a part modelled without the hole for another. A screw in a nut that is drawn
-without its hole shares less.
+A pair is rejected if it shares more than half of the volume of its smaller part, and the parts are
+neither both held nor fixed to each other. Causes: files in frames of their own, a duplicate body, a
+part modelled without the hole for another. A screw in a nut that is drawn without its hole shares
+less.
 """
 
 from __future__ import annotations
@@ -19,27 +19,27 @@ from kilter.errors import InputError, shell_words
 __all__ = ["coincident", "require_apart"]
 
 MANY = 3
-"""Pairs from which on the files are taken to be in frames of their own."""
+"""From this number of pairs on, the files are taken to have frames of their own."""
 
 
 def coincident(contacts: ContactSet) -> list[Overlap]:
-    """Overlaps of more than half of the smaller part that nothing joins, the greatest first."""
-    left_open = {frozenset(one.parts) for one in contacts.open_pairs}
-    found = [
-        one
-        for one in contacts.overlaps
-        if (one.share or 0.0) > COINCIDENT and frozenset(one.parts) in left_open
+    """Overlaps of more than half of the smaller part in open pairs, largest share first."""
+    left_open = {frozenset(pair.parts) for pair in contacts.open_pairs}
+    coinciding = [
+        overlap
+        for overlap in contacts.overlaps
+        if (overlap.share or 0.0) > COINCIDENT and frozenset(overlap.parts) in left_open
     ]
-    return sorted(found, key=lambda one: -(one.share or 0.0))
+    return sorted(coinciding, key=lambda overlap: -(overlap.share or 0.0))
 
 
 def require_apart(assembly: Assembly, contacts: ContactSet) -> None:
-    """Refuse parts that lie on one another.
+    """Raise an error if parts lie on one another.
 
     Raises
     ------
     InputError
-        Naming the pairs, the likely reason, and what to do.
+        With the pairs, the likely cause, and a remedy.
 
     Examples
     --------
@@ -54,48 +54,48 @@ def require_apart(assembly: Assembly, contacts: ContactSet) -> None:
     kilter.errors.InputError: 'a' and 'b' share 70 % of 'b': ...
     """
     contacts = contacts.of(assembly)
-    found = coincident(contacts)
-    if not found:
+    overlaps = coincident(contacts)
+    if not overlaps:
         return
-    more = f", and {len(found) - 1} more pairs lie on one another" if len(found) > 2 else ""
-    if len(found) == 2:
-        more = f", and {_shared(contacts, found[1])}"
-    reason, hint, option = _likely(contacts, found)
+    more = f", and {len(overlaps) - 1} more pairs lie on one another" if len(overlaps) > 2 else ""
+    if len(overlaps) == 2:
+        more = f", and {_describe(contacts, overlaps[1])}"
+    reason, hint, option = _cause_and_remedy(contacts, overlaps)
     raise InputError(
-        f"{_shared(contacts, found[0])}{more}: {reason}",
+        f"{_describe(contacts, overlaps[0])}{more}: {reason}",
         file=assembly.source or None,
         hint=hint,
         option=option,
     )
 
 
-def _shared(contacts: ContactSet, one: Overlap) -> str:
-    """How two parts lie on one another; the smaller is the second."""
-    larger, smaller = (repr(contacts.assembly.names[k]) for k in _by_volume(contacts, one))
-    if one.why == SAME_BODY:
+def _describe(contacts: ContactSet, overlap: Overlap) -> str:
+    """A description of how two parts lie on one another; the smaller part is the second."""
+    larger, smaller = (repr(contacts.assembly.names[k]) for k in _by_volume(contacts, overlap))
+    if overlap.why == SAME_BODY:
         return f"{larger} and {smaller} are the same body twice"
-    if (one.share or 0.0) > INSIDE:
+    if (overlap.share or 0.0) > INSIDE:
         return f"{smaller} lies inside {larger}"
-    return f"{larger} and {smaller} share {100 * (one.share or 0.0):.2g} % of {smaller}"
+    return f"{larger} and {smaller} share {100 * (overlap.share or 0.0):.2g} % of {smaller}"
 
 
-def _by_volume(contacts: ContactSet, one: Overlap) -> tuple[int, int]:
-    """The parts of an overlap, the larger first."""
-    a, b = one.parts
+def _by_volume(contacts: ContactSet, overlap: Overlap) -> tuple[int, int]:
+    """The parts of an overlap, the larger part first."""
+    a, b = overlap.parts
     volume = contacts.assembly.geometry.volume
     return (a, b) if volume[a] >= volume[b] else (b, a)
 
 
-def _likely(contacts: ContactSet, found: Sequence[Overlap]) -> tuple[str, str, str]:
-    """Why they lie on one another, and what to do, in Python and as an option."""
+def _cause_and_remedy(contacts: ContactSet, overlaps: Sequence[Overlap]) -> tuple[str, str, str]:
+    """Likely cause of the overlaps, and the remedy in Python and as an option."""
     parts = contacts.assembly.parts
-    first = found[0]
+    first = overlaps[0]
     larger, smaller = _by_volume(contacts, first)
     names = parts[larger].name, parts[smaller].name
     if any(parts[k].table for k in first.parts):
         how = "give the floor a lower height"
         return "the table is too high", how, f"{how}: --floor HEIGHT, or --floor alone"
-    if first.why == SAME_BODY and len(found) < MANY:
+    if first.why == SAME_BODY and len(overlaps) < MANY:
         return (
             "a copy or an exploded view, or one file given under two names",
             f"leave one out with assembly.without({names[1]!r})",
@@ -103,15 +103,15 @@ def _likely(contacts: ContactSet, found: Sequence[Overlap]) -> tuple[str, str, s
         )
     join = f"kilter.fastened(assembly, [{names!r}])"
     fasten = f"--fasten {shell_words(names[:2])}"
-    if len(found) >= MANY:
+    if len(overlaps) >= MANY:
         place = "export the parts where they are in the assembly, not each in its own frame"
         return (
             "each file seems to be in a frame of its own",
-            f"{place}; or join what is meant so with {join}",
-            f"{place}; or join what is meant so with {fasten} or --fasten-overlaps",
+            f"{place}; or join parts that are meant to overlap with {join}",
+            f"{place}; or join parts that are meant to overlap with {fasten} or --fasten-overlaps",
         )
     return (
         "misplaced, or drawn without the hole for the other",
-        f"mend that where it was made; or join what is meant so with {join}",
-        f"mend that where it was made; or join what is meant so with {fasten}",
+        f"correct the model; or join parts that are meant to overlap with {join}",
+        f"correct the model; or join parts that are meant to overlap with {fasten}",
     )

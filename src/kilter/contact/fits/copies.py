@@ -1,7 +1,7 @@
-"""Copies of one part of which some overlap others and some do not: the former may be misplaced.
+"""Copies of the same part of which only some overlap other parts: these may be misplaced.
 
-Parts of the same volume, radius and inertia (by its trace) are taken for copies. Bolts that all
-overlap their nuts are modelled so; the one foot of two that does stands wrong.
+Parts of the same volume, radius and inertia (by its trace) count as copies. Bolts that all overlap
+their nuts are modelled so; if only one of two feet overlaps, it is misplaced.
 """
 
 from __future__ import annotations
@@ -19,32 +19,37 @@ __all__ = ["odd_copies"]
 
 
 def odd_copies(
-    geometry: Geometry, overlaps: Sequence[Overlap], asked: Iterable[Overlap]
+    geometry: Geometry, overlaps: Sequence[Overlap], tested: Iterable[Overlap]
 ) -> list[tuple[int, list[int], int]]:
-    """Parts that overlap others, those others, and a copy of the part that overlaps nothing.
+    """Overlapping parts that have a copy without overlap.
 
     Parameters
     ----------
     geometry : Geometry
     overlaps : sequence of Overlap
-        All that there are.
-    asked : iterable of Overlap
-        Those of which parts are looked at.
+        All overlaps of the assembly.
+    tested : iterable of Overlap
+        Overlaps whose parts are tested.
+
+    Returns
+    -------
+    list of (part, overlapped parts, copy)
+        By position.
     """
-    others: dict[int, list[int]] = {}
-    for one in asked:
-        for part, other in (one.parts, one.parts[::-1]):
-            others.setdefault(part, []).append(other)
-    if not others:
+    overlapped: dict[int, list[int]] = {}
+    for overlap in tested:
+        for part, partner in (overlap.parts, overlap.parts[::-1]):
+            overlapped.setdefault(part, []).append(partner)
+    if not overlapped:
         return []
-    clear = np.ones(len(geometry.mass), dtype=bool)
-    clear[[part for one in overlaps for part in one.parts]] = False
-    turning = ratio(np.trace(geometry.inertia, axis1=1, axis2=2), geometry.mass)
-    shape = np.column_stack([np.abs(geometry.volume), geometry.radius**3, turning**1.5])
-    found = []
-    for part in sorted(others):
+    is_clear = np.ones(len(geometry.mass), dtype=bool)
+    is_clear[[part for overlap in overlaps for part in overlap.parts]] = False
+    gyration_squared = ratio(np.trace(geometry.inertia, axis1=1, axis2=2), geometry.mass)
+    shape = np.column_stack([np.abs(geometry.volume), geometry.radius**3, gyration_squared**1.5])
+    odd = []
+    for part in sorted(overlapped):
         alike = np.abs(shape - shape[part]) <= SAME_SHAPE * shape[part]
-        copies = np.flatnonzero(clear & alike.all(axis=1))
+        copies = np.flatnonzero(is_clear & alike.all(axis=1))
         if len(copies):
-            found.append((part, sorted(others[part]), int(copies[0])))
-    return found
+            odd.append((part, sorted(overlapped[part]), int(copies[0])))
+    return odd

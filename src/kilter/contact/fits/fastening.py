@@ -1,8 +1,8 @@
-"""Fastening: fixed joints between parts that touch, by their names or as they look.
+"""Fastening: fixed joints between parts that touch, by their names or by suggestion.
 
 By name: every two matching parts that touch. As suggested: the pairs that
-`kilter.contact.fits.suggestions` takes for fixed. As they overlap: every pair that shares
-volume, but for the same body twice. What was not named pair by pair is told with its reason:
+`kilter.contact.fits.suggestions` takes for fixed. As they overlap: every pair that shares volume,
+except the same body twice. Joints that were not named pair by pair are reported with their reason:
 `Joint.why`, and a note of the assembly.
 """
 
@@ -21,8 +21,8 @@ from kilter.files.reading import Reading
 __all__ = ["fasten_as_read", "fastened"]
 
 Pair = tuple[str, ...]
-TOLD = 20
-"""Pairs that a note names; the joints of an answer list all."""
+MOST_NAMED_PAIRS = 20
+"""Largest number of pairs that a note names; the joints of an answer list all."""
 
 
 def fastened(
@@ -34,33 +34,33 @@ def fastened(
     contacts: ContactSet | None = None,
     tolerance: Tolerance | None = None,
 ) -> Assembly:
-    """The assembly with fixed joints between parts that touch.
+    """The assembly with additional fixed joints between parts that touch.
 
     Parameters
     ----------
     assembly : Assembly
     pairs : iterable of pairs of str
-        Names or globs (``*`` and ``?``): every part of the first is fastened to every part
-        of the second that it touches. A held part is meant only where it is named in full:
-        globs do not match it.
+        Names or globs (``*`` and ``?``): every part of the first is fastened to every part of the
+        second that it touches. Globs do not match held parts: name a held part in full.
     suggested : bool
-        Fasten what looks fastened: threads, press fits, inserts, and what else overlaps.
+        Fasten the pairs that look fastened: threads, press fits, inserts and other overlaps.
     overlaps : bool
         Fasten every pair that overlaps.
     contacts : ContactSet, optional
-        Of the assembly; found from its geometry where not given.
+        Contacts of the assembly; by default computed from its geometry.
     tolerance : Tolerance, optional
-        When faces count as touching.
+        Largest gap and angle at which faces count as touching.
 
     Returns
     -------
     Assembly
-        Its notes name what `suggested` and `overlaps` joined, or that there was nothing.
+        Its notes name the pairs that `suggested` and `overlaps` joined, or state that there were
+        none.
 
     Raises
     ------
     InputError
-        If a glob matches no part that is free, or no two parts of a pair touch.
+        If a glob matches no free part, or no two parts of a pair touch.
 
     Examples
     --------
@@ -71,28 +71,34 @@ def fastened(
     >>> fastened(scene("tower"), suggested=True).notes[-1]
     'nothing is fastened as suggested: no pair looks as if it were'
     """
-    wanted = [tuple(pair) for pair in pairs]
-    if any(len(pair) != 2 for pair in wanted):
+    patterns = [tuple(pair) for pair in pairs]
+    if any(len(pair) != 2 for pair in patterns):
         raise InputError("something to fasten is not two names", hint="give pairs of names")
-    if not (wanted or suggested or overlaps):
+    if not (patterns or suggested or overlaps):
         return assembly
-    chosen = [tuple(_chosen(assembly, pattern) for pattern in pair) for pair in wanted]
+    matched = [tuple(_parts_matching(assembly, pattern) for pattern in pair) for pair in patterns]
     if contacts is None:
         contacts = detect.contacts(assembly, tolerance=tolerance)
-    named = _named(assembly, contacts, wanted, chosen)
-    assembly = assembly.with_joints(named, notes=_left_held(assembly, contacts, wanted, chosen))
+    joints_by_name = _joints_by_name(assembly, contacts, patterns, matched)
+    assembly = assembly.with_joints(
+        joints_by_name, notes=_skipped_held_notes(assembly, contacts, patterns, matched)
+    )
     if not (suggested or overlaps):
         return assembly
-    listed = [one for one in suggest_joints(assembly, contacts) if one.fixed]
+    suggestions = [s for s in suggest_joints(assembly, contacts) if s.fixed]
     if suggested:
         how = "as suggested", "no pair looks as if it were"
-        assembly = assembly.with_joints(_joints(listed), notes=[_told(listed, *how)])
+        assembly = assembly.with_joints(
+            _suggested_joints(suggestions), notes=[_fastening_note(suggestions, *how)]
+        )
     if overlaps:
-        over = {frozenset(contacts.assembly.names[k] for k in o.parts) for o in contacts.overlaps}
-        listed = [one for one in listed if frozenset(one.parts) in over]
+        overlapping = {
+            frozenset(contacts.assembly.names[k] for k in o.parts) for o in contacts.overlaps
+        }
+        suggestions = [s for s in suggestions if frozenset(s.parts) in overlapping]
         how = "as they overlap", "no pair overlaps that is free to be joined"
-        joints = [] if suggested else _joints(listed)
-        assembly = assembly.with_joints(joints, notes=[_told(listed, *how)])
+        joints = [] if suggested else _suggested_joints(suggestions)
+        assembly = assembly.with_joints(joints, notes=[_fastening_note(suggestions, *how)])
     return assembly
 
 
@@ -103,7 +109,7 @@ def fasten_as_read(
     tolerance: Tolerance | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> tuple[Assembly, ContactSet | None]:
-    """The assembly with what its reading joins, and its contacts where that asked for them."""
+    """The assembly with the joints and bonds of its reading, and its contacts if needed."""
     if not reading.fastens:
         return assembly, None
     contacts = detect.contacts(assembly, tolerance=tolerance, progress=progress)
@@ -119,114 +125,120 @@ def fasten_as_read(
 
 
 def _bonds(
-    assembly: Assembly, contacts: ContactSet, wanted: Sequence[tuple[str, str, float]]
+    assembly: Assembly, contacts: ContactSet, patterns: Sequence[tuple[str, str, float]]
 ) -> list[Bond]:
-    """Bonds of every two parts that touch, one of each side of a pair; the last word counts."""
-    found: dict[frozenset[str], Bond] = {}
-    for one, other, pull in wanted:
-        first, second = _chosen(assembly, one), _chosen(assembly, other)
-        pairs = _matching(assembly, contacts, (one, other), first, second)
-        found |= {frozenset(pair): Bond((pair[0], pair[1]), pull=pull) for pair in pairs}
-    return list(found.values())
+    """Bonds between every two touching parts of each pair of patterns.
+
+    If patterns match the same parts twice, the last bond counts.
+    """
+    bonds: dict[frozenset[str], Bond] = {}
+    for pattern_a, pattern_b, pull in patterns:
+        first, second = _parts_matching(assembly, pattern_a), _parts_matching(assembly, pattern_b)
+        pairs = _touching_matches(assembly, contacts, (pattern_a, pattern_b), first, second)
+        bonds |= {frozenset(pair): Bond((pair[0], pair[1]), pull=pull) for pair in pairs}
+    return list(bonds.values())
 
 
-def _matching(
+def _touching_matches(
     assembly: Assembly,
     contacts: ContactSet,
     pair: Sequence[str],
     first: set[str],
     second: set[str],
 ) -> list[Pair]:
-    """Every two parts that touch, one of each set; the names of the sets are for the message."""
+    """Every two touching parts of both sets; `pair` holds the patterns for the message."""
     matching: list[Pair] = [
         (a, b)
-        for x, y in _touching(assembly, contacts)
+        for x, y in _touching_names(assembly, contacts)
         for a, b in ((x, y), (y, x))
         if a in first and b in second
     ]
     if not matching:
-        raise _nothing_touches(assembly, contacts, pair, first, second)
+        raise _no_contact_error(assembly, contacts, pair, first, second)
     return matching
 
 
-def _chosen(assembly: Assembly, pattern: str) -> set[str]:
-    """Names that a pattern means: held parts only where it is their name."""
-    found = assembly.matching([pattern])
-    free = {name for name in found if name == pattern or not assembly[name].grounded}
+def _parts_matching(assembly: Assembly, pattern: str) -> set[str]:
+    """Names that a pattern matches; a held part only if the pattern is its name."""
+    names = assembly.matching([pattern])
+    free = {name for name in names if name == pattern or not assembly[name].grounded}
     if not free:
         raise InputError(
-            f"{pattern!r} matches held parts alone: {some_names(sorted(found), 3)}",
+            f"{pattern!r} matches held parts alone: {some_names(sorted(names), 3)}",
             file=assembly.source or None,
             hint="name a held part in full to fasten something to it",
         )
     return free
 
 
-def _touching(assembly: Assembly, contacts: ContactSet) -> list[Pair]:
+def _touching_names(assembly: Assembly, contacts: ContactSet) -> list[Pair]:
     return [tuple(assembly.names[k] for k in pair) for pair in touching_pairs(contacts)]
 
 
-def _named(
+def _joints_by_name(
     assembly: Assembly,
     contacts: ContactSet,
-    wanted: Sequence[Pair],
-    chosen: Sequence[Sequence[set[str]]],
+    patterns: Sequence[Pair],
+    matched: Sequence[Sequence[set[str]]],
 ) -> list[Joint]:
-    """Joints of every two parts that touch, one of each side of a pair."""
-    there = {frozenset(joint.parts) for joint in assembly.joints if joint.kind == "fixed"}
+    """Fixed joints between every two touching parts of each pair, without existing joints."""
+    joined = {frozenset(joint.parts) for joint in assembly.joints if joint.kind == "fixed"}
     joints = []
-    for pair, (first, second) in zip(wanted, chosen, strict=True):
-        for a, b in _matching(assembly, contacts, pair, first, second):
-            if frozenset((a, b)) not in there:
-                there.add(frozenset((a, b)))
+    for pair, (first, second) in zip(patterns, matched, strict=True):
+        for a, b in _touching_matches(assembly, contacts, pair, first, second):
+            if frozenset((a, b)) not in joined:
+                joined.add(frozenset((a, b)))
                 joints.append(Joint((a, b)))
     return joints
 
 
-def _left_held(
+def _skipped_held_notes(
     assembly: Assembly,
     contacts: ContactSet,
-    wanted: Sequence[Pair],
-    chosen: Sequence[Sequence[set[str]]],
+    patterns: Sequence[Pair],
+    matched: Sequence[Sequence[set[str]]],
 ) -> list[str]:
-    """Which held parts globs passed by although something that they match touches them."""
-    left: set[str] = set()
-    touching = _touching(assembly, contacts)
-    for (one, other), (mine, theirs) in zip(wanted, chosen, strict=True):
-        for pattern, meant, beside in ((one, mine, theirs), (other, theirs, mine)):
-            passed = assembly.matching([pattern]) - meant
+    """A note that names the held parts that globs skipped although a matching part touches them."""
+    skipped_parts: set[str] = set()
+    touching = _touching_names(assembly, contacts)
+    for (pattern_a, pattern_b), (parts_a, parts_b) in zip(patterns, matched, strict=True):
+        for pattern, chosen_parts, partners in (
+            (pattern_a, parts_a, parts_b),
+            (pattern_b, parts_b, parts_a),
+        ):
+            skipped = assembly.matching([pattern]) - chosen_parts
             pairs = [(a, b) for x, y in touching for a, b in ((x, y), (y, x))]
-            left |= {a for a, b in pairs if a in passed and b in beside}
-    left -= {part.name for part in assembly if part.table}
-    if not left:
+            skipped_parts |= {a for a, b in pairs if a in skipped and b in partners}
+    skipped_parts -= {part.name for part in assembly if part.table}
+    if not skipped_parts:
         return []
     return [
-        f"globs match no held part: nothing is fastened to {some_names(sorted(left))}; "
+        f"globs match no held part: nothing is fastened to {some_names(sorted(skipped_parts))}; "
         "name it in full where it should be"
     ]
 
 
-def _joints(suggestions: Sequence[Suggestion]) -> list[Joint]:
-    return [Joint(one.parts, why=one.kind) for one in suggestions]
+def _suggested_joints(suggestions: Sequence[Suggestion]) -> list[Joint]:
+    return [Joint(s.parts, why=s.kind) for s in suggestions]
 
 
-def _told(suggestions: Sequence[Suggestion], how: str, nothing: str) -> str:
-    """A note that names what was joined."""
+def _fastening_note(suggestions: Sequence[Suggestion], how: str, nothing: str) -> str:
+    """A note that names the joined pairs; `how` states the reason, `nothing` an empty result."""
     if not suggestions:
         return f"nothing is fastened {how}: {nothing}"
-    pairs = [f"{one.parts[0]!r} and {one.parts[1]!r} ({one.kind})" for one in suggestions]
+    pairs = [f"{s.parts[0]!r} and {s.parts[1]!r} ({s.kind})" for s in suggestions]
     many = "1 pair" if len(pairs) == 1 else f"{len(pairs)} pairs"
-    return f"fastened {how}, {many}: {some(pairs, TOLD)}"
+    return f"fastened {how}, {many}: {some(pairs, MOST_NAMED_PAIRS)}"
 
 
-def _nothing_touches(
+def _no_contact_error(
     assembly: Assembly,
     contacts: ContactSet,
     pair: Sequence[str],
     first: set[str],
     second: set[str],
 ) -> InputError:
-    """Why nothing is fastened: how near they come."""
+    """Error for a pair of patterns without contact; it states the nearest distance."""
     names = assembly.names
     near = ""
     for rejected in contacts.rejected:
@@ -234,7 +246,7 @@ def _nothing_touches(
         if (a in first and b in second) or (b in first and a in second):
             near = f": {a!r} and {b!r} come within {abs(rejected.gap):.3g} {assembly.units}"
             break
-    left, right = (some_names(sorted(chosen), 3) for chosen in (first, second))
+    left, right = (some_names(sorted(names_of_set), 3) for names_of_set in (first, second))
     return InputError(
         f"nothing to fasten with {pair[0]!r} {pair[1]!r}: of {left} none touches any of "
         f"{right}{near}",

@@ -1,12 +1,12 @@
-"""Parts that share volume: named with their depth, the volume, and its share of the smaller.
+"""Overlaps: parts that share volume, with depth, volume, and share of the smaller part.
 
-Two convex parts share no volume where the plane of a facet of one has the other in front
-of it (within tolerance). Where no facet's plane separates them, the largest ball in both
-decides; it also tells apart parts that only an edge against an edge separates.
+Two convex parts share no volume if the plane of a facet of one has the other in front of it (within
+tolerance). If no facet's plane separates them, the largest ball inside both decides; it also
+recognises parts that only an edge against an edge separates.
 
-Of other parts the triangles are cut against each other (`kilter.contact.fits.shared_body`).
-Triangles that bound no body have no volume to share: of these the corners are asked whether
-they lie inside of the other part, by its winding number.
+The triangles of other parts are intersected (`kilter.contact.fits.shared_body`). Triangles that
+bound no body have no volume; for these the winding number shows which corners lie inside the other
+part.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ __all__ = ["find_overlaps"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Overlapping:
-    """What all steps need: what touches, and the parts as the kernel holds them."""
+class _OverlapSearch:
+    """Data of all steps: the touching patches, and the parts as solids."""
 
     touching: Touching
     solids: PartSolids
@@ -49,57 +49,62 @@ class _Overlapping:
 
 
 def find_overlaps(
-    assembly: Assembly, touching: Touching, allowed: Tolerance
+    assembly: Assembly, touching: Touching, tolerances: Tolerance
 ) -> tuple[Overlap, ...]:
-    """Pairs that share volume."""
+    """Pairs of parts that share volume."""
     search = touching.search
     geometry, facets, boxes = search.geometry, search.facets, search.boxes
     a, b = search.pairs.T
     both_convex = facets.convex_part[a] & facets.convex_part[b]
-    # tessellations of curved faces enter each other by their sagittas
+    # triangulations of touching curved faces penetrate each other by their sagittas
     tolerance = search.limits.gap + geometry.slack[a] + geometry.slack[b]
     grow = tolerance[:, None]
     deep = (boxes.part_high[a] - boxes.part_low[b] > grow).all(axis=1)
     deep &= (boxes.part_high[b] - boxes.part_low[a] > grow).all(axis=1)
     rows = np.flatnonzero(deep & ~(both_convex & touching.has_patch))
-    found = list({overlap.parts: overlap for overlap in touching.curved.overlaps}.values())
-    known = {overlap.parts for overlap in found}
-    of = _Overlapping(touching, PartSolids(geometry))
+    overlaps = list({overlap.parts: overlap for overlap in touching.curved.overlaps}.values())
+    recorded = {overlap.parts for overlap in overlaps}
+    overlap_search = _OverlapSearch(touching, PartSolids(geometry))
     for row in rows.tolist():
         parts = (int(a[row]), int(b[row]))
-        if parts in known:
+        if parts in recorded:
             continue
         if both_convex[row]:
-            overlap = _convex_overlap(of, parts, float(tolerance[row]))
+            overlap = _convex_overlap(overlap_search, parts, float(tolerance[row]))
         else:
-            overlap = _overlap(of, row, parts, float(tolerance[row]))
+            overlap = _general_overlap(overlap_search, row, parts, float(tolerance[row]))
         if overlap is not None:
-            found.append(overlap)
-    return tuple(_measured(of, overlap, allowed) for overlap in _named(assembly, found, allowed))
+            overlaps.append(overlap)
+    return tuple(
+        _with_volume(overlap_search, overlap, tolerances)
+        for overlap in _with_interference(assembly, overlaps, tolerances)
+    )
 
 
 FINER = 2
-"""Rounds in which triangles are cut finer to measure what is shared."""
+"""Rounds of refinement of triangles for the volume of an overlap; each halves the sides."""
 
 
-def _named(assembly: Assembly, found: list[Overlap], tolerance: Tolerance) -> list[Overlap]:
-    """Overlaps, those of shafts in tighter holes named as such."""
-    fits = coaxial_fits(assembly, [overlap.parts for overlap in found], tolerance)
+def _with_interference(
+    assembly: Assembly, overlaps: list[Overlap], tolerance: Tolerance
+) -> list[Overlap]:
+    """Overlaps, with the reason INTERFERE for shafts in tighter holes."""
+    fits = coaxial_fits(assembly, [overlap.parts for overlap in overlaps], tolerance)
     tight = {frozenset(fit.parts) for fit in fits if fit.tight}
     return [
         replace(overlap, why=INTERFERE) if frozenset(overlap.parts) in tight else overlap
-        for overlap in found
+        for overlap in overlaps
     ]
 
 
-def _measured(of: _Overlapping, overlap: Overlap, tolerance: Tolerance) -> Overlap:
-    """An overlap with its volume and that over the volume of the smaller part.
+def _with_volume(overlap_search: _OverlapSearch, overlap: Overlap, tolerance: Tolerance) -> Overlap:
+    """An overlap with its volume, and its share of the volume of the smaller part.
 
-    Of a part that is thinner than a gap may be no share can be told.
+    The share is None if the smaller part is thinner than the gap tolerance.
     """
-    volume, geometry, both = overlap.volume, of.geometry, list(overlap.parts)
+    volume, geometry, both = overlap.volume, overlap_search.geometry, list(overlap.parts)
     if volume is None or (geometry.slack[both] > 0).any():
-        body = shared_body(of.solids, *overlap.parts)
+        body = shared_body(overlap_search.solids, *overlap.parts)
         volume = _exact_volume(geometry, overlap.parts, body) if body is not None else volume
     smaller = int(both[int(np.argmin(geometry.volume[both]))])
     thinnest = float(tolerance.gap_of(geometry.size[[smaller]])[0])
@@ -110,7 +115,7 @@ def _measured(of: _Overlapping, overlap: Overlap, tolerance: Tolerance) -> Overl
 
 
 def _thickness(geometry: Geometry, part: int) -> float:
-    """Twice the volume over the surface: of a thin plate its thickness [length unit]."""
+    """Twice the volume divided by the surface: the thickness of a thin plate [length unit]."""
     rows = slice(*geometry.triangle_start[part : part + 2].tolist())
     a, b, c = geometry.vertices[geometry.triangles[rows]].transpose(1, 0, 2)
     surface = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
@@ -118,7 +123,7 @@ def _thickness(geometry: Geometry, part: int) -> float:
 
 
 def _exact_volume(geometry: Geometry, parts: tuple[int, int], body: SharedBody) -> float:
-    """The volume of a shared body, of finer triangles where round faces are known exactly."""
+    """The volume of a shared body, with refined triangles on exact curved surfaces."""
     slack = float(geometry.slack[list(parts)].sum())
     if not slack or not len(body.corners):
         return body.volume
@@ -128,25 +133,25 @@ def _exact_volume(geometry: Geometry, parts: tuple[int, int], body: SharedBody) 
     return body.volume if finer is None else finer.volume
 
 
-def _overlap(
-    of: _Overlapping, row: int, parts: tuple[int, int], tolerance: float
+def _general_overlap(
+    overlap_search: _OverlapSearch, row: int, parts: tuple[int, int], tolerance: float
 ) -> Overlap | None:
-    """What two parts share of which one is not convex, if deeper than the tolerance.
+    """Overlap of two parts that are not both convex; None if not deeper than the tolerance.
 
-    Points on curved faces that touch all over are left out: only tessellations enter there.
+    Points on curved faces that touch over an area are ignored: only triangulations overlap there.
     """
-    geometry, (a, b) = of.geometry, parts
+    geometry, (a, b) = overlap_search.geometry, parts
     if _identical(geometry, a, b):
         return _same_body(geometry, parts)
 
-    def settled(points: Array) -> Mask:
-        return in_patch(of.touching, row, points, 2 * tolerance)
+    def on_patch(points: Array) -> Mask:
+        return in_patch(overlap_search.touching, row, points, 2 * tolerance)
 
-    body = shared_body(of.solids, a, b)
+    body = shared_body(overlap_search.solids, a, b)
     if body is None:
-        volume, depth = None, depth_by_winding(geometry, parts, tolerance, settled)
+        volume, depth = None, depth_by_winding(geometry, parts, tolerance, on_patch)
     else:
-        depth = depth_of(of.solids, parts, body, least=tolerance, without=settled)
+        depth = depth_of(overlap_search.solids, parts, body, least=tolerance, without=on_patch)
         volume = body.volume
     return Overlap(parts, volume, depth, "overlap") if depth > tolerance else None
 
@@ -161,48 +166,58 @@ def _corners(geometry: Geometry, part: int) -> Array:
 
 
 def _identical(geometry: Geometry, a: int, b: int) -> bool:
-    one, other = _corners(geometry, a), _corners(geometry, b)
-    if one.shape != other.shape:
+    """Whether two parts have the same corners in the same places."""
+    corners_a, corners_b = _corners(geometry, a), _corners(geometry, b)
+    if corners_a.shape != corners_b.shape:
         return False
     close = SAME_PLACE * geometry.size[a] + geometry.accuracy[a] + geometry.accuracy[b]
-    if np.abs(one.mean(axis=0) - other.mean(axis=0)).max() > close:
+    if np.abs(corners_a.mean(axis=0) - corners_b.mean(axis=0)).max() > close:
         return False
-    return bool(nearest(one, other)[0].max() <= close)
+    return bool(nearest(corners_a, corners_b)[0].max() <= close)
 
 
-def _planes(geometry: Geometry, facets: Facets, part: int) -> tuple[Array, Array]:
+def _facet_planes(geometry: Geometry, facets: Facets, part: int) -> tuple[Array, Array]:
     span = slice(facets.start[part], facets.start[part + 1])
     return facets.normal[span], facets.origin[span]
 
 
-def _convex_overlap(of: _Overlapping, parts: tuple[int, int], tolerance: float) -> Overlap | None:
-    geometry, (a, b) = of.geometry, parts
+def _convex_overlap(
+    overlap_search: _OverlapSearch, parts: tuple[int, int], tolerance: float
+) -> Overlap | None:
+    """Overlap of two convex parts; None if a facet's plane separates them, or no ball fits."""
+    geometry, (a, b) = overlap_search.geometry, parts
     if _identical(geometry, a, b):
         return _same_body(geometry, parts)
     middle = geometry.center[a]
-    normals, offsets, apart = [], [], -np.inf
-    for mine, other in ((a, b), (b, a)):
-        n, origin = _planes(geometry, of.facets, mine)
+    normals, offsets, separation = [], [], -np.inf
+    for part, other in ((a, b), (b, a)):
+        n, origin = _facet_planes(geometry, overlap_search.facets, part)
         offset = np.einsum("ij,ij->i", n, origin - middle)
-        behind = (n @ (_corners(geometry, other) - middle).T).min(axis=1) - offset
-        apart = max(apart, float(behind.max()))
+        nearest = (n @ (_corners(geometry, other) - middle).T).min(axis=1) - offset
+        separation = max(separation, float(nearest.max()))
         normals.append(n)
         offsets.append(offset)
-    if apart >= -tolerance:
+    if separation >= -tolerance:
         return None
-    return _ball(np.concatenate(normals), np.concatenate(offsets), parts, -apart, tolerance)
+    return _ball_overlap(
+        np.concatenate(normals), np.concatenate(offsets), parts, -separation, tolerance
+    )
 
 
-def _ball(
+def _ball_overlap(
     normals: Array, offsets: Array, parts: tuple[int, int], depth: float, tolerance: float
 ) -> Overlap | None:
-    """The overlap of half-spaces n.x <= offset, by the largest ball inside."""
+    """The overlap of the half-spaces n.x <= offset, if a ball beyond the tolerance fits inside.
+
+    `depth` is the least depth to any facet's plane [length unit]. The ball is the solution of a
+    linear program.
+    """
     from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
     from kilter.solvers.highs import solve_linear
 
     scale = max(float(np.abs(offsets).max()), TINY)
-    endless = np.full(4, np.inf)
+    no_limit = np.full(4, np.inf)
     ball = solve_linear(
         LinearProgram(
             np.array([0.0, 0.0, 0.0, -1.0]),
@@ -210,17 +225,17 @@ def _ball(
             np.full(len(normals), -np.inf),
             offsets / scale,
             np.array([-np.inf, -np.inf, -np.inf, 0.0]),
-            endless,
+            no_limit,
         )
     )
     if ball.outcome == "infeasible" or (ball.optimal and ball.x[3] * scale <= tolerance / 2):
         return None
-    if not ball.optimal:  # it may be that they overlap: rather said than not
+    if not ball.optimal:  # undecided: report an overlap, so that none is missed
         return Overlap(parts, None, depth, "overlap")
     try:
         halfspaces = np.column_stack([normals, -offsets / scale])
         corners = HalfspaceIntersection(halfspaces, ball.x[:3]).intersections
         volume = float(ConvexHull(corners).volume) * scale**3
-    except QhullError:
+    except QhullError:  # too flat for a volume
         volume = None
     return Overlap(parts, volume, depth, "overlap")

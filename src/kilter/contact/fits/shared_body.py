@@ -1,15 +1,15 @@
-"""The body that two parts share: their triangles cut against each other by manifold3d.
+"""The body that two parts share: the intersection of their triangles by manifold3d.
 
-The surface of A and B consists of what of the surface of A lies in B and of what of the
-surface of B lies in A. How deep they enter each other is read off there:
+The surface of the intersection of A and B consists of the part of the surface of A inside B and the
+part of the surface of B inside A. The depth of the overlap follows from it:
 
     depth = max over points x of either piece of |x - surface of the other part|,
 
-asked at its corners and at the middles of its sides and triangles. The distance from the
-nearest corner of the other surface is never less than that, so the farthest points are asked
-first, and the rest only until that bound falls below what was found.
+computed at the corners and at the middles of sides and triangles. The distance from the nearest
+corner of the other surface is an upper bound. So the points with the largest bounds are computed
+first, and the rest only until the bound falls below the largest distance.
 
-Curved faces count as their inscribed polyhedra, cut as fine as is asked for.
+Curved faces count as their inscribed polyhedra, refined as requested.
 """
 
 from __future__ import annotations
@@ -31,29 +31,30 @@ __all__ = ["PartSolids", "SharedBody", "depth_of", "shared_body"]
 
 
 FIRST = 200
-"""Points whose distance is asked first; then twice as many, and so on."""
+"""Points in the first batch of distances; each further batch is twice as large."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartSolids:
-    """The parts as the kernel holds them, each made when it is first cut; None: refused.
+    """Parts as solids of manifold3d, created on first use.
 
-    A part stands in its own place, its centre of mass at the origin: coordinates keep their
-    digits, and what is far from the origin of the file is cut as well as what is near. With
-    `finer` (rounds, box) triangles within a box are cut finer, on their exact surfaces.
+    The centre of mass of a part is at the origin: coordinates keep their digits far from the origin
+    of the file. With `finer` (rounds, box), triangles inside a box are refined onto their exact
+    surfaces. `cache` keeps the solids.
     """
 
     geometry: Geometry
     finer: tuple[int, tuple[Array, Array]] | None = None
-    made: dict[int, Any] = field(default_factory=dict)
+    cache: dict[int, Any] = field(default_factory=dict)
 
     def of(self, part: int) -> Any:
-        """The part about its centre, None where its triangles bound no body."""
-        if part not in self.made:
-            self.made[part] = self._make(part)
-        return self.made[part]
+        """The solid of a part about its centre of mass; None if its triangles bound no body."""
+        if part not in self.cache:
+            self.cache[part] = self._make(part)
+        return self.cache[part]
 
     def _make(self, part: int) -> Any:
+        """Weld the triangles of a part and convert them to a solid; None if they bound no body."""
         g = self.geometry
         rounds, box = self.finer or (0, (g.center[part], g.center[part]))
         corners, rows = refined(g, part, rounds, box)
@@ -73,27 +74,33 @@ class PartSolids:
 
 
 def _bounds_a_body(triangles: Index) -> bool:
-    """Whether every edge runs once each way: the kernel ends the process on some that do not."""
+    """Whether every edge is used exactly once in each direction.
+
+    manifold3d may end the process on triangles without this property.
+    """
     following = triangles[:, [1, 2, 0]]
     count = int(triangles.max(initial=0)) + 1
-    there, back = (triangles * count + following).ravel(), (following * count + triangles).ravel()
-    there.sort()
-    back.sort()
-    return bool((there == back).all() and (np.diff(there) > 0).all())
+    forward, backward = (
+        (triangles * count + following).ravel(),
+        (following * count + triangles).ravel(),
+    )
+    forward.sort()
+    backward.sort()
+    return bool((forward == backward).all() and (np.diff(forward) > 0).all())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SharedBody:
-    """What two parts share; world frame.
+    """The intersection of two parts; world frame.
 
     Attributes
     ----------
     volume : float
-        [length unit^3]
+        Volume [length unit^3].
     corners : ndarray, shape (T, 3, 3)
-        Its triangles.
+        Triangles of its surface.
     of_first : ndarray of bool, shape (T,)
-        They lie on the surface of the first part, else on that of the second.
+        True if a triangle lies on the surface of the first part, else on that of the second.
     """
 
     volume: float
@@ -102,19 +109,18 @@ class SharedBody:
 
 
 def shared_body(solids: PartSolids, a: int, b: int) -> SharedBody | None:
-    """The body that parts a and b share, of no triangles where they share none.
+    """The intersection of parts a and b, without triangles if it is empty.
 
     Returns
     -------
     SharedBody or None
-        None where the triangles of a part bound no body: an edge with one face, or with
-        four.
+        None if the triangles of a part bound no body: an edge with one face, or with four.
     """
-    one, other = solids.of(a), solids.of(b)
-    if one is None or other is None:
+    solid_a, solid_b = solids.of(a), solids.of(b)
+    if solid_a is None or solid_b is None:
         return None
     center = solids.geometry.center
-    common = one ^ other.translate(tuple((center[b] - center[a]).tolist()))
+    common = solid_a ^ solid_b.translate(tuple((center[b] - center[a]).tolist()))
     mesh = common.to_mesh64()
     length = np.diff(np.asarray(mesh.run_index, dtype=np.int64)) // 3
     first = np.repeat(np.array(mesh.run_original_id) == a + 1, length.astype(np.int64))
@@ -130,42 +136,42 @@ def depth_of(
     least: float,
     without: Callable[[Array], Mask],
 ) -> float:
-    """How deep two parts enter each other, at points that are not in `without`.
+    """Depth of the overlap of two parts [length unit], at points that are not in `without`.
 
     Returns
     -------
     float
-        `least` where they do not enter each other by more than that.
+        `least` if the overlap is not deeper.
     """
     deepest = least
-    for other, mine in ((parts[1], body.of_first), (parts[0], ~body.of_first)):
-        points = _probes(body.corners[mine])
+    for part, on_other in ((parts[1], body.of_first), (parts[0], ~body.of_first)):
+        points = _probes(body.corners[on_other])
         points = points[~without(points)]
-        surface = solids.geometry.corners_of(other)
-        deepest = _farthest(points, body.corners[~mine], surface, deepest)
+        surface = solids.geometry.corners_of(part)
+        deepest = _farthest(points, body.corners[~on_other], surface, deepest)
     return deepest
 
 
 def _probes(corners: Array) -> Array:
-    """Corners, middles of sides and of triangles, each once."""
+    """Corners, and middles of sides and triangles, without repeats."""
     middles = (corners + np.roll(corners, -1, axis=1)) / 2
     points = np.concatenate([corners.reshape(-1, 3), middles.reshape(-1, 3), corners.mean(axis=1)])
     return distinct_rows(points)[0]
 
 
-def _farthest(points: Array, known: Array, surface: Array, least: float) -> float:
-    """The greatest distance of points from a surface, of which `known` is a part, above `least`.
+def _farthest(points: Array, patch: Array, surface: Array, least: float) -> float:
+    """The largest distance of points from a surface, or `least` if that is larger.
 
-    Points are asked in order of what their distance may be at most.
+    `patch` is a part of the surface, which bounds the distances from above.
     """
     if not len(points):
         return least
-    most = at_most(points, known if len(known) else surface)
-    order = np.argsort(-most, kind="stable")
+    bound = at_most(points, patch if len(patch) else surface)
+    order = np.argsort(-bound, kind="stable")
     begin, count = 0, FIRST
-    while begin < len(order) and most[order[begin]] > least:
-        some = order[begin : begin + count]
-        some = some[most[some] > least]
-        least = max(least, float(surface_distance(points[some], surface, most[some]).max()))
+    while begin < len(order) and bound[order[begin]] > least:
+        batch = order[begin : begin + count]
+        batch = batch[bound[batch] > least]
+        least = max(least, float(surface_distance(points[batch], surface, bound[batch]).max()))
         begin, count = begin + count, 2 * count
     return least

@@ -1,20 +1,20 @@
-"""Pairs that look as if they were fastened, with the joint that each would be.
+"""Pairs that look fastened, with a suggested joint for each.
 
-Parts that share volume cannot both be where they are drawn: a thread that is modelled as a
-cylinder, a press fit, an insert in its hole, or a model that is not true. A part whose
-cylinder fills a hole of another, size on size, is meant to be held by it too: a bolt in a
-nut, a pin, a shaft in its bearing. What interferes is taken for fixed, and so is what is
-named a nut or an insert; else size on size for a shaft that turns and slides, which its
-contact says already. Nothing is joined by itself (`kilter.contact.fits.fastening`).
+Parts that share volume cannot both be positioned as drawn: a thread that is modelled as a cylinder,
+a press fit, an insert in its hole, or an inaccurate model. A part whose cylinder fills a hole of
+another part, size on size, is meant to be held by it too: a bolt in a nut, a pin, a shaft in its
+bearing. Pairs with interference, and parts named as nut or insert, are suggested as fixed. Other
+size-on-size fits are suggested as a shaft that rotates and slides, which their contact already
+models. Nothing is joined automatically (`kilter.contact.fits.fastening`).
 
-The kinds, the surest first:
+The kinds, the most certain first:
 
-    thread         coaxial and thicker by more than a press fit, or named a screw or a nut
+    thread         coaxial and thicker by more than a press fit, or named as a screw or a nut
     press fit      coaxial and thicker, or round faces that interfere
-    insert         the same of a part that is hollow itself, or named an insert
-    overlap        anything else that shares volume: sloppy modelling, or a weld
+    insert         the same of a part that is hollow itself, or named as an insert
+    overlap        any other shared volume: sloppy modelling, or a weld
     same body      the same body twice: to be left out, not joined
-    size on size   coaxial, as thick as the hole: turns and slides
+    size on size   coaxial, as thick as the hole: rotates and slides
 """
 
 from __future__ import annotations
@@ -38,6 +38,7 @@ RANK = {kind: rank for rank, kind in enumerate(get_args(Kind))}
 
 
 def _word(*words: str) -> re.Pattern[str]:
+    """Pattern for any of the words, or its plural, between characters that are not letters."""
     return re.compile(rf"(?<![a-z])({'|'.join(words)})s?(?![a-z])", re.IGNORECASE)
 
 
@@ -51,18 +52,20 @@ THREADED = _word("nut", "screw", "bolt", "stud", "thread", "shcs", "bhcs", "fhcs
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Suggestion:
-    """A pair that looks as if it were fastened.
+    """A pair that looks fastened.
 
     Attributes
     ----------
     parts : pair of str
         The bolt, pin or shaft; the part with the hole.
     kind : str
+        Kind of the fit.
     why : str
+        Reason, in words.
     option : str
-        What to add to a command: it fixes them, or leaves one out.
+        Command-line option that fixes them, or leaves one part out.
     joint : dict or None
-        What to add to the file's `joints`.
+        Entry for the `joints` of a file.
     """
 
     parts: tuple[str, str]
@@ -73,11 +76,11 @@ class Suggestion:
 
     @property
     def fixed(self) -> bool:
-        """It is to be fixed; else it is to be left to slide, or left out."""
+        """True if the joint is fixed; else the parts may slide, or one is to be left out."""
         return self.joint is not None and self.joint["kind"] == "fixed"
 
     def to_dict(self) -> dict[str, Any]:
-        """As JSON data."""
+        """JSON data."""
         entry = {"parts": list(self.parts), "kind": self.kind, "why": self.why}
         return {**entry, "option": self.option, "joint": self.joint}
 
@@ -91,31 +94,28 @@ def touching_pairs(contacts: ContactSet) -> list[tuple[int, int]]:
 
 
 def suggest_joints(assembly: Assembly, contacts: ContactSet) -> list[Suggestion]:
-    """Pairs that look as if they were fastened and are not joined yet, the surest first.
+    """Pairs that look fastened and have no joint yet, the most certain first.
 
-    Every pair that overlaps, and coaxial cylinders, a solid one in a hollow one, that are as
-    thick within the tolerance. Never a pair of held parts, nor the table of `with_floor`.
+    They are all pairs that overlap, and solid cylinders in coaxial hollow cylinders of the same
+    radius within the tolerance; but no pair of held parts, and not the table of `with_floor`.
     """
-    near = [*touching_pairs(contacts), *(r.parts for r in contacts.rejected)]
+    near_pairs = [*touching_pairs(contacts), *(r.parts for r in contacts.rejected)]
     overlaps = {_key(overlap.parts): overlap for overlap in contacts.overlaps}
-    wanted = [pair for pair in near if _may_join(assembly, pair)]
+    joinable = [pair for pair in near_pairs if _may_join(assembly, pair)]
     fits: dict[frozenset[int], Fit] = {}
-    for fit in coaxial_fits(assembly, wanted, contacts.tolerance, thickest=THREAD):
+    for fit in coaxial_fits(assembly, joinable, contacts.tolerance, thickest=THREAD):
         key = _key(fit.parts)
         if fit.tight and key not in overlaps:
             continue
         if key not in fits or (fit.tight, fit.length) > (fits[key].tight, fits[key].length):
             fits[key] = fit
-    found = [
-        _of_fit(assembly, fit, overlaps.get(key))
-        for key, fit in fits.items()
-        if fit.tight or key not in overlaps
-    ]
-    told = {key for key, fit in fits.items() if fit.tight or key not in overlaps}
+    # a pair that overlaps elsewhere is suggested by its overlap, not by a fit size on size
+    fits = {key: fit for key, fit in fits.items() if fit.tight or key not in overlaps}
+    suggestions = [_from_fit(assembly, fit) for fit in fits.values()]
     for key, overlap in overlaps.items():
-        if key not in told and _may_join(assembly, overlap.parts):
-            found.append(_of_overlap(assembly, overlap))
-    return sorted(found, key=lambda one: RANK[one.kind])
+        if key not in fits and _may_join(assembly, overlap.parts):
+            suggestions.append(_from_overlap(assembly, overlap))
+    return sorted(suggestions, key=lambda suggestion: RANK[suggestion.kind])
 
 
 def _key(parts: tuple[int, int]) -> frozenset[int]:
@@ -123,43 +123,44 @@ def _key(parts: tuple[int, int]) -> frozenset[int]:
 
 
 def _may_join(assembly: Assembly, pair: tuple[int, int]) -> bool:
-    """A pair that is not joined yet, not held on both sides, and not one with the table."""
-    one, other = (assembly.parts[k] for k in pair)
-    if (one.grounded and other.grounded) or one.table or other.table:
+    """Whether a pair has no joint, has a free part, and does not include the table."""
+    first, second = (assembly.parts[k] for k in pair)
+    if (first.grounded and second.grounded) or first.table or second.table:
         return False
-    both = {one.name, other.name}
-    return not any(both == set(joint.parts) for joint in assembly.joints)
+    names = {first.name, second.name}
+    return not any(names == set(joint.parts) for joint in assembly.joints)
 
 
-def _of_fit(assembly: Assembly, fit: Fit, overlap: Overlap | None) -> Suggestion:
+def _from_fit(assembly: Assembly, fit: Fit) -> Suggestion:
+    """The suggestion for a shaft in its hole."""
     parts = (assembly.names[fit.parts[0]], assembly.names[fit.parts[1]])
     unit = assembly.units
     size = f"radius {fit.radius:.6g} {unit} over {fit.length:.4g} {unit}"
     if fit.tight:
         why = f"coaxial, {size}, interferes by {fit.interference:.3g} {unit}"
-        return _fixed(parts, *_kind_of_fit(assembly, fit, why))
+        return _fixed_joint(parts, *_kind_of_fit(assembly, fit, why))
     why = f"coaxial, size on size, {size}"
-    nut = HOLLOW.search(_tail(parts[1]))
-    if nut:
-        return _fixed(parts, "thread", f"{why}, by its name {_a(nut[1])}")
+    nut = HOLLOW.search(_short_name(parts[1]))
+    if nut:  # a nut that is drawn size on size still holds its bolt
+        return _fixed_joint(parts, "thread", f"{why}, by its name {_with_article(nut[1])}")
     joint = {
         "parts": list(parts),
         "kind": "cylindrical",
         "point": (fit.point + 0.0).tolist(),
         "axis": np.where(np.abs(fit.axis) < AXIS_ROUNDING, 0.0, fit.axis).tolist(),
     }
-    return Suggestion(parts, "size on size", why, _option(parts), joint)
+    return Suggestion(parts, "size on size", why, _fasten_option(parts), joint)
 
 
 def _kind_of_fit(assembly: Assembly, fit: Fit, why: str) -> tuple[Kind, str]:
-    """Of a shaft that is thicker than its hole: a thread, a press fit or an insert."""
-    shaft, hole = (_tail(assembly.names[k]) for k in fit.parts)
+    """Kind and reason for a shaft that is thicker than its hole: thread, press fit or insert."""
+    shaft, hole = (_short_name(assembly.names[k]) for k in fit.parts)
     insert = INSERT.search(shaft)
     if insert:
-        return "insert", f"{why}, by its name {_a(insert[1])}"
+        return "insert", f"{why}, by its name {_with_article(insert[1])}"
     thread = THREADED.search(shaft) or HOLLOW.search(hole)
     if thread:
-        return "thread", f"{why}, by its name {_a(thread[1])}"
+        return "thread", f"{why}, by its name {_with_article(thread[1])}"
     if is_tube(assembly, fit):
         return "insert", f"{why}, hollow itself: an insert or a bushing"
     if fit.interference > PRESS_FIT * fit.radius:
@@ -167,8 +168,8 @@ def _kind_of_fit(assembly: Assembly, fit: Fit, why: str) -> tuple[Kind, str]:
     return "press fit", f"{why}: pressed in"
 
 
-def _of_overlap(assembly: Assembly, overlap: Overlap) -> Suggestion:
-    """Of parts that share volume and are no shaft in its hole."""
+def _from_overlap(assembly: Assembly, overlap: Overlap) -> Suggestion:
+    """The suggestion for parts that share volume and are not a shaft in its hole."""
     parts = (assembly.names[overlap.parts[0]], assembly.names[overlap.parts[1]])
     unit = assembly.units
     if overlap.why == SAME_BODY:
@@ -178,30 +179,36 @@ def _of_overlap(assembly: Assembly, overlap: Overlap) -> Suggestion:
     if overlap.volume is not None:
         share = overlap.volume / float(assembly.geometry.volume[list(overlap.parts)].min())
         why += f", {100 * share:.2g} % of the smaller"
-    tails = [_tail(name) for name in parts]
-    for kind, names in (("insert", INSERT), ("thread", THREADED)):
-        for tail, pair in zip(tails, (parts, parts[::-1]), strict=True):
-            named = names.search(tail)
-            if named:
-                sure: Kind = "insert" if kind == "insert" else "thread"
-                return _fixed(pair, sure, f"{why}, by its name {_a(named[1])}")
+    short_names = [_short_name(name) for name in parts]
+    for kind, pattern in (("insert", INSERT), ("thread", THREADED)):
+        for short_name, pair in zip(short_names, (parts, parts[::-1]), strict=True):
+            match = pattern.search(short_name)
+            if match:
+                matched_kind: Kind = "insert" if kind == "insert" else "thread"
+                return _fixed_joint(
+                    pair, matched_kind, f"{why}, by its name {_with_article(match[1])}"
+                )
     if overlap.why == INTERFERE:
-        return _fixed(parts, "press fit", f"interfere by {overlap.depth:.3g} {unit}: pressed in")
-    return _fixed(parts, "overlap", f"{why}: glued or welded, or not modelled true")
+        return _fixed_joint(
+            parts, "press fit", f"interfere by {overlap.depth:.3g} {unit}: pressed in"
+        )
+    return _fixed_joint(parts, "overlap", f"{why}: glued or welded, or not modelled true")
 
 
-def _tail(name: str) -> str:
+def _short_name(name: str) -> str:
     return name.rpartition("/")[2]
 
 
-def _a(word: str) -> str:
-    """A word with its article."""
+def _with_article(word: str) -> str:
+    """A word with its article, in lower case."""
     return f"{'an' if word[0].lower() in 'aeiou' else 'a'} {word.lower()}"
 
 
-def _fixed(parts: tuple[str, str], kind: Kind, why: str) -> Suggestion:
-    return Suggestion(parts, kind, why, _option(parts), {"parts": list(parts), "kind": "fixed"})
+def _fixed_joint(parts: tuple[str, str], kind: Kind, why: str) -> Suggestion:
+    return Suggestion(
+        parts, kind, why, _fasten_option(parts), {"parts": list(parts), "kind": "fixed"}
+    )
 
 
-def _option(parts: tuple[str, str]) -> str:
+def _fasten_option(parts: tuple[str, str]) -> str:
     return f"--fasten {shell_words(parts)}"

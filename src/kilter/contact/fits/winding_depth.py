@@ -1,4 +1,4 @@
-"""How deep corners of one part lie inside another, by the winding number of its surface.
+"""Depth of the corners of a part inside another part, by the winding number of its surface.
 
 For triangles that bound no body: an edge with one face, or with four.
 
@@ -21,9 +21,9 @@ __all__ = ["depth_by_winding"]
 
 
 PROBES = 300
-"""Corners of a part that are looked for inside another."""
+"""Largest number of points of a part that are tested."""
 BATCH = 4_000_000
-"""Points times triangles in one go."""
+"""Products of points and triangles computed at once; a larger value needs more memory."""
 
 
 def depth_by_winding(
@@ -32,21 +32,24 @@ def depth_by_winding(
     tolerance: float,
     without: Callable[[Array], Mask],
 ) -> float:
-    """How deep corners and edge middles of either part lie inside the other; 0: nowhere."""
+    """Depth of corners and edge middles of either part inside the other [length unit]; 0: none."""
     a, b = parts
-    return max(_depth(geometry, *pair, tolerance, without) for pair in ((a, b), (b, a)))
+    return max(_depth_inside(geometry, *pair, tolerance, without) for pair in ((a, b), (b, a)))
 
 
-def _depth(
+def _depth_inside(
     geometry: Geometry,
     a: int,
     b: int,
     tolerance: float,
     without: Callable[[Array], Mask],
 ) -> float:
-    own, triangles = geometry.corners_of(a), geometry.corners_of(b)
-    sides = (own + np.roll(own, -1, axis=1)).reshape(-1, 3) / 2
-    probes = np.unique(np.concatenate([own.reshape(-1, 3), own.mean(axis=1), sides]), axis=0)
+    """Depth of points of part a inside part b [length unit]; points in `without` are ignored."""
+    corners, triangles = geometry.corners_of(a), geometry.corners_of(b)
+    sides = (corners + np.roll(corners, -1, axis=1)).reshape(-1, 3) / 2
+    probes = np.unique(
+        np.concatenate([corners.reshape(-1, 3), corners.mean(axis=1), sides]), axis=0
+    )
     low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
     probes = probes[((probes > low + tolerance) & (probes < high - tolerance)).all(axis=1)]
     probes = probes[~without(probes)]
@@ -56,18 +59,19 @@ def _depth(
         return 0.0
     inside = np.concatenate(
         [
-            _winding(some, triangles) > 0.5
-            for some in np.array_split(probes, 1 + len(probes) * len(triangles) // BATCH)
+            _winding(batch, triangles) > 0.5
+            for batch in np.array_split(probes, 1 + len(probes) * len(triangles) // BATCH)
         ]
     )
     return float(surface_distance(probes[inside], triangles).max(initial=0.0))
 
 
 def _winding(points: Array, triangles: Array) -> Array:
-    """Winding number of a closed surface about points, shape (n,)."""
+    """Winding number of a closed surface around points, shape (n,)."""
     middle = triangles.mean(axis=(0, 1))
     x, corners = points - middle, triangles - middle
-    # every product of two or three of a - x, b - x, c - x is linear in x but for |x|^2
+    # products of two or three of a - x, b - x, c - x are linear in x, except for |x|^2: expanded,
+    # they need no array of points times triangles times coordinates
     a, b, c = corners.transpose(1, 0, 2)
     square = (x**2).sum(axis=1)[:, None]
     la, lb, lc = (
@@ -77,8 +81,8 @@ def _winding(points: Array, triangles: Array) -> Array:
     bc = cross(b, c)
     top = np.einsum("ti,ti->t", a, bc) - x @ (bc + cross(c, a) + cross(a, b)).T
     bottom = la * lb * lc
-    for one, other, length in ((a, b, lc), (b, c, la), (c, a, lb)):
-        product = np.einsum("ti,ti->t", one, other) - x @ (one + other).T + square
+    for p, q, length in ((a, b, lc), (b, c, la), (c, a, lb)):
+        product = np.einsum("ti,ti->t", p, q) - x @ (p + q).T + square
         bottom += product * length
     winding: Array = np.arctan2(top, bottom).sum(axis=1) / (2 * np.pi)
     return winding

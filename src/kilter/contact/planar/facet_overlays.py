@@ -1,14 +1,14 @@
-"""Planar contact: overlay of opposing facets, and patches, one a pair of parts and plane.
+"""Overlaps of opposing facets, as convex polygons with the gap at their corners.
 
-For facets i of part a and j of part b with outward normals n_i and n_j, the normal of the
-contact is n = (n_i - n_j) / |n_i - n_j|, from a to b. In a frame at the centroid of the
-smaller facet the height of each facet over the plane of n is affine, and so is the gap
+For facets i of part a and j of part b with outward normals n_i and n_j, the normal of the contact
+is n = (n_i - n_j) / |n_i - n_j|, from a to b. In a frame at the centroid of the smaller facet the
+height of each facet over the plane of n is affine, and so is the gap
 
-    gap(u, v) = h_j(u, v) - h_i(u, v),
+    gap(u, v) = h_j(u, v) - h_i(u, v).
 
-which is read off at the corners of the overlap itself: planes compared by their offsets
-from a far origin would lose the digits that decide. Faces touch where the range of gaps
-meets [-tolerance, tolerance]; the whole overlap is then kept.
+The gap is evaluated at the corners of the overlap itself: the offsets of the planes from a far
+origin would lose the digits that decide. Faces touch if the range of gaps meets [-tolerance,
+tolerance]; the whole overlap is then kept.
 """
 
 from __future__ import annotations
@@ -26,17 +26,18 @@ __all__ = ["FacetFrame", "Pieces", "facet_frames", "overlaps_of"]
 
 
 MANY_TRIANGLES = 32
-"""Facets that are not convex and have more triangles than this are overlaid as outlines."""
+"""Non-convex facets with more triangles than this are intersected as outlines, by shapely."""
 BATCH = 2_000_000
-"""Numbers in one padded batch."""
+"""Numbers in a padded batch; a larger value needs more memory."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FacetFrame(Rows):
-    """A frame for each candidate pair of facets, arrays of length n.
+    """Frames of candidate pairs of facets, a row for each pair.
 
-    `u`, `v`, `normal`: unit axes; `origin`; the height of each facet over the plane is
-    ``h0 + slope . (u, v)``.
+    `pair` is the row of the pair of parts, `i` and `j` are the facets, `u`, `v` and `normal` the
+    unit axes at `origin`, `angle` the angle between the facets [rad]. The height of facet k (0: i,
+    1: j) over the plane of the frame is ``height[:, k] + slope[:, k] . (u, v)``.
     """
 
     pair: Index
@@ -51,7 +52,7 @@ class FacetFrame(Rows):
     slope: Array
 
     def flat(self, points: Array, rows: Index) -> Array:
-        """Points, shape (n, m, 3), in the plane of the frames `rows`, shape (n, m, 2)."""
+        """Points, shape (n, m, 3), projected to the planes of the frames `rows`, (n, m, 2)."""
         local = points - self.origin[rows][:, None, :]
         return np.stack(
             [
@@ -62,7 +63,7 @@ class FacetFrame(Rows):
         )
 
     def gaps(self, flat: Array, rows: Index) -> Array:
-        """Gap at points of the plane, shape (n, m)."""
+        """Gap at points of the planes [length unit], shape (n, m)."""
         offset = (self.height[:, 1] - self.height[:, 0])[rows]
         slope = (self.slope[:, 1] - self.slope[:, 0])[rows]
         result: Array = offset[:, None] + np.einsum("nki,ni->nk", flat, slope)
@@ -83,10 +84,10 @@ class FacetFrame(Rows):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pieces(Rows):
-    """Overlaps of facets, one row a convex piece.
+    """Convex pieces of the overlaps of facets, a row for each piece.
 
-    `frame`: row of the `FacetFrame`; `points`: shape (n, m, 2), padded, in its plane;
-    `count`; `area`; `gap`: shape (n, 2), least and greatest.
+    `frame` is the row of the `FacetFrame`; `points`, shape (n, m, 2), are corners in its plane,
+    padded to `count`; `area` is the area, and `gap`, shape (n, 2), the least and greatest gap.
     """
 
     frame: Index
@@ -98,9 +99,10 @@ class Pieces(Rows):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _ConvexPieces:
-    """Convex pieces of all facets, in order: where the corners of each begin, and how many.
+    """Convex pieces of all facets, in order.
 
-    `vertices`: shape (V, 3); `corners`: rows of them; `first`, `count`: a row a piece.
+    `vertices`, shape (V, 3), are the points, `corners` rows of them; piece k has the `count[k]`
+    corners from ``corners[first[k]]`` on.
     """
 
     vertices: Array
@@ -116,25 +118,26 @@ class _ConvexPieces:
 
 
 def facet_frames(facets: Facets, pair: Index, i: Index, j: Index, margin: Array) -> FacetFrame:
-    """Frames of the candidates whose planes come within `margin` over the smaller facet."""
+    """Frames of the facet pairs whose planes come within `margin` over the smaller facet."""
     n_i, n_j = facets.normal[i], facets.normal[j]
     total = n_i - n_j
     normal = total / np.linalg.norm(total, axis=1)[:, None]
     smaller = np.where(facets.reach[i] <= facets.reach[j], i, j)
     origin = facets.origin[smaller]
-    # the gap at the origin first: most candidates end here
+    # the gap at the origin first: it excludes most candidates
     heights = []
     for facet, n in ((i, n_i), (j, n_j)):
-        over = np.einsum("ij,ij->i", n, origin - facets.origin[facet])
-        heights.append(-over / np.einsum("ij,ij->i", n, normal))
+        height_over = np.einsum("ij,ij->i", n, origin - facets.origin[facet])
+        heights.append(-height_over / np.einsum("ij,ij->i", n, normal))
     height = np.column_stack(heights)
     sine = np.linalg.norm(cross(n_i, n_j), axis=1)
     angle = np.arctan2(sine, -np.einsum("ij,ij->i", n_i, n_j))
     near = (
         np.abs(height[:, 1] - height[:, 0]) <= margin + 1.01 * np.tan(angle) * facets.reach[smaller]
     )
-    aside = np.linalg.norm(facets.origin[i] - facets.origin[j], axis=1)
-    near &= aside <= (facets.reach[i] + facets.reach[j]) * 1.01 + margin
+    # 1.01: margin for the rounding of the reach
+    distance = np.linalg.norm(facets.origin[i] - facets.origin[j], axis=1)
+    near &= distance <= (facets.reach[i] + facets.reach[j]) * 1.01 + margin
     keep = np.flatnonzero(near)
     normal, n_i, n_j = normal[keep], n_i[keep], n_j[keep]
     u, v = across(normal)
@@ -158,29 +161,30 @@ def facet_frames(facets: Facets, pair: Index, i: Index, j: Index, margin: Array)
 
 
 def overlaps_of(geometry: Geometry, facets: Facets, frames: FacetFrame) -> list[Pieces]:
-    """The overlaps of the facets of each frame, as convex pieces."""
+    """The overlaps of the facets of each frame, as blocks of convex pieces."""
     triangles = np.where(facets.convex, 0, np.diff(facets.corner_start) // 3)
     intricate = np.maximum(triangles[frames.i], triangles[frames.j]) > MANY_TRIANGLES
     simple = np.flatnonzero(~intricate)
     row, a, b = _piece_products(facets, frames, simple)
     pieces = _pieces_of(geometry, facets)
-    found = []
+    blocks = []
     largest = np.maximum(pieces.count[a], pieces.count[b])
+    # similar corner counts in each batch: little padding
     for low, high in ((0, 4), (4, 8), (8, 32), (32, 1 << 62)):
-        chosen = np.flatnonzero((largest > low) & (largest <= high))
-        if not len(chosen):
+        rows_of_size = np.flatnonzero((largest > low) & (largest <= high))
+        if not len(rows_of_size):
             continue
-        width = int(largest[chosen].max())
+        width = int(largest[rows_of_size].max())
         step = max(1, BATCH // (4 * width))
-        for begin in range(0, len(chosen), step):
-            rows = chosen[begin : begin + step]
-            found.append(_clipped(frames, pieces, row[rows], a[rows], b[rows]))
-    found.extend(_outlined(geometry, facets, frames, np.flatnonzero(intricate)))
-    return [block for block in found if len(block.frame)]
+        for begin in range(0, len(rows_of_size), step):
+            rows = rows_of_size[begin : begin + step]
+            blocks.append(_intersect_pieces(frames, pieces, row[rows], a[rows], b[rows]))
+    blocks.extend(_intersect_outlines(geometry, facets, frames, np.flatnonzero(intricate)))
+    return [block for block in blocks if len(block.frame)]
 
 
 def _pieces_of(geometry: Geometry, facets: Facets) -> _ConvexPieces:
-    """Convex facets whole, others in triangles."""
+    """Convex facets as single pieces, other facets as their triangles."""
     length = np.diff(facets.corner_start)
     number = np.where(facets.convex, 1, length // 3)
     owner, k = counted(number)
@@ -190,7 +194,7 @@ def _pieces_of(geometry: Geometry, facets: Facets) -> _ConvexPieces:
 
 
 def _piece_products(facets: Facets, frames: FacetFrame, rows: Index) -> tuple[Index, Index, Index]:
-    """All combinations of the pieces of the two facets, frame by frame."""
+    """All combinations of the pieces of both facets of each frame: (frame, piece, piece)."""
     number = np.where(facets.convex, 1, np.diff(facets.corner_start) // 3)
     first = np.cumsum(number) - number
     i, j = frames.i[rows], frames.j[rows]
@@ -200,49 +204,56 @@ def _piece_products(facets: Facets, frames: FacetFrame, rows: Index) -> tuple[In
     return rows[row], first[i][row] + k // width, first[j][row] + k % width
 
 
-def _clipped(frames: FacetFrame, pieces: _ConvexPieces, row: Index, a: Index, b: Index) -> Pieces:
-    """Pieces a and b of the facets of each row, clipped against each other."""
+def _intersect_pieces(
+    frames: FacetFrame, pieces: _ConvexPieces, row: Index, a: Index, b: Index
+) -> Pieces:
+    """Overlaps of the pieces a and b of the facets of each row."""
     flat_a = frames.flat(pieces.points(a), row)
+    # facet j faces the other way: its corners run clockwise in the frame
     flat_b = _reversed(frames.flat(pieces.points(b), row), pieces.count[b])
     meets = (flat_a.min(axis=1) <= flat_b.max(axis=1)).all(axis=1)
     meets &= (flat_b.min(axis=1) <= flat_a.max(axis=1)).all(axis=1)
     keep = np.flatnonzero(meets)
     row = row[keep]
     count_a, count_b = pieces.count[a][keep], pieces.count[b][keep]
-    points, left = clip_convex(flat_a[keep], count_a, flat_b[keep], count_b)
-    area = polygon_area(points, left)
-    solid = np.flatnonzero((left >= 3) & (area > 0))
-    return _measured(frames, row[solid], points[solid], left[solid], area[solid])
+    points, count = clip_convex(flat_a[keep], count_a, flat_b[keep], count_b)
+    area = polygon_area(points, count)
+    rows = np.flatnonzero((count >= 3) & (area > 0))
+    return _with_gaps(frames, row[rows], points[rows], count[rows], area[rows])
 
 
 def _reversed(points: Array, count: Index) -> Array:
+    """Padded polygons with their corners in reverse order."""
     k = np.arange(points.shape[1])
     back = np.where(k < count[:, None], count[:, None] - 1 - k, 0)
     result: Array = points[np.arange(len(points))[:, None], back]
     return result
 
 
-def _measured(frames: FacetFrame, row: Index, points: Array, count: Index, area: Array) -> Pieces:
+def _with_gaps(frames: FacetFrame, row: Index, points: Array, count: Index, area: Array) -> Pieces:
+    """Pieces with the range of the gap at their corners."""
     gaps = frames.gaps(points, row)
-    real = np.arange(points.shape[1]) < count[:, None]
-    low = np.where(real, gaps, np.inf).min(axis=1, initial=np.inf)
-    high = np.where(real, gaps, -np.inf).max(axis=1, initial=-np.inf)
+    is_corner = np.arange(points.shape[1]) < count[:, None]
+    low = np.where(is_corner, gaps, np.inf).min(axis=1, initial=np.inf)
+    high = np.where(is_corner, gaps, -np.inf).max(axis=1, initial=-np.inf)
     return Pieces(row, points, count, area, np.column_stack([low, high]))
 
 
-def _outlined(geometry: Geometry, facets: Facets, frames: FacetFrame, rows: Index) -> list[Pieces]:
-    """Overlays of facets with many triangles, by their outlines; one hull an overlay."""
-    found = []
+def _intersect_outlines(
+    geometry: Geometry, facets: Facets, frames: FacetFrame, rows: Index
+) -> list[Pieces]:
+    """Overlaps of facets with many triangles, by their outlines; a single hull each."""
+    blocks = []
     for row in rows:
-        one = np.array([row])
+        single_row = np.array([row])
         outlines = []
         for facet in (frames.i[row], frames.j[row]):
             span = slice(facets.corner_start[facet], facets.corner_start[facet + 1])
-            flat = frames.flat(geometry.vertices[facets.corners[span]][None], one)[0]
+            flat = frames.flat(geometry.vertices[facets.corners[span]][None], single_row)[0]
             outlines.append((flat, bool(facets.convex[facet])))
         hull, area = overlay(outlines[0], outlines[1])
         if len(hull) >= 3 and area > 0:
-            found.append(
-                _measured(frames, one, hull[None], np.array([len(hull)]), np.array([area]))
+            blocks.append(
+                _with_gaps(frames, single_row, hull[None], np.array([len(hull)]), np.array([area]))
             )
-    return found
+    return blocks

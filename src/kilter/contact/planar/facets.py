@@ -1,9 +1,9 @@
-"""Facets: flat faces of parts, each a group of coplanar triangles joined over edges.
+"""Facets: flat faces of parts, each a group of coplanar triangles connected over edges.
 
-Two triangles that share an edge belong to one facet where the far corner of the smaller
-lies within the facet tolerance of the larger one's plane and their normals agree. A facet
-that then drifts from its own plane (the side of a finely divided cylinder) is divided
-again with a finer tolerance.
+Two triangles that share an edge belong to the same facet if the far corner of the smaller lies
+within the facet tolerance of the larger triangle's plane and their normals agree. A facet that then
+drifts from its own plane (the side of a finely divided cylinder) is divided again with a finer
+tolerance.
 """
 
 from __future__ import annotations
@@ -43,37 +43,38 @@ __all__ = ["Facets", "find_facets"]
 Block = dict[str, NDArray[Any]]
 
 CHUNK = 60_000
-"""Triangles grouped in one go: larger chunks are bound by memory."""
+"""Triangles processed at once; larger chunks are limited by memory bandwidth."""
 LONG_LOOP = 256
-"""Facets with more corners than this are given by their triangles."""
+"""Facets with more corners than this are stored as triangles."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Facets:
-    """Facets of all parts, struct of arrays, ordered by part.
+    """Facets of all parts, as arrays, ordered by part.
 
     Attributes
     ----------
     part, start : ndarray of int, shape (F,) and (N + 1,)
         Part of each facet; the facets of part i are rows ``start[i]`` to ``start[i + 1]``.
     normal : ndarray, shape (F, 3)
-        Unit, outwards.
+        Unit normal, outwards.
     origin : ndarray, shape (F, 3)
-        Centroid.
+        Centroid [length unit].
     area : ndarray, shape (F,)
+        Area [length unit^2].
     reach : ndarray, shape (F,)
-        Largest distance of a corner from the centroid.
+        Largest distance of a corner from the centroid [length unit].
     convex : ndarray of bool, shape (F,)
-        True: `corners` is the boundary, turning left; False: `corners` are the facet's
-        triangles, three by three.
+        True: `corners` is the boundary, anticlockwise; False: `corners` are the facet's triangles,
+        three by three.
     surface : ndarray of int, shape (F,)
-        The curved surface that it stands for, by row of the geometry's; -1: a flat face.
+        Row of the curved surface that the facet approximates; -1: a flat face.
     curved : ndarray of bool, shape (F,)
-        Stands for a part of a curved surface.
+        True if the facet approximates a part of a curved surface.
     corner_start, corners : ndarray of int, shape (F + 1,) and (C,)
         Corners by row of the geometry's vertices.
     convex_part : ndarray of bool, shape (N,)
-        Parts without a reflex edge, in one piece.
+        True for connected parts without a reflex edge.
     """
 
     part: Index
@@ -94,23 +95,25 @@ class Facets:
 
 
 def find_facets(geometry: Geometry) -> Facets:
-    """The facets of every part; boxes in one go, other parts from their triangles."""
+    """The facets of every part; boxes directly, other parts from their triangles."""
     blocks: list[Block] = []
     boxes = np.flatnonzero(geometry.is_box)
     if len(boxes):
         quads = BOX_QUADS + geometry.vertex_start[boxes][:, None, None]
-        blocks.append(_polygons(np.repeat(boxes, 6), quads.reshape(-1, 4)))
-    others = np.flatnonzero(~geometry.is_box)
-    counts = np.diff(geometry.triangle_start)[others]
+        blocks.append(_convex_block(np.repeat(boxes, 6), quads.reshape(-1, 4)))
+    by_triangles = np.flatnonzero(~geometry.is_box)
+    counts = np.diff(geometry.triangle_start)[by_triangles]
     chunk = np.cumsum(counts) // CHUNK
     convex_part = geometry.is_box.copy()
-    for number in np.unique(chunk):
-        blocks.extend(_grouped(geometry, others[chunk == number], convex_part))
-    return _joined(geometry, blocks, convex_part)
+    for chunk_number in np.unique(chunk):
+        blocks.extend(
+            _facets_from_triangles(geometry, by_triangles[chunk == chunk_number], convex_part)
+        )
+    return _assemble_facets(geometry, blocks, convex_part)
 
 
-def _polygons(part: Index, loops: Index, surface: Index | None = None) -> Block:
-    """A block of convex facets that all have the same number of corners."""
+def _convex_block(part: Index, loops: Index, surface: Index | None = None) -> Block:
+    """A block of convex facets with equal numbers of corners."""
     count, corners = loops.shape
     return {
         "part": part,
@@ -121,8 +124,8 @@ def _polygons(part: Index, loops: Index, surface: Index | None = None) -> Block:
     }
 
 
-def _joined(geometry: Geometry, blocks: list[Block], convex_part: Mask) -> Facets:
-    """The blocks in order of part, with planes and extents."""
+def _assemble_facets(geometry: Geometry, blocks: list[Block], convex_part: Mask) -> Facets:
+    """All blocks as facets in order of part, with their planes and extents."""
     part, convex, length, corners, surface = (
         np.concatenate([block[key] for block in blocks])
         for key in ("part", "convex", "length", "corners", "surface")
@@ -133,14 +136,14 @@ def _joined(geometry: Geometry, blocks: list[Block], convex_part: Mask) -> Facet
     first = starts(length)
     owner, triangles = _triangles_of(first, convex)
     normal, origin, area = _planes(geometry.vertices[corners[triangles]], owner, len(part))
-    apart = geometry.vertices[corners] - np.repeat(origin, length, axis=0)
+    offset = geometry.vertices[corners] - np.repeat(origin, length, axis=0)
     return Facets(
         part=part,
         start=np.searchsorted(part, np.arange(len(geometry.mass) + 1)),
         normal=normal,
         origin=origin,
         area=area,
-        reach=np.sqrt(np.maximum.reduceat(np.einsum("ij,ij->i", apart, apart), first[:-1])),
+        reach=np.sqrt(np.maximum.reduceat(np.einsum("ij,ij->i", offset, offset), first[:-1])),
         convex=convex,
         surface=surface,
         curved=surface >= 0,
@@ -151,7 +154,7 @@ def _joined(geometry: Geometry, blocks: list[Block], convex_part: Mask) -> Facet
 
 
 def _triangles_of(first: Index, convex: Mask) -> tuple[Index, Index]:
-    """Facet and corner positions, shape (T, 3), of triangles that make up the facets."""
+    """Facet, and corner positions, shape (T, 3), of the triangles that cover the facets."""
     length = np.diff(first)
     count = np.where(convex, length - 2, length // 3)
     owner, k = counted(count)
@@ -169,7 +172,7 @@ def _triangles_of(first: Index, convex: Mask) -> tuple[Index, Index]:
 def _planes(points: Array, owner: Index, count: int) -> tuple[Array, Array, Array]:
     """Unit normal, centroid and area of each group of triangles, shape (T, 3, 3)."""
     first = np.searchsorted(owner, np.arange(count))
-    base = points[first, 0]
+    base = points[first, 0]  # relative coordinates: no cancellation far from the origin
     p, q, r = (points[:, k] - base[owner] for k in range(3))
     twice = cross(q - p, r - p)
     total = np.add.reduceat(twice, first, axis=0)
@@ -183,8 +186,8 @@ def _planes(points: Array, owner: Index, count: int) -> tuple[Array, Array, Arra
 # triangles to facets ------------------------------------------------------------------
 
 
-def _grouped(geometry: Geometry, parts: Index, convex_part: Mask) -> list[Block]:
-    """Facets of some parts, from their triangles; marks the parts that are convex."""
+def _facets_from_triangles(geometry: Geometry, parts: Index, convex_part: Mask) -> list[Block]:
+    """Facet blocks of parts given by triangles; sets `convex_part` of convex parts."""
     owner, rows = ragged(geometry.triangle_start, parts)
     triangles, curved = geometry.triangles[rows], geometry.triangle_surface[rows]
     part = parts[owner]
@@ -217,68 +220,76 @@ def _convex_parts(
     first: Index,
     second: Index,
 ) -> Mask:
-    """Parts in one piece whose neighbouring triangles nowhere bend inwards."""
+    """Connected, closed parts whose neighbouring triangles nowhere bend inwards, shape (N,)."""
     points = vertices[triangles]
     area = cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
     normal = unit_rows(area)
     rise = np.einsum("nki,ni->nk", points[second] - points[first, 0][:, None, :], normal[first])
-    back = np.einsum("nki,ni->nk", points[first] - points[second, 0][:, None, :], normal[second])
-    inwards = np.minimum(rise.max(axis=1), back.max(axis=1))
+    rise_back = np.einsum(
+        "nki,ni->nk", points[first] - points[second, 0][:, None, :], normal[second]
+    )
+    inwards = np.minimum(rise.max(axis=1), rise_back.max(axis=1))
     sine = np.linalg.norm(cross(normal[first], normal[second]), axis=1)
-    # a warped face bends a little; the many sides of a fine hole bend more, and rise little
+    # a warped face bends little; the sides of a fine hole bend more, but rise little
     reflex = (inwards > 2 * tolerance[first]) | ((inwards > rounding[first]) & (sine > FACET_BEND))
     count = int(part.max()) + 1
-    bad = np.bincount(part[first[reflex]], minlength=count) > 0
+    has_reflex = np.bincount(part[first[reflex]], minlength=count) > 0
     open_somewhere = np.bincount(part[first], minlength=count) * 2 != 3 * np.bincount(
         part, minlength=count
     )
     label = connected(len(triangles), first, second)
     pieces = np.bincount(part[np.unique(label, return_index=True)[1]], minlength=count)
-    convex: Mask = ~bad & ~open_somewhere & (pieces == 1)
+    convex: Mask = ~has_reflex & ~open_somewhere & (pieces == 1)
     return convex
 
 
 def _coplanar_groups(
     vertices: Array, triangles: Index, tolerance: Array, first: Index, second: Index
 ) -> Index:
-    """A facet number for each triangle."""
+    """A facet number for each triangle.
+
+    Groups that drift from their mean plane are divided again with a tolerance 30 times smaller, in
+    at most 6 rounds; after that their triangles are facets of their own.
+    """
     points = vertices[triangles]
     area = cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
     twice = np.maximum(np.linalg.norm(area, axis=1), TINY)
     normal = area / twice[:, None]
-    bend, drop = _bend(points, normal, twice, first, second)
+    bend, drop = _bend_and_drop(points, normal, twice, first, second)
     group = np.arange(len(triangles))
     active = np.ones(len(triangles), dtype=bool)
-    scale = tolerance.copy()
+    fineness = tolerance.copy()
     for _ in range(6):
-        limit = np.minimum(scale[first], scale[second])
+        limit = np.minimum(fineness[first], fineness[second])
         joined = (drop <= limit) & (
-            bend <= FACET_BEND + 4 * limit / _height(points, twice, first, second)
+            bend <= FACET_BEND + 4 * limit / _least_height(points, twice, first, second)
         )
         joined &= active[first] & active[second]
-        group = _relabelled(group, active, connected(len(triangles), first[joined], second[joined]))
-        bent = _drifting(points, group, tolerance) & active
-        if not bent.any():
+        group = _renumber_active(
+            group, active, connected(len(triangles), first[joined], second[joined])
+        )
+        drifting = _leaves_plane(points, group, tolerance) & active
+        if not drifting.any():
             break
-        active = bent
-        scale[bent] /= 30
+        active = drifting
+        fineness[drifting] /= 30
     else:
-        group = _relabelled(group, active, np.arange(len(triangles)))
+        group = _renumber_active(group, active, np.arange(len(triangles)))
     return group
 
 
-def _relabelled(group: Index, active: Mask, fresh: Index) -> Index:
-    """New numbers for the active triangles, apart from those of the others."""
+def _renumber_active(group: Index, active: Mask, fresh: Index) -> Index:
+    """Group numbers with new values for the active triangles, distinct from all others."""
     group = np.where(active, fresh + len(group), group)
     _, compact = np.unique(group, return_inverse=True)
     result: Index = compact.reshape(-1)
     return result
 
 
-def _bend(
+def _bend_and_drop(
     points: Array, normal: Array, twice: Array, first: Index, second: Index
 ) -> tuple[Array, Array]:
-    """Angle between neighbours [rad], and how far the smaller leaves the larger's plane."""
+    """Angle between neighbours [rad], and distance of the smaller from the larger's plane."""
     larger = np.where(twice[first] >= twice[second], first, second)
     smaller = np.where(twice[first] >= twice[second], second, first)
     away = points[smaller] - points[larger, 0][:, None, :]
@@ -288,25 +299,25 @@ def _bend(
     return np.arctan2(sine, cosine), drop
 
 
-def _height(points: Array, twice: Array, first: Index, second: Index) -> Array:
-    """Least height of the narrower of two triangles."""
+def _least_height(points: Array, twice: Array, first: Index, second: Index) -> Array:
+    """Least height of the narrower of two triangles [length unit]."""
     edges = np.linalg.norm(points - np.roll(points, -1, axis=1), axis=2).max(axis=1)
     height = twice / np.maximum(edges, TINY)
     lowest: Array = np.maximum(np.minimum(height[first], height[second]), TINY)
     return lowest
 
 
-def _drifting(points: Array, group: Index, tolerance: Array) -> Mask:
-    """Triangles of groups that leave their own mean plane by more than the tolerance."""
+def _leaves_plane(points: Array, group: Index, tolerance: Array) -> Mask:
+    """Triangles of groups that leave their own mean plane by more than twice the tolerance."""
     order = np.argsort(group, kind="stable")
     owner = group[order]
     normal, origin, _ = _planes(points[order], owner, int(owner[-1]) + 1)
     away = points[order] - origin[owner][:, None, :]
-    off = np.abs(np.einsum("nki,ni->nk", away, normal[owner])).max(axis=1)
-    bad = np.zeros(int(owner[-1]) + 1, dtype=bool)
-    bad[owner[off > 2 * tolerance[order]]] = True
+    distance = np.abs(np.einsum("nki,ni->nk", away, normal[owner])).max(axis=1)
+    is_off = np.zeros(int(owner[-1]) + 1, dtype=bool)
+    is_off[owner[distance > 2 * tolerance[order]]] = True
     several = np.bincount(owner) > 1
-    drifting: Mask = (bad & several)[group]
+    drifting: Mask = (is_off & several)[group]
     return drifting
 
 
@@ -318,9 +329,10 @@ def _boundaries(
     tolerance: Array,
     inner: Mask,
 ) -> list[Block]:
-    """Convex facets as loops, others as their triangles.
+    """Facet blocks of groups of triangles: convex facets as loops, others as triangles.
 
-    `owners`: part and curved surface of each triangle; `inner`: half-edges inside a facet.
+    `owners` holds part and curved surface of each triangle; `inner` marks half-edges inside a
+    facet.
     """
     order = np.argsort(group, kind="stable")
     triangles, group = triangles[order], group[order]
@@ -331,17 +343,17 @@ def _boundaries(
     loops, length, whole = _loops(triangles, group, count, inner)
     normal, _, _ = _planes(vertices[triangles], group, count)
     convex = whole.copy()
-    for low, high in ((2, 4), (4, 12), (12, 48), (48, 1 << 62)):  # little padding each
+    for low, high in ((2, 4), (4, 12), (12, 48), (48, 1 << 62)):  # similar lengths: little padding
         k = np.flatnonzero(whole & (length > low) & (length <= high))
         width = int(length[k].max(initial=3))
-        convex[k] = _turning_left(
+        convex[k] = _is_convex_loop(
             vertices, loops[k, :width], length[k], normal[k], tolerance[first[k]]
         )
     blocks: list[Block] = []
     for size in np.unique(length[convex]):
         chosen = np.flatnonzero(convex & (length == size))
         of = first[chosen]
-        blocks.append(_polygons(part[of], loops[chosen, :size], surface[of]))
+        blocks.append(_convex_block(part[of], loops[chosen, :size], surface[of]))
     rest = np.flatnonzero(~convex)
     if len(rest):
         number = np.diff(np.append(first, len(group)))
@@ -359,49 +371,51 @@ def _boundaries(
 
 
 def _loops(triangles: Index, group: Index, count: int, inner: Mask) -> tuple[Index, Index, Mask]:
-    """Boundary of each group as one padded loop, its length, and whether it is one loop."""
+    """Boundary of each group as a padded loop, its length, and whether it is a single loop."""
     start = triangles.ravel()[~inner]
     end = triangles[:, [1, 2, 0]].ravel()[~inner]
     owner = np.repeat(group, 3)[~inner]
-    big = int(triangles.max()) + 1
+    stride = int(triangles.max()) + 1
     order = np.lexsort((start, owner))
     start, end, owner = start[order], end[order], owner[order]
     length = np.bincount(owner, minlength=count)
-    key, wanted = owner * big + start, owner * big + end
-    simple = np.ones(count, dtype=bool)
-    simple[owner[1:][np.diff(key) == 0]] = False  # a boundary that touches itself
-    following = np.minimum(np.searchsorted(key, wanted), len(key) - 1)
-    simple[owner[key[following] != wanted]] = False
-    simple &= length <= LONG_LOOP
-    simple &= length >= 3
-    width = int(length[simple].max(initial=3))
+    key, next_key = owner * stride + start, owner * stride + end
+    is_simple = np.ones(count, dtype=bool)
+    is_simple[owner[1:][np.diff(key) == 0]] = (
+        False  # two edges leave a vertex: the boundary touches itself
+    )
+    following = np.minimum(np.searchsorted(key, next_key), len(key) - 1)
+    is_simple[owner[key[following] != next_key]] = False
+    is_simple &= length <= LONG_LOOP
+    is_simple &= length >= 3
+    width = int(length[is_simple].max(initial=3))
     first = np.cumsum(length) - length
     loops = np.zeros((count, width), dtype=np.int64)
     current = first.copy()
     returned = np.zeros(count, dtype=bool)
     for k in range(width):
-        active = simple & (k < length)
+        active = is_simple & (k < length)
         rows = np.flatnonzero(active)
         loops[rows, k] = start[current[rows]]
         current[rows] = following[current[rows]]
         returned[rows] |= (current[rows] == first[rows]) & (k + 1 < length[rows])
-    return loops, length, simple & ~returned
+    return loops, length, is_simple & ~returned
 
 
-def _turning_left(
+def _is_convex_loop(
     vertices: Array, loops: Index, length: Index, normal: Array, tolerance: Array
 ) -> Mask:
     """Loops without a reflex corner deeper than the tolerance."""
     k = np.arange(loops.shape[1])
-    length = np.minimum(length, len(k))  # longer boundaries are no loops: not asked for
+    length = np.minimum(length, len(k))  # longer boundaries are not loops: their result is unused
     inside = k < length[:, None]
     following = np.where(k + 1 < length[:, None], k + 1, 0)
     rows = np.arange(len(loops))[:, None]
-    here, after = vertices[loops], vertices[loops[rows, following]]
-    beyond = vertices[loops[rows, following[rows, following]]]
-    turn = np.einsum("nki,ni->nk", cross(after - here, beyond - after), normal)
-    chord = np.linalg.norm(beyond - here, axis=2)
-    # depth of a reflex corner below the chord that would cut it off
+    corner, next_corner = vertices[loops], vertices[loops[rows, following]]
+    second_next = vertices[loops[rows, following[rows, following]]]
+    turn = np.einsum("nki,ni->nk", cross(next_corner - corner, second_next - next_corner), normal)
+    chord = np.linalg.norm(second_next - corner, axis=2)
+    # the cross product is the depth of the corner below the chord, times the chord
     reflex = inside & (turn < -FACET_REFLEX * tolerance[:, None] * np.maximum(chord, TINY))
     result: Mask = ~reflex.any(axis=1)
     return result

@@ -1,4 +1,4 @@
-"""Contacts of flat faces: the overlay of opposed facets, what touches, what came near."""
+"""Contacts of flat faces: overlaps of opposed facets, split into touching and rejected pieces."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ __all__ = ["GAP_EDGES", "FlatContacts", "find_flat"]
 
 DECADES: Array = np.power(10.0, np.arange(-12, -1))
 GAP_EDGES: Array = np.concatenate([[-np.inf], -DECADES[::-1], [0.0], DECADES, [np.inf]])
-"""Edges of the histogram of gaps, over the size of the smaller part [-]."""
+"""Bin edges of the histogram of gaps, relative to the size of the smaller part [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FlatContacts:
-    """Patches of flat faces; what came near; how many faces have which gap (`GAP_EDGES`)."""
+    """Patches of flat faces, rejected near faces, and the histogram of gaps over `GAP_EDGES`."""
 
     patches: Patches
     rejected: list[Rejected]
@@ -42,7 +42,7 @@ class FlatContacts:
 
 
 def find_flat(search: ContactSearch, smooth: SmoothJoints) -> FlatContacts:
-    """Contacts of flat faces of the pairs of a search, without those of its smooth joints."""
+    """Contacts of flat faces of the pairs of a search, except facets of its smooth joints."""
     geometry, facets, limits = search.geometry, search.facets, search.limits
     widest = max(LOOKED_AT_ANGLE, 2 * search.angle)
     cosine = float(np.cos(widest))
@@ -62,7 +62,9 @@ def find_flat(search: ContactSearch, smooth: SmoothJoints) -> FlatContacts:
         touch = opposed & touches(block.gap, limit, limits.closed[pair_of])
         accepted.append(block.take(np.flatnonzero(touch)))
         refused.append(block.take(np.flatnonzero(~touch)))
-        wide = block.area > limit * np.sqrt(block.area)  # a cut of no width has no gap
+        wide = block.area > limit * np.sqrt(
+            block.area
+        )  # an overlap without width has no gap to count
         relative = (nearest_gap(block.gap) / size[block.frame])[wide & opposed]
         counts += np.histogram(relative, bins=GAP_EDGES)[0]
     patches, thin = merge(search, frames, accepted)
@@ -72,20 +74,24 @@ def find_flat(search: ContactSearch, smooth: SmoothJoints) -> FlatContacts:
 
 
 def _angle_rounding(search: ContactSearch, frames: FacetFrame) -> Array:
-    """Error of the angle between two facets that rounding of the coordinates explains [rad]."""
+    """Largest error of the angle between two facets by rounding of the coordinates [rad]."""
     geometry, facets = search.geometry, search.facets
-    blur = np.zeros(len(frames))
+    error = np.zeros(len(frames))
     for facet in (frames.i, frames.j):
         part = facets.part[facet]
         width = facets.area[facet] / facets.reach[facet]
-        blur += np.where(geometry.single[part], ROUNDINGS * geometry.accuracy[part] / width, 0.0)
-    return np.minimum(blur, LOOKED_AT_ANGLE)
+        error += np.where(geometry.single[part], ROUNDINGS * geometry.accuracy[part] / width, 0.0)
+    return np.minimum(error, LOOKED_AT_ANGLE)
 
 
 def _rejected(
     search: ContactSearch, frames: FacetFrame, blocks: list[Pieces], angle: Array, why: str = ""
 ) -> list[Rejected]:
-    """The nearest rejected piece of each pair of parts and reason."""
+    """The nearest rejected piece for each pair of parts and reason.
+
+    `angle` is the angle tolerance of each frame [rad]; `why` is a reason for all blocks, else the
+    reason follows from the tilt and the sign of the gap.
+    """
     limits = search.limits
     nearest: dict[tuple[int, str], Rejected] = {}
     for block in blocks:
@@ -95,8 +101,8 @@ def _rejected(
         wide = (block.area > (2 * limits.gap[pair]) ** 2) & (np.abs(gap) <= limits.margin[pair])
         for k in np.flatnonzero(wide | bool(why)):
             tilt = float(frames.angle[row[k]])
-            plain = TILTED if tilt > angle[row[k]] else APART if gap[k] > 0 else PENETRATES
-            key = (int(pair[k]), why or plain)
+            reason = TILTED if tilt > angle[row[k]] else APART if gap[k] > 0 else PENETRATES
+            key = (int(pair[k]), why or reason)
             if key not in nearest or abs(gap[k]) < abs(nearest[key].gap):
                 a, b = (int(part) for part in search.pairs[pair[k]])
                 nearest[key] = Rejected((a, b), float(gap[k]), tilt, key[1])

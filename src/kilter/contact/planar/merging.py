@@ -1,11 +1,11 @@
-"""Patches: the overlaps of facets that touch, merged to one hull a pair of parts and plane.
+"""Patches of flat contact: touching pieces merged to a hull for each pair of parts and plane.
 
-Pieces of one pair lie in one plane where their normals agree within the merging angle and
-their offsets within twice the gap tolerance. What is thinner than twice the gap tolerance
-is no area of contact; that is asked of each connected region, not of each piece (a ring of
-thin triangles is a wide region), by its area over its diameter (two slivers along a bent
-line are not wide, though their hull is). Pieces as thin as the rounding of the coordinates
-are dropped before: one along a line of contact would widen the hull of the patch it touches.
+Pieces of a pair lie in the same plane if their normals agree within the merging angle and their
+offsets within twice the gap tolerance. An area thinner than twice the gap tolerance is not an area
+of contact. This is tested for each connected region, not for each piece: a ring of thin triangles
+is a wide region. The width of a region is its area over its diameter: two slivers along a bent line
+are not wide, though their hull is. Pieces as thin as the rounding of the coordinates are dropped
+first: such a piece along a line of contact would widen the hull of its neighbour.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ __all__ = ["merge"]
 
 
 CROWD = 1500
-"""Up to this many pieces the connected regions of a plane are told apart."""
+"""Up to this many pieces in a plane, connected regions are separated (quadratic memory)."""
 
 
-class _Merged(NamedTuple):
-    """One patch of several pieces: row of the frame it goes by, and what it is."""
+class _PlanePatch(NamedTuple):
+    """A patch of several pieces: row of the frame that represents it, and its data."""
 
     frame: int
     normal: Array
@@ -41,53 +41,58 @@ class _Merged(NamedTuple):
 def merge(
     search: ContactSearch, frames: FacetFrame, blocks: list[Pieces]
 ) -> tuple[Patches, list[Pieces]]:
-    """Patches of accepted pieces, and the pieces dropped because they are too thin."""
+    """Patches of touching pieces, and the pieces that are dropped because they are too thin."""
     tolerance, blur = search.limits.gap, search.limits.rounding
-    noise = [_thin(block, SLIVER * blur[frames.pair[block.frame]]) for block in blocks]
-    thin = [block.take(np.flatnonzero(slim)) for block, slim in zip(blocks, noise, strict=True)]
-    blocks = [_only(block, ~slim) for block, slim in zip(blocks, noise, strict=True)]
+    is_sliver = [_thin(block, SLIVER * blur[frames.pair[block.frame]]) for block in blocks]
+    thin = [block.take(np.flatnonzero(slim)) for block, slim in zip(blocks, is_sliver, strict=True)]
+    blocks = [_only(block, ~slim) for block, slim in zip(blocks, is_sliver, strict=True)]
     pairs = [frames.pair[block.frame] for block in blocks]
-    number = np.bincount(np.concatenate([*pairs, np.empty(0, np.int64)]), minlength=len(tolerance))
-    groups: list[Patches] = []
-    crowd: list[tuple[int, int, int]] = []
+    piece_count = np.bincount(
+        np.concatenate([*pairs, np.empty(0, np.int64)]), minlength=len(tolerance)
+    )
+    blocks_of_patches: list[Patches] = []
+    shared_rows: list[tuple[int, int, int]] = []
+    # pairs with a single piece in arrays, all others pair by pair
     for k, (block, pair) in enumerate(zip(blocks, pairs, strict=True)):
-        alone = number[pair] == 1
+        alone = piece_count[pair] == 1
         slim = np.zeros(len(pair), dtype=bool)
         slim[alone] = _thin(_only(block, alone), 2 * tolerance[pair[alone]])
         thin.append(block.take(np.flatnonzero(slim)))
-        groups.append(_single(search, frames, _only(block, alone & ~slim)))
-        crowd.extend((int(pair[row]), k, int(row)) for row in np.flatnonzero(~alone))
-    crowd.sort()
+        blocks_of_patches.append(_single(search, frames, _only(block, alone & ~slim)))
+        shared_rows.extend((int(pair[row]), k, int(row)) for row in np.flatnonzero(~alone))
+    shared_rows.sort()
     begin = 0
-    merged: list[_Merged] = []
-    for end in range(1, len(crowd) + 1):
-        if end == len(crowd) or crowd[end][0] != crowd[begin][0]:
-            pair_row = crowd[begin][0]
-            members = [(blocks[k], row) for _, k, row in crowd[begin:end]]
+    merged: list[_PlanePatch] = []
+    for end in range(1, len(shared_rows) + 1):
+        if end == len(shared_rows) or shared_rows[end][0] != shared_rows[begin][0]:
+            pair_row = shared_rows[begin][0]
+            members = [(blocks[k], row) for _, k, row in shared_rows[begin:end]]
             limits = float(tolerance[pair_row]), float(blur[pair_row])
-            made, dropped = _several(frames, members, *limits)
-            merged += made
+            plane_patches, dropped = _several(frames, members, *limits)
+            merged += plane_patches
             thin.extend(dropped)
             begin = end
     if merged:
-        groups.append(_packed(search, frames, merged))
-    return Patches.join(groups).ordered(), [block for block in thin if len(block.frame)]
+        blocks_of_patches.append(_packed(search, frames, merged))
+    return Patches.join(blocks_of_patches).ordered(), [block for block in thin if len(block.frame)]
 
 
 def _only(pieces: Pieces, chosen: Mask) -> Pieces:
+    """The chosen pieces; without a copy if all are chosen."""
     return pieces if chosen.all() else pieces.take(np.flatnonzero(chosen))
 
 
-def _packed(search: ContactSearch, frames: FacetFrame, merged: list[_Merged]) -> Patches:
+def _packed(search: ContactSearch, frames: FacetFrame, merged: list[_PlanePatch]) -> Patches:
+    """Merged patches as arrays."""
     return _patches(
         search,
         frames,
-        np.array([one.frame for one in merged]),
-        np.array([one.normal for one in merged]),
-        np.array([one.area for one in merged]),
-        np.array([one.gap for one in merged]),
-        np.array([len(one.points) for one in merged]),
-        np.concatenate([one.points for one in merged]),
+        np.array([patch.frame for patch in merged]),
+        np.array([patch.normal for patch in merged]),
+        np.array([patch.area for patch in merged]),
+        np.array([patch.gap for patch in merged]),
+        np.array([len(patch.points) for patch in merged]),
+        np.concatenate([patch.points for patch in merged]),
     )
 
 
@@ -101,7 +106,7 @@ def _patches(
     count: Index,
     points: Array,
 ) -> Patches:
-    """Patches, each with the row of a frame that it goes by and `count` points."""
+    """Patches; patch k is represented by row `frame[k]` of the frames and has `count[k]` points."""
     facets, pair = search.facets, frames.pair[frame]
     facet = np.column_stack([frames.i, frames.j])[frame]
     parts = search.pairs[pair]
@@ -121,82 +126,90 @@ def _patches(
 
 
 def _thin(pieces: Pieces, width: Array) -> Mask:
-    """Pieces whose least width is below `width`."""
+    """Pieces whose least width is below `width` [length unit]."""
     if not len(pieces.frame):
         return np.zeros(0, dtype=bool)
     real = (np.arange(pieces.points.shape[1]) < pieces.count[:, None])[..., None]
     low = np.where(real, pieces.points, np.inf).min(axis=1)
     high = np.where(real, pieces.points, -np.inf).max(axis=1)
     diameter = np.linalg.norm(high - low, axis=1)
-    doubtful: Mask = pieces.area <= width * diameter  # area <= width x diameter, always
-    for row in np.flatnonzero(doubtful):
+    doubtful: Mask = (
+        pieces.area <= width * diameter
+    )  # the area of a convex polygon is at most width x diameter
+    for row in np.flatnonzero(doubtful):  # the bound does not decide
         doubtful[row] = width_of(pieces.points[row, : pieces.count[row]]) < width[row]
     return doubtful
 
 
 def _single(search: ContactSearch, frames: FacetFrame, pieces: Pieces) -> Patches:
-    """Patches of pairs that have one piece only."""
+    """Patches of pairs that have a single piece."""
     rounding = search.limits.rounding[frames.pair[pieces.frame]]
     reach = np.sqrt(np.maximum(pieces.area, 0))
     points, count = tidy(pieces.points, pieces.count, np.maximum(PATCH_CORNER * reach, rounding))
-    solid = points[np.arange(points.shape[1]) < count[:, None]]
-    middle = frames.middle(solid[:, None, :], np.repeat(pieces.frame, count))[:, 0]
+    corners = points[np.arange(points.shape[1]) < count[:, None]]
+    middle = frames.middle(corners[:, None, :], np.repeat(pieces.frame, count))[:, 0]
     normal = frames.normal[pieces.frame]
     return _patches(search, frames, pieces.frame, normal, pieces.area, pieces.gap, count, middle)
 
 
 def _several(
     frames: FacetFrame, members: list[tuple[Pieces, int]], tolerance: float, rounding: float
-) -> tuple[list[_Merged], list[Pieces]]:
-    """Patches of one pair that has several pieces, plane by plane."""
+) -> tuple[list[_PlanePatch], list[Pieces]]:
+    """Patches of a pair that has several pieces, plane by plane, and the thin pieces.
+
+    The largest remaining piece defines the next plane. `tolerance` and `rounding` are those of the
+    pair [length unit].
+    """
     frame = np.array([block.frame[row] for block, row in members])
     area = np.array([block.area[row] for block, row in members])
     gap = np.array([block.gap[row] for block, row in members])
     count = np.array([block.count[row] for block, row in members])
-    flat = np.concatenate([block.points[row, : block.count[row]] for block, row in members])
+    flat_corners = np.concatenate([block.points[row, : block.count[row]] for block, row in members])
     owner = np.repeat(np.arange(len(members)), count)
-    points = frames.middle(flat[:, None, :], frame[owner])[:, 0]
+    points = frames.middle(flat_corners[:, None, :], frame[owner])[:, 0]
     normal = frames.normal[frame]
     center = np.add.reduceat(points, np.cumsum(count) - count) / count[:, None]
 
-    made: list[_Merged] = []
+    patches: list[_PlanePatch] = []
     dropped: list[Pieces] = []
-    left = np.ones(len(members), dtype=bool)
+    remaining = np.ones(len(members), dtype=bool)
     for seed in np.argsort(-area, kind="stable"):
-        if not left[seed]:
+        if not remaining[seed]:
             continue
-        same = left & (np.linalg.norm(normal - normal[seed], axis=1) <= PATCH_ANGLE)
+        same = remaining & (np.linalg.norm(normal - normal[seed], axis=1) <= PATCH_ANGLE)
         same &= np.abs((center - center[seed]) @ normal[seed]) <= 2 * tolerance
         same[seed] = True
-        left &= ~same
-        which = np.flatnonzero(same)
+        remaining &= ~same
+        piece_rows = np.flatnonzero(same)
         axes = np.stack([frames.u[frame[seed]], frames.v[frame[seed]]], axis=1)
         plane = (points - center[seed]) @ axes
-        wide = _wide_regions(plane, owner, which, area[which], 2 * tolerance)
-        dropped.extend(members[k][0].take(np.array([members[k][1]])) for k in which[~wide])
-        which = which[wide]
-        if not len(which):
+        wide = _wide_regions(plane, owner, piece_rows, area[piece_rows], 2 * tolerance)
+        dropped.extend(members[k][0].take(np.array([members[k][1]])) for k in piece_rows[~wide])
+        piece_rows = piece_rows[wide]
+        if not len(piece_rows):
             continue
-        mine = np.isin(owner, which)
-        hull = convex_hull(plane[mine])
-        size = max(PATCH_CORNER * float(np.sqrt(area[which].sum())), rounding)
+        in_patch = np.isin(owner, piece_rows)
+        hull = convex_hull(plane[in_patch])
+        size = max(PATCH_CORNER * float(np.sqrt(area[piece_rows].sum())), rounding)
         tidied, number = tidy(hull[None], np.array([len(hull)]), np.array([size]))
         hull = tidied[0, : number[0]]
-        mean = area[which] @ normal[which]
+        mean = area[piece_rows] @ normal[piece_rows]
         mean /= np.linalg.norm(mean)
-        height = float(area[which] @ ((center[which] - center[seed]) @ mean) / area[which].sum())
-        lifted = center[seed] + hull @ axes.T
-        lifted += np.outer(height - (lifted - center[seed]) @ mean, mean)
-        low, high = float(gap[which, 0].min()), float(gap[which, 1].max())
-        total = float(area[which].sum())
-        made.append(_Merged(int(frame[seed]), mean, total, (low, high), lifted))
-    return made, dropped
+        height = float(
+            area[piece_rows] @ ((center[piece_rows] - center[seed]) @ mean) / area[piece_rows].sum()
+        )
+        corners = center[seed] + hull @ axes.T
+        corners += np.outer(height - (corners - center[seed]) @ mean, mean)
+        low, high = float(gap[piece_rows, 0].min()), float(gap[piece_rows, 1].max())
+        total = float(area[piece_rows].sum())
+        patches.append(_PlanePatch(int(frame[seed]), mean, total, (low, high), corners))
+    return patches, dropped
 
 
 def _wide_regions(plane: Array, owner: Index, which: Index, area: Array, width: float) -> Mask:
-    """Which pieces, with their areas, belong to a connected region at least `width` wide."""
+    """Which of the pieces `which` belong to a connected region at least `width` wide."""
     wide = np.ones(len(which), dtype=bool)
-    if len(which) > CROWD:
+    if len(which) > CROWD:  # every two boxes are compared: too much memory
         return wide
     hulls = [plane[owner == k] for k in which]
     if all(width_of(hull) >= width for hull in hulls):

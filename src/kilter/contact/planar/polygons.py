@@ -1,7 +1,7 @@
-"""Polygons in the plane: clipped in batches, hulls and widths, overlays of intricate outlines.
+"""Polygons in the plane: batch clipping, convex hulls, widths, and overlaps of complex outlines.
 
-`clip_convex` is Sutherland-Hodgman on padded arrays: polygon k of a batch has `count[k]`
-corners, turning left, in ``points[k, :count[k]]``. What lies behind the count is meaningless.
+`clip_convex` is Sutherland-Hodgman clipping on padded arrays: polygon k of a batch has `count[k]`
+corners, anticlockwise, in ``points[k, :count[k]]``. Entries after the count have no meaning.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ Scalar = TypeVar("Scalar", bound=np.generic)
 
 
 def padded(points: NDArray[Scalar], first: Index, count: Index) -> NDArray[Scalar]:
-    """Rows ``first[k]`` to ``first[k] + count[k]`` of `points` as one array, shape (n, m, d).
+    """Rows ``first[k]`` to ``first[k] + count[k]`` of `points` as an array, shape (n, m, d).
 
-    The last corner is repeated behind the count.
+    Shorter runs are padded with their last row.
     """
     k = np.minimum(np.arange(int(count.max(initial=1))), np.maximum(count, 1)[:, None] - 1)
     taken: NDArray[Scalar] = points[first[:, None] + k]
@@ -43,7 +43,7 @@ def padded(points: NDArray[Scalar], first: Index, count: Index) -> NDArray[Scala
 def clip_convex(
     subject: Array, subject_count: Index, clip: Array, clip_count: Index
 ) -> tuple[Array, Index]:
-    """The intersection of each subject polygon with its clip polygon.
+    """The intersection of each subject polygon with its convex clip polygon.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def clip_convex(
     -------
     points : ndarray, shape (n, m, 2)
     count : ndarray of int, shape (n,)
-        0 where nothing is left.
+        Number of corners; 0: no intersection.
 
     Examples
     --------
@@ -85,40 +85,40 @@ def clip_convex(
 
 
 def _half_plane(points: Array, count: Index, start: Array, along: Array) -> tuple[Array, Index]:
-    """What lies left of the lines ``start + t along``."""
+    """The parts of convex polygons to the left of the lines ``start + t along``."""
     rows, width = len(points), points.shape[1]
     k = np.arange(width)
-    real = k < count[:, None]
+    is_corner = k < count[:, None]
     after = np.where(k + 1 < count[:, None], k + 1, 0)
     side = along[:, None, 0] * (points[..., 1] - start[:, None, 1]) - along[:, None, 1] * (
         points[..., 0] - start[:, None, 0]
     )
     lines = np.arange(rows)[:, None]
     next_side = side[lines, after]
-    inside = real & (side >= 0)
-    crosses = real & ((side >= 0) != (next_side >= 0))
-    if not crosses.any() and bool((inside == real).all()):
+    inside = is_corner & (side >= 0)
+    crosses = is_corner & ((side >= 0) != (next_side >= 0))
+    if not crosses.any() and bool((inside == is_corner).all()):  # nothing to cut
         return points, count
     with np.errstate(divide="ignore", invalid="ignore"):
         t = side / (side - next_side)
     t = np.where(crosses, t, 0.0)
     crossing = points + t[..., None] * (points[lines, after] - points)
     keep = np.stack([inside, crosses], axis=2).reshape(rows, 2 * width)
-    both = np.stack([points, crossing], axis=2).reshape(rows, 2 * width, 2)
+    corners_and_crossings = np.stack([points, crossing], axis=2).reshape(rows, 2 * width, 2)
     position = np.cumsum(keep, axis=1) - 1
-    left: Index = position[:, -1] + 1
-    result = np.zeros((rows, max(int(left.max()), 1), 2))
-    where = np.nonzero(keep)
-    result[where[0], position[where]] = both[where]
-    return result, left
+    new_count: Index = position[:, -1] + 1
+    result = np.zeros((rows, max(int(new_count.max()), 1), 2))
+    kept_positions = np.nonzero(keep)
+    result[kept_positions[0], position[kept_positions]] = corners_and_crossings[kept_positions]
+    return result, new_count
 
 
 def polygon_area(points: Array, count: Index) -> Array:
-    """Signed area of each polygon, shape (n,)."""
+    """Signed area of each polygon, positive if anticlockwise, shape (n,)."""
     k = np.arange(points.shape[1])
     real = k < count[:, None]
     after = np.where(k + 1 < count[:, None], k + 1, 0)
-    local = points - points[:, :1]
+    local = points - points[:, :1]  # avoids cancellation far from the origin
     following = local[np.arange(len(points))[:, None], after]
     cross = local[..., 0] * following[..., 1] - local[..., 1] * following[..., 0]
     area: Array = 0.5 * np.where(real, cross, 0.0).sum(axis=1)
@@ -126,32 +126,34 @@ def polygon_area(points: Array, count: Index) -> Array:
 
 
 def tidy(points: Array, count: Index, tolerance: Array) -> tuple[Array, Index]:
-    """Polygons without near-duplicate corners, then without corners on a straight line.
+    """Remove near-duplicate corners of polygons, then corners on a straight line.
 
-    Two passes in this order: in one pass two near-duplicates at a corner would each look
-    like a point on a line, and the corner would be lost.
+    The order of the two passes matters: in a single pass two near-duplicates at a corner would each
+    look like a point on a line, and the corner would be lost.
     """
-    points, count = _kept(points, count, ~_near_next(points, count, tolerance))
+    points, count = _select_corners(points, count, ~_near_next(points, count, tolerance))
     for _ in range(4):
         straight = _on_chord(points, count, tolerance)
-        straight[:, 1:] &= ~straight[:, :-1]  # never two neighbours at once
+        straight[:, 1:] &= ~straight[:, :-1]  # two neighbours at once could remove a corner
         if not straight.any():
             break
-        points, count = _kept(points, count, ~straight)
+        points, count = _select_corners(points, count, ~straight)
     return points, count
 
 
-def _kept(points: Array, count: Index, keep: Mask) -> tuple[Array, Index]:
+def _select_corners(points: Array, count: Index, keep: Mask) -> tuple[Array, Index]:
+    """Padded polygons with only the corners marked in `keep`."""
     keep = keep & (np.arange(points.shape[1]) < count[:, None])
     position = np.cumsum(keep, axis=1) - 1
-    left: Index = position[:, -1] + 1
-    result = np.zeros((len(points), max(int(left.max(initial=1)), 1), points.shape[2]))
-    where = np.nonzero(keep)
-    result[where[0], position[where]] = points[where]
-    return result, left
+    new_count: Index = position[:, -1] + 1
+    result = np.zeros((len(points), max(int(new_count.max(initial=1)), 1), points.shape[2]))
+    kept_positions = np.nonzero(keep)
+    result[kept_positions[0], position[kept_positions]] = points[kept_positions]
+    return result, new_count
 
 
 def _near_next(points: Array, count: Index, tolerance: Array) -> Mask:
+    """Corners within `tolerance` of the next corner."""
     k = np.arange(points.shape[1])
     after = np.where(k + 1 < count[:, None], k + 1, 0)
     step = points[np.arange(len(points))[:, None], after] - points
@@ -161,6 +163,7 @@ def _near_next(points: Array, count: Index, tolerance: Array) -> Mask:
 
 
 def _on_chord(points: Array, count: Index, tolerance: Array) -> Mask:
+    """Corners within `tolerance` of the line between both neighbours."""
     k = np.arange(points.shape[1])
     rows = np.arange(len(points))[:, None]
     after = points[rows, np.where(k + 1 < count[:, None], k + 1, 0)]
@@ -177,7 +180,7 @@ def _on_chord(points: Array, count: Index, tolerance: Array) -> Mask:
 
 
 def convex_hull(points: Array) -> Array:
-    """Corners of the convex hull, turning left, shape (m, 2), by Andrew's monotone chain.
+    """Corners of the convex hull, anticlockwise, shape (m, 2), by Andrew's monotone chain.
 
     Examples
     --------
@@ -192,6 +195,7 @@ def convex_hull(points: Array) -> Array:
     rows = ordered.tolist()
 
     def chain(sequence: list[list[float]]) -> list[list[float]]:
+        """Lower hull of sorted points, without its last point."""
         hull: list[list[float]] = []
         for p in sequence:
             while len(hull) > 1:
@@ -206,7 +210,7 @@ def convex_hull(points: Array) -> Array:
 
 
 def _outer(points: Array) -> Mask:
-    """Points not inside the octagon of the extremes; keeps the order."""
+    """Points not inside the octagon of the extreme points: candidates for corners of the hull."""
     directions = np.array([[1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1.0]])
     octagon = points[np.argmax(points @ directions.T, axis=0)]
     step = np.roll(octagon, -1, axis=0) - octagon
@@ -220,7 +224,7 @@ def _outer(points: Array) -> Mask:
 
 
 def width_of(hull: Array) -> float:
-    """Least width of a convex polygon.
+    """Least width of a convex polygon, between parallel lines [length unit].
 
     Examples
     --------
@@ -238,17 +242,19 @@ def width_of(hull: Array) -> float:
     return float(across.max(axis=1).min())
 
 
-def overlay(one: tuple[Array, bool], other: tuple[Array, bool]) -> tuple[Array, float]:
+def overlay(
+    first_outline: tuple[Array, bool], second_outline: tuple[Array, bool]
+) -> tuple[Array, float]:
     """Convex hull, shape (m, 2), and area of the overlap of two outlines.
 
-    Each outline is (corners, convex): a loop where convex, triangles three by three
-    otherwise. GEOS may give an overlap to triangles that have none, so the area is
-    asked for twice, as it is and on a fine grid, and the grid is believed where they
-    disagree.
+    Each outline is (corners, convex): a boundary loop if convex, else triangles, three corners
+    each. GEOS may return an overlap for triangles with disjoint interiors. So the overlap is
+    computed twice, directly and on a fine grid; if the areas differ, the result on the grid is
+    used.
     """
     import shapely
 
-    first, second = _region(*one), _region(*other)
+    first, second = _region(*first_outline), _region(*second_outline)
     size = float(np.ptp(shapely.get_coordinates([first, second]), axis=0).max())
     gridded = shapely.intersection(first, second, grid_size=OUTLINE_GRID * size)
     common = shapely.intersection(first, second)
@@ -262,24 +268,28 @@ def overlay(one: tuple[Array, bool], other: tuple[Array, bool]) -> tuple[Array, 
 
 
 def _region(corners: Array, convex: bool) -> shapely.Geometry:
-    """The polygon, with holes, that a loop or a list of triangles covers."""
+    """The polygon, with holes, that a boundary loop or a list of triangles covers."""
     import shapely
 
     if convex:
         return shapely.Polygon(corners)
     triangles = corners.reshape(-1, 3, 2)
-    names, index = np.unique(corners, axis=0, return_inverse=True)
+    vertices, index = np.unique(corners, axis=0, return_inverse=True)
     index = index.reshape(-1, 3)
     start = index.reshape(-1)
     end = np.roll(index, -1, axis=1).reshape(-1)
-    inner = np.isin(start * len(names) + end, end * len(names) + start)
-    edges = np.stack([names[start[~inner]], names[end[~inner]]], axis=1)
+    is_shared = np.isin(start * len(vertices) + end, end * len(vertices) + start)
+    edges = np.stack([vertices[start[~is_shared]], vertices[end[~is_shared]]], axis=1)
     region = shapely.build_area(shapely.multilinestrings(shapely.linestrings(edges)))
-    covered = 0.5 * np.abs(
+    triangle_area = 0.5 * np.abs(
         (triangles[:, 1, 0] - triangles[:, 0, 0]) * (triangles[:, 2, 1] - triangles[:, 0, 1])
         - (triangles[:, 1, 1] - triangles[:, 0, 1]) * (triangles[:, 2, 0] - triangles[:, 0, 0])
     )
-    if region is None or abs(region.area - covered.sum()) > OUTLINE_AREA * covered.sum():
+    # boundaries that touch themselves confuse build_area: unite the triangles instead
+    if (
+        region is None
+        or abs(region.area - triangle_area.sum()) > OUTLINE_AREA * triangle_area.sum()
+    ):
         grid = OUTLINE_GRID * np.ptp(corners)
         region = shapely.union_all(shapely.polygons(triangles), grid_size=grid)
     return region

@@ -1,4 +1,4 @@
-"""Edges of parts: where two facets meet, and what lies beside them."""
+"""Edges of parts: the boundaries between facets, with the facets beside them."""
 
 from __future__ import annotations
 
@@ -28,20 +28,20 @@ __all__ = ["Edges", "Rays", "find_edges", "segment_distance"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Edges:
-    """Edges of some parts, ordered by part.
+    """Edges of a set of parts, ordered by part.
 
     Attributes
     ----------
     start : ndarray of int, shape (N + 1,)
         The edges of part i are rows ``start[i]`` to ``start[i + 1]``.
     ends_of : ndarray of int, shape (E, 2)
-        Vertices.
+        Vertices at both ends.
     facet : ndarray of int, shape (E, 2)
-        The facet left of the edge and the one right of it, seen from outside (-1: none).
+        The facet left of the edge and the facet right of it, seen from outside (-1: none).
     ray_start, ray_edge : ndarray of int
         Edges that end in vertex v: ``ray_edge[ray_start[v]:ray_start[v + 1]]``.
     doubled : bool
-        Some edges lie on others: facets of no width lay between them.
+        True if edges may lie on other edges, because facets of no width lay between them.
     """
 
     start: Index
@@ -79,21 +79,21 @@ class Edges:
     def behind(
         self, facets: Facets, geometry: Geometry, which: Index, normal: Array, slack: float
     ) -> Mask:
-        """Edges whose two facets, and the part between, lie behind the plane with this normal."""
+        """Edges whose facets, and the part between them, lie behind the plane with this normal."""
         fits: Mask = np.ones(len(which), dtype=bool)
         fits[(self.facet[which] < 0).any(axis=1)] = False
         along = self.direction(geometry, which)
         inward = np.zeros((len(which), 3))
         for side, turn in ((0, 1.0), (1, -1.0)):
             outward = facets.normal[self.facet[which, side]]
-            into = turn * cross(outward, along)
-            fits &= np.einsum("ij,ij->i", into, normal) <= slack
-            inward += into - outward
+            into_facet = turn * cross(outward, along)
+            fits &= np.einsum("ij,ij->i", into_facet, normal) <= slack
+            inward += into_facet - outward
         fits &= np.einsum("ij,ij->i", inward, normal) <= slack
         return fits
 
     def reflex(self, facets: Facets, geometry: Geometry, which: Index, slack: float) -> Mask:
-        """Edges at which the part bends inwards."""
+        """Edges at which the part bends inwards by more than `slack` (sine)."""
         left, right = self.facet[which].T
         into_left = cross(facets.normal[left], self.direction(geometry, which))
         rise = np.einsum("ij,ij->i", into_left, facets.normal[right])
@@ -101,7 +101,7 @@ class Edges:
         return bent
 
     def rays(self, geometry: Geometry, vertex: Index) -> Rays:
-        """What leaves some vertices: one row an edge that ends there."""
+        """Edges that leave the given vertices, a row for each."""
         owner, row = ragged(self.ray_start, vertex)
         edge = self.ray_edge[row]
         away = self.ends_of[edge, 0] == vertex[owner]
@@ -114,9 +114,9 @@ class Edges:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rays(Rows):
-    """Edges that leave vertices, seen from there: row of the vertex, unit direction.
+    """Edges that leave vertices: row of the vertex, edge, unit direction away from the vertex.
 
-    `left`, `right`: the facets on either side, seen from outside (-1: none).
+    `left` and `right` are the facets on either side, seen from outside (-1: none).
     """
 
     owner: Index
@@ -126,27 +126,27 @@ class Rays(Rows):
     right: Index
 
     def once(self) -> Rays:
-        """Each direction between the same two facets once, those inside of a facet never."""
-        place = np.round(self.direction / RAY_ANGLE).astype(np.int64)
-        names = np.column_stack([self.owner, self.left, self.right, place])
-        keep = np.unique(names, axis=0, return_index=True)[1]
+        """Rays without repeats between the same two facets, and without rays inside a facet."""
+        rounded = np.round(self.direction / RAY_ANGLE).astype(np.int64)
+        key = np.column_stack([self.owner, self.left, self.right, rounded])
+        keep = np.unique(key, axis=0, return_index=True)[1]
         keep = np.sort(keep[self.left[keep] != self.right[keep]])
         return self.take(keep)
 
 
 def find_edges(geometry: Geometry, facets: Facets, parts: Index) -> Edges:
     """The edges between facets of the given parts."""
-    chosen = np.zeros(len(geometry.mass), dtype=bool)
-    chosen[parts] = True
-    begin, end, facet = _boundary(facets, np.flatnonzero(chosen[facets.part]))
+    is_chosen = np.zeros(len(geometry.mass), dtype=bool)
+    is_chosen[parts] = True
+    begin, end, facet = _boundary(facets, np.flatnonzero(is_chosen[facets.part]))
     low, high = np.minimum(begin, end), np.maximum(begin, end)
     order = np.lexsort((begin != low, high, low))
     begin, end, facet, low, high = (x[order] for x in (begin, end, facet, low, high))
-    fresh = np.ones(len(low), dtype=bool)
-    fresh[1:] = (np.diff(low) != 0) | (np.diff(high) != 0)
-    first = np.flatnonzero(fresh)
+    is_new = np.ones(len(low), dtype=bool)
+    is_new[1:] = (np.diff(low) != 0) | (np.diff(high) != 0)
+    first = np.flatnonzero(is_new)
     sides = np.full((len(first), 2), -1, dtype=np.int64)
-    number = np.cumsum(fresh) - 1
+    number = np.cumsum(is_new) - 1
     forward = begin == low
     sides[number[forward], 0] = facet[forward]
     sides[number[~forward], 1] = facet[~forward]
@@ -154,82 +154,97 @@ def find_edges(geometry: Geometry, facets: Facets, parts: Index) -> Edges:
     part = geometry.vertex_part[ends[:, 0]]
     order = np.argsort(part, kind="stable")
     ends, sides = ends[order], sides[order]
-    sides, split = _across_open(geometry, ends, sides)
-    ends, sides, doubled = _without_slivers(facets, ends, sides)
+    sides, split = _match_open_sides(geometry, ends, sides)
+    ends, sides, doubled = _bridge_slivers(facets, ends, sides)
     part = geometry.vertex_part[ends[:, 0]]
-    both = ends.T.reshape(-1)
-    at = np.argsort(both, kind="stable")
+    end_vertices = ends.T.reshape(-1)
+    by_vertex = np.argsort(end_vertices, kind="stable")
     return Edges(
         start=np.searchsorted(part, np.arange(len(geometry.mass) + 1)),
         ends_of=ends,
         facet=sides,
-        ray_start=np.searchsorted(both[at], np.arange(len(geometry.vertices) + 1)),
-        ray_edge=at % max(1, len(ends)),
+        ray_start=np.searchsorted(end_vertices[by_vertex], np.arange(len(geometry.vertices) + 1)),
+        ray_edge=by_vertex % max(1, len(ends)),
         doubled=doubled or split,
     )
 
 
-OPEN = 4000
-"""Up to this many edges of a part with a facet on one side only are matched."""
+MOST_OPEN_EDGES = 4000
+"""Parts with more one-sided edges than this are not matched (quadratic time)."""
 
 
-def _across_open(geometry: Geometry, ends: Index, sides: Index) -> tuple[Index, bool]:
-    """Sides of edges that vertices of the neighbours split: the facet of the piece opposite."""
-    lonely = np.flatnonzero((sides < 0).any(axis=1))
-    if not len(lonely):
+def _match_open_sides(geometry: Geometry, ends: Index, sides: Index) -> tuple[Index, bool]:
+    """Complete one-sided edges by the facet of the piece on their other side.
+
+    A vertex of the neighbour splits the common edge, so that its pieces have different ends. Also
+    returns whether any edge was one-sided.
+    """
+    one_sided = np.flatnonzero((sides < 0).any(axis=1))
+    if not len(one_sided):
         return sides, False
     sides = sides.copy()
-    part = geometry.vertex_part[ends[lonely, 0]]
-    known = sides[lonely].max(axis=1)
+    part = geometry.vertex_part[ends[one_sided, 0]]
+    facet_of = sides[one_sided].max(axis=1)
     for k in np.unique(part).tolist():
-        mine = lonely[part == k]
-        if len(mine) > OPEN:
+        edges_of_part = one_sided[part == k]
+        if len(edges_of_part) > MOST_OPEN_EDGES:
             continue
-        start, end = geometry.vertices[ends[mine]].transpose(1, 0, 2)
+        start, end = geometry.vertices[ends[edges_of_part]].transpose(1, 0, 2)
         length = np.linalg.norm(end - start, axis=1)
         along = unit_rows(end - start)
-        for row, edge in enumerate(mine.tolist()):
-            away = (start[row] + end[row]) / 2 - start
-            at = np.einsum("ij,ij->i", away, along)
-            off = np.linalg.norm(away - at[:, None] * along, axis=1)
-            near = (off <= VERTEX_ON_EDGE * geometry.size[k]) & (at >= 0) & (at <= length)
-            # the longer of the two holds the middle of the shorter
-            away = (start + end) / 2 - start[row]
-            at = away @ along[row]
-            off = np.linalg.norm(away - np.outer(at, along[row]), axis=1)
-            near |= (off <= VERTEX_ON_EDGE * geometry.size[k]) & (at >= 0) & (at <= length[row])
-            own = sides[edge].max()
-            other = np.setdiff1d(known[part == k][near], [own])
-            if len(other):
-                sides[edge, int(np.argmin(sides[edge]))] = other[0]
+        for row, edge in enumerate(edges_of_part.tolist()):
+            offset = (start[row] + end[row]) / 2 - start
+            along_axis = np.einsum("ij,ij->i", offset, along)
+            distance = np.linalg.norm(offset - along_axis[:, None] * along, axis=1)
+            near = (
+                (distance <= VERTEX_ON_EDGE * geometry.size[k])
+                & (along_axis >= 0)
+                & (along_axis <= length)
+            )
+            # the longer edge contains the middle of the shorter: test both ways
+            offset = (start + end) / 2 - start[row]
+            along_axis = offset @ along[row]
+            distance = np.linalg.norm(offset - np.outer(along_axis, along[row]), axis=1)
+            near |= (
+                (distance <= VERTEX_ON_EDGE * geometry.size[k])
+                & (along_axis >= 0)
+                & (along_axis <= length[row])
+            )
+            own_facet = sides[edge].max()
+            opposite = np.setdiff1d(facet_of[part == k][near], [own_facet])
+            if len(opposite):
+                sides[edge, int(np.argmin(sides[edge]))] = opposite[0]
     return sides, True
 
 
-def _without_slivers(facets: Facets, ends: Index, sides: Index) -> tuple[Index, Index, bool]:
-    """Edges with the facets beyond slivers (of no direction) in place of these."""
+def _bridge_slivers(facets: Facets, ends: Index, sides: Index) -> tuple[Index, Index, bool]:
+    """Edges whose sides are the facets beyond slivers, in place of slivers without a normal.
+
+    Edges inside a sliver are dropped; also returns whether there is any sliver.
+    """
     sliver = np.linalg.norm(facets.normal, axis=1) < 0.5
-    touched = sliver[sides] & (sides >= 0)
-    if not touched.any():
+    at_sliver = sliver[sides] & (sides >= 0)
+    if not at_sliver.any():
         return ends, sides, False
-    inner = touched.all(axis=1)
-    label = connected(len(sliver), *sides[inner].T)
+    inside_sliver = at_sliver.all(axis=1)
+    label = connected(len(sliver), *sides[inside_sliver].T)
     beyond: dict[int, set[int]] = {}
-    rim = np.flatnonzero(touched.any(axis=1) & ~inner)
+    rim = np.flatnonzero(at_sliver.any(axis=1) & ~inside_sliver)
     for row in rim:
-        side = int(touched[row, 1])
+        side = int(at_sliver[row, 1])
         beyond.setdefault(int(label[sides[row, side]]), set()).add(int(sides[row, 1 - side]))
     sides = sides.copy()
     for row in rim:
-        side = int(touched[row, 1])
-        own = int(sides[row, 1 - side])
-        others = sorted(beyond[int(label[sides[row, side]])] - {own, -1})
-        sides[row, side] = others[0] if others else own
-    keep = ~inner & (sides[:, 0] != sides[:, 1])
+        side = int(at_sliver[row, 1])
+        own_facet = int(sides[row, 1 - side])
+        opposite = sorted(beyond[int(label[sides[row, side]])] - {own_facet, -1})
+        sides[row, side] = opposite[0] if opposite else own_facet
+    keep = ~inside_sliver & (sides[:, 0] != sides[:, 1])
     return ends[keep], sides[keep], True
 
 
 def _boundary(facets: Facets, which: Index) -> tuple[Index, Index, Index]:
-    """Directed edges around the facets: start, end, facet; the facet lies left of them."""
+    """Directed edges around facets: start, end, facet; the facet lies to the left."""
     length = np.diff(facets.corner_start)[which]
     place, k = counted(length)
     owner = which[place]
@@ -237,19 +252,19 @@ def _boundary(facets: Facets, which: Index) -> tuple[Index, Index, Index]:
     step = np.where(facets.convex[owner], np.repeat(length, length), 3)
     following = row + np.where((k + 1) % step == 0, 1 - step, 1)
     begin, end = facets.corners[row], facets.corners[following]
-    loose = ~facets.convex[owner]
-    if loose.any():  # edges between triangles of one facet are no edges of the part
+    by_triangles = ~facets.convex[owner]
+    if by_triangles.any():  # sides between triangles of the same facet are not edges of the part
         _, local = np.unique(owner, return_inverse=True)
-        names, ends = np.unique(np.concatenate([begin, end]), return_inverse=True)
-        big = len(names)
+        vertices, ends = np.unique(np.concatenate([begin, end]), return_inverse=True)
+        stride = len(vertices)
         p, q = ends[: len(begin)], ends[len(begin) :]
-        inner = np.isin((local * big + p) * big + q, (local * big + q) * big + p)
-        begin, end, owner = begin[~inner], end[~inner], owner[~inner]
+        is_shared = np.isin((local * stride + p) * stride + q, (local * stride + q) * stride + p)
+        begin, end, owner = begin[~is_shared], end[~is_shared], owner[~is_shared]
     return begin, end, owner
 
 
 def segment_distance(p1: Array, q1: Array, p2: Array, q2: Array) -> tuple[Array, Array, Array]:
-    """Distance (n,) of segments that are not parallel, and the nearest points (n, 3) of both.
+    """Distance of segments that are not parallel, shape (n,), and the nearest points of both.
 
     Examples
     --------
@@ -260,13 +275,14 @@ def segment_distance(p1: Array, q1: Array, p2: Array, q2: Array) -> tuple[Array,
     d1, d2, r = q1 - p1, q2 - p2, p1 - p2
     a, e, b = (np.einsum("ij,ij->i", x, y) for x, y in ((d1, d1), (d2, d2), (d1, d2)))
     a, e = np.maximum(a, TINY), np.maximum(e, TINY)
-    across = cross(d1, d2)  # a e - b b, without its cancellation
-    bottom = np.maximum(np.einsum("ij,ij->i", across, across), TINY)
+    across = cross(d1, d2)  # its square is a e - b b, without cancellation
+    determinant = np.maximum(np.einsum("ij,ij->i", across, across), TINY)
     s = t = np.zeros(len(a))
-    for _ in range(3):  # from where the last step led: nearly parallel lines lose digits
+    for _ in range(3):  # iterative refinement: nearly parallel lines lose digits
         gap = r + s[:, None] * d1 - t[:, None] * d2
         c, f = np.einsum("ij,ij->i", d1, gap), np.einsum("ij,ij->i", d2, gap)
-        s, t = s + (b * f - c * e) / bottom, t + (a * f - b * c) / bottom
+        s, t = s + (b * f - c * e) / determinant, t + (a * f - b * c) / determinant
+    # the lines may meet outside the segments: clamp s, then t, then s again (Ericson, 5.1.9)
     s = np.clip(s, 0, 1)
     c, f = np.einsum("ij,ij->i", d1, r), np.einsum("ij,ij->i", d2, r)
     t_far = (b * s + f) / e

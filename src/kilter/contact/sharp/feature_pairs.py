@@ -1,13 +1,13 @@
-"""Where corners and edges of two parts meet, whatever may come of it there.
+"""Points at which corners and edges of two parts meet features of the other part.
 
-The corners of an area of contact are corners of one part on the other, and crossings of
-edges; for rigid parts no other point is needed (the paper, section 2.1). A corner that
-comes within tolerance of a corner is no longer asked about edges, one on an edge no longer
-about facets, and a crossing lies inside both of its edges: each point is found once.
+The corners of an area of contact are corners of one part on the other, and crossings of edges; for
+rigid parts no other point is needed (the paper, section 2.1). A corner within tolerance of a corner
+is not compared with edges, a corner on an edge is not compared with facets, and a crossing lies
+inside both of its edges: each point is found once.
 
-An edge that comes within tolerance of a facet, and is tilted by less than the angle that
-counts as flat, lies on it with all its length there, as a face on a face does: the ends of
-that length are given although they are further apart.
+An edge within tolerance of a facet that is tilted by less than the angle that counts as flat lies
+on the facet with its whole length there, as a face on a face does: both ends of that length are
+returned, although their gap is larger.
 """
 
 from __future__ import annotations
@@ -34,14 +34,15 @@ __all__ = [
 ]
 
 _Side = tuple[Index, Index]
+"""Features of one side of the pairs: rows in the block, and features."""
 
 FACE, EDGE, CORNER = 0, 1, 2
-"""Kinds of feature."""
+"""Kinds of features of a part."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Meetings(Rows):
-    """Points where features of two parts come within tolerance.
+    """Points at which features of two parts come within tolerance.
 
     Attributes
     ----------
@@ -50,7 +51,7 @@ class Meetings(Rows):
     kind, feature : ndarray of int, shape (n, 2)
         FACE, EDGE or CORNER of part a and of part b, and its row.
     at : ndarray, shape (n, 2, 3)
-        The point on a and the one on b.
+        Nearest points on a and on b [length unit].
     """
 
     pair: Index
@@ -60,17 +61,18 @@ class Meetings(Rows):
 
     @property
     def middle(self) -> Array:
-        """Half-way between the two points, shape (n, 3)."""
+        """Points half-way between both parts, shape (n, 3)."""
         half: Array = self.at.mean(axis=1)
         return half
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PairBlock:
-    """Some of the pairs (a, b) of a search, and the box in which the parts of each may meet.
+    """A subset of the pairs (a, b) of a search, and the box in which each pair may meet.
 
-    `edges`: of all their parts; `rows`: of the pairs, shape (n,); `tolerance`: shape (n,);
-    `low`, `high`: shape (n, 3), in the frame of the boxes.
+    `edges` are the edges of all their parts, `rows` the rows of the pairs, shape (n,), `tolerance`
+    the largest gaps, shape (n,), and `low`, `high`, shape (n, 3), the boxes in the frame of the
+    part boxes.
     """
 
     search: ContactSearch
@@ -82,24 +84,24 @@ class PairBlock:
 
     @property
     def geometry(self) -> Geometry:
-        """Of all parts."""
+        """Geometry of all parts."""
         return self.search.geometry
 
     @property
     def facets(self) -> Facets:
-        """Of all parts."""
+        """Facets of all parts."""
         return self.search.facets
 
     @property
     def boxes(self) -> Boxes:
-        """Of all parts and facets."""
+        """Boxes of all parts and facets."""
         return self.search.boxes
 
     def facets_near(self, part: Index) -> _Side:
         """Flat facets of ``part[k]`` in box k: pairs (k, facet)."""
         owner, facet = facets_in(self.facets, self.boxes, part, self.low, self.high)
         flat = ~self.facets.curved[facet]
-        flat &= (self.facets.normal[facet] != 0).any(axis=1)  # a sliver has no direction
+        flat &= (self.facets.normal[facet] != 0).any(axis=1)  # a sliver has no normal
         return owner[flat], facet[flat]
 
     def edges_near(self, part: Index) -> _Side:
@@ -125,26 +127,29 @@ class PairBlock:
 
 
 def meetings(block: PairBlock) -> list[Meetings]:
-    """Where corners and edges of the pairs of a block meet."""
+    """Points at which corners and edges of the pairs of a block meet."""
     edges = block.edges
     a, b = block.search.pairs[block.rows].T
     near = block.edges_near(a), block.edges_near(b)
     corners = [block.corners_near(near[0]), block.corners_near(near[1])]
-    around = [edges.boxes(block.boxes, edge) for _, edge in near]
-    found, free = _corners_on_corners(block, corners[0], corners[1])
+    edge_boxes = [edges.boxes(block.boxes, edge) for _, edge in near]
+    blocks, free = _corners_on_corners(block, corners[0], corners[1])
     facets = [block.facets_near(b), block.facets_near(a)]
     for side in (0, 1):
-        found += _edges_along_facets(block, near[side], around[side], facets[side], side)
-        mine = tuple(rows[free[side]] for rows in corners[side])
-        there, loose = _corners_on_edges(block, mine, near[1 - side], around[1 - side], side)
-        mine = tuple(rows[loose] for rows in mine)
-        found += there + _corners_on_facets(block, mine, facets[side], side)
-    return found + _crossings(block, near, around)
+        blocks += _edges_along_facets(block, near[side], edge_boxes[side], facets[side], side)
+        own_corners = tuple(rows[free[side]] for rows in corners[side])
+        on_edges, still_free = _corners_on_edges(
+            block, own_corners, near[1 - side], edge_boxes[1 - side], side
+        )
+        own_corners = tuple(rows[still_free] for rows in own_corners)
+        blocks += on_edges + _corners_on_facets(block, own_corners, facets[side], side)
+    return blocks + _crossings(block, near, edge_boxes)
 
 
-def _made(
+def _make_meetings(
     block: PairBlock, pair: Index, kinds: tuple[int, ...], features: list[Index], at: list[Array]
 ) -> Meetings:
+    """Meetings of features of given kinds; `pair` is the row in the block."""
     kind = np.tile(np.array(kinds), (len(pair), 1))
     return Meetings(block.rows[pair], kind, np.column_stack(features), np.stack(at, axis=1))
 
@@ -152,10 +157,10 @@ def _made(
 def _corners_on_corners(
     block: PairBlock, corners_a: _Side, corners_b: _Side
 ) -> tuple[list[Meetings], list[Mask]]:
-    """Corners on corners, and which corners of a and of b meet none."""
+    """Meetings of corners, and masks of the corners of a and of b that meet none."""
     at_a, at_b = block.turned(corners_a[1]), block.turned(corners_b[1])
     free = [np.ones(len(at_a), dtype=bool), np.ones(len(at_b), dtype=bool)]
-    found = []
+    blocks = []
     vertices = block.geometry.vertices
     for pair, x, y in joins(
         corners_a[0], (at_a, at_a), corners_b[0], (at_b, at_b), block.tolerance
@@ -164,24 +169,26 @@ def _corners_on_corners(
         pair, x, y = pair[near], x[near], y[near]
         free[0][x] = free[1][y] = False
         v, w = corners_a[1][x], corners_b[1][y]
-        found.append(_made(block, pair, (CORNER, CORNER), [v, w], [vertices[v], vertices[w]]))
-    return found, free
+        blocks.append(
+            _make_meetings(block, pair, (CORNER, CORNER), [v, w], [vertices[v], vertices[w]])
+        )
+    return blocks, free
 
 
 def _corners_on_edges(
     block: PairBlock,
     corners: tuple[Index, ...],
     near: _Side,
-    around: tuple[Array, Array],
+    edge_boxes: tuple[Array, Array],
     side: int,
 ) -> tuple[list[Meetings], Mask]:
-    """Corners of one part (`side` 0: of a) on edges of the other, and which are on none."""
+    """Corners of one part (`side` 0: a) on edges of the other, and a mask of the free corners."""
     owner, corner = corners
-    turn = 1 if side == 0 else -1
+    order = 1 if side == 0 else -1
     at = block.turned(corner)
     free = np.ones(len(at), dtype=bool)
-    found = []
-    for pair, x, y in joins(owner, (at, at), near[0], around, block.tolerance):
+    blocks = []
+    for pair, x, y in joins(owner, (at, at), near[0], edge_boxes, block.tolerance):
         v, edge = corner[x], near[1][y]
         p = block.geometry.vertices[v]
         start, end = block.edges.ends(block.geometry, edge)
@@ -191,67 +198,72 @@ def _corners_on_edges(
         foot = start + t[:, None] * along
         k = np.flatnonzero(np.linalg.norm(p - foot, axis=1) <= block.tolerance[pair])
         free[x[k]] = False
-        features, points = [v[k], edge[k]][::turn], [p[k], foot[k]][::turn]
-        found.append(_made(block, pair[k], (CORNER, EDGE)[::turn], features, points))
-    return found, free
+        features, points = [v[k], edge[k]][::order], [p[k], foot[k]][::order]
+        blocks.append(_make_meetings(block, pair[k], (CORNER, EDGE)[::order], features, points))
+    return blocks, free
 
 
 def _corners_on_facets(
     block: PairBlock, corners: tuple[Index, ...], near_facets: _Side, side: int
 ) -> list[Meetings]:
-    """Corners of one part in facets of the other."""
+    """Meetings of corners of one part (`side` 0: a) with facets of the other."""
     geometry, facets = block.geometry, block.facets
     owner, corner = corners
     if not len(corner):
         return []
-    turn = 1 if side == 0 else -1
-    some = np.zeros(len(block.rows), dtype=bool)
-    some[owner] = True
-    near_facets = near_facets[0][some[near_facets[0]]], near_facets[1][some[near_facets[0]]]
-    piece_owner, piece, piece_facet = _triangles_of(facets, near_facets)
+    order = 1 if side == 0 else -1
+    has_corner = np.zeros(len(block.rows), dtype=bool)
+    has_corner[owner] = True
+    near_facets = (
+        near_facets[0][has_corner[near_facets[0]]],
+        near_facets[1][has_corner[near_facets[0]]],
+    )
+    piece_owner, piece, piece_facet = _facet_triangles(facets, near_facets)
     at = block.turned(corner)
     pieces = block.boxes.turned[facets.corners[piece]]
-    around = pieces.min(axis=1, initial=np.inf), pieces.max(axis=1, initial=-np.inf)
-    found = []
-    for pair, x, y in joins(owner, (at, at), piece_owner, around, block.tolerance):
+    piece_boxes = pieces.min(axis=1, initial=np.inf), pieces.max(axis=1, initial=-np.inf)
+    blocks = []
+    for pair, x, y in joins(owner, (at, at), piece_owner, piece_boxes, block.tolerance):
         v, facet = corner[x], piece_facet[y]
         p, normal = geometry.vertices[v], facets.normal[facet]
-        off = np.einsum("ij,ij->i", p - facets.origin[facet], normal)
-        k = np.flatnonzero(np.abs(off) <= block.tolerance[pair])
-        foot = p[k] - off[k, None] * normal[k]
+        height = np.einsum("ij,ij->i", p - facets.origin[facet], normal)
+        k = np.flatnonzero(np.abs(height) <= block.tolerance[pair])
+        foot = p[k] - height[k, None] * normal[k]
         triangle = geometry.vertices[facets.corners[piece[y[k]]]]
         inside = _in_triangle(foot, triangle, normal[k], block.tolerance[pair[k]])
         k, foot = k[inside], foot[inside]
+        # a corner over an inner edge of the facet lies in two of its triangles
         names = np.column_stack([pair[k], v[k], facet[k]])
         once = np.unique(names, axis=0, return_index=True)[1]
         k, foot = k[once], foot[once]
-        features, points = [v[k], facet[k]][::turn], [p[k], foot][::turn]
-        found.append(_made(block, pair[k], (CORNER, FACE)[::turn], features, points))
-    return found
+        features, points = [v[k], facet[k]][::order], [p[k], foot][::order]
+        blocks.append(_make_meetings(block, pair[k], (CORNER, FACE)[::order], features, points))
+    return blocks
 
 
 def _edges_along_facets(
-    block: PairBlock, near: _Side, around: tuple[Array, Array], near_facets: _Side, side: int
+    block: PairBlock, near: _Side, edge_boxes: tuple[Array, Array], near_facets: _Side, side: int
 ) -> list[Meetings]:
     """Both ends of slightly tilted edges of one part over facets of the other."""
     geometry, facets, boxes = block.geometry, block.facets, block.boxes
-    there = boxes.facet_low[near_facets[1]], boxes.facet_high[near_facets[1]]
-    turn = 1 if side == 0 else -1
-    found = []
-    for pair, x, y in joins(near[0], around, near_facets[0], there, block.tolerance):
+    facet_boxes = boxes.facet_low[near_facets[1]], boxes.facet_high[near_facets[1]]
+    order = 1 if side == 0 else -1
+    blocks = []
+    for pair, x, y in joins(near[0], edge_boxes, near_facets[0], facet_boxes, block.tolerance):
         edge, facet = near[1][x], near_facets[1][y]
         start, end = block.edges.ends(geometry, edge)
         normal, origin = facets.normal[facet], facets.origin[facet]
-        off = [np.einsum("ij,ij->i", p - origin, normal) for p in (start, end)]
-        far = np.maximum(np.abs(off[0]), np.abs(off[1])) > block.tolerance[pair]
-        k = np.flatnonzero(far & _touch(off, block.tolerance[pair]))
+        heights = [np.einsum("ij,ij->i", p - origin, normal) for p in (start, end)]
+        # with both ends within tolerance the edge is found by its corners
+        far = np.maximum(np.abs(heights[0]), np.abs(heights[1])) > block.tolerance[pair]
+        k = np.flatnonzero(far & _comes_within(heights, block.tolerance[pair]))
         length = np.linalg.norm((end - start)[k], axis=1)
-        flat = np.abs(off[1][k] - off[0][k]) <= EDGE_NEARLY_PARALLEL * length
+        flat = np.abs(heights[1][k] - heights[0][k]) <= EDGE_NEARLY_PARALLEL * length
         k, length = k[flat], length[flat]
-        low, high = _over(facets, geometry, start[k], end[k], facet[k])
-        ends = [off[0][k] + t * (off[1] - off[0])[k] for t in (low, high)]
+        low, high = _interval_over_facets(facets, geometry, start[k], end[k], facet[k])
+        ends = [heights[0][k] + t * (heights[1] - heights[0])[k] for t in (low, high)]
         keep = (high - low) * length > 4 * block.tolerance[pair[k]]
-        keep &= _touch(ends, block.tolerance[pair[k]])
+        keep &= _comes_within(ends, block.tolerance[pair[k]])
         keep[keep] = ~_beside_rim(
             block, edge[k[keep]], facet[k[keep]], block.tolerance[pair][k][keep]
         )
@@ -259,22 +271,23 @@ def _edges_along_facets(
             j = k[keep]
             p = start[j] + t[keep, None] * (end - start)[j]
             foot = p - gap[keep, None] * normal[j]
-            features, points = [edge[j], facet[j]][::turn], [p, foot][::turn]
-            found.append(_made(block, pair[j], (EDGE, FACE)[::turn], features, points))
-    return found
+            features, points = [edge[j], facet[j]][::order], [p, foot][::order]
+            blocks.append(_make_meetings(block, pair[j], (EDGE, FACE)[::order], features, points))
+    return blocks
 
 
 def _beside_rim(block: PairBlock, edge: Index, facet: Index, tolerance: Array) -> Mask:
-    """Whether edges run along an edge of their facet: they may lie on either side of it."""
+    """Whether edges run along an edge of their facet; they may then lie beside the facet."""
     geometry, edges = block.geometry, block.edges
     owner, rim = ragged(edges.start, block.facets.part[facet])
-    mine = (edges.facet[rim] == facet[owner][:, None]).any(axis=1)
-    owner, rim = owner[mine], rim[mine]
+    of_facet = (edges.facet[rim] == facet[owner][:, None]).any(axis=1)
+    owner, rim = owner[of_facet], rim[of_facet]
     first, second = edges.direction(geometry, edge[owner]), edges.direction(geometry, rim)
     along = np.linalg.norm(cross(first, second), axis=1) < EDGE_NEARLY_PARALLEL
     owner, rim = owner[along], rim[along]
     ends = [*edges.ends(geometry, edge[owner]), *edges.ends(geometry, rim)]
     distance = segment_distance(*ends)[0]
+    # parallel segments: the distances of the ends decide
     for p, start, end in ((0, 2, 3), (1, 2, 3), (2, 0, 1), (3, 0, 1)):
         reach = ends[end] - ends[start]
         square = np.einsum("ij,ij->i", reach, reach)
@@ -286,44 +299,46 @@ def _beside_rim(block: PairBlock, edge: Index, facet: Index, tolerance: Array) -
     return beside
 
 
-def _touch(gaps: list[Array], tolerance: Array) -> Mask:
-    """Whether gaps that change from one end to the other come within tolerance."""
+def _comes_within(gaps: list[Array], tolerance: Array) -> Mask:
+    """Whether gaps that change linearly between two ends come within tolerance."""
     near: Mask = np.minimum(*gaps) <= tolerance
     near &= np.maximum(*gaps) >= -tolerance
     return near
 
 
-def _over(
+def _interval_over_facets(
     facets: Facets, geometry: Geometry, start: Array, end: Array, facet: Index
 ) -> tuple[Array, Array]:
-    """Where along segments, 0 to 1, they begin and cease to lie over their facets."""
-    row, piece, _ = _triangles_of(facets, (np.arange(len(facet)), facet))
+    """Begin and end, 0 to 1, of the interval of segments over their facets."""
+    row, piece, _ = _facet_triangles(facets, (np.arange(len(facet)), facet))
     triangle = geometry.vertices[facets.corners[piece]]
-    low, high = _within(start[row], end[row], triangle, facets.normal[facet[row]])
-    some = low < high
+    low, high = _interval_over_triangle(start[row], end[row], triangle, facets.normal[facet[row]])
+    is_over = low < high
     least, most = np.ones(len(facet)), np.zeros(len(facet))
-    np.minimum.at(least, row[some], low[some])
-    np.maximum.at(most, row[some], high[some])
+    np.minimum.at(least, row[is_over], low[is_over])
+    np.maximum.at(most, row[is_over], high[is_over])
     return least, most
 
 
-def _within(start: Array, end: Array, triangle: Array, normal: Array) -> tuple[Array, Array]:
-    """Where along segments, 0 to 1, they lie over a triangle; nowhere: least above most."""
+def _interval_over_triangle(
+    start: Array, end: Array, triangle: Array, normal: Array
+) -> tuple[Array, Array]:
+    """Begin and end, 0 to 1, of the interval of segments over a triangle; empty: begin > end."""
     low, high = np.zeros(len(start)), np.ones(len(start))
     for k in range(3):
         corner = triangle[:, k]
         inwards = cross(normal, triangle[:, (k + 1) % 3] - corner)
-        here, there = (np.einsum("ij,ij->i", p - corner, inwards) for p in (start, end))
+        side_start, side_end = (np.einsum("ij,ij->i", p - corner, inwards) for p in (start, end))
         with np.errstate(divide="ignore", invalid="ignore"):
-            at = here / (here - there)
-        low = np.where((here < 0) & (there >= 0), np.maximum(low, at), low)
-        high = np.where((here >= 0) & (there < 0), np.minimum(high, at), high)
-        high = np.where((here < 0) & (there < 0), -1.0, high)
+            crossing = side_start / (side_start - side_end)
+        low = np.where((side_start < 0) & (side_end >= 0), np.maximum(low, crossing), low)
+        high = np.where((side_start >= 0) & (side_end < 0), np.minimum(high, crossing), high)
+        high = np.where((side_start < 0) & (side_end < 0), -1.0, high)
     return low, high
 
 
-def _triangles_of(facets: Facets, near: _Side) -> tuple[Index, Index, Index]:
-    """Triangles, by position of their corners, of the near facets: (k, corners (n, 3), facet)."""
+def _facet_triangles(facets: Facets, near: _Side) -> tuple[Index, Index, Index]:
+    """Triangles of the near facets: (row k, positions of the corners (n, 3), facet)."""
     owner, facet = near
     fan = facets.convex[facet]
     length = np.diff(facets.corner_start)[facet]
@@ -338,7 +353,7 @@ def _triangles_of(facets: Facets, near: _Side) -> tuple[Index, Index, Index]:
 
 
 def _in_triangle(p: Array, triangle: Array, normal: Array, tolerance: Array) -> Mask:
-    """Points of the plane within `tolerance` of the triangle."""
+    """Points, in the planes of the triangles, that lie within `tolerance` of them."""
     inside = np.ones(len(p), dtype=bool)
     for k in range(3):
         start = triangle[:, k]
@@ -350,12 +365,12 @@ def _in_triangle(p: Array, triangle: Array, normal: Array, tolerance: Array) -> 
 
 
 def _crossings(
-    block: PairBlock, near: tuple[_Side, _Side], around: list[tuple[Array, Array]]
+    block: PairBlock, near: tuple[_Side, _Side], edge_boxes: list[tuple[Array, Array]]
 ) -> list[Meetings]:
-    """Edges of a that cross edges of b inside of both, or nearly run along them."""
+    """Meetings of edges of a and b that cross inside both, or nearly run along each other."""
     geometry, edges = block.geometry, block.edges
-    found = []
-    for pair, x, y in joins(near[0][0], around[0], near[1][0], around[1], block.tolerance):
+    blocks = []
+    for pair, x, y in joins(near[0][0], edge_boxes[0], near[1][0], edge_boxes[1], block.tolerance):
         e, f = near[0][1][x], near[1][1][y]
         p, q = edges.ends(geometry, e)
         r, s = edges.ends(geometry, f)
@@ -365,8 +380,8 @@ def _crossings(
         size = np.linalg.norm(across, axis=1)
         sine = ratio(size, length1 * length2)
         k = np.flatnonzero(sine > EDGE_PARALLEL)
-        unit = across[k] / size[k, None]
-        gap = np.einsum("ij,ij->i", (r - p)[k], unit)
+        normal = across[k] / size[k, None]
+        gap = np.einsum("ij,ij->i", (r - p)[k], normal)
         keep = (np.abs(gap) <= block.tolerance[pair[k]]) | (sine[k] < EDGE_NEARLY_PARALLEL)
         k = k[keep]
         distance, first, second = segment_distance(p[k], q[k], r[k], s[k])
@@ -375,5 +390,5 @@ def _crossings(
             for end in ends:
                 keep &= np.linalg.norm(point - end[k], axis=1) > block.tolerance[pair[k]]
         k, first, second = k[keep], first[keep], second[keep]
-        found.append(_made(block, pair[k], (EDGE, EDGE), [e[k], f[k]], [first, second]))
-    return found
+        blocks.append(_make_meetings(block, pair[k], (EDGE, EDGE), [e[k], f[k]], [first, second]))
+    return blocks

@@ -1,10 +1,10 @@
-"""Cones: what a part looks like from close by, at a face, an edge or a corner of it.
+"""Local cones: the directions from a face, edge or corner that point into its part.
 
-Each is the union of convex pieces, given by directions that span them: one half-space at a
-face; at a convex edge a wedge, at a reflex edge two half-spaces; at a convex corner the
-cone of its edges. Any other corner is cut by the planes of its facets, and the cells inside
-are grown to convex pieces that are as large as these planes allow. All from the directions
-of edges and normals of facets, none from samples of the surface.
+Each cone is a union of convex pieces, given by directions that span them: a half-space at a face; a
+wedge at a convex edge, two half-spaces at a reflex edge; at a convex corner the cone of its edges.
+The neighbourhood of any other corner is cut by the planes of its facets, and the cells inside the
+part are grown to convex pieces that are as large as these planes allow. All cones follow from the
+directions of edges and normals of facets, without samples of the surface.
 """
 
 from __future__ import annotations
@@ -24,17 +24,19 @@ __all__ = ["Cones", "Sectors", "convex_pieces", "find_cones", "inside", "spanned
 
 
 WIDE = -0.8
-"""Facets whose edges at a corner make an angle of a lesser cosine give a direction between."""
+"""If the edges of a facet at a corner make an angle with a lesser cosine, a direction between them
+is added [-]."""
 FLAT = 0.9
-"""Corners whose normals all come so close to their mean (cosine) give a direction inwards."""
+"""If all normals at a corner have a larger cosine with their mean, a direction inwards is added
+[-]."""
 
 ASKEW = 0.381966
-"""Share of the way between two directions: off the planes of symmetry of most parts."""
+"""Fraction of the way between two directions [-]; avoids the planes of symmetry of most parts."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cones:
-    """Cones of n features, as convex pieces.
+    """Local cones of n features, as convex pieces.
 
     Attributes
     ----------
@@ -55,7 +57,7 @@ class Cones:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sectors:
-    """Facets around a corner: outward normals, from one edge left about the normal to the next."""
+    """Facets around a corner: outward normals, and the edges that bound each, anticlockwise."""
 
     normal: Array
     first: Array
@@ -63,13 +65,13 @@ class Sectors:
 
     @property
     def middle(self) -> Array:
-        """The direction half-way, also of sectors wider than a half turn."""
+        """Direction half-way through each sector, also of sectors wider than a half turn."""
         return unit_rows(cross(self.normal, self.first - self.last) + EXACT_ANGLE * self.first)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Rays(Rows):
-    """Directions: `owner` (feature), piece of it."""
+class _PieceRays(Rows):
+    """Directions that span pieces: row of the feature, number of its piece, direction."""
 
     owner: Index
     piece: Index
@@ -79,10 +81,10 @@ class _Rays(Rows):
 def find_cones(
     geometry: Geometry, facets: Facets, edges: Edges, kind: Index, feature: Index
 ) -> Cones:
-    """The cones of features, shape (n,) each: see `Meetings`."""
+    """The local cones of features, given by kind and row, shape (n,) each: see `Meetings`."""
     corner = np.flatnonzero(kind == CORNER)
     rays = edges.rays(geometry, feature[corner])
-    # a corner between two edges is a point of an edge
+    # a corner with two edges lies inside a straight edge
     straight = np.bincount(rays.owner, minlength=len(corner)) == 2
     first = np.searchsorted(rays.owner, np.flatnonzero(straight))
     kind, feature = kind.copy(), feature.copy()
@@ -90,56 +92,61 @@ def find_cones(
     feature[corner[straight]] = rays.edge[first]
     blocks, beside = [], []
     for block, facet in (
-        _faces(facets, np.flatnonzero(kind == FACE), feature),
-        _edges(geometry, facets, edges, np.flatnonzero(kind == EDGE), feature),
-        _corners(geometry, facets, edges, np.flatnonzero(kind == CORNER), feature),
+        _face_cones(facets, np.flatnonzero(kind == FACE), feature),
+        _edge_cones(geometry, facets, edges, np.flatnonzero(kind == EDGE), feature),
+        _corner_cones(geometry, facets, edges, np.flatnonzero(kind == CORNER), feature),
     ):
         blocks.append(block)
         beside.append(facet)
-    return _together(len(kind), blocks, beside)
+    return _pack_cones(len(kind), blocks, beside)
 
 
-def _together(count: int, blocks: list[_Rays], beside: list[Index]) -> Cones:
-    rows = _Rays.join(blocks)
+def _pack_cones(count: int, blocks: list[_PieceRays], beside: list[Index]) -> Cones:
+    """Blocks of directions, and of facets beside features, as the cones of `count` features."""
+    rows = _PieceRays.join(blocks)
     rows = rows.take(np.lexsort((rows.piece, rows.owner)))
     owner, piece, ray = rows.owner, rows.piece, rows.ray
-    fresh = np.ones(len(owner), dtype=bool)
-    fresh[1:] = (np.diff(owner) != 0) | (np.diff(piece) != 0)
+    is_new = np.ones(len(owner), dtype=bool)
+    is_new[1:] = (np.diff(owner) != 0) | (np.diff(piece) != 0)
     facet = np.unique(np.concatenate(beside), axis=0)
     facet = facet[facet[:, 1] >= 0]
     return Cones(
-        start=np.searchsorted(owner[fresh], np.arange(count + 1)),
-        ray_start=np.append(np.flatnonzero(fresh), len(owner)),
+        start=np.searchsorted(owner[is_new], np.arange(count + 1)),
+        ray_start=np.append(np.flatnonzero(is_new), len(owner)),
         rays=ray,
         facet_start=np.searchsorted(facet[:, 0], np.arange(count + 1)),
         facets=facet[:, 1],
     )
 
 
-def _rows(owner: Index, piece: int, directions: list[Array]) -> _Rays:
+def _piece_rays(owner: Index, piece: int, directions: list[Array]) -> _PieceRays:
+    """Rows for piece number `piece` of each owner, from arrays of a direction per owner."""
     count = len(directions)
-    return _Rays(
+    return _PieceRays(
         np.tile(owner, count), np.full(count * len(owner), piece), np.concatenate(directions)
     )
 
 
-def _half_spaces(owner: Index, piece: int, normal: Array, along: Array) -> _Rays:
+def _half_spaces(owner: Index, piece: int, normal: Array, along: Array) -> _PieceRays:
+    """Directions that span half-spaces behind planes; `along` lies in the plane."""
     side = cross(normal, along)
-    return _rows(owner, piece, [along, -along, side, -side, -normal])
+    return _piece_rays(owner, piece, [along, -along, side, -side, -normal])
 
 
-def _faces(facets: Facets, which: Index, feature: Index) -> tuple[_Rays, Index]:
+def _face_cones(facets: Facets, which: Index, feature: Index) -> tuple[_PieceRays, Index]:
+    """Half-spaces at faces, and the facets beside each feature."""
     normal = facets.normal[feature[which]]
     rows = _half_spaces(which, 0, normal, across(normal)[0])
     return rows, np.column_stack([which, feature[which]])
 
 
-def _edges(
+def _edge_cones(
     geometry: Geometry, facets: Facets, edges: Edges, which: Index, feature: Index
-) -> tuple[_Rays, Index]:
+) -> tuple[_PieceRays, Index]:
+    """Wedges at convex edges and two half-spaces at reflex edges, and the facets beside them."""
     sides = edges.facet[feature[which]]
     beside = np.column_stack([np.repeat(which, 2), sides.reshape(-1)])
-    sides = np.where(sides < 0, sides[:, ::-1], sides)  # open there: as if flat
+    sides = np.where(sides < 0, sides[:, ::-1], sides)  # an open edge counts as flat
     left, right = facets.normal[sides].transpose(1, 0, 2)
     along = edges.direction(geometry, feature[which])
     into_left, into_right = cross(left, along), -cross(right, along)
@@ -147,76 +154,83 @@ def _edges(
     inward = unit_rows(into_left + into_right - left - right)
     wedge, notch = np.flatnonzero(~reflex), np.flatnonzero(reflex)
     directions = [x[wedge] for x in (along, -along, into_left, into_right, inward)]
-    blocks = [_rows(which[wedge], 0, directions)]
+    blocks = [_piece_rays(which[wedge], 0, directions)]
     for piece, normal in enumerate((left, right)):
         blocks.append(_half_spaces(which[notch], piece, normal[notch], along[notch]))
-    return _Rays.join(blocks), beside
+    return _PieceRays.join(blocks), beside
 
 
-def _corners(
+def _corner_cones(
     geometry: Geometry, facets: Facets, edges: Edges, which: Index, feature: Index
-) -> tuple[_Rays, Index]:
+) -> tuple[_PieceRays, Index]:
+    """Cones at corners, and the facets beside them.
+
+    Convex corners are computed together, other corners in a loop. An open corner, with a facet
+    missing, gets the cone of its edges.
+    """
     rays = edges.rays(geometry, feature[which])
     beside = np.column_stack([which[rays.owner], rays.left])
     convex = facets.convex_part[geometry.vertex_part[feature[which]]]
     convex |= _bends_outwards(facets, rays, len(which))
-    blocks = [_convex_corners(facets, rays, which, convex)]
+    blocks = [_convex_corner_cones(facets, rays, which, convex)]
     start = np.searchsorted(rays.owner, np.arange(len(which) + 1))
     for k in np.flatnonzero(~convex).tolist():
-        mine = np.arange(start[k], start[k + 1])
-        sectors = _sectors(facets, rays, mine)
-        if len(sectors.normal) < len(mine):  # open there: the hull of its edges
-            pieces = [rays.direction[mine]]
+        corner_rays = np.arange(start[k], start[k + 1])
+        sectors = _sectors_around(facets, rays, corner_rays)
+        if len(sectors.normal) < len(corner_rays):  # open corner: a facet is missing
+            pieces = [rays.direction[corner_rays]]
         else:
             pieces = convex_pieces(sectors)
-        for number, directions in enumerate(pieces):
-            full = np.full(len(directions), which[k])
-            blocks.append(_Rays(full, np.full(len(directions), number), directions))
-    return _Rays.join(blocks), beside
+        for piece, directions in enumerate(pieces):
+            owners = np.full(len(directions), which[k])
+            blocks.append(_PieceRays(owners, np.full(len(directions), piece), directions))
+    return _PieceRays.join(blocks), beside
 
 
 def _bends_outwards(facets: Facets, rays: Rays, count: int) -> Mask:
-    """Corners all of whose edges lie behind all of their facets."""
+    """Corners with all edges behind all of their facets, which are convex."""
     start = np.searchsorted(rays.owner, np.arange(count + 1))
-    one, other = ragged(start, rays.owner)
-    seen = rays.left[one] >= 0
-    one, other = one[seen], other[seen]
-    rise = np.einsum("ij,ij->i", facets.normal[rays.left[one]], rays.direction[other])
+    ray, other_ray = ragged(start, rays.owner)
+    has_facet = rays.left[ray] >= 0
+    ray, other_ray = ray[has_facet], other_ray[has_facet]
+    rise = np.einsum("ij,ij->i", facets.normal[rays.left[ray]], rays.direction[other_ray])
     convex = np.ones(count, dtype=bool)
-    convex[rays.owner[one[rise > CONE_ANGLE]]] = False
+    convex[rays.owner[ray[rise > CONE_ANGLE]]] = False
     return convex
 
 
-def _convex_corners(facets: Facets, rays: Rays, which: Index, convex: Mask) -> _Rays:
-    mine = np.flatnonzero(convex[rays.owner])
-    owner, direction = rays.owner[mine], rays.direction[mine]
-    blocks = [_Rays(which[owner], np.zeros(len(mine), np.int64), direction)]
-    # between edges that nearly run on: the side of a facet that they alone do not span
+def _convex_corner_cones(facets: Facets, rays: Rays, which: Index, convex: Mask) -> _PieceRays:
+    """Cones at convex corners: their edges, and directions that edges alone do not span."""
+    rows = np.flatnonzero(convex[rays.owner])
+    owner, direction = rays.owner[rows], rays.direction[rows]
+    blocks = [_PieceRays(which[owner], np.zeros(len(rows), np.int64), direction)]
+    # two nearly opposite edges do not span the side on which their facet lies: add its middle
     count = len(facets.part) + 1
-    key, wanted = owner * count + rays.left[mine], owner * count + rays.right[mine]
-    order = np.argsort(wanted, kind="stable")
-    if len(mine):
-        at = order[np.minimum(np.searchsorted(wanted[order], key), len(order) - 1)]
-        normal = facets.normal[rays.left[mine]]
-        wide = np.einsum("ij,ij->i", direction, direction[at]) < WIDE
-        wide &= (wanted[at] == key) & (rays.left[mine] >= 0)
-        between = Sectors(normal[wide], direction[wide], direction[at][wide]).middle
-        blocks.append(_Rays(which[owner[wide]], np.zeros(len(between), np.int64), between))
+    key, right_key = owner * count + rays.left[rows], owner * count + rays.right[rows]
+    order = np.argsort(right_key, kind="stable")
+    if len(rows):
+        previous = order[np.minimum(np.searchsorted(right_key[order], key), len(order) - 1)]
+        normal = facets.normal[rays.left[rows]]
+        wide = np.einsum("ij,ij->i", direction, direction[previous]) < WIDE
+        wide &= (right_key[previous] == key) & (rays.left[rows] >= 0)
+        between = Sectors(normal[wide], direction[wide], direction[previous][wide]).middle
+        blocks.append(_PieceRays(which[owner[wide]], np.zeros(len(between), np.int64), between))
+        # at a nearly flat corner the edges do not span the inside: add the reverse of the normal
         total = np.zeros((len(which), 3))
         np.add.at(total, owner, normal)
         mean = unit_rows(total)
         lowest = np.ones(len(which))
         np.minimum.at(lowest, owner, np.einsum("ij,ij->i", normal, mean[owner]))
         flat = np.flatnonzero(convex & (lowest > FLAT))
-        blocks.append(_Rays(which[flat], np.zeros(len(flat), np.int64), -mean[flat]))
-    return _Rays.join(blocks)
+        blocks.append(_PieceRays(which[flat], np.zeros(len(flat), np.int64), -mean[flat]))
+    return _PieceRays.join(blocks)
 
 
-def _sectors(facets: Facets, rays: Rays, mine: Index) -> Sectors:
-    """The facets around one corner, from edge to edge."""
+def _sectors_around(facets: Facets, rays: Rays, corner_rays: Index) -> Sectors:
+    """The sectors of a corner's facets; facets without a unique next edge are left out."""
     normal, first, last = [], [], []
-    for k in mine.tolist():
-        following = [j for j in mine.tolist() if rays.right[j] == rays.left[k] >= 0]
+    for k in corner_rays.tolist():
+        following = [j for j in corner_rays.tolist() if rays.right[j] == rays.left[k] >= 0]
         if len(following) == 1:
             normal.append(facets.normal[rays.left[k]])
             first.append(rays.direction[k])
@@ -224,7 +238,7 @@ def _sectors(facets: Facets, rays: Rays, mine: Index) -> Sectors:
     return Sectors(*(np.array(x).reshape(-1, 3) for x in (normal, first, last)))
 
 
-# corners that are not convex ------------------------------------------------------------
+# non-convex corners -----------------------------------------------------------------------
 
 
 def convex_pieces(sectors: Sectors) -> list[Array]:
@@ -237,44 +251,46 @@ def convex_pieces(sectors: Sectors) -> list[Array]:
     >>> len(convex_pieces(notch))  # all but an octant: three half-spaces
     3
     """
-    planes = _distinct(sectors.normal)
-    samples = _samples(planes)
+    # each cell inside grows by dropping planes, in both orders, while all its cells are inside
+    planes = _distinct_planes(sectors.normal)
+    samples = _cell_samples(planes)
     signs = np.sign(samples @ planes.T)
     signs, first = np.unique(signs, axis=0, return_index=True)
-    held = inside(sectors, samples[first])
-    wanted: dict[tuple[float, ...], Array] = {}
-    for cell in np.flatnonzero(held):
-        for order in (np.arange(len(planes)), np.arange(len(planes))[::-1]):
+    is_inside = inside(sectors, samples[first])
+    pieces: dict[tuple[float, ...], Array] = {}
+    for cell in np.flatnonzero(is_inside):
+        for plane_order in (np.arange(len(planes)), np.arange(len(planes))[::-1]):
             kept = np.ones(len(planes), dtype=bool)
-            for k in order:
+            for k in plane_order:
                 kept[k] = False
                 same = (signs[:, kept] == signs[cell, kept]).all(axis=1)
-                kept[k] = not held[same].all()
+                kept[k] = not is_inside[same].all()
             outward = -signs[cell, kept, None] * planes[kept]
-            wanted[tuple((signs[cell] * kept).tolist())] = outward
-    return [spanned(outward) for outward in wanted.values()]
+            pieces[tuple((signs[cell] * kept).tolist())] = outward
+    return [spanned(outward) for outward in pieces.values()]
 
 
-def _distinct(normals: Array) -> Array:
-    """Normals of different planes, whichever their sense."""
+def _distinct_planes(normals: Array) -> Array:
+    """Normals of different planes; opposite normals count as the same plane."""
     kept: list[Array] = []
     for normal in normals:
-        if all(1 - abs(float(normal @ other)) > 0.5 * CONE_ANGLE**2 for other in kept):
+        if all(1 - abs(float(normal @ kept_normal)) > 0.5 * CONE_ANGLE**2 for kept_normal in kept):
             kept.append(normal)
     return np.array(kept)
 
 
-def _samples(planes: Array) -> Array:
-    """A direction in every cell that the planes cut space into."""
+def _cell_samples(planes: Array) -> Array:
+    """A direction in every cell into which the planes divide space."""
     count = len(planes)
     if count == 1:
         return np.concatenate([planes, -planes])
     i, j = np.triu_indices(count, 1)
     lines = unit_rows(cross(planes[i], planes[j]))
-    found = []
+    samples = []
     for line in np.concatenate([lines, -lines]):
         height = np.abs(planes @ line)
         through = np.flatnonzero(height <= CONE_ANGLE**1.5)
+        # a step off the line that crosses no other plane
         step = 0.3 * height[height > CONE_ANGLE**1.5].min(initial=1.0)
         u, v = across(line)
         traces = cross(planes[through], np.tile(line, (len(through), 1)))
@@ -282,49 +298,51 @@ def _samples(planes: Array) -> Array:
         angle = np.sort(np.concatenate([angle, angle + np.pi]) % (2 * np.pi))
         following = np.append(angle[1:], angle[0] + 2 * np.pi)
         angle = (1 - ASKEW) * angle + ASKEW * following
-        found.append(line + step * (np.outer(np.cos(angle), u) + np.outer(np.sin(angle), v)))
-    return np.concatenate(found)
+        samples.append(line + step * (np.outer(np.cos(angle), u) + np.outer(np.sin(angle), v)))
+    return np.concatenate(samples)
 
 
 def inside(sectors: Sectors, directions: Array) -> Mask:
     """Which directions, shape (n, 3), point into the part.
 
-    Those to which the first facet on a straight way from there to the surface shows its
-    back, by a majority of ways: one that passes through an edge says nothing.
+    A direction points inwards if the first facet on a straight way from it to the surface is
+    crossed from behind. The majority of several ways decides, because a way through an edge is
+    ambiguous.
     """
     targets = unit_rows(unit_rows(sectors.first + ASKEW * sectors.middle) + ASKEW * sectors.middle)
-    votes = [_shows_its_back(sectors, directions, target) for target in targets]
+    votes = [_inside_by_way(sectors, directions, target) for target in targets]
     result: Mask = np.mean(votes, axis=0) > 0.5
     return result
 
 
-def _shows_its_back(sectors: Sectors, directions: Array, target: Array) -> Mask:
-    result = np.zeros(len(directions), dtype=bool)
-    nearest = np.full(len(directions), np.inf)
-    for normal, first, last, half in zip(
+def _inside_by_way(sectors: Sectors, directions: Array, target: Array) -> Mask:
+    """Which directions meet the back of the first facet on the straight way to `target`."""
+    is_inside = np.zeros(len(directions), dtype=bool)
+    first_share = np.full(len(directions), np.inf)
+    for normal, first, last, middle in zip(
         sectors.normal, sectors.first, sectors.last, sectors.middle, strict=True
     ):
-        here, there = directions @ normal, float(target @ normal)
-        if np.abs(there) < EXACT_ANGLE:
-            there = 0.0  # the facet that the way leads to, or one in its plane
-        # beyond 1, and where the way runs along the plane, it does not meet the facet
-        fall = here - there
-        reached = (np.abs(fall) >= np.abs(here)) & (fall != 0)
-        at = np.divide(here, fall, out=np.full(len(here), -1.0), where=reached)
-        x = directions + at[:, None] * (target - directions)
-        met = np.zeros(len(directions), dtype=bool)
-        for one, other in ((first, half), (half, last)):
-            met |= (np.cross(one, x) @ normal >= -EXACT_ANGLE) & (
-                np.cross(x, other) @ normal >= -EXACT_ANGLE
+        height, target_height = directions @ normal, float(target @ normal)
+        if np.abs(target_height) < EXACT_ANGLE:
+            target_height = 0.0  # the target's own facet, or a facet in its plane
+        # a way along the plane, or one that ends before it, does not meet the facet
+        fall = height - target_height
+        reached = (np.abs(fall) >= np.abs(height)) & (fall != 0)
+        share = np.divide(height, fall, out=np.full(len(height), -1.0), where=reached)
+        x = directions + share[:, None] * (target - directions)
+        meets = np.zeros(len(directions), dtype=bool)
+        for begin, end in ((first, middle), (middle, last)):
+            meets |= (np.cross(begin, x) @ normal >= -EXACT_ANGLE) & (
+                np.cross(x, end) @ normal >= -EXACT_ANGLE
             )
-        met &= (at >= 0) & (at <= 1) & (at < nearest)
-        nearest = np.where(met, at, nearest)
-        result = np.where(met, here < 0, result)
-    return result
+        meets &= (share >= 0) & (share <= 1) & (share < first_share)
+        first_share = np.where(meets, share, first_share)
+        is_inside = np.where(meets, height < 0, is_inside)
+    return is_inside
 
 
 def spanned(outward: Array) -> Array:
-    """Directions that span the cone behind planes with these outward normals, shape (n, 3).
+    """Directions that span the cone behind planes with the given outward normals, shape (k, 3).
 
     Examples
     --------
@@ -334,17 +352,18 @@ def spanned(outward: Array) -> Array:
     i, j = np.triu_indices(len(outward), 1)
     lines = cross(outward[i], outward[j])
     lines = unit_rows(lines[np.linalg.norm(lines, axis=1) > EXACT_ANGLE])
-    found = [lines, -lines]
+    blocks = [lines, -lines]
+    # the cone contains a line or a plane: directions across it are needed in addition
     if np.linalg.matrix_rank(outward, tol=EXACT_ANGLE**0.5) < 3:
-        flat = across(outward)[0] if not len(lines) else np.empty((0, 3))
-        side = cross(np.repeat(np.vstack([lines, flat]), len(outward), axis=0),
-                     np.tile(outward, (len(lines) + len(flat), 1)))  # fmt: skip
+        in_plane = across(outward)[0] if not len(lines) else np.empty((0, 3))
+        side = cross(np.repeat(np.vstack([lines, in_plane]), len(outward), axis=0),
+                     np.tile(outward, (len(lines) + len(in_plane), 1)))  # fmt: skip
         side = unit_rows(side)
-        found += [flat, -flat, side, -side, unit_rows(-outward.sum(axis=0))[None]]
-    every = np.concatenate(found)
-    every = every[(every @ outward.T <= EXACT_ANGLE**0.5).all(axis=1)]
+        blocks += [in_plane, -in_plane, side, -side, unit_rows(-outward.sum(axis=0))[None]]
+    candidates = np.concatenate(blocks)
+    candidates = candidates[(candidates @ outward.T <= EXACT_ANGLE**0.5).all(axis=1)]
     kept: list[Array] = []
-    for ray in every:
-        if all(float(np.linalg.norm(ray - other)) > EXACT_ANGLE**0.5 for other in kept):
+    for ray in candidates:
+        if all(float(np.linalg.norm(ray - kept_ray)) > EXACT_ANGLE**0.5 for kept_ray in kept):
             kept.append(ray)
     return np.array(kept).reshape(-1, 3)

@@ -1,8 +1,8 @@
-"""Pairs that nothing connects, but whose corners or edges come nearly to touch.
+"""Near pairs whose corners or edges almost touch, without any recorded contact.
 
-Faces that come near are recorded where they are overlaid; a corner over a face, or an edge beside
-an edge, is not. Asked of pairs alone that have no contact and no near faces, within `LOOSE_GAP` of
-the size of the smaller part.
+Near faces are recorded when facets are intersected; a corner over a face, or an edge beside an
+edge, is not. Only pairs without a contact and without near faces are searched, within `LOOSE_GAP`
+of the size of the smaller part.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from kilter.contact.sharp.feature_pairs import Meetings, PairBlock, meetings
 __all__ = ["near_edges"]
 
 
-def near_edges(search: ContactSearch, silent: Mask) -> list[Rejected]:
-    """The nearest corner or edge of each pair that nothing connects.
+def near_edges(search: ContactSearch, unrecorded: Mask) -> list[Rejected]:
+    """The nearest corner or edge of each unrecorded pair, as a rejected pair.
 
     Parameters
     ----------
     search : ContactSearch
-    silent : ndarray of bool, shape (n,)
-        The pairs of the search without any contact, overlap or near faces.
+    unrecorded : ndarray of bool, shape (n,)
+        Pairs of the search without any contact, overlap or near faces.
     """
     geometry, boxes = search.geometry, search.boxes
     a, b = search.pairs.T
@@ -34,7 +34,7 @@ def near_edges(search: ContactSearch, silent: Mask) -> list[Rejected]:
     grow = limit[:, None]
     meets = (boxes.part_low[a] <= boxes.part_high[b] + grow).all(axis=1)
     meets &= (boxes.part_low[b] <= boxes.part_high[a] + grow).all(axis=1)
-    rows = np.flatnonzero(silent & meets)
+    rows = np.flatnonzero(unrecorded & meets)
     if not len(rows):
         return []
     a, b, grow = a[rows], b[rows], grow[rows]
@@ -42,13 +42,13 @@ def near_edges(search: ContactSearch, silent: Mask) -> list[Rejected]:
     high = np.minimum(boxes.part_high[a], boxes.part_high[b]) + grow
     edges = find_edges(geometry, search.facets, np.unique(search.pairs[rows]))
     block = PairBlock(search, edges, rows, limit[rows], low, high)
-    met = Meetings.join(meetings(block))
-    apart = np.linalg.norm(met.at[:, 1] - met.at[:, 0], axis=1)
+    found_meetings = Meetings.join(meetings(block))
+    apart = np.linalg.norm(found_meetings.at[:, 1] - found_meetings.at[:, 0], axis=1)
     nearest: dict[int, float] = {}
-    for row, gap in zip(met.pair.tolist(), apart.tolist(), strict=True):
+    for row, gap in zip(found_meetings.pair.tolist(), apart.tolist(), strict=True):
         nearest[row] = min(gap, nearest.get(row, gap))
-    found = []
+    rejected = []
     for row, gap in nearest.items():
-        one, other = search.pairs[row].tolist()
-        found.append(Rejected((one, other), gap, 0.0, APART))
-    return found
+        part_a, part_b = search.pairs[row].tolist()
+        rejected.append(Rejected((part_a, part_b), gap, 0.0, APART))
+    return rejected

@@ -1,8 +1,8 @@
-"""Normals of meetings: points of contact with one normal, and points without.
+"""Normals of meetings: contact points with a unique normal, and degenerate points.
 
-A corner in a facet and edges that cross have the normal of the facet, that of both edges.
-Everything else goes by the cones of both parts (`cones`) and the spanning rule (`spanning`).
-Where a facet at the point has the normal found, the facet's own is taken.
+A corner on a facet has the normal of the facet; two edges that cross have the normal of both. All
+other points follow from the local cones of both parts (`local_cones`) and the spanning rule
+(`spanning`). A normal close to that of a facet at the point is replaced by the facet's normal.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ __all__ = ["Clauses", "Pushes", "normals_of"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pushes(Rows):
-    """Points with a normal: row of the meeting, normal from a to b, whose facet has it.
+    """Points with a unique normal: row of the meeting, and normal from a to b.
 
-    `of_facet`: shape (n, 2), of part a, of part b.
+    `of_facet`, shape (n, 2), is True if a facet of part a, or of part b, has the normal.
     """
 
     meeting: Index
@@ -37,15 +37,16 @@ class Pushes(Rows):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Clauses:
-    """Points without one normal: at least one of several is not to be entered.
+    """Degenerate points: a motion must not close the gap along at least one normal of each.
 
     Attributes
     ----------
     meeting : ndarray of int, shape (n,)
+        Row of the meeting.
     start, normal : ndarray, shape (n + 1,) and (m, 3)
         Extreme normals of clause k, from a to b: rows ``start[k]`` to ``start[k + 1]``.
     exact : ndarray of bool, shape (n,)
-        They are the same where the directions are taken at their word.
+        True if the literal directions, without tolerance, give the same normals.
     """
 
     meeting: Index
@@ -54,102 +55,113 @@ class Clauses:
     exact: Mask
 
     def take(self, rows: Index) -> Clauses:
-        """The rows chosen."""
+        """The clauses in the given rows."""
         _, at = ragged(self.start, rows)
         start = starts(np.diff(self.start)[rows])
         return Clauses(self.meeting[rows], start, self.normal[at], self.exact[rows])
 
     @property
     def owner(self) -> Index:
-        """The clause of each normal, shape (m,)."""
+        """Row of the clause that each normal belongs to, shape (m,)."""
         return np.repeat(np.arange(len(self.meeting)), np.diff(self.start))
 
 
 def normals_of(
-    geometry: Geometry, facets: Facets, edges: Edges, met: Meetings, one_place: Mask
+    geometry: Geometry, facets: Facets, edges: Edges, meetings: Meetings, coincident: Mask
 ) -> tuple[Pushes, Clauses]:
-    """Normals of meetings, and clauses of those that have no one normal.
+    """Normals of meetings with a unique normal, and clauses of degenerate meetings.
 
     Parameters
     ----------
-    one_place : ndarray of bool, shape (n,)
-        Whether the two points of each meeting are one but for rounding.
+    geometry : Geometry
+    facets : Facets
+    edges : Edges
+    meetings : Meetings
+    coincident : ndarray of bool, shape (n,)
+        True if the two points of a meeting coincide up to rounding.
     """
-    on_face = (met.kind == FACE).any(axis=1)
-    first, second = (np.where(met.kind[:, k] == EDGE, met.feature[:, k], 0) for k in (0, 1))
-    crossing = np.flatnonzero((met.kind == EDGE).all(axis=1))
+    on_face = (meetings.kind == FACE).any(axis=1)
+    first, second = (
+        np.where(meetings.kind[:, k] == EDGE, meetings.feature[:, k], 0) for k in (0, 1)
+    )
+    crossing = np.flatnonzero((meetings.kind == EDGE).all(axis=1))
     along = [edges.direction(geometry, rows[crossing]) for rows in (first, second)]
     crossing = crossing[np.linalg.norm(cross(*along), axis=1) > EDGE_NEARLY_PARALLEL]
     rest = ~on_face
     rest[crossing] = False
-    row, normal, clauses = _by_cones(geometry, facets, edges, met, np.flatnonzero(rest))
-    clauses = replace(clauses, exact=clauses.exact & one_place[clauses.meeting])
-    found = [
-        _in_facets(geometry, facets, edges, met, np.flatnonzero(on_face)),
-        _of_crossings(geometry, facets, edges, met, crossing),
-        (row, normal),
+    cone_rows, cone_normals, clauses = _cone_normals(
+        geometry, facets, edges, meetings, np.flatnonzero(rest)
+    )
+    clauses = replace(clauses, exact=clauses.exact & coincident[clauses.meeting])
+    blocks = [
+        _facet_normals(geometry, facets, edges, meetings, np.flatnonzero(on_face)),
+        _crossing_normals(geometry, facets, edges, meetings, crossing),
+        (cone_rows, cone_normals),
     ]
-    rows, normals = (np.concatenate([f[k] for f in found]) for k in (0, 1))
-    normals, of_facet = _snapped(facets, edges, met, rows, normals)
+    rows, normals = (np.concatenate([f[k] for f in blocks]) for k in (0, 1))
+    normals, of_facet = _snap_normals(facets, edges, meetings, rows, normals)
     owner = clauses.meeting[clauses.owner]
-    snapped, _ = _snapped(facets, edges, met, owner, clauses.normal)
+    snapped, _ = _snap_normals(facets, edges, meetings, owner, clauses.normal)
     clauses = Clauses(clauses.meeting, clauses.start, snapped, clauses.exact)
     return Pushes(rows, normals, of_facet), clauses
 
 
-def _in_facets(
-    geometry: Geometry, facets: Facets, edges: Edges, met: Meetings, rows: Index
+def _facet_normals(
+    geometry: Geometry, facets: Facets, edges: Edges, meetings: Meetings, rows: Index
 ) -> tuple[Index, Array]:
-    """Corners and edges in facets: accepted if they bend away from the facet there."""
-    side = (met.kind[rows, 1] == FACE).astype(np.int64)
-    normal = facets.normal[met.feature[rows, side]]
-    other = met.feature[rows, 1 - side]
-    fits = np.ones(len(rows), dtype=bool)
-    corner = np.flatnonzero(met.kind[rows, 1 - side] == CORNER)
-    rays = edges.rays(geometry, other[corner])
-    rise = np.einsum("ij,ij->i", rays.direction, normal[corner[rays.owner]])
-    fits[corner[rays.owner[rise < -CONE_ANGLE]]] = False
-    edge = np.flatnonzero(met.kind[rows, 1 - side] == EDGE)
-    fits[edge] = edges.behind(facets, geometry, other[edge], -normal[edge], CONE_ANGLE)
+    """Corners and edges on facets with their normals, if they bend away from the facet."""
+    side = (meetings.kind[rows, 1] == FACE).astype(np.int64)
+    normal = facets.normal[meetings.feature[rows, side]]
+    feature = meetings.feature[rows, 1 - side]
+    is_accepted = np.ones(len(rows), dtype=bool)
+    corner = np.flatnonzero(meetings.kind[rows, 1 - side] == CORNER)
+    corner_rays = edges.rays(geometry, feature[corner])
+    rise = np.einsum("ij,ij->i", corner_rays.direction, normal[corner[corner_rays.owner]])
+    is_accepted[corner[corner_rays.owner[rise < -CONE_ANGLE]]] = False
+    edge = np.flatnonzero(meetings.kind[rows, 1 - side] == EDGE)
+    is_accepted[edge] = edges.behind(facets, geometry, feature[edge], -normal[edge], CONE_ANGLE)
     sign = np.where(side == 0, 1.0, -1.0)[:, None]
-    return rows[fits], (sign * normal)[fits]
+    return rows[is_accepted], (sign * normal)[is_accepted]
 
 
-def _of_crossings(
-    geometry: Geometry, facets: Facets, edges: Edges, met: Meetings, rows: Index
+def _crossing_normals(
+    geometry: Geometry, facets: Facets, edges: Edges, meetings: Meetings, rows: Index
 ) -> tuple[Index, Array]:
-    """Edges that cross: accepted if both are convex and lie on either side of the plane."""
-    e, f = met.feature[rows].T
+    """Crossings of edges with their normals, if convex and on opposite sides of the plane."""
+    e, f = meetings.feature[rows].T
     normal = unit_rows(cross(edges.direction(geometry, e), edges.direction(geometry, f)))
     convex = ~edges.reflex(facets, geometry, e, CONE_ANGLE) & ~edges.reflex(
         facets, geometry, f, CONE_ANGLE
     )
-    found_rows, found = [], []
-    for turn in (1.0, -1.0):
-        fits = convex & edges.behind(facets, geometry, e, turn * normal, CONE_ANGLE)
-        fits &= edges.behind(facets, geometry, f, -turn * normal, CONE_ANGLE)
-        found_rows.append(rows[fits])
-        found.append(turn * normal[fits])
-    return np.concatenate(found_rows), np.concatenate(found)
+    accepted_rows, accepted_normals = [], []
+    for sign in (1.0, -1.0):
+        is_accepted = convex & edges.behind(facets, geometry, e, sign * normal, CONE_ANGLE)
+        is_accepted &= edges.behind(facets, geometry, f, -sign * normal, CONE_ANGLE)
+        accepted_rows.append(rows[is_accepted])
+        accepted_normals.append(sign * normal[is_accepted])
+    return np.concatenate(accepted_rows), np.concatenate(accepted_normals)
 
 
-def _snapped(
-    facets: Facets, edges: Edges, met: Meetings, rows: Index, normals: Array
+def _snap_normals(
+    facets: Facets, edges: Edges, meetings: Meetings, rows: Index, normals: Array
 ) -> tuple[Array, Mask]:
-    """Normals as those of facets at the points where these agree; and whose they are."""
+    """Normals, replaced by the normal of a facet at the point if that is close.
+
+    Also returns whether a facet of part a, and of part b, has the normal, shape (n, 2).
+    """
     of_facet = np.zeros((len(rows), 2), dtype=bool)
     result = normals.copy()
     nearest = np.full(len(rows), NORMAL_SNAP)
     for side, sign in ((0, 1.0), (1, -1.0)):
-        kind, feature = met.kind[rows, side], met.feature[rows, side]
+        kind, feature = meetings.kind[rows, side], meetings.feature[rows, side]
         owner, facet = _facets_at(edges, kind, feature)
-        apart = np.linalg.norm(sign * facets.normal[facet] - normals[owner], axis=1)
-        order = np.lexsort((apart, owner))
+        difference = np.linalg.norm(sign * facets.normal[facet] - normals[owner], axis=1)
+        order = np.lexsort((difference, owner))
         first = order[np.unique(owner[order], return_index=True)[1]]
-        first = first[apart[first] <= NORMAL_SNAP]
+        first = first[difference[first] <= NORMAL_SNAP]
         of_facet[owner[first], side] = True
-        first = first[apart[first] < nearest[owner[first]]]
-        nearest[owner[first]] = apart[first]
+        first = first[difference[first] < nearest[owner[first]]]
+        nearest[owner[first]] = difference[first]
         result[owner[first]] = sign * facets.normal[facet[first]]
     return result, of_facet
 
@@ -161,82 +173,86 @@ def _facets_at(edges: Edges, kind: Index, feature: Index) -> tuple[Index, Index]
     owner, row = ragged(edges.ray_start, feature[corner])
     sides = edges.facet[edges.ray_edge[row]]
     owners = [face, np.repeat(edge, 2), np.repeat(corner[owner], 2)]
-    found = [feature[face], edges.facet[feature[edge]].reshape(-1), sides.reshape(-1)]
-    all_owners, all_found = np.concatenate(owners), np.concatenate(found)
-    real = all_found >= 0
-    return all_owners[real], all_found[real]
+    blocks = [feature[face], edges.facet[feature[edge]].reshape(-1), sides.reshape(-1)]
+    all_owners, all_facets = np.concatenate(owners), np.concatenate(blocks)
+    real = all_facets >= 0
+    return all_owners[real], all_facets[real]
 
 
-def _by_cones(
-    geometry: Geometry, facets: Facets, edges: Edges, met: Meetings, rows: Index
+def _cone_normals(
+    geometry: Geometry, facets: Facets, edges: Edges, meetings: Meetings, rows: Index
 ) -> tuple[Index, Array, Clauses]:
-    """The rows by the cones of both parts: accepted rows with normals, and clauses."""
-    both = np.concatenate([met.kind[rows], met.feature[rows]], axis=1).reshape(-1, 2, 2)
-    names = both.transpose(2, 0, 1).reshape(-1, 2)  # those of a, then those of b
-    big = int(names[:, 1].max(initial=0)) + 1
-    key, which = np.unique(names[:, 0] * big + names[:, 1], return_inverse=True)
-    cones = find_cones(geometry, facets, edges, key // big, key % big)
-    cone_a, cone_b = which[: len(rows)], which[len(rows) :]
-    # every piece of a with every piece of b
+    """Accepted rows with their normals, and clauses, by the local cones of both parts."""
+    both = np.concatenate([meetings.kind[rows], meetings.feature[rows]], axis=1).reshape(-1, 2, 2)
+    features = both.transpose(2, 0, 1).reshape(-1, 2)  # those of a, then those of b
+    stride = int(features[:, 1].max(initial=0)) + 1
+    key, feature_row = np.unique(features[:, 0] * stride + features[:, 1], return_inverse=True)
+    cones = find_cones(geometry, facets, edges, key // stride, key % stride)
+    cone_a, cone_b = feature_row[: len(rows)], feature_row[len(rows) :]
+    # all combinations of the pieces of a and b
     owner_a, piece_a = ragged(cones.start, cone_a)
     again, piece_b = ragged(cones.start, cone_b[owner_a])
     owner, piece_a = owner_a[again], piece_a[again]
     normals, count, exact = _pieces_apart(cones, piece_a, piece_b)
     pieces = np.bincount(owner, minlength=len(rows))
-    plain = pieces[owner] == 1
-    one = np.flatnonzero(plain & (count == 1))
-    several = np.flatnonzero(plain & (count > 1))
-    accepted, found = [owner[one]], [normals[one, 0]]
-    clauses = [(owner[several], count[several], _flat(normals, count, several), exact[several])]
+    has_one_piece = pieces[owner] == 1
+    single = np.flatnonzero(has_one_piece & (count == 1))
+    several = np.flatnonzero(has_one_piece & (count > 1))
+    accepted, accepted_normals = [owner[single]], [normals[single, 0]]
+    clauses = [
+        (owner[several], count[several], _stack_normals(normals, count, several), exact[several])
+    ]
     first = np.searchsorted(owner, np.arange(len(rows) + 1))
     for k in np.flatnonzero(pieces > 1).tolist():
-        span = [j for j in range(int(first[k]), int(first[k + 1])) if count[j]]
+        pairs_of_pieces = [j for j in range(int(first[k]), int(first[k + 1])) if count[j]]
         result = resolve(
             [
                 (_rays(cones, piece_a[j]), _rays(cones, piece_b[j]), normals[j, : count[j]])
-                for j in span
+                for j in pairs_of_pieces
             ]
         )
         accepted.append(np.full(len(result.accepted), k))
-        found.append(result.accepted)
+        accepted_normals.append(result.accepted)
         length = np.array([len(c) for c in result.clauses], dtype=np.int64)
         stacked = np.concatenate([np.empty((0, 3)), *result.clauses])
-        sure = np.full(len(length), bool(exact[span].all()))
-        clauses.append((np.full(len(length), k), length, stacked, sure))
-    at, length, stacked, sure = (np.concatenate([c[i] for c in clauses]) for i in range(4))
+        is_exact = np.full(len(length), bool(exact[pairs_of_pieces].all()))
+        clauses.append((np.full(len(length), k), length, stacked, is_exact))
+    row, length, stacked, is_exact = (np.concatenate([c[i] for c in clauses]) for i in range(4))
     return (
         rows[np.concatenate(accepted)],
-        np.concatenate(found),
-        Clauses(rows[at], starts(length), stacked, sure),
+        np.concatenate(accepted_normals),
+        Clauses(rows[row], starts(length), stacked, is_exact),
     )
 
 
 def _rays(cones: Cones, piece: int) -> Array:
+    """Directions that span a piece."""
     return cones.rays[cones.ray_start[piece] : cones.ray_start[piece + 1]]
 
 
-def _flat(normals: Array, count: Index, rows: Index) -> Array:
+def _stack_normals(normals: Array, count: Index, rows: Index) -> Array:
+    """The first ``count[k]`` normals of each row k, shape (m, 3)."""
     inside = np.arange(normals.shape[1]) < count[rows][:, None]
     stacked: Array = normals[rows][inside]
     return stacked
 
 
 def _pieces_apart(cones: Cones, piece_a: Index, piece_b: Index) -> tuple[Array, Index, Mask]:
-    """`separating` of pairs of pieces, those with equally many directions in one go."""
+    """`separating` for pairs of pieces, in batches with equal numbers of directions."""
     length = np.diff(cones.ray_start)
     key = length[piece_a] * (int(length.max(initial=0)) + 1) + length[piece_b]
     count = np.zeros(len(piece_a), dtype=np.int64)
     exact = np.ones(len(piece_a), dtype=bool)
     normals = np.zeros((len(piece_a), 1, 3))
-    for value in np.unique(key):
-        rows = np.flatnonzero(key == value)
+    for lengths in np.unique(key):
+        rows = np.flatnonzero(key == lengths)
         rays = [
             cones.rays[cones.ray_start[piece][:, None] + np.arange(length[piece[0]])]
             for piece in (piece_a[rows], piece_b[rows])
         ]
-        some, count[rows], exact[rows] = separating(*rays)
-        if some.shape[1] > normals.shape[1]:
-            more = np.zeros((len(normals), some.shape[1] - normals.shape[1], 3))
-            normals = np.concatenate([normals, more], axis=1)
-        normals[rows, : some.shape[1]] = some
+        found_normals, count[rows], exact[rows] = separating(*rays)
+        if found_normals.shape[1] > normals.shape[1]:
+            padding = np.zeros((len(normals), found_normals.shape[1] - normals.shape[1], 3))
+            normals = np.concatenate([normals, padding], axis=1)
+        normals[rows, : found_normals.shape[1]] = found_normals
     return normals, count, exact

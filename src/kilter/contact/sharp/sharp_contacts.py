@@ -1,18 +1,19 @@
-"""Contacts at edges and corners, and contacts that are not modelled: bounded, not guessed.
+"""Contacts at edges and corners, and bounds on contacts that are not modelled.
 
-Where corners and edges of two parts meet (`meetings`), the spanning rule (`spanning`) either
-gives normals, and the point is a contact, or it says that the allowed motions are a union:
-then the point is degenerate, listed as unsupported, and bounded from both sides: without
-it, and with a push along every extreme normal that separates the parts there.
+Corners and edges of two parts meet at points (`feature_pairs`). For each point the spanning rule
+(`spanning`) either gives normals, and the point is a contact, or it finds that the allowed motions
+form a union: then the point is degenerate. A degenerate point is listed as unsupported and bounded
+from both sides: without it, and with a force along every extreme normal that separates the parts
+there.
 
-- A corner in a facet, the two ends of an edge in one: the normal of the facet.
+- A corner on a facet, or the two ends of an edge on a facet: the normal of the facet.
 - Edges that cross: the normal of both.
-- A corner or edge in a notch: one normal a facet.
-- At the rim of a patch: the normal of the patch, which the patch already holds.
-- Beside a curved face nothing is sharp; what touches one without a formula is listed and
+- A corner or edge in a notch: a normal for each facet.
+- At the rim of a patch: the normal of the patch, which the patch already has.
+- Beside a curved face no edge is sharp; contacts there without a formula are listed and
   bounded by `kilter.contact.curved.unmodelled`.
 
-For two convex parts a patch of planar contact is complete: nothing else is looked for.
+For two convex parts a patch of planar contact is complete: no other contact is searched for.
 """
 
 from __future__ import annotations
@@ -46,12 +47,12 @@ __all__ = ["NearContacts", "near_contacts"]
 
 
 PAIRS = 20_000
-"""Pairs looked at in one go, so that their candidates fit in memory."""
+"""Pairs searched at once, so that their candidates fit in memory."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NearContacts:
-    """Contacts at edges and corners; what is not modelled, and the forces it could bring.
+    """Contacts at edges and corners; unmodelled contacts, and their possible forces.
 
     The first rows of `possible` are the normals of `degenerate`, in order.
     """
@@ -63,8 +64,8 @@ class NearContacts:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Near:
-    """What all steps need: the patches that were found, and edges of all parts looked at."""
+class _SharpSearch:
+    """Data of all steps: the patches of the search, and the edges of all parts searched here."""
 
     touching: Touching
     edges: Edges
@@ -83,82 +84,85 @@ class _Near:
 
 
 def near_contacts(touching: Touching, rejected: Iterable[Rejected]) -> NearContacts:
-    """Corner, edge and round contacts of the pairs that patches do not settle.
+    """Corner, edge and round contacts of the pairs that their patches do not determine.
 
-    `rejected`: faces that came near; of their pairs it is known already that they are open.
+    `rejected` are near faces: their pairs are already known to be open.
     """
     search = touching.search
     boxes, convex = search.boxes, search.facets.convex_part
     a, b = search.pairs.T
+    # for convex parts a patch is complete
     settled = convex[a] & convex[b] & touching.has_patch
     reach = _reach(touching, rejected)
-    rows = np.flatnonzero(_meet(boxes, a, b, search.limits.gap) & ~settled)
-    beside = np.flatnonzero(_meet(boxes, a, b, reach) & ~settled)
-    beside = beside[_round_parts(search.geometry)[search.pairs[beside]].any(axis=1)]
+    sharp_rows = np.flatnonzero(_boxes_meet(boxes, a, b, search.limits.gap) & ~settled)
+    round_rows = np.flatnonzero(_boxes_meet(boxes, a, b, reach) & ~settled)
+    round_rows = round_rows[_round_parts(search.geometry)[search.pairs[round_rows]].any(axis=1)]
     patches, degenerate, rounds = Patches.none(), Degenerate.none(), no_round_contacts()
-    either = np.union1d(rows, beside)
-    if len(either):
-        edges = find_edges(search.geometry, search.facets, np.unique(search.pairs[either]))
-        near = _Near(touching, edges)
-        met = _meetings(near, rows, search.limits.gap)
-        met = met.take(np.flatnonzero(~touching.smooth.explains(met.pair, met.middle)))
-        met = met.take(np.flatnonzero(~_beside_curved(near, met)))
-        pushes, clauses = _normals(near, met)
-        every = pushes
-        pushes, clauses = _unexplained(met, pushes, clauses, touching)
-        patches = edge_contacts(search, edges, met, pushes)
-        degenerate = _degenerate(near, met, clauses, every)
-        rounds = _rounds(near, beside, reach)
+    all_rows = np.union1d(sharp_rows, round_rows)
+    if len(all_rows):
+        edges = find_edges(search.geometry, search.facets, np.unique(search.pairs[all_rows]))
+        sharp_search = _SharpSearch(touching, edges)
+        candidates = _meetings(sharp_search, sharp_rows, search.limits.gap)
+        candidates = candidates.take(
+            np.flatnonzero(~touching.smooth.explains(candidates.pair, candidates.middle))
+        )
+        candidates = candidates.take(np.flatnonzero(~_beside_curved(sharp_search, candidates)))
+        pushes, clauses = _normals(sharp_search, candidates)
+        all_pushes = pushes
+        pushes, clauses = _without_explained(candidates, pushes, clauses, touching)
+        patches = edge_contacts(search, edges, candidates, pushes)
+        degenerate = _degenerate_points(sharp_search, candidates, clauses, all_pushes)
+        rounds = _round_contacts(sharp_search, round_rows, reach)
     return NearContacts(
         patches=patches,
         degenerate=degenerate,
-        unsupported=(*_listed(degenerate, search.geometry), *rounds.unsupported),
+        unsupported=(*_unsupported_of(degenerate, search.geometry), *rounds.unsupported),
         possible=PossibleContacts.join([degenerate.pushes(), rounds.possible]),
     )
 
 
-def _meetings(near: _Near, rows: Index, tolerance: Array) -> Meetings:
-    """Where corners and edges of the pairs `rows` meet; `tolerance` of all pairs."""
+def _meetings(near: _SharpSearch, rows: Index, tolerance: Array) -> Meetings:
+    """Meetings of corners and edges of the pairs `rows`; `tolerance` has a value for each pair."""
     search, boxes = near.touching.search, near.touching.search.boxes
-    found: list[Meetings] = []
-    for some in np.array_split(rows, max(1, len(rows) // PAIRS)):
-        a, b = near.pairs[some].T
-        limit = tolerance[some]
+    blocks: list[Meetings] = []
+    for block_rows in np.array_split(rows, max(1, len(rows) // PAIRS)):
+        a, b = near.pairs[block_rows].T
+        limit = tolerance[block_rows]
         low = np.maximum(boxes.part_low[a], boxes.part_low[b]) - limit[:, None]
         high = np.minimum(boxes.part_high[a], boxes.part_high[b]) + limit[:, None]
-        found += meetings(PairBlock(search, near.edges, some, limit, low, high))
-    return Meetings.join(found)
+        blocks += meetings(PairBlock(search, near.edges, block_rows, limit, low, high))
+    return Meetings.join(blocks)
 
 
-def _normals(near: _Near, met: Meetings) -> tuple[Pushes, Clauses]:
+def _normals(near: _SharpSearch, met: Meetings) -> tuple[Pushes, Clauses]:
     """Normals and clauses of meetings."""
     geometry = near.geometry
     parts = near.pairs[met.pair]
-    size, blur = geometry.size[parts].min(axis=1), geometry.accuracy[parts].sum(axis=1)
-    apart = np.linalg.norm(met.at[:, 1] - met.at[:, 0], axis=1)
-    one_place = apart <= MEETS_EXACTLY * size + 8 * blur
-    return normals_of(geometry, near.touching.search.facets, near.edges, met, one_place)
+    size, accuracy = geometry.size[parts].min(axis=1), geometry.accuracy[parts].sum(axis=1)
+    distance = np.linalg.norm(met.at[:, 1] - met.at[:, 0], axis=1)
+    coincident = distance <= MEETS_EXACTLY * size + 8 * accuracy
+    return normals_of(geometry, near.touching.search.facets, near.edges, met, coincident)
 
 
 def _round_parts(geometry: Geometry) -> Mask:
-    """Parts with a curved surface."""
-    found: Mask = np.diff(geometry.surfaces.start) > 0
-    return found
+    """Parts with a curved surface, shape (N,)."""
+    has_surface: Mask = np.diff(geometry.surfaces.start) > 0
+    return has_surface
 
 
-def _beside_curved(near: _Near, met: Meetings) -> Mask:
-    """Meetings beside a curved surface: triangles do not tell what is sharp there."""
+def _beside_curved(near: _SharpSearch, met: Meetings) -> Mask:
+    """Meetings beside a curved surface, whose triangles do not show which edges are sharp."""
     geometry = near.geometry
     parts = near.pairs[met.pair]
     slack = near.gap[met.pair] + 2 * geometry.slack[parts].max(axis=1, initial=0.0)
     beside = np.zeros(len(met), dtype=bool)
-    some = np.flatnonzero(_round_parts(geometry)[parts].any(axis=1))
-    beside[some] = beside_curved(geometry, parts[some], met.middle[some], slack[some])
+    rows = np.flatnonzero(_round_parts(geometry)[parts].any(axis=1))
+    beside[rows] = beside_curved(geometry, parts[rows], met.middle[rows], slack[rows])
     return beside
 
 
-def _meet(boxes: Boxes, a: Index, b: Index, grow: Array) -> Mask:
-    """Pairs of parts whose boxes come within a distance."""
+def _boxes_meet(boxes: Boxes, a: Index, b: Index, grow: Array) -> Mask:
+    """Pairs of parts whose boxes come within the distance `grow`."""
     apart = np.maximum(
         boxes.part_low[a] - boxes.part_high[b], boxes.part_low[b] - boxes.part_high[a]
     )
@@ -166,38 +170,39 @@ def _meet(boxes: Boxes, a: Index, b: Index, grow: Array) -> Mask:
 
 
 def _reach(touching: Touching, rejected: Iterable[Rejected]) -> Array:
-    """How near edges and free forms of each pair are to a round face where they might touch it.
+    """Largest gap at which edges and free forms of each pair may touch a round face.
 
-    A pair of which no face touches or comes near is looked at as far as loose data would take
-    it for touching.
+    For a pair without touching or near faces it is the loose tolerance.
     """
     limits, search = touching.search.limits, touching.search
-    known = {tuple(sorted(one.parts)) for one in rejected}
-    told = [tuple(sorted(pair)) in known for pair in search.pairs.tolist()] if known else False
+    near = {tuple(sorted(faces.parts)) for faces in rejected}
+    has_near = [tuple(sorted(pair)) in near for pair in search.pairs.tolist()] if near else False
     size = search.geometry.size[search.pairs].min(axis=1)
-    loose = np.where(touching.has_patch | told, 0.0, LOOSE_GAP * size)
+    loose = np.where(touching.has_patch | has_near, 0.0, LOOSE_GAP * size)
     return np.asarray(np.maximum(limits.closed, loose))
 
 
-def _rounds(near: _Near, rows: Index, reach: Array) -> RoundContacts:
-    """What touches beside or on curved faces of the pairs `rows`.
+def _round_contacts(near: _SharpSearch, rows: Index, reach: Array) -> RoundContacts:
+    """Contacts beside or on curved faces of the pairs `rows`.
 
-    Triangles lie off their surfaces by up to the slack: rims are looked for as far away.
+    Triangles lie off their surfaces by up to the slack: rims are searched for within it.
     """
     if not len(rows):
         return no_round_contacts()
     geometry = near.geometry
-    met = _meetings(near, rows, reach + geometry.slack[near.pairs].sum(axis=1))
-    met = met.take(np.flatnonzero(_beside_curved(near, met) & ~_clear(near, met, reach)))
-    met = met.take(np.flatnonzero(~_settled(near, met)))
-    pushes, clauses = _unexplained(met, *_normals(near, met), near.touching)
+    candidates = _meetings(near, rows, reach + geometry.slack[near.pairs].sum(axis=1))
+    candidates = candidates.take(
+        np.flatnonzero(_beside_curved(near, candidates) & ~_clear_rims(near, candidates, reach))
+    )
+    candidates = candidates.take(np.flatnonzero(~_explained_meetings(near, candidates)))
+    pushes, clauses = _without_explained(candidates, *_normals(near, candidates), near.touching)
     on_rim = np.concatenate([pushes.meeting, clauses.meeting])
-    rims = met.pair[on_rim], met.middle[on_rim]
+    rims = candidates.pair[on_rim], candidates.middle[on_rim]
     return round_contacts(near.touching, near.edges, rows, rims, reach)
 
 
-def _clear(near: _Near, met: Meetings, reach: Array) -> Mask:
-    """Meetings with round rims that as a whole stay clear of a plane, or of a rim of one axis."""
+def _clear_rims(near: _SharpSearch, met: Meetings, reach: Array) -> Mask:
+    """Meetings at round rims that stay clear of a plane, or of a coaxial rim, as a whole."""
     geometry, facets = near.geometry, near.touching.search.facets
     limit = reach[met.pair]
     clear = np.zeros(len(met), dtype=bool)
@@ -217,35 +222,38 @@ def _clear(near: _Near, met: Meetings, reach: Array) -> Mask:
     return clear
 
 
-def _settled(near: _Near, met: Meetings) -> Mask:
-    """Meetings where patches of the pair, as wide as the triangles lie off, say what touches."""
+def _explained_meetings(near: _SharpSearch, met: Meetings) -> Mask:
+    """Meetings that patches of the pair explain, within the slack of the triangles."""
     geometry = near.geometry
-    held = np.zeros(len(met), dtype=bool)
+    is_explained = np.zeros(len(met), dtype=bool)
     for pair in np.unique(met.pair).tolist():
-        mine = np.flatnonzero(met.pair == pair)
+        of_pair = np.flatnonzero(met.pair == pair)
         slack = float(near.gap[pair] + 2 * geometry.slack[near.pairs[pair]].max())
-        held[mine] = explained(near.touching, pair, met.middle[mine], slack)
-    return held
+        is_explained[of_pair] = explained(near.touching, pair, met.middle[of_pair], slack)
+    return is_explained
 
 
-def _unexplained(
+def _without_explained(
     met: Meetings, pushes: Pushes, clauses: Clauses, touching: Touching
 ) -> tuple[Pushes, Clauses]:
-    """Without what a planar patch of the pair already holds."""
-    at = pushes.meeting
-    held = on_patches(touching, met.pair[at], met.middle[at], pushes.normal)
-    pushes = pushes.take(np.flatnonzero(~held))
-    at = clauses.meeting[clauses.owner]
-    met_by = on_patches(touching, met.pair[at], met.middle[at], clauses.normal)
+    """Pushes and clauses that no planar patch of the pair already contains."""
+    row = pushes.meeting
+    on_patch = on_patches(touching, met.pair[row], met.middle[row], pushes.normal)
+    pushes = pushes.take(np.flatnonzero(~on_patch))
+    row = clauses.meeting[clauses.owner]
+    normal_on_patch = on_patches(touching, met.pair[row], met.middle[row], clauses.normal)
     fulfilled = np.zeros(len(clauses.meeting), dtype=bool)
-    fulfilled[clauses.owner[met_by]] = True
+    fulfilled[clauses.owner[normal_on_patch]] = True
     return pushes, clauses.take(np.flatnonzero(~fulfilled))
 
 
-def _degenerate(near: _Near, met: Meetings, clauses: Clauses, every: Pushes) -> Degenerate:
-    some = np.zeros(len(near.pairs), dtype=bool)
-    some[met.pair[clauses.meeting]] = True
-    held = every.take(np.flatnonzero(some[met.pair[every.meeting]]))
+def _degenerate_points(
+    near: _SharpSearch, met: Meetings, clauses: Clauses, pushes: Pushes
+) -> Degenerate:
+    """Clauses as degenerate points, with all normals `pushes` of the same pairs."""
+    has_clause = np.zeros(len(near.pairs), dtype=bool)
+    has_clause[met.pair[clauses.meeting]] = True
+    held = pushes.take(np.flatnonzero(has_clause[met.pair[pushes.meeting]]))
     order = np.argsort(met.pair[clauses.meeting], kind="stable")
     clauses = clauses.take(order)
     part_a, part_b = near.pairs[met.pair[clauses.meeting]].T
@@ -262,8 +270,8 @@ def _degenerate(near: _Near, met: Meetings, clauses: Clauses, every: Pushes) -> 
     )
 
 
-def _listed(points: Degenerate, geometry: Geometry) -> list[Unsupported]:
-    """One entry a pair: a vertex where all points are one, else an edge."""
+def _unsupported_of(points: Degenerate, geometry: Geometry) -> list[Unsupported]:
+    """A record for each pair: a vertex if all its points coincide, else an edge."""
     if not len(points):
         return []
     key = points.part_a * len(geometry.mass) + points.part_b

@@ -1,20 +1,20 @@
-"""The spanning rule: which normals a point of contact has, and which points have no one normal.
+"""The spanning rule: which normals a contact point has, and which points are degenerate.
 
-K_A, K_B: the cones of parts a and b at p (`cones`), whose insides are apart. To first order
-a velocity v of b relative to a at p makes them enter each other iff v is in
+K_A, K_B: the local cones of parts a and b at p (`local_cones`), whose interiors are disjoint. To
+first order a velocity v of b relative to a at p makes the parts penetrate iff v is in
 
     D = int K_A - int K_B.
 
-So n is a constraint v.n >= 0 of every motion iff D holds all of {v.n < 0}. With S_A the
-directions of the plane n.d = 0 with material of a just below it, and S_B those with material
-of b just above, that is so iff S_A - S_B is the whole plane: p is accepted with n.
+So n is a constraint v.n >= 0 of every motion iff D contains all of {v.n < 0}. With S_A the
+directions of the plane n.d = 0 with material of a just below it, and S_B those with material of b
+just above, this holds iff S_A - S_B is the whole plane: p is accepted with n.
 
-For convex pieces P of K_A and Q of K_B, D is the union of the int P - int Q, and each of
-these is {v.m < 0 for every m of N}, N = the extreme directions of the cone of normals that
-separate P from Q. One such m: a constraint. Several: v.m >= 0 for at least one of them, a
-clause. Clauses that the accepted constraints at p do not imply make p degenerate: a
-velocity stays that meets all of these and penetrates, and the motions that are allowed are
-a union (Palmer; the paper, section 1.1).
+For convex pieces P of K_A and Q of K_B, D is the union of the int P - int Q, and each of these is
+{v.m < 0 for every m of N}, N = the extreme directions of the cone of normals that separate P from
+Q. If N has a single m, it is a constraint. If N has several, v.m >= 0 must hold for at least one of
+them: a clause. Clauses that the accepted constraints at p do not imply make p degenerate: a
+velocity exists that meets all constraints and penetrates, and the allowed motions form a union
+(Palmer; the paper, section 1.1).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ __all__ = ["Resolved", "distinct", "resolve", "separating", "spans"]
 
 
 BATCH = 2_000_000
-"""Candidates compared in one go."""
+"""Candidates compared at once; a larger value needs more memory."""
 
 
 def separating(rays_a: Array, rays_b: Array) -> tuple[Array, Index, Mask]:
@@ -40,15 +40,15 @@ def separating(rays_a: Array, rays_b: Array) -> tuple[Array, Index, Mask]:
     Parameters
     ----------
     rays_a, rays_b : ndarray, shape (n, p, 3) and (n, q, 3)
-        Directions that span the cones of n pairs.
+        Unit directions that span the cones of n pairs.
 
     Returns
     -------
     normals : ndarray, shape (n, k, 3)
     count : ndarray of int, shape (n,)
-        How many of them each pair has; none: the cones enter each other.
+        Number of normals of each pair; 0: the cones penetrate each other.
     exact : ndarray of bool, shape (n,)
-        Whether they are the same where the directions are taken at their word.
+        True if the literal directions, without tolerance, give the same normals.
 
     Examples
     --------
@@ -64,17 +64,20 @@ def separating(rays_a: Array, rays_b: Array) -> tuple[Array, Index, Mask]:
     step = max(1, BATCH // total**3)
     for begin in range(0, len(rays_a), step):
         rows = np.arange(begin, min(begin + step, len(rays_a)))
-        some, number, sure = _separating(rays_a[rows], rays_b[rows])
-        if some.shape[1] > normals.shape[1]:
-            more = np.zeros((len(normals), some.shape[1] - normals.shape[1], 3))
-            normals = np.concatenate([normals, more], axis=1)
-        normals[rows, : some.shape[1]] = some
-        count[rows], exact[rows] = number, sure
+        found_normals, found_count, is_exact = _separating_batch(rays_a[rows], rays_b[rows])
+        if found_normals.shape[1] > normals.shape[1]:
+            padding = np.zeros((len(normals), found_normals.shape[1] - normals.shape[1], 3))
+            normals = np.concatenate([normals, padding], axis=1)
+        normals[rows, : found_normals.shape[1]] = found_normals
+        count[rows], exact[rows] = found_count, is_exact
     return normals, count, exact
 
 
-def _separating(rays_a: Array, rays_b: Array) -> tuple[Array, Index, Mask]:
-    ahead = np.concatenate([-rays_a, rays_b], axis=1)  # a normal has all of these ahead
+def _separating_batch(rays_a: Array, rays_b: Array) -> tuple[Array, Index, Mask]:
+    """`separating` for a batch: an extreme normal is across two directions of the cones."""
+    ahead = np.concatenate(
+        [-rays_a, rays_b], axis=1
+    )  # a separating normal has a non-negative product with all of these
     i, j = np.triu_indices(ahead.shape[1], 1)
     lines = np.cross(ahead[:, i], ahead[:, j])
     sine = np.linalg.norm(lines, axis=2)
@@ -84,38 +87,41 @@ def _separating(rays_a: Array, rays_b: Array) -> tuple[Array, Index, Mask]:
     lines, sine = np.concatenate([lines, -lines], axis=1), np.concatenate([sine, sine], axis=1)
     lowest = np.concatenate([lowest, -highest], axis=1)
     loose = (lowest >= -CONE_ANGLE) & (sine > CONE_ANGLE)
-    normals, count = _clusters(lines, loose, sine)
+    normals, count = _distinct_candidates(lines, loose, sine)
+    # of several normals, each must also exist without the tolerance
     exact = np.ones(len(normals), dtype=bool)
-    several = np.flatnonzero(count > 1)
-    tight = ((lowest >= -LITERAL_ANGLE) & (sine > LITERAL_ANGLE))[several]
+    ambiguous = np.flatnonzero(count > 1)
+    tight = ((lowest >= -LITERAL_ANGLE) & (sine > LITERAL_ANGLE))[ambiguous]
     for k in range(int(count.max(initial=0))):
-        near = np.linalg.norm(lines[several] - normals[several, k, None], axis=2) <= NORMAL_ANGLE
-        found = (near & tight).any(axis=1)
-        exact[several] &= found | (k >= count[several])
+        near = (
+            np.linalg.norm(lines[ambiguous] - normals[ambiguous, k, None], axis=2) <= NORMAL_ANGLE
+        )
+        has_exact = (near & tight).any(axis=1)
+        exact[ambiguous] &= has_exact | (k >= count[ambiguous])
     return normals, count, exact
 
 
-def _clusters(candidates: Array, valid: Mask, weight: Array) -> tuple[Array, Index]:
-    """The valid candidates that differ, the one of greatest weight of each group."""
-    most = int(valid.sum(axis=1).max(initial=0))
-    order = np.argsort(np.where(valid, -weight, np.inf), axis=1, kind="stable")[:, :most]
+def _distinct_candidates(candidates: Array, valid: Mask, weight: Array) -> tuple[Array, Index]:
+    """Distinct valid candidates; of each cluster the candidate with the greatest weight."""
+    width = int(valid.sum(axis=1).max(initial=0))
+    order = np.argsort(np.where(valid, -weight, np.inf), axis=1, kind="stable")[:, :width]
     candidates = np.take_along_axis(candidates, order[..., None], axis=1)
     left = np.take_along_axis(valid, order, axis=1)
     normals = np.zeros((len(candidates), 1, 3))
     count = np.zeros(len(candidates), dtype=np.int64)
     rows = np.arange(len(candidates))
     while left.any():
-        some = left.any(axis=1)
-        chosen = candidates[rows, left.argmax(axis=1)]
+        has_left = left.any(axis=1)
+        heaviest = candidates[rows, left.argmax(axis=1)]
         if count.max() == normals.shape[1]:
             normals = np.concatenate([normals, np.zeros((len(rows), 1, 3))], axis=1)
-        normals[rows[some], count[some]] = chosen[some]
-        count[some] += 1
-        left &= np.linalg.norm(candidates - chosen[:, None], axis=2) > NORMAL_ANGLE
+        normals[rows[has_left], count[has_left]] = heaviest[has_left]
+        count[has_left] += 1
+        left &= np.linalg.norm(candidates - heaviest[:, None], axis=2) > NORMAL_ANGLE
     return normals, count
 
 
-# points where parts have several convex pieces -------------------------------------------
+# points at which parts have several convex pieces ----------------------------------------
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -127,43 +133,46 @@ class Resolved:
 
 
 def resolve(pairs: list[tuple[Array, Array, Array]]) -> Resolved:
-    """What holds at a point, from the pairs of pieces there.
+    """Accepted normals and remaining clauses of a point, from its pairs of convex pieces.
 
     Parameters
     ----------
     pairs : list of (rays_a, rays_b, normals)
-        Directions that span a piece of a and one of b, and their extreme separating normals.
+        Directions that span a piece of a and a piece of b, and their extreme separating normals.
     """
     sets = [normals for _, _, normals in pairs]
     accepted = distinct([n[0] for n in sets if len(n) == 1])
     clauses = [n for n in sets if len(n) > 1]
     for normal in distinct([n for clause in clauses for n in clause]):
-        if not _among(normal, accepted) and spans(normal, pairs):
+        if not _contains(normal, accepted) and spans(normal, pairs):
             accepted = np.vstack([accepted, normal])
     kept: list[Array] = []
     for clause in sorted(clauses, key=len):
-        if any(_among(n, accepted) for n in clause) or _implied(clause, accepted):
+        if any(_contains(n, accepted) for n in clause) or _is_implied(clause, accepted):
             continue
-        if not any(all(_among(n, clause) for n in other) for other in kept):
+        # a clause that contains a kept clause follows from it
+        if not any(all(_contains(n, clause) for n in shorter) for shorter in kept):
             kept.append(clause)
     return Resolved(accepted, kept)
 
 
 def distinct(normals: list[Array]) -> Array:
-    """The normals that differ, shape (k, 3)."""
+    """The distinct normals, shape (k, 3)."""
     kept: list[Array] = []
     for normal in normals:
-        if not any(float(np.linalg.norm(normal - other)) <= NORMAL_ANGLE for other in kept):
+        if not any(
+            float(np.linalg.norm(normal - kept_normal)) <= NORMAL_ANGLE for kept_normal in kept
+        ):
             kept.append(normal)
     return np.array(kept).reshape(-1, 3)
 
 
-def _among(normal: Array, normals: Array) -> bool:
+def _contains(normal: Array, normals: Array) -> bool:
     return bool((np.linalg.norm(normals - normal, axis=1) <= NORMAL_ANGLE).any())
 
 
-def _implied(clause: Array, accepted: Array) -> bool:
-    """No v with v.m < 0 for all m of the clause and v.n >= 0 for all accepted n."""
+def _is_implied(clause: Array, accepted: Array) -> bool:
+    """Whether the accepted constraints exclude every v with v.m < 0 for all m of the clause."""
     if not len(accepted):
         return False
     allowed = spanned(np.vstack([clause, -accepted]))
@@ -173,7 +182,7 @@ def _implied(clause: Array, accepted: Array) -> bool:
 
 
 def spans(normal: Array, pairs: list[tuple[Array, Array, Array]]) -> bool:
-    """Whether S_A - S_B is the whole plane across `normal`, piece by piece.
+    """Whether S_A - S_B, over all pairs of pieces, is the whole plane across `normal`.
 
     Examples
     --------
@@ -185,31 +194,34 @@ def spans(normal: Array, pairs: list[tuple[Array, Array, Array]]) -> bool:
     axes = np.stack(across(normal), axis=1)
     arcs = []
     for rays_a, rays_b, _ in pairs:
-        below, above = _trace(rays_a, -normal), _trace(rays_b, normal)
+        below, above = _in_plane_rays(rays_a, -normal), _in_plane_rays(rays_b, normal)
         if below is None or above is None:
             continue
-        arc = _arc(np.vstack([below, -above]) @ axes)
+        arc = _spanned_arc(np.vstack([below, -above]) @ axes)
         if arc is not None:
             arcs.append(arc)
-    return _cover(arcs)
+    return _covers_circle(arcs)
 
 
-def _trace(rays: Array, side: Array) -> Array | None:
-    """In-plane directions that span what the plane cuts from a cone with material on a side."""
+def _in_plane_rays(rays: Array, side: Array) -> Array | None:
+    """In-plane directions that span the cut of a cone by the plane, if it has material on a side.
+
+    The plane has the normal `side`; None if the cone has no material on that side.
+    """
     height = rays @ side
     if height.max() <= CUT_COSINE:
         return None
     level = rays[np.abs(height) <= CUT_COSINE]
-    over, under = np.flatnonzero(height > CUT_COSINE), np.flatnonzero(height < -CUT_COSINE)
+    above, below = np.flatnonzero(height > CUT_COSINE), np.flatnonzero(height < -CUT_COSINE)
     cut = (
-        height[over][:, None, None] * rays[under][None]
-        - height[under][None, :, None] * (rays[over][:, None])
+        height[above][:, None, None] * rays[below][None]
+        - height[below][None, :, None] * (rays[above][:, None])
     )
     return np.vstack([level, cut.reshape(-1, 3)])
 
 
-def _arc(directions: Array) -> tuple[float, float] | None:
-    """The cone in the plane that directions span: first angle and width."""
+def _spanned_arc(directions: Array) -> tuple[float, float] | None:
+    """Begin and width [rad] of the planar cone that directions span; None without directions."""
     size = np.linalg.norm(directions, axis=1)
     directions = directions[size > CUT_COSINE]
     if not len(directions):
@@ -222,8 +234,8 @@ def _arc(directions: Array) -> tuple[float, float] | None:
     return float(angle[(widest + 1) % len(angle)]), float(2 * np.pi - gap[widest])
 
 
-def _cover(arcs: list[tuple[float, float]]) -> bool:
-    """Whether closed arcs cover the circle."""
+def _covers_circle(arcs: list[tuple[float, float]]) -> bool:
+    """Whether closed arcs (begin, width) together cover the circle."""
     ends = np.sort(np.array([x % (2 * np.pi) for a, w in arcs for x in (a, a + w)]))
     if not len(ends):
         return False

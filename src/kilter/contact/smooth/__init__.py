@@ -1,1 +1,1 @@
-"""Contacts of smoothly curved faces that two meshes cut into different triangles."""
+"""Contacts of smoothly curved faces that two meshes divide into different triangles."""

@@ -1,17 +1,17 @@
-"""Smooth faces: triangles that bend into each other, and the surface they stand for.
+"""Smooth faces: connected triangles with small bends, and the surface that they approximate.
 
-Of a mesh they are all that lie on no known surface, of an exact solid its free forms. The corners
+In a mesh these are all triangles on no known surface, in an exact solid its free forms. The corners
 of a tessellated face lie on the face itself. At each corner a cubic
 
     z = a x + b y + (second and third order),   z along the mean of the triangles' normals,
 
-through the corner and fitted to those around it gives the normal (-a, -b, 1). How far it is
-from that of the fit of second order is how well it is known. Within a triangle the surface is
-the quadratic one that has the normals at the corners,
+through the corner and fitted to those around it gives the normal (-a, -b, 1). Its difference from
+the normal of the fit of second order estimates its error. Within a triangle the surface is the
+quadratic patch with the normals at the corners,
 
     s(p) = p + 1/2 sum_k b_k ((v_k - p).n_k) n_k,   b the barycentric coordinates of p,
 
-and the triangle lies off it by up to |(v_k - v_m).(n_k - n_m)| / 6.
+and the distance of the triangle from it is at most |(v_k - v_m).(n_k - n_m)| / 6.
 
 References
 ----------
@@ -40,15 +40,15 @@ __all__ = ["SmoothFace", "smooth_faces"]
 
 
 FEWEST = 16
-"""Triangles of a smooth face, at least."""
+"""Least number of triangles of a smooth face."""
 AROUND = 24
-"""Corners that a fit looks at, at most."""
+"""Largest number of corners in a fit; more corners smooth out finer detail."""
 SIDES_AWAY = 3
-"""A fit looks at corners up to so many sides of triangles away."""
+"""A fit uses corners up to this number of triangle sides away."""
 HUB = 3 * AROUND
-"""Corners of more sides than this are hubs of fans, across which a fit does not look."""
+"""Corners with more sides than this are hubs of fans; a fit does not extend across them."""
 CUBIC = 13
-"""A fit of third order needs this many corners, one of second order 6."""
+"""Least number of corners for a fit of third order; a fit of second order needs 6."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,17 +59,17 @@ class SmoothFace:
     ----------
     part : int
     triangles : ndarray of int, shape (m, 3)
-        Rows of `points`.
+        Corners, as rows of `points`.
     rows : ndarray of int, shape (m,)
         Rows of the geometry's triangles.
     points, normals : ndarray, shape (n, 3)
-        Corners and fitted unit normals there, out of the material.
+        Corners, and fitted unit normals there, out of the material.
     doubt : ndarray, shape (n,)
-        How well the normals are known [rad].
+        Error of the normals [rad].
     rim : ndarray of int, shape (k, 2)
-        Edges with a triangle of the face on one side only, by corners.
+        Corners of the edges that have a triangle of the face on one side only.
     sagitta : float
-        Greatest distance of a triangle from the surface [length unit].
+        Largest distance of a triangle from the surface [length unit].
     """
 
     part: int
@@ -83,42 +83,51 @@ class SmoothFace:
 
 
 def smooth_faces(geometry: Geometry, part: int, *, mesh: bool) -> list[SmoothFace]:
-    """The smooth faces of a part without those of a known surface; of a solid, its free forms."""
+    """The smooth faces of a part without those on known surfaces.
+
+    In a mesh (`mesh`) these are all bent faces, in an exact solid only its free forms.
+    """
     first, last = geometry.triangle_start[part], geometry.triangle_start[part + 1]
     label = geometry.triangle_surface[first:last]
-    chosen = label < 0
+    is_free = label < 0
     if not mesh:
-        chosen = ~chosen
-        chosen[chosen] = geometry.surfaces.kind[label[chosen]] == FREE
-    rows = np.arange(first, last)[chosen]
+        is_free = ~is_free
+        is_free[is_free] = geometry.surfaces.kind[label[is_free]] == FREE
+    rows = np.arange(first, last)[is_free]
     if len(rows) < FEWEST:
         return []
     corners = geometry.vertices[geometry.triangles[rows]]
     normal = unit_rows(cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
-    edge, its = shared_edges(geometry.triangles[rows])
-    one, other = edge // 3, its // 3
-    sine = np.linalg.norm(cross(normal[one], normal[other]), axis=1)
-    bend = np.arctan2(sine, np.einsum("ij,ij->i", normal[one], normal[other]))
+    edge, opposite_edge = shared_edges(geometry.triangles[rows])
+    first_side, second_side = edge // 3, opposite_edge // 3
+    sine = np.linalg.norm(cross(normal[first_side], normal[second_side]), axis=1)
+    bend = np.arctan2(sine, np.einsum("ij,ij->i", normal[first_side], normal[second_side]))
     smooth = bend < SMOOTH_EDGE
-    label = connected(len(rows), one[smooth], other[smooth])
+    label = connected(len(rows), first_side[smooth], second_side[smooth])
     bent = smooth & (bend > SMOOTH_BEND)
-    number = np.bincount(label[one[bent]], minlength=int(label.max()) + 1)
+    bent_count = np.bincount(label[first_side[bent]], minlength=int(label.max()) + 1)
     inner = np.zeros(3 * len(rows), dtype=bool)
-    inner[edge[smooth]] = inner[its[smooth]] = True
-    found = []
-    for name in np.flatnonzero((number >= FEWEST // 2) & (np.bincount(label) >= FEWEST)):
-        mine = np.flatnonzero(label == name)
-        found.append(_face(geometry, part, rows[mine], normal[mine], inner.reshape(-1, 3)[mine]))
-    return found
+    inner[edge[smooth]] = inner[opposite_edge[smooth]] = True
+    faces = []
+    for face_label in np.flatnonzero((bent_count >= FEWEST // 2) & (np.bincount(label) >= FEWEST)):
+        of_face = np.flatnonzero(label == face_label)
+        faces.append(
+            _build_face(
+                geometry, part, rows[of_face], normal[of_face], inner.reshape(-1, 3)[of_face]
+            )
+        )
+    return faces
 
 
-def _face(geometry: Geometry, part: int, rows: Index, normal: Array, inner: Mask) -> SmoothFace:
-    """A smooth face of some triangles, with the half-edges that lie inside it."""
-    used, local = np.unique(geometry.triangles[rows], return_inverse=True)
+def _build_face(
+    geometry: Geometry, part: int, rows: Index, normal: Array, inner: Mask
+) -> SmoothFace:
+    """A smooth face of the given triangles; `inner` marks half-edges inside the face."""
+    vertices, local = np.unique(geometry.triangles[rows], return_inverse=True)
     triangles = local.reshape(-1, 3)
-    points = geometry.vertices[used]
-    near, there = _around(points, triangles)
-    normals, doubt = _fitted(points, near, there, *_mean_normals(points, triangles, normal))
+    points = geometry.vertices[vertices]
+    near, is_entry = _neighbourhoods(points, triangles)
+    normals, doubt = _fit_normals(points, near, is_entry, *_mean_normals(points, triangles, normal))
     half = np.stack([triangles, triangles[:, [1, 2, 0]]], axis=2)
     step = np.roll(points[triangles], -1, axis=1) - points[triangles]
     turn = np.roll(normals[triangles], -1, axis=1) - normals[triangles]
@@ -135,9 +144,10 @@ def _face(geometry: Geometry, part: int, rows: Index, normal: Array, inner: Mask
 
 
 def _mean_normals(points: Array, triangles: Index, normal: Array) -> tuple[Array, Array]:
-    """Mean normals at corners, by angle; and how far those around bend from theirs [rad].
+    """Angle-weighted mean normals at corners, and the bend around each corner [rad].
 
-    Of a corner and those beside it: a corner of one flat facet alone lies on a bent face too.
+    The bend is the largest over the corner and its neighbours: a corner inside a flat facet may
+    still lie on a bent face.
     """
     corners = points[triangles]
     after, before = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
@@ -146,28 +156,29 @@ def _mean_normals(points: Array, triangles: Index, normal: Array) -> tuple[Array
     total = np.zeros((len(points), 3))
     np.add.at(total, triangles, angle[..., None] * normal[:, None])
     mean = unit_rows(total)
-    off = np.linalg.norm(mean[triangles] - normal[:, None], axis=2)
+    difference = np.linalg.norm(mean[triangles] - normal[:, None], axis=2)
     bend = np.zeros(len(points))
-    np.maximum.at(bend, triangles, off)
-    around = np.zeros(len(points))
-    np.maximum.at(around, triangles, bend[triangles].max(axis=1)[:, None])
-    return mean, around
+    np.maximum.at(bend, triangles, difference)
+    bend_nearby = np.zeros(len(points))
+    np.maximum.at(bend_nearby, triangles, bend[triangles].max(axis=1)[:, None])
+    return mean, bend_nearby
 
 
-def _around(points: Array, triangles: Index) -> tuple[Index, Mask]:
-    """The corners around each, itself first, (n, AROUND), and which of the entries are any.
+def _neighbourhoods(points: Array, triangles: Index) -> tuple[Index, Mask]:
+    """Corners around each corner, itself first, (n, AROUND), and a mask of the real entries.
 
-    Those up to `SIDES_AWAY` sides away, the fewest first, of as many the nearest. Of a tall
-    prism that is its other rim too, where the nearest alone are far along the one.
+    Corners up to `SIDES_AWAY` sides away, in order of the number of sides, then of the distance.
+    For a tall prism these include its other rim: the nearest corners alone would all lie on the
+    same rim.
     """
-    from scipy.sparse import coo_array, csr_array  # most assemblies need none, and it takes time
+    from scipy.sparse import coo_array, csr_array  # slow to import, and rarely needed
 
     n = len(points)
     start = np.concatenate([triangles.ravel(), triangles.ravel(), np.arange(n)])
     end = np.concatenate([np.roll(triangles, 1, 1).ravel(), np.roll(triangles, 2, 1).ravel()])
     beside = csr_array(coo_array((np.ones(len(start)), (start, np.append(end, np.arange(n))))))
     beside.data[:] = 1.0
-    # what goes on from a corner; from the hub of a fan nothing does
+    # steps onwards from a corner; the hub of a fan has none
     onward = beside.copy()
     onward.data[np.repeat(np.diff(beside.indptr) > HUB, np.diff(beside.indptr))] = 0.0
     reached, fewest = beside, beside.copy()
@@ -175,32 +186,32 @@ def _around(points: Array, triangles: Index) -> tuple[Index, Mask]:
         reached = reached @ onward
         reached.data[:] = reached.data > 0
         fewest = fewest + reached
-    found = fewest.tocoo()
-    row, other = found.row[found.data > 0], found.col[found.data > 0]
-    far = np.linalg.norm(points[other] - points[row], axis=1)
-    order = np.lexsort((other, far, -found.data[found.data > 0], row))
-    row, other = row[order], other[order]
+    entries = fewest.tocoo()
+    row, neighbour = entries.row[entries.data > 0], entries.col[entries.data > 0]
+    distance = np.linalg.norm(points[neighbour] - points[row], axis=1)
+    order = np.lexsort((neighbour, distance, -entries.data[entries.data > 0], row))
+    row, neighbour = row[order], neighbour[order]
     place = np.arange(len(row)) - np.searchsorted(row, row)
-    kept = place < AROUND
+    is_kept = place < AROUND
     near = np.tile(np.arange(n)[:, None], AROUND)
-    near[row[kept], place[kept]] = other[kept]
-    there = np.arange(AROUND) < np.bincount(row, minlength=n)[:, None]
-    return near, there
+    near[row[is_kept], place[is_kept]] = neighbour[is_kept]
+    is_entry = np.arange(AROUND) < np.bincount(row, minlength=n)[:, None]
+    return near, is_entry
 
 
-def _fitted(
-    points: Array, near: Index, there: Mask, mean: Array, bend: Array
+def _fit_normals(
+    points: Array, near: Index, is_entry: Mask, mean: Array, bend: Array
 ) -> tuple[Array, Array]:
-    """Normals of cubics through the corners around each, and how well they are known."""
+    """Normals of cubics through the corners around each corner, and their error [rad]."""
     apart = points[near] - points[:, None]
     u, v = across(mean)
     x, y, z = (np.einsum("nki,ni->nk", apart, w) for w in (u, v, mean))
     scale = np.sqrt((x**2 + y**2).max(axis=1))[:, None]
     x, y, z = x / scale, y / scale, z / scale
-    alike = there & (np.einsum("nki,ni->nk", mean[near], mean) > 0.5)
+    alike = is_entry & (np.einsum("nki,ni->nk", mean[near], mean) > 0.5)
     weight = np.where(alike, 1 / (0.05 + x**2 + y**2), 0.0)
-    # with these factors the least coefficients are the same whichever way x and y lie: where
-    # corners on two straight rims leave some open, as those of a prism do
+    # these factors make the least-norm solution independent of the direction of x and y, if the
+    # corners, such as those on the two rims of a prism, leave coefficients undetermined
     two, three = np.sqrt([2.0, 3.0])
     second = np.stack([x, y, x * x, two * x * y, y * y], axis=2)
     third = np.stack([x**3, three * x * x * y, three * x * y * y, y**3], axis=2)
@@ -209,13 +220,13 @@ def _fitted(
     fine = _slopes(np.concatenate([second, third], axis=2), z, weight)
     normals = unit_rows(mean - fine[:, :1] * u - fine[:, 1:] * v)
     doubt = np.linalg.norm(fine - rough, axis=1)
-    flat = bend <= SMOOTH_DOUBT  # a corner in a plane is known
-    normals[flat], doubt[flat] = mean[flat], bend[flat]
+    is_planar = bend <= SMOOTH_DOUBT  # the normal of a corner in a plane is exact
+    normals[is_planar], doubt[is_planar] = mean[is_planar], bend[is_planar]
     return normals, doubt
 
 
 def _slopes(terms: Array, z: Array, weight: Array) -> Array:
-    """The slopes a and b of weighted least squares, shape (n, 2)."""
+    """Slopes a and b of the weighted least-squares fits, shape (n, 2)."""
     inverse = np.linalg.pinv(terms * weight[..., None], rcond=FIT_CUT)
     slopes: Array = np.einsum("nik,nk->ni", inverse[:, :2], z * weight)
     return slopes

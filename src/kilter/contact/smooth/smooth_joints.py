@@ -1,18 +1,18 @@
-"""Smooth faces of two meshes that lie on each other, cut differently on both sides.
+"""Joints of smooth faces that lie on each other but have different triangulations.
 
-Two triangulations of one curved face enter each other by their sagittas, and their corners and
-edges interlock, which the faces do not. So where facets of two smooth faces do not lie on each
-other one by one, no facet, edge or corner of theirs is asked: the faces touch where the surfaces
-that they stand for do, with the normals of these, within the gap tolerance and a quarter of both
-sagittas (of the surfaces, which are better known than their triangles). Facets that do lie on
-each other one by one stay facets: those are the faces.
+Two triangulations of the same curved face penetrate each other by their sagittas, and their corners
+and edges interlock, although the faces do not. If the facets of two smooth faces do not lie on each
+other pairwise, their facets, edges and corners are ignored. Instead the faces touch if the fitted
+surfaces do, with the normals of these surfaces, within the gap tolerance plus a quarter of both
+sagittas: the surfaces are known better than their triangles. Facets that do lie on each other
+pairwise remain facets: then the flat faces are real.
 
-Free forms of exact solids have no formula either. Where a clearance closes what lies between two
-of them they touch in the same way, all over, with the normals of the surfaces fitted to them.
+Free forms of exact solids have no formula either. If a clearance closes the gap between two of
+them, they touch in the same way, all over, with the normals of the fitted surfaces.
 
-The normals are fitted. A straight direction that both faces leave free within what the normals
-of the two sides differ by is set free exactly; and beside each normal those tilted by as much
-are possible. Where the sides differ by more than `SMOOTH_UNSURE` a point is left out.
+Fitted normals have an error. A straight direction in which both faces nearly slide, within the
+difference of their normals, is set exactly free; and besides each normal, normals tilted by that
+difference are possible. Points at which the sides differ by more than `SMOOTH_UNSURE` are dropped.
 """
 
 from __future__ import annotations
@@ -45,15 +45,15 @@ __all__ = ["SmoothJoint", "SmoothJoints", "find_smooth"]
 
 
 MOST = 96
-"""Points of one joint, at most: those farthest from each other."""
+"""Largest number of points of a joint, those farthest from each other."""
 DIRECTIONS = 4
-"""Straight directions that are tried, at most."""
+"""Largest number of straight sliding directions that are tried."""
 SIDES = 8
-"""Of the pyramid about the forces that a point may bring."""
+"""Sides of the pyramid around the cone of possible forces at a point."""
 FEWEST = 6
-"""Points of one joint, at least."""
+"""Least number of points of a joint."""
 FACETS = 0.999
-"""Share of the common area on which facets must lie on each other to be the faces."""
+"""Fraction of the common area on which facets must lie flush to count as real flat faces [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,21 +67,21 @@ class SmoothJoint:
     corners : pair of ndarray, shape (n, 3, 3)
         Triangles of the face of part a, and of part b.
     facets : pair of ndarray of int
-        Their facets.
-    found : Matches
-        The points of contact.
+        Facets of both faces.
+    matches : Matches
+        Contact points.
     area : float
-        [length unit^2]
+        Common area [length unit^2].
     reach : float
-        Triangles may touch within so far of the surfaces [length unit].
+        Distance from the surfaces within which triangles may touch [length unit].
     tilt : float
-        How well the normals are known [rad].
+        Error of the normals [rad].
     """
 
     pair: int
     corners: tuple[Array, Array]
     facets: tuple[Index, Index]
-    found: Matches
+    matches: Matches
     area: float
     reach: float
     tilt: float
@@ -96,22 +96,22 @@ class SmoothJoints:
 
     @property
     def patches(self) -> Patches:
-        """One patch a joint."""
-        found, search = self.joints, self.search
-        if not found:
+        """The joints as patches, in order."""
+        joints, search = self.joints, self.search
+        if not joints:
             return Patches.none()
-        pair = np.array([joint.pair for joint in found], dtype=np.int64)
+        pair = np.array([joint.pair for joint in joints], dtype=np.int64)
         parts = search.pairs[pair]
-        size = np.array([float(np.ptp(one.found.point, axis=0).max()) for one in found])
-        every = Matches.join(one.found for one in found)
-        start = starts([len(one.found) for one in found])
-        gap = [(float(one.found.gap.min()), float(one.found.gap.max())) for one in found]
+        size = np.array([float(np.ptp(joint.matches.point, axis=0).max()) for joint in joints])
+        every = Matches.join(joint.matches for joint in joints)
+        start = starts([len(joint.matches) for joint in joints])
+        gap = [(float(joint.matches.gap.min()), float(joint.matches.gap.max())) for joint in joints]
         return Patches(
             pair=pair,
             parts=parts,
-            kind=np.full(len(found), "smooth", dtype="<U11"),
+            kind=np.full(len(joints), "smooth", dtype="<U11"),
             normal=unit_rows(np.add.reduceat(every.normal, start[:-1], axis=0)),
-            area=np.array([one.area for one in found]),
+            area=np.array([joint.area for joint in joints]),
             gap=np.array(gap),
             accuracy=search.geometry.accuracy[parts].sum(axis=1) / size,
             start=start,
@@ -120,30 +120,31 @@ class SmoothJoints:
         )
 
     def possible(self, mu: Array) -> PossibleContacts:
-        """Pushes that hold every force of normals off by the tilt, with friction `mu` of the pairs.
+        """Possible forces that span all forces along normals within the tilt, with friction.
 
-        Such a force lies within mu + tilt of the fitted normal; the pushes are the corners of
-        the pyramid about that cone.
+        `mu` is the friction coefficient of each pair of parts [-]. Such a force lies within mu +
+        tilt of the fitted normal; the forces are the corners of the pyramid around that cone.
         """
         blocks = []
         angle = np.arange(SIDES) * 2 * np.pi / SIDES
         for joint in self.joints:
-            found, parts = joint.found, self.search.pairs[joint.pair]
-            u, v = across(found.normal)
-            wide = (joint.tilt + mu[joint.pair]) / np.cos(np.pi / SIDES)
-            tilted = [
-                unit_rows(found.normal + wide * (np.cos(t) * u + np.sin(t) * v)) for t in angle
+            points, parts = joint.matches, self.search.pairs[joint.pair]
+            u, v = across(points.normal)
+            half_width = (joint.tilt + mu[joint.pair]) / np.cos(np.pi / SIDES)
+            directions = [
+                unit_rows(points.normal + half_width * (np.cos(t) * u + np.sin(t) * v))
+                for t in angle
             ]
-            count = SIDES * len(found)
-            none = np.zeros(count)
+            count = SIDES * len(points)
+            zeros = np.zeros(count)
             blocks.append(
                 PossibleContacts(
                     np.full(count, parts[0]),
                     np.full(count, parts[1]),
-                    np.tile(found.point, (SIDES, 1)),
-                    np.concatenate(tilted),
-                    none > 0,
-                    none,
+                    np.tile(points.point, (SIDES, 1)),
+                    np.concatenate(directions),
+                    zeros > 0,
+                    zeros,
                     np.full(count, -1),
                 )
             )
@@ -151,7 +152,7 @@ class SmoothJoints:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What the normals rest on."""
+        """A warning that gives the error of the fitted normals."""
         if not self.joints:
             return ()
         pairs = len({joint.pair for joint in self.joints})
@@ -164,88 +165,91 @@ class SmoothJoints:
 
     @property
     def unsure(self) -> tuple[Unsupported, ...]:
-        """The pairs of the joints: fitted normals are never certain."""
-        found: dict[tuple[int, int], Unsupported] = {}
+        """Records of the pairs of the joints: fitted normals are never certain."""
+        records: dict[tuple[int, int], Unsupported] = {}
         for joint in self.joints:
             a, b = (int(k) for k in self.search.pairs[joint.pair])
-            x, y, z = joint.found.point[0].tolist()
-            found.setdefault((a, b), Unsupported((a, b), "curved", (x, y, z)))
-        return tuple(found.values())
+            x, y, z = joint.matches.point[0].tolist()
+            records.setdefault((a, b), Unsupported((a, b), "curved", (x, y, z)))
+        return tuple(records.values())
 
     def between(self, pair: Index, i: Index, j: Index) -> Mask:
-        """Facets i of a and j of b, of pairs, that belong to the two faces of a joint."""
-        found = np.zeros(len(pair), dtype=bool)
+        """Whether facets i of a and j of b belong to the two faces of a joint of their pair."""
+        is_between = np.zeros(len(pair), dtype=bool)
         for joint in self.joints:
-            mine = np.flatnonzero(pair == joint.pair)
-            both = np.isin(i[mine], joint.facets[0]) & np.isin(j[mine], joint.facets[1])
-            found[mine[both]] = True
-        return found
+            of_pair = np.flatnonzero(pair == joint.pair)
+            both = np.isin(i[of_pair], joint.facets[0]) & np.isin(j[of_pair], joint.facets[1])
+            is_between[of_pair[both]] = True
+        return is_between
 
     def explains(self, pair: Index, points: Array) -> Mask:
-        """Points of pairs, shape (n, 3), that lie on both faces of a joint."""
-        found = np.zeros(len(points), dtype=bool)
+        """Whether points, shape (n, 3), lie on both faces of a joint of their pair."""
+        is_explained = np.zeros(len(points), dtype=bool)
         for joint in self.joints:
-            mine = np.flatnonzero((pair == joint.pair) & ~found)
+            rows = np.flatnonzero((pair == joint.pair) & ~is_explained)
             for corners in joint.corners:
-                far = np.full(len(mine), 2 * joint.reach)
-                mine = mine[surface_distance(points[mine], corners, far) <= joint.reach]
-            found[mine] = True
-        return found
+                upper_bound = np.full(len(rows), 2 * joint.reach)
+                rows = rows[surface_distance(points[rows], corners, upper_bound) <= joint.reach]
+            is_explained[rows] = True
+        return is_explained
 
 
 def find_smooth(search: ContactSearch) -> SmoothJoints:
-    """The smooth joints of the pairs of a search: of meshes, and where a clearance closes."""
+    """The smooth joints of the pairs of a search: of two meshes, or with a closed clearance."""
     convex, (a, b) = search.facets.convex_part, search.pairs.T
     mesh, closes = search.meshes, search.limits.closed > search.limits.gap
     rows = np.flatnonzero((mesh[a] & mesh[b] | closes) & ~(convex[a] & convex[b]))
     faces: dict[int, list[SmoothFace]] = {}
-    found: list[SmoothJoint] = []
+    joints: list[SmoothJoint] = []
     for row in rows.tolist():
         parts = (int(a[row]), int(b[row]))
         for part in parts:
             if part not in faces:
                 faces[part] = smooth_faces(search.geometry, part, mesh=bool(mesh[part]))
-        for one in faces[parts[0]]:
-            for other in faces[parts[1]]:
-                found += _joint(search, row, (one, other))
-    return SmoothJoints(search, tuple(found))
+        for face_a in faces[parts[0]]:
+            for face_b in faces[parts[1]]:
+                joints += _joint(search, row, (face_a, face_b))
+    return SmoothJoints(search, tuple(joints))
 
 
 def _joint(
     search: ContactSearch, row: int, faces: tuple[SmoothFace, SmoothFace]
 ) -> list[SmoothJoint]:
-    """The joint of two faces, if they touch and their facets do not lie on each other."""
-    one, other = faces
+    """The joint of two faces, if they touch and their facets do not lie flush; else none."""
+    face_a, face_b = faces
     gap, closed = float(search.limits.gap[row]), float(search.limits.closed[row])
-    sagitta = one.sagitta + other.sagitta
+    sagitta = face_a.sagitta + face_b.sagitta
     reach = max(gap, closed) + sagitta
-    low = np.maximum(one.points.min(axis=0), other.points.min(axis=0))
-    if (low > np.minimum(one.points.max(axis=0), other.points.max(axis=0)) + reach).any():
+    low = np.maximum(face_a.points.min(axis=0), face_b.points.min(axis=0))
+    if (low > np.minimum(face_a.points.max(axis=0), face_b.points.max(axis=0)) + reach).any():
         return []
-    every = matches(one, other, reach, gap)
-    near = (every.gap >= -gap - SMOOTH_GAP * sagitta) & (every.gap <= closed + SMOOTH_GAP * sagitta)
-    sure = near & (every.apart <= SMOOTH_UNSURE)
-    if int(sure.sum()) < FEWEST or 2 * int(near.sum()) < len(every):
+    matched = matches(face_a, face_b, reach, gap)
+    is_near = (matched.gap >= -gap - SMOOTH_GAP * sagitta) & (
+        matched.gap <= closed + SMOOTH_GAP * sagitta
+    )
+    is_sure = is_near & (matched.apart <= SMOOTH_UNSURE)
+    if int(is_sure.sum()) < FEWEST or 2 * int(is_near.sum()) < len(matched):
         return []
-    facets = (_facets_of(search, one), _facets_of(search, other))
+    facets = (_facets_of(search, face_a), _facets_of(search, face_b))
     area, flush = _common_area(search, row, facets, reach)
     facets_are_faces = bool(search.meshes[search.pairs[row]].all())
+    # facets that lie on each other are real flat faces, which the flat search finds
     if facets_are_faces and flush >= FACETS * area:
         return []
-    found = every.take(np.flatnonzero(sure))
-    tilt = 2 * float(np.sqrt((found.apart**2).mean()))
-    corners = (one.points[one.triangles], other.points[other.triangles])
-    found = _spread(_with_sliding(found, faces, tilt), reach)
-    return [SmoothJoint(row, corners, facets, found, area, reach, max(tilt, SMOOTH_LEAST))]
+    points = matched.take(np.flatnonzero(is_sure))
+    tilt = 2 * float(np.sqrt((points.apart**2).mean()))
+    corners = (face_a.points[face_a.triangles], face_b.points[face_b.triangles])
+    points = _spread_subset(_free_sliding_directions(points, faces, tilt), reach)
+    return [SmoothJoint(row, corners, facets, points, area, reach, max(tilt, SMOOTH_LEAST))]
 
 
 def _facets_of(search: ContactSearch, face: SmoothFace) -> Index:
-    """The facets that a smooth face consists of."""
+    """The facets of which a smooth face consists."""
     facets, geometry = search.facets, search.geometry
     rows = np.arange(facets.start[face.part], facets.start[face.part + 1])
     first = facets.corner_start[rows]
     count = len(geometry.vertices)
-    # the first side of a facet is a side of one triangle only
+    # the first side of a facet identifies it: it is a side of a single triangle
     side = facets.corners[first] * count + facets.corners[first + 1]
     triangles = geometry.triangles[face.rows]
     sides: Index = (triangles * count + triangles[:, [1, 2, 0]]).ravel()
@@ -255,18 +259,19 @@ def _facets_of(search: ContactSearch, face: SmoothFace) -> Index:
 def _common_area(
     search: ContactSearch, row: int, facets: tuple[Index, Index], reach: float
 ) -> tuple[float, float]:
-    """The area in which facets lie over each other, and that of those that are flush.
+    """Area in which facets lie over each other, and its part in which they lie flush.
 
-    Flush by the default tolerance: a wider one says nothing of what the faces are.
+    Flush means within the default gap tolerance: a wider tolerance does not show whether the flat
+    faces are real.
     """
     geometry, boxes = search.geometry, search.boxes
     i, j = facets
     owner = [np.zeros(len(rows), dtype=np.int64) for rows in facets]
-    around = [(boxes.facet_low[rows], boxes.facet_high[rows]) for rows in facets]
+    facet_boxes = [(boxes.facet_low[rows], boxes.facet_high[rows]) for rows in facets]
     size = float(geometry.size[search.pairs[row]].min())
     gap = max(GAP * size, float(search.limits.rounding[row]))
     area = flush = 0.0
-    for _, x, y in joins(owner[0], around[0], owner[1], around[1], np.array([reach])):
+    for _, x, y in joins(owner[0], facet_boxes[0], owner[1], facet_boxes[1], np.array([reach])):
         opposed = np.einsum("ij,ij->i", search.facets.normal[i[x]], search.facets.normal[j[y]])
         keep = opposed <= -np.cos(SMOOTH_FACING)
         x, y = x[keep], y[keep]
@@ -280,43 +285,43 @@ def _common_area(
     return area, flush
 
 
-def _with_sliding(found: Matches, faces: Iterable[SmoothFace], tilt: float) -> Matches:
-    """The points with normals that leave straight directions free which they nearly do."""
-    normal = found.normal
-    for direction in _directions(faces):
+def _free_sliding_directions(points: Matches, faces: Iterable[SmoothFace], tilt: float) -> Matches:
+    """Points with normals made exactly perpendicular to nearly free straight directions."""
+    normal = points.normal
+    for direction in _straight_directions(faces):
         along = normal @ direction
         if float(np.sqrt((along**2).mean())) <= max(tilt, PATCH_ANGLE):
             normal = unit_rows(normal - np.outer(along, direction))
-    return Matches(found.point, normal, found.gap, found.apart, found.doubt)
+    return Matches(points.point, normal, points.gap, points.apart, points.doubt)
 
 
-def _directions(faces: Iterable[SmoothFace]) -> list[Array]:
-    """Directions of the edges of rims, those of the greatest length in all first."""
+def _straight_directions(faces: Iterable[SmoothFace]) -> list[Array]:
+    """Directions of rim edges, in order of their total length, longest first."""
     step = np.concatenate(
         [face.points[face.rim[:, 1]] - face.points[face.rim[:, 0]] for face in faces]
     )
     length = np.linalg.norm(step, axis=1)
     along = unit_rows(step)
-    first = np.take_along_axis(along, np.abs(along).argmax(axis=1)[:, None], axis=1)
-    along = along * np.sign(first)
+    leading = np.take_along_axis(along, np.abs(along).argmax(axis=1)[:, None], axis=1)
+    along = along * np.sign(leading)
     groups: list[Array] = []
-    left = np.ones(len(along), dtype=bool)
+    remaining = np.ones(len(along), dtype=bool)
     for k in np.argsort(-length, kind="stable"):
-        if left[k]:
-            same = np.linalg.norm(along - along[k], axis=1) <= ONE_DIRECTION
-            left &= ~same
-            groups.append(length[same] @ along[same])
+        if remaining[k]:
+            is_parallel = np.linalg.norm(along - along[k], axis=1) <= ONE_DIRECTION
+            remaining &= ~is_parallel
+            groups.append(length[is_parallel] @ along[is_parallel])
     groups.sort(key=lambda total: -float(np.linalg.norm(total)))
     return [unit_rows(total) for total in groups[:DIRECTIONS]]
 
 
-def _spread(found: Matches, reach: float) -> Matches:
-    """The points farthest from each other, so many as count."""
-    point = found.point
+def _spread_subset(points: Matches, reach: float) -> Matches:
+    """At most `MOST` points that are farthest from each other."""
+    point = points.point
     chosen = [int(np.linalg.norm(point - point.mean(axis=0), axis=1).argmax())]
-    far = np.linalg.norm(point - point[chosen[0]], axis=1)
-    least = min(reach, float(far.max()) / MOST)
-    while len(chosen) < MOST and float(far.max()) > least:
-        chosen.append(int(far.argmax()))
-        far = np.minimum(far, np.linalg.norm(point - point[chosen[-1]], axis=1))
-    return found.take(np.sort(chosen))
+    distance = np.linalg.norm(point - point[chosen[0]], axis=1)
+    stop_distance = min(reach, float(distance.max()) / MOST)
+    while len(chosen) < MOST and float(distance.max()) > stop_distance:
+        chosen.append(int(distance.argmax()))
+        distance = np.minimum(distance, np.linalg.norm(point - point[chosen[-1]], axis=1))
+    return points.take(np.sort(chosen))
