@@ -1,6 +1,6 @@
 """The picture of the findings, from the table on their page: ``python docs/build_findings.py``.
 
-The configuration that lies lower is drawn `ENLARGED` times as far from the start as it is.
+The lower configuration is drawn `ENLARGED` times as far from the initial blocks as it is.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def moved(names: tuple[str, ...]) -> Array:
 
 
 def picture() -> bytes:
-    """The start, and where the blocks sink, much enlarged."""
+    """The initial blocks, and their lower configuration, much enlarged."""
     assembly = scene(SCENE)
     fall = ENLARGED * moved(assembly.names)
     verdict = kilter.check(assembly)

@@ -1,7 +1,7 @@
-"""A hook of mkdocs: what is made from the library of scenes each time the site is built.
+"""A hook of mkdocs that adds the gallery and the live page of the home page to the site.
 
-That is the gallery, and the live page that the home page holds in a frame. Nothing of it is kept
-in the repository. ``KILTER_GALLERY=3`` builds the first three scenes only, for a quick look.
+Both are computed from the library of scenes in each build and are not kept in the repository.
+``KILTER_GALLERY=3`` builds only the first three scenes, for a quick look.
 """
 
 from __future__ import annotations
@@ -14,11 +14,12 @@ PAGE = "gallery.md"
 LIVE = "corner-wedges"
 """The scene of the home page: its ball has a region with an inside and an outside."""
 EFFORT = 1
-"""Of what friction guarantees, a scene; what is open then says so."""
+"""Effort of each verdict with friction."""
 WORDS = {
     "stable": "Stable",
     "settles": "Settles",
     "potentially-stable": "Potentially stable",
+    "balanced": "Balanced",
     "unstable": "Unstable",
     "undecided": "Undecided",
 }
@@ -33,7 +34,7 @@ def chosen() -> list[Any]:
 
 
 def drawn(scene: Any) -> tuple[bytes, str]:
-    """The picture of a scene, and what to say of it."""
+    """The picture of a scene, and its entry in the gallery."""
     import kilter
     from kilter.show.canvas import rendered
 
@@ -57,7 +58,7 @@ def live() -> str:
 
 
 def on_files(files: Any, *, config: Any) -> Any:
-    """Add the live page and the pictures, and the gallery in place of what only introduces it."""
+    """Add the live page and the pictures, and replace the introduction by the whole gallery."""
     from mkdocs.structure.files import File
 
     files.append(File.generated(config, f"live/{LIVE}.html", content=live()))

@@ -1,8 +1,9 @@
 """The pictures of the known answers of second order: ``python docs/draw_known_answers.py``.
 
-Each is drawn from its scene in `kilter.scenes.balance`: where its contacts are, how they curve, and
-where the centres of mass lie; of what the scene leaves open, as how thick a plank is, the drawing
-chooses. Below a limit, and the limit is marked where it is a place of the centre of mass.
+Each picture is drawn from its scene in `kilter.scenes.balance`: the positions and curvatures of its
+contacts, and the centres of mass. The drawing chooses dimensions that the scene leaves open, such
+as the thickness of a plank. A case is drawn below its limit. If the limit is a position of the
+centre of mass, it is marked.
 """
 
 from __future__ import annotations
@@ -21,12 +22,12 @@ FOLDER = Path(__file__).resolve().parent / "images" / "known"
 
 def drawn(case: Case) -> str:
     """The picture of a case as SVG."""
-    told = Drawing(case)
-    RECIPES[case.number](told)
-    return picture(told.views, f"{case.number}: {case.title}")
+    drawing = Drawing(case)
+    RECIPES[case.number](drawing)
+    return picture(drawing.views, f"{case.number}: {case.title}")
 
 
 if __name__ == "__main__":
     FOLDER.mkdir(parents=True, exist_ok=True)
-    for one in (*CASES, *ROLLING):
-        (FOLDER / f"{one.number}.svg").write_text(drawn(one), encoding="utf-8")
+    for known_case in (*CASES, *ROLLING):
+        (FOLDER / f"{known_case.number}.svg").write_text(drawn(known_case), encoding="utf-8")

@@ -1,4 +1,4 @@
-"""What the pictures of the known answers share: numbers of a scene, outlines, the ground below."""
+"""Common elements of the pictures of known answers: data of a scene, outlines, the ground."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from kilter.arrays import Array
 from kilter.scenes.balance import Case
 
 BESIDE = 0.1
-"""How far below its limit a case is drawn [that of its parameter]."""
+"""Distance below the limit at which a case is drawn [unit of its parameter]."""
 THICK = 0.25
-"""Of ground that is drawn [m]."""
+"""Thickness of drawn ground, relative to its half width [-]."""
 SIZED = ("08", "R6")
-"""What these ask for a limit of is how large the body is."""
+"""Cases whose limit is a size of the body."""
 X, Y, Z = np.eye(3)
 RIGHT, UP = np.eye(2)
 Seen = tuple[str, Array, Array]
-"""A name, and what is to the right and up."""
+"""Name of a view, with its directions to the right and up."""
 FRONT, SIDE, TOP = ("front", X, Z), ("side", Y, Z), ("top", X, Y)
 
 
 class Drawing:
-    """Of a case: what its scene says, and the views that are drawn of it."""
+    """The data of a case from its scene, and the views of its picture."""
 
     def __init__(self, case: Case) -> None:
         self.case = case
@@ -34,17 +34,17 @@ class Drawing:
         self.views: list[View] = []
 
     def view(self, seen: Seen = FRONT) -> View:
-        """One more, beside the others."""
+        """Add a view beside the others."""
         name, right, up = seen
         self.views.append(View(right, up, name))
         return self.views[-1]
 
     def point(self, k: int) -> Array:
-        """Of the k-th contact, shape (3,)."""
+        """Position of the k-th contact, shape (3,) [m]."""
         return np.asarray(self.assembly.contacts[k].points[0])
 
     def normal(self, k: int) -> Array:
-        """Of the k-th contact, away from its first part, shape (3,)."""
+        """Unit normal of the k-th contact, away from its first part, shape (3,)."""
         return np.asarray(self.assembly.contacts[k].normal)
 
     def curvature(self, k: int, side: int, along: Array) -> float:
@@ -59,17 +59,17 @@ class Drawing:
 
     def mass(self, name: str = "b") -> Array:
         """Centre of mass of a part, shape (3,)."""
-        [part] = [one for one in self.assembly.parts if one.name == name]
+        [part] = [part for part in self.assembly.parts if part.name == name]
         return np.asarray(part.pose.position)
 
     def marked(self, view: View, *names: str) -> None:
-        """Centres of mass, and where they are at the limit."""
+        """Mark centres of mass, and their positions at the limit."""
         for name in names or ("b",):
             view.center(view.flat(self.mass(name)))
             if self.edge is not None and self.case.number not in SIZED:
-                at = [one.pose.position for one in self.edge.parts if one.name == name]
-                if not np.allclose(at[0], self.mass(name)):
-                    view.limit(view.flat(at[0]))
+                [at] = [part.pose.position for part in self.edge.parts if part.name == name]
+                if not np.allclose(at, self.mass(name)):
+                    view.limit(view.flat(at))
 
 
 def box(low: ArrayLike, high: ArrayLike) -> Array:
@@ -114,13 +114,15 @@ def foot(at: Array, radius: float, half: float) -> Array:
     return arc(at + radius * UP, radius, 270 - angle, 270 + angle)
 
 
-def on_ground(told: Drawing, seen: Seen, way: str, half: float = 0.0) -> tuple[View, float, float]:
+def on_ground(
+    drawing: Drawing, seen: Seen, way: str, half: float = 0.0
+) -> tuple[View, float, float]:
     """The ground under the first contact, with the curvatures of ground and body in this view."""
-    view = told.view(seen)
-    below, above = (told.curvature(0, side, seen[1]) for side in (0, 1))
-    across = told.curvature(0, 0, np.cross(told.normal(0), seen[1]))
+    view = drawing.view(seen)
+    below, above = (drawing.curvature(0, side, seen[1]) for side in (0, 1))
+    across = drawing.curvature(0, 0, np.cross(drawing.normal(0), seen[1]))
     half = half or 1.6 / above
-    at = np.array([view.flat(told.mass())[0], view.flat(told.point(0))[1]])
+    at = np.array([view.flat(drawing.mass())[0], view.flat(drawing.point(0))[1]])
     if below == 0 and across < 0:  # along a trough
         rim = ground(at, across, half)[:, 1].max()
         view.held(box(at - [half, 0], [at[0] + half, rim]), behind=True)
@@ -128,15 +130,15 @@ def on_ground(told: Drawing, seen: Seen, way: str, half: float = 0.0) -> tuple[V
     view.held(ground(at, below, half, depth=depth))
     if way:
         arm = 1 / below if below else None
-        view.way(way, view.flat(told.mass()), None if arm is None else at - [0, arm])
+        view.way(way, view.flat(drawing.mass()), None if arm is None else at - [0, arm])
     return view, below, above
 
 
-def weeble(told: Drawing, view: View, middle: Array, radius: float) -> None:
+def weeble(drawing: Drawing, view: View, middle: Array, radius: float) -> None:
     """A round body that comes back about its middle."""
     view.part(disc(middle, radius))
     view.turn("returns", middle, 1.17 * radius)
-    told.marked(view)
+    drawing.marked(view)
 
 
 Recipe = Callable[[Drawing], None]
@@ -144,7 +146,7 @@ RECIPES: dict[str, Recipe] = {}
 
 
 def recipe(*numbers: str) -> Callable[[Recipe], Recipe]:
-    """A decorator that lists how cases are drawn."""
+    """Decorator that registers a function as the recipe of cases."""
 
     def enter(draw: Recipe) -> Recipe:
         RECIPES.update(dict.fromkeys(numbers, draw))

@@ -1,7 +1,8 @@
-"""Small line drawings of what stands or falls, as SVG that follows the light or dark of its reader.
+"""Small line drawings of assemblies that stand or fall, as SVG in the reader's light or dark theme.
 
-A `View` looks along a level axis, or from above, at shapes given in the frame of the scene; it is
-scaled to its panel. What is held is hatched, arrows tell a way by their shape as by their colour.
+A `View` looks along a level axis, or from above, at shapes given in the frame of the scene. It is
+scaled to its panel. Held parts are hatched; the shape of an arrow shows the kind of motion, as
+its colour does.
 """
 
 from __future__ import annotations
@@ -17,20 +18,20 @@ from kilter.arrays import Array
 from kilter.tell.palette import GROUND, PALETTE, ROLES
 
 WIDTH, HEIGHT, MARGIN, FOOT = 300.0, 160.0, 14.0, 12.0
-"""Of a picture, and around what a panel shows [px]."""
+"""Width and height of a picture, margin of a panel, and height of its caption [px]."""
 REACH, GAP, HEAD = 34.0, 8.0, 6.0
-"""How far an arrow goes from a centre of mass, where it starts, and its head [px]."""
+"""Distances of the tip and tail of an arrow from its centre of mass; size of its head [px]."""
 MARK = 4.5
 """Radius of a centre of mass [px]."""
 STEPS = 48
-"""Sides of a circle that is drawn."""
+"""Sides of the polygon that represents a circle."""
 WAYS = {"falls": "unstable", "returns": "stable", "free": "ink"}
 Path2 = Array
 """Points of a line, shape (n, 2)."""
 
 
 def _themed(theme: str) -> str:
-    """Colours of what is not on a part."""
+    """Style rules for the elements outside the parts."""
     colour = {name: getattr(ROLES[name], theme) for name in ROLES}
     ways = "".join(f".{way}{{stroke:{colour[role]}}}" for way, role in WAYS.items())
     heads = "".join(f".{way}.head{{fill:{colour[role]}}}" for way, role in WAYS.items())
@@ -67,16 +68,16 @@ def arc(center: ArrayLike, radius: float, start: float, end: float) -> Path2:
 
 @dataclass
 class View:
-    """What is seen from one side.
+    """A view of the scene in a fixed direction.
 
     Attributes
     ----------
     right, up : ndarray, shape (3,)
         Directions of the page in the frame of the scene.
     name : str
-        Below the panel, where there are several.
+        Caption below the panel, if there are several.
     close : bool
-        Of a scale of its own.
+        Whether the view has its own scale.
     """
 
     right: Array
@@ -93,7 +94,7 @@ class View:
         """A point of the scene on the page."""
         return np.array([self.right, self.up]) @ np.asarray(point, dtype=float)
 
-    # what there is ----------------------------------------------------------------------
+    # shapes -----------------------------------------------------------------------------
 
     def held(self, points: ArrayLike, behind: bool = False) -> None:
         """A held outline, closed."""
@@ -103,20 +104,20 @@ class View:
         """The outline of a free part, closed."""
         self.shapes.append((f"part p{number}", np.asarray(points, dtype=float)))
 
-    # what it does -----------------------------------------------------------------------
+    # motions ----------------------------------------------------------------------------
 
     def center(self, point: ArrayLike) -> None:
         """A centre of mass."""
         self.centers.append(np.asarray(point, dtype=float))
 
     def limit(self, point: ArrayLike) -> None:
-        """Where the centre of mass is at the limit."""
+        """Position of the centre of mass at the limit."""
         self.limits.append(np.asarray(point, dtype=float))
 
     def way(
         self, kind: str, start: ArrayLike, about: ArrayLike | None = None, left: bool = False
     ) -> None:
-        """How a centre of mass falls, returns or goes freely: about a point, or level."""
+        """Motion of a centre of mass (falls, returns, free), about a point or level."""
         middle = None if about is None else np.asarray(about, dtype=float)
         self.ways.append((kind, np.asarray(start, dtype=float), middle, left))
 
@@ -125,9 +126,9 @@ class View:
         self.turns.append((kind, np.asarray(about, dtype=float), radius))
 
     def bounds(self) -> Array:
-        """Least and greatest place of what is shown, shape (2, 2)."""
+        """Lower left and upper right corner of all elements, shape (2, 2) [length unit]."""
         every = [points for _, points in self.shapes]
-        every += [one[None] for one in (*self.centers, *self.limits)]
+        every += [point[None] for point in (*self.centers, *self.limits)]
         every += [about[None] + [0, radius] for _, about, radius in self.turns]
         points = np.vstack(every)
         return np.array([np.nanmin(points, axis=0), np.nanmax(points, axis=0)])
@@ -135,17 +136,17 @@ class View:
 
 @dataclass
 class Panel:
-    """A view on its place of the page.
+    """A view at its position in the picture.
 
     Attributes
     ----------
     view : View
     middle : ndarray, shape (2,)
-        Of what is seen [length unit].
+        Middle of the view [length unit].
     at : ndarray, shape (2,)
-        Where that is on the page [px].
+        Position of this middle in the picture [px].
     scale : float
-        [px/length unit].
+        Scale of the view [px/length unit].
     """
 
     view: View
@@ -155,22 +156,22 @@ class Panel:
     lines: list[str] = field(default_factory=list)
 
     def px(self, points: Path2) -> Path2:
-        """Places on the page."""
+        """Positions in the picture [px]."""
         return self.at + self.scale * (points - self.middle) * [1, -1]
 
     def path(self, look: str, points: Path2, closed: bool = False) -> None:
-        """A line through points on the page, a new one after each that is no number."""
+        """A line through points of the picture; a NaN point ends a line and begins the next."""
         pieces = np.split(points, np.flatnonzero(np.isnan(points[:, 0])))
         words = "".join(
             "M"
-            + "L".join(f"{x:.1f} {y:.1f}" for x, y in one[~np.isnan(one[:, 0])])
+            + "L".join(f"{x:.1f} {y:.1f}" for x, y in piece[~np.isnan(piece[:, 0])])
             + ("z" if closed else "")
-            for one in pieces
+            for piece in pieces
         )
         self.lines.append(f'<path class="{look}" d="{words}"/>')
 
     def arrow(self, kind: str, points: Path2) -> None:
-        """An arrow along points on the page, its head at the last, with a rim."""
+        """An arrow with a rim along points of the picture; its head is at the last point."""
         along = points[-1] - points[-2]
         along = along / np.hypot(*along)
         across = np.array([-along[1], along[0]])
@@ -184,7 +185,7 @@ class Panel:
         self.path(f"{kind} head", np.array(head), closed=True)
 
     def branches(self, kind: str, sides: Sequence[Path2]) -> None:
-        """One arrow away where it falls, two where it is free, two back where it returns."""
+        """An arrow away for a fall, two arrows away for a free motion, two back for a return."""
         for points in sides[: 1 if kind == "falls" else 2]:
             self.arrow(kind, points[::-1] if kind == "returns" else points)
 
@@ -232,7 +233,7 @@ class Panel:
         self.lines.append(f'<text x="{x:.1f}" y="{y:.1f}">limit</text>')
 
     def drawn(self) -> str:
-        """All of it, ways and centres over what there is."""
+        """SVG of the view: shapes, then limits, motions and centres of mass above them."""
         for look, points in self.view.shapes:
             self.path(look, self.px(points), closed=True)
         for point in self.view.limits:
@@ -247,7 +248,7 @@ class Panel:
 
 
 def panels(views: Sequence[View]) -> list[Panel]:
-    """The views side by side, of one scale and one height, close ones of their own."""
+    """The views side by side, with a common scale and height; close views have their own scale."""
     bounds = np.array([view.bounds() for view in views])
     level = [k for k, view in enumerate(views) if not view.close and view.up[2]]
     bounds[level, 0, 1] = bounds[level, 0, 1].min(initial=np.inf)
@@ -269,7 +270,7 @@ def panels(views: Sequence[View]) -> list[Panel]:
 
 
 def picture(views: Sequence[View], title: str) -> str:
-    """The views as one SVG, named where there are several."""
+    """The views as a single SVG, with captions if there are several."""
     drawn = []
     for panel in panels(views):
         drawn.append(panel.drawn())
