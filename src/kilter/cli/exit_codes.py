@@ -26,11 +26,12 @@ HOLDS, LOWER = 0, 3
 VERDICT = {"unstable": 1, "undecided": 4}
 """Of `check` where it holds at no level."""
 ORIENT = {"found": 0, "none": 1, "undecided": 4}
-PLAN = {"impossible": 1, "fails": 1, "none-found": 4}
+PLAN = {"impossible": 1, "fails": 1, "none-found": 4, "undecided": 4}
 """Of `plan` where there is no order, or the given one is none."""
 VERIFY = {True: 0, False: 1}
 """Of whether a proof holds."""
-HOLD = {"held": 0, "impossible": 1, "undecided": 4}
+HOLD = {"impossible": 1, "undecided": 4}
+"""Exit codes of `hold` if no supports were found."""
 IMPROVE = {True: 0, False: 1}
 """Of whether it stands as it is, or with the one brick that is named."""
 DOCTOR = {True: 0, False: 1}

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from kilter.cli.asked import Asked
-from kilter.cli.exit_codes import HOLD, INTERRUPTED
-from kilter.cli.options import asks
+from kilter.cli.exit_codes import HOLD, HOLDS, INTERRUPTED, LOWER
+from kilter.cli.options import Require, asks
 from kilter.cli.output import Progress
 from kilter.errors import InputError
+from kilter.tell.levels import REQUIRE
 
 if TYPE_CHECKING:
     from kilter.contact.supports import Support
@@ -46,13 +47,15 @@ def hold(
             show_default=False,
         ),
     ] = None,
+    require: Require = REQUIRE,
 ) -> int:
     """What is the least that must be held so that it stays, and where?
 
     Asked of the assembly as it stands; --without leaves out what is not there yet. With the fewest
     supports stands the proof that fewer are not enough.
 
-    Exit 0 found; 1 proved that not even all candidates are enough; 4 undecided.
+    Exit 0 found at the level of --require; 3 found at a lower level only; 1 proved that not even
+    all candidates are enough; 4 undecided.
     """
     from kilter.analysis.planning.hold.hold import hold as find
 
@@ -62,6 +65,7 @@ def hold(
             assembly,
             candidates=[one for word in candidates or ("grips",) for one in _candidates(word)],
             most=most,
+            require=require,
             effort=asked.effort,
             time_limit=asked.time_limit,
             contacts=contacts,
@@ -72,7 +76,11 @@ def hold(
     proved = fixture.verdict != "undecided"
     after = asked.keep_proof(fixture.proof if proved else None, answer)
     asked.tell(answer, after=after)
-    return INTERRUPTED if fixture.interrupted else HOLD[fixture.verdict]
+    if fixture.interrupted:
+        return INTERRUPTED
+    if fixture.verdict == "held":
+        return HOLDS if fixture.holds else LOWER
+    return HOLD[fixture.verdict]
 
 
 def _candidates(word: str) -> list[str | Support]:

@@ -19,13 +19,7 @@ def hold_sentence(answer: Answer) -> str:
     least = answer["least"]
     candidates = count(answer["candidates"], "candidate")
     if answer["verdict"] == "held":
-        held = len(answer["supports"])
-        if not held:
-            return "It holds by itself: nothing must be held."
-        first = f"It holds with {count(held, 'support')} of {candidates}"
-        if answer["fewest"]:
-            return f"{first}; fewer are not enough, that is proved."
-        return f"{first}; {least} or more are needed, that is proved."
+        return _held_sentence(answer, candidates)
     if answer["verdict"] == "impossible":
         if not answer["candidates"]:
             return "It falls, and there is no candidate that could hold it."
@@ -46,9 +40,30 @@ def hold_sentence(answer: Answer) -> str:
     return f"No supports were found: {why}. {least} or more are needed, that is proved."
 
 
+def _held_sentence(answer: Answer, candidates: str) -> str:
+    """The sentence if supports were found, at the required level or below it."""
+    held, least = len(answer["supports"]), answer["least"]
+    if answer["why"] == "balanced":
+        return "Balanced with nothing held: the slightest push makes it fall."
+    if not answer["holds"]:
+        with_supports = f"with {count(held, 'support')}" if held else "with nothing held"
+        return (
+            f"Forces that hold it exist {with_supports} (level {answer['level']}); no set of "
+            f"supports that was tried reaches the level {answer['require']}."
+        )
+    if not held:
+        return "It holds by itself: nothing must be held."
+    first = f"It holds with {count(held, 'support')} of {candidates} (level {answer['level']})"
+    if answer["fewest"]:
+        return f"{first}; fewer are not enough, that is proved."
+    if least == 0 or answer["require"] != "equilibrium":
+        return f"{first}. No smaller set that was tried reaches this level; that is not proved."
+    return f"{first}; {least} or more are needed, that is proved."
+
+
 def hold_facts(answer: Answer) -> list[tuple[str, str]]:
     """Terms of a fixture and what they are, in words."""
-    found = [("base", some_names(answer["base"]) or "none")]
+    found = [("level", answer["level"] or "none"), ("base", some_names(answer["base"]) or "none")]
     for k, motion in enumerate(answer["motions"]):
         by = some_names(motion["stopped_by"], 4) or "nothing"
         words = f"{some_names(motion['moving'], 3)} would move, stopped by {by}"

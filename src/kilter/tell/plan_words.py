@@ -34,7 +34,9 @@ def order_sentence(answer: Answer) -> str:
         given = "in this order, " if answer["given"] else ""
         steps = count(len(answer["steps"]), "step")
         first = f"It can be put together {given}in {steps}, {words}."
-        return " ".join(filter(None, [first, fewer, _least(answer)]))
+        return " ".join(filter(None, [first, fewer, _least(answer), _finished(answer)]))
+    if answer["verdict"] == "undecided":
+        return f"No order: whether the finished assembly holds is undecided{_open(answer)}."
     if answer["verdict"] == "impossible":
         return fewer
     if answer["given"]:
@@ -49,6 +51,19 @@ def order_sentence(answer: Answer) -> str:
     most = count(answer["search"]["hold"], "part")
     first = f"No order was found with up to {most} held: {why}; that proves nothing."
     return f"{first} {fewer}" if fewer else first
+
+
+def _finished(answer: Answer) -> str:
+    """A sentence about the finished assembly, if it is only balanced."""
+    if answer["finished"]["verdict"] != "balanced":
+        return ""
+    return "The finished assembly is balanced: the slightest push makes it fall."
+
+
+def _open(answer: Answer) -> str:
+    """The open pairs of an answer, in words."""
+    pairs = [" and ".join(pair["parts"]) for pair in answer["open_pairs"]]
+    return f"; open pairs: {some_names(pairs)}" if pairs else ""
 
 
 def _failing(answer: Answer) -> str:
@@ -85,6 +100,11 @@ def _without_holds(answer: Answer) -> str:
     impossible = answer["impossible"]
     if impossible is None:
         return ""
+    if impossible["kind"] == "falls":
+        return (
+            "There is no order: the finished assembly does not hold by itself, "
+            f"{some_names(impossible['parts'])} would move."
+        )
     if impossible["kind"] == "locking":
         return (
             "There is no order, whatever the paths and whatever is held: of "
@@ -115,7 +135,7 @@ def order_facts(answer: Answer) -> list[tuple[str, str]]:
         words = answer["level"]
         if answer["found"] and not answer["holds"]:
             words += f" (asked for: {answer['require']})"
-        found.append(("level", f"{words}: the lowest of its steps"))
+        found.append(("level", f"{words}: the lowest level of its states"))
     if answer["best"]:
         found.append(("best so far", f"these can come last: {some_names(answer['best'], 8)}"))
     found.append(("directions", tried))

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from kilter.analysis.open_pairs.open_question import open_pairs_answer
 from kilter.analysis.planning.hold.least_supports import LeastSupports
 from kilter.analysis.planning.hold.supported import Supported, SupportedState
 from kilter.arrays import Array
@@ -20,6 +21,7 @@ from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import Evidence, make_proof
 from kilter.tell.hold_words import hold_sentence
 from kilter.tell.html import html_of
+from kilter.tell.levels import holds
 
 __all__ = ["Fixture"]
 
@@ -35,6 +37,8 @@ class Fixture:
     found : LeastSupports
     most : int or None
         More supports were not asked for.
+    require : str
+        The required level.
     time_limit : float or None
         What cut the search short [s].
     interrupted, exhausted : bool
@@ -46,6 +50,7 @@ class Fixture:
     supported: Supported
     found: LeastSupports
     most: int | None
+    require: str
     time_limit: float | None
     interrupted: bool
     exhausted: bool
@@ -80,6 +85,17 @@ class Fixture:
             return "held"
         return "impossible" if self.found.enough is False else "undecided"
 
+    @property
+    def level(self) -> str | None:
+        """The level that the assembly reaches with the supports; None if none were found."""
+        state = self.found.state
+        return None if state is None or state.decision is None else state.decision.level
+
+    @property
+    def holds(self) -> bool:
+        """Whether the assembly reaches the required level with the supports."""
+        return holds(self.level, self.require)
+
     def forces(self) -> list[Array | None]:
         """Force of each support on its part [N], shape (3,); None of a grip, which has torques."""
         state = self.found.state
@@ -104,6 +120,11 @@ class Fixture:
         forces = self.forces()
         answer: dict[str, Any] = {
             "verdict": self.verdict,
+            "level": self.level,
+            "require": self.require,
+            "holds": self.holds,
+            "why": self._why(),
+            "open_pairs": open_pairs_answer(assembly, self.supported.contacts),
             "supports": None
             if self.supports is None
             else [
@@ -131,6 +152,16 @@ class Fixture:
             "seconds": {key: round(value, 6) for key, value in self.seconds.items()},
         }
         return {**answer, "sentence": hold_sentence(answer)}
+
+    def _why(self) -> str | None:
+        """Why the level is only equilibrium, as in `Verdict.why`."""
+        state = self.found.state
+        decision = None if state is None else state.decision
+        if decision is None or decision.level != "equilibrium":
+            return None
+        if decision.verdict == "balanced":
+            return "balanced"
+        return None if decision.friction is None else decision.friction.why
 
     def proof(self, *, options: dict[str, Any] | None = None) -> dict[str, Any]:
         """The proof that it holds, and that fewer are not enough, for `kilter.verify`.

@@ -20,6 +20,7 @@ from kilter.contact import ContactSet, Tolerance, detect
 from kilter.contact.fits.coincident import require_apart
 from kilter.contact.supports import Support
 from kilter.errors import InputError
+from kilter.tell.levels import REQUIRE, require_level
 from kilter.threads import on_one_thread
 from kilter.validate import number
 from kilter.work import EFFORT, Work, units_of
@@ -36,6 +37,7 @@ def hold(
     *,
     candidates: Iterable[str | Support] = ("grips",),
     most: int | None = None,
+    require: str = REQUIRE,
     effort: float = EFFORT,
     time_limit: float | None = None,
     contacts: ContactSet | None = None,
@@ -53,6 +55,8 @@ def hold(
         face that is free, or what is given.
     most : int, optional
         More supports are not asked for.
+    require : {"equilibrium", "settles", "proved"}
+        The level that the assembly must reach with its supports.
     effort : float
         Work that the search may take, counted and not timed.
     time_limit, contacts, tolerance, progress
@@ -74,6 +78,7 @@ def hold(
     """
     require_assembly(assembly, "hold")
     require_no_bonds(assembly, "hold", NOT_SET)
+    require = require_level(require)
     if most is not None and (isinstance(most, bool) or not isinstance(most, int) or most < 0):
         raise InputError(f"most is {most!r:.40}", hint="give a whole number, 0 or more")
     if time_limit is not None:
@@ -90,7 +95,7 @@ def hold(
     work.stage("the fewest supports")
     interrupted = False
     try:
-        found = find_least_supports(given, work, most=most)
+        found = find_least_supports(given, work, most=most, require=require, effort=effort)
     except KeyboardInterrupt:
         found, interrupted = LeastSupports(None, 0, None, ()), True
     seconds["solve"] = time.perf_counter() - between
@@ -98,6 +103,7 @@ def hold(
         supported=given,
         found=found,
         most=most,
+        require=require,
         time_limit=time_limit if work.cut else None,
         interrupted=interrupted,
         exhausted=not work.over and not interrupted,

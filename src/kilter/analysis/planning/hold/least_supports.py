@@ -13,9 +13,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from kilter.analysis.planning.hold.supported import Supported, SupportedState
 from kilter.analysis.planning.states.covers import Shares, least_cover
-from kilter.work import Work
+from kilter.tell.levels import holds
+from kilter.work import EFFORT, Work, units_of
 
 __all__ = ["LeastSupports", "Stopping", "find_least_supports"]
 
@@ -60,8 +63,19 @@ class LeastSupports:
     motions: tuple[Stopping, ...]
 
 
-def find_least_supports(given: Supported, work: Work, *, most: int | None = None) -> LeastSupports:
-    """The fewest of the supports of an assembly with which it holds.
+def find_least_supports(
+    given: Supported,
+    work: Work,
+    *,
+    most: int | None = None,
+    require: str = "equilibrium",
+    effort: float = EFFORT,
+) -> LeastSupports:
+    """The fewest of the supports of an assembly with which it holds at the required level.
+
+    Forces of equilibrium and the proof that fewer supports are not enough come first. A set that
+    does not reach the required level is left for a set with a support on a part that may still
+    move. If no set reaches the level, the first set in equilibrium is the answer.
 
     Parameters
     ----------
@@ -70,11 +84,15 @@ def find_least_supports(given: Supported, work: Work, *, most: int | None = None
         Where it is over, the best bound so far is told.
     most : int, optional
         More than these are not asked for.
+    require : {"equilibrium", "settles", "proved"}
+    effort : float
+        Effort of the guarantee of friction for one set.
     """
     count = len(given.supports)
     limit = count if most is None else min(most, count)
     motions: list[Stopping] = []
-    passed: list[Shares] = []  # sets that are undecided: others are tried first
+    passed: list[Shares] = []  # sets that are undecided, or below the level
+    lower: SupportedState | None = None  # the first set in equilibrium, below the level
 
     def answer(state: SupportedState | None, enough: bool | None) -> LeastSupports:
         sure = least_cover([one.shares for one in motions], limit)
@@ -84,16 +102,36 @@ def find_least_supports(given: Supported, work: Work, *, most: int | None = None
     while True:
         chosen = least_cover([*(one.shares for one in motions), *passed], limit)
         if chosen is None or work.over:
+            if lower is not None:
+                return answer(lower, True)
             none = chosen is None and not passed and limit == count
             return answer(None, False if none else None)
         work.tell(f"{len(chosen)} supports")
         state = _judged(given, chosen, work)
         if state.stable:
-            return answer(state, True)
-        if state.stable is None:
+            part = work.beside(units_of(effort))
+            state = given.decide(state, require=require, work=part)
+            work.charge(part.spent)
+            if state.decision is not None and holds(state.decision.level, require):
+                return answer(state, True)
+            lower = state if lower is None else lower
+            passed.append(_stops_witness(given, state))
+        elif state.stable is None:
             passed.append({k: 1.0 for k in range(count) if k not in chosen})
         else:
             motions.append(_fewest_that_stop(given, state, work))
+
+
+def _stops_witness(given: Supported, state: SupportedState) -> Shares:
+    """The supports that may raise the level: those on parts that a motion beside forces moves."""
+    others = [k for k in range(len(given.supports)) if k not in state.chosen]
+    friction = None if state.decision is None else state.decision.friction
+    if state.decision is None or friction is None or friction.witness is None:
+        return dict.fromkeys(others, 1.0)
+    moves = np.abs(friction.witness.acceleration).max(axis=1) > 0
+    names = {n for n, m in zip(state.decision.program.names, moves, strict=True) if m}
+    moved = [k for k in others if given.supports[k].part in names]
+    return dict.fromkeys(moved or others, 1.0)
 
 
 def _judged(given: Supported, chosen: frozenset[int], work: Work) -> SupportedState:

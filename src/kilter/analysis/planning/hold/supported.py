@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from kilter.analysis.decision.cascade import decide
+from kilter.analysis.decision.decision import Decision
 from kilter.analysis.decision.doubts import doubts_of
 from kilter.analysis.decision.judge import judge
 from kilter.analysis.planning.states.covers import Shares
@@ -15,6 +17,7 @@ from kilter.arrays import Array, Index, Mask, cross
 from kilter.assembly import Assembly
 from kilter.contact import ContactSet
 from kilter.contact.supports import Support, with_supports
+from kilter.mechanics.bundle import apply_change
 from kilter.mechanics.certificate import ForceProof, MotionProof, part_sizes, violations
 from kilter.mechanics.mechanics_tolerances import RULED_OUT
 from kilter.mechanics.program import Program
@@ -41,6 +44,8 @@ class SupportedState:
         Of which the certificate speaks.
     forces : ForceProof or None
     motion : MotionProof or None
+    decision : Decision or None
+        The decision up to the required level, of a state in equilibrium.
     """
 
     chosen: frozenset[int]
@@ -48,6 +53,7 @@ class SupportedState:
     program: Program
     forces: ForceProof | None
     motion: MotionProof | None
+    decision: Decision | None = None
 
 
 class Supported:
@@ -91,6 +97,21 @@ class Supported:
         gripped = {self.supports[k].part for k in members if self.supports[k].kind == "grip"}
         others = [self.supports[k] for k in members if self.supports[k].kind != "grip"]
         return [name for name in self.assembly.names if name in gripped], others
+
+    def decide(self, state: SupportedState, *, require: str, work: Work) -> SupportedState:
+        """Return a state in equilibrium with its decision, up to the required level."""
+        gripped, others = self.given(state.chosen)
+        change = {"held": gripped, "supports": [support.to_dict() for support in others]}
+        assembly, contacts = apply_change(self.assembly, self.contacts, change)
+        decision = decide(
+            assembly,
+            contacts,
+            require=require,
+            work=work,
+            second_order=not state.chosen,
+            question=False,
+        )
+        return replace(state, decision=decision)
 
     def judge(self, chosen: Iterable[int], work: Work) -> SupportedState:
         """The assembly with a set of supports."""

@@ -13,9 +13,11 @@ from typing import Any
 
 import numpy as np
 
+from kilter.analysis.decision.decision import Decision
+from kilter.analysis.open_pairs.open_question import open_pairs_answer
 from kilter.analysis.planning.order.locking import Locked
 from kilter.analysis.planning.order.order_proof import order_proof
-from kilter.analysis.planning.order.plan_step import FAR, VERDICTS, Step
+from kilter.analysis.planning.order.plan_step import FAR, VERDICTS, Step, lower_level
 from kilter.analysis.planning.order.removal import Screw
 from kilter.analysis.planning.states.holds import Holds
 from kilter.analysis.planning.states.state import State
@@ -52,6 +54,8 @@ class Order(InCells):
         all, each with the motions for which more must be held.
     whole : State
         The finished assembly.
+    finished : Decision
+        The decision about the finished assembly, by the cascade of `kilter.check`.
     hold : int
         Most parts that might be held at once.
     require : str
@@ -93,6 +97,7 @@ class Order(InCells):
     locked: tuple[Locked, ...]
     refused: tuple[Holds[State], ...]
     whole: State
+    finished: Decision
     hold: int
     require: str
     precedence: tuple[tuple[str, str], ...]
@@ -116,9 +121,12 @@ class Order(InCells):
     def verdict(self) -> str:
         """What came of it.
 
-        "found"; "impossible": no order exists, that is proved; "none-found"; of a given order
-        "fails": parts would fall, touch nothing, or come too early, whatever the ways.
+        "found"; "impossible": no order exists, that is proved, or the finished assembly falls;
+        "none-found"; "undecided": open pairs decide whether the finished assembly holds; of a
+        given order "fails": parts would fall, touch nothing, or come too early, whatever the ways.
         """
+        if not self.whole.stable:
+            return "undecided" if self.whole.stable is None else "impossible"
         fails = [step for step in self.steps if step.fails]
         if self.steps and not fails:
             return "found"
@@ -134,10 +142,12 @@ class Order(InCells):
 
     @property
     def level(self) -> str | None:
-        """The lowest level of its steps; None where there is none."""
+        """The lowest level of its states, the finished assembly included; None without steps."""
         levels = [step.level for step in self.steps if step.level is not None]
+        if not levels:
+            return None
         order = list(VERDICTS)
-        return max(levels, key=order.index, default=None)
+        return lower_level(max(levels, key=order.index), self.finished.level)
 
     @property
     def holds(self) -> bool:
@@ -174,6 +184,8 @@ class Order(InCells):
             "units": assembly.units,
             "base": [part.name for part in assembly if part.grounded],
             "steps": [self._step(step) for step in self.steps],
+            "finished": {"verdict": self.finished.verdict, "level": self.finished.level},
+            "open_pairs": open_pairs_answer(assembly, self.states.contacts, self.finished.question),
             "precedence": [list(pair) for pair in self.precedence],
             "impossible": self._impossible(),
             "best": list(self.best),
@@ -216,6 +228,16 @@ class Order(InCells):
 
     def _impossible(self) -> dict[str, Any] | None:
         """Why there is no order, or none without holds."""
+        if self.whole.stable is False:
+            motion = self.whole.motion
+            names = self.whole.moving
+            index = self.states.assembly.index
+            motions = (
+                None
+                if motion is None
+                else [{name: motion.motion[index[name]].tolist() for name in names}]
+            )
+            return {"kind": "falls", "holds": None, "parts": names, "motions": motions}
         if self.locked:
             parts = [self.states.assembly.names[one.part] for one in self.locked]
             return {"kind": "locking", "holds": None, "parts": parts, "motions": None}
@@ -274,7 +296,7 @@ class Order(InCells):
         InputError
             If nothing was found and nothing is proved.
         """
-        if self.verdict in ("none-found", "fails"):
+        if self.verdict in ("none-found", "fails", "undecided"):
             raise InputError("no order was found, and nothing is proved: there is no proof")
         names = self.states.assembly.names
         rules = {

@@ -73,8 +73,13 @@ def wrong_order(
             yield f"{kind} {_of(entry)}: its state is {verdict}"
         if set(change) - CHANGES - MORE.get(kind, set()):
             yield f"{kind} {_of(entry)}: more of it is changed than its parts"
-    if not any(entries[kind] for kind in ("step", "falls alone", "locked", "refused")):
+    shows = ("step", "falls alone", "finished falls", "locked", "refused")
+    if not any(entries[kind] for kind in shows):
         yield "it has neither an order nor a proof that there is none"
+    if entries["finished falls"] and [one["change"] for one in entries["finished falls"]] != [
+        {"without": [], "held": []}
+    ]:
+        yield "the motion is not one of the finished assembly"
     if entries["step"]:
         if [one["change"] for one in entries["whole"]] != [{"without": [], "held": []}]:
             yield "the finished assembly has no proof"
@@ -106,6 +111,7 @@ FALLS = {
     "step": False,
     "not fewer": True,
     "falls alone": True,
+    "finished falls": True,
     "refused": True,
     "locked": False,
     "pressed": False,

@@ -9,6 +9,7 @@ groups, parts that are not held, screws. Each proof is of one state, and says wh
     turned          what stands after a step, still as it was during it: then all is turned
     not fewer       at a step with parts held: one of `parts` must be held, or they move
     refused         of a set that bars every order: one of `parts` must be held, or they move
+    finished falls  the finished assembly does not hold, so that there is no order
     falls alone     a part that no order without holds reaches
     locked          a part that those present let move nowhere, by its `multipliers`
 
@@ -65,6 +66,8 @@ def order_proof(
     """
     names, proofs = states.assembly.names, []
     stated = _of_steps(states, whole, steps) if steps else []
+    if whole.stable is False:
+        stated.append(({"about": "finished falls"}, whole, states))
     stated += [
         ({"about": "falls alone", "part": names[int(np.flatnonzero(one.free)[0])]}, one, states)
         for one in falling

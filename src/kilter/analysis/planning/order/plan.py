@@ -37,7 +37,7 @@ from kilter.analysis.planning.states.states import States, states
 from kilter.assembly import Assembly, require_assembly
 from kilter.assembly.bonds import NOT_SET, require_no_bonds
 from kilter.contact import ContactSet, Tolerance
-from kilter.errors import InputError, some_names
+from kilter.errors import InputError
 from kilter.tell.levels import require_level
 from kilter.threads import on_one_thread
 from kilter.validate import number
@@ -152,7 +152,8 @@ def plan(
     found = states(assembly, contacts=contacts, tolerance=tolerance, progress=progress)
     seconds = {"contacts": time.perf_counter() - started}
     between = time.perf_counter()
-    whole = _require_whole(found)
+    whole = _whole_state(found)
+    finished = found.decide(whole, require=level, effort=effort, work=work, finished=True)
     turned = find_screws(found.contacts, screws)
     removal = Removal(found.contacts, directions=directions, screws=turned)
     barred = found.mask(never_hold) if never_hold else np.zeros(len(assembly), dtype=bool)
@@ -162,13 +163,15 @@ def plan(
     falling: list[State] = []
     locked: list[Locked] = []
     one_by_one = sequence is None and not together
-    one_by_one = one_by_one and not any(unit & (unit - 1) for unit in units)
+    one_by_one = one_by_one and bool(whole.stable) and not any(unit & (unit - 1) for unit in units)
     if one_by_one:
         work.stage("what is locked")
         locked = find_locked(found, removal)
         work.stage("what stands by itself")
         falling = [] if locked or turn else find_unreachable(found)[1]
-    if sequence is not None:
+    if not whole.stable:
+        searched = Searched(None)
+    elif sequence is not None:
         work.stage("the sequence")
         searched = Searched(judge_order(search, units, most), most)
     elif turn and not locked:
@@ -197,6 +200,7 @@ def plan(
         locked=tuple(locked),
         refused=tuple(refused),
         whole=whole,
+        finished=finished,
         hold=most,
         require=level,
         precedence=precedence_pairs(assembly, after, turned),
@@ -238,28 +242,13 @@ def _whole_number(hold: int) -> int:
     return int(hold)
 
 
-def _require_whole(found: States) -> State:
-    """The state of the whole assembly, which has to hold by itself."""
+def _whole_state(found: States) -> State:
+    """The state of the finished assembly with only its grounded parts held."""
     assembly = found.assembly
     grounded = assembly.geometry.grounded
     if grounded.all():
         raise InputError("everything is held: there is nothing to put together")
-    state = found.judge(np.ones(len(assembly), dtype=bool), grounded)
-    if state.stable is False:
-        raise InputError(
-            f"the finished assembly does not hold: {some_names(state.moving)} would move",
-            file=assembly.source or None,
-            hint="see kilter.check",
-            option="see 'kilter check'",
-        )
-    if state.stable is None:
-        raise InputError(
-            "whether the finished assembly holds is undecided",
-            file=assembly.source or None,
-            hint="see kilter.check",
-            option="see 'kilter check'",
-        )
-    return state
+    return found.judge(np.ones(len(assembly), dtype=bool), grounded)
 
 
 def _names(assembly: Assembly, *sets: int) -> tuple[str, ...]:

@@ -12,17 +12,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.analysis.check import check
-from kilter.analysis.decision.judge import judge
 from kilter.analysis.planning.order.removal import Direction, Leg
 from kilter.analysis.planning.order.search import OrderSearch, Removed
 from kilter.analysis.planning.states.holds import Holds
 from kilter.analysis.planning.states.state import State
 from kilter.analysis.planning.states.states import States
 from kilter.arrays import Array
-from kilter.contact.sub_contacts import contacts_among
 
-__all__ = ["FAR", "NO_WAY", "UNDECIDED", "VERDICTS", "Step", "steps_of"]
+__all__ = ["FAR", "NO_WAY", "UNDECIDED", "VERDICTS", "Step", "lower_level", "steps_of"]
 
 FAR = 2.0
 """How far away a part begins, over the size of the whole assembly."""
@@ -134,11 +131,15 @@ def steps_of(
         moved = tuple(names[k] for k in one.parts)
         along = one.legs[0].direction if one.legs else (0.0, 0.0, 0.0)
         touches, rubs = search.removal.touching(one.set, one.state.present, along)
-        under = None
-        level = _level(states if one.turned is None else one.turned, one.state, require, effort)
+        under = states if one.turned is None else one.turned
+        level = under.level(one.state, require=require, effort=effort, work=search.work)
+        pressed_by = None
         if one.pressed is not None and search.pressing is not None:
-            under = search.pressing.states_of(one.set, _back(one.legs))
-            level = _lower(level, _level(under, one.pressed, require, effort))
+            pressed_by = search.pressing.states_of(one.set, _back(one.legs))
+            pressed = pressed_by.level(
+                one.pressed, require=require, effort=effort, work=search.work
+            )
+            level = lower_level(level, pressed)
         bolt = search.removal.over(one.set, one.state.present)
         steps.append(
             Step(
@@ -155,7 +156,7 @@ def steps_of(
                 needs=one.needs if one.state.stable else None,
                 fails=one.fails,
                 pressed=one.pressed,
-                under=under,
+                under=pressed_by,
                 turned=one.turned,
                 between=one.between,
             )
@@ -170,29 +171,12 @@ def _back(legs: tuple[Leg, ...]) -> Direction:
     return x, y, z
 
 
-def _lower(one: str | None, other: str | None) -> str | None:
-    """The lower of two levels."""
-    if one is None or other is None:
+def lower_level(first: str | None, second: str | None) -> str | None:
+    """The lower of two levels; None if one of them is None."""
+    if first is None or second is None:
         return None
-    return max(one, other, key=list(VERDICTS).index)
+    return max(first, second, key=list(VERDICTS).index)
 
 
 def _names(names: Sequence[str], parts: Iterable[int]) -> tuple[str, ...]:
     return tuple(names[k] for k in parts)
-
-
-def _level(states: States, state: State, require: str, effort: float) -> str | None:
-    """How surely a state holds; None where no forces can hold it."""
-    if not state.stable:
-        return None
-    if state.verdict is not None and state.verdict.level is not None:
-        return state.verdict.level
-    if state.forces is not None and not state.forces.friction.any():
-        return "proved"
-    if judge(state.program.frictionless).stable:
-        return "proved"
-    if require == "equilibrium":
-        return "equilibrium"
-    assembly = states.sub_assembly(state)
-    contacts = contacts_among(states.contacts, assembly)
-    return check(assembly, contacts=contacts, require=require, effort=effort).level or "equilibrium"

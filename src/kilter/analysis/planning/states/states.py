@@ -27,6 +27,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kilter.analysis.check import check
+from kilter.analysis.decision.cascade import decide
+from kilter.analysis.decision.decision import Decision
 from kilter.analysis.decision.degenerate_branches import decide_degenerate
 from kilter.analysis.decision.doubts import doubts_of
 from kilter.analysis.decision.judge import Judgement, judge
@@ -63,6 +65,7 @@ from kilter.mechanics.proof import Evidence, make_proof
 from kilter.rigid import unit
 from kilter.threads import on_one_thread
 from kilter.validate import number
+from kilter.work import Work, units_of
 
 __all__ = ["States", "states"]
 
@@ -364,6 +367,60 @@ class States:
         verdict = check(assembly, contacts=contacts, require="equilibrium", effort=0)
         stable = None if verdict.verdict == "undecided" else verdict.stable
         return replace(state, stable=stable, verdict=verdict)
+
+    def decide(
+        self,
+        state: State,
+        *,
+        require: str,
+        effort: float,
+        work: Work | None = None,
+        finished: bool = False,
+    ) -> Decision:
+        """Decide a state as an assembly of its own, by the cascade of `kilter.check`.
+
+        Parameters
+        ----------
+        state : State
+        require : {"equilibrium", "settles", "proved"}
+            Level at which the decision may stop.
+        effort : float
+            Effort of the guarantee of friction.
+        work : Work, optional
+            Work whose time limit is kept.
+        finished : bool
+            Whether second order and the deciding open pairs are found, too.
+        """
+        allowed = Work(units_of(effort)) if work is None else work.beside(units_of(effort))
+        assembly = self.sub_assembly(state)
+        contacts = contacts_among(self.contacts, assembly)
+        return decide(
+            assembly,
+            contacts,
+            require=require,
+            work=allowed,
+            second_order=finished,
+            question=finished,
+        )
+
+    def level(
+        self, state: State, *, require: str, effort: float, work: Work | None = None
+    ) -> str | None:
+        """The level that a state reaches to first order; None if it does not hold.
+
+        Parameters are those of `decide`.
+        """
+        if not state.stable:
+            return None
+        if state.verdict is not None and state.verdict.level is not None:
+            return state.verdict.level
+        if state.forces is not None and not state.forces.friction.any():
+            return "proved"
+        if judge(state.program.frictionless).stable:
+            return "proved"
+        if require == "equilibrium":
+            return "equilibrium"
+        return self.decide(state, require=require, effort=effort, work=work).level
 
     def sub_assembly(self, state: State) -> Assembly:
         """A state as an assembly of its own: the parts present, the held ones held."""
