@@ -35,7 +35,7 @@ def file(tmp_path: Path) -> Path:
         (["--directions", "up"], 2),
         (["--screws", "voussoir-1"], 2),
         (["--ground", "*"], 2),
-        (["--friction", "0.1"], 2),
+        (["--friction", "0.1"], 1),
     ],
 )
 def test_exit_codes(file: Path, options: list[str], code: int) -> None:
@@ -71,10 +71,9 @@ def test_steps_are_written_as_a_table(file: Path, tmp_path: Path) -> None:
 def test_what_falls_when_it_is_finished_is_named(
     file: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["plan", str(file), "--friction", "0.1"]) == 2
-    said = capsys.readouterr().err
-    assert "the finished assembly does not hold: 'voussoir-" in said
-    assert "kilter check" in said
+    assert main(["plan", str(file), "--friction", "0.1"]) == 1
+    said = capsys.readouterr().out
+    assert "the finished assembly does not hold by itself, 'voussoir-" in said
 
 
 def test_a_page_is_written_that_says_how_it_was_made(

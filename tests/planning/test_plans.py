@@ -141,9 +141,27 @@ def test_what_is_said_of_fewer() -> None:
     assert words.endswith("Along the ways that were tried no order has fewer held steps.")
 
 
-def test_an_arch_that_falls_when_it_is_finished_is_refused() -> None:
-    with pytest.raises(InputError, match="the finished assembly does not hold: 'voussoir-0'"):
-        kilter.plan(arch(20, ratio=0.2, friction=0.3))
+def test_an_arch_that_falls_when_it_is_finished_has_no_order() -> None:
+    falling = arch(20, ratio=0.2, friction=0.3)
+    order = kilter.plan(falling)
+    answer = order.to_dict()
+    assert (order.found, order.verdict, order.holds) == (False, "impossible", False)
+    assert answer["impossible"]["kind"] == "falls"
+    assert "voussoir-0" in answer["impossible"]["parts"]
+    assert answer["finished"] == {"verdict": "unstable", "level": None}
+    assert kilter.verify(falling, order.proof()).holds
+    assert not kilter.verify(falling.with_friction(0.9), order.proof()).holds
+
+
+@pytest.mark.parametrize(
+    ("name", "require"), [("squeezed-block", "settles"), ("squeezed-block", "proved")]
+)
+def test_the_finished_assembly_is_a_state_of_its_plan(name: str, require: str) -> None:
+    order = kilter.plan(scene(name), require=require)
+    verdict = kilter.check(scene(name), require=require)
+    assert order.found
+    assert order.to_dict()["finished"] == {"verdict": verdict.verdict, "level": verdict.level}
+    assert (order.level, order.holds) == ("equilibrium", False)
 
 
 def test_two_steps_exchanged_are_refused() -> None:
