@@ -4,7 +4,7 @@
     python benchmarks/bond_census.py 500 --seed 1000       as many, from a seed on
     python benchmarks/bond_census.py 500 --limit 60        seconds of the processor for each
 
-The assemblies are those of `kilter.scenes.random_bonded`. Nothing of kilter but masses is used on
+The assemblies are those of `tests/scenes/random_bonded.py`. Nothing of kilter but masses is used on
 the other side: where blocks touch follows from their sizes, a stress acts at the middle of a
 rectangle, friction lies in pyramids inside and around Coulomb's cone, and linprog says the least
 share. Asked are: contacts; verdict and share; verdicts on both sides of the share; that proofs are
@@ -19,8 +19,10 @@ import collections
 import dataclasses
 import json
 import signal
+import sys
 import time
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -30,7 +32,10 @@ import kilter
 from kilter import Assembly, Bond
 from kilter.arrays import Array
 from kilter.contact import ContactSet
-from kilter.scenes.random_bonded import Bonded, random_bonded
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "scenes"))
+
+from random_bonded import Bonded, random_bonded
 
 SIDES = 32
 """Sides of a pyramid: the two differ by half a hundredth."""

@@ -29,7 +29,10 @@ import numpy as np
 from kilter import check
 from kilter.friction.exclusion import prove_no_motion
 from kilter.friction.motion_search import find_coulomb_motion
-from kilter.scenes.random_friction import random_assembly
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "scenes"))
+
+from random_friction import random_assembly
 
 
 def contradictions(verdict: object, effort: float) -> list[str]:

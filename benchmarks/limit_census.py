@@ -1,7 +1,7 @@
 """Load factors and pushes by bisection of the verdict: are they what `margin` says?
 
     python benchmarks/limit_census.py arch 40 -o limits.jsonl     seeds 0 to 39
-    python benchmarks/limit_census.py bonded 40                   of `kilter.scenes.random_bonded`
+    python benchmarks/limit_census.py bonded 40                   of `tests/scenes/random_bonded.py`
 
 Of each assembly of `region_census`, or "bonded", that holds as given: the load factor of a body
 force in a random direction, and the largest push on a random part in another, are bisected by
@@ -15,10 +15,14 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from region_census import run
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "scenes"))
 
 NEAR = 1e-6
 """How near bisection comes to a limit, over 1 and it [-]."""
@@ -90,8 +94,8 @@ def answered(family: str, seed: int, directions: int) -> Any:
 
 def made(family: str, seed: int) -> Any:
     """The assembly of a seed."""
-    from kilter.scenes.random_bonded import random_bonded
-    from kilter.scenes.random_turned import random_turned
+    from random_bonded import random_bonded
+    from random_turned import random_turned
 
     return random_bonded(seed).assembly if family == "bonded" else random_turned(family, seed)
 

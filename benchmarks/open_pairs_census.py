@@ -4,7 +4,7 @@
     python benchmarks/open_pairs_census.py 1000 7    1,000, from seed 7 on
 
 Parts are pushed into overlap or out of contact by 1.5 to 50 tolerances
-(`kilter.scenes.random_pushed`). Then every open pair is taken away, or taken for the contact that
+(`tests/scenes/random_pushed.py`). Then every open pair is taken away, or taken for the contact that
 was meant, or joined, in every subset, with and without friction, and the deciding set is held
 against all sets of open pairs. Prints what contradicts itself, which must be nothing.
 """
@@ -17,6 +17,7 @@ import sys
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from kilter import check
 from kilter.analysis.decision.judge import judge
@@ -29,7 +30,10 @@ from kilter.contact.contact_tolerances import GAP
 from kilter.contact.open_pairs import OpenPair
 from kilter.friction.answer import ask_friction
 from kilter.mechanics.program import Program, build_program
-from kilter.scenes.random_pushed import pushed_assembly
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "scenes"))
+
+from random_pushed import pushed_assembly
 
 MOST = 5
 """Open pairs of which every way is tried; of more, those with one or two pairs changed."""

@@ -3,7 +3,7 @@
     python benchmarks/plan_census.py arch 40 -o plans.jsonl     seeds 0 to 39; goes on where it was
     python benchmarks/plan_census.py --table plans.jsonl
 
-Families: arch, pile, wedge (`kilter.scenes.random_turned`), and wall: few courses of bricks of
+Families: arch, pile, wedge (`tests/scenes/random_turned.py`), and wall: few courses of bricks of
 random widths, with gaps, on a random base. What falls as it stands is counted as refused, and has
 to fall by `check`. The others are planned with up to 0, 1 and 2 parts held, in a process of its
 own; a fault where one takes a minute of the processor. Then
@@ -22,10 +22,12 @@ import collections
 import json
 import resource
 import signal
+import sys
 import time
 from collections.abc import Callable, Iterable, Sequence
 from functools import cache
 from itertools import combinations, pairwise, permutations
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -37,8 +39,11 @@ from kilter.analysis.planning.states.part_sets import bits_of, mask_of, members
 from kilter.analysis.verification import verify_bundle
 from kilter.arrays import connected
 from kilter.contact.sub_contacts import contacts_among
-from kilter.scenes.random_turned import random_turned
 from kilter.scenes.walls import wall_from_courses
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "scenes"))
+
+from random_turned import random_turned
 
 MOST = 2
 """Parts held at once, up to which it is asked."""

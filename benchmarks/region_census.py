@@ -4,7 +4,7 @@
     python benchmarks/region_census.py pile 500 -o census.jsonl     goes on where it was
     python benchmarks/region_census.py --table census.jsonl
 
-Families: arch, pile, wedge, round (`kilter.scenes.random_turned`). Each assembly is asked for
+Families: arch, pile, wedge, round (`tests/scenes/random_turned.py`). Each assembly is asked for
 region, orientation and margin in a process of its own; a fault where one takes a minute. Then
 `judge` is asked in random directions, and on either side of the boundary found, of the tilt
 margin and of the least friction; the three margins are compared.
@@ -17,10 +17,14 @@ import collections
 import json
 import multiprocessing
 import os
+import sys
 import time
 import traceback
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "scenes"))
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
@@ -55,10 +59,10 @@ def work(family: str, seed: int, pipe: Any, directions: int, answered: Answered)
 def turned(family: str, seed: int, directions: int) -> Any:
     """Parts of the row of a case, one after another."""
     import numpy as np
+    from random_turned import random_turned
 
     import kilter
     from kilter.mechanics.program import build_program
-    from kilter.scenes.random_turned import random_turned
 
     assembly = random_turned(family, seed)
     contacts = kilter.contacts(assembly)

@@ -27,6 +27,7 @@ import sys
 import time
 from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,8 +38,11 @@ from scipy.spatial.transform import Rotation
 
 from kilter import Assembly, Mesh, Part, Pose, region
 from kilter.analysis.regions.well import Well
-from kilter.scenes.lathe import turned_part
 from kilter.scenes.pieces import floor
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "scenes"))
+
+from lathe import turned_part
 
 Array = NDArray[np.float64]
 G = 9.81

@@ -19,6 +19,8 @@ import sys
 import tempfile
 from pathlib import Path
 
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "scenes"))
+
 RANDOM = 30
 """Random assemblies."""
 LIMIT = 300
@@ -34,9 +36,10 @@ THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "RAYON_
 
 def subjects(folders: list[Path], into: Path) -> list[tuple[str, list[str]]]:
     """Names, and what to type after ``kilter check``."""
+    from random_friction import random_assembly
+
     from kilter import dump
     from kilter.scenes import SCENES, scene
-    from kilter.scenes.random_friction import random_assembly
 
     found = []
     for name in SCENES:

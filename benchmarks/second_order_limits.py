@@ -15,9 +15,13 @@ import argparse
 import sys
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 import kilter
-from kilter.scenes.balance import CASES, Case
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "scenes"))
+
+from balance_cases import CASES, Case
 
 AROUND, WITHIN, RESOLVED = 0.1, 1e-6, 1e-7
 

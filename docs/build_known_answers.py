@@ -1,21 +1,25 @@
 """The page of known answers of second order: ``python docs/build_known_answers.py``.
 
-`kilter.scenes.balance` has the known states. `kilter.check` and `find_rolling` compute the states
-on both sides of each limit. `SHOWS` has a remark on each case.
+`tests/scenes/balance_cases.py` has the known states. `kilter.check` and `find_rolling` compute
+the states on both sides of each limit. `SHOWS` has a remark on each case.
 """
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import kilter
 from kilter.assembly import Assembly
 from kilter.mechanics.program import build_program
-from kilter.scenes.balance import CASES, GRIP, ROLLING, Case
 from kilter.second_order.answer.second_order_answer import SecondOrder
 from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.motions.rolling import find_rolling
 from kilter.tell.numbers import number
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "scenes"))
+
+from balance_cases import CASES, GRIP, ROLLING, Case
 
 PAGE = Path(__file__).resolve().parent / "known-answers.md"
 BESIDE = 0.1
@@ -30,7 +34,7 @@ each case, from a closed form or by hand. The tests compare kilter on both sides
 `python docs/build_known_answers.py` computes this page. The [theory](theory.md) has the proofs,
 the [glossary](glossary.md) defines the words.
 
-The cases are `kilter.scenes.balance`. Their contacts are given with their
+The cases are in `tests/scenes/balance_cases.py`. Their contacts are given with their
 [features](contacts.md#features). The pictures are drawn from these, and choose dimensions that a
 case leaves open, such as the thickness of a plank. If a case has a limit, the first state is
 {beside} below it and the second state is {beside} above it. *Neutral* counts the motions that

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 from line_drawing import View, arc
 from numpy.typing import ArrayLike
 
 from kilter.arrays import Array
-from kilter.scenes.balance import Case
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "scenes"))
+
+from balance_cases import Case
 
 BESIDE = 0.1
 """Distance below the limit at which a case is drawn [unit of its parameter]."""

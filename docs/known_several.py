@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 from known_drawing import (
@@ -28,7 +30,9 @@ from known_drawing import (
 )
 from line_drawing import View, arc
 
-from kilter.scenes.balance import PEG, RING, WIRE
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "scenes"))
+
+from balance_cases import PEG, RING, WIRE
 
 # several contacts --------------------------------------------------------------------------
 

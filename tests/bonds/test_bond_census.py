@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from random_bonded import random_bonded
 
-from kilter.scenes.random_bonded import random_bonded
 from sampled import sampled
 
 FILE = Path(__file__).resolve().parents[2] / "benchmarks" / "bond_census.py"

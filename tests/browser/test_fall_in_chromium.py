@@ -6,13 +6,13 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from balance_cases import CASES
 from scipy.spatial.transform import Rotation
 from test_motion_in_chromium import depths, moved
 
 import kilter
 from kilter import Assembly, Part, Pose, Sphere
 from kilter.scenes import scene
-from kilter.scenes.balance import CASES
 from kilter.second_order.answer.path_places import find_path_places
 
 pytestmark = pytest.mark.browser

@@ -11,8 +11,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-
-from kilter.scenes.balance import CASES, ROLLING
+from balance_cases import CASES, ROLLING
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 PAGE = DOCS / "known-answers.md"

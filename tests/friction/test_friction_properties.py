@@ -7,6 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 from judged import judged
+from random_friction import FAMILIES, random_assembly
 
 from kilter import check
 from kilter.assembly import FrictionPair
@@ -15,7 +16,6 @@ from kilter.friction.exclusion import prove_no_motion
 from kilter.friction.seating import find_seating
 from kilter.mechanics.program import build_program
 from kilter.scenes.pieces import turn
-from kilter.scenes.random_friction import FAMILIES, random_assembly
 from kilter.scenes.transform import moved, scaled
 
 SEEDS = range(40)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from held_or_not import compas, cylinders, program, real_data, slope, thin_bracket
+from random_friction import random_assembly
 
 from kilter import check
 from kilter.cli import main
@@ -15,7 +16,6 @@ from kilter.friction.settling import find_settling
 from kilter.friction.springs import Springs, spring_system
 from kilter.mechanics.law_check import check_balance
 from kilter.scenes import arches, friction, stacks, walls
-from kilter.scenes.random_friction import random_assembly
 from kilter.tell.facts import facts
 from kilter.work import Work
 

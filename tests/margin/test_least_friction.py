@@ -7,6 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 from margins import program_of
+from random_turned import random_turned
 
 from kilter.analysis.decision.cohesion import find_cohesion
 from kilter.analysis.decision.judge import judge
@@ -18,7 +19,6 @@ from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
 from kilter.scenes import friction, scene, stacks
 from kilter.scenes.pieces import block, floor
-from kilter.scenes.random_turned import random_turned
 
 FEW = 40
 """Programs that are enough; bisection of undecided ones took minutes for each of some."""

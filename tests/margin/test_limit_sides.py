@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from margins import program_of
+from random_turned import random_turned, springer_arch
 
 from kilter.analysis.decision.judge import judge
 from kilter.analysis.margins import load_limit
@@ -23,7 +24,6 @@ from kilter.mechanics.certificate import check_motion
 from kilter.mechanics.coulomb_cones import cone_problem
 from kilter.mechanics.opening import Opening
 from kilter.scenes import stacks, walls
-from kilter.scenes.random_turned import random_turned, springer_arch
 from kilter.threads import on_one_thread
 
 limit_of = on_one_thread(find_limit)

@@ -6,6 +6,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from random_turned import random_turned
 
 import kilter
 from kilter import Assembly
@@ -17,7 +18,6 @@ from kilter.analysis.planning.states.states import States
 from kilter.analysis.verification import verify_proof
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
-from kilter.scenes.random_turned import random_turned
 from kilter.scenes.stacks import staircase
 
 

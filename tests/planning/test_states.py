@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from random_friction import random_assembly
+from random_turned import random_turned
 
 import kilter
 from kilter import Assembly, InputError
@@ -19,8 +21,6 @@ from kilter.mechanics.coulomb_cones import cone_problem, load_factor_in_cones
 from kilter.mechanics.program import Program
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
-from kilter.scenes.random_friction import random_assembly
-from kilter.scenes.random_turned import random_turned
 from kilter.scenes.stacks import block_on_slope
 from kilter.solvers.clarabel import solve_conic
 

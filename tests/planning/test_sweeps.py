@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from interlocked import hooked
 from moved_solids import deepest, places_along, skin
+from random_turned import random_turned
 
 import kilter
 from kilter import Assembly, Box, Cylinder, Order, Part, Pose
@@ -19,7 +20,6 @@ from kilter.contact.fits.shared_body import PartSolids
 from kilter.scenes import scene
 from kilter.scenes.arches import arch
 from kilter.scenes.pieces import block, floor, tube
-from kilter.scenes.random_turned import random_turned
 
 Direction = tuple[float, float, float]
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from random_turned import random_turned, springer_arch
 
 import kilter
 from kilter.cli import main
 from kilter.errors import InputError
 from kilter.mechanics.proof import digest_of
 from kilter.scenes import rails, stacks
-from kilter.scenes.random_turned import random_turned, springer_arch
 
 CASES = {
     "arch": lambda: springer_arch(4, 0.25, friction=0.7),

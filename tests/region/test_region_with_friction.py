@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from random_turned import random_turned
 
 import kilter
 from kilter import Assembly, ContactSet
@@ -13,7 +14,6 @@ from kilter.analysis.decision.judge import judge
 from kilter.analysis.margins.tilt import TiltMargin, find_tilt_margin
 from kilter.analysis.regions.region import Region
 from kilter.mechanics.program import Program, build_program
-from kilter.scenes.random_turned import random_turned
 from sampled import sampled
 
 CASES = sampled(4, [("arch", 1), ("pile", 4), ("wedge", 1), ("round", 5), ("arch", 3), ("arch", 5),

@@ -5,13 +5,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from balance_cases import CASES
 
 import kilter
 from kilter.assembly import Assembly
 from kilter.cli import main
 from kilter.errors import InputError
 from kilter.files import to_dict
-from kilter.scenes.balance import CASES
 from kilter.scenes.pieces import block
 
 

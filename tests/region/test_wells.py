@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from lathe import turned_part
 from scipy.spatial import ConvexHull
 
 import kilter
@@ -12,7 +13,6 @@ from kilter.analysis.regions.well import Well
 from kilter.assembly import Assembly, Part
 from kilter.assembly.lowest import lowest_heights
 from kilter.rigid import Pose
-from kilter.scenes.lathe import turned_part
 from kilter.scenes.pieces import block, floor, turn
 from kilter.shape.primitives import Cylinder, Mesh, Sphere
 from kilter.shape.solid import Solid, Surface

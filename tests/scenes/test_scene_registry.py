@@ -74,7 +74,7 @@ def test_builds_the_same_scene_each_time():
 def test_unknown_name_names_the_nearest():
     with pytest.raises(InputError, match="did you mean 'harmonic-stack'"):
         scene("harmonic-stak")
-    with pytest.raises(InputError, match="there are: paper-figure-1"):
+    with pytest.raises(InputError, match="use one of: paper-figure-1"):
         scene("??")
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from balance_cases import CASES, Case
 
 from kilter import Assembly, Box, Feature, GivenContact, Part, Pose, Sphere
-from kilter.scenes.balance import CASES, Case
 
 
 def case_of(number: str) -> Case:

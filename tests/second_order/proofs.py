@@ -8,6 +8,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+from balance_cases import GRIP, ROLLING
 from mesh_rounds import as_mesh, ball
 from places import case_of, side_by_side
 from test_held import RADIAL, coupling
@@ -17,7 +18,6 @@ from test_stopped import STOP, overhanging
 import kilter
 from kilter import Assembly, Box, Feature, GivenContact, Part, Pose, Sphere
 from kilter.mechanics.program import build_program
-from kilter.scenes.balance import GRIP, ROLLING
 from kilter.scenes.paper import figure_9
 from kilter.second_order.proofs.second_order_recheck import recheck_second_order
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from balance_cases import CASES, Case
 from places import moved
 
 import kilter
@@ -14,7 +15,6 @@ from kilter import Assembly, Part, Pose
 from kilter.cli import main
 from kilter.files.kilter_json import to_dict
 from kilter.scenes import scene
-from kilter.scenes.balance import CASES, Case
 from kilter.second_order.proofs.minimum_proof import MinimumProof, judge_minimum
 from kilter.shape.primitives import Box, Cylinder, Sphere
 

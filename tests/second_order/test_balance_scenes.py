@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from balance_cases import CASES, ROLLING, Case
 from scipy.optimize import nnls
 
 import kilter
 from kilter.arrays import Array
 from kilter.mechanics.program import build_program
-from kilter.scenes.balance import CASES, ROLLING, Case
 from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.gaps.gap_form import formed, gap_forms
 

@@ -7,6 +7,7 @@ import itertools
 
 import numpy as np
 import pytest
+from balance_cases import CASES
 from places import case_of, moved, side_by_side
 from test_second_order_file import changed, numbers
 
@@ -14,7 +15,6 @@ import kilter
 from kilter import Assembly, Feature, GivenContact, Part, Pose, Sphere
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
-from kilter.scenes.balance import CASES
 from kilter.second_order.answer.second_order_answer import SecondOrder
 from kilter.second_order.parts.clusters import clusters, joined_state
 from kilter.shape.primitives import Box

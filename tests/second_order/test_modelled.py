@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from balance_cases import CASES
 
 import kilter
 from kilter import Assembly, Bond, Box, Cylinder, Joint, Load, Mesh, Part, Pose, Sphere
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
-from kilter.scenes.balance import CASES
 from kilter.second_order.proofs.modelled import (
     OFF_CENTRE,
     loads_off_centre,

@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from balance_cases import CASES, ROLLING, Case
 
 import kilter
 from kilter import Assembly, Box, Cylinder, Joint, Part, Pose, Sphere
 from kilter.mechanics.program import build_program
 from kilter.mechanics.proof import digest_of
-from kilter.scenes.balance import CASES, ROLLING, Case
 from kilter.scenes.transform import moved
 from kilter.second_order.answer.second_order_answer import SecondOrder
 from kilter.second_order.parts.rigid_groups import RigidGroups

@@ -6,13 +6,13 @@ import copy
 
 import numpy as np
 import pytest
+from balance_cases import GRIP, ROLLING, Case
 from places import side_by_side
 
 import kilter
 from kilter import Assembly
 from kilter.mechanics.program import Program, build_program
 from kilter.mechanics.proof import digest_of
-from kilter.scenes.balance import GRIP, ROLLING, Case
 from kilter.second_order.gaps.features_of import features_of
 from kilter.second_order.motions.rolling import Rolling, find_rolling
 

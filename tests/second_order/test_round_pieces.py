@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from lathe import turned_part
 
 import kilter
 from kilter.assembly import Assembly, Part
 from kilter.assembly.lowest import lowest_heights
 from kilter.rigid import Pose
-from kilter.scenes.lathe import turned_part
 from kilter.scenes.pieces import floor
 from kilter.second_order.parts.separation import bodies_of, turn_of
 

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from balance_cases import CASES
 
 import kilter
 from kilter import Assembly, Box, Cylinder, Joint, Part, Pose, Sphere
 from kilter.mechanics.proof import digest_of
 from kilter.scenes import scene
-from kilter.scenes.balance import CASES
 from kilter.second_order.proofs.fall_proof import STEPS
 
 Place = tuple[str | int, ...]

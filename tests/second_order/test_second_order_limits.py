@@ -9,8 +9,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-
-from kilter.scenes.balance import CASES, Case
+from balance_cases import CASES, Case
 
 FILE = Path(__file__).resolve().parents[2] / "benchmarks" / "second_order_limits.py"
 LIMITED = [case for case in CASES if case.limit is not None]

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import pytest
+from lathe import turned_part
 from test_page import data_of
 
 import kilter
 from kilter import Assembly, Box, Part
 from kilter.analysis.everything import everything
-from kilter.scenes.lathe import turned_part
 from kilter.scenes.pieces import block, floor
 from kilter.show.page import render
 from kilter.show.sphere import draw_region

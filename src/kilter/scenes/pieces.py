@@ -1,4 +1,4 @@
-"""Pieces that scenes are put together from: blocks by their corners, turns, solids of cells."""
+"""Building blocks of scenes: parts of simple shapes, rotations, solids of grid cells."""
 
 from __future__ import annotations
 
@@ -21,7 +21,6 @@ __all__ = [
     "cells",
     "compose",
     "floor",
-    "posts",
     "prism",
     "ring",
     "tube",
@@ -31,7 +30,7 @@ __all__ = [
 
 
 def block(name: str, low: ArrayLike, high: ArrayLike, **properties: Any) -> Part:
-    """A box part by two opposite corners, each shape (3,) [length unit], world frame.
+    """A box part between two opposite corners, each shape (3,), world frame [length unit].
 
     Examples
     --------
@@ -45,19 +44,8 @@ def block(name: str, low: ArrayLike, high: ArrayLike, **properties: Any) -> Part
 def floor(
     low: Sequence[float], high: Sequence[float], *, top: float = 0.0, name: str = "floor"
 ) -> Part:
-    """A held slab, thickness 1, from (x, y) `low` to `high`, its top at height `top`."""
+    """A held slab of thickness 1 from (x, y) `low` to `high`, with its top at z = `top`."""
     return block(name, [*low, top - 1.0], [*high, top], grounded=True)
-
-
-def posts(random: np.random.Generator) -> tuple[list[Part], float]:
-    """A floor with two to four posts at random, side by side along x; and where they end in x."""
-    parts: list[Part] = [floor([-4, -4], [8, 4])]
-    x = 0.0
-    for k in range(int(random.integers(2, 5))):
-        width, rise = float(random.uniform(0.2, 0.8)), float(random.uniform(0.5, 2.0))
-        parts.append(block(f"post-{k}", [x, -0.5, 0], [x + width, 0.5, rise]))
-        x += width
-    return parts, x
 
 
 def prism(name: str, polygon: Any, depth: float = 1.0, **properties: Any) -> Part:
@@ -66,7 +54,7 @@ def prism(name: str, polygon: Any, depth: float = 1.0, **properties: Any) -> Par
 
 
 def turn(axis: ArrayLike, degrees: float) -> Array:
-    """Quaternion (w, x, y, z) of a right-handed turn about `axis` [deg].
+    """Quaternion (w, x, y, z) of a right-handed rotation about `axis` [deg].
 
     Examples
     --------
@@ -78,7 +66,7 @@ def turn(axis: ArrayLike, degrees: float) -> Array:
 
 
 def compose(second: ArrayLike, first: ArrayLike) -> Array:
-    """Quaternion of the turn `first` followed by the turn `second`.
+    """Quaternion of the rotation `first` followed by the rotation `second`.
 
     Examples
     --------
@@ -91,7 +79,7 @@ def compose(second: ArrayLike, first: ArrayLike) -> Array:
 
 
 def turned_parts(parts: Sequence[Part], rotation: ArrayLike) -> list[Part]:
-    """The parts turned about the world's origin by a quaternion (w, x, y, z)."""
+    """Parts rotated about the world's origin by a quaternion (w, x, y, z)."""
     pose = Pose(rotation=rotation)
     return [
         dataclasses.replace(
@@ -114,17 +102,21 @@ def tube(
     sides: int = 48,
     **properties: Any,
 ) -> Part:
-    """A tube about z: exact cylinders and its two flat ends.
+    """A tube about z, as an exact solid of two cylinders and two flat ends.
 
     Parameters
     ----------
+    name : str
     bore, outer : float
         Radii [length unit].
     height : float
-        Along z, half of it to each side of `at` [length unit].
+        Extent along z [length unit].
     at : array_like, shape (3,)
+        Middle of the tube [length unit].
     sides : int
-        Of the polygons that stand for the circles in its triangles.
+        Sides of the polygons that approximate the circles in the triangles.
+    **properties
+        Further arguments of `Part`.
 
     Examples
     --------
@@ -142,7 +134,7 @@ def tube(
     low_in, high_in, low_out, high_out = (k + n * sides for n in range(4))
     a, b, c, d = (j + n * sides for n in range(4))
     quads = [
-        (low_in, high_in, b, a),  # the bore, its normals inwards
+        (low_in, high_in, b, a),  # the bore, with normals towards the axis
         (low_out, c, d, high_out),
         (high_in, high_out, d, b),
         (low_in, a, c, low_out),
@@ -174,7 +166,7 @@ def tube(
 
 
 def ring(inner: float, outer: float, depth: float) -> Mesh:
-    """A square ring (a frame with a square hole), half widths `inner` and `outer` in x and z.
+    """A frame with a square hole, with half widths `inner` and `outer` in x and z.
 
     Examples
     --------
@@ -195,12 +187,12 @@ def cells(xs: ArrayLike, ys: ArrayLike, zs: ArrayLike, solid: ArrayLike) -> Mesh
     xs, ys, zs : array_like
         Ascending coordinates of the grid planes [length unit].
     solid : array_like of bool, shape (len(xs) - 1, len(ys) - 1, len(zs) - 1)
-        Cells that are filled. Filled cells should meet over faces, not over an edge alone.
+        Whether a cell is filled. Filled cells must not meet along an edge only.
 
     Raises
     ------
     InputError
-        If `solid` does not fit the grid or nothing is filled.
+        If `solid` does not fit the grid, or no cell is filled.
 
     Examples
     --------
@@ -215,14 +207,14 @@ def cells(xs: ArrayLike, ys: ArrayLike, zs: ArrayLike, solid: ArrayLike) -> Mesh
     shape = tuple(len(line) for line in grid)
     rows = np.ravel_multi_index(tuple(np.moveaxis(quads, -1, 0)), shape)
     used, faces = np.unique(rows, return_inverse=True)
-    where = np.unravel_index(used, shape)
-    vertices = np.column_stack([line[k] for line, k in zip(grid, where, strict=True)])
+    corners = np.unravel_index(used, shape)
+    vertices = np.column_stack([line[k] for line, k in zip(grid, corners, strict=True)])
     faces = faces.reshape(-1, 4)
     return Mesh(vertices, np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]]))
 
 
 def _sides(filled: Mask, axis: int) -> Index:
-    """Grid corners, shape (n, 4, 3), of the sides across one axis, turning outwards."""
+    """Grid corners of the outer faces across an axis, shape (n, 4, 3), oriented outwards."""
     padding = [(1, 1) if k == axis else (0, 0) for k in range(3)]
     steps = np.diff(np.pad(filled.astype(np.int8), padding), axis=axis)
     u, v = (axis + 1) % 3, (axis + 2) % 3

@@ -1,4 +1,4 @@
-"""Random assemblies that friction may or may not hold: stacks, arches, ladders, fences."""
+"""Random assemblies near the limits of friction: stacks, arches, ladders, fences."""
 
 from __future__ import annotations
 
@@ -9,17 +9,28 @@ import numpy as np
 from kilter.assembly import Assembly, Part
 from kilter.scenes.arches import arch
 from kilter.scenes.friction import a_block, bracket, h_block, ladder, trough, v_block
-from kilter.scenes.pieces import block, floor, posts
+from kilter.scenes.pieces import block, floor
 from kilter.scenes.transform import tilted
 from kilter.scenes.wedges import keystone
 
-__all__ = ["FAMILIES", "random_assembly"]
+__all__ = ["FAMILIES", "posts", "random_assembly"]
 
 FAMILIES = ("stack", "keystone", "arch", "ladder", "fence", "squeezed", "trough", "bracket")
 
 
+def posts(random: np.random.Generator) -> tuple[list[Part], float]:
+    """A floor with two to four random posts side by side along x, and the end of the last in x."""
+    parts: list[Part] = [floor([-4, -4], [8, 4])]
+    x = 0.0
+    for k in range(int(random.integers(2, 5))):
+        width, rise = float(random.uniform(0.2, 0.8)), float(random.uniform(0.5, 2.0))
+        parts.append(block(f"post-{k}", [x, -0.5, 0], [x + width, 0.5, rise]))
+        x += width
+    return parts, x
+
+
 def random_assembly(seed: int) -> tuple[str, Assembly]:
-    """A family and an assembly of it; near limits as often as not.
+    """A random family and an assembly of it; about half of the assemblies are near a limit.
 
     Parameters
     ----------
@@ -58,7 +69,7 @@ def random_assembly(seed: int) -> tuple[str, Assembly]:
 
 
 def _stack(random: np.random.Generator, mu: float, planar: bool) -> Assembly:
-    """Blocks on one another, shifted at random, the whole tilted."""
+    """A tilted stack of randomly shifted blocks."""
     parts: list[Part] = [floor([-4, -4], [4, 4])]
     x, height = 0.0, 0.0
     for k in range(int(random.integers(1, 5))):
@@ -72,7 +83,7 @@ def _stack(random: np.random.Generator, mu: float, planar: bool) -> Assembly:
 
 
 def _fence(random: np.random.Generator, mu: float, planar: bool) -> Assembly:
-    """Posts that stand side by side on a tilted floor, against one another."""
+    """Touching posts side by side on a tilted floor."""
     parts, _ = posts(random)
     made = tilted(Assembly(parts, friction=mu), [0, 1, 0], float(random.uniform(-25, 25)))
     return dataclasses.replace(made, planar=planar)

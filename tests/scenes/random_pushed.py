@@ -1,7 +1,7 @@
-"""Random assemblies some of whose parts are pushed into overlap, or out of contact.
+"""Random assemblies in which some parts are pushed into overlap or out of contact.
 
-A part is moved along the normal of one of its contacts by 1.5 to 50 gap tolerances of that pair,
-so that what touched stands apart by a hair, or overlaps by one.
+A part is moved along the normal of a contact by 1.5 to 50 gap tolerances of the pair, so that a
+narrow gap or a small overlap replaces the contact.
 """
 
 from __future__ import annotations
@@ -11,14 +11,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from random_friction import posts, random_assembly
 
 from kilter.arrays import Array, Index
 from kilter.assembly import Assembly, Part
 from kilter.rigid import Pose
 from kilter.scenes.arches import arch
 from kilter.scenes.friction import a_block, h_block, trough, v_block
-from kilter.scenes.pieces import block, floor, posts
-from kilter.scenes.random_friction import random_assembly
+from kilter.scenes.pieces import block, floor
 from kilter.scenes.wedges import keystone
 from kilter.shape.primitives import Box
 
@@ -27,14 +27,15 @@ __all__ = ["PUSHED_FAMILIES", "Pushed", "pushed_assembly"]
 PUSHED_FAMILIES = ("stack", "bridge", "fence", "frame", "wedge", "arch", "ladder", "friction")
 Touching = Callable[[Assembly], tuple[Index, Array, Array]]
 PUSH = (1.5, 50.0)
-"""By so many gap tolerances a part is moved."""
+"""Least and greatest displacement of a part [gap tolerance]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pushed:
-    """An assembly as it is meant, and as it is drawn; `moves`: who was moved, how far.
+    """An assembly as intended and as drawn, with parts displaced.
 
-    In gap tolerances, positive out of contact.
+    `moves` lists the displaced parts and their displacements [gap tolerance], positive out of
+    contact.
     """
 
     family: str
@@ -44,33 +45,37 @@ class Pushed:
 
 
 def pushed_assembly(seed: int, touching: Touching) -> Pushed:
-    """The scene of a seed.
+    """Build a random assembly with one to three displaced parts.
 
     Parameters
     ----------
     seed : int
+        The same seed gives the same assembly.
     touching : callable
-        From an assembly to its contacts, a row each: parts, shape (n, 2), normals from the first
-        to the second, shape (n, 3), and gap tolerances, shape (n,).
+        Function that returns the contacts of an assembly: parts, shape (n, 2), normals from the
+        first to the second part, shape (n, 3), and gap tolerances, shape (n,).
     """
     random = np.random.default_rng(seed)
     family = PUSHED_FAMILIES[int(random.integers(len(PUSHED_FAMILIES)))]
     mu = float(random.uniform(0.05, 1.0)) * float(random.random() < 0.5)
-    meant = dataclasses.replace(_made(family, random), friction=mu, friction_pairs=[])
-    found = touching(meant)
+    meant = dataclasses.replace(_build(family, random), friction=mu, friction_pairs=[])
+    contacts = touching(meant)
     drawn = meant
     moves: list[tuple[str, float]] = []
     for _ in range(int(random.choice([1, 1, 1, 2, 3]))):
-        drawn, name, tolerances = _pushed(drawn, found, random)
+        drawn, name, tolerances = _pushed(drawn, contacts, random)
         moves.append((name, tolerances))
     return Pushed(family, meant, drawn, tuple(moves))
 
 
 def _pushed(
-    assembly: Assembly, found: tuple[Index, Array, Array], random: np.random.Generator
+    assembly: Assembly, contacts: tuple[Index, Array, Array], random: np.random.Generator
 ) -> tuple[Assembly, str, float]:
-    """A free part moved along the normal of one of its contacts."""
-    parts, normals, gap = found
+    """Displace a random free part along the normal of a contact in `contacts`.
+
+    Returns the assembly, the name of the part and the displacement [gap tolerance].
+    """
+    parts, normals, gap = contacts
     free = ~assembly.geometry.grounded[parts]
     patch = int(random.choice(np.flatnonzero(free.any(axis=1))))
     side = int(random.choice(np.flatnonzero(free[patch])))
@@ -80,11 +85,12 @@ def _pushed(
     part = assembly.parts[int(parts[patch, side])]
     pose = Pose(part.pose.position + sense * step * normals[patch], part.pose.rotation)
     moved = dataclasses.replace(part, pose=pose)
-    every = [moved if one is part else one for one in assembly.parts]
+    every = [moved if other is part else other for other in assembly.parts]
     return dataclasses.replace(assembly, parts=every), part.name, tolerances
 
 
-def _made(family: str, random: np.random.Generator) -> Assembly:
+def _build(family: str, random: np.random.Generator) -> Assembly:
+    """Build a random assembly of a family, without friction and displacements."""
     angle = float(random.uniform(5.0, 24.0))
     planar = bool(random.random() < 0.3)
     if family == "stack":
@@ -112,7 +118,7 @@ def _made(family: str, random: np.random.Generator) -> Assembly:
 
 
 def _stack(random: np.random.Generator) -> Assembly:
-    """Blocks on one another, shifted at random, some beyond their brink."""
+    """A stack of randomly shifted blocks, some beyond the tipping limit."""
     parts: list[Part] = [floor([-4, -4], [4, 4])]
     at, height = np.zeros(2), 0.0
     for k in range(int(random.integers(1, 5))):
@@ -125,7 +131,7 @@ def _stack(random: np.random.Generator) -> Assembly:
 
 
 def _bridge(random: np.random.Generator) -> Assembly:
-    """A beam on two or three posts, and a wall beside its end as often as not."""
+    """A beam on two or three posts, with a wall at its end in half of the cases."""
     xs = np.cumsum(random.uniform(0.6, 1.5, size=int(random.integers(2, 4))))
     parts: list[Part] = [floor([-2, -2], [6, 2])]
     for k, x in enumerate(xs):
@@ -141,7 +147,7 @@ def _bridge(random: np.random.Generator) -> Assembly:
 
 
 def _fence(random: np.random.Generator) -> Assembly:
-    """Posts side by side on a slope, against a wall at its end as often as not."""
+    """Posts side by side on a slope, against a wall in half of the cases."""
     parts, x = posts(random)
     if random.random() < 0.5:
         parts.append(block("wall", [x, -1, 0], [x + 1, 1, 2], grounded=True))
@@ -155,7 +161,7 @@ def _ladder(random: np.random.Generator) -> Assembly:
     along = np.array([np.cos(lean), 0.0, np.sin(lean)])
     across = np.array([np.sin(lean), 0.0, -np.cos(lean)])
     thick = float(random.uniform(0.05, 0.3))
-    # its lowest corner is at the origin, the wall at its farthest
+    # the lowest corner of the plank is at the origin, the wall at its farthest corner
     middle = (length * along - thick * across) / 2
     half = lean / 2
     turned = Pose(middle, [np.cos(half), 0.0, -np.sin(half), 0.0])
@@ -170,7 +176,7 @@ def _ladder(random: np.random.Generator) -> Assembly:
 
 
 def _frame(random: np.random.Generator) -> Assembly:
-    """Blocks that hold each other in a held corner, gravity anywhere."""
+    """Two blocks in a held corner, with gravity in a random direction."""
     corner = [
         block("x", [-1, -1, -1], [0, 3, 3], grounded=True),
         block("y", [0, -1, -1], [3, 0, 3], grounded=True),

@@ -1,6 +1,6 @@
-"""Random assemblies with friction, to be turned: arches, piles, wedges, rounds.
+"""Random assemblies with friction for tests of regions: arches, piles, wedges, rounds.
 
-Irregular on purpose: no size, angle or coefficient repeats, so that no limit lies on an axis.
+Sizes, angles and coefficients are irregular, so that no limit lies on an axis.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Random = np.random.Generator
 
 
 def random_turned(family: str, seed: int) -> Assembly:
-    """An assembly of a family of `TURNED`; the same seed gives the same assembly.
+    """Build a random assembly of a family of `TURNED`; equal seeds give equal assemblies.
 
     Examples
     --------
@@ -37,16 +37,18 @@ def random_turned(family: str, seed: int) -> Assembly:
 def springer_arch(
     count: int, thickness: float, *, depth: float = 0.3, friction: float = 0.7, planar: bool = False
 ) -> Assembly:
-    """A half circle of radius 1 of `count` wedge-shaped prisms, on two held springers.
+    """A semicircular arch of radius 1 m with wedge-shaped voussoirs on two held springers.
 
     Parameters
     ----------
     count : int
+        Number of voussoirs.
     thickness, depth : float
-        Across the circle, and along y [m].
+        Size across the circle, and along y [m].
     friction : float
-        [-]
+        Friction coefficient [-].
     planar : bool
+        Motions in the x-z plane only.
     """
     angles = np.pi - np.pi * np.arange(count + 1) / count
     spoke = np.column_stack([np.cos(angles), np.sin(angles)])
@@ -67,7 +69,7 @@ def springer_arch(
 
 
 def _arch(random: Random) -> Assembly:
-    """3 to 20 voussoirs, thickness .05 to .35 of the radius, mu .2 to 1.2."""
+    """An arch of 3 to 20 voussoirs, thickness 0.05 to 0.35 of the radius, friction 0.2 to 1.2."""
     return springer_arch(
         int(random.integers(3, 21)),
         float(random.uniform(0.05, 0.35)),
@@ -77,13 +79,13 @@ def _arch(random: Random) -> Assembly:
 
 
 def _leaning(random: Random, degrees: float) -> Array:
-    """A direction of gravity up to an angle off -z, any way."""
+    """A random unit direction of gravity within an angle of -z [deg]."""
     angle, way = np.radians(random.uniform(0, degrees)), random.uniform(0, 2 * np.pi)
     return np.array([np.sin(angle) * np.cos(way), np.sin(angle) * np.sin(way), -np.cos(angle)])
 
 
 def _pairs(random: Random, names: list[str]) -> list[FrictionPair]:
-    """In one of three assemblies, some pairs have a coefficient of their own."""
+    """Random friction coefficients for half of the pairs, in a third of the assemblies."""
     if random.random() > 1 / 3:
         return []
     chosen = [pair for pair in combinations(names, 2) if random.random() < 0.5]
@@ -91,7 +93,7 @@ def _pairs(random: Random, names: list[str]) -> list[FrictionPair]:
 
 
 def _pile(random: Random) -> Assembly:
-    """1 to 8 boxes dropped on a floor, each down to the highest thing below it."""
+    """1 to 8 boxes on a floor, each lowered onto the highest box below it."""
     boxes: list[tuple[Array, Array]] = []
     scatter = float(random.uniform(0.05, 0.8))
     for _ in range(int(random.integers(1, 9))):
@@ -114,7 +116,7 @@ def _pile(random: Random) -> Assembly:
 
 
 def _wedge(random: Random) -> Assembly:
-    """A wedge, a block or a prism between held plates, in a corner or in a trough."""
+    """A wedge, block or prism between held plates, in a corner or in a trough."""
     mu, angle = float(random.uniform(0.1, 1.2)), float(random.uniform(5.0, 24.0))
     planar = bool(random.random() < 0.3)
     makers: list[Callable[[], Assembly]] = [
@@ -132,7 +134,7 @@ def _wedge(random: Random) -> Assembly:
 
 
 def _rounds(random: Random) -> Assembly:
-    """Cylinders or spheres on a floor or between walls, with another on them or without."""
+    """Cylinders or spheres on a floor or between walls."""
     makers = (_cylinders, _spheres, _between_walls)
     parts = makers[int(random.integers(len(makers)))](random)
     free = [part.name for part in parts if not part.grounded]
@@ -145,7 +147,7 @@ def _rounds(random: Random) -> Assembly:
 
 
 def _cylinders(random: Random) -> list[Part]:
-    """Two cylinders along y side by side, touching or not, and perhaps a third on them."""
+    """A floor and two cylinders along y, with or without a gap, and mostly a third on top."""
     lying = turn([1, 0, 0], 90)
     left, right, top = (float(radius) for radius in random.uniform(0.6, 1.4, size=3))
     apart = 2 * np.sqrt(left * right) * (1.0 if random.random() < 0.5 else 1.2)
@@ -167,7 +169,7 @@ def _cylinders(random: Random) -> list[Part]:
 
 
 def _spheres(random: Random) -> list[Part]:
-    """Three spheres of one size in a triangle on a floor, and another on them."""
+    """A floor, three equal spheres in a triangle, and a fourth sphere on top."""
     radius, top = (float(value) for value in random.uniform(0.7, 1.3, size=2))
     side = 2 * radius * float(1.0 if random.random() < 0.5 else random.uniform(1.0, 1.15))
     angles = np.radians([90, 210, 330]) + random.uniform(0, 2)
@@ -180,7 +182,7 @@ def _spheres(random: Random) -> list[Part]:
 
 
 def _between_walls(random: Random) -> list[Part]:
-    """A sphere or a cylinder on the floor, against one wall or two."""
+    """A sphere or a cylinder on a floor, against one or two walls."""
     radius = float(random.uniform(0.6, 1.4))
     parts = [
         floor([-8, -8], [8, 8]),
@@ -201,4 +203,4 @@ TURNED: dict[str, Callable[[Random], Assembly]] = {
     "wedge": _wedge,
     "round": _rounds,
 }
-"""Makers of assemblies, by family."""
+"""Functions that build an assembly, by family."""

@@ -1,4 +1,4 @@
-"""Random blocks with bonds of every kind, turned any way, and where they touch by their sizes."""
+"""Random bonded blocks in any orientation, with their contact areas computed from the sizes."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ from kilter.shape.primitives import Box
 __all__ = ["Bonded", "Touch", "random_bonded"]
 
 THIN = 0.05
-"""Least overlap of two blocks that touch, along either side of it [length unit]."""
+"""Least side of the contact rectangle of two blocks [length unit]."""
 PLANE = 1e-9
-"""Up to which two sides lie in one plane [length unit]."""
+"""Largest distance of two coplanar sides [length unit]."""
 GIVEN_KINDS = (*KINDS, None, None)
-"""Kinds of bond that are drawn from."""
+"""Kinds of bond, from which a random kind is drawn."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Touch:
-    """A rectangle in which two blocks touch, before the whole is turned.
+    """Contact rectangle of two blocks, before the assembly is rotated.
 
     Attributes
     ----------
     parts : pair of int
     axis : int
-        Of its normal, which points from the first block to the second.
+        Axis of the normal, which points from the first block to the second.
     corners : ndarray, shape (4, 3)
-        [length unit]
+        Corners of the rectangle [length unit].
     """
 
     parts: tuple[int, int]
@@ -43,14 +43,14 @@ class Touch:
 
     @property
     def area(self) -> float:
-        """Of the rectangle [length unit^2]."""
+        """Area of the rectangle [length unit^2]."""
         across = np.ptp(self.corners, axis=0)
         return float(np.prod(np.delete(across, self.axis)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bonded:
-    """An assembly, where its blocks touch before the whole is turned, and the turn."""
+    """A bonded assembly, its contact rectangles before the rotation, and the rotation."""
 
     family: str
     assembly: Assembly
@@ -59,10 +59,10 @@ class Bonded:
 
 
 def random_bonded(seed: int) -> Bonded:
-    """Blocks of a seed: "courses" of a wall, or "grown", each on one before it; near a limit.
+    """Random bonded blocks near a limit: "courses" of a wall, or "grown" from block to block.
 
-    Courses may be planar. Bonds are by point, by area, or at points of their own, on most pairs;
-    there is friction, or none, and loads, or none.
+    Courses may be planar. Most pairs have a bond with a strength per point, per area, or at given
+    points. Friction and loads are random, too.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def random_bonded(seed: int) -> Bonded:
 
 
 def _courses(random: np.random.Generator) -> Array:
-    """Low and high corners, shape (N, 2, 3), of a wall of 2 to 4 courses on the first block."""
+    """Lower and upper corners, shape (N, 2, 3), of a wall of 2 to 4 courses on the first block."""
     blocks = [[[-0.5, -1, -1], [3.5, 1, 0]]]
     height = 0.0
     for _ in range(random.integers(2, 5)):
@@ -118,7 +118,7 @@ def _courses(random: np.random.Generator) -> Array:
 
 
 def _grown(random: np.random.Generator) -> Array:
-    """Low and high corners, shape (N, 2, 3), of blocks that each touch one before them."""
+    """Lower and upper corners, shape (N, 2, 3), of blocks that each touch an earlier block."""
     size = random.uniform(0.5, 1.5, 3)
     blocks = np.array([[-size / 2, size / 2]])
     count = random.integers(4, 10)
@@ -136,25 +136,25 @@ def _grown(random: np.random.Generator) -> Array:
 
 
 def _touching(blocks: Array) -> list[Touch]:
-    """Where blocks touch by more than an edge."""
-    found = []
-    for one, (low, high) in enumerate(blocks):
-        for other, (start, end) in enumerate(blocks):
+    """Contact rectangles of all pairs of blocks with sides above `THIN`."""
+    touches = []
+    for first, (low, high) in enumerate(blocks):
+        for second, (start, end) in enumerate(blocks):
             bottom, top = np.maximum(low, start), np.minimum(high, end)
             for axis in range(3):
                 u, v = (k for k in range(3) if k != axis)
                 lap = min(top[u] - bottom[u], top[v] - bottom[v])
-                if one == other or abs(high[axis] - start[axis]) > PLANE or lap <= THIN:
+                if first == second or abs(high[axis] - start[axis]) > PLANE or lap <= THIN:
                     continue
                 corners = np.tile(bottom, (4, 1))
                 corners[:, axis] = high[axis]
                 corners[[1, 2], u], corners[[2, 3], v] = top[u], top[v]
-                found.append(Touch((one, other), axis, corners))
-    return found
+                touches.append(Touch((first, second), axis, corners))
+    return touches
 
 
 def _has_slivers(blocks: Array) -> bool:
-    """Whether two blocks touch, or all but touch, by less than what counts."""
+    """Whether two blocks touch, or nearly touch, in a rectangle narrower than `THIN`."""
     low, high = blocks[:, 0], blocks[:, 1]
     lap = np.minimum(high[:, None], high) - np.maximum(low[:, None], low)
     lap = np.sort(lap[np.triu_indices(len(blocks), 1)], axis=1)
@@ -168,7 +168,7 @@ def _finished(
     turn: Pose,
     kept: Array,
 ) -> Assembly:
-    """Blocks with friction, loads and bonds."""
+    """Add random friction, loads and bonds to an assembly of blocks."""
     weight = 9.81 * float(made.geometry.mass[1:].sum())
     smooth, whole = random.random() < 0.15, random.random() < 0.6
     bonds, rubbing = [], []
@@ -195,7 +195,7 @@ def _finished(
 def _bond(
     random: np.random.Generator, pair: tuple[str, str], touch: Touch, turn: Pose, weight: float
 ) -> Bond:
-    """A bond of any kind on two blocks, about strong enough."""
+    """A random bond between two blocks, with a strength near the weight of the assembly [N]."""
     given = pair if random.random() < 0.5 else pair[::-1]
     strength = weight * 10 ** random.uniform(-1, 1)
     more: dict[str, Any] = {"kind": GIVEN_KINDS[random.integers(len(GIVEN_KINDS))]}

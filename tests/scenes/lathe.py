@@ -1,11 +1,11 @@
-"""Bodies turned on a lathe: exact solids of revolution about z, of lines and arcs.
+"""Exact solids of revolution about z, with profiles of lines and arcs.
 
-With the profile walked so that the material lies left of it, by Gauss's theorem,
+If the profile is traversed with the material on its left, Gauss's theorem gives
 
     volume = pi int rho^2 dz,             int z dV = pi int z rho^2 dz,
     int z^2 dV = pi int z^2 rho^2 dz,     int x^2 dV = pi / 4 int rho^4 dz,
 
-each by Gauss-Legendre nodes on a line or an arc, exact to rounding.
+Each integral uses Gauss-Legendre nodes on every line or arc and is exact to rounding.
 """
 
 from __future__ import annotations
@@ -24,25 +24,25 @@ from kilter.shape.solid import Solid, Surface
 __all__ = ["turned_part"]
 
 NODES = 40
-"""Of a quadrature on one line or arc."""
+"""Nodes of the quadrature on a line or arc."""
 SIDES, CUTS = 48, 12
-"""Triangles around the axis, and along an arc."""
+"""Number of triangles around the axis, and along an arc."""
 
 
 def turned_part(
     name: str, profile: Sequence[Sequence[float]], at: ArrayLike = (0, 0, 0), **properties: Any
 ) -> Part:
-    """A part whose faces are those of revolution of a profile about z.
+    """A part with the faces of revolution of a profile about z.
 
     Parameters
     ----------
     name : str
     profile : sequence
-        Points (rho, z) [length unit], the material left of the way: outwards below, upwards
-        outside. ``(rho, z, q, h)`` is reached by an arc of less than 180 degrees about (q, h).
-        It begins and ends on the axis, or where it began.
+        Points (rho, z) [length unit] with the material on the left: outwards on the lower side,
+        upwards on the outer side. A point ``(rho, z, q, h)`` ends an arc of less than 180 degrees
+        about (q, h). The profile begins and ends on the axis, or is closed.
     at : array_like, shape (3,)
-        Where its origin lies [length unit].
+        Position of the origin [length unit].
 
     Examples
     --------
@@ -58,13 +58,13 @@ def turned_part(
         moments += _moments(start, end, center)
         surfaces.append(_surface(start, end, center))
         share = np.linspace(0, 1, 1 + (1 if center is None else CUTS))[1:]
-        points += [*_way(start, end, center, share)[0][:-1], end]
+        points += [*_curve(start, end, center, share)[0][:-1], end]
         labels += [k] * len(share)
     volume, first, upright, across = moments
     middle = first / volume
     upright -= volume * middle**2
-    vertices, triangles, label = _net(np.array(points), np.array(labels))
-    bulge = _bulge(np.array(points), [one[2:] for one in profile[1:]])
+    vertices, triangles, label = _triangulate(np.array(points), np.array(labels))
+    bulge = _bulge(np.array(points), [step[2:] for step in profile[1:]])
     solid = Solid(
         vertices, triangles, tuple(surfaces), label, volume, [0, 0, middle],
         np.diag([across, across, upright]), sagitta=bulge,
@@ -72,8 +72,8 @@ def turned_part(
     return Part(name, solid, Pose(at), **properties)
 
 
-def _way(start: Array, end: Array, center: Array | None, share: Array) -> tuple[Array, Array]:
-    """Points of a line or an arc, shape (n, 2), and their derivatives by the share."""
+def _curve(start: Array, end: Array, center: Array | None, share: Array) -> tuple[Array, Array]:
+    """Points of a line or an arc at shares (n,) of its length, and their derivatives, (n, 2)."""
     if center is None:
         return start + share[:, None] * (end - start), np.tile(end - start, (len(share), 1))
     radius = float(np.linalg.norm(start - center))
@@ -86,20 +86,20 @@ def _way(start: Array, end: Array, center: Array | None, share: Array) -> tuple[
 
 
 def _moments(start: Array, end: Array, center: Array | None) -> Array:
-    """What a line or an arc adds to volume, int z, int z^2 and int x^2."""
+    """Contributions of a line or an arc to the volume and to int z, int z^2, int x^2 dV."""
     node, weight = np.polynomial.legendre.leggauss(NODES)
-    (rho, z), (_, rise) = (one.T for one in _way(start, end, center, (node + 1) / 2))
+    (rho, z), (_, rise) = (rows.T for rows in _curve(start, end, center, (node + 1) / 2))
     each = np.stack([rho**2, z * rho**2, z**2 * rho**2, rho**4 / 4])
     result: Array = np.pi / 2 * each @ (rise * weight)
     return result
 
 
 def _surface(start: Array, end: Array, center: Array | None) -> Surface:
-    """The exact face over a line or an arc."""
+    """The exact surface of revolution of a line or an arc."""
     out, up = end - start
     upwards = np.array([0.0, 0.0, 1.0])
     if center is not None:
-        at, along = _way(start, end, center, np.array([0.5]))
+        at, along = _curve(start, end, center, np.array([0.5]))
         apart = at[0] - center
         hollow = bool(along[0, 0] * apart[1] > along[0, 1] * apart[0])
         radius = float(np.linalg.norm(start - center))
@@ -117,8 +117,8 @@ def _surface(start: Array, end: Array, center: Array | None) -> Surface:
     return Surface("cone", apex, np.sign(up / out) * upwards, half_angle=half, hollow=bool(up < 0))
 
 
-def _net(points: Array, labels: Index) -> tuple[Array, Index, Index]:
-    """Corners, triangles turning left seen from outside, and the face of each."""
+def _triangulate(points: Array, labels: Index) -> tuple[Array, Index, Index]:
+    """Vertices, triangles (counterclockwise seen from outside), and the face of each triangle."""
     closed = bool((points[0] == points[-1]).all())
     rings = points[:-1] if closed else points
     angle = np.arange(SIDES) * (2 * np.pi / SIDES)
@@ -142,7 +142,7 @@ def _net(points: Array, labels: Index) -> tuple[Array, Index, Index]:
 
 
 def _bulge(points: Array, arcs: Sequence[Sequence[float]]) -> float:
-    """How far its faces may lie from its triangles."""
+    """Largest distance of the exact faces from the triangles [length unit]."""
     around = float(points[:, 0].max()) * (1 - np.cos(np.pi / SIDES))
     radii = [np.linalg.norm(points - np.array(arc), axis=1).max() for arc in arcs if len(arc)]
     return float(around + max(radii, default=0.0) * (1 - np.cos(np.pi / (2 * CUTS))))

@@ -1,8 +1,8 @@
-"""Assemblies whose second order is known: minima of their energy, and what only balances.
+"""Assemblies with known second-order answers: minima of the energy and balanced positions.
 
-Each case is a function of one number, with given contacts that say what touches and how it
-curves; the shapes of the parts are stand-ins, of which only the centre of mass counts. `CASES`
-are without friction, `ROLLING` those that do not slip. Lengths in m, masses in kg, up is z.
+Each case is a function of a single number. Its given contacts define points and curvatures; the
+shapes of the parts are placeholders, only the centre of mass matters. `CASES` are without
+friction, the parts of `ROLLING` do not slip. Lengths are in m, masses in kg, z is up.
 """
 
 from __future__ import annotations
@@ -31,22 +31,22 @@ Build = Callable[[float], Assembly]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Case:
-    """A case of the second order.
+    """A case with a known second-order answer.
 
     Attributes
     ----------
     number, title : str
     build : callable
-        From the parameter to the assembly; those without a limit do not look at it.
+        Function from the parameter to the assembly; a case without a limit ignores the parameter.
     state : {"minimum", "free", "balanced"}
-        Where there is no limit, or below it.
+        State below the limit, or of a case without a limit.
     free : int
-        Dimension of the motions that keep the energy, and every gap that carries, where it is
-        not balanced; some may be free to one side only.
+        Dimension of the motions that keep the energy and every loaded gap, if the state is not
+        balanced; some may be free in only one direction.
     limit : float, optional
-        Of the parameter.
+        Limit of the parameter.
     above : {"minimum", "free", "balanced"}, optional
-        The state above the limit.
+        State above the limit.
     """
 
     number: str
@@ -62,9 +62,9 @@ class Case:
 
 
 CASES: list[Case] = []
-"""Without friction, in order."""
+"""Cases without friction, in order."""
 ROLLING: list[Case] = []
-"""Rolling without slip, in order: "minimum" where the energy rises along every rolling."""
+"""Cases of rolling without slip; "minimum" if the energy rises along every rolling motion."""
 
 
 def _case(
@@ -77,7 +77,7 @@ def _case(
     above: State | None = None,
     among: list[Case] = CASES,
 ) -> Callable[[Build], Build]:
-    """A decorator that lists a case."""
+    """Decorator that adds a case to a list."""
 
     def enter(build: Build) -> Build:
         among.append(Case(number, title, build, state, free, limit, above))
@@ -94,7 +94,7 @@ def _ball(radius: float, hollow: bool = False) -> Feature:
 
 
 def _cylinder(axis: Array, radius: float) -> Feature:
-    """Radius below zero: within it."""
+    """Surface of a cylinder along `axis`; a negative radius is the inner side."""
     return Feature("face", axis, (0.0, 1 / radius))
 
 
@@ -105,7 +105,7 @@ def _touch(
 
 
 def _body(center: ArrayLike, name: str = "b", mass: float = 1.0) -> Part:
-    """A free part with this centre of mass."""
+    """A free part with a given centre of mass."""
     return Part(name, Box([1, 1, 1]), Pose(center), mass=mass)
 
 
@@ -123,7 +123,7 @@ def _one(center: ArrayLike, *touches: GivenContact, mu: float = 0.0) -> Assembly
 
 
 def _ball_on(feature: Feature, radius: float) -> Assembly:
-    """A ball over the origin, on a surface with an upright normal."""
+    """A ball on a surface with the normal z at the origin."""
     return _on_base([_sphere(radius * Z, radius)], [_touch(0 * Z, Z, feature, _ball(radius))])
 
 
@@ -158,7 +158,7 @@ def _ball_trough(_: float) -> Assembly:
 
 
 def _ball_on_balls(places: Sequence[float], apart: float) -> Assembly:
-    """A ball of radius 1/2 on balls of radius 1, `apart` from its axis."""
+    """A ball of radius 1/2 on balls of radius 1, whose centres are `apart` from its axis."""
     r, big = 0.5, 1.0
     c = np.sqrt((r + big) ** 2 - apart**2) * Z
     touches = []
@@ -207,7 +207,7 @@ def _crossed(_: float) -> Assembly:
 
 
 def _parallel(radius: float) -> Assembly:
-    """A cylinder of radius 1/2 on a parallel one, or within it."""
+    """A cylinder of radius 1/2 on a parallel cylinder; inside it for a negative radius."""
     rim = Feature("edge", X, 2.0, 0.5 * Z, Y)
     line = [_touch(y * Y, Z, _cylinder(Y, radius), rim) for y in np.linspace(-2, 2, 5)]
     return _one(0.5 * Z, *line)
@@ -244,7 +244,7 @@ def _zigzag(_: float) -> Assembly:
 
 
 def _upright(walls: Sequence[Array]) -> Assembly:
-    """Two balls, one straight on the other, between planes."""
+    """Two balls, the second vertically above the first, between planes with given normals."""
     r = 0.5
     ball, centers = _ball(r), {"1": r * Z, "2": 3 * r * Z}
     touches = [
@@ -274,7 +274,7 @@ def _no_walls(_: float) -> Assembly:
 
 
 def _plank(h: float, slope: float) -> Assembly:
-    """Four corners on two slopes, centre h above them."""
+    """A body with four corners on two slopes [rad], its centre of mass h above them."""
     touches = []
     for s in (1, -1):
         n = np.array([-s * np.sin(slope), 0, np.cos(slope)])
@@ -296,7 +296,7 @@ PEG, RING, WIRE = 0.3, 1.0, 0.1
 
 
 def _hook(h: float, mu: float = 0.0) -> Assembly:
-    """A ring of inner radius 1 over a peg along y."""
+    """A ring of inner radius 1 on a peg along y."""
     wire = Feature("face", X, (-1 / RING, 1 / WIRE), -RING * Z, Y)
     return _one(h * Z, _touch(0 * Z, Z, _cylinder(Y, PEG), wire), mu=mu)
 
@@ -318,7 +318,7 @@ def _ring_standing(_: float) -> Assembly:
 
 
 def _over_edge(h: float) -> list[GivenContact]:
-    """A box half over the edge of a table."""
+    """Contacts of a box that extends half over the edge of a table."""
     touches = []
     for y in (0.5, -0.5):
         touches.append(_touch(y * Y, Z, Feature("edge", Y), Feature("edge", X)))
@@ -343,7 +343,7 @@ def _pivot(h: float) -> Assembly:
 
 
 def _dumbbell(drop: float) -> Assembly:
-    """Two balls in a bowl, fixed to each other; the centre of mass `drop` below their axis."""
+    """Two connected balls in a bowl, with the centre of mass `drop` below their axis."""
     r, bowl, half = 0.3, 1.5, 0.7
     height = -np.sqrt((bowl - r) ** 2 - half**2)
     touches = []
@@ -454,7 +454,7 @@ def _six_feet(sink: float) -> Assembly:
 # rolling without slip ----------------------------------------------------------------------
 
 GRIP = 10.0
-"""A friction coefficient at which nothing here slips."""
+"""Friction coefficient at which no part of these cases slips [-]."""
 
 
 def _rolls(on: Feature, body: Feature, h: float, normal: Array = Z) -> Assembly:
