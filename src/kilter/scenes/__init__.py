@@ -1,8 +1,8 @@
-"""The library of scenes: one source for examples, tests, benchmarks and documents.
+"""Library of scenes: functions that build assemblies with known answers.
 
-Each scene is a function of its parameters that returns an `Assembly`; those that
-`kilter example` offers are listed where they are made (`kilter.scenes.registry`), with the
-parameters that make their answer known. `source` is the case or figure a scene comes from.
+Each scene is a function of its parameters that returns an `Assembly`. The decorator `listed` of
+`kilter.scenes.registry` adds a scene to the examples of `kilter example`, with parameters for
+which the answer is known. `source` is the case or figure from which a scene comes.
 
 Examples
 --------
@@ -38,7 +38,7 @@ ROOMS = (
     "rails",
     "exported",
 )
-"""Modules that list examples, in the order in which they are listed."""
+"""Modules with examples, in the order of `kilter example`."""
 
 for _room in ROOMS:
     importlib.import_module(f"kilter.scenes.{_room}")
@@ -51,18 +51,19 @@ def example(name: str, *, size: tuple[int, int] | None = None) -> Assembly: ...
 def example(
     name: str | None = None, *, size: tuple[int, int] | None = None
 ) -> list[Example] | Assembly:
-    """A built-in example; without a name, the list of all.
+    """Build a built-in example; without a name, return the list of all examples.
 
     Parameters
     ----------
     name : str, optional
+        Name of the example.
     size : tuple of int, optional
-        Of a wall: bricks a course, and courses.
+        Size of a wall: bricks per course, and courses.
 
     Raises
     ------
     InputError
-        If there is none of that name; it names the nearest.
+        If the name is unknown; the message contains the most similar name.
 
     Examples
     --------
@@ -71,6 +72,6 @@ def example(
     >>> example("wall", size=(8, 5))
     <Assembly: 43 parts, 1 held, in m>
     >>> len(example()), example()[0]
-    (51, <Example: paper-figure-1, unstable: a block drives another out of a right-angled one>)
+    (51, <Example: paper-figure-1, unstable: a sinking block pushes another block out of an L>)
     """
     return list(SCENES.values()) if name is None else scene(name, size=size)

@@ -1,4 +1,4 @@
-"""Scenes whose first accelerations are known in closed form, without friction."""
+"""Scenes without friction whose first accelerations are known in closed form."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ def wedge_on_wedge(
 ) -> Assembly:
     """Case S8: a wedge with a level top slides down a wedge that is free on a floor.
 
-    No friction. The lower wedge, which descends toward +x, starts toward -x with
+    There is no friction. The lower wedge descends toward +x and accelerates toward -x with
 
         m g sin c cos c / (M + m sin^2 c)
 
-    and neither turns.
+    Neither wedge rotates.
 
     Parameters
     ----------
     angle : float
-        c [deg], 15 to 60.
+        Slope c of the lower wedge [deg], 15 to 60.
     mass, mass_below : float
-        m above, M below [kg].
+        Masses m of the upper and M of the lower wedge [kg].
     planar : bool
         Motions in the x-z plane only.
 
@@ -44,7 +44,7 @@ def wedge_on_wedge(
     """
     rise = float(np.tan(np.radians(angle)))
     lower = [[0, 0], [6, 0], [0, 6 * rise]]
-    a, b = 1.5, 3.0  # where along x the upper one lies, level at its highest point
+    a, b = 1.5, 3.0  # extent of the upper wedge along x
     upper = [[a, (6 - a) * rise], [b, (6 - b) * rise], [b, (6 - a) * rise]]
     return Assembly(
         [

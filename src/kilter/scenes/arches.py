@@ -24,23 +24,24 @@ __all__ = ["arch", "arch_with_held_ends", "oppenheim_arch", "voussoirs"]
 
 
 DENSITY = 1000.0
+"""Density of the voussoirs [kg/m^3]."""
 
 
 def voussoirs(
     joints: Array, inner: float, outer: float, *, depth: float = 1.0, sectors: bool = False
 ) -> list[Part]:
-    """Voussoirs "voussoir-0", ... between the joints at the given angles from +x [rad].
+    """Build the voussoirs "voussoir-0", ... between joints at given angles from +x.
 
     Parameters
     ----------
     joints : ndarray, shape (n + 1,)
-        Ascending [rad].
+        Angles of the joints, ascending [rad].
     inner, outer : float
         Radii [length unit].
     depth : float
-        Along y [length unit].
+        Extent along y [length unit].
     sectors : bool
-        Mass and centre of mass of ring sectors; else those of the polyhedra.
+        Give the parts the mass and centre of mass of ring sectors instead of polyhedra.
     """
     spoke = np.column_stack([np.cos(joints), np.sin(joints)])
     spoke[np.abs(spoke) < 1e-15] = 0.0
@@ -75,18 +76,18 @@ def arch(
     Parameters
     ----------
     count : int
-        Voussoirs.
+        Number of voussoirs.
     ratio : float
         Thickness / centre-line radius [-].
     radius : float
-        Of the centre line [m].
+        Radius of the centre line [m].
     span : float
         Angle of the arch [deg], symmetric about +z; at most 180.
     friction : float
-        [-]
+        Friction coefficient [-].
     sectors : bool
-        Masses of ring sectors instead of polyhedra; the least ratio for 20 voussoirs is
-        0.10746 then, else 0.10735.
+        Masses of ring sectors instead of polyhedra. The least ratio for 20 voussoirs is 0.10746
+        with sectors and 0.10735 with polyhedra.
     planar : bool
         Motions in the x-z plane only.
 
@@ -109,23 +110,24 @@ def arch(
 
 
 def oppenheim_arch(count: int = 7, *, sectors: bool = False, friction: float = 10.0) -> Assembly:
-    """Case A3: 157.5 degrees, thickness 0.15 of the radius; its load factor is asked for.
+    """Case A3: an arch of 157.5 degrees, thickness 0.15 of the radius, with a known load factor.
 
-    Under a horizontal body force, no sliding, 7 voussoirs: 0.373612 (sectors 0.370010).
+    The factor for a horizontal body force, without sliding and for 7 voussoirs, is 0.373612
+    (0.370010 with sectors).
     """
     return arch(count, ratio=0.15, span=157.5, friction=friction, sectors=sectors)
 
 
 @listed(
     "arch-with-held-ends",
-    "a semicircular arch, its first and last voussoir held",
+    "a semicircular arch whose first and last voussoir are held",
     source="W6",
     answer="settles",
 )
 def arch_with_held_ends(
     count: int = 12, *, thickness: float = 1.0, inner: float = 5.0, friction: float = 0.7
 ) -> Assembly:
-    """Case W6: a semicircle whose first and last voussoir are held, in space.
+    """Case W6: a semicircular arch in 3D whose first and last voussoir are held.
 
     Equilibrium exists for 12 voussoirs at thickness 0.5, 1, 2; 20 at 0.5, 2; 6 at 2.
     """
@@ -137,7 +139,7 @@ def arch_with_held_ends(
 
 
 def _springer(name: str, angle: float, inner: float, outer: float, *, right: bool) -> Part:
-    """A held block whose face is the joint at `angle` and reaches past it on both sides."""
+    """A held block with a face in the joint at `angle` [rad] that extends beyond the joint."""
     spoke = np.array([np.cos(angle), np.sin(angle)])
     spoke[np.abs(spoke) < 1e-15] = 0.0
     away = np.array([spoke[1], -spoke[0]]) * (1.0 if right else -1.0)

@@ -1,4 +1,4 @@
-"""What a CAD system exports: threads as cylinders, gaps that were meant, a part out of place."""
+"""Scene of a typical CAD export: threads as cylinders, intended gaps, a misplaced part."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ __all__ = ["cad_export"]
 
 @listed(
     "cad-export",
-    "a lamp as it came from CAD: a thread, a gap, a pin with play, a loose switch",
+    "a lamp exported from CAD: a thread, a gap, a pin with play, a loose switch",
     source="open pairs",
     answer="unstable",
 )
 def cad_export() -> Assembly:
-    """A base with a post, on it a shade; a screw, a foot and a pin; a switch beside them; mm.
+    """A lamp: base, post, shade, screw, ring and pin, and a switch beside them, in mm.
 
-    - `screw` in `post`: its radius is that of the thread, 2 mm, the hole is drawn at its core,
-      1.65 mm. They overlap, and carry nothing as drawn.
-    - `shade` on `post`: .02 mm above it, more than the gap tolerance.
-    - `pin` in `ring`: .2 mm of play; it stands on the base.
-    - `switch`: 3 mm above the base. It touches nothing, so it falls whatever the rest does.
+    - `screw` in `post`: the screw has the radius of the thread, 2 mm, and the hole that of the
+      core, 1.65 mm. They overlap, and as drawn no contact carries a force.
+    - `shade` on `post`: 0.02 mm above it, more than the gap tolerance.
+    - `pin` in `ring`: 0.2 mm of play; the pin stands on the base.
+    - `switch`: 3 mm above the base. It touches nothing and falls, whatever the other parts do.
     """
     parts = [
         block("base", [-40, -30, -10], [40, 30, 0], grounded=True),

@@ -1,7 +1,7 @@
-"""Held by friction, if at all: ladder, bracket, books, H, A, V and trough.
+"""Scenes that depend on friction: ladder, bracket, books, H, A and V block, trough.
 
-None of these is stable without friction but `v_block`; with it forces of equilibrium exist
-within the limit each names, which for all but the ladder does not mean that it must hold.
+Without friction only `v_block` is stable. With friction, equilibrium forces exist within the
+limit that each scene states. Except for the ladder, this does not imply that the parts must hold.
 """
 
 from __future__ import annotations
@@ -36,18 +36,18 @@ def ladder(
 ) -> Assembly:
     """Case S4: a ladder at `angle` from the floor; tan(least) = (1 - mu_f mu_w) / (2 mu_f).
 
-    A spindle whose two ends are edges along y, one on the floor, one on the wall; those
-    contacts are given, two points an edge. Limits for mu_f = 0.4: 51.3402 degrees with
-    mu_w = 0, 47.7263 with mu_w = 0.3.
+    The ladder is a spindle whose ends are edges along y, one on the floor and one on the wall.
+    Their contacts are given, with two points per edge. The least angles for mu_f = 0.4 are
+    51.3402 degrees with mu_w = 0, and 47.7263 degrees with mu_w = 0.3.
 
     Parameters
     ----------
     angle : float
-        [deg]
+        Angle from the floor [deg].
     friction_floor, friction_wall : float
-        [-]
+        Friction coefficients mu_f, mu_w [-].
     length : float
-        [m]
+        Length of the ladder [m].
     planar : bool
         Motions in the x-z plane only.
     """
@@ -74,19 +74,19 @@ def bracket(
 ) -> Assembly:
     """Case S5: a bracket on a thin post; forces hold it if offset >= height / (2 friction).
 
-    One pad presses the left side of the post, `height` above one on the right (between
-    their inner edges); a plate in front of the post, clear of it, joins them. Mass 1 kg, its centre
-    `offset` to the right of the axis of the post.
+    A pad presses on the left side of the post, and a second pad on the right side, `height` below
+    the first (between their inner edges). A plate in front of the post joins the pads without
+    touching it. The bracket has a mass of 1 kg, at `offset` to the right of the post's axis.
 
     Parameters
     ----------
     offset, height : float
-        [m]
+        Distances [m].
     friction : float
-        [-]
+        Friction coefficient [-].
     pad : float
-        Height of the pads [m]. Where they press evenly, and not on their inner edges only,
-        the bracket is as high as from the middle of one pad to that of the other.
+        Height of the pads [m]. If the pads press evenly instead of on their inner edges, the
+        effective height is the distance between their middles.
     """
     half = 0.05
     xs = [-half - pad, -half, half, half + pad]
@@ -115,18 +115,19 @@ def books(
 ) -> Assembly:
     """Case S6: a row of books in the air, pressed on a wall by a force on an end plate.
 
-    Least force = max(n w / (2 mu), n^2 w t / (8 h)) for an even number n. The plate slides
-    along the force only, between guides above, below and beside it without friction.
+    The least force is max(n w / (2 mu), n^2 w t / (8 h)) for an even number n of books. Guides
+    without friction around the plate let it slide only along the force.
 
     Parameters
     ----------
     count : int
+        Number n of books.
     force, weight : float
-        On the plate, toward -x; of a book [N].
+        Force on the plate toward -x, and weight w of a book [N].
     friction : float
-        Between books, wall and plate [-].
+        Friction coefficient mu between books, wall and plate [-].
     thickness, height : float
-        Of a book [m].
+        Thickness t and height h of a book [m].
     """
     depth, end = 0.2, count * thickness
     plate = 2 * height
@@ -155,19 +156,21 @@ def squeezed_row(
     height: float = 0.25,
     planar: bool = False,
 ) -> Assembly:
-    """A row of blocks in the air between two held walls, all joints vertical.
+    """A row of blocks in the air between two held walls, with vertical joints.
 
-    Thin and high it is a row of books, thick and low a flat arch. Forces of equilibrium exist
-    for every friction above zero; falling freely obeys the contact law too.
+    Thin and high blocks form a row of books, thick and low blocks a flat arch. Equilibrium forces
+    exist for every friction above zero, but free fall obeys the contact law, too.
 
     Parameters
     ----------
     count : int
+        Number of blocks.
     friction : float
-        [-]
+        Friction coefficient [-].
     thickness, height : float
-        Of a block along x and z [m].
+        Size of a block along x and z [m].
     planar : bool
+        Motions in the x-z plane only.
     """
     end, depth = count * thickness, 0.2
     wall = max(thickness, 0.1)
@@ -200,8 +203,8 @@ def _guides(start: float, stop: float, depth: float, height: float) -> list[Part
 def h_block(*, friction: float = 0.5, planar: bool = False) -> Assembly:
     """Case I1: a block between two held vertical walls, held by squeeze alone.
 
-    Forces of equilibrium exist for every friction above zero; falling freely obeys the
-    contact law too.
+    Equilibrium forces exist for every friction above zero, but free fall obeys the contact law,
+    too.
     """
     return _between_plates(0.0, friction, planar)
 
@@ -209,18 +212,21 @@ def h_block(*, friction: float = 0.5, planar: bool = False) -> Assembly:
 def a_block(half_angle: float = 10.0, *, friction: float = 0.5, planar: bool = False) -> Assembly:
     """Case I2: a trapezoid wider below between plates that lean inwards by `half_angle` [deg].
 
-    Forces of equilibrium exist if and only if friction >= tan(half_angle).
+    Equilibrium forces exist if and only if friction >= tan(half_angle).
     """
     return _between_plates(half_angle, friction, planar)
 
 
 def v_block(half_angle: float = 10.0, *, friction: float = 0.0, planar: bool = False) -> Assembly:
-    """Case I2 upside down: a wedge wider above between plates that open upwards: stable."""
+    """Case I2 upside down: a wedge, wider above, between plates that open upwards; stable."""
     return _between_plates(-half_angle, friction, planar)
 
 
 def _between_plates(half_angle: float, friction: float, planar: bool) -> Assembly:
-    """A trapezoid 1 high and 1 wide in the middle; sides lean inwards by an angle [deg]."""
+    """A trapezoid between held plates that lean inwards by an angle [deg].
+
+    The trapezoid is 1 high, and 1 wide in the middle.
+    """
     if abs(half_angle) >= 25:
         raise InputError(f"half angle is {half_angle:g}", hint="give less than 25 degrees")
     lean = 0.5 * float(np.tan(np.radians(half_angle)))
@@ -243,19 +249,19 @@ def _between_plates(half_angle: float, friction: float, planar: bool) -> Assembl
 def trough(
     slope: float = 30.0, *, tilt: float = 40.0, friction: float = 0.84, length: float = 6.0
 ) -> Assembly:
-    """Case I3: a prism in a V trough of sides sloping by `slope`, tilted lengthwise.
+    """Case I3: a prism in a V trough whose sides slope by `slope`, tilted lengthwise.
 
-    Gravity leans toward +y. Slips at tan(tilt) = friction / cos(slope); forces of
-    equilibrium exist up to friction / sqrt(cos^2 - friction^2 sin^2).
+    Gravity leans toward +y. The prism slips at tan(tilt) = friction / cos(slope). Equilibrium
+    forces exist up to tan(tilt) = friction / sqrt(cos^2 - friction^2 sin^2).
 
     Parameters
     ----------
     slope, tilt : float
-        [deg]
+        Angles [deg].
     friction : float
-        [-]
+        Friction coefficient [-].
     length : float
-        Of the prism along y, 2 wide [m].
+        Length of the prism along y [m]; its width is 2 m.
     """
     rise = float(np.tan(np.radians(slope)))
     held = [[0, 0], [1.5, 1.5 * rise], [1.5, -1], [-1.5, -1], [-1.5, 1.5 * rise]]

@@ -1,13 +1,13 @@
-"""Masonry whose joints take tension: piers in wind and under eccentric loads, corbelled courses.
+"""Masonry with mortar that bears tension: piers in wind and under eccentric loads, corbels.
 
-Blocks of length b along x, depth d along y and height h on a held one or on the floor, one a
-course. A joint opens about its edge where the moment M of what is above it about that edge, the
-weights W counted, is more than the tension p of the mortar bears at the middle of its area A,
+A course is a single block of length b along x, depth d along y and height h, on a held block or
+on the floor. A joint opens about its edge if the moment M of the loads and weights W above it
+exceeds the moment of the mortar's tensile strength p over the area A,
 
     M = p A a / 2                a: length of the joint across its edge; compression has no limit
 
-and without tension the resultant stays within the section (Rankine). Shear is borne by friction,
-mu (f_n + p A). Strengths are in N/mm2, as tables of mortar have them.
+Without tension the resultant must stay within the section (Rankine). Friction bears the shear,
+mu (f_n + p A). Strengths are in N/mm2, as in tables of mortar.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ __all__ = ["corbel", "eccentric_pier", "pier_in_wind"]
 BLOCK = (0.4, 0.2, 0.2)
 """Length, depth and height of a block [m]."""
 DENSITY = 2000.0
-"""Of masonry [kg/m^3]."""
+"""Density of masonry [kg/m^3]."""
 N_PER_MM2 = 1e6
-"""In N/m^2."""
+"""1 N/mm^2 in N/m^2."""
 
 
 def _course(number: int, x: float = 0.0) -> Part:
-    """The block of a course, by its number from 1; 0 is below the joint at z = 0."""
+    """The block of a course, by number from 1; course 0 is held, below the joint at z = 0."""
     name = f"course-{number}" if number else "base"
     at = Pose([x, 0.0, (number - 0.5) * BLOCK[2]])
     return Part(name, Box(BLOCK), at, grounded=not number, density=DENSITY)
@@ -40,7 +40,7 @@ def _course(number: int, x: float = 0.0) -> Part:
 def _mortared(
     parts: list[Part], strength: float, friction: float, loads: list[Load] | None = None
 ) -> Assembly:
-    """Each part in mortar on the one before it; the strength in N/mm2."""
+    """Assembly in which mortar of a strength [N/mm2] joins each part to the previous part."""
     bonds = [
         Bond((low.name, high.name), pull_per_area=strength * N_PER_MM2, kind="mortar")
         for low, high in pairwise(parts)
@@ -49,7 +49,7 @@ def _mortared(
 
 
 def _on_floor(count: int) -> list[Part]:
-    """A pier of so many courses."""
+    """A floor and a pier of `count` courses."""
     length, depth, _ = BLOCK
     pier = [_course(k) for k in range(1, count + 1)]
     return [floor([-length, -depth], [length, depth]), *pier]
@@ -57,14 +57,14 @@ def _on_floor(count: int) -> list[Part]:
 
 @listed(
     "mortared-corbel",
-    "eight courses, each a quarter of its length beyond the one below",
+    "eight mortared courses, each a quarter of its length beyond the course below",
     source="cohesive cantilever courses",
     answer="stable",
 )
 def corbel(
     count: int = 8, *, step: float = 0.1, strength: float = 0.1, friction: float = 0.6
 ) -> Assembly:
-    """Courses on a held one, each `step` beyond the one below it toward +x.
+    """Courses on a held block, each `step` beyond the course below it toward +x.
 
     The lowest joint opens about the edge of the held block: n W ((n + 1) step - b) / 2 against
     p d (b - step)^2 / 2. Dry courses stand up to (n + 1) step = b.
@@ -72,12 +72,13 @@ def corbel(
     Parameters
     ----------
     count : int
+        Number n of courses.
     step : float
-        [m]
+        Offset between courses [m].
     strength : float
-        Tension that the mortar bears [N/mm2].
+        Tensile strength p of the mortar [N/mm2].
     friction : float
-        [-]
+        Friction coefficient [-].
     """
     parts = [_course(k, k * step) for k in range(count + 1)]
     return _mortared(parts, strength, friction)
@@ -92,19 +93,20 @@ def corbel(
 def pier_in_wind(
     count: int = 4, *, wind: float = 2000.0, strength: float = 0.1, friction: float = 0.6
 ) -> Assembly:
-    """A pier of courses, with wind toward +y at the middle of each.
+    """A pier of courses, with the force of wind toward +y at the middle of each course.
 
-    Overturns about its foot, H = n h: q b H^2 / 2 against (n W + p b d) d / 2.
+    The pier overturns about its foot, H = n h: q b H^2 / 2 against (n W + p b d) d / 2.
 
     Parameters
     ----------
     count : int
+        Number n of courses.
     wind : float
-        q [N/m2].
+        Pressure q of the wind [N/m2].
     strength : float
-        Tension that the mortar bears [N/mm2].
+        Tensile strength p of the mortar [N/mm2].
     friction : float
-        [-]
+        Friction coefficient [-].
     """
     parts = _on_floor(count)
     length, _, height = BLOCK
@@ -114,7 +116,7 @@ def pier_in_wind(
 
 @listed(
     "eccentric-pier",
-    "a mortared pier under a load beside it",
+    "a mortared pier under an eccentric load",
     source="Rankine, resultant within the section",
     answer="stable",
 )
@@ -126,21 +128,22 @@ def eccentric_pier(
     strength: float = 0.1,
     friction: float = 0.6,
 ) -> Assembly:
-    """A pier of courses, with a load on the upper one, off the axis toward +x.
+    """A pier of courses, with a load on the top course at a distance from the axis toward +x.
 
     The upper joint opens about its edge: P (e - b / 2) against (W + p b d) b / 2.
 
     Parameters
     ----------
     count : int
+        Number of courses.
     load : float
-        P [N].
+        Load P [N].
     eccentricity : float
-        e [m].
+        Distance e from the axis [m].
     strength : float
-        Tension that the mortar bears [N/mm2].
+        Tensile strength p of the mortar [N/mm2].
     friction : float
-        [-]
+        Friction coefficient [-].
     """
     parts = _on_floor(count)
     top = [eccentricity, 0.0, count * BLOCK[2]]

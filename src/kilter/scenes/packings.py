@@ -1,4 +1,4 @@
-"""Random piles of boxes on a grid, put down one by one onto the highest thing below them."""
+"""Random piles of boxes on a grid; each box is lowered onto the highest box below it."""
 
 from __future__ import annotations
 
@@ -15,20 +15,21 @@ __all__ = ["box_pile"]
 def box_pile(
     count: int = 30, *, seed: int = 0, cells: int = 6, level: bool = True, friction: float = 0.0
 ) -> Assembly:
-    """Boxes of 1 to 3 cells a side, each put down at random on what lies below it.
+    """A pile of boxes with sides of 1 to 3 cells, lowered at random places.
 
-    Faces that touch lie on common grid planes, so they touch exactly and nothing overlaps.
+    Touching faces lie on common grid planes, so that they touch exactly and no parts overlap.
 
     Parameters
     ----------
     count, seed : int
+        Number of boxes, and seed of the random numbers.
     cells : int
         Side of the floor [cells of 1 m].
     level : bool
-        Only where all below is of one height, so that every box rests on its whole
-        underside: stable without friction. Else anywhere: some tip.
+        Place boxes only on level ground, so that each rests on its whole underside and the pile
+        is stable without friction. Otherwise boxes are placed anywhere and some tip over.
     friction : float
-        [-]
+        Friction coefficient [-].
 
     Examples
     --------

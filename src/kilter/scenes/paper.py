@@ -1,13 +1,12 @@
-"""Figures of the paper and the cases that follow from them.
+"""Figures of the paper and cases derived from them.
 
-The paper prints angles and no coordinates: the dimensions here are chosen, the angles are
-its own. All lie in the x-z plane, extruded along y; `planar` restricts the motions to that
-plane, with the same answer. C1 is an L of a floor z = 0 along +x and a wall x = 0 along +z,
-both held. Masses are given, 1 kg unless said, so that nothing hangs on the dimensions but
-where the lines of action pass.
+The paper gives angles but no coordinates: the angles here are those of the paper, the dimensions
+are chosen. All scenes are in the x-z plane, extruded along y; `planar` restricts the motions to
+that plane, with the same answer. C1 is a held L with a floor z = 0 along +x and a wall x = 0 along
++z. Masses are given, by default 1 kg, so that the dimensions affect only the lines of action.
 
-Two blocks in an L, contact normal n = (-sin c, cos c) in (x, z) from block A on the floor
-to block B on the wall: forces balance only where gravity is along
+Two blocks in an L have the contact normal n = (-sin c, cos c) in (x, z) from block A on the floor
+to block B on the wall. Their forces balance only if gravity is along
 
     -(sin c / m_A, cos c / m_B)
 
@@ -44,7 +43,9 @@ __all__ = [
 
 
 G = 9.81
+"""Gravity [m/s^2]."""
 DEPTH = 1.0
+"""Extent of the parts along y [m]."""
 
 
 def _ell(width: float, height: float, thick: float = 0.5) -> Part:
@@ -55,13 +56,16 @@ def _ell(width: float, height: float, thick: float = 0.5) -> Part:
 
 
 def stable_direction(angle: float, mass_a: float, mass_b: float) -> Array:
-    """Unit direction of gravity that two blocks in an L stand, shape (3,); `angle` c [deg]."""
+    """Unit direction of gravity for which two blocks in an L are stable, shape (3,).
+
+    `angle`: angle c of the chamfer [deg].
+    """
     c = np.radians(angle)
     return unit([-np.sin(c) / mass_a, 0.0, -np.cos(c) / mass_b])
 
 
 def upright(assembly: Assembly) -> Assembly:
-    """The assembly turned, the least turn about y, so that its gravity is along -z."""
+    """Rotate an assembly by the smallest rotation about y that turns its gravity to -z."""
     turned = moved(assembly, rotation_between(assembly.down, [0, 0, -1]))
     size = float(np.linalg.norm(assembly.gravity))
     return dataclasses.replace(turned, gravity=(0.0, 0.0, -size))
@@ -77,26 +81,26 @@ def two_blocks_in_an_l(
 ) -> Assembly:
     """Case F11': block C3 = A on the floor, C2 = B on the wall, in contact along a chamfer.
 
-    With gravity along -z B sinks and drives A away. Stable for one direction only,
-    `stable_direction`: from -z 45 deg (angle 45) and 60 deg (angle 60) for equal masses,
-    63.435 and 73.898 deg for mass_b = 2 mass_a.
+    With gravity along -z, B sinks and pushes A away. The assembly is stable for a single
+    direction, `stable_direction`. For equal masses its angle from -z is 45 deg (angle 45) and
+    60 deg (angle 60), for mass_b = 2 mass_a it is 63.435 and 73.898 deg.
 
     Parameters
     ----------
     angle : float
-        c: of the chamfer to the floor [deg], 30 to 60.
+        Angle c of the chamfer to the floor [deg], 30 to 60.
     mass_a, mass_b : float
-        [kg], in a ratio of 1/2 to 2.
+        Masses [kg], in a ratio of 1/2 to 2.
     stable : bool
-        Turned so that the stable direction is -z.
+        Rotate the assembly so that the stable direction is -z.
     planar : bool
         Motions in the x-z plane only.
 
     Notes
     -----
-    The chamfer runs from (1, tan c) to twice that, so at 45 deg the blocks are alike,
-    mirrored in the line x = z. Floor and wall faces are long enough for the three lines of
-    action of each block to meet.
+    The chamfer extends from (1, tan c) to (2, 2 tan c). At 45 deg the blocks are mirror images
+    in the line x = z. The faces on floor and wall are long enough for the three lines of action of
+    each block to meet.
     """
     low = np.array([1.0, np.tan(np.radians(angle))])
     high = 2 * low
@@ -116,28 +120,28 @@ def two_blocks_in_an_l(
 
 @listed(
     "paper-figure-1-turned",
-    "the same, turned by 45 degrees: it stays",
+    "the same L turned by 45 degrees: stable",
     source="F1(b)",
     answer="stable",
     orientation="b",
 )
 @listed(
     "paper-figure-1",
-    "a block drives another out of a right-angled one",
+    "a sinking block pushes another block out of an L",
     source="F1(a)",
     answer="unstable",
 )
 def figure_1(orientation: str = "a", *, planar: bool = False) -> Assembly:
-    """Figure 1: two identical blocks in a right-angled one; chamfers of 45 degrees.
+    """Figure 1: two identical blocks with chamfers of 45 degrees in an L.
 
-    (a) unstable: C2 sinks, C3 gives way to the right. (b) turned by 45 degrees, stable.
+    (a) is unstable: C2 sinks and C3 moves to the right. (b) is turned by 45 degrees and stable.
     """
     return two_blocks_in_an_l(45.0, stable=_is_b(orientation), planar=planar)
 
 
 @listed(
     "paper-figure-4",
-    "the second of three directions of gravity: z = -2.5",
+    "two blocks in an L, second of three directions of gravity: z = -2.5",
     source="F4",
     answer="unstable",
     orientation=2,
@@ -145,9 +149,9 @@ def figure_1(orientation: str = "a", *, planar: bool = False) -> Assembly:
 def figure_4(orientation: int = 1, *, planar: bool = False) -> Assembly:
     """Figure 4: z rises as gravity turns: -5, -2.5, 0 (gravity of length 1, m kg).
 
-    The two blocks of Figure 1 at 2.5 kg each; gravity along +z (1: both fall out), -x
-    (2: one drives the other out), the stable diagonal (3), and the same with the assembly
-    turned (4, the figure's d).
+    The scene has the two blocks of Figure 1 with 2.5 kg each. Gravity is along +z (1: both blocks
+    fall out), -x (2: a block pushes the other out) or the stable diagonal (3). Orientation 4, the
+    figure's d, is 3 with the assembly turned.
     """
     directions = {1: [0, 0, 1], 2: [-1, 0, 0], 3: [-1, 0, -1], 4: [-1, 0, -1]}
     if orientation not in directions:
@@ -159,23 +163,22 @@ def figure_4(orientation: int = 1, *, planar: bool = False) -> Assembly:
 
 @listed(
     "paper-figure-8",
-    "C2 sinks by 1 and drives C3 aside by 1 / tan 60",
+    "block C2 sinks by 1 and pushes C3 aside by 1 / tan 60",
     source="F8",
     answer="unstable",
 )
 def figure_8(angle: float = 60.0, *, planar: bool = False) -> Assembly:
-    """Figure 8: C2 above, between the wall and C3, which lies on the floor.
+    """Figure 8: block C2 above, between the wall and block C3, which lies on the floor.
 
-    Unstable. In the unit box of the paper's LP (9) z = -m_2; of all its optima the least
-    moves C2 down by 1 and C3 sideways by 1 / tan(angle) = 0.577, and turns nothing: the
-    contact of C2 with the wall is long, and the normal of the chamfer meets the vertical
-    through its centre of mass beside that contact.
+    The assembly is unstable. In the unit box of the displacement program, z = -m_2. The smallest
+    optimum moves C2 down by 1 and C3 sideways by 1 / tan(angle) = 0.577 without rotation, because
+    the normal of the chamfer meets the vertical through the centre of mass of C2 at the height of
+    its contact with the wall.
 
     Parameters
     ----------
     angle : float
-        Of the chamfer to the floor [deg], 45 to 75: C2 is chamfered by it, C3 by the rest
-        to 90.
+        Angle of the chamfer to the floor [deg], 45 to 75.
     planar : bool
         Motions in the x-z plane only.
     """
@@ -195,20 +198,20 @@ def figure_8(angle: float = 60.0, *, planar: bool = False) -> Assembly:
 
 @listed(
     "paper-figure-9",
-    "four blocks in a frame: stable, yet free to circulate",
+    "four blocks in a frame: stable, but free to circulate",
     source="F9",
     answer="stable",
     planar=True,
 )
 def figure_9(*, planar: bool = False) -> Assembly:
-    """Figure 9: four identical blocks, two edges of each chamfered 45 degrees, in a frame.
+    """Figure 9: four identical blocks, with two edges chamfered by 45 degrees, in a frame.
 
-    Each lies along one side of the square frame, chamfer on chamfer with its two
-    neighbours: a loop of contacts. Stable, z = 0; all four may slide round, each along its
-    side, at no cost: in the plane the one motion that keeps every contact.
+    Each block lies along a side of the square frame and touches its two neighbours along the
+    chamfers, so that the contacts form a loop. The assembly is stable, z = 0. All four blocks can
+    circulate along their sides at no cost; in the plane, no other motion keeps every contact.
     """
     block = np.array([[-2, -3], [2, -3], [2, -2], [1, -1], [-1, -1], [-2, -2]], dtype=float)
-    turn = np.array([[0, 1], [-1, 0]], dtype=float)  # rows times this: a quarter turn left
+    turn = np.array([[0, 1], [-1, 0]], dtype=float)  # rows @ turn: a quarter turn to the left
     parts = [Part("frame", ring(3, 4, DEPTH), grounded=True)]
     for name in ("bottom", "right", "top", "left"):
         parts.append(prism(name, block, DEPTH, mass=1.0))
@@ -218,16 +221,16 @@ def figure_9(*, planar: bool = False) -> Assembly:
 
 @listed(
     "paper-figure-10",
-    "two blocks in an L, tipped out of a whole range of stable directions",
+    "two blocks in an L, tilted out of a range of stable directions",
     source="F10(a)",
     answer="unstable",
 )
 def figure_10(orientation: str = "a", *, planar: bool = False) -> Assembly:
-    """Figure 10: two blocks without chamfer in an L: stable over a whole range.
+    """Figure 10: two blocks without chamfer in an L, stable for a range of directions.
 
-    C2 in the corner, C3 on it and against the wall. (a) gravity leans 30 degrees away from
-    the wall: unstable. (b) turned to the middle of the range, which is every direction
-    between -x and -z: stable.
+    C2 is in the corner, C3 lies on C2 and against the wall. In (a), gravity leans 30 degrees away
+    from the wall: unstable. In (b), gravity is in the middle of the stable range, which is every
+    direction between -x and -z.
     """
     parts = [
         _ell(3.0, 3.0),
@@ -243,7 +246,7 @@ def figure_10(orientation: str = "a", *, planar: bool = False) -> Assembly:
 
 @listed(
     "paper-figure-11-turned",
-    "the same at 45 degrees, its only stable orientation",
+    "the same L at 45 degrees, its only stable orientation",
     source="F11(b)",
     answer="stable",
     orientation="b",
@@ -255,16 +258,16 @@ def figure_10(orientation: str = "a", *, planar: bool = False) -> Assembly:
     answer="unstable",
 )
 def figure_11(orientation: str = "a", *, planar: bool = False) -> Assembly:
-    """Figure 11: two identical blocks chamfered 45 degrees in an L.
+    """Figure 11: two identical blocks with chamfers of 45 degrees in an L.
 
-    (a) unstable. (b) the only stable orientation: the L at 45 degrees.
+    (a) is unstable. (b) is the only stable orientation, with the L at 45 degrees.
     """
     return two_blocks_in_an_l(45.0, stable=_is_b(orientation), planar=planar)
 
 
 @listed(
     "paper-figure-12-turned",
-    "the same leaning 60 degrees, its only stable orientation",
+    "the same L at 60 degrees, its only stable orientation",
     source="F12(b)",
     answer="stable",
     orientation="b",
@@ -276,7 +279,7 @@ def figure_11(orientation: str = "a", *, planar: bool = False) -> Assembly:
     answer="unstable",
 )
 def figure_12(orientation: str = "a", *, planar: bool = False) -> Assembly:
-    """Figure 12: the same with chamfers of 60 degrees; (b) the L leans 60 degrees."""
+    """Figure 12: as Figure 11, with chamfers of 60 degrees; in (b), the L leans by 60 degrees."""
     return two_blocks_in_an_l(60.0, stable=_is_b(orientation), planar=planar)
 
 
@@ -291,18 +294,18 @@ def trapped_wedge(
 ) -> Assembly:
     """Case TR: B on the floor under the 45-degree overhang of A, which fills the corner.
 
-    Gravity is turned from -z toward the wall (-x) by `tilt`. Stable for 0 <= tilt <=
-    atan(mass_a / mass_b); B may slide away at no cost at 0, nothing may move at 10
-    degrees, unstable at -0.01 degrees.
+    Gravity is turned from -z toward the wall (-x) by `tilt`. The assembly is stable for
+    0 <= tilt <= atan(mass_a / mass_b). At 0 degrees B can slide away at no cost, at 10 degrees
+    no part can move, at -0.01 degrees the assembly is unstable.
 
     Parameters
     ----------
     tilt : float
-        [deg]
+        Angle of gravity [deg].
     mass_a, mass_b : float
-        [kg], in a ratio of 1/2 to 2.
+        Masses [kg], in a ratio of 1/2 to 2.
     planar : bool
-        Motions in the x-z plane only, as the case is put.
+        Motions in the x-z plane only, as in the case.
     """
     a = [[0, 0], [2, 0], [3.5, 1.5], [3.5, 2], [0, 6]]
     b = [[2.5, 0], [6, 0], [6, 1], [3.25, 1.25], [2.5, 0.5]]
@@ -319,7 +322,7 @@ def trapped_wedge(
 
 
 def _is_b(orientation: str) -> bool:
-    """Whether the stable orientation (b) is asked for, not (a)."""
+    """Whether an orientation is the stable one, "b", and not "a"; raises for other words."""
     if orientation not in ("a", "b"):
         raise InputError(f"there is no orientation {orientation!r}", hint="give 'a' or 'b'")
     return orientation == "b"

@@ -1,4 +1,4 @@
-"""Random models of toy bricks, seeded: each brick has a stud in one that stands, or on the base."""
+"""Random models of toy bricks; each brick is connected to an earlier brick or to the base."""
 
 from __future__ import annotations
 
@@ -11,26 +11,27 @@ from kilter.assembly.bricks.brick_library import STATED, brick_mass
 __all__ = ["random_bricks"]
 
 ON_BASE = 0.1
-"""Chance of a brick on the baseplate."""
+"""Probability that a brick is placed on the baseplate."""
 ABOVE = 0.8
-"""Chance that a brick is put on another, not under it."""
+"""Probability that a brick is placed on an earlier brick and not under it."""
 COLORS = (1, 2, 4, 14, 15, 25)
-"""Blue, green, red, yellow, white, orange."""
+"""LDraw codes of blue, green, red, yellow, white and orange."""
 SIZES = [*STATED, *((b, a) for a, b in STATED if a != b)]
-"""Bricks either way round."""
+"""Sizes of bricks with stated weights, in both orientations [cell]."""
 
 
 def random_bricks(count: int, *, seed: int, spread: int | None = None) -> BrickModel:
-    """A model of `count` bricks whose weights the libraries state.
+    """Build a random model of bricks with weights that the libraries state.
 
     Parameters
     ----------
     count : int
-        At least 1.
+        Number of bricks, at least 1.
     seed : int
+        Seed of the random numbers.
     spread : int, optional
-        Cells along either side of the square in which bricks are put on the base; about as many
-        as keep a model a few layers high where not given.
+        Side of the square in which bricks are placed on the base [cell]; by default a side that
+        gives a model of a few layers.
 
     Examples
     --------
@@ -57,13 +58,13 @@ def random_bricks(count: int, *, seed: int, spread: int | None = None) -> BrickM
         taken |= cells
         bricks.append((x, y, z, across, along))
     rows = np.array(bricks)
-    none, number = np.zeros(count, dtype=np.int64), np.arange(1, count + 1)
+    zero, number = np.zeros(count, dtype=np.int64), np.arange(1, count + 1)
     return BrickModel(
         corner=rows[:, :3] * [1, 1, BRICK_PLATES],
-        size=np.column_stack([rows[:, 3:], none + BRICK_PLATES]),
+        size=np.column_stack([rows[:, 3:], zero + BRICK_PLATES]),
         mass=np.array([brick_mass(a, b) for a, b in rows[:, 3:].tolist()]),
         color=rng.choice(COLORS, count),
-        held=none > 0,
+        held=zero > 0,
         number=number,
         line=number,
     )

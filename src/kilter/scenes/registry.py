@@ -1,6 +1,6 @@
-"""The register of examples: scenes with parameters under which their answer is known.
+"""Registry of the examples: scenes with parameters for which their answer is known.
 
-A function that makes a scene is listed by a decorator, once for each example of it.
+The decorator `listed` registers a scene function, once for each of its examples.
 """
 
 from __future__ import annotations
@@ -22,21 +22,21 @@ Builder = TypeVar("Builder", bound=Callable[..., Assembly])
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Example:
-    """A named scene.
+    """A named scene with a known answer.
 
     Attributes
     ----------
     name : str
-        In kebab-case.
+        Name in kebab-case.
     title : str
-        One line.
+        Description in one line.
     build : callable
-        Makes the assembly.
+        Function that builds the assembly.
     source : str
         Case, figure or publication.
     answer : {"stable", "settles", "potentially-stable", "unstable"}
-        The verdict. "settles": the proof that no motion obeys the contact law takes more than
-        the usual effort. "potentially-stable": a motion obeys it as well.
+        Known verdict. "settles": the proof that no motion obeys the contact law needs more than
+        the default effort. "potentially-stable": a motion obeys the contact law, too.
     """
 
     name: str
@@ -46,7 +46,7 @@ class Example:
     answer: Answer
 
     def to_dict(self) -> dict[str, Any]:
-        """An entry of `kilter example --json`."""
+        """JSON data of the example, as in `kilter example --json`."""
         return {
             "name": self.name,
             "title": self.title,
@@ -59,13 +59,13 @@ class Example:
 
 
 SCENES: dict[str, Example] = {}
-"""Every example by name."""
+"""All examples by name."""
 
 
 def listed(
     name: str, title: str, *, source: str, answer: Answer, **parameters: Any
 ) -> Callable[[Builder], Builder]:
-    """A decorator that lists the scene of a function, with these parameters, as an example."""
+    """Decorator that registers a scene function with these parameters as an example."""
 
     def enter(build: Builder) -> Builder:
         SCENES[name] = Example(name, title, partial(build, **parameters), source, answer)
@@ -75,28 +75,29 @@ def listed(
 
 
 def scene(name: str, *, size: tuple[int, int] | None = None) -> Assembly:
-    """The assembly of the example of that name.
+    """Build the example of a name.
 
     Parameters
     ----------
     name : str
     size : tuple of int, optional
-        Of a wall: bricks a course, and courses.
+        Size of a wall: bricks per course, and courses.
 
     Raises
     ------
     InputError
-        If there is none, it names the nearest; if it has one size only.
+        If the name is unknown (the message contains the most similar name), or if the scene is
+        not a wall and a size is given.
     """
     if name not in SCENES:
         near = nearest_name(name, SCENES)
-        hint = f"did you mean {near!r}?" if near else f"there are: {', '.join(SCENES)}"
+        hint = f"did you mean {near!r}?" if near else f"use one of: {', '.join(SCENES)}"
         raise InputError(f"no scene is named {name!r:.60}", hint=hint)
     build = SCENES[name].build
     if size is None:
         return build()
     if not {"courses", "per_course"} <= set(inspect.signature(build).parameters):
-        raise InputError(f"{name!r} has one size only", hint="walls have others")
+        raise InputError(f"{name!r} has only one size", hint="only walls have a size")
     if min(size) < 1:
         raise InputError(f"a wall of size {size}", hint="give whole numbers above 0")
     return build(courses=size[1], per_course=size[0])

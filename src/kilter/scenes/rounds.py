@@ -1,4 +1,4 @@
-"""Piles of cylinders and spheres, radius 1, on a held floor."""
+"""Piles of cylinders and spheres of radius 1 on a held floor."""
 
 from __future__ import annotations
 
@@ -17,18 +17,20 @@ __all__ = ["four_spheres", "three_cylinders"]
 
 @listed("three-cylinders", "a cylinder on two cylinders", source="R1", answer="stable")
 def three_cylinders(*, friction_between: float = 0.3, friction_ground: float = 0.1) -> Assembly:
-    """Case R1: two cylinders along y and a third on them, all touching.
+    """Case R1: two cylinders along y and a third on them; all touch each other.
 
-    Holds from 2 - sqrt 3 = 0.267949 between them and a third of that on the ground.
+    The pile holds if the friction between cylinders is at least 2 - sqrt 3 = 0.267949, and that
+    on the ground at least a third of this.
     """
     centers = [[-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 0.0, 1 + np.sqrt(3)]]
     return _pile("cylinder", Cylinder(1.0, 2.0), centers, friction_between, friction_ground)
 
 
 def four_spheres(*, friction_between: float = 0.33, friction_ground: float = 0.09) -> Assembly:
-    """Case R2: three spheres and a fourth on them, all touching.
+    """Case R2: three spheres and a fourth on them; all touch each other.
 
-    Holds from sqrt 3 - sqrt 2 = 0.317837 between them and a quarter of that on the ground.
+    The pile holds if the friction between spheres is at least sqrt 3 - sqrt 2 = 0.317837, and that
+    on the ground at least a quarter of this.
     """
     side = 2 / np.sqrt(3)
     angles = np.radians([90, 210, 330])

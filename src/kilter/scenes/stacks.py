@@ -1,7 +1,7 @@
 """Towers, overhangs and blocks on slopes.
 
-Unit blocks are cubes of side 1 unless said; the held base has its top at z = 0. A slope at
-azimuth 0 descends toward +x; azimuths turn it about +z.
+Unit blocks are cubes of side 1. The held base has its top at z = 0. A slope of azimuth 0 descends
+toward +x; the azimuth rotates it about +z.
 """
 
 from __future__ import annotations
@@ -28,23 +28,24 @@ __all__ = [
 ]
 
 
-@listed("tower", "five cubes on a held one", source="S2", answer="stable")
+@listed("tower", "five cubes on a held cube", source="S2", answer="stable")
 def tower(
     count: int = 5, *, tilt: float = 0.0, size: float = 1.0, friction: float = 0.0
 ) -> Assembly:
-    """Case S2: `count` free cubes on a held one, gravity leaning toward +x.
+    """Case S2: a tower of free cubes on a held cube, with gravity leaning toward +x.
 
-    Topples at tan(tilt) = 1 / count, if friction keeps it from sliding.
+    The tower topples at tan(tilt) = 1 / count, if friction prevents sliding.
 
     Parameters
     ----------
     count : int
+        Number of free cubes.
     tilt : float
-        Of gravity [deg].
+        Angle of gravity [deg].
     size : float
         Side of the cubes [m].
     friction : float
-        [-]
+        Friction coefficient [-].
     """
     cubes = [
         block(
@@ -62,20 +63,21 @@ def tower(
 
 @listed(
     "staircase",
-    "four cubes, each a little further out, just inside the limit",
+    "four cubes, each shifted over the cube below, just inside the limit",
     source="S3",
     answer="stable",
 )
 def staircase(count: int = 4, *, offset: float | None = None) -> Assembly:
-    """Case S3: `count` free unit cubes, each `offset` further along x than the one below.
+    """Case S3: free unit cubes on a held cube, each shifted along x over the cube below.
 
-    The lowest stands on a held cube. Stable if and only if offset <= 1 / (count + 1).
+    The staircase is stable if and only if offset <= 1 / (count + 1).
 
     Parameters
     ----------
     count : int
+        Number of free cubes.
     offset : float, optional
-        0.98 of the limit by default [m].
+        Shift of each cube [m]; by default 0.98 of the limit.
 
     Examples
     --------
@@ -116,17 +118,17 @@ def block_on_slope(
 ) -> Assembly:
     """Cases S1, S8, W4, W5: a block on a held slope that descends toward `azimuth`.
 
-    It slides where tan(angle) > friction, tips where tan(angle) > width / height. Without
-    friction it starts with g sin(angle).
+    The block slides if tan(angle) > friction and tips if tan(angle) > width / height. Without
+    friction its acceleration is g sin(angle).
 
     Parameters
     ----------
     angle, azimuth : float
-        [deg]
+        Angles [deg].
     width, height : float
-        Of the block along and across the slope [m]; its depth is 1.
+        Size of the block along and across the slope [m]; its depth is 1.
     friction : float
-        [-]
+        Friction coefficient [-].
     """
     parts = [
         floor([-3 * width, -2], [3 * width, 2], name="slope"),
@@ -139,21 +141,21 @@ def block_on_slope(
 def block_on_incline(
     width: float = 1.0, height: float = 1.0, angle: float = 20.0, friction: float = 0.0
 ) -> Assembly:
-    """Case S1: critical tan(angle) = min(friction, width / height); see `block_on_slope`."""
+    """Case S1: `block_on_slope` with the critical tan(angle) = min(friction, width / height)."""
     return block_on_slope(angle, width=width, height=height, friction=friction)
 
 
 @listed(
     "harmonic-stack",
-    "ten blocks that reach 1.46 lengths over an edge, just balanced",
+    "ten blocks that overhang an edge by 1.46 lengths, just balanced",
     source="O1",
     answer="stable",
 )
 def harmonic_stack(count: int = 10, *, scale: float = 1.0 - 1e-6) -> Assembly:
     """Case O1: the harmonic stack over the edge x = 0 of a held table, blocks 1 x 1 x 0.25.
 
-    Block k from the top reaches scale / (2 k) past the one below. At scale 1 it is just
-    balanced, with an overhang of half the harmonic number of `count`.
+    Block k from the top extends by scale / (2 k) beyond the block below. At scale 1 the stack is
+    just balanced, with an overhang of half the harmonic number of `count`.
 
     Examples
     --------
@@ -172,9 +174,9 @@ def harmonic_stack(count: int = 10, *, scale: float = 1.0 - 1e-6) -> Assembly:
 
 
 def three_block_overhang(shift: float = 0.0) -> Assembly:
-    """Case O2: unit blocks [-.5, .5] on a table that ends at x = 0, [-1, 0] and [0, 1] on it.
+    """Case O2: unit block [-.5, .5] on a table that ends at x = 0, with [-1, 0] and [0, 1] on it.
 
-    Just balanced; with all three moved by 1e-3 in x it is not.
+    The blocks are just balanced. With a `shift` of 1e-3 in x they are not.
     """
     rows = [("lower", -0.5, 0), ("left", -1.0, 1), ("right", 0.0, 1)]
     blocks = [block(name, [x + shift, -0.5, z], [x + 1 + shift, 0.5, z + 1]) for name, x, z in rows]
@@ -185,24 +187,24 @@ def three_block_overhang(shift: float = 0.0) -> Assembly:
     "inverted-triangle", "rows of 1, 2 and 3 blocks, not balanced", source="O3", answer="unstable"
 )
 def inverted_triangle(rows: int = 3) -> Assembly:
-    """Case O3: rows of 1, 2, 3, ... unit blocks on a held table as wide as the first.
+    """Case O3: rows of 1, 2, 3, ... unit blocks on a held table of width 1.
 
-    Balanced for 2 rows, not for 3, 4, 5.
+    The rows are balanced for 2 rows, but not for 3, 4 or 5.
     """
     return _rows_of_blocks(list(range(1, rows + 1)))
 
 
-@listed("diamond", "a diamond of 16 blocks on one, balanced", source="O4", answer="stable")
+@listed("diamond", "a diamond of 16 blocks on a narrow table", source="O4", answer="stable")
 def diamond(order: int = 4) -> Assembly:
     """Case O4: rows of 1, 2, ..., order, ..., 2, 1 unit blocks on a held table.
 
-    Balanced for order 2, 3, 4, not for 5, 6.
+    The diamond is balanced for the orders 2, 3 and 4, but not for 5 or 6.
     """
     return _rows_of_blocks([*range(1, order + 1), *range(order - 1, 0, -1)])
 
 
 def _rows_of_blocks(counts: list[int]) -> Assembly:
-    """Rows of unit blocks centred on x = 0, bottom up, on a table [-.5, .5]."""
+    """Rows of unit blocks centred on x = 0, bottom up, on a table from x = -0.5 to 0.5."""
     blocks = [
         block(f"block-{row}-{k}", [k - n / 2, -0.5, row], [k + 1 - n / 2, 0.5, row + 1])
         for row, n in enumerate(counts)
@@ -214,18 +216,18 @@ def _rows_of_blocks(counts: list[int]) -> Assembly:
 def overhang(
     share: float = 0.45, *, size: float = 1.0, density: float | None = None, **assembly: Any
 ) -> Assembly:
-    """Case W3: a cube on a held cube, `share` of its length past the edge.
+    """Case W3: a cube that overhangs a held cube by a `share` of its length.
 
-    Stable up to a share of 0.5, whatever the size and the density.
+    The cube is stable up to a share of 0.5, whatever the size and the density.
 
     Parameters
     ----------
     share : float
-        [-]
+        Overhang over length [-].
     size : float
         Side of the cubes [length unit].
     density : float, optional
-        Of both [kg/m^3].
+        Density of both cubes [kg/m^3].
     **assembly
         Further arguments of `Assembly`, such as `units`.
     """
@@ -236,7 +238,7 @@ def overhang(
 
 
 def overhanging_cubes(share: float = 0.75) -> list[Assembly]:
-    """Case W3 at every size and density of the case: 1 mm to 1 km, 1 and 2400 kg/m^3.
+    """Case W3 for all its sizes and densities: 1 mm to 1 km, 1 and 2400 kg/m^3.
 
     Examples
     --------

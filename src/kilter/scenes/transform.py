@@ -1,7 +1,7 @@
-"""One assembly made into another whose answer is known from the first.
+"""Transformations of assemblies with a known effect on the answer.
 
-Turning, moving, scaling, reordering and renaming change no verdict; `tilted` turns gravity
-alone; `as_single` gives the coordinates a binary STL would carry.
+Rotating, shifting, scaling, reordering and renaming change no verdict. `tilted` rotates only
+gravity. `as_single` rounds the coordinates to those of a binary STL file.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ __all__ = ["as_single", "moved", "permuted", "renamed", "scaled", "tilted"]
 def moved(
     assembly: Assembly, rotation: ArrayLike = (1, 0, 0, 0), shift: ArrayLike = (0, 0, 0)
 ) -> Assembly:
-    """Everything turned about the origin, then shifted: parts, gravity, loads, contacts, joints.
+    """Rotate an assembly about the origin, then shift it, with gravity, loads and contacts.
 
     Parameters
     ----------
@@ -34,12 +34,12 @@ def moved(
     rotation : array_like, shape (4,)
         Quaternion (w, x, y, z).
     shift : array_like, shape (3,)
-        [length unit], world frame.
+        Shift, world frame [length unit].
 
     Raises
     ------
     InputError
-        If the assembly is planar and the turn is not about y.
+        If the assembly is planar and the rotation is not about y.
 
     Examples
     --------
@@ -81,7 +81,7 @@ def moved(
 
 
 def tilted(assembly: Assembly, axis: ArrayLike, degrees: float) -> Assembly:
-    """Gravity alone turned about `axis`, right-handed [deg]; about +y it leans toward -x.
+    """Rotate only gravity, right-handed about `axis` [deg]; about +y it leans toward -x.
 
     Raises
     ------
@@ -103,9 +103,9 @@ def tilted(assembly: Assembly, axis: ArrayLike, degrees: float) -> Assembly:
 
 
 def scaled(assembly: Assembly, factor: float) -> Assembly:
-    """Every length times `factor`, densities kept, so that no verdict changes.
+    """Multiply every length by `factor` and keep the densities, so that no verdict changes.
 
-    Masses that are given, and forces, grow by factor^3 as weights do; torques by factor^4.
+    Given masses and forces grow by factor^3, as weights do, and torques by factor^4.
 
     Examples
     --------
@@ -161,9 +161,9 @@ def scaled(assembly: Assembly, factor: float) -> Assembly:
 
 
 def as_single(assembly: Assembly) -> Assembly:
-    """Every shape a mesh in world coordinates rounded to float32, as a binary STL gives.
+    """Replace every shape by a mesh in world coordinates rounded to float32, as in a binary STL.
 
-    Densities, masses and centres of mass are kept; cylinders and spheres become inscribed
+    Densities, masses and centres of mass are kept. Cylinders and spheres become inscribed
     polyhedra.
 
     Examples
@@ -176,7 +176,7 @@ def as_single(assembly: Assembly) -> Assembly:
 
 
 def permuted(assembly: Assembly, order: Sequence[int]) -> Assembly:
-    """The parts in another order: new part k is old part ``order[k]``.
+    """Reorder the parts: new part k is old part ``order[k]``.
 
     Raises
     ------
@@ -189,7 +189,7 @@ def permuted(assembly: Assembly, order: Sequence[int]) -> Assembly:
 
 
 def renamed(assembly: Assembly, name: Callable[[str], str]) -> Assembly:
-    """Every part's name passed through `name`, and all that names parts with it."""
+    """Rename the parts by a function, also in loads, contacts, joints, bonds and friction pairs."""
 
     def pair(parts: tuple[str, str]) -> tuple[str, str]:
         a, b = (GROUND if part == GROUND else name(part) for part in parts)
@@ -238,23 +238,27 @@ def _features(
     moved: Callable[[Array], Array],
     factor: float,
 ) -> tuple[Feature, Feature] | None:
-    """The features of a contact, turned and moved, of surfaces `factor` times as large."""
+    """The features of a contact after a transformation of directions and points.
+
+    `turned` maps directions, `moved` maps points; the surfaces are `factor` times as large.
+    """
     if contact.feature is None:
         return None
     a, b = (
         Feature(
-            one.kind,
-            None if one.along is None else turned(one.along),
-            one.curvature / factor,
-            None if one.point is None else moved(one.point),
-            None if one.axis is None else turned(one.axis),
+            feature.kind,
+            None if feature.along is None else turned(feature.along),
+            feature.curvature / factor,
+            None if feature.point is None else moved(feature.point),
+            None if feature.axis is None else turned(feature.axis),
         )
-        for one in contact.feature
+        for feature in contact.feature
     )
     return a, b
 
 
 def _scaled_shape(shape: Shape, factor: float) -> Shape:
+    """A shape whose lengths are multiplied by `factor`."""
     if isinstance(shape, Box):
         return Box(shape.size * factor)
     if isinstance(shape, Cylinder):
@@ -267,6 +271,7 @@ def _scaled_shape(shape: Shape, factor: float) -> Shape:
 
 
 def _single(part: Part) -> Part:
+    """A part as a mesh in world coordinates, rounded to float32."""
     vertices, triangles = surface(part.shape)
     world = part.pose.apply(vertices).astype(np.float32)
     center = part.center_of_mass

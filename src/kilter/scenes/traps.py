@@ -1,4 +1,4 @@
-"""Scenes that others answer wrongly: floating, overlapping, many, split and inverted contacts."""
+"""Scenes that are easily answered wrongly: floating, overlapping, split and inverted parts."""
 
 from __future__ import annotations
 
@@ -21,17 +21,16 @@ __all__ = [
 ]
 
 
-@listed("floating-block", "one block of a row floats", source="W1", answer="unstable")
+@listed("floating-block", "a row of blocks with a floating block", source="W1", answer="unstable")
 def floating_block(index: int = 2, *, count: int = 5) -> Assembly:
-    """Case W1: unit cubes in a row on a floor, one of them 1 m above it: it falls at 1 g.
+    """Case W1: unit cubes in a row on a floor; a single cube, 1 m above it, falls at 1 g.
 
     Parameters
     ----------
     index : int
-        Which of the cubes floats, from 0 or (negative) from the end; part `index` + 1 of
-        the list.
+        Index of the floating cube, from 0, or negative from the end; it is part `index` + 1.
     count : int
-        Cubes.
+        Number of cubes.
     """
     if not -count <= index < count:
         raise InputError(f"there is no cube {index} of {count}")
@@ -45,9 +44,10 @@ def floating_block(index: int = 2, *, count: int = 5) -> Assembly:
 
 
 def penetrating_cube(depth: float = 0.1) -> Assembly:
-    """Case W2: a unit cube in mid-air that overlaps a held one by `depth` [m] sideways.
+    """Case W2: a unit cube in mid-air that overlaps a held cube sideways by `depth` [m].
 
-    No contact carries it, but the overlap might be a joint: undecided, and it is to be named.
+    No contact carries the cube, but the overlap might be a joint. The verdict is undecided and
+    must name the pair.
     """
     return Assembly(
         [
@@ -59,7 +59,7 @@ def penetrating_cube(depth: float = 0.1) -> Assembly:
 
 @listed("laden-slab", "a slab that carries 125 cubes", source="W7", answer="stable")
 def laden_slab() -> Assembly:
-    """Case W7: a held slab with 25 unit cubes and 100 cubes of 0.1: stable, 125 patches."""
+    """Case W7: a held slab with 25 unit cubes and 100 cubes of side 0.1; stable, 125 patches."""
     large = [
         block(f"large-{i}-{j}", [2.0 * i, 2.0 * j, 0], [2.0 * i + 1, 2.0 * j + 1, 1])
         for i in range(5)
@@ -74,13 +74,13 @@ def laden_slab() -> Assembly:
 
 
 def bridge_on_slab() -> Assembly:
-    """Case W8: a bridge on a held slab, two patches of 1 x 1 in one plane: area 2, stable."""
+    """Case W8: a bridge on a held slab with two coplanar patches of 1 x 1; area 2, stable."""
     polygon = [[0, 0], [1, 0], [1, 1], [3, 1], [3, 0], [4, 0], [4, 2], [0, 2]]
     return Assembly([floor([-1, -1], [5, 1], name="slab"), prism("bridge", polygon)])
 
 
 def ring_on_slab() -> Assembly:
-    """Case W8: a square ring flat on a held slab, 4 x 4 less 2 x 2: area 12, stable."""
+    """Case W8: a square ring flat on a held slab, 4 x 4 minus 2 x 2; area 12, stable."""
     lines = [-2.0, -1.0, 1.0, 2.0]
     solid = np.ones((3, 3, 1), dtype=bool)
     solid[1, 1, 0] = False
@@ -89,7 +89,7 @@ def ring_on_slab() -> Assembly:
 
 
 def inward_base() -> Assembly:
-    """Case W9: a unit cube on a held mesh whose faces point inwards: stable, with a warning."""
+    """Case W9: a unit cube on a held mesh with inverted faces; stable, with a warning."""
     base = floor([-1, -1], [1, 1], name="base")
     vertices, triangles = surface(base.shape)
     shape = Mesh(base.pose.apply(vertices), triangles[:, ::-1])

@@ -1,8 +1,8 @@
-"""Walls of bricks: running bond, stack bond, openings, short bases, published ones.
+"""Walls of bricks: running bond, stack bond, openings, short bases, published walls.
 
-A wall stands along x on a held base whose top is z = 0, centred on y = 0. Courses are
-given bottom up as widths in bricks; a negative width is an opening. Names are
-"brick-COURSE-NUMBER", both from 0, left to right, openings not counted.
+A wall stands along x on a held base whose top is z = 0, centred on y = 0. Courses are given
+bottom up as widths in bricks; a negative width is an opening. The names are
+"brick-COURSE-NUMBER", both counted from 0, left to right without the openings.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ FERRIS_TIN_LOI: dict[int, tuple[str, dict[str, list[float]]]] = {
         },
     ),
 }
-"""Courses bottom up, and their widths, of the six walls."""
+"""The six walls: their courses bottom up, and the widths of each kind of course [brick]."""
 
 
 def wall_from_courses(
@@ -91,28 +91,28 @@ def wall_from_courses(
     density: float | None = None,
     **assembly: Any,
 ) -> Assembly:
-    """A wall from the widths of its courses, bottom up, in bricks; negative = opening.
+    """Build a wall from the widths of its courses, bottom up.
 
     Parameters
     ----------
     courses : sequence of sequences of float
-        Widths [bricks].
+        Widths [brick]; a negative width is an opening.
     size : sequence of float, shape (3,)
         Length along x, depth along y and height along z of a brick [length unit].
     gap : float
-        Width of the head joints, all open by as much [length unit]; bed joints touch.
+        Gap of all head joints [length unit]; bed joints touch.
     base : (float, float), optional
-        From where to where along x the held base reaches [length unit]; half a brick past
-        both ends of the first course by default.
+        Start and end of the held base along x [length unit]; by default half a brick beyond both
+        ends of the first course.
     density : float, optional
-        Of the bricks [kg/m^3].
+        Density of the bricks [kg/m^3].
     **assembly
         Further arguments of `Assembly`.
 
     Raises
     ------
     InputError
-        If the gap leaves nothing of a brick.
+        If the gap is at least the width of a brick.
 
     Examples
     --------
@@ -129,7 +129,7 @@ def wall_from_courses(
 def _bricks(
     courses: Courses, size: tuple[float, float, float], gap: float, density: float | None
 ) -> Iterator[Part]:
-    """Parts of all courses; bricks of one width share one shape."""
+    """Yield the bricks of all courses; bricks of equal width share a shape."""
     length, depth, height = size
     shapes: dict[float, Box] = {}
     for row, widths in enumerate(courses):
@@ -141,14 +141,14 @@ def _bricks(
                 continue
             if width not in shapes:
                 if width * length <= gap:
-                    raise InputError(f"gap {gap:g} leaves nothing of a brick of width {width:g}")
+                    raise InputError(f"gap {gap:g} is too large for a brick of width {width:g}")
                 shapes[width] = Box([width * length - gap, depth, height])
             yield Part(f"brick-{row}-{number}", shapes[width], Pose((x, 0.0, z)), density=density)
             number += 1
 
 
 def bond(courses: int, per_course: int) -> list[list[float]]:
-    """Widths of a running bond, every second course closed by half bricks.
+    """Widths of a running bond; every second course ends in half bricks.
 
     Examples
     --------
@@ -164,15 +164,12 @@ def bond(courses: int, per_course: int) -> list[list[float]]:
 
 @listed("wall", "a running-bond wall", source="running bond", answer="stable")
 def wall(courses: int = 6, per_course: int = 6, **options: Any) -> Assembly:
-    """A running-bond wall; `options` are those of `wall_from_courses`.
-
-    Stable without friction.
-    """
+    """A running-bond wall, stable without friction; `options` as in `wall_from_courses`."""
     return wall_from_courses(bond(courses, per_course), **options)
 
 
 def wall_of(count: int, **options: Any) -> Assembly:
-    """A running-bond wall of about `count` bricks, as many courses as bricks a course.
+    """A running-bond wall of about `count` bricks, with as many courses as bricks per course.
 
     Examples
     --------
@@ -184,13 +181,13 @@ def wall_of(count: int, **options: Any) -> Assembly:
 
 
 def stack_bond(courses: int = 6, per_course: int = 6, **options: Any) -> Assembly:
-    """A wall whose head joints all align: towers side by side. Stable without friction."""
+    """A wall with aligned head joints (towers side by side), stable without friction."""
     return wall_from_courses([[1.0] * per_course for _ in range(courses)], **options)
 
 
 @listed(
     "wall-with-opening",
-    "a brick over the opening of a wall rests on nothing",
+    "a wall with an opening; a brick above it is not supported",
     source="running bond",
     answer="unstable",
 )
@@ -207,21 +204,19 @@ def wall_with_opening(
     ----------
     courses, per_course : int
     opening : (int, int, int, int)
-        From and to which brick along x, and from and to which course (the last excluded).
+        First and last brick along x, first and last course of the opening (last ones excluded).
     **options
-        Of `wall_from_courses`.
+        Arguments of `wall_from_courses`.
 
     Notes
     -----
-    A brick above the opening that rests on nothing is there all the same: the default, two
-    bricks wide, has one in its head and falls without friction.
+    Unsupported bricks above the opening are not left out. The default opening, two bricks wide,
+    has an unsupported brick above it, which falls without friction.
     """
     return wall_from_courses(_opened(bond(courses, per_course), opening), **options)
 
 
-@listed(
-    "wall-with-lintel", "the same opening under a lintel", source="running bond", answer="stable"
-)
+@listed("wall-with-lintel", "the same wall with a lintel", source="running bond", answer="stable")
 def wall_with_lintel(
     courses: int = 8,
     per_course: int = 8,
@@ -229,36 +224,36 @@ def wall_with_lintel(
     opening: tuple[int, int, int, int] = (3, 5, 2, 5),
     **options: Any,
 ) -> Assembly:
-    """The same with a lintel over the opening that rests half a brick (or more) on each side.
+    """`wall_with_opening` with a lintel, supported by half a brick or more on each side.
 
-    Stable without friction.
+    The wall is stable without friction.
     """
     left, right, _, top = opening
     rows = _opened(bond(courses, per_course), opening)
     if top < len(rows):
-        half = 0.5 if top % 2 else 1.0  # where that course has its joints
+        half = 0.5 if top % 2 else 1.0  # so that the lintel ends at joints of its course
         rows[top] = _joined(rows[top], left - half, right + half)
     return wall_from_courses(rows, **options)
 
 
 @listed(
     "hanging-brick",
-    "one brick of a wall hangs in the air",
+    "a brick of a wall hangs in the air",
     source="running bond",
     answer="unstable",
 )
 def hanging_brick(courses: int = 6, per_course: int = 6, **options: Any) -> Assembly:
-    """A running-bond wall with a lintel, and a brick that hangs under it, held by nothing.
+    """A running-bond wall with a lintel, and an unsupported brick under the lintel.
 
-    It touches the lintel from below and no other brick: it falls at 1 g, the rest stays.
+    The brick touches only the lintel, from below. It falls at 1 g, and the rest stays.
     """
     middle = per_course // 2
     rows = _opened(bond(courses, per_course), (middle - 1, middle + 2, 1, 3))
     rows[3] = _joined(rows[3], middle - 1.5, middle + 2.5)
     hung = [-abs(width) if width < 0 else width for width in rows[2]]
-    where = next(k for k, width in enumerate(hung) if width < 0)
-    spare = (-hung[where] - 1.0) / 2
-    rows[2] = [*hung[:where], -spare, 1.0, -spare, *hung[where + 1 :]]
+    opening = next(k for k, width in enumerate(hung) if width < 0)
+    spare = (-hung[opening] - 1.0) / 2
+    rows[2] = [*hung[:opening], -spare, 1.0, -spare, *hung[opening + 1 :]]
     return wall_from_courses(rows, **options)
 
 
@@ -271,9 +266,9 @@ def hanging_brick(courses: int = 6, per_course: int = 6, **options: Any) -> Asse
 def short_base(
     courses: int = 4, per_course: int = 6, *, held: float = 3.25, **options: Any
 ) -> Assembly:
-    """A running-bond wall of which only the first `held` bricks' lengths stand on the base.
+    """A running-bond wall on a base that ends after `held` lengths of a brick.
 
-    Without friction the first course's bricks past the base fall.
+    Without friction, the bricks of the first course beyond the base fall.
     """
     length = float(options.get("size", BRICK)[0])
     return wall(courses, per_course, base=(-length / 2, held * length), **options)
@@ -288,10 +283,10 @@ def short_base(
 def tilted_wall(
     degrees: float = 5.0, *, friction: float = 0.6, courses: int = 9, per_course: int = 6
 ) -> Assembly:
-    """Case S7: a running-bond wall of 200 x 100 x 60 mm bricks tilted out of its plane.
+    """Case S7: a running-bond wall of 200 x 100 x 60 mm bricks, tilted out of its plane.
 
-    Gravity leans toward +y by `degrees`. Overturns at atan(W / (9 H)) = 10.49 deg, with
-    friction 0.15 slides at 8.53 deg.
+    Gravity leans toward +y by `degrees`. The wall overturns at atan(W / (9 H)) = 10.49 deg; with
+    friction 0.15 it slides at 8.53 deg.
     """
     angle = np.radians(degrees)
     down = [0.0, 9.81 * np.sin(angle), -9.81 * np.cos(angle)]
@@ -306,16 +301,16 @@ def tilted_wall(
     number=4,
 )
 def ferris_tin_loi(number: int = 1, *, friction: float = 0.65) -> Assembly:
-    """One of the six walls of Ferris and Tin-Loi, 0.4 x 0.175 m blocks, 0.2 m deep, planar.
+    """A wall of Ferris and Tin-Loi: blocks of 0.4 x 0.175 m, 0.2 m deep, planar.
 
-    The question asked of them is the load factor of a horizontal body force.
+    The publication gives the load factor of a horizontal body force.
 
     Parameters
     ----------
     number : int
-        1 to 6.
+        Number of the wall, 1 to 6.
     friction : float
-        On bed and head joints [-].
+        Friction coefficient of bed and head joints [-].
 
     References
     ----------
@@ -335,7 +330,7 @@ def ferris_tin_loi(number: int = 1, *, friction: float = 0.65) -> Assembly:
 
 
 def _opened(rows: list[list[float]], opening: tuple[int, int, int, int]) -> list[list[float]]:
-    """Courses with the part from `left` to `right` taken out of some of them."""
+    """Courses with an opening from brick `left` to `right` in the courses `bottom` to `top`."""
     left, right, bottom, top = opening
     opened = list(rows)
     for k in range(max(bottom, 0), min(top, len(rows))):
@@ -344,6 +339,7 @@ def _opened(rows: list[list[float]], opening: tuple[int, int, int, int]) -> list
 
 
 def _cut(widths: Sequence[float], left: float, right: float) -> list[float]:
+    """Widths of a course with an opening from `left` to `right`, a negative width [brick]."""
     edges = [0.0, *np.cumsum(np.abs(widths)).tolist()]
     pairs = list(pairwise(edges))
     before = [min(b, left) - a for a, b in pairs if a < left]
@@ -352,4 +348,5 @@ def _cut(widths: Sequence[float], left: float, right: float) -> list[float]:
 
 
 def _joined(widths: Sequence[float], left: float, right: float) -> list[float]:
+    """Widths of a course with a single brick from `left` to `right` [brick]."""
     return [abs(width) if width < 0 else width for width in _cut(widths, left, right)]

@@ -1,7 +1,7 @@
-"""Wedges: a keystone, and blocks cut by planes, in a corner of three held walls.
+"""Wedges: a keystone, and cubes cut by planes in a corner of three held walls.
 
-A convex solid is a list of its faces, polygons of shape (n, 3) turning left seen from
-outside. A cut keeps what lies behind a plane and closes it with one new face.
+A convex solid is a list of its faces, polygons of shape (n, 3), counterclockwise seen from
+outside. A cut keeps the half behind a plane and closes it with a new face.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ WALL = 0.5
 
 @listed("keystone", "a keystone between two springers", source="wedge", answer="stable")
 def keystone(angle: float = 15.0, *, friction: float = 0.0, planar: bool = False) -> Assembly:
-    """A keystone between two free springers that lean on held walls: stable.
+    """A keystone between two free springers that lean on held walls; stable.
 
     Parameters
     ----------
     angle : float
-        Of each joint to the vertical [deg], 5 to 30.
+        Angle of each joint to the vertical [deg], 5 to 30.
     friction : float
-        [-]
+        Friction coefficient [-].
     planar : bool
         Motions in the x-z plane only.
     """
@@ -54,22 +54,22 @@ def keystone(angle: float = 15.0, *, friction: float = 0.0, planar: bool = False
 
 
 def corner_boxes(count: int = 3, *, size: float = 1.0) -> Assembly:
-    """Cubes that fill a corner of three held walls, `count` along each edge, fewer outwards.
+    """A pyramid of cubes in a corner of three held walls, `count` along each edge; stable.
 
-    Cube (i, j, k) is there where i + j + k < count; gravity points into the corner, along
-    -(1, 1, 1). Stable: each cube rests on a wall or a cube in all three directions.
+    Cube (i, j, k) exists if i + j + k < count. Gravity points into the corner, along -(1, 1, 1).
+    Each cube rests on a wall or a cube in all three directions.
 
     Examples
     --------
     >>> len(corner_boxes(3).parts)  # three walls and 6 + 3 + 1 cubes
     13
     """
-    where = [(i, j, k) for i in range(count) for j in range(count) for k in range(count)]
+    grid = [(i, j, k) for i in range(count) for j in range(count) for k in range(count)]
     cubes = [
         block(
             f"cube-{i}-{j}-{k}", np.array([i, j, k]) * size, np.array([i + 1, j + 1, k + 1]) * size
         )
-        for i, j, k in where
+        for i, j, k in grid
         if i + j + k < count
     ]
     return Assembly([*_corner(count * size), *cubes], gravity=_into_corner())
@@ -79,11 +79,12 @@ def corner_boxes(count: int = 3, *, size: float = 1.0) -> Assembly:
 def corner_wedges(count: int = 6, *, seed: int = 0) -> Assembly:
     """A cube in a corner of three held walls, cut into `count` wedges by random planes.
 
-    The largest piece is cut next, through its middle. Gravity points into the corner.
+    Each cut goes through the middle of the largest piece. Gravity points into the corner.
 
     Parameters
     ----------
     count, seed : int
+        Number of wedges, and seed of the random planes.
 
     Examples
     --------
@@ -110,7 +111,7 @@ def _into_corner() -> Array:
 
 
 def _corner(reach: float) -> list[Part]:
-    """Held walls x = 0, y = 0 and floor z = 0 that do not share volume."""
+    """Held walls x = 0, y = 0 and a held floor z = 0 that do not overlap."""
     t, r = WALL, reach + WALL
     return [
         block("floor", [-t, -t, -t], [r, r, 0], grounded=True),
@@ -120,7 +121,7 @@ def _corner(reach: float) -> list[Part]:
 
 
 def behind(faces: list[Array], point: Array, normal: Array) -> list[Array]:
-    """What of a convex solid lies behind the plane through `point`, closed."""
+    """The half of a convex solid behind the plane through `point`, closed by a new face."""
     kept, rim = [], []
     for face in faces:
         distance = (face - point) @ normal
@@ -130,7 +131,7 @@ def behind(faces: list[Array], point: Array, normal: Array) -> list[Array]:
             if distance[k] <= 0:
                 corners.append(p)
             if distance[k] * distance[j] < 0:
-                # from the corner behind to the one before, so both faces of an edge agree
+                # interpolate from behind to front, so that both faces of the edge get equal bits
                 (a, da), (b, db) = sorted(
                     [(k, distance[k]), (j, distance[j])], key=lambda end: end[1]
                 )
@@ -143,7 +144,7 @@ def behind(faces: list[Array], point: Array, normal: Array) -> list[Array]:
 
 
 def _around(points: Array, normal: Array) -> Array:
-    """Corners of a convex polygon in order, turning left about `normal`."""
+    """Corners of a convex polygon, sorted counterclockwise about `normal`."""
     u = unit(np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))]))
     relative = points - points.mean(axis=0)
     angles = np.arctan2(relative @ np.cross(normal, u), relative @ u)
@@ -152,6 +153,7 @@ def _around(points: Array, normal: Array) -> Array:
 
 
 def solid_volume(faces: list[Array]) -> float:
+    """Volume of a solid given by its faces."""
     total = 0.0
     for face in faces:
         for k in range(1, len(face) - 1):
@@ -160,6 +162,7 @@ def solid_volume(faces: list[Array]) -> float:
 
 
 def solid_mesh(faces: list[Array]) -> Mesh:
+    """Mesh of a solid given by its faces, with common vertices."""
     vertices, index = np.unique(np.concatenate(faces), axis=0, return_inverse=True)
     stops = np.cumsum([len(face) for face in faces])[:-1]
     return Mesh(vertices, [piece.tolist() for piece in np.split(index.reshape(-1), stops)])
