@@ -1,6 +1,6 @@
 """The pictures of the known answers of second order: ``python docs/draw_known_answers.py``.
 
-Each picture is drawn from its scene in `tests/scenes/balance_cases.py`: the positions and curvatures
+Each picture is drawn from its scene in `tests/scenes/balance_cases.py`: positions and curvatures
 of its contacts, and the centres of mass. The drawing chooses dimensions that the scene leaves open,
 such as the thickness of a plank. A case is drawn below its limit. If the limit is a position of the
 centre of mass, it is marked.
