@@ -21,7 +21,7 @@ from typing import Any
 
 import pytest
 
-from kilter.analysis import judge as judging
+from kilter.analysis.decision import judge as judging
 from kilter.analysis.decision.judge import SOLVERS, Judgement, Solver, judge
 from kilter.mechanics.program import ROW_FIELDS, Program
 

@@ -10,7 +10,7 @@ from judged import program_of
 from solvers_apart import each_solver, recorded, sides
 
 from kilter import check
-from kilter.analysis import judge as judging
+from kilter.analysis.decision import judge as judging
 from kilter.analysis.decision.judge import SOLVERS, judge
 from kilter.analysis.margins.load_limit import find_limit, gravity_wrench
 from kilter.scenes import arches, scene, stacks, walls

@@ -11,7 +11,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from kilter.analysis import judge as judging
+from kilter.analysis.decision import judge as judging
 from kilter.analysis.decision.judge import judge
 from kilter.analysis.margins import load_limit
 from kilter.analysis.margins.limit_sides import LimitSides
