@@ -69,6 +69,7 @@ def test_a_prism_of_twelve_sides_or_more_is_round(sides: int) -> None:
     assert sagitta[0] == pytest.approx(2.0 * (1 - np.cos(np.pi / sides)), rel=1e-6)
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize(("pieces", "cylinders"), [(1, 0), (2, 0), (4, 0), (5, 4), (8, 4), (30, 4)])
 def test_a_rounded_edge_has_five_pieces_or_more(pieces: int, cylinders: int) -> None:
     found = kinds(rounded_bar(pieces))
@@ -122,7 +123,7 @@ PARTS = {
 }
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("single", [False, True], ids=["double", "single"])
 @pytest.mark.parametrize("name", PARTS)
 def test_round_faces_in_any_pose(name: str, single: bool) -> None:

@@ -52,6 +52,7 @@ def values() -> Iterator[Any]:
     yield kilter.example()[0]
 
 
+@pytest.mark.slow
 def test_shown_in_one_short_line() -> None:
     for value in values():
         shown = repr(value)
@@ -101,6 +102,7 @@ def test_a_notebook_shows_counts_and_what_is_held(wall: Assembly) -> None:
 # a verdict is no truth value ---------------------------------------------------------------
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["tower", "paper-figure-8", "trough"])
 def test_stable_says_so_and_truth_is_refused(name: str) -> None:
     verdict = kilter.check(scene(name), effort=0)
@@ -182,6 +184,7 @@ VERBS = (
 )
 
 
+@pytest.mark.quick(27)
 @pytest.mark.parametrize("verb", VERBS, ids=lambda verb: verb.__name__)
 @pytest.mark.parametrize(
     ("given", "hint"),

@@ -110,6 +110,7 @@ def test_body_with_a_hole_is_a_difference():
     assert inertia[2, 2] == pytest.approx(RHO * (16 * 32 - 4 * 8) / 12, rel=1e-13)
 
 
+@pytest.mark.slow
 @settings(max_examples=15)
 @given(seed=st.integers(0, 10**6))
 def test_inertia_turns_with_the_body(seed):
@@ -283,6 +284,7 @@ def test_joint_without_its_point_is_refused_in_words():
         Assembly(stacks.tower(1).parts, joints=[Joint(("base", "cube-1"), "revolute")])
 
 
+@pytest.mark.slow
 def test_scene_of_meshes_is_judged_as_the_scene_of_shapes():
     for build in (stacks.staircase, lambda: stacks.inverted_triangle(3)):
         assembly = build()

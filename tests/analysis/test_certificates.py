@@ -43,7 +43,7 @@ SCENES = {
 EACH = pytest.mark.parametrize("name", SCENES)
 
 
-@pytest.mark.quick(4)
+@pytest.mark.quick(12)
 @EACH
 @pytest.mark.parametrize("method", ["simplex", "interior"])
 def test_exactly_one_certificate_passes(name, method):
@@ -61,7 +61,7 @@ def test_exactly_one_certificate_passes(name, method):
     assert not (forces.holds and motion.holds)
 
 
-@pytest.mark.quick(3)
+@pytest.mark.quick(10)
 @EACH
 def test_least_imbalance_gives_the_same_answer(name):
     program = program_of(SCENES[name]())
@@ -75,7 +75,6 @@ def test_least_imbalance_gives_the_same_answer(name):
     assert (forces.holds, motion.holds) == (stable, not stable)
 
 
-@pytest.mark.quick(9)
 @EACH
 def test_certificate_of_the_other_kind_never_passes(name):
     program = program_of(SCENES[name]())

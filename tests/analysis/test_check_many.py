@@ -177,6 +177,7 @@ def test_a_verdict_does_not_depend_on_what_stands_beside() -> None:
                 np.testing.assert_array_equal(getattr(one[1], name), getattr(other[1], name))
 
 
+@pytest.mark.slow
 def test_words_are_those_of_check() -> None:
     given = [scene("tower"), scene("paper-figure-8")]
     found = kilter.check_many(given)

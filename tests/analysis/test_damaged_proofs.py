@@ -74,7 +74,7 @@ def wrong(assembly: Any, contacts: Any, proof: Any) -> str:
         return str(error)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.quick("60-plan", "60-no plan", "60-hold")
 @pytest.mark.parametrize("kind", MAKERS)
 @pytest.mark.parametrize("tried", [FEW, pytest.param(MANY, marks=pytest.mark.slow)])
 def test_whatever_is_exchanged_it_is_no_fault(kind: str, tried: int) -> None:

@@ -17,7 +17,7 @@ FLOOR = Part("floor", Box([10, 10, 1]), Pose([0, 0, -0.5]), grounded=True)
 RIDGE = Part("ridge", Prism([[-1, -1], [1, -1], [0, 0]], 2), grounded=True)
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("degrees", [0, 0.3, 1, 2, 45])
 @pytest.mark.parametrize("axis", [[1, 0, 0], [1, 2, 3]])
 def test_a_ball_rests_however_its_polyhedron_is_turned(axis, degrees):
@@ -27,7 +27,7 @@ def test_a_ball_rests_however_its_polyhedron_is_turned(axis, degrees):
     assert np.allclose(verdict.contacts.points, 0.0, atol=1e-12)
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("spin", [0.0, 0.02, np.pi / 96, 1.0])
 def test_a_lying_cylinder_rests_however_it_is_rolled(spin):
     lying = Part("c", Cylinder(0.5, 2), Pose([0, 0, 0.5], rolled(spin)))

@@ -54,7 +54,7 @@ def same(assembly, answer, *, off=1e-8):
     assert verdict.motion.instability == pytest.approx(answer[1], abs=off)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @EACH
 @pytest.mark.parametrize("factor", sampled(1, [1e-3, 1e3]))
 def test_scale_changes_no_verdict(answers, name, factor):
@@ -117,7 +117,7 @@ def test_shift_alone_changes_no_verdict(answers, name):
     same(moved(SCENES[name](), shift=shift), answers[name], off=1e-6)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @EACH
 def test_order_and_names_change_no_verdict(answers, name):
     assembly = SCENES[name]()
@@ -188,7 +188,7 @@ def rounded(assembly, seed):
     return as_single(moved(assembly, random_turn(random), shift))
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @SEEDS
 @pytest.mark.parametrize("name", BALANCED)
 def test_balanced_scene_in_float32_is_stable_within_the_accuracy_of_its_data(name, seed):
@@ -218,7 +218,7 @@ def test_tilted_scene_in_float32_is_unstable(name, degrees, seed):
     assert "not by rounding of its coordinates" in verdict.sentence
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @SEEDS
 def test_fallen_scene_in_float32_is_unstable(seed):
     for assembly in (paper.figure_8(), stacks.inverted_triangle(3), paper.figure_1()):

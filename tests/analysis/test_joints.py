@@ -38,7 +38,7 @@ def box(low, high, name="box", **options):
 # what each kind leaves free ---------------------------------------------------------------
 
 
-@pytest.mark.quick(10)
+@pytest.mark.quick(5)
 @EACH
 @pytest.mark.parametrize("other", ["ground", "held", "free"])
 def test_freedoms_of_each_kind_are_those_of_mechanics(kind, other):
@@ -118,7 +118,7 @@ def test_pendulum_hangs_and_falls_sideways_as_a_compound_pendulum(kind, planar):
     assert np.allclose(off.motion.acceleration[0, :3], np.cross([0, alpha, 0], [0, 0, -1]))
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("degrees", [OFF, 1.0, 30.0, 90.0])
 @pytest.mark.parametrize("planar", [False, True])
 def test_slider_runs_along_its_rail_at_g_times_the_sine(degrees, planar):
@@ -318,6 +318,7 @@ def test_joint_of_two_held_parts_carries_nothing():
 # turning ----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_regions_of_joints():
     hanging = kilter.region(pendulum())
     assert hanging.kind == "plane"  # the axis and the rod: nothing turns it
@@ -363,7 +364,7 @@ def test_flipped_number_of_a_joint_is_refused(name):
         assert not verified(reloaded(assembly), other).holds, (number, key, place)
 
 
-@pytest.mark.quick(3)
+@pytest.mark.quick(1)
 @EACH
 def test_wrench_that_its_kind_cannot_carry_is_refused_by_name(kind):
     # the box hangs below the joint and is held by a fixed one beside: balance stays
@@ -415,7 +416,7 @@ def test_joint_without_what_it_needs_is_refused(kind, given, missing):
         Joint(("a", "b"), kind, **given)
 
 
-@pytest.mark.quick(5)
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("kind", "axis", "fits"),
     [

@@ -23,6 +23,7 @@ def large(assembly):
     return program
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("turned", [False, True])
 @pytest.mark.parametrize(
     ("build", "verdict"),

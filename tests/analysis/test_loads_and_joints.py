@@ -24,6 +24,7 @@ def word(share):
     return "stable" if share < 1 else "unstable"
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("share", SIDES)
 @pytest.mark.parametrize("arm", [0.6, 1.0, 5.0])
 def test_load_past_the_edge_topples_a_box(share, arm):
@@ -55,6 +56,7 @@ def test_load_that_lifts(share):
     assert judged(assembly).verdict == word(share)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("share", SIDES)
 @pytest.mark.parametrize("angle", [5.0, 30.0])
 def test_load_that_holds_a_box_on_a_slope_against_a_stop(share, angle):
@@ -125,6 +127,7 @@ def lamp(**options):
     return Assembly([FLOOR, post, shade], **options)
 
 
+@pytest.mark.slow
 def test_part_in_the_air_falls_and_joined_to_a_standing_one_does_not():
     assert judged(lamp()).verdict == "unstable"
     assert judged(lamp(joints=[Joint(("post", "lamp"))])).verdict == "stable"
@@ -134,6 +137,7 @@ def test_part_in_the_air_falls_and_joined_to_a_standing_one_does_not():
     assert judged(lamp(joints=[Joint(("lamp", "floor"))])).verdict == "stable"
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("share", SIDES)
 @pytest.mark.parametrize("planar", [True, False])
 def test_joined_parts_topple_as_one_body(share, planar):
@@ -238,6 +242,7 @@ def test_without_detection_only_given_contacts_count():
 # friction pairs -------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_friction_is_the_contacts_own_else_the_pairs_else_the_assemblys():
     # tan 20 degrees is .364
     slope = stacks.block_on_slope(20.0, friction=0.4)

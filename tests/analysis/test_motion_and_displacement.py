@@ -50,12 +50,14 @@ ASSEMBLIES = random_assemblies()
 EACH = pytest.mark.parametrize("name", ASSEMBLIES)
 
 
+@pytest.mark.slow
 def test_there_are_enough_random_assemblies_that_move():
     words = [judged(assembly).verdict for assembly in ASSEMBLIES.values()]
     assert words.count("unstable") >= 30
     assert "undecided" not in words
 
 
+@pytest.mark.quick(3)
 @EACH
 def test_accelerations_are_those_of_baraffs_forces(name):
     program = program_of(ASSEMBLIES[name])
@@ -66,6 +68,7 @@ def test_accelerations_are_those_of_baraffs_forces(name):
     assert np.abs((found.acceleration - expected) * radius).max() < 1e-9 * G
 
 
+@pytest.mark.quick(3)
 @EACH
 def test_gravity_does_the_work_that_becomes_motion(name):
     program = program_of(ASSEMBLIES[name])
@@ -80,6 +83,7 @@ def test_gravity_does_the_work_that_becomes_motion(name):
     )
 
 
+@pytest.mark.quick(2)
 @EACH
 def test_z_is_the_least_imbalance_of_its_dual(name):
     program = program_of(ASSEMBLIES[name])
@@ -87,6 +91,7 @@ def test_z_is_the_least_imbalance_of_its_dual(name):
     assert z == pytest.approx(z_by_duality(program), rel=1e-9, abs=1e-9 * program.mass.max())
 
 
+@pytest.mark.quick(3)
 @EACH
 def test_least_displacement_is_feasible_and_optimal(name):
     program = program_of(ASSEMBLIES[name])
@@ -98,6 +103,7 @@ def test_least_displacement_is_feasible_and_optimal(name):
     assert -work == pytest.approx(found.z, rel=1e-8, abs=1e-9)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("name", ["pile-1", "wedges-2", "figure-8", "opening", "triangle"])
 def test_least_displacement_is_no_longer_than_any_other_optimum(name):
     program = program_of(ASSEMBLIES[name])
@@ -111,6 +117,7 @@ def test_least_displacement_is_no_longer_than_any_other_optimum(name):
         assert float((found.displacement * shift).sum()) >= -1e-6
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["pile-2", "wedges-1", "figure-8", "short-base"])
 @pytest.mark.parametrize("factor", [1e-3, 0.25, 1e3])
 def test_kappa_has_no_units_and_accelerations_scale(name, factor):
@@ -123,6 +130,7 @@ def test_kappa_has_no_units_and_accelerations_scale(name, factor):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["pile-2", "wedges-1", "figure-8", "short-base"])
 def test_kappa_does_not_depend_on_the_frame(name):
     random = np.random.default_rng(5)
@@ -163,6 +171,7 @@ def test_accelerations_are_si_in_every_unit(units):
     assert verdict.program.mass[1] == pytest.approx(500.0)
 
 
+@pytest.mark.slow
 def test_stable_assembly_has_no_motion_by_gauss_either():
     for name in ("wall", "corner-wedges", "paper-figure-9", "diamond"):
         found = find_motion(program_of(scene(name)))

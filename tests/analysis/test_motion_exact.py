@@ -70,12 +70,14 @@ def size_of(program, motion):
     return float(np.abs(motion * scale).max())
 
 
+@pytest.mark.slow
 def test_random_assemblies_are_of_both_verdicts():
     moving = [find_motion(program_of(drawn(k))).moves.any() for k in range(40)]
     assert sum(moving) >= 20
     assert sum(moving) < 40
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("number", sampled(16, 200))
 def test_both_ways_and_baraffs_forces_agree(number):
     program = program_of(drawn(number))
@@ -92,6 +94,7 @@ def test_both_ways_and_baraffs_forces_agree(number):
     assert 0 <= found.instability <= 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["unstable", "hanging", "stable"])
 @pytest.mark.parametrize("size", sampled(1, [7, 17]))
 def test_walls_are_exact_whole_and_halved(kind, size):
@@ -113,6 +116,7 @@ def test_walls_are_exact_whole_and_halved(kind, size):
     assert int(found.moves.sum()) == moving[kind]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", sampled(1, [7, 17]))
 def test_without_exact_forces_a_wall_is_good_to_a_millionth(size):
     program = program_of(walls.hanging_brick(size, size))
@@ -121,6 +125,7 @@ def test_without_exact_forces_a_wall_is_good_to_a_millionth(size):
     assert rough[1] < 1e-7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["hangs", "stands"])
 def test_where_slacks_and_forces_both_vanish_it_looks_ahead(monkeypatch, kind):
     """More terms, fewer steps; the conditions are those of the projection, recomputed here."""
@@ -181,6 +186,7 @@ def test_a_block_on_an_incline_starts_at_g_sin(degrees):
     assert fall == pytest.approx(G * np.sin(np.radians(degrees)), rel=1e-9)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("planar", [False, True])
 @pytest.mark.parametrize(("angle", "m", "below"), [(30, 1, 2), (20, 3, 0.5), (55, 1e-3, 40)])
 def test_a_wedge_on_a_free_wedge(angle, m, below, planar):
@@ -192,6 +198,7 @@ def test_a_wedge_on_a_free_wedge(angle, m, below, planar):
     assert np.abs(found.acceleration[:, 3:]).max() < 1e-8
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("number", [0, 1, 5, 6, 10, 21])
 def test_motion_is_linear_in_gravity_and_has_no_unit_of_length(number):
     made = drawn(number)

@@ -54,6 +54,7 @@ def lopsided_frame(name="right", mass=1.001, **options):
     return dataclasses.replace(assembly, parts=parts)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", TREES)
 def test_one_part_at_a_time_is_right_on_trees(name):
     verdict = judged(TREES[name]())
@@ -62,6 +63,7 @@ def test_one_part_at_a_time_is_right_on_trees(name):
     assert found.stable == (verdict.verdict == "stable")
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("seed", range(20))
 def test_one_part_at_a_time_is_right_on_random_trees(seed):
     verdict = judged(random_tree(seed))
@@ -70,6 +72,7 @@ def test_one_part_at_a_time_is_right_on_random_trees(seed):
     assert found.stable == (verdict.verdict == "stable")
 
 
+@pytest.mark.slow
 def test_random_trees_are_of_both_kinds():
     words = {judged(random_tree(seed)).verdict for seed in range(20)}
     assert words == {"stable", "unstable"}
@@ -93,6 +96,7 @@ def test_loop_of_figure_9_circulates_as_soon_as_one_block_is_heavier(planar):
     assert found.stable
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["bottom", "top", "left", "right"])
 @pytest.mark.parametrize("degrees", [0.0, 200.0])
 def test_loop_is_wrong_one_part_at_a_time_whichever_block_and_direction(name, degrees):
@@ -112,6 +116,7 @@ def test_loop_of_equal_blocks_is_stable_for_both():
     assert one_part_at_a_time(verdict.program).stable
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("build", [paper.figure_8, paper.figure_1, lambda: scene("wedge-on-wedge")])
 def test_figures_1_and_8_are_loops_through_the_held_part(build):
     verdict = judged(build())
@@ -127,6 +132,7 @@ def test_figures_1_and_8_are_loops_through_the_held_part(build):
         assert not found.stable
 
 
+@pytest.mark.slow
 def test_what_one_part_finds_unstable_is_unstable():
     for build in (lambda: stacks.inverted_triangle(3), lambda: scene("wall-with-opening")):
         program = program_of(build())

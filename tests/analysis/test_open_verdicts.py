@@ -30,6 +30,7 @@ def resting(gap: float, **options: object) -> Assembly:
     return Assembly([floor([-2, -2], [2, 2]), cube], **options)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("tolerances", [1.5, 50.0, -1.5, -50.0, -5000.0])
 def test_what_is_not_quite_in_contact_is_undecided_and_decides(tolerances: float) -> None:
     verdict = judged(resting(tolerances * GAP * 3**0.5))
@@ -47,6 +48,7 @@ def test_what_is_not_quite_in_contact_is_undecided_and_decides(tolerances: float
     assert judged(joined).verdict == "stable"
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("gap", [1e-4, -1e-4, -0.3])
 def test_what_no_open_pair_can_hold_is_unstable_and_its_proof_names_them(gap: float) -> None:
     resting_parts = resting(gap).parts
@@ -80,6 +82,7 @@ def test_the_smallest_set_is_found_among_many_and_the_rest_do_not_decide() -> No
     assert set(pair) in ({"c1", "c2"}, {"c2", "wall"})
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("count", [MOST, MOST + 1])
 def test_of_many_open_pairs_none_of_the_set_can_be_left_out(count: int) -> None:
     cubes = [block(f"c{k}", [2 * k, 0, 1e-4], [2 * k + 1, 1, 1]) for k in range(count)]
@@ -103,6 +106,7 @@ def sloped(gap: float, mu: float) -> Assembly:
     return Assembly(parts, friction=0.5, friction_pairs=pairs).with_down(down)
 
 
+@pytest.mark.slow
 def test_what_friction_proves_holds_with_the_open_pairs_as_contacts_too() -> None:
     assert judged(sloped(5e-3, 0.01)).verdict == "stable"  # nothing is open
     touching = judged(sloped(0.0, 0.01))
@@ -137,6 +141,7 @@ def census() -> object:
     return module
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2, 5, 7, 8, 11])
 def test_no_contact_set_between_contradicts_a_verdict(seed: int) -> None:
     assert census().asked(seed)[1] == []  # type: ignore[attr-defined]
@@ -161,6 +166,7 @@ def test_a_vault_as_published_names_the_pairs_that_decide() -> None:
     assert kinds <= {"overlap", "near"}
 
 
+@pytest.mark.slow
 @REAL
 def test_curved_joints_that_are_cut_differently_are_not_called_unstable() -> None:
     blocks = load(DATA / "compas_cra" / "curve-3-blocks.json", ground=["0"]).with_friction(0.84)

@@ -10,6 +10,7 @@ from kilter.scenes.transform import tilted
 IN_PLANE_AND_IN_SPACE = pytest.mark.parametrize("planar", [True, False])
 
 
+@pytest.mark.slow
 @IN_PLANE_AND_IN_SPACE
 def test_figure_1_is_unstable_and_stable_when_turned(planar):
     fallen = judged(paper.figure_1("a", planar=planar))
@@ -27,6 +28,7 @@ def test_figure_1_c2_and_c3_start_at_half_a_g_each(planar):
     assert np.allclose(a[1:, 3:], 0, atol=1e-10)
 
 
+@pytest.mark.quick(1)
 @IN_PLANE_AND_IN_SPACE
 @pytest.mark.parametrize(("orientation", "z"), [(1, -5.0), (2, -2.5), (3, 0.0), (4, 0.0)])
 def test_figure_4_z_rises_as_gravity_turns(planar, orientation, z):
@@ -45,6 +47,7 @@ def test_figure_8_as_printed(planar):
     assert round(float(dp[2, 0]), 3) == 0.577
 
 
+@pytest.mark.quick(1)
 @IN_PLANE_AND_IN_SPACE
 @pytest.mark.parametrize("angle", [45.0, 52.5, 60.0, 67.0, 75.0])
 def test_figure_8_c3_goes_aside_by_the_cotangent(planar, angle):
@@ -56,6 +59,7 @@ def test_figure_8_c3_goes_aside_by_the_cotangent(planar, angle):
     assert verdict.displacement.z == pytest.approx(-1.0, abs=1e-9)
 
 
+@pytest.mark.quick(1)
 @IN_PLANE_AND_IN_SPACE
 @pytest.mark.parametrize("angle", [45.0, 60.0, 75.0])
 def test_figure_8_starts_as_two_wedges_do(planar, angle):
@@ -74,12 +78,14 @@ def test_figure_9_is_stable_and_circulates_in_one_way_only():
     assert (verdict.neutral.two_sided, verdict.neutral.one_sided) == (1, 0)
 
 
+@pytest.mark.slow
 def test_figure_9_in_space_is_stable_too():
     verdict = judged(paper.figure_9())
     assert verdict.first_order == "stable"
     assert verdict.neutral.two_sided > 1
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("degrees", [0.01, 1.0, 45.0, 90.0, 137.0, 180.0])
 def test_figure_9_is_stable_whichever_way_gravity_points(degrees):
     turned = tilted(paper.figure_9(planar=True), [0, 1, 0], degrees)
@@ -88,6 +94,7 @@ def test_figure_9_is_stable_whichever_way_gravity_points(degrees):
     assert verdict.neutral.two_sided == 1
 
 
+@pytest.mark.quick(1)
 @IN_PLANE_AND_IN_SPACE
 @pytest.mark.parametrize(
     ("lean", "word"),
@@ -108,6 +115,7 @@ def test_figure_10_is_stable_over_a_range(planar, lean, word):
     assert judged(assembly).verdict == word
 
 
+@pytest.mark.slow
 @IN_PLANE_AND_IN_SPACE
 @pytest.mark.parametrize(("figure", "leans"), [(paper.figure_11, 45), (paper.figure_12, 60)])
 @pytest.mark.parametrize("off", [-0.01, 0.0, 0.01])
@@ -117,6 +125,7 @@ def test_figures_11_and_12_are_stable_at_their_angle_only(planar, figure, leans,
     assert judged(figure("b", planar=planar)).first_order == "stable"
 
 
+@pytest.mark.slow
 @IN_PLANE_AND_IN_SPACE
 @pytest.mark.parametrize(
     ("angle", "ratio", "leans"),
@@ -137,6 +146,7 @@ def test_unequal_masses_lean_as_the_table_says(planar, angle, ratio, leans):
         assert judged(tilted(assembly, [0, 1, 0], exact + off)).first_order == word
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("axis", [[1, 0, 0], [1, 0, 1], [0.3, 0.9, -0.2]])
 def test_figure_11_is_stable_along_one_ray_in_space(axis):
     assembly = paper.figure_11("b")
@@ -147,6 +157,7 @@ def test_figure_11_is_stable_along_one_ray_in_space(axis):
 RATIOS = pytest.mark.parametrize("ratio", [0.5, 1.0, 2.0])
 
 
+@pytest.mark.slow
 @RATIOS
 def test_trapped_wedge_holds_between_its_limits(ratio):
     limit = np.degrees(np.arctan(1 / ratio))
@@ -154,6 +165,7 @@ def test_trapped_wedge_holds_between_its_limits(ratio):
         assert judged(paper.trapped_wedge(tilt, mass_b=ratio)).first_order == "stable"
 
 
+@pytest.mark.quick(1)
 @RATIOS
 def test_trapped_wedge_fails_just_outside_them(ratio):
     limit = np.degrees(np.arctan(1 / ratio))
@@ -161,6 +173,7 @@ def test_trapped_wedge_fails_just_outside_them(ratio):
         assert judged(paper.trapped_wedge(tilt, mass_b=ratio)).verdict == "unstable"
 
 
+@pytest.mark.quick(1)
 @RATIOS
 def test_trapped_wedge_moves_at_no_cost_when_level_and_not_at_all_at_10_degrees(ratio):
     level = judged(paper.trapped_wedge(0.0, mass_b=ratio)).neutral
@@ -170,5 +183,6 @@ def test_trapped_wedge_moves_at_no_cost_when_level_and_not_at_all_at_10_degrees(
     assert (leaning.two_sided, leaning.one_sided) == (0, 0)
 
 
+@pytest.mark.slow
 def test_z_of_a_stable_figure_is_exactly_zero():
     assert z_of(paper.figure_11("b")) == 0.0

@@ -80,6 +80,7 @@ def test_proof_has_every_kind_of_number(proven):
     assert ("forces" in kinds) != ("motion" in kinds)
 
 
+@pytest.mark.quick(8)
 def test_changed_number_is_refused_by_the_digest(proven):
     assembly, contacts, proof = proven
     for path in numbers(proof):
@@ -90,6 +91,7 @@ def test_changed_number_is_refused_by_the_digest(proven):
         assert any("digest" in reason for reason in answer.reasons), path
 
 
+@pytest.mark.quick(7)
 def test_changed_number_is_refused_by_the_mechanics(proven):
     assembly, contacts, proof = proven
     accepted = []

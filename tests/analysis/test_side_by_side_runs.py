@@ -61,6 +61,7 @@ def alone(asked: Asked) -> dict[tuple[str, str], str]:
     return {one: answered(*one) for one in asked}
 
 
+@pytest.mark.slow
 @FEW_OR_ALL
 def test_threads_that_share_assemblies(asked: Asked) -> None:
     """All begin at once: what an assembly keeps once it is asked for is asked for by all."""
@@ -84,6 +85,7 @@ def test_threads_that_share_assemblies(asked: Asked) -> None:
         assert [one for one in right if own[one] != right[one]] == []
 
 
+@pytest.mark.slow
 @FEW_OR_ALL
 @pytest.mark.parametrize(
     "method",

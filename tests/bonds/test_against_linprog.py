@@ -134,12 +134,14 @@ def agrees(seed, mu, limited=0.0):
     return "falls" if share > 1 else "stands" if share > 0 else "needs none"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mu", [None, 0.6])
 def test_a_program_written_apart_agrees(mu):
     seen = {agrees(seed, mu) for seed in range(8)}
     assert {"falls", "stands"} <= seen
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mu", [None, 0.6])
 def test_a_program_written_apart_agrees_where_shear_is_limited_by_a_force(mu):
     seen = {agrees(seed, mu, limited=0.7) for seed in range(8)}
@@ -160,6 +162,7 @@ def test_a_program_written_apart_agrees_on_hundreds(mu):
     assert {"falls", "stands"} <= seen
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("seed", range(6))
 def test_no_pull_and_shear_by_friction_is_a_contact_with_that_friction(seed):
     """And strength only helps."""
@@ -176,6 +179,7 @@ def test_no_pull_and_shear_by_friction_is_a_contact_with_that_friction(seed):
     assert held == sorted(held)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("seed", range(4))
 def test_a_very_strong_bond_is_a_fixed_joint(seed):
     whole = cluster(seed)

@@ -25,6 +25,7 @@ def census():
     del sys.modules[spec.name]
 
 
+@pytest.mark.quick("2")
 @pytest.mark.parametrize("seed", sampled(3, 40))
 def test_a_program_written_apart_agrees(census, seed):
     answer, wrong = census.asked(seed)
@@ -32,11 +33,13 @@ def test_a_program_written_apart_agrees(census, seed):
     assert answer
 
 
+@pytest.mark.slow
 def test_that_no_share_is_enough_is_said_where_the_numbers_of_a_limit_fail(census):
     """Bonds of 4 kN and of 1 MN: a brick slides off its bond, however strong."""
     assert census.asked(1069) == ("grown, space, friction: no share is enough", [])
 
 
+@pytest.mark.slow
 def test_the_census_would_see_a_share_that_is_off(census):
     """Half of the strength of every bond is another assembly: twice the share."""
     made = random_bonded(1)

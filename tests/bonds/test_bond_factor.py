@@ -18,6 +18,7 @@ from kilter.contact import contacts
 from kilter.mechanics.program import build_program
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("strength", [0.4, 1.0, 40.0])
 @pytest.mark.parametrize("count", [1, 3])
 def test_the_root_of_a_cantilever_needs_its_moment_and_gives_way_first(count, strength):
@@ -37,6 +38,7 @@ def test_the_root_of_a_cantilever_needs_its_moment_and_gives_way_first(count, st
     assert not kilter.verify(assembly, proof).holds
 
 
+@pytest.mark.quick(1, "1000000000.0")
 @pytest.mark.parametrize("strength", [1e3, 1e6, 1e9])
 def test_a_bond_far_stronger_than_needed_is_needed_still(strength):
     assembly = hung(strength * WEIGHT / 4)
@@ -74,6 +76,7 @@ def test_bonds_that_never_break_hold_what_some_strength_holds(mu, holds):
         assert found.value == pytest.approx(1 / (4 * mu), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_bond_on_the_command_line_is_kept_in_the_proof(tmp_path, capsys, monkeypatch):
     """An arm beside a post: 200 N at .5 by two points at a height of 1, 50 N each."""
     monkeypatch.chdir(tmp_path)

@@ -33,6 +33,7 @@ def area_and_centroid(x, y):
 ANGLES = st.lists(st.floats(0, 6.28), min_size=3, max_size=9, unique=True)
 
 
+@pytest.mark.slow
 @given(ANGLES, st.randoms(use_true_random=False))
 def test_shares_have_the_area_and_its_centroid(angles, random):
     angles = np.sort(angles)

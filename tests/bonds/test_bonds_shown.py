@@ -61,6 +61,7 @@ def test_contacts_tell_what_their_bonds_hold():
     assert sorted(row[-1] for row in table.rows(9)) == ["-", "20 N", "7 N"]
 
 
+@pytest.mark.slow
 def test_the_page_has_the_pull_of_every_point():
     found = everything(hung(pull=WEIGHT / 2))
     data = build_scene(found)["given"]["forces"]["pull"]["data"]

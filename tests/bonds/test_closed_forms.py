@@ -208,6 +208,7 @@ def refused_once_turned(assembly):
     return why
 
 
+@pytest.mark.slow
 def test_a_point_about_to_open_rubs_by_the_rest_of_larger_numbers():
     """f_n + T is near 0 at the upper points, W (2 sin a - cos a) / 4 each just holds the post."""
     turn = np.radians(60)

@@ -31,6 +31,7 @@ def greatest_eccentricity(load, strength):
     return LENGTH / 2 * (1 + (WEIGHT + strength * N_PER_MM2 * AREA) / load)
 
 
+@pytest.mark.quick(1)
 @BOTH
 @pytest.mark.parametrize(("count", "step"), [(1, 0.3), (5, 0.1), (8, 0.1), (12, 0.05)])
 def test_courses_cantilever_by_the_tension_of_the_lowest_joint(count, step, share):
@@ -38,6 +39,7 @@ def test_courses_cantilever_by_the_tension_of_the_lowest_joint(count, step, shar
     assert judged(assembly).verdict == ("unstable" if share < 1 else "stable")
 
 
+@pytest.mark.quick(1)
 @BOTH
 @pytest.mark.parametrize("count", [3, 7])
 def test_dry_courses_cantilever_up_to_the_edge(count, share):
@@ -46,6 +48,7 @@ def test_dry_courses_cantilever_up_to_the_edge(count, share):
     assert judged(assembly).verdict == ("stable" if share < 1 else "unstable")
 
 
+@pytest.mark.quick(1)
 @BOTH
 @pytest.mark.parametrize("strength", [0.0, 0.1])
 def test_a_pier_in_wind_overturns_about_its_foot(strength, share):
@@ -54,6 +57,7 @@ def test_a_pier_in_wind_overturns_about_its_foot(strength, share):
     assert (verdict.verdict == "unstable") is (share > 1)
 
 
+@pytest.mark.quick(1)
 @BOTH
 @pytest.mark.parametrize("strength", [0.0, 0.1])
 def test_a_resultant_leaves_the_section_by_what_the_mortar_bears(strength, share):
@@ -62,6 +66,7 @@ def test_a_resultant_leaves_the_section_by_what_the_mortar_bears(strength, share
     assert judged(assembly).verdict == ("unstable" if share > 1 else "stable")
 
 
+@pytest.mark.slow
 def test_margins_say_the_closed_forms():
     """Of the examples as they are: what share of the tension they need, how much load they bear."""
     options = {"pushed": [], "effort": 0}
@@ -81,6 +86,7 @@ def test_margins_say_the_closed_forms():
     assert load.bond.opens[0][0] == 2  # the upper joint
 
 
+@pytest.mark.quick(1)
 @BOTH
 def test_a_pier_slides_where_friction_on_what_the_mortar_adds_is_too_little(share):
     """The wind on n courses against mu (n W + p A), which is exceeded at the foot first."""

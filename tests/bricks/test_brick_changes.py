@@ -29,6 +29,7 @@ def rows(assembly: kilter.Assembly) -> np.ndarray:
     return np.column_stack([corner, free.size[:, :2], free.mass])
 
 
+@pytest.mark.slow
 def test_a_stair_that_falls_needs_a_prop_or_a_step_less(tmp_path: Path) -> None:
     path = tmp_path / "stair.txt"
     path.write_text("\n".join(f"4x2 ({2 * k},0,{k})" for k in range(7)))
@@ -65,6 +66,7 @@ def test_a_brick_in_the_air_is_taken_away_or_reached(tmp_path: Path) -> None:
     assert found.sentence.startswith("It falls: no strength of its studs is enough. Add a brick")
 
 
+@pytest.mark.slow
 def test_the_next_step_has_the_options_of_bricks(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -88,6 +90,7 @@ def test_what_no_one_brick_mends_is_told(tmp_path: Path) -> None:
     assert found.sentence.endswith("None of the changes that were tried lowers that.")
 
 
+@pytest.mark.slow
 def test_the_command_names_the_brick_and_writes_the_model(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

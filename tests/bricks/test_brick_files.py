@@ -209,6 +209,7 @@ BAD = {
 }
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", BAD)
 def test_a_bad_file_is_exit_2_and_names_the_line(
     name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -222,6 +223,7 @@ def test_a_bad_file_is_exit_2_and_names_the_line(
     assert "; " in error  # what to do
 
 
+@pytest.mark.slow
 def test_a_bad_file_is_exit_2_with_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

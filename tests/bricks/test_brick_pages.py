@@ -21,6 +21,7 @@ def stair(path: Path, steps: int, **options: object) -> kilter.Assembly:
     return kilter.load(path, **options)
 
 
+@pytest.mark.slow
 def test_the_page_says_and_shows_which_brick_to_add(tmp_path: Path) -> None:
     found = everything(stair(tmp_path / "stair.txt", 6, stud_pull=0.05))
     best = found.change.best
@@ -39,6 +40,7 @@ def test_the_page_says_and_shows_which_brick_to_add(tmp_path: Path) -> None:
     assert np.allclose(low, corner, atol=1e-3)
 
 
+@pytest.mark.slow
 def test_the_page_of_what_stands_lists_what_is_still_taken(tmp_path: Path) -> None:
     found = everything(stair(tmp_path / "stair.txt", 3))
     page = render(found, "stair")
@@ -47,6 +49,7 @@ def test_the_page_of_what_stands_lists_what_is_still_taken(tmp_path: Path) -> No
     assert [one["part"] for one in found.margin["loads"]] == ["2x4-1", "2x4-2", "2x4-3"]
 
 
+@pytest.mark.slow
 def test_a_brick_to_take_away_is_the_part_of_the_page(tmp_path: Path) -> None:
     assembly = stair(tmp_path / "stair.txt", 3)
     found = everything(assembly)
@@ -57,6 +60,7 @@ def test_a_brick_to_take_away_is_the_part_of_the_page(tmp_path: Path) -> None:
     assert "Show the brick to remove" in render(found, "stair")
 
 
+@pytest.mark.slow
 def test_large_models_say_that_it_is_left_out_unless_it_is_asked_for(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -69,6 +73,7 @@ def test_large_models_say_that_it_is_left_out_unless_it_is_asked_for(
     assert everything(assembly, margins=True).change is not None
 
 
+@pytest.mark.slow
 def test_other_assemblies_have_nothing_to_change() -> None:
     found = everything(kilter.example("tower"))
     assert found.change is None

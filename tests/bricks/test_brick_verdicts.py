@@ -54,6 +54,7 @@ def rows_of(model: BrickModel) -> np.ndarray:
     return np.column_stack([corner, model.size[:, :2], model.mass])
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not SHARED.is_dir(), reason="no shared data")
 @pytest.mark.parametrize("name", BUILT)
 def test_models_that_were_built(name: str) -> None:
@@ -73,6 +74,7 @@ def test_models_that_were_built(name: str) -> None:
         assert proved(assembly).verdict == verdict
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not SHARED.is_dir(), reason="no shared data")
 def test_the_chair_stands() -> None:
     assembly = kilter.load(SHARED / "brickgpt" / "chair.txt")
@@ -80,6 +82,7 @@ def test_the_chair_stands() -> None:
     assert proved(assembly).verdict == "stable"
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("seed", sampled(12, 500))
 def test_random_models_against_a_program_apart(seed: int) -> None:
     model = random_bricks(3 + seed % 23, seed=seed)
@@ -132,6 +135,7 @@ def test_neighbours_push_at_the_lower_edge_or_all_over() -> None:
     assert not none
 
 
+@pytest.mark.slow
 def test_more_pull_never_brings_down_what_stands() -> None:
     model = random_bricks(20, seed=7)
     order = {"unstable": 0, "stable": 1}
@@ -178,6 +182,7 @@ def test_large_models_by_their_proofs(seed: int) -> None:
     assert any("total imbalance" in word for word in weak.judgement.solvers)
 
 
+@pytest.mark.slow
 def test_many_models_at_once() -> None:
     rules = (StudRules(), StudRules(pull=0.001))
     models = [

@@ -105,6 +105,7 @@ CASES: dict[str, tuple[Callable[[dict], object], list[str]]] = {
 }
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("case", CASES)
 def test_a_wrong_assembly_file(case: str, capsys: pytest.CaptureFixture[str]) -> None:
     change, expected = CASES[case]
@@ -117,6 +118,7 @@ def test_a_wrong_assembly_file(case: str, capsys: pytest.CaptureFixture[str]) ->
         assert word in error, error
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("name", "content", "expected"),
     [
@@ -139,6 +141,7 @@ def test_a_broken_file(
     assert expected in refused(capsys, "check", name, "--floor")
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("words", "expected"),
     [

@@ -107,6 +107,7 @@ def until(ready: Any, seconds: float = 60.0) -> bool:
     return False
 
 
+@pytest.mark.slow
 def test_rows_are_the_verdicts_of_check_and_a_bad_file_is_a_row(
     piles: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -129,6 +130,7 @@ def test_rows_are_the_verdicts_of_check_and_a_bad_file_is_a_row(
     assert "has another batch" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_list_names_files_beside_it_and_options_reach_them(piles: Path, tmp_path: Path) -> None:
     listed = tmp_path / "some.txt"
     first = os.path.relpath(piles / "pile-1.kilter.json", tmp_path)
@@ -154,6 +156,7 @@ def test_a_list_names_files_beside_it_and_options_reach_them(piles: Path, tmp_pa
         kilter.batch(listed, tmp_path / "out", chunk=0)
 
 
+@pytest.mark.slow
 def test_damaged_rows_are_told_and_never_counted(piles: Path, tmp_path: Path) -> None:
     kilter.batch(piles, tmp_path, chunk=12, processes=1)
     part = tmp_path / "part-000001.csv"
@@ -195,6 +198,7 @@ def test_workers_that_do_not_come_up_blame_no_assembly(
     assert not list(tmp_path.glob("*part-*"))
 
 
+@pytest.mark.slow
 def test_a_killed_worker_costs_no_row_and_blames_none(piles: Path, tmp_path: Path) -> None:
     run = begun(piles, tmp_path)
     assert until(lambda: children(run))
@@ -304,6 +308,7 @@ def test_a_disk_that_fills_up_is_told_and_the_run_goes_on_when_there_is_room(
     require_whole(piles, out)
 
 
+@pytest.mark.slow
 def test_a_second_run_in_one_folder_is_refused(
     piles: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -314,6 +319,7 @@ def test_a_second_run_in_one_folder_is_refused(
     assert main(["batch", str(piles), "-o", str(tmp_path), "--processes", "1"]) == 1
 
 
+@pytest.mark.slow
 def test_tables_are_parquet_where_pyarrow_is(
     piles: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

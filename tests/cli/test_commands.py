@@ -41,6 +41,7 @@ def answered(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, dict
     return code, json.loads(capsys.readouterr().out)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", list(SCENES))
 def test_every_example_is_written_judged_proved_and_verified(
     name: str, capsys: pytest.CaptureFixture[str]
@@ -135,6 +136,7 @@ def test_standard_input_is_read(
     assert (code, answer["verdict"]) == (0, "stable")
 
 
+@pytest.mark.slow
 def test_floor_ground_without_and_down_change_what_is_judged(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -171,6 +173,7 @@ def test_a_proof_of_another_assembly_does_not_hold(capsys: pytest.CaptureFixture
     assert "does not hold" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_units_and_density_of_files_without_them(capsys: pytest.CaptureFixture[str]) -> None:
     trimesh = pytest.importorskip("trimesh")
     trimesh.creation.box((1, 1, 1)).export("a.stl")
@@ -203,6 +206,7 @@ def test_examples_are_listed_with_their_answers(capsys: pytest.CaptureFixture[st
     assert [entry["name"] for entry in listed] == list(SCENES)
 
 
+@pytest.mark.slow
 def test_help_and_version_answer_with_zero(capsys: pytest.CaptureFixture[str]) -> None:
     for words in ([], ["--help"], ["check", "--help"], ["verify", "-h"]):
         assert main(words) == 0
@@ -210,6 +214,7 @@ def test_help_and_version_answer_with_zero(capsys: pytest.CaptureFixture[str]) -
     assert kilter.__version__ in capsys.readouterr().out
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", sorted(command().commands))
 def test_a_help_shows_brackets_and_no_types(
     name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
@@ -227,6 +232,7 @@ def test_a_help_shows_brackets_and_no_types(
     assert extras or name not in ("check", "draw", "batch")
 
 
+@pytest.mark.slow
 def test_a_text_is_brief_unless_more_is_asked_for(capsys: pytest.CaptureFixture[str]) -> None:
     file = written("paper-figure-8")
     assert main(["check", file]) == 1
@@ -239,6 +245,7 @@ def test_a_text_is_brief_unless_more_is_asked_for(capsys: pytest.CaptureFixture[
     assert brief.rstrip().endswith("the least that must be held so that it stays")
 
 
+@pytest.mark.slow
 def test_the_next_step_that_is_named_runs(capsys: pytest.CaptureFixture[str]) -> None:
     for name in ("paper-figure-8", "tower"):
         file = written(name)
@@ -252,6 +259,7 @@ def test_the_next_step_that_is_named_runs(capsys: pytest.CaptureFixture[str]) ->
             assert main(shlex.split(step[1])) in (0, 1, 3, 4), step[1]
 
 
+@pytest.mark.slow
 def test_what_only_balances_is_looked_at_next(capsys: pytest.CaptureFixture[str]) -> None:
     """A margin of first order says nothing of it; a model of bricks that falls is mended."""
     balanced = written("paper-figure-1-turned")
@@ -262,6 +270,7 @@ def test_what_only_balances_is_looked_at_next(capsys: pytest.CaptureFixture[str]
     assert "next: kilter improve air.txt\n" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_what_strict_asked_for_in_vain_is_said(capsys: pytest.CaptureFixture[str]) -> None:
     file = written("mortared-corbel")
     for words, said in (([], False), (["--require", "strict"], True)):
@@ -269,6 +278,7 @@ def test_what_strict_asked_for_in_vain_is_said(capsys: pytest.CaptureFixture[str
         assert ("second order  open: bonds" in capsys.readouterr().out) == said
 
 
+@pytest.mark.slow
 def test_several_files_have_a_line_each_and_the_worst_code(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -310,6 +320,7 @@ def test_a_fault_of_one_file_is_the_worst(
     assert "a fault of kilter itself: ZeroDivisionError" in said.err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("set_", "coloured"),
     [({}, False), ({"FORCE_COLOR": "1"}, True), ({"FORCE_COLOR": "1", "NO_COLOR": "1"}, False)],
@@ -333,6 +344,7 @@ def test_the_verdict_has_its_colour_where_colours_are_shown(
     assert "\x1b" not in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_wall_of_any_size(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["example", "wall", "--size", "4x3"]) == 0
     wall = kilter.load("wall.kilter.json")
@@ -343,6 +355,7 @@ def test_a_wall_of_any_size(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["example", "wall", "--size", "0x3", "--force"]) == 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("typed", "offered"), [("kilter che", "check"), ("kilter ma", "margin")])
 def test_a_shell_completes_commands(typed: str, offered: str) -> None:
     words = {"_KILTER_COMPLETE": "complete_bash", "COMP_WORDS": typed, "COMP_CWORD": "1"}
@@ -352,6 +365,7 @@ def test_a_shell_completes_commands(typed: str, offered: str) -> None:
     assert (done.returncode, done.stdout.split()) == (0, [offered])
 
 
+@pytest.mark.slow
 def test_the_module_runs_as_a_program() -> None:
     done = subprocess.run(
         [sys.executable, "-m", "kilter", "--version"], capture_output=True, text=True, check=False
@@ -368,6 +382,7 @@ def test_importing_kilter_loads_no_solver_and_no_reader() -> None:
     assert done.stdout.strip() == "[]"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["paper-figure-8", "tower"])
 def test_a_small_check_loads_only_what_it_needs(name: str) -> None:
     """What takes as long to load as the check of a small assembly takes."""
@@ -384,6 +399,7 @@ def test_a_small_check_loads_only_what_it_needs(name: str) -> None:
     assert done.stdout.strip().endswith("\n[]")
 
 
+@pytest.mark.slow
 def test_the_program_makes_no_threads_for_linear_algebra() -> None:
     code = (
         "import sys; from kilter.cli import main; sys.argv[1:] = ['example', 'tower', '-o', '-']; "
@@ -395,6 +411,7 @@ def test_the_program_makes_no_threads_for_linear_algebra() -> None:
     assert done.stdout.strip().endswith("{1}")
 
 
+@pytest.mark.slow
 def test_verify_loads_no_solver() -> None:
     written("tower")
     assert main(["check", "tower.kilter.json", "--proof", "p.json"]) == 0
@@ -407,6 +424,7 @@ def test_verify_loads_no_solver() -> None:
     assert done.stdout.strip().endswith("[]")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not SHARED.is_dir(), reason="the folder of real assemblies is not there")
 @pytest.mark.parametrize(
     ("file", "held", "verdict"),

@@ -23,6 +23,7 @@ def package(requirement: str) -> str:
     return re.split(r"[\[<>=]", requirement)[0]
 
 
+@pytest.mark.slow
 def test_here_all_that_is_installed_works(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["doctor", "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
@@ -88,6 +89,7 @@ def test_a_package_that_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> 
     assert "numpy" not in look.found
 
 
+@pytest.mark.slow
 def test_a_solid_of_another_volume_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("OCP")
     assert health._extra("step").state == "works"

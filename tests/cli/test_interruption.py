@@ -60,6 +60,7 @@ def listens(process: subprocess.Popen[str]) -> None:
     time.sleep(0.0 if caught else 1.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_process_that_is_deaf_is_ended(number: signal.Signals) -> None:
     process = begun("-c", DEAF)
@@ -183,6 +184,7 @@ sys.exit(kilter.cli.main())
 """
 
 
+@pytest.mark.slow
 def test_a_write_that_is_ended_leaves_nothing_beside(tmp_path: Path) -> None:
     target = tmp_path / "a.json"
     target.write_text("old", "utf-8")

@@ -49,6 +49,7 @@ def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
     return error
 
 
+@pytest.mark.slow
 def test_fasten_holds_what_fell_and_is_part_of_the_proof(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -72,6 +73,7 @@ def test_fasten_holds_what_fell_and_is_part_of_the_proof(
     assert "its joints are not the file's" in out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", COMMANDS)
 def test_fasten_and_clearance_work_on_every_command(
     command: str, capsys: pytest.CaptureFixture[str]
@@ -98,6 +100,7 @@ def test_fasten_is_repeatable(capsys: pytest.CaptureFixture[str]) -> None:
     assert len(json.loads(out)["joints"]) == 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("word", ["--fasten-suggested", "--fasten-overlaps"])
 def test_what_overlaps_is_fastened_in_one_go_and_is_part_of_the_proof(
     word: str, capsys: pytest.CaptureFixture[str]
@@ -118,6 +121,7 @@ def test_what_overlaps_is_fastened_in_one_go_and_is_part_of_the_proof(
     assert said(capsys, "verify", file, "q.json")[0] == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", COMMANDS)
 @pytest.mark.parametrize("word", ["--fasten-suggested", "--fasten-overlaps"])
 def test_every_command_joins_what_overlaps_and_goes_on_where_nothing_does(
@@ -135,6 +139,7 @@ def test_every_command_joins_what_overlaps_and_goes_on_where_nothing_does(
     assert any(text.startswith("nothing is fastened") for text in answer["warnings"])
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("word", ["--fasten-suggested", "--fasten-overlaps"])
 def test_python_joins_as_the_command_does(word: str, capsys: pytest.CaptureFixture[str]) -> None:
     import kilter
@@ -148,6 +153,7 @@ def test_python_joins_as_the_command_does(word: str, capsys: pytest.CaptureFixtu
     assert told == known
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("command", COMMANDS)
 @pytest.mark.parametrize(
     ("words", "expected"),
@@ -174,6 +180,7 @@ def test_wrong_options_are_refused(
     assert expected in refused(capsys, command, lamp(), *words)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("command", COMMANDS)
 @pytest.mark.parametrize("words", [["--gap", "0.3"], ["--loose", "--gap", "0.3"]])
 def test_gap_closes_too(command: str, words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
@@ -183,6 +190,7 @@ def test_gap_closes_too(command: str, words: list[str], capsys: pytest.CaptureFi
     assert len(json.loads(out)["joints"]) == 1
 
 
+@pytest.mark.slow
 def test_clearance_is_in_the_proof_and_in_what_verify_says(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -209,6 +217,7 @@ def test_gaps_are_shown_as_bars_with_their_sizes(capsys: pytest.CaptureFixture[s
     assert "gap 0.01 mm" in out
 
 
+@pytest.mark.slow
 def test_suggested_joints_can_be_pasted(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, _ = said(capsys, "check", lamp(), "--suggest-joints")
     assert code == 1
@@ -222,6 +231,7 @@ def test_suggested_joints_can_be_pasted(capsys: pytest.CaptureFixture[str]) -> N
 PINNED = {"kind": "revolute", "parts": ["post", "arm-1"], "point": [10, 0, 35], "axis": [0, 1, 0]}
 
 
+@pytest.mark.slow
 def test_joints_of_the_file_are_shown_and_missing_numbers_refused(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

@@ -91,6 +91,7 @@ def mask() -> int:
     return now
 
 
+@pytest.mark.quick(1)
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 @pytest.mark.parametrize(
     "name", [one if one in QUICK else pytest.param(one, marks=pytest.mark.slow) for one in COMMANDS]
@@ -112,6 +113,7 @@ def test_a_command_changes_nothing_of_the_process(
     assert [key for key, value in was.items() if now[key] != value] == []
 
 
+@pytest.mark.slow
 def test_a_fault_changes_nothing_either(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -64,6 +64,7 @@ def test_check_says_what_a_proof_has_moving_and_leaves_the_rest_open(capsys):
     assert UNKNOWN_MOTION[True] in answered(capsys, 1, "check", file)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("command", "assembly", "code"),
     [
@@ -92,6 +93,7 @@ def test_a_knife_edge_names_the_parts_that_its_proof_has_moving():
     assert all("sets parts in motion: '" in text for text in words)
 
 
+@pytest.mark.slow
 def test_a_report_shows_no_motion_and_says_why(capsys):
     file = written("slope", stacks.block_on_slope(20.0))
     answered(capsys, 0, "report", file, "-o", "page.html")

@@ -73,6 +73,7 @@ def agree(command: str, path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert timeless(told) == timeless(known)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("command", "name"),
     [
@@ -89,11 +90,13 @@ def test_a_command_answers_as_its_function_does(
     agree(command, path, capsys)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.name)
 def test_an_example_is_answered_alike(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     agree("check", path, capsys)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", asked("region"))
 def test_page_notebook_and_terminal_tell_the_same_facts(
     name: str, monkeypatch: pytest.MonkeyPatch
@@ -126,6 +129,7 @@ def terms(page: str) -> list[tuple[str, str]]:
     return re.findall(r"<dt>(.*?)</dt><dd>(.*?)</dd>", one)
 
 
+@pytest.mark.slow
 def test_the_greatest_force_is_one_number_everywhere(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -142,6 +146,7 @@ def test_the_greatest_force_is_one_number_everywhere(
     assert f"largest {number[1]}" in (tmp_path / "arch.svg").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_the_page_orients_as_orient_does_with_friction(monkeypatch: pytest.MonkeyPatch) -> None:
     block = scene("slope-with-friction")
     answer = kilter.orient(block)

@@ -21,6 +21,7 @@ def file(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("options", "code"),
     [
@@ -76,6 +77,7 @@ def test_what_falls_when_it_is_finished_is_named(
     assert "the finished assembly does not hold by itself, 'voussoir-" in said
 
 
+@pytest.mark.slow
 def test_a_page_is_written_that_says_how_it_was_made(
     file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -90,6 +92,7 @@ def test_a_page_is_written_that_says_how_it_was_made(
     assert "impossible" in page.read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "begins"),
     [
@@ -114,6 +117,7 @@ def test_films_and_figures_are_written_where_there_are_steps(
     assert not made.exists()
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("page", [[], ["-o", "plan.html"]])
 def test_an_earlier_proof_stays_where_there_is_none_and_that_is_said(
     page: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
@@ -128,6 +132,7 @@ def test_an_earlier_proof_stays_where_there_is_none_and_that_is_said(
     assert Path("p.json").read_text() == "earlier"
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("command", ["check", "plan", "hold", "region", "margin"])
 def test_a_proof_is_never_written_over_the_file(command: str, tmp_path: Path, capsys: Any) -> None:
     path = tmp_path / "tower.json"

@@ -79,6 +79,7 @@ def test_nothing_is_said(where: str, terminal: Terminal, monkeypatch: pytest.Mon
     assert terminal.getvalue() == ""
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="pipes of the shell")
 @pytest.mark.parametrize("words", [["check", "--help"], ["example"]])
 def test_a_reader_that_has_seen_enough_ends_it_well(words: list[str]) -> None:

@@ -33,6 +33,7 @@ def timeless(answer: Any) -> Any:
     return [timeless(value) for value in answer] if isinstance(answer, list | tuple) else answer
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("verb", VERBS)
 @pytest.mark.parametrize("name", SCENES)
 def test_command_and_function_agree(
@@ -43,6 +44,7 @@ def test_command_and_function_agree(
     assert timeless(said(capsys, verb, "a.json")) == timeless(answer)
 
 
+@pytest.mark.slow
 def test_options_of_reading_are_those_of_load(capsys: pytest.CaptureFixture[str]) -> None:
     kilter.dump(kilter.example("paper-figure-8"), "a.json")
     words = ["--without", "C3", "--down", "0.1", "0", "-1", "--friction", "0.3", "--floor", "-9"]

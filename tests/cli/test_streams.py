@@ -30,6 +30,7 @@ def ended(files: Path, words: str, redirect: str) -> tuple[int, str]:
     return run.returncode, run.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "words",
     [
@@ -48,6 +49,7 @@ def test_a_full_output_is_one_sentence(files: Path, words: str) -> None:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "redirect",
     [
@@ -60,6 +62,7 @@ def test_the_code_says_it_where_a_stream_is_closed(files: Path, redirect: str) -
     assert ended(files, "check no.kilter.json", redirect)[0] == 2
 
 
+@pytest.mark.slow
 def test_closed_streams_are_no_place_for_files(files: Path) -> None:
     """What is opened first gets the number of a closed stream, and what libraries print with it."""
     proof = files / "proof.json"
@@ -67,12 +70,14 @@ def test_closed_streams_are_no_place_for_files(files: Path) -> None:
     assert kilter.verify(files / "slope.kilter.json", proof).holds
 
 
+@pytest.mark.slow
 def test_nothing_comes_from_a_closed_input(files: Path) -> None:
     code, error = ended(files, "check -", "<&-")
     assert code == 2
     assert error.startswith("kilter: standard input: the file is empty")
 
 
+@pytest.mark.slow
 def test_a_pipe_that_nobody_reads_is_no_fault(files: Path) -> None:
     out, into = os.pipe()
     os.close(out)

@@ -34,6 +34,7 @@ def answered(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, dict
     return code, json.loads(out)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["paper-figure-1", "paper-figure-11", "corner-wedges", "tower"])
 def test_the_orientation_found_is_stable_and_its_turn_leads_there(
     name: str, capsys: pytest.CaptureFixture[str]
@@ -48,6 +49,7 @@ def test_the_orientation_found_is_stable_and_its_turn_leads_there(
     assert turned == pytest.approx(scene(name).down, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_where_nothing_is_stable_the_nearest_is_given_with_what_moves(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -60,6 +62,7 @@ def test_where_nothing_is_stable_the_nearest_is_given_with_what_moves(
     assert "No orientation is stable" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_friction_that_can_hold_it_is_found_and_said_to_be_no_guarantee(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -69,6 +72,7 @@ def test_friction_that_can_hold_it_is_found_and_said_to_be_no_guarantee(
     assert "kilter check --down" in answer["sentence"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "kind"),
     [
@@ -91,6 +95,7 @@ def test_region_in_words_and_as_data(
         assert all(abs(np.dot(q, ray)) <= 1e-9 for q in answer["equations"])
 
 
+@pytest.mark.slow
 def test_a_region_common_to_several_lies_in_each(capsys: pytest.CaptureFixture[str]) -> None:
     files = [written("paper-figure-10"), written("paper-figure-11")]
     _, answer = answered(capsys, "region", *files, "--common")
@@ -98,6 +103,7 @@ def test_a_region_common_to_several_lies_in_each(capsys: pytest.CaptureFixture[s
     assert answer["rays"][0] == pytest.approx([-(0.5**0.5), 0, -(0.5**0.5)], abs=1e-9)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("words", "expected"),
     [
@@ -118,6 +124,7 @@ def test_wrong_usage(words: list[str], expected: str, capsys: pytest.CaptureFixt
     assert expected in error
 
 
+@pytest.mark.quick(1)
 @pytest.mark.skipif(not SHARED.is_dir(), reason="the folder of real assemblies is not there")
 @pytest.mark.parametrize(
     ("file", "held", "kind"),

@@ -130,6 +130,7 @@ write_bytes(sys.argv[1], b"new" * 100_000)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("before", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_a_write_that_is_killed_at_any_of_its_steps(before: bool, tmp_path: Path) -> None:
     import sys

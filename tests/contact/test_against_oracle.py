@@ -166,7 +166,7 @@ def test_two_thousand_random_scenes_agree_with_the_oracle(block_of_scenes):
     assert not wrong, "\n".join(wrong)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(set(FAMILIES) - {"gaps", "tilts"}))
 def test_one_patch_a_pair_and_plane(name):
     wrong = []

@@ -118,5 +118,6 @@ def test_parts_that_all_lie_in_one_another_are_refused() -> None:
             pairs_of(piled(count, 0.0))
 
 
+@pytest.mark.slow
 def test_a_floor_under_many_parts_is_no_crowd() -> None:
     assert pairs_of(piled(20_000, 2.0, floor=True)) == 20_000

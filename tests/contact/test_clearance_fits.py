@@ -68,6 +68,7 @@ def turned(name):
     return LYING if name == "bar in groove" else (1, 0, 0, 0)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", FITS)
 def test_fit_with_play_is_open_and_says_by_how_much(name):
     base, part, *_ = FITS[name]
@@ -80,6 +81,7 @@ def test_fit_with_play_is_open_and_says_by_how_much(name):
     assert pair.gap == pytest.approx(PLAY, abs=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FITS)
 def test_clearance_as_wide_as_the_play_closes_the_fit_and_no_narrower_one_does(name):
     base, part, mean_base, mean_part, count = FITS[name]
@@ -102,6 +104,7 @@ def test_clearance_as_wide_as_the_play_closes_the_fit_and_no_narrower_one_does(n
     assert closed.patch_area == pytest.approx(true.patch_area, rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize("free", ["peg", "base"])
 def test_shaft_anywhere_in_its_hole_is_closed_about_the_axis_of_what_is_free(seed, free):
@@ -139,6 +142,7 @@ def test_shaft_anywhere_in_its_hole_is_closed_about_the_axis_of_what_is_free(see
         assert verdict.verdict == word
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("aside", [PLAY + 1e-3, PLAY + 0.05])
 def test_peg_that_cuts_into_its_hole_is_an_overlap_whatever_the_clearance(aside):
     for clearance in (None, PLAY, 2 * PLAY):
@@ -175,6 +179,7 @@ APART = {
 }  # fmt: skip
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", APART)
 def test_round_faces_that_stand_apart_are_closed_up_to_the_clearance(name):
     base, part, place, rate, count = APART[name]
@@ -198,6 +203,7 @@ def test_shells_on_one_axis_that_do_not_meet_do_not_interfere():
     assert [p.kind for p in contacts.open_pairs] == ["clearance"]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("deep", [0.002, 0.01])
 def test_shells_on_one_axis_that_meet_interfere_as_deep_as_both_walls_reach(deep):
     outer, inner = bore(0.98, outer=1.0), bore(0.95, outer=0.98 + deep)

@@ -41,6 +41,7 @@ def test_gaps_that_are_looked_at_hold_the_cluster() -> None:
     assert 1 < t.CLUSTER < t.LOOKED_AT_GAPS
 
 
+@pytest.mark.slow
 def test_no_small_number_of_the_contacts_goes_without_a_name() -> None:
     assert unnamed("contact", but="contact_tolerances.py") == []
 

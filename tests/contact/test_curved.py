@@ -60,6 +60,7 @@ PAIRS = {
 }
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", PAIRS)
 def test_peg_slides_and_spins_in_its_hole_and_nothing_else(name):
     hole, shape = PAIRS[name]
@@ -74,6 +75,7 @@ def test_peg_slides_and_spins_in_its_hole_and_nothing_else(name):
     assert len(raised) == int("mesh" in name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PAIRS)
 def test_peg_falls_along_its_axis_and_is_held_across(name):
     hole, shape = PAIRS[name]
@@ -122,6 +124,7 @@ def test_clearance_is_a_gap_and_no_contact(share):
     assert contacts.rejected[0].gap == pytest.approx(share * 1e-4, rel=1e-6)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("depth", [1.01e-4, 1e-3, 1e-2])
 def test_interference_is_an_overlap_and_no_contact(depth):
     contacts = contacts_of(
@@ -171,6 +174,7 @@ def halved(solid):
 # arcs ---------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("half", [0.3, 1.0, np.pi / 2, 2.0, 2.8])
 def test_cylinder_in_a_groove_holds_to_the_ends_of_the_arc(half):
     # a force toward an angle is held iff it lies within the arc of normals
@@ -205,6 +209,7 @@ def test_bar_in_a_groove_tips_beyond_its_end(reach):
 # balls --------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("exact", [True, False])
 def test_ball_in_a_cone_touches_around_a_circle(exact):
     alpha, radius = 0.4, 0.6
@@ -228,6 +233,7 @@ def test_ball_in_a_cone_touches_around_a_circle(exact):
         assert word == ("stable" if side < 0 else "unstable")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("step", sampled(1, [9, 1]))
 def test_verdict_between_the_inner_and_the_outer_cone_is_not_given(step):
     """Tested over points and half-way between them in turn."""
@@ -250,6 +256,7 @@ def test_verdict_between_the_inner_and_the_outer_cone_is_not_given(step):
     assert words[2] == {"unstable"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rim", [-0.7, -0.3, 0.0, 0.4])
 @pytest.mark.parametrize("exact", sampled(1, [True, False]))
 def test_ball_in_a_socket_is_held_as_far_as_the_socket_reaches(rim, exact):
@@ -270,6 +277,7 @@ def test_ball_in_a_socket_is_held_as_far_as_the_socket_reaches(rim, exact):
     assert motions(Assembly(parts)) == 3
 
 
+@pytest.mark.slow
 def test_ball_of_the_bore_touches_it_around_a_great_circle():
     parts = [held(bore()), Part("ball", Sphere(1.0), Pose([0, 0, 0.3], turn([1, 1, 0], 40)))]
     contacts = detect.contacts(Assembly(parts))
@@ -320,6 +328,7 @@ def test_four_spheres_roll_apart_without_friction_and_touch_where_they_should():
 # cones, tori, bars --------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("exact", [True, False])
 def test_cone_in_its_socket_only_spins(exact):
     shapes = [cone_socket(phase=0.05), cone_frustum(sides=32)]
@@ -395,6 +404,7 @@ def v_block(x=0.0, opening=45.0):
     return parts
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("exact", [True, False])
 def test_shaft_on_two_v_blocks(exact):
     shape = peg(1.0, -4, 4, sides=32) if exact else mesh_of(peg(1.0, -4, 4, sides=32))
@@ -415,6 +425,7 @@ def test_shaft_on_two_v_blocks(exact):
 # discs --------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sides", [16, 48])
 def test_bolt_hangs_by_its_head(sides):
     parts = [held(bore()), Part("bolt", bolt(head=2, sides=sides), Pose([0, 0, 1]))]
@@ -494,6 +505,7 @@ def test_ball_on_the_rim_of_a_hole_is_listed_and_bounded():
     assert [u.kind for u in verdict.contacts.unsupported] == ["curved"]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("gap", "kinds"), [(3.3e-5, ["free-form"]), (2.7e-3, ["free-form"]), (3.3e-3, [])]
 )
@@ -507,6 +519,7 @@ def test_ball_just_above_the_rim_of_a_hole_is_open_as_far_as_loose_data_would_re
     assert verdict.verdict == ("undecided" if kinds else "unstable")
 
 
+@pytest.mark.slow
 def test_torus_beside_a_torus_is_listed():
     parts = [held(torus(2, 0.5)), Part("ring", torus(2, 0.5), Pose([0, 0, 1.0]))]
     contacts = detect.contacts(Assembly(parts))
@@ -530,6 +543,7 @@ def test_free_form_is_listed_and_not_taken_for_its_triangles():
     assert far.contacts.unsupported == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scale", [1e-3, 1e3])
 def test_scale_changes_no_contact(scale):
     for base, part in ((bore(), peg()), (cone_socket(), cone_frustum()), (socket(), ball())):

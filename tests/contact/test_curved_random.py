@@ -99,6 +99,7 @@ def scaled(shape, scale):
     return Box(shape.size * scale) if isinstance(shape, Box) else with_scale(shape, scale)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize("seed", range(3))
 def test_contact_is_found_in_any_pose_and_scale(case, seed):
@@ -148,6 +149,7 @@ IMPLICIT = {
 OPENING = [name for name, case in CASES.items() if case[5] is not None]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", OPENING)
 @pytest.mark.parametrize("seed", range(2))
 def test_gap_beyond_the_tolerance_is_no_contact(case, seed):
@@ -166,6 +168,7 @@ def test_gap_beyond_the_tolerance_is_no_contact(case, seed):
             assert min(gaps) == pytest.approx(share * 1e-4 * scale, rel=1e-2)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("case", [c for c in CASES if "ring" not in c])
 def test_meshes_of_the_faces_give_the_same_contacts(case):
     exact = detect.contacts(posed(case, np.random.default_rng(3), 1.0, 0.0)[0])
@@ -177,6 +180,7 @@ def test_meshes_of_the_faces_give_the_same_contacts(case):
     assert contacts.patch_area == pytest.approx(exact.patch_area, rel=1e-6, abs=1e-9)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("case", OPENING)
 def test_gap_agrees_with_dense_samples(case):
     _, _, part, place, quaternion, opening, _, _ = CASES[case]
@@ -296,6 +300,7 @@ def test_facets_of_a_very_fine_mesh_leave_the_same_motions():
             assert left < 2 * np.pi / sides if within else left > 0.5
 
 
+@pytest.mark.slow
 def test_two_tessellations_of_one_bore_show_no_overlap_at_any_phase():
     for sides, other, phase in ((12, 12, 0.26), (16, 90, 0.01), (60, 61, 0.0)):
         parts = [
@@ -331,6 +336,7 @@ def test_interrupted_face_reaches_as_far_as_its_pieces():
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data" / "compas_cra"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not DATA.is_dir(), reason="real data is not here")
 def test_faceted_curved_interface_is_found_from_end_to_end():
     # a free form, cut into triangles in two ways: facets of both, tilted to .014 and more

@@ -51,6 +51,7 @@ def compared(kind: str, gap: float, tilt: float, seed: int, *, swap: bool = Fals
     return wrong
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("gap", [0.0, 1e-9, 1e-7, 1e-6])
 @pytest.mark.parametrize("seeds", SEEDS)
@@ -63,6 +64,7 @@ def test_contact_is_found_and_no_other(kind, gap, seeds):
     assert not wrong
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("tilt", [1e-6, 1e-5, 1e-4])
 @pytest.mark.parametrize("seeds", SEEDS)
@@ -71,6 +73,7 @@ def test_tilted_contact_is_found_and_no_other(kind, tilt, seeds):
     assert not wrong
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("gap", [2e-5, 1e-3])
 def test_nothing_is_found_across_a_gap(kind, gap):

@@ -122,6 +122,7 @@ def crosses(assembly: Assembly, contacts: ContactSet, motion: Array) -> bool:
     return program is not None and program.velocities(both).min(initial=0.0) < -1e-7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FAMILIES)
 @pytest.mark.parametrize("seed", sampled(1, 3))
 def test_no_constraint_is_lost_or_invented(name, seed):

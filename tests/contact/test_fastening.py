@@ -129,6 +129,7 @@ def bolted(radius, *, turned=False, name="sleeve"):
     return assembly
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("turned", [False, True])
 def test_thicker_shaft_is_an_interference_fit(turned):
     assembly = bolted(1.02, turned=turned)
@@ -199,6 +200,7 @@ def resting(height, units="m"):
     return Assembly([FLOOR, block("box", [0, 0, height], [1, 1, 1 + height])], units=units)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("height", "word"),
     [(0.0, "stable"), (0.9e-3, "stable"), (1.1e-3, "undecided"), (-0.9e-3, "undecided")],
@@ -233,6 +235,7 @@ def test_clearance_wider_than_what_is_looked_at_is_found():
         assert check(turned, tolerance=tolerance).verdict == "stable"
 
 
+@pytest.mark.slow
 def test_clearance_is_part_of_the_proof():
     verdict = check(resting(0.9e-3), tolerance=Tolerance(clearance=1e-3))
     proof = verdict.proof()
@@ -362,6 +365,7 @@ def test_triangles_that_bound_no_body_have_a_depth_and_no_volume():
     assert overlap.volume == pytest.approx((1 - 0.9**3) / 6, rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("radius", "kind"), [(1.02, "fixed"), (1.0, "cylindrical")])
 def test_suggestion_is_pasted_from_the_command_and_holds(radius, kind, tmp_path, capsys):
     file, proof = str(tmp_path / "a.kilter.json"), str(tmp_path / "p.json")
@@ -400,6 +404,7 @@ def test_fits_are_recognised_in_meshes_too():
     assert [one.parts for one in suggest_joints(assembly, found)] == [("bolt", "sleeve")]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("name", "kind"),
     [("nut", "fixed"), ("M4 Nut_2", "fixed"), ("nuts/spacer", "cylindrical"),
@@ -419,6 +424,7 @@ def pairs_of(assembly):
     return {(one.parts, one.kind) for one in suggest_joints(assembly, detect.contacts(assembly))}
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("radius", "name", "kind"),
     [

@@ -86,6 +86,7 @@ def pairs() -> Iterator[tuple[str, Assembly, Feature, Feature]]:
 PAIRS = list(pairs())
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("pair", PAIRS, ids=[pair[0] for pair in PAIRS])
 def test_found_features_are_those_of_a_hand(
     pair: tuple[str, Assembly, Feature, Feature],
@@ -97,6 +98,7 @@ def test_found_features_are_those_of_a_hand(
     np.testing.assert_allclose(forms, by_hand(assembly, a, b), atol=1e-9)
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("pair", PAIRS, ids=[pair[0] for pair in PAIRS])
 def test_turned_parts_have_the_same_features(
     pair: tuple[str, Assembly, Feature, Feature],

@@ -62,6 +62,7 @@ def with_normals(contacts, normals):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
 def test_plug_in_a_wider_oval_is_closed_by_the_clearance_and_by_no_narrower_one(seed):
     rng = np.random.default_rng(seed)
@@ -87,6 +88,7 @@ def test_plug_in_a_wider_oval_is_closed_by_the_clearance_and_by_no_narrower_one(
     assert "'hole' and 'plug'" in told
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("across", [(0.3, 0.8)])
 def test_what_pushes_across_a_closed_oval_is_held_as_the_exact_normals_hold_it(across):
     pulled = dataclasses.replace(fit(), gravity=9.81 * np.array([*across, 0.0]))
@@ -123,6 +125,7 @@ def test_closed_joints_never_say_the_opposite_of_exact_normals(kind):
     assert {"unstable", "potentially-stable"} <= {one for one, _ in said}
 
 
+@pytest.mark.slow
 def test_faces_that_enter_each_other_are_closed_by_no_clearance():
     rng = np.random.default_rng(1)
     assembly = as_solids(blocks(rng, JOINTS["arc"](rng), lift=-PLAY), sagitta=5e-3)

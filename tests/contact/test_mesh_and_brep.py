@@ -53,6 +53,7 @@ def assembly_of(name, *, sides, exact):
     return Assembly(parts)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sampled(4, SHAPES))
 @pytest.mark.parametrize("cuts", sampled(1, [[48], [72]]))
 def test_same_verdict_in_every_direction(name, cuts):
@@ -67,6 +68,7 @@ def test_same_verdict_in_every_direction(name, cuts):
             assert check(mesh.with_down(down)).verdict == word, down
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SHAPES)
 def test_same_stable_cone(name):
     exact = kilter.region(assembly_of(name, sides=48, exact=True))

@@ -28,6 +28,7 @@ def only(assembly: Assembly) -> dict:
 # nearest parts ----------------------------------------------------------------------------
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("factor", [1e-3, 1.0, 1e3])
 def test_a_gap_between_faces_edges_and_corners_is_their_distance(factor: float) -> None:
     cases = [
@@ -87,6 +88,7 @@ def test_what_touches_overlaps_or_is_joined_is_not_alone() -> None:
     ]
 
 
+@pytest.mark.slow
 def test_check_and_contacts_name_the_nearest_in_words_and_data(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -114,6 +116,7 @@ def lying(share: float, *, grounded: bool = False) -> Assembly:
     return Assembly([first, block("b", [1 - share, 0, 0], [2 - share, 1, 1], grounded=grounded)])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("judge", [check, orient, region, margin])
 def test_parts_that_share_more_than_half_are_refused(judge) -> None:  # type: ignore[no-untyped-def]
     with pytest.raises(InputError, match="'a' and 'b' share 51 % of 'b': misplaced, or drawn"):
@@ -123,6 +126,7 @@ def test_parts_that_share_more_than_half_are_refused(judge) -> None:  # type: ig
     judge(Assembly([*lying(0.51, grounded=True).parts, block("c", [3, 0, 0], [4, 1, 1])]))
 
 
+@pytest.mark.slow
 def test_the_likely_reason_is_told() -> None:
     frames = [block(f"part-{k}", [-k - 1, -1, -1], [k + 1, 1, 1]) for k in range(3)]
     with pytest.raises(InputError, match="each file seems to be in a frame of its own; export"):
@@ -148,6 +152,7 @@ def test_a_nut_without_its_hole_is_no_part_in_the_wrong_place() -> None:
     assert overlap.share == pytest.approx((4 / 6.83) ** 2, rel=0.01)
 
 
+@pytest.mark.slow
 def test_a_raw_folder_is_refused_in_a_sentence_and_contacts_lists_it(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -28,6 +28,7 @@ def kinds(assembly: Assembly, **options: object) -> list[str]:
     return [one.kind for one in found.open_pairs]
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize(
     ("gap", "kind"),
     [
@@ -85,6 +86,7 @@ def test_a_wider_tolerance_closes_a_gap() -> None:
     assert kinds(assembly, tolerance=Tolerance(clearance=2e-4)) == []
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(("radius", "kind"), [(0.999, ["clearance"]), (1.001, ["overlap"])])
 def test_a_round_fit_with_clearance_or_interference(radius: float, kind: list[str]) -> None:
     found = Assembly([tube("tube", 1.0, 2.0, 1.0, grounded=True), pin("pin", radius, 4.0)])

@@ -28,6 +28,7 @@ def volume_of(vertices, triangles):
     return float(polyhedron_moments(vertices, triangles, np.array([0, len(triangles)]))[0][0])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SHAPES)
 def test_finer_triangles_close_in_on_the_exact_body_and_stay_closed(name):
     shape, exact = SHAPES[name]
@@ -61,6 +62,7 @@ def test_only_what_comes_within_the_box_is_cut():
     assert np.hypot(*vertices[:, :2].T).max() == pytest.approx(1.0, abs=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("apart", [0.5, 1.5, 1.9])
 def test_lens_of_two_balls(apart):
     parts = [Part("a", Sphere(1.0), grounded=True), Part("b", Sphere(1.0), Pose([0, 0, apart]))]
@@ -69,6 +71,7 @@ def test_lens_of_two_balls(apart):
     assert overlap.volume == pytest.approx(lens, rel=0.01)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("depth", [0.05, 0.3])
 def test_cap_of_a_ball_and_segment_of_a_cylinder_in_a_slab(depth):
     slab = Part("slab", Box([9, 9, 2]), Pose([0, 0, -1]), grounded=True)

@@ -24,6 +24,7 @@ def census():
     return module
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", sampled(10, 230))
 def test_round_bodies_touch_and_stay_as_closed_forms_say(census, seed):
     _, _, wrong = census.asked(seed)

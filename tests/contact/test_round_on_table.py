@@ -86,6 +86,7 @@ def lowest_point(name, fine, up):
     return corners[(corners @ up).argmin()]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sampled(5, BODIES))
 def test_lowest_point_is_that_of_the_exact_surface(name):
     shape, fine = BODIES[name]()
@@ -137,6 +138,7 @@ def on_table(shape, down, seed, **more):
     return Assembly([Part("body", shape, pose, **more)], gravity=G * down).with_floor()
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", RESTING)
 @pytest.mark.parametrize("seed", range(2))
 def test_body_on_a_table_is_in_equilibrium_and_moves_as_derived(name, seed):
@@ -148,6 +150,7 @@ def test_body_on_a_table_is_in_equilibrium_and_moves_as_derived(name, seed):
     assert verdict.to_dict()["neutral"] == {"two_sided": count, "one_sided": 0}
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("shape", "down", "inside", "outside"),
     [
@@ -165,6 +168,7 @@ def test_body_falls_where_its_centre_is_beyond_its_foot(shape, down, inside, out
         assert verdict.verdict == word
 
 
+@pytest.mark.slow
 def test_lying_cone_tips_over_its_rim():
     # the generator at the bottom runs from the tip to the rim at h / cos(alpha)
     along = np.array([np.sin(ALPHA), 0, np.cos(ALPHA)])
@@ -179,6 +183,7 @@ def test_lying_cone_tips_over_its_rim():
 # at any tilt --------------------------------------------------------------------------------
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", BODIES)
 @pytest.mark.parametrize("seed", range(3))
 def test_at_any_tilt_a_body_touches_in_one_exact_point_and_falls_unless_it_is_a_ball(name, seed):
@@ -198,6 +203,7 @@ def test_at_any_tilt_a_body_touches_in_one_exact_point_and_falls_unless_it_is_a_
     assert sense * contacts.normals[0] == pytest.approx(assembly.down, abs=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", [Cylinder(1.0, 3.0), cone_frustum(ALPHA), bolt()])
 def test_tilted_end_carries_what_stands_above_its_lowest_point_alone(shape):
     # a body balances on a rim where its centre of mass is straight above the point it touches in
@@ -212,6 +218,7 @@ def test_tilted_end_carries_what_stands_above_its_lowest_point_alone(shape):
         assert verdict.verdict == word
 
 
+@pytest.mark.slow
 def test_rim_above_the_table_by_more_than_the_tolerance_is_no_contact():
     for height, count in ((0.9e-5, 1), (1.1e-5, 0)):
         assembly = on_table(Cylinder(1.0, 3.0), [0.3, -0.4, -1.0], 1)
@@ -223,6 +230,7 @@ def test_rim_above_the_table_by_more_than_the_tolerance_is_no_contact():
         assert contacts.unsupported == ()
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     "foot", [Cylinder(1.0, 2.0), mesh_of(peg(1.0, -1, 1)), cone_frustum(ALPHA)]
 )

@@ -51,6 +51,7 @@ def with_exact_normals(contacts, joint, pose):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("seed", "tolerance"), sampled(8, EVERY))
 def test_one_patch_with_the_normals_of_the_face_whatever_the_tolerance(seed, tolerance):
     pose = Pose([3, 4, 5], turn([1, 2, 3], 40)) if seed % 2 else Pose()
@@ -68,6 +69,7 @@ def test_one_patch_with_the_normals_of_the_face_whatever_the_tolerance(seed, tol
     assert found.patch_area[0] == pytest.approx(exact, rel=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", sampled(3, 9))
 def test_sliding_is_free_where_the_formula_says_so(seed):
     joint, assembly, kind = made(seed)
@@ -100,6 +102,7 @@ def contradicts(one, other):
     return (one in HOLDS and other == "unstable") or (one == "unstable" and other in HOLDS)
 
 
+@pytest.mark.slow
 def test_fitted_normals_never_say_the_opposite_of_exact_ones():
     said = census(range(4))
     assert [row for row in said if contradicts(*row[-2:])] == []
@@ -115,6 +118,7 @@ def test_fitted_normals_never_say_the_opposite_of_exact_ones_on_hundreds():
     assert decided > 0.6 * len(said)
 
 
+@pytest.mark.slow
 def test_facets_that_lie_on_each_other_stay_facets():
     """The same triangles on both sides: no surface is fitted, as a stone cutter would expect."""
     rng = np.random.default_rng(3)
@@ -126,6 +130,7 @@ def test_facets_that_lie_on_each_other_stay_facets():
     assert not found.patch_doubt.any()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("lift", "touches"), [(0.0, True), (0.05, False), (-0.05, False)])
 def test_faces_that_are_apart_or_enter_each_other_are_no_joint(lift, touches):
     rng = np.random.default_rng(1)
@@ -135,6 +140,7 @@ def test_faces_that_are_apart_or_enter_each_other_are_no_joint(lift, touches):
     assert bool(found.overlaps) == (lift < 0)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not SHARED.is_dir(), reason="the real assemblies are not here")
 @pytest.mark.parametrize(
     "tolerance",
@@ -152,6 +158,7 @@ def test_curved_blocks_of_a_library_are_never_held_by_their_triangles(tolerance)
     assert verdict.verdict != "stable"
 
 
+@pytest.mark.slow
 def test_recognition_ends_on_a_mesh_whose_facets_were_dropped_and_taken_in_again():
     """Seed 18: an arc of an ellipse, of which cylinders grew and shrank without end."""
     _, assembly, kind = made(18)
@@ -159,6 +166,7 @@ def test_recognition_ends_on_a_mesh_whose_facets_were_dropped_and_taken_in_again
     assert len(assembly.geometry.surfaces) == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_fitted_normals_are_off_by_less_than_their_doubt(seed):
     joint, assembly, _ = made(seed)

@@ -112,6 +112,7 @@ class Bench:
         self.parts.append(block(self.name(), [-5 + aside, -5, high], [5 + aside, 5, high + 4]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("threads", [False, True])
 @pytest.mark.parametrize("seed", sampled(5, SCENES // 2))
 def test_suggestions_are_the_joints_that_it_was_built_with(seed: int, threads: bool) -> None:

@@ -146,6 +146,7 @@ def test_inside_out_mesh_touches_all_the_same():
     assert normal == pytest.approx([0, 0, 1], abs=1e-12)
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("seed", range(6))
 def test_quads_split_in_two_facets_by_rounding_keep_their_area(seed):
     # 10-digit files rounded to 1e-3 of their unit: blocks of 50 to 100 with bent quads
@@ -161,6 +162,7 @@ def test_quads_split_in_two_facets_by_rounding_keep_their_area(seed):
     assert discrepancies(scene(*pieces), contacts) == []
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("size", [4, 12])
 @pytest.mark.parametrize("seed", range(5))
 def test_interface_with_holes_and_pinches_has_the_right_area(size, seed):
@@ -193,6 +195,7 @@ def turned(pieces: list[Piece], seed: int) -> Assembly:
     return placed(pieces, Wrap(rotation, 1.0, shift, str(rng.choice(["pose", "mesh"]))), rng)
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("seed", range(12))
 def test_faces_that_meet_along_a_bent_line_are_no_patch(seed):
     # slivers of 1e-16 along both lines have a hull of their own, as wide as the bend
@@ -201,6 +204,7 @@ def test_faces_that_meet_along_a_bent_line_are_no_patch(seed):
     assert len(kilter.contact.contacts(turned(pieces, seed))) == 0
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("seed", range(12))
 def test_line_of_contact_beside_a_patch_does_not_widen_its_hull(seed):
     # an arm of the upper part runs along the rim of the lower one, outside of it
@@ -227,6 +231,7 @@ def chevron(slices: int, low: float, high: float) -> Mesh:
     return from_quads(points, quads, low, high)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("slices", [14, 200])
 def test_region_of_thin_triangles_is_not_dropped(slices):
     # every clipped piece is thinner than the tolerance, their union is not
@@ -239,6 +244,7 @@ def test_region_of_thin_triangles_is_not_dropped(slices):
     assert areas(contacts)[0, 1] == pytest.approx(0.99 - 0.01 * 0.99, rel=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sectors", [300, pytest.param(1000, marks=pytest.mark.slow)])
 def test_two_rings_of_thin_triangles_touch(sectors):
     pieces = [at_origin(annulus(sectors, 1, 1.2, low, low + 2, turn)) for low, turn in
@@ -297,6 +303,7 @@ def test_part_below_the_resolution_of_its_neighbour_brings_a_warning():
     assert contacts_of(at_origin(slab), at_origin(cube)).warnings
 
 
+@pytest.mark.slow
 def test_cylinder_of_many_sides_is_not_one_facet():
     sides = 20_000
     angle = (np.arange(sides) + 0.5) * (2 * np.pi / sides)
@@ -351,6 +358,7 @@ def test_comb_on_comb(teeth):
     assert areas(contacts) == {(0, 1): pytest.approx(teeth, rel=1e-9)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sectors", sampled(1, [300, 1_000, 10_000]))
 @pytest.mark.parametrize("turn", [0.0, 0.5])
 def test_two_annuli_of_thin_triangles(turn, sectors):
@@ -464,6 +472,7 @@ def compared(seed: int, name: str, wrap: Wrap) -> None:
 EXACT = sorted(set(FAMILIES) - {"gaps", "tilts"})
 
 
+@pytest.mark.slow
 @given(seed=st.integers(0, 10**6), name=st.sampled_from(EXACT), turn=st.integers(0, 10**6))
 @settings(max_examples=40, deadline=None, derandomize=True)
 def test_rigid_motion_changes_no_area(seed, name, turn):
@@ -472,12 +481,14 @@ def test_rigid_motion_changes_no_area(seed, name, turn):
     compared(seed, name, Wrap(rotation, 1.0, shift, str(rng.choice(["pose", "mesh"]))))
 
 
+@pytest.mark.slow
 @given(seed=st.integers(0, 10**6), name=st.sampled_from(EXACT), exponent=st.integers(-20, 20))
 @settings(max_examples=40, deadline=None, derandomize=True)
 def test_scale_changes_areas_by_its_square(seed, name, exponent):
     compared(seed, name, Wrap(np.eye(3), 2.0**exponent, np.zeros(3), "pose"))
 
 
+@pytest.mark.slow
 @given(seed=st.integers(0, 10**6), name=st.sampled_from(sorted(FAMILIES)))
 @settings(max_examples=40, deadline=None, derandomize=True)
 def test_order_of_the_parts_changes_nothing(seed, name):
@@ -490,6 +501,7 @@ def test_order_of_the_parts_changes_nothing(seed, name):
     assert after == pytest.approx(expected, rel=1e-12)
 
 
+@pytest.mark.slow
 @given(seed=st.integers(0, 10**6), name=st.sampled_from(sorted(FAMILIES)))
 @settings(max_examples=30, deadline=None, derandomize=True)
 def test_contact_set_is_consistent(seed, name):

@@ -24,7 +24,7 @@ def blocks(page: Path, language: str) -> list[str]:
     return re.findall(rf"```{language}\n(.*?)```", page.read_text(encoding="utf-8"), flags=re.S)
 
 
-@pytest.mark.quick(5)
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
 def test_python_of_a_page_runs(
     page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
@@ -39,7 +39,7 @@ def test_python_of_a_page_runs(
             pytest.skip(f"{missing.name} is not here")
 
 
-@pytest.mark.quick(3)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
 def test_commands_of_a_page_exist_with_their_flags(page: Path) -> None:
     known = command().commands
@@ -65,7 +65,7 @@ def named_commands(line: str) -> list[list[str]]:
     return [shlex.split(text)[1:] for text in found if not text.startswith("kilter.")]
 
 
-@pytest.mark.quick(45)
+@pytest.mark.quick(22)
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
 def test_shell_of_a_page_runs_and_says_what_is_shown(
     page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

@@ -43,14 +43,14 @@ def unexplained(value: Any) -> list[str]:
     return missing
 
 
-@pytest.mark.quick(44)
+@pytest.mark.quick(22)
 @pytest.mark.parametrize("name", sorted(set(kilter.__all__)))
 def test_a_public_name_has_its_place(name: str) -> None:
     value = getattr(kilter, name)
     assert f"{value.__module__}.{value.__qualname__}" in NAMED
 
 
-@pytest.mark.quick(45)
+@pytest.mark.quick(22)
 @pytest.mark.parametrize("name", NAMED)
 def test_what_it_holds_is_explained(name: str) -> None:
     value = found(name)

@@ -44,6 +44,7 @@ def without_face_at(point: tuple[float, float, float]) -> Mesh:
 # faces wound both ways -----------------------------------------------------------------------
 
 
+@pytest.mark.quick(6)
 @pytest.mark.parametrize("shape", [Box([1, 2, 3]), Cylinder(1, 2)], ids=["box", "cylinder"])
 @pytest.mark.parametrize("seed", range(6))
 def test_mixed_winding_is_turned_with_a_warning(shape, seed: int) -> None:

@@ -154,7 +154,7 @@ SHAPES = {
 PLACES = [None, placement((100, -20, 7), (0.5, 0.1, -0.7, 0.3))]
 
 
-@pytest.mark.quick(14)
+@pytest.mark.quick(7)
 @pytest.mark.parametrize("place", PLACES, ids=["home", "away"])
 @pytest.mark.parametrize("hidden", [False, True], ids=["plain", "splines"])
 @pytest.mark.parametrize("name", SHAPES)
@@ -385,6 +385,7 @@ def test_two_hundred_parts_take_seconds_and_instances_nearly_nothing(tmp_path: P
     assert seconds[1] < max(seconds[0], 1.0)
 
 
+@pytest.mark.slow
 def test_what_no_file_of_solids_says_is_told_where_nothing_holds(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

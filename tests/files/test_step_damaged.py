@@ -84,7 +84,7 @@ def area_of(face: Any) -> float:
     return float(found.Mass())
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", SHAPES)
 def test_faces_cut_here_meet_those_cut_by_occt(name: str, monkeypatch: Any) -> None:
     """Each face in turn is left out: the surface closes, and encloses the same volume."""
@@ -109,7 +109,7 @@ def test_faces_cut_here_meet_those_cut_by_occt(name: str, monkeypatch: Any) -> N
         assert area == pytest.approx(area_of(faces_of(shape)[left_out]), rel=0.02)
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", SHAPES)
 def test_a_solid_whose_faces_are_all_cut_here(name: str, monkeypatch: Any) -> None:
     exact = read_solid(SHAPES[name]).solid

@@ -89,6 +89,7 @@ def test_volumes_by_formula(assembly: Assembly) -> None:
     assert plate.volume == pytest.approx(x * y * z - 6 * np.pi * 25 * z, rel=SPLINES)
 
 
+@pytest.mark.slow
 def test_it_is_read_quickly_and_written_exactly(assembly: Assembly) -> None:
     start = time.process_time()
     load(FILE)

@@ -31,6 +31,7 @@ def drawn(seed):
     return program, float(answer.fun), rng
 
 
+@pytest.mark.quick(11)
 @pytest.mark.parametrize("seed", range(20))
 def test_bound_is_near_the_optimum_and_never_above(seed):
     program, optimum, rng = drawn(seed)

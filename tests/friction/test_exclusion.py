@@ -58,7 +58,7 @@ REFUTED = {
 }
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", PROVED)
 def test_proved(name):
     answer = asked(PROVED[name]())
@@ -161,6 +161,7 @@ def test_size_changes_nothing():
     assert not asked(stacks.tower(2, tilt=28.0, friction=0.9, size=1e-3), effort=1).proved
 
 
+@pytest.mark.slow
 def test_joined_parts_are_one():
     """Two cubes side by side on a slope; the joint carries one that has no friction."""
     cubes = program(stacks.tower(2, tilt=10.0, friction=0.5))

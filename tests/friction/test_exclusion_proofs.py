@@ -43,7 +43,7 @@ def refused(one, data):
     return bool(reasons)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.quick(2)
 def test_repeated_without_a_solver(proven, monkeypatch):
     def none(*_, **__):
         raise AssertionError("a solver was asked")
@@ -96,7 +96,7 @@ def test_the_greatest_multiplier_of_each_kind_matters(proven):
             assert refused(one, other), path
 
 
-@pytest.mark.quick(1)
+@pytest.mark.quick(2)
 def test_every_closed_case_matters(proven):
     one, data = proven
     last = len(data["steps"]) - 1
@@ -133,7 +133,7 @@ def test_bounds_of_forces_matter():
         assert refused(one, {**data, "opening": opening})
 
 
-@pytest.mark.quick(1)
+@pytest.mark.quick(2)
 def test_the_steps_leave_what_the_answer_says(proven):
     one, _ = proven
     answer = prove_no_motion(one, work=2)

@@ -68,7 +68,7 @@ def test_proof_holds_on_a_fresh_copy(proven):
     assert answer.holds, answer.reasons
 
 
-@pytest.mark.slow
+@pytest.mark.quick("held by squeeze-0")
 @pytest.mark.parametrize("share", sampled(1, 3))
 def test_every_number_changed_is_refused_although_the_digest_fits(proven, share):
     assembly, proof = proven

@@ -37,7 +37,7 @@ def rougher(assembly, factor):
     )
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_verdict_and_its_opposite_never_both(seed):
     _, assembly = random_assembly(seed)

@@ -51,7 +51,7 @@ def known(seed, kind):
     return law, *true_motion(law, found)
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_true_motion_satisfies_every_product(kind):
     tried = 0

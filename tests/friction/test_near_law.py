@@ -36,7 +36,7 @@ def witnessed(request):
     return law, law.columns(witness.acceleration), own * (law.sigma / law.strength)[:, None]
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 def test_a_witness_is_not_dismissed_and_has_no_breach(witnessed):
     law, x, forces = witnessed
     assert may_obey(law, x, forces)

@@ -26,7 +26,7 @@ def in_cones_and_balanced(built, seating):
     return bool(inside.all() and (rest <= 1e-9 * built.weight[built.free]).all())
 
 
-@pytest.mark.quick(3)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("assembly", "seated"),
     [
@@ -75,7 +75,7 @@ def test_wide_pads_press_evenly_and_so_need_more(pad):
         assert find_seating(built, starts=12).holds == seated
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     "assembly",
     [
@@ -112,7 +112,7 @@ def test_real_wedges_and_a_bridge_are_seated(name):
     assert find_seating(program(compas(name))).holds
 
 
-@pytest.mark.quick(5)
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     "assembly",
     [

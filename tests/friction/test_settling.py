@@ -20,7 +20,7 @@ from kilter.tell.facts import facts
 from kilter.work import Work
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("assembly", "settles"),
     [
@@ -47,7 +47,7 @@ def test_both_sides_of_a_limit(assembly, settles):
     assert all(check_balance(built, one) <= 1e-9 for one in found.forces)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "assembly",
     [
@@ -165,7 +165,7 @@ def test_the_newton_step_solves_the_system_written_out(wide, monkeypatch):
     assert 0.3 * step - ahead / (2 * small) == pytest.approx(right, abs=1e-5)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "require", "code"),
     [
@@ -186,6 +186,7 @@ def test_the_exit_code_is_that_of_the_level_asked_for(name, require, code, tmp_p
     assert main(["check", file, "--quiet", "--effort", "0", "--require", require]) == code
 
 
+@pytest.mark.slow
 def test_stable_in_python_is_the_level_asked_for():
     trough = friction.trough(30, tilt=35.0, friction=0.84)
     assert check(trough, effort=0).stable

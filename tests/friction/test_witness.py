@@ -89,7 +89,7 @@ def test_a_wedge_in_a_steep_v_tips_out_past_its_corner(tilt, tips):
         assert find_coulomb_motion(program(wedge), work=1) is None
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "assembly",
     [

@@ -58,6 +58,7 @@ def scene_of(number: int) -> kilter.Assembly:
     return random_scene(np.random.default_rng([KINDS.index("scenes"), number]))()
 
 
+@pytest.mark.slow
 def test_why_one_answer_is_undecided_has_a_name() -> None:
     """Two slivers whose masses are 20 orders apart overlap: turned, they are proved to fall."""
     scene = scene_of(700769)
@@ -157,7 +158,7 @@ def test_a_part_that_rounding_is_larger_than_is_refused(shape: str) -> None:
             kilter.check(assembly)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(corpus()))
 def test_a_whole_file_is_answered_and_its_damage_is_seeded(name: str, tmp_path: Path) -> None:
     path = tmp_path / name

@@ -126,6 +126,7 @@ def test_the_cone_grows_with_friction():
         before = found
 
 
+@pytest.mark.slow
 def test_without_friction_it_is_the_polyhedral_cone_and_near_it_with_little():
     """Three boxes in a corner: a cone with a tip; friction 1e-3 widens it by about 0.057 deg."""
     from kilter.scenes import wedges
@@ -141,6 +142,7 @@ def test_without_friction_it_is_the_polyhedral_cone_and_near_it_with_little():
     assert exact.half_angle_deg < found.cone.half_angle_deg < exact.half_angle_deg + 0.2
 
 
+@pytest.mark.slow
 def test_kinds_wider_than_a_cone():
     """Squeezed between walls any direction is held; a free block none."""
     assert friction_cone(program_of(friction.h_block(friction=0.5))).cone.kind == "all"
@@ -216,7 +218,7 @@ def test_commands_take_friction(tmp_path, monkeypatch, capsys):
     assert json.loads(capsys.readouterr().out)["exact"] is True
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("count", "ratio"), [(3, 0.1), (4, 0.1), (5, 0.1), (6, 0.1), (4, 0.3)])
 def test_arches_in_space_agree_with_judge(count, ratio):
     """Thin arches have few corners, each found again and again a little aside."""

@@ -45,6 +45,7 @@ def factor(assembly, along=X) -> float:
     return limit.value
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("number", "published"),
     [
@@ -60,7 +61,7 @@ def test_load_factor_of_the_walls_of_ferris_and_tin_loi(number, published):
     assert factor(walls.ferris_tin_loi(number)) == pytest.approx(published, abs=6e-6)
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("number", "local"), [(1, 0.6007), (2, 0.5573), (3, 0.35581), (4, 0.26373), (5, 0.20859)]
 )
@@ -74,6 +75,7 @@ def test_bracket_of_sliding_that_does_not_dilate_contains_the_published_local_va
     assert judge(with_more(program, wrench, most.value * 1.0001)).stable is False
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("count", "sectors", "known"),
     [
@@ -308,7 +310,7 @@ def test_the_nearest_held_direction_carries_its_proof_on_both_sides():
     assert not kilter.verify(slope, proofs).holds
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("planar", [False, True])
 @pytest.mark.parametrize("off", [0.0, 1e-12, 3e-9, 1e-8, 5e-8, 1e-6, 1e-3])
 def test_beside_the_limit_a_tilt_has_the_sign_of_the_verdict_and_the_truth_between_its_sides(

@@ -67,6 +67,7 @@ def sides_wrong(program, found, least):
     return wrong
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("tangent", [1e-2, 1e-4, 1e-5, 3e-6])
 def test_the_truth_lies_within_however_tiny_the_coefficient(tangent):
     """A slope: what a certificate lets forces leave is 1e-9 of the weight, 1e-4 of the last."""

@@ -62,7 +62,7 @@ def test_the_text_says_what_starts_to_move(tower, capsys):
     assert "none is needed" in text
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("words", "said"),
     [

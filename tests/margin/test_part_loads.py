@@ -80,7 +80,6 @@ def test_loads_of_bricks_are_those_of_the_program_apart(tmp_path):
             assert (least_share(heavier, pull=rules.pull) < 1) is (share < 1)
 
 
-@pytest.mark.slow
 def test_every_load_is_proved_on_both_sides(tmp_path, capsys):
     path, proof = tmp_path / "stair.txt", tmp_path / "proof.json"
     path.write_text("\n".join(f"4x2 ({2 * k},0,{k})" for k in range(4)))

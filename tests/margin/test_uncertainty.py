@@ -131,6 +131,7 @@ def test_a_shifted_centre_of_mass_of_one_block():
     assert np.tan(np.radians(worst.tilt_deg)) == pytest.approx(0.4 / 0.6, rel=1e-8)
 
 
+@pytest.mark.slow
 def test_normals_take_their_angle_from_that_of_friction():
     program = program_of(stacks.block_on_slope(0.0, friction=0.5))
     worst = find_uncertainty(program, Ranges(normal_deg=3.0))

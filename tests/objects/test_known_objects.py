@@ -86,6 +86,7 @@ def test_what_it_cannot_be_made_of_is_told_in_one_sentence(value: Any, words: st
         kilter.load(value)
 
 
+@pytest.mark.slow
 def test_nothing_is_imported_for_it() -> None:
     code = (
         "import sys, kilter;"

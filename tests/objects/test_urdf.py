@@ -155,6 +155,7 @@ def test_a_base_is_fixed_or_floating_and_xml_is_of_one_of_two_kinds(tmp_path: Pa
         kilter.load(path)
 
 
+@pytest.mark.slow
 def test_the_command_asks_the_same_and_its_proof_is_verified(tmp_path: Path) -> None:
     arm = link("arm", '<box size=".2 .2 .2"/>', 10)
     path = robot(tmp_path, BASE, arm, joint("base", "arm", "fixed", "3.5 0 2"))

@@ -78,6 +78,7 @@ def test_a_limit_leaves_a_bound_that_holds():
     assert best.bound <= np.sqrt(2 / 3) <= best.value + 1e-9
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["wedge-on-wedge", "arch", "floating-block"])
 def test_the_motion_that_remains_is_the_one_of_that_direction(name):
     program = program_of(name)

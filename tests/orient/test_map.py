@@ -30,7 +30,7 @@ def z_error(name, count):
     return float(np.abs(found.z(g) / found.mass - lp).max())
 
 
-@pytest.mark.quick(3)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", SMALL)
 def test_z_from_the_map_is_that_of_lp_9(name):
     assert z_error(name, 100) <= 1e-8
@@ -42,6 +42,7 @@ def test_z_from_the_map_is_that_of_lp_9_on_1000_directions(name):
     assert z_error(name, 1000) <= 1e-8
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["paper-figure-8", "arch-7", "tower", "wedge-on-wedge"])
 def test_z_is_that_of_lp_9_as_published(name):
     program = program_of(name)
@@ -52,7 +53,7 @@ def test_z_is_that_of_lp_9_as_published(name):
         assert found.z(g) == pytest.approx(z, abs=1e-8 * found.mass)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["arch", "wedges-4", "short-base-turned", "keystone"])
 def test_about_one_program_a_vertex_and_a_facet(name):
     found = stability_map(program_of(name))
@@ -123,7 +124,7 @@ def test_a_slot_makes_a_segment():
     )
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", UNSTABLE)
 def test_the_nearest_on_the_sphere_is_exact(name):
     program = program_of(name)
@@ -143,7 +144,7 @@ def test_the_nearest_on_the_sphere_is_exact(name):
     assert found.z(near).max() <= best.z + 1e-8 * scale
 
 
-@pytest.mark.quick(4)
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("name", [n for n in SMALL if n not in UNSTABLE])
 def test_where_a_direction_is_stable_there_is_no_nearest(name):
     program = program_of(name)

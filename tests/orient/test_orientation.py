@@ -35,7 +35,7 @@ def proved(assembly, answer):
     return answer
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @PLANAR
 @pytest.mark.parametrize(
     ("chamfer", "mass_b", "expected"),

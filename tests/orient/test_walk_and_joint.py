@@ -26,7 +26,7 @@ def mass_of(program):
 # the paper's figures -----------------------------------------------------------------
 
 
-@pytest.mark.quick(5)
+@pytest.mark.quick(2)
 @METHODS
 @PLANAR
 @pytest.mark.parametrize(
@@ -110,7 +110,7 @@ def test_the_directions_found_have_the_z_that_is_said(name):
             assert work.solve(facet.gravity).z * scale == pytest.approx(facet.z, abs=1e-8 * scale)
 
 
-@pytest.mark.quick(4)
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("name", UNSTABLE)
 def test_one_motion_a_facet_proves_that_no_direction_of_it_is_stable(name):
     program = program_of(name)

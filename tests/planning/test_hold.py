@@ -91,6 +91,7 @@ def test_fingers_cannot_hold_more_than_ten_voussoirs_from_one_side() -> None:
     assert "all 11 candidates are enough" in none.to_dict()["sentence"]
 
 
+@pytest.mark.slow
 def test_grips_are_the_fewest_holds_of_states() -> None:
     made = arch(9, ratio=0.3, friction=0.6).without("voussoir-4")
     found = kilter.hold(made)
@@ -119,7 +120,7 @@ def magnets(count: int, capacity: float, mu: float = 0.0) -> list[Support]:
     ]
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("share", "least"), [(1.01, 1), (0.99, 2), (0.251, 4), (0.249, 5)])
 def test_magnets_carry_a_weight_together(share: float, least: int) -> None:
     """N magnets of F hold the weight W where n F >= W; six of them are there."""
@@ -385,7 +386,7 @@ def test_wrong_candidates() -> None:
         kilter.hold(scene("tower"), most=-1)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "code"),
     [

@@ -75,7 +75,7 @@ def test_what_was_not_changed_holds(name: str) -> None:
     assert judged(name, lambda proof: None) == ""
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["arch", "tower", "screw", "row"])
 def test_steps_exchanged_with_their_states_are_refused(name: str) -> None:
     """Whole entries exchanged: the states no longer follow one another."""
@@ -88,6 +88,7 @@ def test_steps_exchanged_with_their_states_are_refused(name: str) -> None:
     assert "its state is not what stands before it" in judged(name, change)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("name", "steps", "why"),
     [
@@ -186,7 +187,7 @@ CHANGES: list[tuple[str, str, Change]] = [
 ]  # fmt: skip
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("name", "why", "change"), CHANGES, ids=[f"{one[0]}: {one[1]}" for one in CHANGES]
 )

@@ -269,6 +269,7 @@ def test_parts_that_may_not_be_held() -> None:
                                                                     for k in range(4)}  # fmt: skip
 
 
+@pytest.mark.slow
 def test_out_of_effort_says_what_can_come_last() -> None:
     order = kilter.plan(arch(20, ratio=0.2, friction=0.6), effort=0.02)
     assert order.verdict == "none-found"
@@ -342,6 +343,7 @@ def test_a_real_assembly_without_holds() -> None:
     rechecked(order)
 
 
+@pytest.mark.slow
 def test_a_bridge_of_levers_has_its_weights_first() -> None:
     """Each arm tips about its pier unless a weight is on its tail; the weights stand alone."""
     parts = []

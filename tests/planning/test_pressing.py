@@ -50,6 +50,7 @@ def test_a_hold_takes_what_the_plank_does_not() -> None:
     assert "step 2: it is pressed otherwise" in reasons(order, proof)
 
 
+@pytest.mark.slow
 def test_a_proof_without_its_pressed_states_is_refused() -> None:
     order = kilter.plan(scene("tower"), press=5.0)
     proof = proof_of(order)

@@ -83,6 +83,7 @@ def held_against_samples(
     return answers
 
 
+@pytest.mark.slow
 def test_paths_against_parts_moved_step_by_step() -> None:
     answers = []
     for k, assembly in enumerate(

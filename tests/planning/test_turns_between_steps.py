@@ -41,6 +41,7 @@ def test_no_turn_where_friction_holds(share: float, turns: int) -> None:
     assert not reasons(order, proof_of(order))
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("change", ["left out", "elsewhere", "forbidden"])
 def test_turns_that_are_not_proved_are_refused(change: str) -> None:
     order = kilter.plan(leaning(30.0), before=FIRST, turn=True)
@@ -124,6 +125,7 @@ def test_a_turn_from_the_angle_of_friction_on(degrees: float, turns: int) -> Non
     assert (order.turns, order.least) == (turns, "as-tried" if turns else "always")
 
 
+@pytest.mark.slow
 def test_of_two_turns_it_is_open_whether_they_are_the_fewest() -> None:
     """A asks for no lean along x; C for one of more than .4, and none along y; the whole for both.
 

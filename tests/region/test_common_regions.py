@@ -35,7 +35,7 @@ def test_intersections(one: str, other: str, kind: str) -> None:
     assert common_region(both[::-1]).kind == kind
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("names", list(itertools.combinations(BUILDERS, 2))[::9])
 def test_stable_for_all_is_stable_for_each(names: tuple[str, str]) -> None:
     each = [region_of(name) for name in names]
@@ -46,7 +46,7 @@ def test_stable_for_all_is_stable_for_each(names: tuple[str, str]) -> None:
     assert (region.contains(asked) == wanted)[~near].all()
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("rounded", [False, True])
 def test_knife_edges_that_agree(rounded: bool) -> None:
     """Steps of one plan: their one direction is the same but for rounding."""
@@ -59,6 +59,7 @@ def test_knife_edges_that_agree(rounded: bool) -> None:
     assert np.linalg.norm(region.rays[0] - steps[0].down) < 10 * region.cone.blur
 
 
+@pytest.mark.slow
 def test_a_plan_without_a_common_direction() -> None:
     region = common_region([paper.figure_11(), paper.figure_12()])
     assert region.kind == "none"
@@ -66,7 +67,6 @@ def test_a_plan_without_a_common_direction() -> None:
     assert region.warnings[0].startswith("assembly 1: ")
 
 
-@pytest.mark.slow
 def test_common_proofs_verify() -> None:
     region = common_region([rails.railed("-x +x -z", count=2), rails.railed("-x -y -z")])
     proofs = region.proofs()
@@ -80,6 +80,7 @@ def test_common_proofs_verify() -> None:
         assert answer.holds
 
 
+@pytest.mark.slow
 def test_one_is_itself() -> None:
     assembly = wedges.corner_wedges()
     assert same_rays(common_region([assembly]).rays, list(kilter.region(assembly).rays))

@@ -26,7 +26,7 @@ def points_of(kind: str, dimension: int, seed: int) -> np.ndarray:
     return points
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_hull_is_that_of_qhull(kind: str, dimension: int) -> None:

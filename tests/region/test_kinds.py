@@ -9,7 +9,7 @@ from kilter.analysis.regions.polyhedral_cone import KINDS as ALL_KINDS
 from kilter.scenes import rails
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", KINDS)
 def test_closed_form(name: str) -> None:
     kind, build, lines, rays = KINDS[name]
@@ -39,7 +39,7 @@ def test_twenty_thousand_directions_one_by_one(name: str) -> None:
     assert not disagreements(region, directions(region, 20_000, seed=1))
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", [*KINDS, *MORE])
 def test_the_answer_describes_itself(name: str) -> None:
     """Equations, facets, rays and lines of the JSON answer are one and the same cone."""

@@ -53,7 +53,7 @@ def test_float32_keeps_the_kind(name: str, pose: int | None) -> None:
         assert np.linalg.norm(exact.rays - ray, axis=1).min() < 5 * blur
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["tower", "corner-wedges", "groove"])
 def test_the_file_s_gravity_does_not_matter(name: str) -> None:
     assembly = BUILDERS[name]()

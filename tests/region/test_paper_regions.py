@@ -11,7 +11,7 @@ MICRO = np.radians(1e-6)
 """1e-6 degrees."""
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("planar", [False, True])
 @pytest.mark.parametrize(
     ("angle", "mass_a", "mass_b", "from_down"),
@@ -30,7 +30,7 @@ def test_figures_11_and_12(
     assert np.linalg.norm(ray - closed) < MICRO
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("planar", [False, True])
 @pytest.mark.parametrize("stable", [False, True])
 def test_the_l_leans_as_far_as_it_is_turned(stable: bool, planar: bool) -> None:
@@ -61,7 +61,7 @@ def test_figure_4_ends_in_the_region() -> None:
     assert region.contains(downs).tolist() == [False, False, True]
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("planar", [False, True])
 @pytest.mark.parametrize(("mass_a", "mass_b"), [(1.0, 1.0), (1.0, 2.0), (2.0, 1.0)])
 def test_the_trapped_wedge(mass_a: float, mass_b: float, planar: bool) -> None:

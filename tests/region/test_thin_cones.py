@@ -28,6 +28,7 @@ def test_a_hundred_plates_on_thin_seats() -> None:
     assert not disagreements(region, np.array([inside / np.linalg.norm(inside)]))
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("angle", [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6])
 def test_ever_thinner(angle: float) -> None:
     """A cube on four points whose normals lean by `angle` [rad] and meet in its middle."""
@@ -44,6 +45,7 @@ def test_ever_thinner(angle: float) -> None:
     assert region.half_angle_deg == pytest.approx(np.degrees(half), rel=1e-9 / angle)
 
 
+@pytest.mark.slow
 def test_twenty_wedges_with_a_cone_away_from_gravity() -> None:
     region = kilter.region(wedges.corner_wedges(20))
     assert region.kind == "cone"
@@ -62,7 +64,7 @@ def test_a_hundred_wedges() -> None:
     assert found.programs <= len(found.rays) + len(found.facets) + 12
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", [*KINDS, *MORE])
 def test_few_programs(name: str) -> None:
     region = region_of(name)

@@ -114,6 +114,7 @@ def test_what_rolls_on_to_a_face_it_cannot_rest_on_goes_over_later() -> None:
 # rounds -----------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_half_ball_rights_itself_by_three_eighths() -> None:
     well = well_of(lathed((0, 0), (1, 1, 0, 1), (0, 1), mass=2.0))
     assert well is not None
@@ -125,6 +126,7 @@ def test_a_half_ball_rights_itself_by_three_eighths() -> None:
     assert abs(well.axis[2]) < 1e-12
 
 
+@pytest.mark.slow
 def test_a_half_ball_in_millimetres_swings_faster() -> None:
     well = well_of(lathed((0, 0), (1, 1, 0, 1), (0, 1), mass=2.0), "mm")
     assert well is not None
@@ -133,6 +135,7 @@ def test_a_half_ball_in_millimetres_swings_faster() -> None:
     assert well.period == pytest.approx(period, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_a_half_ball_on_its_flat_side() -> None:
     well = well_of(lathed((0, 0), (1, 0), (0, 1, 0, 0), mass=2.0))
     assert well is not None
@@ -153,7 +156,7 @@ def test_a_half_cylinder_rights_itself_about_its_length_only() -> None:
     assert (well.over_deg, well.barrier) == (None, None)  # not of revolution about the vertical
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("beside", [-1e-3, 1e-3])
 def test_a_roly_poly_of_one_density_stands_up_to_r_over_root_two(beside: float) -> None:
     height = 1 / np.sqrt(2) + beside
@@ -245,6 +248,7 @@ def test_the_height_of_its_centre_rises_up_to_its_tilt_and_falls_beyond(part: Pa
     assert height(tipping.angle + 1e-3, 0.0) < top
 
 
+@pytest.mark.slow
 def test_words_and_numbers_are_one_voice() -> None:
     (rest,) = kilter.region(on_table(lathed((0, 0), (1, 1, 0, 1), (0, 1))), rests=True).rests
     answer = json.loads(json.dumps(rest.to_dict()))

@@ -56,7 +56,7 @@ class TestFigures:
         for lean in (-0.01, 90.01):
             assert not stable(tilted(assembly.with_down([0, 0, -1]), [0, 1, 0], lean))
 
-    @pytest.mark.quick(2)
+    @pytest.mark.quick(1)
     @pytest.mark.parametrize(
         ("figure", "leans"), [(paper.figure_11, 45.0), (paper.figure_12, 60.0)]
     )
@@ -68,7 +68,7 @@ class TestFigures:
         for off in (-0.01, 0.01):
             assert imbalance(tilted(assembly, [0, 1, 0], leans + off)) > 1e-5
 
-    @pytest.mark.quick(3)
+    @pytest.mark.quick(1)
     @pytest.mark.parametrize("angle", [30, 45, 60])
     @pytest.mark.parametrize("ratio", [0.5, 1.0, 2.0])
     def test_11_for_unequal_masses_and_other_chamfers(self, planar, angle, ratio):
@@ -107,6 +107,7 @@ def test_stable_direction_of_unequal_masses(angle, from_down):
 
 @pytest.mark.parametrize("ratio", [0.5, 1.0, 2.0])
 class TestTrappedWedge:
+    @pytest.mark.quick(1)
     def test_holds_up_to_its_limits(self, ratio):
         limit = np.degrees(np.arctan(1 / ratio))
         for tilt in (0.0, 0.01, 10.0, limit / 2, limit - 0.01):

@@ -14,7 +14,7 @@ BUILT = {name: entry.build() for name, entry in SCENES.items()}
 
 @pytest.mark.parametrize("name", SCENES)
 class TestEveryScene:
-    @pytest.mark.quick(45)
+    @pytest.mark.quick(22)
     def test_is_an_assembly_with_something_held_and_something_free(self, name):
         assembly = BUILT[name]
         assert isinstance(assembly, Assembly)
@@ -26,17 +26,17 @@ class TestEveryScene:
         assert (geometry.volume > 0).all()
         assert geometry.warnings == ()
 
-    @pytest.mark.quick(10)
+    @pytest.mark.quick(5)
     def test_has_no_parts_that_overlap(self, name):
         meant = [("post", "screw")] if name == "cad-export" else []
         assert overlapping(BUILT[name]) == meant
 
-    @pytest.mark.quick(6)
+    @pytest.mark.quick(3)
     def test_has_contacts_that_touch_exactly(self, name):
         assembly = BUILT[name]
         assert touching(assembly).gap.max(initial=0.0) < 1e-12
 
-    @pytest.mark.quick(5)
+    @pytest.mark.quick(2)
     def test_has_the_answer_it_says(self, name):
         assembly, answer = BUILT[name], SCENES[name].answer
         has_friction = bool(assembly.friction or assembly.friction_pairs or assembly.contacts)
@@ -47,7 +47,7 @@ class TestEveryScene:
             assert without > 1e-3
             assert has_friction == (answer in ("stable", "settles", "potentially-stable"))
 
-    @pytest.mark.quick(45)
+    @pytest.mark.quick(22)
     def test_is_named_and_told_in_a_line(self, name):
         entry = SCENES[name]
         assert entry.name == name == name.lower().replace(" ", "-")

@@ -40,7 +40,7 @@ def everything():
 
 @pytest.mark.parametrize("name", SMALL)
 class TestChangesNoAnswer:
-    @pytest.mark.quick(2)
+    @pytest.mark.quick(1)
     def test_moved(self, name):
         assembly = SCENES[name].build()
         turned = moved(assembly, TURN, [3, -4, 5])
@@ -48,6 +48,7 @@ class TestChangesNoAnswer:
         assert np.allclose(turned.geometry.mass, assembly.geometry.mass)
         assert stable(turned) == stable(assembly)
 
+    @pytest.mark.quick(2)
     def test_scaled(self, name):
         assembly = SCENES[name].build()
         twice = scaled(assembly, 2.0)
@@ -55,6 +56,7 @@ class TestChangesNoAnswer:
         assert np.allclose(twice.geometry.mass, 8 * assembly.geometry.mass)
         assert np.allclose(twice.geometry.center, 2 * assembly.geometry.center)
 
+    @pytest.mark.quick(2)
     def test_permuted(self, name):
         assembly = SCENES[name].build()
         order = np.random.default_rng(0).permutation(len(assembly.parts))
@@ -62,6 +64,7 @@ class TestChangesNoAnswer:
         assert other.names == tuple(assembly.names[k] for k in order)
         assert stable(other) == stable(assembly)
 
+    @pytest.mark.quick(2)
     def test_renamed(self, name):
         assembly = SCENES[name].build()
         other = renamed(assembly, lambda part: f"x {part}")

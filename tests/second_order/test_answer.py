@@ -33,6 +33,7 @@ def sides(case: Case, off: float) -> list[tuple[float, str]]:
     return [(case.limit - off, case.state), (case.limit + off, case.above)]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.number)
 def test_a_known_case_has_its_state(case: Case) -> None:
     for off in (1e-6, 1e-2) if case.limit is not None else (0.0,):
@@ -40,6 +41,7 @@ def test_a_known_case_has_its_state(case: Case) -> None:
             assert state_of(case.build(parameter)) == state
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.number)
 def test_free_motions_are_those_of_the_reference(case: Case) -> None:
     for parameter, state in sides(case, 0.05):
@@ -52,6 +54,7 @@ def test_free_motions_are_those_of_the_reference(case: Case) -> None:
             assert second.undecided == 0
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     "number", ["02", "03", "05", "07", "14", "19", "21", "24b", "26", "34", "37", "38", "39"]
 )
@@ -81,6 +84,7 @@ def test_a_ball_in_a_bowl_swings_as_a_pendulum_does() -> None:
     assert second.rate == pytest.approx(np.sqrt(9.81 / 0.6), rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("number", "holds"), [("02", False), ("03", True), ("01", True)])
 def test_strict_is_asked_for_by_the_exit_code(
     number: str, holds: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -134,6 +138,7 @@ def test_bonds_and_loads_beside_a_centre_leave_it_open() -> None:
     assert of(bonds=[bond]) == "open"
 
 
+@pytest.mark.slow
 def test_what_was_not_looked_at_is_not_counted() -> None:
     """A post that all but touches is left open; a second part beside it changes nothing."""
     table = Part("table", Box([9, 9, 1]), Pose([0, 0, -0.5]), grounded=True)

@@ -48,6 +48,7 @@ def test_there_are_as_many_as_the_reference_has() -> None:
     assert len({case.number for case in ROLLING}) == 9
 
 
+@pytest.mark.quick(5)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.number)
 def test_a_case_is_in_balance(case: Case) -> None:
     for parameter in parameters(case):
@@ -60,6 +61,7 @@ SINGLE = [case for case in CASES if case.number not in ("11", "13", "14", "24", 
 """Where one set of forces and both signs of every neutral motion decide."""
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("case", SINGLE, ids=lambda case: case.number)
 def test_the_energy_falls_where_it_is_known_to(case: Case) -> None:
     """The least eigenvalue on the neutral motions, and how many are zero."""
@@ -76,6 +78,7 @@ def test_the_energy_falls_where_it_is_known_to(case: Case) -> None:
             assert int((values < 1e-9).sum()) == case.free
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("case", ROLLING, ids=lambda case: case.number)
 def test_what_rolls_stands_by_friction_to_first_order(case: Case) -> None:
     for parameter in parameters(case):

@@ -26,6 +26,7 @@ FLOOR = Part("floor", Box([10, 10, 1]), Pose([0, 0, -0.5]), grounded=True)
 BALLS = [Part(f"ball {k}", Sphere(0.5), Pose([0, 0, 0.5 + k])) for k in range(2)]
 
 
+@pytest.mark.slow
 def test_balls_upright_between_two_walls_fall_along_them() -> None:
     assembly = Assembly([FLOOR, *WALLS, *BALLS])
     found = kilter.check(assembly)

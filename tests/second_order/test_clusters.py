@@ -43,6 +43,7 @@ def drawn(seed: int, count: int = 4) -> tuple[list[Assembly], list[str]]:
     return made, states
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 def test_a_row_of_known_cases_has_the_state_of_the_worst(seed: int) -> None:
     made, states = drawn(seed)
@@ -60,6 +61,7 @@ def test_a_row_of_known_cases_has_the_state_of_the_worst(seed: int) -> None:
         assert len(second.moving) == len(names)
 
 
+@pytest.mark.slow
 def test_the_order_in_which_they_are_listed_does_not_matter() -> None:
     row = side_by_side([case_of(number).build(0.0) for number in ("02", "03", "35")])
     states = set()
@@ -88,6 +90,7 @@ def bowls(count: int, last: float) -> Assembly:
     return Assembly(parts, contacts=contacts, detect=False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("count", "curvature", "state"),
     [(15, -1 / 1.3, "minimum"), (15, 0.0, "free"), (100, 1 / 1.3, "balanced")],

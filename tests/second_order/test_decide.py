@@ -94,6 +94,7 @@ def test_at_the_limit_it_is_open_and_says_why() -> None:
     assert found.why
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_six_feet_need_forces_of_their_own_for_each_direction(side: float) -> None:
     """One set of forces leaves a curvature of -shift; the best for each direction, 1/2 - shift."""
@@ -108,6 +109,7 @@ def test_six_feet_need_forces_of_their_own_for_each_direction(side: float) -> No
         assert judge_minimum(problem, found.proof) == ""
 
 
+@pytest.mark.slow
 def test_a_corner_pressed_between_two_bowls_is_held_by_its_squeeze() -> None:
     """Self-stress blocks what the weight alone would let fall: a bowl above, a hump below."""
     row, form = point_on_surface(np.zeros(3), -0.5 * np.eye(2), np.zeros(3))
@@ -194,6 +196,7 @@ def test_the_energy_must_curve_upward_in_a_proof() -> None:
     assert "upward" in judge_minimum(pivot(0.3, BOWL), proof)
 
 
+@pytest.mark.slow
 def test_a_tree_of_cones_that_leaves_one_out_is_refused() -> None:
     problem = six_feet(0.4)
     proof = decide(problem).proof

@@ -99,6 +99,7 @@ def least_gap(assembly: Assembly, program: Program, motion: Array) -> float:
     return min(gaps)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", TURNED)
 def test_blocks_twist_and_sink_with_every_gap_open(name: str) -> None:
     assembly = scene(name)

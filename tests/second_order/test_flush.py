@@ -47,6 +47,7 @@ def answers(parts: list[Part]) -> list[SecondOrder]:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", WIDTHS)
 @pytest.mark.parametrize("build", [box_over_the_edge, leaning])
 def test_what_is_over_an_edge_falls_whichever_part_is_first(build: Build, width: float) -> None:
@@ -55,6 +56,7 @@ def test_what_is_over_an_edge_falls_whichever_part_is_first(build: Build, width:
     assert (one.neutral, one.free) == (other.neutral, other.free)
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("width", WIDTHS)
 @pytest.mark.parametrize("build", [box_over_the_edge, leaning])
 @pytest.mark.parametrize("off", [1e-6, -1e-6])

@@ -22,6 +22,7 @@ def test_two_states_differ_and_an_open_one_is_told() -> None:
     assert "one order" in differs(free, ("open", 3, 3))
 
 
+@pytest.mark.slow
 def test_some_are_of_one_state_wherever_they_are() -> None:
     states = set()
     for seed in range(8):

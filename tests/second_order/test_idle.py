@@ -32,6 +32,7 @@ def test_a_ball_beside_a_wall_is_free_away_from_it() -> None:
     assert second.motion[2, 0] > 0.1  # the wall is to its left
 
 
+@pytest.mark.slow
 def test_two_that_touch_in_a_groove_are_free() -> None:
     rng, count = np.random.default_rng(4), 0
     while count < 5:
@@ -41,6 +42,7 @@ def test_two_that_touch_in_a_groove_are_free() -> None:
             count += 1
 
 
+@pytest.mark.slow
 def test_what_is_idle_and_all_that_keeps_it_is_no_minimum() -> None:
     """Over the edge of a table only the stop, which carries nothing, keeps a box."""
     table = Part("table", Box([2, 2, 1]), Pose([-1, 0, -0.5]), grounded=True)
@@ -88,6 +90,7 @@ def test_proofs_without_idle_contacts_are_judged_again() -> None:
     assert not kilter.verify(assembly, short).holds
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(14))
 def test_random_rests_are_decided_and_proved(seed: int) -> None:
     kind, assembly = random_rest(seed)
@@ -98,6 +101,7 @@ def test_random_rests_are_decided_and_proved(seed: int) -> None:
     assert kilter.verify(assembly, verdict.proof()).holds
 
 
+@pytest.mark.slow
 def test_what_shifts_as_a_whole_is_free_past_contacts_that_it_does_not_open() -> None:
     """A ball in a box that has walls on all its sides and touches them: they go along."""
     walls = [

@@ -217,6 +217,7 @@ def test_its_proof_file_is_judged_again() -> None:
         assert not kilter.verify(wall, other).holds
 
 
+@pytest.mark.slow
 def test_no_solver_is_loaded_to_judge_it() -> None:
     program = (
         "import sys, kilter\n"

@@ -38,6 +38,7 @@ def proved(problem: Stationary, faces: Faces) -> LockedTurns:
     return proof
 
 
+@pytest.mark.slow
 def test_figure_9_in_space_slides_and_does_not_turn() -> None:
     assembly = figure_9()
     found = kilter.check(assembly)

@@ -45,6 +45,7 @@ def path_of(assembly: Assembly, work: Work | None = None) -> tuple[SecondOrder, 
     return found, path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scale", [1.0, 1e-3, 1e3])
 def test_a_ball_slides_down_a_ball(scale: float) -> None:
     """Its centre stays on a sphere about that of the other: E = m g (R + r)(cos a - 1)."""
@@ -60,6 +61,7 @@ def test_a_ball_slides_down_a_ball(scale: float) -> None:
     assert np.abs(path.motions[:, 1, 3:]).max() < 1e-2  # nothing turns it
 
 
+@pytest.mark.slow
 def test_a_log_slides_down_a_log_until_it_leaves_it() -> None:
     _, path = path_of(logs())
     x, y, z = (path.motions[:, 1, :3] + np.array([0, 0, 1.5])).T
@@ -78,6 +80,7 @@ def corners(assembly: Assembly, part: int, motion: Array) -> Array:
     return Rotation.from_rotvec(motion[3:]).apply(points) + geometry.center[part] + motion[:3]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", [TURNED[0], *(pytest.param(one, marks=pytest.mark.slow) for one in TURNED[1:])]
 )
@@ -101,6 +104,7 @@ def test_blocks_of_the_figures_twist_and_sink(name: str) -> None:
     assert path.motions[-1, program.free, 2].sum() < -1.0
 
 
+@pytest.mark.slow
 def test_less_work_is_a_shorter_path_that_begins_the_same() -> None:
     _, whole = path_of(balls(), Work(ALLOWED))
     _, part = path_of(balls(), Work(ALLOWED / 100))
@@ -119,6 +123,7 @@ def test_there_is_none_of_what_is_at_rest_or_of_given_contacts() -> None:
     assert find_path_places(upright.assembly, upright.second_order) is None
 
 
+@pytest.mark.slow
 def test_a_box_tips_over_the_edge_of_its_table() -> None:
     table = Part("table", Box([2, 2, 1]), grounded=True)
     assembly = Assembly([table, Part("box", Box([1, 0.8, 0.6]), Pose([1, 0, 0.8]))])
@@ -130,6 +135,7 @@ def test_a_box_tips_over_the_edge_of_its_table() -> None:
     assert not any(overlap(assembly, motion, outside=True) for motion in path.motions[3:])
 
 
+@pytest.mark.slow
 def test_balls_between_walls_fall_along_them() -> None:
     """No place opens a wall: their centres stay half way between, and they never turn."""
     walls = [Part(f"wall {x}", Box([1, 10, 10]), Pose([x, 0, 5]), grounded=True) for x in (-1, 1)]
@@ -148,6 +154,7 @@ def test_balls_between_walls_fall_along_them() -> None:
     np.testing.assert_allclose(path.energies, energy, rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_clusters_fall_at_once_each_as_it_does_alone() -> None:
     far = np.array([20.0, 0, 0])
     two = [
@@ -181,6 +188,7 @@ def followed(seed: int) -> float | None:
     return float(np.maximum(far, np.linalg.norm(path.motions[-1, :, 3:], axis=1)).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [2, 14])
 def test_a_random_one_falls(seed: int) -> None:
     far = followed(seed)

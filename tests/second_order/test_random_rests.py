@@ -19,6 +19,7 @@ def test_every_kind_is_made_alike_by_its_seed() -> None:
         np.testing.assert_array_equal(a.pose.position, b.pose.position)
 
 
+@pytest.mark.slow
 def test_a_descent_comes_lower_than_what_balances_and_no_lower_than_a_minimum() -> None:
     floor = Part("floor", Box([9, 9, 1]), Pose([0, 0, -0.5]), grounded=True)
     ball = Part("ball", Sphere(0.5), Pose([0, 0, 0.5]))

@@ -12,11 +12,13 @@ import kilter
 from kilter.second_order.parts.clusters import joined_state
 
 
+@pytest.mark.slow
 def test_minima_rise_and_balanced_ones_fall() -> None:
     states = Counter(compared(seed, RADII[1:2]) for seed in (0, 4, 5, 6))
     assert states == {"minimum": 2, "balanced": 2}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seeds", [(4, 5), (6, 4)])
 def test_clusters_rise_and_fall_as_their_energy_does_together(seeds: tuple[int, int]) -> None:
     """Both are asked as one problem, and directly; and each by itself."""

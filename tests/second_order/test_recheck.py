@@ -164,6 +164,7 @@ DAMAGES = [
 ]  # fmt: skip
 
 
+@pytest.mark.quick(49)
 @pytest.mark.parametrize(("kind", "where", "value", "reason"), DAMAGES)
 def test_what_is_damaged_is_refused(kind: str, where: str, value: Any, reason: str) -> None:
     judge, data = proved(kind)
@@ -270,6 +271,7 @@ def test_far_enough_out_of_a_corner_any_way_will_do() -> None:
             assert judge(data | {"motion": {"ball": way}}) == []
 
 
+@pytest.mark.quick(7)
 @pytest.mark.parametrize(
     ("other", "holds"),
     [

@@ -26,6 +26,7 @@ DECIDED = ("ball_in_bowl", "ball_on_ball", "ball_on_table", "ball_on_log", "ball
 FINE = 48
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", SEEDS)
 def test_meshes_have_the_state_of_the_exact_solids_or_none(seed: int) -> None:
     pair = random_pair(seed)
@@ -52,6 +53,7 @@ def doubt() -> float:
     return float(weeble(0.0).geometry.surfaces.doubt.max())
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("doubts", "state"),
     [
@@ -68,6 +70,7 @@ def test_near_a_limit_it_is_open(doubts: float, state: str) -> None:
     assert state_of(weeble(doubts * doubt()))[0] == state
 
 
+@pytest.mark.slow
 def test_a_finer_mesh_is_known_better() -> None:
     off = -1.5 * doubt()
     fine = Assembly([TABLE, as_mesh(ball(1.0, 4 * FINE, [0, 0, 1], [0, 0, off]))])
@@ -75,6 +78,7 @@ def test_a_finer_mesh_is_known_better() -> None:
     assert state_of(fine)[0] == "free"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1, 4, 5, 6])
 def test_the_gaps_of_any_surface_within_its_doubt_lie_between_the_bounds(seed: int) -> None:
     assembly = random_pair(seed).meshes
@@ -107,6 +111,7 @@ def test_radii_that_are_nearly_alike_are_open() -> None:
     assert found == "open", why
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1])
 def test_the_proof_is_judged_again_and_a_changed_number_refused(seed: int) -> None:
     pair = random_pair(seed)
@@ -122,6 +127,7 @@ def test_the_proof_is_judged_again_and_a_changed_number_refused(seed: int) -> No
         assert not kilter.verify(pair.meshes, changed(proof, place, 0.37)).holds, place
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(("doubts", "state"), [(-2.0, "free"), (2.0, "balanced")])
 def test_a_proof_for_the_surface_as_recognised_alone_is_refused(
     doubts: float, state: str, monkeypatch: pytest.MonkeyPatch

@@ -46,6 +46,7 @@ def in_two(assembly: Assembly) -> Assembly:
     return replace(assembly, parts=[base, *halves], joints=tie("b", "other"))
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("case", SINGLE, ids=lambda case: case.number)
 def test_a_known_case_of_two_halves_has_its_state(case: Case) -> None:
     limit = case.limit
@@ -69,6 +70,7 @@ def test_what_rolls_in_two_halves_does_so() -> None:
         assert second.rolling.state == state
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("off", [1e-4, -1e-4])
 def test_a_weeble_stands_while_its_centre_is_below_the_middle_of_its_ball(off: float) -> None:
     weight = Part("weight", Box([0.1] * 3), Pose([0, 0, 0.5 - off]), mass=3.0)
@@ -87,6 +89,7 @@ def test_a_weeble_stands_while_its_centre_is_below_the_middle_of_its_ball(off: f
         assert kilter.verify(assembly, found.proof()).holds
 
 
+@pytest.mark.slow
 def test_what_falls_has_a_place_where_the_parts_of_a_group_moved_as_one() -> None:
     rod = Part("rod", Cylinder(0.1, 1.0), Pose([0, 0, 1.5]))
     assembly = Assembly([FLOOR, BALL, rod], joints=tie("ball", "rod"))
@@ -133,6 +136,7 @@ def test_the_program_of_a_group_is_that_of_one_part() -> None:
     assert a.radius[1] >= b.radius[1] - 1e-12
 
 
+@pytest.mark.slow
 def test_what_is_tied_to_the_held_is_held_and_other_joints_leave_it_open() -> None:
     top = Part("top", Box([2, 2, 0.3]), Pose([0, 0, 1.15]))
     held = second_of(Assembly([FLOOR, BALL, top], joints=tie("floor", "ball")))

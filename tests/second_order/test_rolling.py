@@ -62,6 +62,7 @@ def test_in_space_falling_is_proved_above_a_limit_and_nothing_below(number: str)
     assert below.curvature > -1e-9
 
 
+@pytest.mark.slow
 def test_a_board_across_a_cylinder_rolls_one_way_in_space_too() -> None:
     """It is on two points: they may be squeezed along their line, which holds neither less."""
     case = rolling_case("R1")
@@ -139,6 +140,7 @@ def test_what_slips_at_once_is_not_said_to_hold(mu: float, state: str) -> None:
     assert rolled(in_the_plane(rolling_case("R7").build(0.5), mu))[1].state == state
 
 
+@pytest.mark.slow
 def test_a_check_says_whether_friction_holds() -> None:
     board = rolling_case("R1")
     low, high = (kilter.check(in_the_plane(board.build(h))) for h in (0.9, 1.1))
@@ -156,6 +158,7 @@ def test_a_check_says_whether_friction_holds() -> None:
     assert "unless friction holds it" in slick.sentence
 
 
+@pytest.mark.slow
 def test_of_several_the_one_that_rolls_off_is_told() -> None:
     stone = rolling_case("R2")
     row = side_by_side([stone.build(0.9), stone.build(1.1)]).with_friction(GRIP)

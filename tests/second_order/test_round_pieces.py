@@ -28,6 +28,7 @@ def on_table(part: Part) -> Assembly:
     return Assembly([floor([-8, -8], [8, 8]), part])
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("part", "state"),
     [

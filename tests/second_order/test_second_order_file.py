@@ -52,6 +52,7 @@ def test_the_proof_of_a_state_is_judged_again(number: str) -> None:
     assert f"second order: {proof['second_order']['state']}" in found.notes
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("number", ["03", "26", "38"])
 def test_a_changed_number_of_a_minimum_is_refused(number: str) -> None:
     assembly, proof = proof_of(number)
@@ -94,6 +95,7 @@ def in_a_hollow(slope: float, count: int) -> kilter.Assembly:
     return Assembly(parts, joints=[Joint((f"{count - 1}", f"s{k}"), "fixed") for k in range(3)])
 
 
+@pytest.mark.slow
 def test_a_small_ball_in_a_hollow_beside_large_blocks_is_not_balanced() -> None:
     """Beside the size of the blocks its gaps curve much; and far from it there is room below."""
     assembly = in_a_hollow(0.01, 5)

@@ -75,6 +75,7 @@ def test_crossed_cylinders(gap: float) -> None:
     assert (separation(a, b, np.array([[0.0, 0, 1]])) > 0) == (gap > 0)
 
 
+@pytest.mark.slow
 def test_polyhedra_are_apart_where_a_linear_program_says_so() -> None:
     random = np.random.default_rng(3)
     seen = set()

@@ -74,6 +74,7 @@ def test_in_a_tray_that_they_fill_nothing_moves(count: tuple[int, int, int]) -> 
     assert kilter.verify(held.assembly, held.proof()).holds
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("count", [(2, 2, 1), (3, 3, 1), (2, 2, 2), (3, 1, 1)])
 @pytest.mark.parametrize(("gone", "each"), [([1], 1), ([0, 1], 1), ([2], 1), ([1, 3], 3)])
 def test_without_a_wall_they_slide_towards_it(
@@ -266,6 +267,7 @@ def over_an_edge(*, beside: bool = True) -> list[Part]:
     return [FLOOR, post, board, *([other] if beside else [])]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("turned", [False, True])
 def test_a_board_over_an_edge_falls_from_among_others(turned: bool) -> None:
     """As alone; its path parts it from the post that it meets by an edge."""

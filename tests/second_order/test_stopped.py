@@ -48,6 +48,7 @@ def state(assembly: Assembly) -> str:
     return second.state
 
 
+@pytest.mark.slow
 def test_a_stop_holds_up_to_twice_its_height() -> None:
     for off in (0.1, 1e-3):
         assert state(overhanging(2 * STOP - off)) == "free"

@@ -157,6 +157,7 @@ def test_a_ball_that_falls_is_outlined_where_it_comes_to() -> None:
     assert "after a small push, without friction" not in words(draw_assembly(verdict))
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("down", [[0, 0, 1], [1, 0, 0], [0.3, -0.5, 0.2]])
 def test_gravity_points_down_on_the_page(down: list[float]) -> None:
     block = Part("held", Box([1, 1, 1]), Pose([0, 0, 5]), grounded=True)
@@ -168,7 +169,7 @@ def test_gravity_points_down_on_the_page(down: list[float]) -> None:
     assert x1 == pytest.approx(x0, abs=1e-9)
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["floating-block", "closed-frame", "corner-wedges", "channel",
                                   "paper-figure-10", "paper-figure-11", "tower"])  # fmt: skip
 def test_the_region_on_the_sphere_is_the_region(name: str) -> None:
@@ -226,6 +227,7 @@ def test_a_notebook_shows_hostile_names_as_text() -> None:
     assert "<b>" not in told._repr_html_()
 
 
+@pytest.mark.slow
 def test_answers_show_themselves_in_a_notebook() -> None:
     region = kilter.region(scene("paper-figure-10"))
     assert "fan" in region._repr_html_()

@@ -93,6 +93,7 @@ def test_parts_end_no_deeper_in_each_other_than_they_begin(name: str) -> None:
         assert one.depth <= 1.01 * ENTERS * size[list(one.parts)].min()
 
 
+@pytest.mark.slow
 def test_two_that_tip_together_stay_together() -> None:
     floor = Part("floor", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
     lower = Part("lower", Box([2, 1, 1]), Pose([2.2, 0, 0.5]))

@@ -184,6 +184,7 @@ def test_what_is_drawn_is_what_was_answered(name: str) -> None:
         assert np.allclose(motion, expected, rtol=1e-5, atol=1e-7 * np.abs(expected).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["tower", "corner-wedges", "paper-figure-10", "closed-frame"])
 def test_forces_of_the_rays_balance_every_part(name: str) -> None:
     assembly = scene(name)
@@ -208,6 +209,7 @@ def test_forces_of_the_rays_balance_every_part(name: str) -> None:
         assert np.abs(torque[free]).max() < 1e-5 * most * data["radius"]
 
 
+@pytest.mark.slow
 def test_the_map_of_the_page_gives_z_of_the_program() -> None:
     from kilter.contact import detect
 
@@ -226,6 +228,7 @@ def test_the_map_of_the_page_gives_z_of_the_program() -> None:
         assert np.allclose(motions[best], verdict.displacement.displacement, atol=1e-5)
 
 
+@pytest.mark.slow
 def test_what_is_left_out_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     import kilter.analysis.everything as module
 
@@ -239,6 +242,7 @@ def test_what_is_left_out_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "'kilter orient' looks at every size" in page
 
 
+@pytest.mark.slow
 def test_a_table_takes_no_room_in_the_first_view() -> None:
     """A held beam counts as far as the free parts reach and half as far again, a table not."""
     block = Part("block", Box([2, 1, 1]), Pose([0, 0, 0.5]))
@@ -265,6 +269,7 @@ def test_above_its_limit_the_region_is_left_out(monkeypatch: pytest.MonkeyPatch)
     assert any("up to 3 free parts" in note for note in answers.notes)
 
 
+@pytest.mark.slow
 def test_a_map_that_needs_too_many_programs_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     import kilter.analysis.everything as module
 
@@ -275,6 +280,7 @@ def test_a_map_that_needs_too_many_programs_is_left_out(monkeypatch: pytest.Monk
     assert answers.region is not None
 
 
+@pytest.mark.slow
 def test_loads_leave_the_given_direction_alone() -> None:
     assembly = scene("tower")
     load = kilter.Load("cube-5", [1.0, 0, 0])
@@ -292,11 +298,13 @@ def test_everything_held_is_a_page_too() -> None:
     assert data_of(render(everything(frame), "x"))["given"]["verdict"] == "stable"
 
 
+@pytest.mark.slow
 def test_nothing_touching_is_a_page_too() -> None:
     data = data_of(render(everything(scene("floating-block")), "x"))
     assert data["given"]["verdict"] == "unstable"
 
 
+@pytest.mark.slow
 def test_the_page_of_a_fault_shows_it_as_text_above_the_last_page_and_waits() -> None:
     last = render(everything(scene("tower")), "<main>", live=True)
     page = error_page("part '<b>': is wrong", last)

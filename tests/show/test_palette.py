@@ -113,6 +113,7 @@ LITERAL = re.compile(
 )
 
 
+@pytest.mark.slow
 def test_no_other_colour_is_in_the_sources() -> None:
     found = []
     folders = {"src/kilter": "py css html js", "web/src": "js", "docs": "py css js"}

@@ -15,6 +15,7 @@ from kilter.show.canvas import rendered
 pytest.importorskip("matplotlib", reason="needs the extra kilter[figures]")
 
 
+@pytest.mark.slow
 def test_a_picture_a_step_and_who_is_held(tmp_path: Path) -> None:
     order = kilter.plan(arch(9, ratio=0.3, friction=0.6))
     figure = kilter.draw(order, tmp_path / "plan.svg")
@@ -36,6 +37,7 @@ def test_the_part_that_comes_stands_back_along_its_way() -> None:
         assert low < v < y < high
 
 
+@pytest.mark.slow
 def test_names_are_no_formulas_and_the_same_plan_gives_the_same_bytes() -> None:
     base = Part("base", Box([4, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
     cube = Part("$x^2$ <b>", Box([1, 1, 1]), Pose([0, 0, 0.5]))

@@ -24,6 +24,7 @@ def built() -> tuple[kilter.Order, Film]:
     return order, Film(kilter.animate(order))
 
 
+@pytest.mark.slow
 def test_each_part_comes_at_its_step_along_its_way_to_its_seat(
     built: tuple[kilter.Order, Film],
 ) -> None:

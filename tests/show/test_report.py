@@ -34,6 +34,7 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_report_writes_one_page_and_says_so(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["report", "tower.kilter.json", "-o", "out.html"]) == 0
     page = Path("out.html").read_text(encoding="utf-8")
@@ -44,6 +45,7 @@ def test_report_writes_one_page_and_says_so(capsys: pytest.CaptureFixture[str]) 
     assert "out.html: stable" in said.err
 
 
+@pytest.mark.slow
 def test_report_exits_with_0_whatever_the_verdict_and_may_be_quiet(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -52,6 +54,7 @@ def test_report_exits_with_0_whatever_the_verdict_and_may_be_quiet(
     assert capsys.readouterr() == ("", "")
 
 
+@pytest.mark.slow
 def test_more_parts_than_a_browser_can_show_are_refused_before_anything_is_asked(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -73,6 +76,7 @@ def test_a_page_grows_by_a_kilobyte_a_part() -> None:
     assert 200 < (large - small) / (len(walls[1]) - len(walls[0])) < 1024
 
 
+@pytest.mark.slow
 def test_the_command_on_the_page_makes_the_page_again() -> None:
     words = ["report", "tower.kilter.json", "--down", "0.1", "0", "-1", "--without", "cube-5"]
     words += ["--friction", "0.25", "--gap", "0.001", "-o", "a b.html", "--quiet"]
@@ -92,6 +96,7 @@ def test_the_command_on_the_page_makes_the_page_again() -> None:
     assert seconds.sub("", second) == seconds.sub("", first)
 
 
+@pytest.mark.slow
 def test_margins_are_on_the_page_up_to_a_size_and_above_it_where_asked(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -122,6 +127,7 @@ def test_a_page_of_eighteen_parts_of_step_has_less_than_a_megabyte() -> None:
     assert len(made.html.encode()) < 1e6
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("words", "said"),
     [
@@ -153,6 +159,7 @@ def test_an_input_that_is_named_like_a_page_is_not_written_over(
     assert "written over" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_page_that_was_there_is_replaced_whole() -> None:
     Path("out.html").write_text("old")
     assert main(["report", "tower.kilter.json", "-o", "out.html", "--quiet"]) == 0
@@ -275,6 +282,7 @@ def test_who_says_nothing_holds_up_nobody() -> None:
             link.close()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="ports are taken otherwise there")
 def test_view_says_that_its_port_is_taken(capsys: pytest.CaptureFixture[str]) -> None:
     with PageServer("page") as server:
@@ -327,6 +335,7 @@ def test_a_change_of_a_file_or_of_a_mesh_that_it_names_is_seen(tmp_path: Path) -
     assert fingerprint("gone.json") == ()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="Ctrl-C is sent otherwise there")
 def test_view_serves_sees_changes_and_faults_and_ends_well(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "kilter", "view", "tower.kilter.json", "--no-browser"]
@@ -362,6 +371,7 @@ def test_view_serves_sees_changes_and_faults_and_ends_well(tmp_path: Path) -> No
             process.kill()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="Ctrl-C is sent otherwise there")
 def test_view_ends_well_where_a_script_started_it_in_the_background() -> None:
     """There interruptions are inherited as ignored."""

@@ -26,6 +26,7 @@ def corner(mu: float = 0.0) -> Assembly:
     return Assembly([*walls, block("cube", [0, 0, 0], [1, 1, 1])]).with_friction(mu)
 
 
+@pytest.mark.slow
 def test_the_page_marks_each_place_of_rest_with_the_words_of_the_answer() -> None:
     rests = kilter.region(corner(), rests=True).to_dict()["rests"]
     page = render(everything(corner()), title="rests", command="")
@@ -45,6 +46,7 @@ def test_what_it_lies_on_is_what_bears_it() -> None:
     assert sorted(edge.on for edge in edges) == [("back",), ("floor",), ("left",)]
 
 
+@pytest.mark.slow
 def test_the_table_has_the_well_of_a_body_on_a_table() -> None:
     dome = turned_part("dome", [(0, 0), (1, 1, 0, 1), (0, 1)])
     answer = kilter.region(Assembly([floor([-4, -4], [4, 4]), dome]), rests=True).to_dict()
@@ -53,6 +55,7 @@ def test_the_table_has_the_well_of_a_body_on_a_table() -> None:
                    "110.556 deg", "9102 J", "7705 N m/rad", "1.668 s"]  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mu", [0.0, 0.3])
 def test_the_figure_marks_them_where_they_were_asked(mu: float) -> None:
     asked = mu == 0
@@ -62,12 +65,14 @@ def test_the_figure_marks_them_where_they_were_asked(mu: float) -> None:
     assert ("rest: slides or rolls freely" in said) == asked
 
 
+@pytest.mark.slow
 def test_with_friction_the_page_marks_none() -> None:
     page = render(everything(corner(0.3)), title="rests", command="")
     assert data_of(page)["region"]["rests"] == []
     assert "Rest directions" not in page
 
 
+@pytest.mark.slow
 def test_many_parts_are_not_asked() -> None:
     boxes = [Part(f"b{k}", Box([1, 1, 1]), pose=[[1, 0, 0, 2 * k], [0, 1, 0, 0], [0, 0, 1, 0.5],
                                                 [0, 0, 0, 1]]) for k in range(7)]  # fmt: skip
