@@ -123,16 +123,11 @@ def _contact_set(
     near = near_contacts(touching, [*flat.rejected, *curved.rejected])
     overlaps = find_overlaps(assembly, touching, tolerance)
     refused = [*flat.rejected, *curved.rejected, *unknown_contacts(search.unknown)]
-    given, own = _given(assembly)
-    faces = Patches.join([flat.patches, touching.curved.patches])
-    faces_and_fits = Patches.join([faces, smooth.patches])
-    patches = Patches.join([faces_and_fits, near.patches, given])
-    doubt = np.zeros(len(patches))
-    doubt[len(faces) : len(faces) + len(smooth.joints)] = [joint.tilt for joint in smooth.joints]
+    faces = Patches.join([flat.patches, touching.curved.patches, smooth.patches])
+    patches = Patches.join([faces, near.patches, _given(assembly)])
     unsupported = (*near.unsupported, *smooth.unsure)
-    spoken = [one.parts for one in refused] + [one.parts for one in overlaps]
-    spoken += [one.parts for one in unsupported]
-    refused += near_edges(search, _unrecorded(search, patches, spoken))
+    recorded = [record.parts for record in (*refused, *overlaps, *unsupported)]
+    refused += near_edges(search, _unrecorded(search, patches, recorded))
     rejected = sorted(refused, key=lambda r: (abs(r.gap), r.angle))
     rims = rim_contacts(search.geometry, flat.patches)
     possible = PossibleContacts.join([near.possible, rims, touching.curved.possible])
@@ -144,10 +139,12 @@ def _contact_set(
         patch_normal=patches.normal,
         patch_area=patches.area,
         patch_gap=patches.gap,
-        patch_mu=certain_friction(friction_coefficients(assembly, patches.parts, own), doubt),
+        patch_mu=certain_friction(
+            friction_coefficients(assembly, patches.parts, patches.mu), patches.doubt
+        ),
         patch_kind=patches.kind,
         patch_accuracy=patches.accuracy,
-        patch_doubt=doubt,
+        patch_doubt=patches.doubt,
         patch_start=patches.start,
         points=patches.points,
         normals=patches.normals,
@@ -165,11 +162,11 @@ def _contact_set(
             *gap_warnings(flat.patches, rejected, search.limits),
             *curved.warnings,
             *smooth.warnings,
-            *closed_by_clearance(assembly, faces_and_fits, search.limits),
+            *closed_by_clearance(assembly, faces, search.limits),
         ),
         degenerate=near.degenerate,
         open_pairs=left_open,
-        fits=_fits(assembly, search, tolerance, {frozenset(one.parts) for one in overlaps}),
+        fits=_fits(assembly, search, tolerance, {frozenset(pair.parts) for pair in overlaps}),
     )
 
 
@@ -187,11 +184,13 @@ def _fits(
     return tuple(fit for fit in candidates if not fit.tight or frozenset(fit.parts) in overlapping)
 
 
-def _unrecorded(search: ContactSearch, patches: Patches, others: list[tuple[int, int]]) -> Mask:
-    """Pairs without a patch that are also not among the pairs of parts `others`."""
+def _unrecorded(
+    search: ContactSearch, patches: Patches, other_pairs: list[tuple[int, int]]
+) -> Mask:
+    """Pairs without a patch that are also not among the pairs of parts `other_pairs`."""
     silent = np.ones(len(search.pairs), dtype=bool)
     silent[patches.pair[patches.pair >= 0]] = False
-    recorded = {frozenset(pair) for pair in others}
+    recorded = {frozenset(pair) for pair in other_pairs}
     if recorded:
         rows = np.flatnonzero(silent)
         is_recorded = [frozenset(pair) in recorded for pair in search.pairs[rows].tolist()]
@@ -199,15 +198,15 @@ def _unrecorded(search: ContactSearch, patches: Patches, others: list[tuple[int,
     return silent
 
 
-def _given(assembly: Assembly) -> tuple[Patches, list[float | None]]:
-    """The contacts and bond points that the file lists, as patches, with their own friction [-]."""
+def _given(assembly: Assembly) -> Patches:
+    """The contacts and bond points that the file lists, as patches."""
     bonded = [bond for bond in assembly.bonds if bond.points is not None]
     given: list[GivenContact | Bond] = [*assembly.contacts, *bonded]
     parts = np.array([[assembly.index_of(n) for n in c.parts] for c in given], dtype=np.int64)
     normal = np.array([c.normal for c in given]).reshape(-1, 3)
     count = [len(c.points) for c in given]
     none = np.zeros(len(given))
-    patches = Patches(
+    return Patches(
         pair=np.full(len(given), -1),
         parts=parts.reshape(-1, 2),
         kind=np.repeat(["given", "bond"], [len(given) - len(bonded), len(bonded)]).astype("<U11"),
@@ -215,11 +214,18 @@ def _given(assembly: Assembly) -> tuple[Patches, list[float | None]]:
         area=none,
         gap=np.zeros((len(given), 2)),
         accuracy=none,
+        doubt=none,
+        mu=np.array([_own_friction(contact) for contact in given], dtype=np.float64),
         start=starts(count),
         points=np.concatenate([np.empty((0, 3)), *(c.points for c in given)]),
         normals=np.repeat(normal, count, axis=0),
     )
-    return patches, [*(c.mu for c in assembly.contacts), *(None for _ in bonded)]
+
+
+def _own_friction(contact: GivenContact | Bond) -> float:
+    """Friction coefficient that the file gives for a contact [-]; NaN: none, as for every bond."""
+    mu = contact.mu if isinstance(contact, GivenContact) else None
+    return np.nan if mu is None else mu
 
 
 def _with_friction(assembly: Assembly, possible: PossibleContacts) -> PossibleContacts:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from kilter.arrays import Array, Index
@@ -12,9 +10,7 @@ from kilter.assembly import Assembly
 __all__ = ["certain_friction", "friction_coefficients"]
 
 
-def friction_coefficients(
-    assembly: Assembly, parts: Index, own: Sequence[float | None] = ()
-) -> Array:
+def friction_coefficients(assembly: Assembly, parts: Index, given: Array | None = None) -> Array:
     """Friction coefficients [-] of contacts between pairs of parts, shape (n,).
 
     Parameters
@@ -22,14 +18,13 @@ def friction_coefficients(
     assembly : Assembly
     parts : ndarray of int, shape (n, 2)
         Parts of each contact, by position.
-    own : sequence of float or None
-        Friction coefficients that the file gives for the last ``len(own)`` contacts; None: the
-        coefficient of the pair [-].
+    given : ndarray, shape (n,), optional
+        Friction coefficient that the file gives for each contact; NaN: that of its pair [-].
 
     Examples
     --------
     >>> from kilter.scenes import scene
-    >>> friction_coefficients(scene("tower"), np.array([[0, 1], [1, 2]]), [0.5])
+    >>> friction_coefficients(scene("tower"), np.array([[0, 1], [1, 2]]), np.array([np.nan, 0.5]))
     array([0. , 0.5])
     """
     mu = np.full(len(parts), assembly.friction)
@@ -40,10 +35,7 @@ def friction_coefficients(
         }
         for k, pair in enumerate(parts.tolist()):
             mu[k] = by_pair.get(frozenset(pair), mu[k])
-    for k, value in enumerate(own, start=len(parts) - len(own)):
-        if value is not None:
-            mu[k] = value
-    return mu
+    return mu if given is None else np.where(np.isnan(given), mu, given)
 
 
 def certain_friction(mu: Array | float, doubt: Array) -> Array:

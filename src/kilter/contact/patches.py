@@ -16,7 +16,7 @@ from kilter.arrays import Array, Index, Labels, ragged, starts
 
 __all__ = ["Patches"]
 
-BY_PATCH = ("pair", "parts", "kind", "normal", "area", "gap", "accuracy")
+BY_PATCH = ("pair", "parts", "kind", "normal", "area", "gap", "accuracy", "doubt", "mu")
 BY_POINT = ("points", "normals")
 
 
@@ -40,6 +40,10 @@ class Patches:
         Least and greatest gap [length unit].
     accuracy : ndarray, shape (P,)
         Accuracy of the coordinates, as a fraction of the size of the touching features [-].
+    doubt : ndarray, shape (P,)
+        Largest error of fitted normals; 0 for exact normals [rad].
+    mu : ndarray, shape (P,)
+        Friction coefficient that the file gives for the contact; NaN: that of its pair [-].
     start : ndarray of int, shape (P + 1,)
         The points of patch p are rows ``start[p]`` to ``start[p + 1]``.
     points, normals : ndarray, shape (K, 3)
@@ -53,6 +57,8 @@ class Patches:
     area: Array
     gap: Array
     accuracy: Array
+    doubt: Array
+    mu: Array
     start: Index
     points: Array
     normals: Array
@@ -100,6 +106,8 @@ class Patches:
             area=np.empty(0),
             gap=np.empty((0, 2)),
             accuracy=np.empty(0),
+            doubt=np.empty(0),
+            mu=np.empty(0),
             start=np.zeros(1, dtype=np.int64),
             points=np.empty((0, 3)),
             normals=np.empty((0, 3)),

@@ -287,6 +287,8 @@ def pack(
         area=np.array([patch.spots.area for patch in touching]),
         gap=np.array([patch.gap for patch in touching]).reshape(-1, 2),
         accuracy=search.geometry.accuracy[parts].sum(axis=1) / size,
+        doubt=np.zeros(len(touching)),
+        mu=np.full(len(touching), np.nan),
         start=start,
         points=_stacked([patch.spots.points for patch in touching]),
         normals=normals,

@@ -119,6 +119,8 @@ def _patches(
         area=area,
         gap=gap,
         accuracy=search.geometry.accuracy[parts].sum(axis=1) / width,
+        doubt=np.zeros(len(pair)),
+        mu=np.full(len(pair), np.nan),
         start=starts(count),
         points=points,
         normals=np.repeat(normal, count, axis=0),

@@ -50,6 +50,8 @@ def edge_contacts(
         area=np.zeros(len(pair)),
         gap=np.column_stack(gaps),
         accuracy=np.maximum.reduceat(point_accuracy, first),
+        doubt=np.zeros(len(pair)),
+        mu=np.full(len(pair), np.nan),
         start=start,
         points=meetings.middle[row],
         normals=pushes.normal,

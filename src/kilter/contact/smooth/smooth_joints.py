@@ -114,6 +114,8 @@ class SmoothJoints:
             area=np.array([joint.area for joint in joints]),
             gap=np.array(gap),
             accuracy=search.geometry.accuracy[parts].sum(axis=1) / size,
+            doubt=np.array([joint.tilt for joint in joints]),
+            mu=np.full(len(joints), np.nan),
             start=start,
             points=every.point,
             normals=every.normal,
