@@ -75,9 +75,6 @@ outline's area [-]."""
 OUTLINE_GRID = 1e-11
 """Grid spacing of the second computation of an overlap, as a fraction of the size of the outlines
 [-]."""
-HULL_SIDE = 1e-12
-"""A point this far inside an octagon of extreme points, as a fraction of its squared side, cannot
-be a corner of the hull [-]."""
 
 # edges and corners ---------------------------------------------------------------------------
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kilter.arrays import Array, Index, Mask
-from kilter.contact.contact_tolerances import HULL_SIDE, OUTLINE_AREA, OUTLINE_GRID
+from kilter.contact.contact_tolerances import OUTLINE_AREA, OUTLINE_GRID
 
 if TYPE_CHECKING:
     import shapely
@@ -180,47 +180,22 @@ def _on_chord(points: Array, count: Index, tolerance: Array) -> Mask:
 
 
 def convex_hull(points: Array) -> Array:
-    """Corners of the convex hull, anticlockwise, shape (m, 2), by Andrew's monotone chain.
+    """Corners of the convex hull, anticlockwise from the least x, shape (m, 2).
+
+    Points on a line have a hull of two corners.
 
     Examples
     --------
     >>> convex_hull(np.array([[0., 0], [1, 0], [.5, .5], [1, 1], [0, 1]])).tolist()
     [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
     """
-    ordered = np.unique(points, axis=0)
-    if len(ordered) <= 2:
-        return ordered
-    if len(ordered) > 64:
-        ordered = ordered[_outer(ordered)]
-    rows = ordered.tolist()
+    import shapely
 
-    def chain(sequence: list[list[float]]) -> list[list[float]]:
-        """Lower hull of sorted points, without its last point."""
-        hull: list[list[float]] = []
-        for p in sequence:
-            while len(hull) > 1:
-                (ax, ay), (bx, by) = hull[-2], hull[-1]
-                if (bx - ax) * (p[1] - ay) - (by - ay) * (p[0] - ax) > 0:
-                    break
-                hull.pop()
-            hull.append(p)
-        return hull[:-1]
-
-    return np.array(chain(rows) + chain(rows[::-1]))
-
-
-def _outer(points: Array) -> Mask:
-    """Points not inside the octagon of the extreme points: candidates for corners of the hull."""
-    directions = np.array([[1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1.0]])
-    octagon = points[np.argmax(points @ directions.T, axis=0)]
-    step = np.roll(octagon, -1, axis=0) - octagon
-    inside = np.ones(len(points), dtype=bool)
-    for corner, (dx, dy) in zip(octagon, step, strict=True):
-        if dx == 0 and dy == 0:
-            continue
-        side = dx * (points[:, 1] - corner[1]) - dy * (points[:, 0] - corner[0])
-        inside &= side > HULL_SIDE * (abs(dx) + abs(dy)) ** 2
-    return ~inside
+    hull: Array = shapely.get_coordinates(shapely.convex_hull(shapely.multipoints(points)))
+    if len(hull) <= 2:  # a point or a segment, not a closed ring
+        return np.unique(hull, axis=0)
+    hull = hull[-2::-1]  # GEOS runs clockwise and repeats the first corner
+    return np.roll(hull, -int(np.lexsort((hull[:, 1], hull[:, 0]))[0]), axis=0)
 
 
 def width_of(hull: Array) -> float:
