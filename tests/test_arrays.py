@@ -15,10 +15,12 @@ from kilter.arrays import (
     Mask,
     Rows,
     across,
+    angle_between,
     columns,
     connected,
     counted,
     cross,
+    group_sums,
     ragged,
     ratio,
     read_only,
@@ -133,3 +135,21 @@ def test_few_and_many_pairs_are_numbered_alike(seed: int, monkeypatch: pytest.Mo
         with monkeypatch.context() as patch:
             patch.setattr("kilter.arrays.FEW", -1)
             assert few.tolist() == connected(300, first, second).tolist()
+
+
+@pytest.mark.parametrize("shape", [(), (3,), (2, 3)])
+@given(group=st.lists(st.integers(0, 4), max_size=8))
+def test_group_sums_add_the_rows_of_each_group(shape, group):
+    values = np.random.default_rng(0).normal(size=(len(group), *shape))
+    expected = np.zeros((5, *shape))
+    np.add.at(expected, np.array(group, dtype=np.int64), values)
+    sums = group_sums(np.array(group, dtype=np.int64), values, 5)
+    assert sums.dtype == np.float64
+    assert np.array_equal(sums, expected)
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-12, 0.5, np.pi / 2, 3.0, np.pi])
+def test_angle_between_is_accurate_at_every_angle_and_length(angle):
+    a, b = np.array([2.0, 0, 0]), 3 * np.array([np.cos(angle), np.sin(angle), 0])
+    assert angle_between(a, b) == pytest.approx(angle, rel=1e-14, abs=1e-15)
+    assert angle_between(np.tile(a, (2, 4, 1)), b).shape == (2, 4)

@@ -8,6 +8,7 @@ Row k of every field of a `Rows` describes the same item: a contact, a pair, a f
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import field, fields, is_dataclass
 from typing import Any, Self, TypeVar
@@ -23,11 +24,13 @@ __all__ = [
     "Mask",
     "Rows",
     "across",
+    "angle_between",
     "columns",
     "connected",
     "counted",
     "cross",
     "distinct_rows",
+    "group_sums",
     "nearest",
     "ragged",
     "ratio",
@@ -61,6 +64,21 @@ def cross(a: Array, b: Array) -> Array:
     result[..., 1] = a2 * b0 - a0 * b2
     result[..., 2] = a0 * b1 - a1 * b0
     return result
+
+
+def angle_between(a: Array, b: Array) -> Array:
+    """Angles between rows of vectors, shape (..., 3), of any length [rad].
+
+    The arc tangent of both products is accurate for small angles, unlike the arc cosine.
+
+    Examples
+    --------
+    >>> angle_between(np.array([[1.0, 0, 0]]), np.array([[2.0, 2e-9, 0]]))
+    array([1.e-09])
+    """
+    sine = np.linalg.norm(cross(a, b), axis=-1)
+    angle: Array = np.arctan2(sine, np.einsum("...i,...i->...", a, b))
+    return angle
 
 
 def ratio(a: ArrayLike, b: ArrayLike) -> Array:
@@ -127,6 +145,26 @@ def counted(count: ArrayLike) -> tuple[Index, Index]:
     count = np.asarray(count, dtype=np.int64)
     owner: Index = np.repeat(np.arange(len(count)), count)
     return owner, np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
+
+
+def group_sums(group: Index, values: Array, count: int) -> Array:
+    """Sums of the rows of `values`, shape (n, ...), by group, shape (count, ...).
+
+    Parameters
+    ----------
+    group : ndarray of int, shape (n,)
+        Group of each row, less than `count`.
+    values : ndarray, shape (n, ...)
+    count : int
+
+    Examples
+    --------
+    >>> group_sums(np.array([1, 0, 1]), np.array([[1.0], [2.0], [4.0]]), 3).tolist()
+    [[2.0], [5.0], [0.0]]
+    """
+    flat = values.reshape(len(group), math.prod(values.shape[1:]))
+    sums = np.stack([np.bincount(group, column, minlength=count) for column in flat.T], axis=1)
+    return sums.reshape(count, *values.shape[1:]).astype(np.float64)
 
 
 def ragged(start: Index, which: Index) -> tuple[Index, Index]:

@@ -20,6 +20,7 @@ from kilter.arrays import (
     Labels,
     Mask,
     across,
+    angle_between,
     read_only,
     unit_rows,
 )
@@ -142,8 +143,7 @@ def _center(normals: Array) -> Array:
         following = np.roll(around, -1, axis=0)
         turns = np.cross(around, following)
         sine = np.linalg.norm(turns, axis=1)
-        angle = np.arctan2(sine, np.einsum("ij,ij->i", around, following))
-        total = (angle / np.maximum(sine, TINY)) @ turns
+        total = (angle_between(around, following) / np.maximum(sine, TINY)) @ turns
         size = float(np.linalg.norm(total))
         if size > MEAN_NORMAL:  # else the sides cancel: keep the mean
             mean = total / size

@@ -19,7 +19,8 @@ from kilter.contact.curved.rims import rim_contacts
 from kilter.contact.fits.coaxial import Fit, coaxial_fits
 from kilter.contact.fits.overlap import find_overlaps
 from kilter.contact.friction_coefficients import certain_friction, friction_coefficients
-from kilter.contact.gaps import Tolerance, closed_by_clearance, gap_warnings
+from kilter.contact.gaps import Rejected, Tolerance, closed_by_clearance, gap_warnings
+from kilter.contact.left_out import Overlap, Unsupported
 from kilter.contact.neighbours import nearest_parts
 from kilter.contact.open_pairs import find_open_pairs, open_forces
 from kilter.contact.patches import Patches
@@ -126,7 +127,8 @@ def _contact_set(
     faces = Patches.join([flat.patches, touching.curved.patches, smooth.patches])
     patches = Patches.join([faces, near.patches, _given(assembly)])
     unsupported = (*near.unsupported, *smooth.unsure)
-    recorded = [record.parts for record in (*refused, *overlaps, *unsupported)]
+    records: list[Rejected | Overlap | Unsupported] = [*refused, *overlaps, *unsupported]
+    recorded = [record.parts for record in records]
     refused += near_edges(search, _unrecorded(search, patches, recorded))
     rejected = sorted(refused, key=lambda r: (abs(r.gap), r.angle))
     rims = rim_contacts(search.geometry, flat.patches)

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kilter.arrays import Array, Index, cross
+from kilter.arrays import Index, cross, group_sums
 from kilter.mechanics.program import Program
 
 __all__ = ["merge_parts"]
@@ -41,7 +41,7 @@ def merge_parts(program: Program, group: Index) -> Program:
     """
     count = int(group.max(initial=-1)) + 1
     mass = np.bincount(group, program.mass, minlength=count)
-    center = _sums(group, program.mass[:, None] * program.center, count) / mass[:, None]
+    center = group_sums(group, program.mass[:, None] * program.center, count) / mass[:, None]
     arm = program.center - center[group]
     square = np.einsum("ij,ij->i", arm, arm)[:, None, None] * np.eye(3)
     steiner = program.mass[:, None, None] * (square - arm[:, :, None] * arm[:, None, :])
@@ -63,18 +63,11 @@ def merge_parts(program: Program, group: Index) -> Program:
         free=free,
         center=center,
         mass=mass,
-        inertia=_sums(group, program.inertia + steiner, count),
+        inertia=group_sums(group, program.inertia + steiner, count),
         radius=radius,
-        applied=_sums(group, applied, count),
-        clamp=_sums(group, clamp, count),
+        applied=group_sums(group, applied, count),
+        clamp=group_sums(group, clamp, count),
         part_a=a[rows],
         part_b=b[rows],
         tolerance=tolerance,
     )
-
-
-def _sums(group: Index, values: Array, count: int) -> Array:
-    """Sums of rows by group."""
-    total = np.zeros((count, *values.shape[1:]))
-    np.add.at(total, group, values)
-    return total

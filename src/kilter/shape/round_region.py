@@ -18,6 +18,7 @@ from kilter.arrays import (
     across,
     connected,
     cross,
+    group_sums,
     ragged,
     ratio,
     starts,
@@ -105,7 +106,7 @@ def facet_graph(vertices: Array, triangles: Index, accuracy: float) -> FacetGrap
     facet = connected(len(triangles), *pairs[flat].T)
     facet = _without_drift(vertices, triangles, turn, facet, tolerance)
     count = int(facet.max(initial=-1)) + 1
-    unit = unit_rows(_sums(facet, turn, count))
+    unit = unit_rows(group_sums(facet, turn, count))
     order = np.argsort(facet, kind="stable")
     start = starts(np.bincount(facet, minlength=count))
     near = facet[pairs]
@@ -191,7 +192,7 @@ def _without_drift(
 ) -> Index:
     """Facets taken apart into their triangles where corners leave the facet's own plane."""
     count = int(facet.max(initial=-1)) + 1
-    unit = unit_rows(_sums(facet, turn, count))
+    unit = unit_rows(group_sums(facet, turn, count))
     _, one = np.unique(facet, return_index=True)
     off = np.zeros(count)
     for k in range(3):
@@ -200,11 +201,6 @@ def _without_drift(
     bent = (off > PLANE_ROUNDINGS * tolerance)[facet]
     label = np.where(bent, count + np.arange(len(facet)), facet)
     return np.unique(label, return_inverse=True)[1].reshape(-1).astype(np.int64)
-
-
-def _sums(group: Index, values: Array, count: int) -> Array:
-    """Sums of rows of values, shape (n, 3), group by group, shape (count, 3)."""
-    return np.column_stack([np.bincount(group, values[:, k], count) for k in range(3)])
 
 
 # pieces of round surfaces ---------------------------------------------------------------
@@ -260,7 +256,7 @@ def agreement(mesh: FacetMesh, facets: Index, surface: Surface) -> Array:
     rows, owner = mesh.corners(facets)
     middles = mesh.vertices[mesh.triangles[rows]].mean(axis=1)
     count = np.bincount(owner, minlength=len(facets))[:, None]
-    away = outward(surface, _sums(owner, middles, len(facets)) / count)
+    away = outward(surface, group_sums(owner, middles, len(facets)) / count)
     cosine = (mesh.graph.normal[facets] * away).sum(axis=1)
     return ratio(cosine, np.linalg.norm(away, axis=1))
 

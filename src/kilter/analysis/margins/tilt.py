@@ -35,7 +35,7 @@ from kilter.analysis.turning_tolerances import (
     STEEPEST,
     TILT_AGREES,
 )
-from kilter.arrays import TINY, Array, across, cross
+from kilter.arrays import TINY, Array, across, angle_between, cross
 from kilter.mechanics.certificate import MotionProof
 from kilter.mechanics.coulomb_cones import cone_problem, nearest_load
 from kilter.mechanics.mechanics_tolerances import TOLERANCE
@@ -295,7 +295,7 @@ def _projected(program: Program) -> Array | NoLimit:
 
 def _between(one: Array, other: Array) -> float:
     """The angle between two directions [rad]."""
-    return float(np.arctan2(np.linalg.norm(cross(one, other)), one @ other))
+    return float(angle_between(one, other))
 
 
 def across_gravity(program: Program) -> Array:

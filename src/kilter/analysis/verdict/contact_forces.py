@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kilter.analysis.analysis_tolerances import PRESSES
-from kilter.arrays import Array, Index
+from kilter.arrays import Array, Index, group_sums
 from kilter.mechanics.certificate import ForceProof, check_forces
 from kilter.mechanics.coulomb_cones import cone_problem, least_forces
 from kilter.mechanics.program import Program
@@ -97,7 +97,7 @@ def find_contact_forces(program: Program, proof: ForceProof) -> ContactForces:
     center = _centers(program, patch_of, count, along)
     mu = np.zeros(count)
     mu[patch_of] = program.mu[rows]
-    aside = np.linalg.norm(_sums(patch_of, across, count), axis=1)
+    aside = np.linalg.norm(group_sums(patch_of, across, count), axis=1)
     utilisation = np.full(count, np.nan)
     pressed = normal_force + np.bincount(patch_of, pull, minlength=count)
     rubs = (pressed > PRESSES * float(program.weight.max(initial=0.0))) & (mu > 0)
@@ -113,7 +113,7 @@ def find_contact_forces(program: Program, proof: ForceProof) -> ContactForces:
         force=force,
         patch=patch,
         patch_of=patch_of,
-        resultant=_sums(patch_of, force, count),
+        resultant=group_sums(patch_of, force, count),
         normal_force=normal_force,
         center=center,
         utilisation=utilisation,
@@ -129,15 +129,11 @@ def _centers(program: Program, patch_of: Index, count: int, along: Array) -> Arr
     bonded = np.bincount(patch_of, program.pull[rows], minlength=count) > 0
     sizes = np.where(bonded[patch_of], np.abs(along), along)
     size = np.bincount(patch_of, sizes, minlength=count)
-    weighted = _sums(patch_of, sizes[:, None] * program.point[rows], count)
+    weighted = group_sums(patch_of, sizes[:, None] * program.point[rows], count)
     presses = size > PRESSES * float(program.weight.max(initial=0.0))
     center = np.full((count, 3), np.nan)
     center[presses] = weighted[presses] / size[presses][:, None]
     return center
-
-
-def _sums(group: Index, vectors: Array, count: int) -> Array:
-    return np.column_stack([np.bincount(group, x, minlength=count) for x in vectors.T])
 
 
 def _least(program: Program) -> ForceProof | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross, ragged
+from kilter.arrays import Array, Index, Mask, angle_between, ragged
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import FREE, Surfaces
 from kilter.contact.broad import Boxes, joins
@@ -112,8 +112,7 @@ def _is_sharp(geometry: Geometry, facets: Facets, edges: Edges, edge: Index) -> 
         normal[has_formula] = s.outward(surface[has_formula], middle[has_formula])
         normals.append(normal)
         exact &= ~free
-    sine = np.linalg.norm(cross(*normals), axis=1)
-    bend = np.arctan2(sine, np.einsum("ij,ij->i", *normals))
+    bend = angle_between(*normals)
     open_edge = (left < 0) | (right < 0)
     inside_face = (facets.surface[left] == facets.surface[right]) & (facets.surface[left] >= 0)
     sharp: Mask = open_edge | (~inside_face & (bend > np.where(exact, SMOOTH_ANGLE, FACETED_ANGLE)))

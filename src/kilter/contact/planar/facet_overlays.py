@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Rows, across, counted, cross
+from kilter.arrays import Array, Index, Rows, across, angle_between, counted
 from kilter.assembly.geometry import Geometry
 from kilter.contact.planar.facets import Facets
 from kilter.contact.planar.polygons import clip_convex, overlay, padded, polygon_area
@@ -130,8 +130,7 @@ def facet_frames(facets: Facets, pair: Index, i: Index, j: Index, margin: Array)
         height_over = np.einsum("ij,ij->i", n, origin - facets.origin[facet])
         heights.append(-height_over / np.einsum("ij,ij->i", n, normal))
     height = np.column_stack(heights)
-    sine = np.linalg.norm(cross(n_i, n_j), axis=1)
-    angle = np.arctan2(sine, -np.einsum("ij,ij->i", n_i, n_j))
+    angle = angle_between(n_i, -n_j)
     near = (
         np.abs(height[:, 1] - height[:, 0]) <= margin + 1.01 * np.tan(angle) * facets.reach[smaller]
     )

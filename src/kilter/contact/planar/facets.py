@@ -19,6 +19,7 @@ from kilter.arrays import (
     Array,
     Index,
     Mask,
+    angle_between,
     connected,
     counted,
     cross,
@@ -38,7 +39,7 @@ from kilter.contact.contact_tolerances import (
 from kilter.shape.closed import shared_edges
 from kilter.shape.primitives import BOX_QUADS
 
-__all__ = ["Facets", "find_facets"]
+__all__ = ["Facets", "facet_triangles", "find_facets"]
 
 Block = dict[str, NDArray[Any]]
 
@@ -134,7 +135,7 @@ def _assemble_facets(geometry: Geometry, blocks: list[Block], convex_part: Mask)
     corners = corners[ragged(starts(length), order)[1]]
     part, convex, length, surface = part[order], convex[order], length[order], surface[order]
     first = starts(length)
-    owner, triangles = _triangles_of(first, convex)
+    owner, triangles = facet_triangles(first, convex, np.arange(len(part)))
     normal, origin, area = _planes(geometry.vertices[corners[triangles]], owner, len(part))
     offset = geometry.vertices[corners] - np.repeat(origin, length, axis=0)
     return Facets(
@@ -153,20 +154,28 @@ def _assemble_facets(geometry: Geometry, blocks: list[Block], convex_part: Mask)
     )
 
 
-def _triangles_of(first: Index, convex: Mask) -> tuple[Index, Index]:
-    """Facet, and corner positions, shape (T, 3), of the triangles that cover the facets."""
-    length = np.diff(first)
-    count = np.where(convex, length - 2, length // 3)
-    owner, k = counted(count)
-    base = first[owner]
-    fan = convex[owner]
-    return owner, np.column_stack(
+def facet_triangles(corner_start: Index, convex: Mask, which: Index) -> tuple[Index, Index]:
+    """Triangles that cover the facets `which`.
+
+    Returns
+    -------
+    place : ndarray of int, shape (T,)
+        Position in `which` of the facet of each triangle.
+    corners : ndarray of int, shape (T, 3)
+        Positions in the list of corners of all facets.
+    """
+    length = np.diff(corner_start)[which]
+    count = np.where(convex[which], length - 2, length // 3)
+    place, k = counted(count)
+    base, fan = corner_start[which][place], convex[which][place]
+    corners = np.column_stack(
         [
             np.where(fan, base, base + 3 * k),
             np.where(fan, base + k + 1, base + 3 * k + 1),
             np.where(fan, base + k + 2, base + 3 * k + 2),
         ]
     )
+    return place, corners
 
 
 def _planes(points: Array, owner: Index, count: int) -> tuple[Array, Array, Array]:
@@ -294,9 +303,7 @@ def _bend_and_drop(
     smaller = np.where(twice[first] >= twice[second], second, first)
     away = points[smaller] - points[larger, 0][:, None, :]
     drop = np.abs(np.einsum("nki,ni->nk", away, normal[larger])).max(axis=1)
-    cosine = np.einsum("ij,ij->i", normal[first], normal[second])
-    sine = np.linalg.norm(cross(normal[first], normal[second]), axis=1)
-    return np.arctan2(sine, cosine), drop
+    return angle_between(normal[first], normal[second]), drop
 
 
 def _least_height(points: Array, twice: Array, first: Index, second: Index) -> Array:

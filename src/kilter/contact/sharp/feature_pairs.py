@@ -16,12 +16,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, Rows, columns, counted, cross, ragged, ratio
+from kilter.arrays import Array, Index, Mask, Rows, columns, cross, ragged, ratio
 from kilter.assembly.geometry import Geometry
 from kilter.contact.broad import Boxes, facets_in, joins
 from kilter.contact.contact_search import ContactSearch
 from kilter.contact.contact_tolerances import EDGE_NEARLY_PARALLEL, EDGE_PARALLEL
-from kilter.contact.planar.facets import Facets
+from kilter.contact.planar.facets import Facets, facet_triangles
 from kilter.contact.sharp.edges import Edges, segment_distance
 
 __all__ = [
@@ -340,15 +340,7 @@ def _interval_over_triangle(
 def _facet_triangles(facets: Facets, near: _Side) -> tuple[Index, Index, Index]:
     """Triangles of the near facets: (row k, positions of the corners (n, 3), facet)."""
     owner, facet = near
-    fan = facets.convex[facet]
-    length = np.diff(facets.corner_start)[facet]
-    count = np.where(fan, length - 2, length // 3)
-    place, k = counted(count)
-    fan, base = fan[place], facets.corner_start[facet][place]
-    corners = np.column_stack(
-        [np.where(fan, base, base + 3 * k)]
-        + [np.where(fan, base + k + step, base + 3 * k + step) for step in (1, 2)]
-    )
+    place, corners = facet_triangles(facets.corner_start, facets.convex, facet)
     return owner[place], corners, facet[place]
 
 

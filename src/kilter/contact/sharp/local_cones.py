@@ -13,7 +13,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, Rows, across, columns, cross, ragged, unit_rows
+from kilter.arrays import (
+    Array,
+    Index,
+    Mask,
+    Rows,
+    across,
+    columns,
+    cross,
+    group_sums,
+    ragged,
+    unit_rows,
+)
 from kilter.assembly.geometry import Geometry
 from kilter.contact.contact_tolerances import CONE_ANGLE, EXACT_ANGLE
 from kilter.contact.planar.facets import Facets
@@ -216,9 +227,7 @@ def _convex_corner_cones(facets: Facets, rays: Rays, which: Index, convex: Mask)
         between = Sectors(normal[wide], direction[wide], direction[previous][wide]).middle
         blocks.append(_PieceRays(which[owner[wide]], np.zeros(len(between), np.int64), between))
         # at a nearly flat corner the edges do not span the inside: add the reverse of the normal
-        total = np.zeros((len(which), 3))
-        np.add.at(total, owner, normal)
-        mean = unit_rows(total)
+        mean = unit_rows(group_sums(owner, normal, len(which)))
         lowest = np.ones(len(which))
         np.minimum.at(lowest, owner, np.einsum("ij,ij->i", normal, mean[owner]))
         flat = np.flatnonzero(convex & (lowest > FLAT))

@@ -25,7 +25,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, across, connected, cross, unit_rows
+from kilter.arrays import (
+    Array,
+    Index,
+    Mask,
+    across,
+    angle_between,
+    connected,
+    cross,
+    group_sums,
+    unit_rows,
+)
 from kilter.assembly.geometry import Geometry
 from kilter.assembly.surfaces import FREE
 from kilter.contact.contact_tolerances import (
@@ -100,8 +110,7 @@ def smooth_faces(geometry: Geometry, part: int, *, mesh: bool) -> list[SmoothFac
     normal = unit_rows(cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
     edge, opposite_edge = shared_edges(geometry.triangles[rows])
     first_side, second_side = edge // 3, opposite_edge // 3
-    sine = np.linalg.norm(cross(normal[first_side], normal[second_side]), axis=1)
-    bend = np.arctan2(sine, np.einsum("ij,ij->i", normal[first_side], normal[second_side]))
+    bend = angle_between(normal[first_side], normal[second_side])
     smooth = bend < SMOOTH_EDGE
     label = connected(len(rows), first_side[smooth], second_side[smooth])
     bent = smooth & (bend > SMOOTH_BEND)
@@ -151,11 +160,8 @@ def _mean_normals(points: Array, triangles: Index, normal: Array) -> tuple[Array
     """
     corners = points[triangles]
     after, before = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
-    sine = np.linalg.norm(np.cross(after, before), axis=2)
-    angle = np.arctan2(sine, np.einsum("nki,nki->nk", after, before))
-    total = np.zeros((len(points), 3))
-    np.add.at(total, triangles, angle[..., None] * normal[:, None])
-    mean = unit_rows(total)
+    weighted = angle_between(after, before)[..., None] * normal[:, None]
+    mean = unit_rows(group_sums(triangles.reshape(-1), weighted.reshape(-1, 3), len(points)))
     difference = np.linalg.norm(mean[triangles] - normal[:, None], axis=2)
     bend = np.zeros(len(points))
     np.maximum.at(bend, triangles, difference)

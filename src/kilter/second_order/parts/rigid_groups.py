@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from kilter.arrays import Array, Index, Mask, cross, read_only
+from kilter.arrays import Array, Index, Mask, cross, group_sums, read_only
 from kilter.assembly import Assembly
 from kilter.contact.contact_set import ContactSet
 from kilter.contact.open_pairs import rigid_groups
@@ -137,6 +137,4 @@ class RigidGroups:
 
 def _sums(first: Index, values: Array) -> Array:
     """Sums by group, at the place of its first part; 0 elsewhere."""
-    total = np.zeros(values.shape)
-    np.add.at(total, first, values)
-    return total
+    return group_sums(first, values, len(values))
