@@ -1,4 +1,4 @@
-"""A real Chromium without a window, drawing in software, that is allowed to ask for nothing."""
+"""Headless Chromium with software rendering; a page must make no request."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def chromium() -> Iterator[Any]:
     )
     if CHROMIUM is None:
         pytest.skip("chromium is not here: apt-get install chromium")
-    # playwright gives it a new, empty folder of its own
+    # playwright uses a new, empty profile
     with driver.sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
         yield browser
@@ -47,7 +47,7 @@ def chromium() -> Iterator[Any]:
 
 
 class Opened:
-    """A page in the browser, and all that it complained of or asked for."""
+    """A page in the browser, with its errors, messages and requests."""
 
     def __init__(self, page: Any) -> None:
         self.page = page
@@ -66,7 +66,7 @@ class Opened:
         return self.until("Boolean(window.kilter && window.kilter.firstPicture)")
 
     def until(self, script: str, seconds: float = 30) -> Opened:
-        """Wait for something to be true; playwright's own way would need `unsafe-eval`."""
+        """Wait until a script returns true; playwright's method would need `unsafe-eval`."""
         deadline = time.monotonic() + seconds
         while not self.page.evaluate(script):
             assert time.monotonic() < deadline, script
@@ -90,14 +90,14 @@ class Opened:
         )
 
     def drawn(self) -> bytes:
-        """The picture, once it rests."""
+        """Screenshot of the picture at rest."""
         self.page.wait_for_timeout(400)
         return self.page.locator(".stage").screenshot()
 
 
 @pytest.fixture
 def without_webgl(chromium: Any) -> Iterator[Any]:
-    """An empty page in a browser that draws nothing in space; complaints fail the test."""
+    """An empty page in a browser without WebGL; page errors fail the test."""
     page = chromium.new_page()
     faults: list[str] = []
     page.on("pageerror", lambda error: faults.append(str(error)))
@@ -113,7 +113,7 @@ def without_webgl(chromium: Any) -> Iterator[Any]:
 
 @pytest.fixture(scope="session")
 def pages(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
-    """The page of a scene, written once."""
+    """Function that writes the page of a scene, once per session, and returns its path."""
     folder = tmp_path_factory.mktemp("pages")
 
     def written(name: str) -> Path:
@@ -127,7 +127,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
 
 @pytest.fixture
 def opened(chromium: Any, pages: Callable[[str], Path]) -> Iterator[Callable[..., Opened]]:
-    """Opens the page of a scene, an assembly or a file; complaints fail the test at its end."""
+    """Function that opens the page of a scene, assembly or file; page errors fail the test."""
     contexts, all_ = [], []
 
     def open_(what: Any, **options: Any) -> Opened:

@@ -1,4 +1,4 @@
-"""What a notebook's cell holds, in a browser without a network."""
+"""The output of a notebook cell in a browser without a network."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ pytestmark = pytest.mark.browser
 
 
 def _drawn(page: Any) -> Any:
-    """The inner frame, once it has drawn; a frame of its own origin is another at first."""
+    """The inner frame, once it has drawn; the browser replaces its first, empty frame."""
     for _ in range(900):
         for frame in page.frames[1:]:
             if frame.evaluate("Boolean(window.kilter && window.kilter.firstPicture)"):

@@ -1,4 +1,4 @@
-"""What is balanced falls on its page: played, scrubbed, where Python finds it, with its energy."""
+"""The fall of a balanced assembly on its page: playing, slider, poses as in Python, energy."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def test_play_goes_to_the_end_and_the_mark_with_it(opened: Callable) -> None:
         "J"
     )
     assert "unless friction holds it" in page.js("document.getElementById('fall').textContent")
-    # gravity that is turned away has no path
+    # other directions of gravity have no path
     page.js("window.kilter.ask([0.3, 0, -1])")
     assert page.js("document.getElementById('fall').hidden") is True
     page.js("window.kilter.ask([0, 0, -1])")

@@ -1,4 +1,4 @@
-"""Forces on the page: one a patch, in balance with every weight, gone where hidden or cut."""
+"""Forces on the page: one per patch, in balance with the weights, hidden with their parts."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def test_forces_follow_what_is_hidden_isolated_and_cut(opened: Callable) -> None
     assert len(page.js(SHOWN)) == 5
     page.js("window.kilter.select(3)")
     page.page.click("#isolate")
-    # what is left has all that presses on it: from below, and from above
+    # the isolated part shows all its contact forces, from below and from above
     alone = page.js(SHOWN)
     assert {one["part"] for one in alone} == {3}
     assert sum(one["force"][2] for one in alone) == pytest.approx(
@@ -95,7 +95,7 @@ def test_the_line_of_thrust_goes_through_the_arch(opened: Callable) -> None:
     before = sum(page.js(rods))
     page.page.check("#show-thrust")
     held = scene("arch").geometry.grounded
-    # a rod a voussoir, and its rim
+    # a rod per voussoir, and its halo
     assert sum(page.js(rods)) - before == 2 * (~held).sum()
 
 

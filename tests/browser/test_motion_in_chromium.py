@@ -1,4 +1,4 @@
-"""Play stops before parts enter each other, judged by what Python finds of the moved parts."""
+"""Playing stops before parts overlap, tested with the moved parts in Python."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from kilter.show.shapes import placed
 pytestmark = pytest.mark.browser
 
 ENTERS = 1e-3
-"""Of the size of the smaller part."""
+"""Tolerated depth [size of the smaller part]."""
 
 
 def moved(assembly: Assembly, places: np.ndarray) -> Assembly:
-    """The parts where the page draws them: quaternion x, y, z, w and middle of each shape."""
+    """The assembly in the poses of the page: quaternion x, y, z, w and middle of each shape."""
     rest = placed(assembly)
     parts = []
     for k, part in enumerate(assembly.parts):
@@ -34,7 +34,7 @@ def moved(assembly: Assembly, places: np.ndarray) -> Assembly:
 
 
 def depths(assembly: Assembly) -> dict[tuple[int, int], float]:
-    """How deep parts are in each other, over the size of the smaller."""
+    """Depth of overlap of pairs of parts [size of the smaller part]."""
     size = assembly.geometry.size
     found = kilter.contacts(assembly).overlaps
     return {one.parts: one.depth / size[list(one.parts)].min() for one in found}
@@ -63,7 +63,7 @@ def test_play_stops_before_parts_enter_each_other(name: str, opened: Callable) -
 
 
 def test_what_is_asked_sees_parts_that_enter() -> None:
-    """The same question of a motion that does not stop: the check can fail."""
+    """The test fails for a motion that does not stop."""
     assembly = scene("paper-figure-8")
     rest = placed(assembly)
     places = np.column_stack([rest.rotation[:, [1, 2, 3, 0]], rest.position])

@@ -1,4 +1,4 @@
-"""The page in a real browser: it opens, asks for nothing, and says what kilter says."""
+"""The page in a real browser: it opens, makes no request, and agrees with Python."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ REGIONS = [
 
 
 def sampled(region: kilter.Region, count: int) -> np.ndarray:
-    """Directions over the sphere, and close to either side of the boundary."""
+    """Random directions over the sphere, and near both sides of the boundary."""
     rng = np.random.default_rng(11)
     over = rng.normal(size=(count // 2, 3))
     corners = [*region.rays, *region.lines, *-np.asarray(region.lines)]
@@ -101,7 +101,7 @@ def test_directions_are_judged_and_moved_as_a_fresh_check_does(name: str, opened
         seen_.add(told["verdict"])
         verdict = kilter.check(assembly.with_down(down), contacts=contacts, effort=0)
         known = WORDS[verdict.verdict]
-        # the page may say less than a check, which tries without friction first; never more
+        # the page may report less than `check`, which tries without friction first, but never more
         less = {
             "Undecided": set(WORDS.values()),
             "Potentially stable": {"Stable", "Settles", "Potentially stable"},
@@ -132,7 +132,7 @@ def test_the_margin_on_the_page_is_the_turn_that_flips_the_verdict(opened: Calla
 
 
 def knob(page: Any, direction: Any) -> tuple[float, float]:
-    """Where a direction lies on the screen, on the front of the ball."""
+    """Screen position of a direction on the near side of the ball."""
     box = page.page.locator("#ball").bounding_box()
     at = page.js("d => window.kilter.ball.place(d)", list(direction))
     assert at["front"]
@@ -238,7 +238,7 @@ def test_a_slider_moves_parts(name: str, opened: Callable) -> None:
     after = np.array(page.js(places))
     moved = np.linalg.norm(after - before, axis=1)
     if name == "motion":
-        assert moved[0] < 1e-6  # what is held stays
+        assert moved[0] < 1e-6  # the held part stays
         motion = kilter.check(scene("paper-figure-8")).motion.acceleration[1:, :3]
         assert np.allclose((after - before)[1:] / moved[1].max(), motion / 7.3575, atol=1e-4)
     assert (moved[1:] > 0.05).all()
@@ -411,7 +411,7 @@ def test_a_thousand_bricks_are_drawn_at_once_and_turn_smoothly(opened: Callable)
         };
         requestAnimationFrame(next); })"""
     speed = max(page.js(turning, "all") for _ in range(8))
-    # a machine too busy to show even an empty picture 20 times a second proves nothing of ours
+    # a machine too busy for 20 empty pictures per second says nothing about kilter
     empty = max(page.js(turning, "nothing") for _ in range(4))
     assert speed > 10 or (empty < 20 and speed > 0.35 * empty), (speed, empty)
     # at rest it is drawn in full again
@@ -444,11 +444,11 @@ def test_view_turns_the_page_over_when_the_file_changes(chromium: Any) -> None:
         server.publish(render(everything(scene("hanging-brick")), "tower", live=True))
         page.wait_for_selector("#banner[data-verdict='unstable']")
         assert page.inner_text("#verdict") == "Unstable"
-        # where the user had turned it, it stays turned
+        # the direction that the user has set is kept
         page.evaluate("window.kilter.ask([0, 0.6, -0.8])")
         server.publish(render(everything(scene("wall")), "tower", live=True))
         page.wait_for_selector("button.link:has-text('brick-5-5')")
-        # on a busy machine the page may be turned over once more meanwhile
+        # on a busy machine the page may reload again meanwhile
         page.wait_for_function(
             "window.kilter && Math.abs(window.kilter.down[1] - 0.6) < 1e-6"
             " && Math.abs(window.kilter.down[2] + 0.8) < 1e-6"
@@ -458,19 +458,19 @@ def test_view_turns_the_page_over_when_the_file_changes(chromium: Any) -> None:
 
 
 def seen(png: bytes) -> int:
-    """How many bytes a picture takes beyond an empty one: a measure of what is in it."""
+    """Size of a PNG beyond that of an empty picture [byte], a measure of its content."""
     return len(png) - 2000
 
 
 def test_open_pairs_are_marked_where_they_are_and_go_with_their_parts(opened: Callable) -> None:
     base = Part("base", Box([6, 6, 1]), Pose([0, 0, -0.5]), grounded=True)
     leg = Part("leg", Box([1, 1, 2]), Pose([2, 0, 1]))
-    lid = Part("lid", Box([1, 1, 1]), Pose([2, 0, 2.4]))  # .1 deep in the leg
+    lid = Part("lid", Box([1, 1, 1]), Pose([2, 0, 2.4]))  # overlaps the leg by 0.1
     page = opened(Assembly([base, leg, lid]))
     assert page.js("!document.getElementById('open-row').hidden")
     assert page.text("open-label") == "1 open pair"
     marks = "window.kilter.stage.open.group.children"
-    assert page.js(f"{marks}.length") == 2  # the ball, and its rim
+    assert page.js(f"{marks}.length") == 2  # the ball, and its halo
     matrix = page.js(f"Array.from({marks}[1].instanceMatrix.array)")
     center = np.array(page.js("window.kilter.page.center"))
     assert np.allclose(matrix[12:15] + center, [2, 0, 1.95], atol=1e-6)

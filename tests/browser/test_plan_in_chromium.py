@@ -1,4 +1,4 @@
-"""The page of a plan in a real browser: it plays, it is scrubbed, and says what kilter says."""
+"""The page of a plan in a real browser: playing, slider, and agreement with Python."""
 
 from __future__ import annotations
 

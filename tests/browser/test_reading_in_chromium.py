@@ -1,4 +1,4 @@
-"""How the page is read: the ball with friction, margins, on a phone, on paper, by the wheel."""
+"""Readability of the page: ball with friction, margins, narrow windows, print, scrolling."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ TOLD = {"Potentially stable": 1, "Undecided": 0, "Unstable": -1}
 
 
 def pedestals() -> Assembly:
-    """A slab on two blocks of different friction: no symmetry between directions."""
+    """A slab on two different blocks, without symmetry between directions."""
     base = Part("base", Box([6, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
     left = Part("left", Box([1, 1.5, 1]), Pose([-1.5, 0.2, 0.5]))
     right = Part("right", Box([0.7, 1, 1]), Pose([1.5, -0.1, 0.5]))
@@ -29,13 +29,13 @@ def pedestals() -> Assembly:
 
 
 def around(region: kilter.Region, count: int) -> np.ndarray:
-    """Directions over the sphere, and on both sides of the inner and of the outer boundary."""
+    """Random directions over the sphere, and near both sides of the two boundaries."""
     rng = np.random.default_rng(5)
     over = rng.normal(size=(count // 4, 3))
     rays, middle = np.asarray(region.rays), np.asarray(region.center)
     near = rng.dirichlet(np.full(len(rays), 0.3), size=count - len(over)) @ rays
     near = near / np.linalg.norm(near, axis=1)[:, None] - middle
-    # to the boundary along a great circle, then beyond it by as much as a gap and far less
+    # to the boundary along a great circle, then beyond it by up to the width of the gap
     near = near / np.linalg.norm(near, axis=1)[:, None]
     near = near - np.outer(near @ middle, middle)
     near = near / np.linalg.norm(near, axis=1)[:, None]
@@ -54,7 +54,7 @@ def told(page: Any, downs: np.ndarray) -> list[int]:
 
 
 def sides(region: kilter.Region, downs: np.ndarray) -> list[int]:
-    """1 within the inner cone, -1 beyond a facet of the outer one, 0 between."""
+    """1 within the inner cone, -1 outside the outer cone, 0 between them."""
     blur = np.radians(region.to_dict()["accuracy_deg"])
     outside = ((downs / np.linalg.norm(downs, axis=1)[:, None]) @ region.facets.T < -blur).any(1)
     return [
@@ -80,7 +80,7 @@ def test_with_friction_the_ball_agrees_with_python_on_both_sides_of_both_cones(
     assert found == sides(region, downs)
     assert min(found.count(1), found.count(-1)) > 50
     assert (found.count(0) > 25) == (programs == 12)
-    # and with one direction at a time, asked afresh
+    # and with an independent check of each direction
     contacts = kilter.contacts(assembly)
     for down, side in list(zip(downs, found, strict=True))[::9]:
         verdict = kilter.check(assembly.with_down(down), contacts=contacts, effort=0).verdict
@@ -164,7 +164,7 @@ def test_given_and_recommended_are_one_where_they_coincide(opened: Callable) -> 
 
 
 def nested() -> Assembly:
-    """Names as they come from CAD: paths of which the ends are alike."""
+    """Names as from CAD: paths with equal ends."""
     base = Part("frame/base", Box([9, 4, 1]), Pose([0, 0, -0.5]), grounded=True)
     bolts = [
         Part(
@@ -190,7 +190,7 @@ def test_on_a_phone_rows_are_cards_and_names_are_tails(opened: Callable) -> None
     )
     assert min(left for left, _ in boxes) >= 0
     assert max(right for _, right in boxes) <= 400
-    # and whole again where there is room
+    # full names again in a wide window
     page.page.set_viewport_size({"width": 1200, "height": 800})
     page.until("document.querySelector('button[data-part=\"2\"] .name').title === ''")
     assert name.inner_text() == nested().names[2]
@@ -225,7 +225,7 @@ def test_on_paper_are_picture_ball_and_tables_and_no_control(opened: Callable) -
     assert page.js("document.documentElement.dataset.theme") is None
     plain = len(page.page.pdf())
     page.js("() => { document.getElementById('printed').style.display = 'none'; }")
-    assert plain > len(page.page.pdf()) + 10_000  # by what the picture takes
+    assert plain > len(page.page.pdf()) + 10_000  # the size of the picture
 
 
 def test_a_closed_table_is_printed_and_closed_again(opened: Callable) -> None:

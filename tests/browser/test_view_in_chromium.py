@@ -1,4 +1,4 @@
-"""The view: names keep off other parts, all stays in the frame, the knob hides no axis."""
+"""The view: names do not cover other parts, all parts are in view, the knob hides no axis."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def test_names_lie_on_their_own_parts_and_on_no_other(name: str, opened: Callabl
         assert spots
         for one in spots:
             left, top, right, bottom = one["box"]
-            # asked pixel by pixel, by the picking of the mouse
+            # tested pixel by pixel with the selection by mouse
             x = np.linspace(left, right, 12)
             y = np.linspace(top, bottom, 5)
             under = page.js(
@@ -79,7 +79,7 @@ def test_all_stays_in_the_frame_pulled_apart_and_turned(name: str, opened: Calla
     page.slide("explode", 0)
     page.page.click("#go-given")
     page.page.wait_for_timeout(50)
-    # there and back: the view that it was
+    # turned there and back, the view is the same
     assert page.js("window.kilter.stage.camera.position.length()") == pytest.approx(start, rel=1e-6)
 
 

@@ -1,4 +1,4 @@
-"""A slow independent judge: contacts by brute force over triangles, verdicts by one LP.
+"""Slow independent oracle: contacts by brute force over triangles, verdicts by an LP.
 
 It shares nothing with the library but the vertices and triangles of `Assembly.geometry`.
 """
@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import linprog
 
 PLANE = 1e-9
-"""Facets this close, of a length of order 1, are coplanar."""
+"""Largest distance of coplanar facets [length unit]; scenes have sizes of order 1."""
 
 
 @dataclass
@@ -25,7 +25,7 @@ class Touching:
     gap: np.ndarray
     pairs: set
     pressed: list
-    """Of bonds by area: parts a and b, the middle of a piece of the area, the force on b."""
+    """Bonds by area: parts a and b, the middle of a piece of the area, the force on b."""
 
 
 def touching(assembly, *, scale=1.0):
@@ -76,7 +76,7 @@ def friction_of(assembly, a, b):
 
 
 def clip(subject, window, normal):
-    """A convex polygon cut to a convex window, both turning left about `normal`."""
+    """Intersection of two convex polygons, both counterclockwise about `normal`."""
     points = list(subject)
     for p, q in zip(window, np.roll(window, -1, axis=0), strict=True):
         inward = np.cross(normal, q - p)
@@ -111,7 +111,7 @@ def middle(points):
 
 
 def given_load(assembly, pressed):
-    """Loads and the tension of bonds, counted from full strength, in units of |g|: shape (N, 6)."""
+    """Loads, and bonds at full strength as loads, in units of |g|; shape (N, 6)."""
     center = assembly.geometry.center
     forces = [
         (k, load.force, load.torque, center[k] if load.point is None else load.point)
@@ -127,7 +127,7 @@ def given_load(assembly, pressed):
 
 
 def program(assembly):
-    """Rows of J dp >= 0 and the load w, weights in units of |g|; held parts left out."""
+    """Rows of J dp >= 0 and the load w in units of |g|, without held parts."""
     geometry = assembly.geometry
     c = touching(assembly)
     jacobian = np.zeros((len(c.a), len(geometry.mass), 6))
@@ -145,7 +145,7 @@ def program(assembly):
 
 
 def lp9(assembly):
-    """Optimal z and one optimal dp of the paper's LP (9), gravity of length 1."""
+    """Optimal z and an optimal dp of the displacement program, for gravity of length 1."""
     jacobian, load = program(assembly)
     result = linprog(
         -load, A_ub=-jacobian if len(jacobian) else None,
@@ -182,7 +182,7 @@ def stable(assembly):
 
 
 def least_motion(assembly):
-    """The optimum of LP (9) of least 2-norm, by projection onto its face of optima."""
+    """Optimum of the displacement program of least 2-norm, by projection onto its optimal face."""
     import clarabel
     from scipy import sparse
 
@@ -201,7 +201,7 @@ def least_motion(assembly):
 
 
 def gauss(assembly):
-    """First accelerations of the free parts, in units of |g|, in space: shape (n, 6)."""
+    """First accelerations of the free parts in 3D, in units of |g|; shape (n, 6)."""
     import clarabel
     from scipy import linalg, sparse
 
@@ -220,7 +220,7 @@ def gauss(assembly):
 
 
 def neutral(assembly):
-    """Dimensions of the two-sided, and the further one-sided, motions that cost nothing."""
+    """Dimensions of the neutral motions: two-sided, and additional one-sided motions."""
     jacobian, load = program(assembly)
     scaled = load / np.abs(load).max()
     two_sided = null_space(np.vstack([jacobian, scaled]))
@@ -256,10 +256,10 @@ def null_space(matrix):
 
 
 def frictional(assembly, *, push=None, sides=32):
-    """Equilibrium with friction, cones as inscribed polygons (exact when planar).
+    """Imbalance or load factor with friction, for inscribed friction pyramids (exact if planar).
 
-    Without `push` the imbalance over the weight; with it the largest load factor of a body
-    force along `push`, in units of each part's weight.
+    Without `push`: the least imbalance over the weight. With `push`: the largest load factor of a
+    body force along `push`, in units of each part's weight.
     """
     geometry = assembly.geometry
     c = touching(assembly)
@@ -305,7 +305,7 @@ def frictional(assembly, *, push=None, sides=32):
 
 
 def solids(assembly):
-    """For each part its vertices, triangles, face normals and edge directions, each once."""
+    """Vertices, triangles, face normals and edge directions of each part, without duplicates."""
     g = assembly.geometry
     found = []
     for k in range(len(g.mass)):
@@ -323,7 +323,7 @@ def distinct(directions):
 
 
 def overlapping(assembly, *, scale=1.0):
-    """Pairs of parts, one of them convex, that share volume."""
+    """Pairs of parts with common volume; at least one part of a pair is convex."""
     parts = solids(assembly)
     convex = [
         bool(all(((v - v[f[0]]) @ np.cross(v[f[1]] - v[f[0]], v[f[2]] - v[f[0]])).max() < 1e-9
@@ -352,7 +352,7 @@ def overlapping(assembly, *, scale=1.0):
 
 
 def outside(shell, body, slack):
-    """Whether a convex body lies outside a shell: no triangle cuts it, its middle not within."""
+    """Whether a convex body is outside a shell: no triangle cuts it, its middle is outside."""
     v, t = shell[:2]
     for f in t:
         normal = np.cross(v[f[1]] - v[f[0]], v[f[2]] - v[f[0]])[None]
@@ -372,7 +372,7 @@ def winding(triangles, point):
 
 
 def separated(p, q, faces_p, faces_q, slack):
-    """Whether a plane along a face, or along an edge of each, parts two convex bodies."""
+    """Whether a plane along a face, or along an edge of each body, separates two convex bodies."""
     (normals_p, edges_p), (normals_q, edges_q) = faces_p, faces_q
     crosses = np.cross(edges_p[:, None], edges_q[None]).reshape(-1, 3)
     directions = np.vstack([normals_p, normals_q, crosses])

@@ -1,4 +1,4 @@
-"""Towers, overhangs, walls, piles and wedges."""
+"""Scenes of towers, overhangs, walls, piles and wedges."""
 
 import time
 
@@ -138,7 +138,7 @@ class TestWalls:
 
 
 def falling(assembly):
-    """Free parts with no contact whose other part is below, straight down."""
+    """Free parts without a contact with a part vertically below."""
     found = touching(assembly)
     up = found.n[:, 2]
     carried = set(found.b[up > 0.5]) | set(found.a[up < -0.5])

@@ -1,4 +1,4 @@
-"""Arches, and what is held by friction."""
+"""Scenes of arches and of parts held by friction."""
 
 import numpy as np
 import pytest

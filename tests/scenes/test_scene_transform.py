@@ -17,7 +17,7 @@ SMALL = ["paper-figure-8", "inverted-triangle", "keystone", "bracket", "corner-w
 
 
 def everything():
-    """An assembly that has one of each thing that names a part or a place."""
+    """An assembly with an item of every kind that contains names of parts or positions."""
     return Assembly(
         [
             Part("a", Box([2, 2, 2]), grounded=True),

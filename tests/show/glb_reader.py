@@ -1,4 +1,4 @@
-"""A GLB, read again by the standard."""
+"""Reader of GLB files, written from the glTF standard."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ WIDTHS = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}
 
 
 class Film:
-    """A GLB, read again by the standard."""
+    """A GLB file, decoded."""
 
     def __init__(self, data: bytes) -> None:
         assert data[:4] == b"glTF"

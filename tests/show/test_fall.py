@@ -1,4 +1,4 @@
-"""How what is balanced falls, as the data of its page."""
+"""Data of the page for the fall of a balanced assembly."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def test_its_energy_is_in_joules_whatever_the_unit_of_length() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("thick", "friction"), [(0.6, "holds"), (1.4, "falls")])
 def test_it_says_what_friction_makes_of_it(thick: float, friction: str) -> None:
-    """A board on a roller rolls back where its middle is no higher above it than the radius."""
+    """A board on a roller rolls back if its centre is at most the radius above the roller."""
     lying = Pose.of([[1, 0, 0], [0, 0, -1], [0, 1, 0]]).rotation
     roller = Part("roller", Cylinder(0.5, 2.0), Pose([0, 0, 0], lying), grounded=True)
     board = Part("board", Box([3, 1, thick]), Pose([0, 0, 0.5 + thick / 2]))

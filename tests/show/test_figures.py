@@ -1,4 +1,4 @@
-"""Figures: what is drawn stands where the answer says; names are text; files are as asked for."""
+"""Figures: drawings agree with the answers, names are text, files have the given format."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def named(names: list[str]) -> Assembly:
     return Assembly([table, *row])
 
 
-# --- the order of painting -----------------------------------------------------------------
+# --- order of painting ---------------------------------------------------------------------
 
 
 @pytest.mark.quick(1)
@@ -61,7 +61,7 @@ def named(names: list[str]) -> Assembly:
 def test_nothing_is_painted_over_what_lies_in_front_of_it(
     name: str, angles: tuple[float, float]
 ) -> None:
-    # a second method: rays from the eye, and the depth of every triangle that they meet
+    # independent method: rays from the eye, and the depths of all triangles that they meet
     geometry, camera = scene(name).geometry, Camera.at(*angles)
     polygons: list[Polygon] = []
     starts = geometry.triangle_start
@@ -83,7 +83,7 @@ def test_nothing_is_painted_over_what_lies_in_front_of_it(
 
 
 def depth(polygon: Polygon, point: np.ndarray, camera: Camera) -> float | None:
-    """Of the polygon at a point of the page, towards the eye; None where it is not there."""
+    """Depth of a polygon at a point of the page, towards the eye; None outside the polygon."""
     facing = float(polygon.normal @ camera.towards)
     if facing <= 1e-6:
         return None
@@ -109,11 +109,11 @@ def test_polygons_that_cross_each_other_are_cut() -> None:
     for x, wanted in ((-0.5, 1), (0.5, 0)):
         at = [p.part for p in ordered if depth(p, np.array([x, 0.1]), camera) is not None]
         assert at[-1] == wanted
-    # a cut is no edge of the part
+    # cuts are not drawn as edges
     assert sum(int(p.drawn.sum()) for p in ordered) == 4 + 4 + 2
 
 
-# --- what the figures show -----------------------------------------------------------------
+# --- content of figures --------------------------------------------------------------------
 
 
 @pytest.mark.slow
@@ -184,7 +184,7 @@ def test_the_region_on_the_sphere_is_the_region(name: str) -> None:
             arc = _arc(normal, region.facets)
             arc = arc[np.isfinite(arc[:, 0])]
             assert region.contains(arc).all()
-            # both ends are extreme rays (or signs of a line)
+            # both ends are extreme rays (or senses of a line)
             corners = np.vstack([region.rays, region.lines, -region.lines])
             for end in (arc[0], arc[-1]):
                 near = float((corners @ end).max())

@@ -1,4 +1,4 @@
-"""The film of a motion: parts follow their screws, and stop before one enters another."""
+"""The film of a motion: parts follow their screws and stop before they overlap."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from kilter.scenes import SCENES, scene
 
 
 def gone(film: Film, name: str) -> np.ndarray:
-    """How far a part goes, in the order of the keys."""
+    """Distance of a part from its start at each key."""
     _, rows, way = film.channel(name, "translation")
     assert way == "LINEAR"
     return rows - rows[0]

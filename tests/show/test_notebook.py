@@ -1,4 +1,4 @@
-"""What a notebook shows of an answer; in a kernel of Jupyter where one is there."""
+"""Display of answers in a notebook; in a Jupyter kernel if it is installed."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def test_a_cell_has_the_page_that_report_writes(ask: Any) -> None:
 
 
 def _untimed(page: str) -> str:
-    """Without the seconds that an answer took."""
+    """Remove the times of the answer."""
     return re.sub(r"\d+(\.\d+)?(e-\d+)? ?m?s\b", "", page)
 
 

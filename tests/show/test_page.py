@@ -1,4 +1,4 @@
-"""The page: whole, offline, small, and deaf to what names try to be."""
+"""The page: complete, offline, small, and safe against hostile names."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from kilter.tell.numbers import force
 from sampled import sampled
 
 NAMES = [name for k in range(3) for name in list(SCENES)[k::3]]
-"""Of scenes; a third of all kinds first."""
+"""Names of scenes; every third scene first."""
 
 HOSTILE = [
     "</script><script>window.hit=1</script>",
@@ -50,7 +50,7 @@ def unpacked(packed: dict) -> np.ndarray:
 
 
 class Tags(HTMLParser):
-    """Every element with its attributes, and the text outside of scripts."""
+    """All elements with their attributes, and the text outside of scripts."""
 
     def __init__(self, page: str) -> None:
         super().__init__(convert_charrefs=True)
@@ -142,7 +142,7 @@ def test_only_the_programs_of_the_page_may_run_and_nothing_may_be_asked_for(live
 def test_the_page_names_no_address() -> None:
     page = render(everything(scene("paper-figure-8")), "f8")
     found = set(re.findall(r"[a-z]+://[^\s\"'`<>)]+", page))
-    # the name of a kind of element, which is asked of nobody
+    # a namespace of elements, which is never requested
     assert found <= {"http://www.w3.org/1999/xhtml"}
     for tag, attrs in Tags(page).found:
         assert not {"src", "href", "srcset", "action", "data"} & set(attrs), tag
@@ -165,7 +165,7 @@ def test_the_page_is_the_same_each_time_but_for_the_seconds() -> None:
 @pytest.mark.parametrize("name", sampled(len(NAMES) // 3, NAMES))
 def test_what_is_drawn_is_what_was_answered(name: str) -> None:
     assembly = scene(name)
-    # without time for a proof, so that what is found does not depend on the machine
+    # without effort for a proof, so that the answer is fast
     answers = everything(assembly, effort=0)
     data = data_of(render(answers, name))
     verdict = kilter.check(assembly, contacts=answers.contacts, effort=0)
@@ -244,7 +244,7 @@ def test_what_is_left_out_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.slow
 def test_a_table_takes_no_room_in_the_first_view() -> None:
-    """A held beam counts as far as the free parts reach and half as far again, a table not."""
+    """A held beam is shown up to 1.5 times the size of the free parts, a table is not."""
     block = Part("block", Box([2, 1, 1]), Pose([0, 0, 0.5]))
     on_table = data_of(render(everything(Assembly([block]).with_floor()), "block"))
     assert on_table["extent"] == pytest.approx([1.0, 0.5, 0.5])
@@ -254,7 +254,7 @@ def test_a_table_takes_no_room_in_the_first_view() -> None:
 
 
 def test_a_force_is_said_as_the_program_of_the_page_says_it() -> None:
-    """`web/test` asks the page's own `force` for the same table."""
+    """`web/test` tests the page's function `force` with the same table."""
     table = json.loads((Path(__file__).parent / "forces.json").read_text(encoding="utf-8"))
     assert [force(newtons) for newtons, _ in table] == [words for _, words in table]
 

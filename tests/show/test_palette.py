@@ -1,4 +1,4 @@
-"""The grammar of colour: told apart by every eye, read in light and dark, and the only one."""
+"""The palette: distinguishable with colour blindness, readable in light and dark, unique."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ SEEN = {
          [0.004733, 0.691367, 0.303900]]
     ),
 }  # fmt: skip
-"""Linear sRGB as an eye sees it that lacks a kind of cone: Machado, Oliveira, Fernandes, 2009."""
+"""Linear sRGB as seen with a missing kind of cone: Machado, Oliveira, Fernandes, 2009."""
 APART = 10.0
-"""Least distance of two signs in CIELAB; 2.3 is just noticed."""
+"""Least distance of two signs in CIELAB; a distance of 2.3 is just noticeable."""
 
 
 def linear(colour: str) -> np.ndarray:
@@ -61,7 +61,7 @@ def test_distances_and_contrasts_are_those_of_the_books() -> None:
     assert np.allclose(lab(linear("#ff0000")), [53.24, 80.09, 67.2], atol=0.05)
     assert contrast("#000000", "#ffffff") == pytest.approx(21)
     assert contrast("#767676", "#ffffff") == pytest.approx(4.54, abs=0.01)
-    # a slate and a purple that most eyes tell apart are one without the cone for green
+    # this slate and purple look equal without the cone for green
     slate, purple = (linear(c) for c in ("#5b6673", "#a3307f"))
     assert np.linalg.norm(lab(slate) - lab(purple)) > 4 * APART
     assert np.linalg.norm(lab(SEEN["no green"] @ slate) - lab(SEEN["no green"] @ purple)) < APART

@@ -1,4 +1,4 @@
-"""The sheet of a plan: a picture a step, names as text, what is held in its own colour."""
+"""The sheet of a plan: a picture per step, names as text, held parts in their colour."""
 
 from __future__ import annotations
 

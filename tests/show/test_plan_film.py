@@ -1,4 +1,4 @@
-"""The film of a plan: a GLB that says when each part comes, along which way, and what is held."""
+"""The film of a plan: a GLB with the time and path of each part, and marks of held parts."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def test_a_nut_turns_as_a_right_handed_thread_does_and_ends_at_rest() -> None:
     film = Film(film_of_plan(order.states.assembly, answer))
     times, turns, _ = film.channel("cube-1", "rotation")
     assert np.allclose(np.abs(turns[-1]), [0, 0, 0, 1], atol=1e-6)
-    # it advances along -z, so the last quarter turn is right-handed about -z
+    # the nut advances along -z, so the last quarter turn is right-handed about -z
     x, y, z, w = turns[-2]
     sign = 1.0 if w >= 0 else -1.0
     before = 2 * np.arctan2(sign * np.array([x, y, z]) @ [0, 0, -1], abs(w))

@@ -1,4 +1,4 @@
-"""The page of a plan: its data, its words, its graph, and that names stay text."""
+"""The page of a plan: data, words, graph, and names as text."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The commands report and view: what they write, refuse, serve and see."""
+"""The commands report and view: output, rejected input, server and watched files."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def test_more_parts_than_a_browser_can_show_are_refused_before_anything_is_asked
 
 @pytest.mark.slow
 def test_a_page_grows_by_a_kilobyte_a_part() -> None:
-    walls = [wall_of(bricks) for bricks in (4000, 5000)]  # where tables are at their longest
+    walls = [wall_of(bricks) for bricks in (4000, 5000)]  # both above the row limit of tables
     small, large = (len(kilter.report(wall).html) for wall in walls)
     assert 200 < (large - small) / (len(walls[1]) - len(walls[0])) < 1024
 
@@ -198,7 +198,7 @@ def test_the_server_listens_to_this_machine_alone() -> None:
 
 
 def said(server: PageServer, *lines: str) -> tuple[int, dict[str, str], str]:
-    """Code, headers and body of an answer to these very lines."""
+    """Status, headers and body of the response to a request with exactly these lines."""
     with socket.create_connection(("127.0.0.1", server.port), timeout=10) as link:
         link.sendall("\r\n".join([*lines, "", ""]).encode("latin-1"))
         with link.makefile("rb") as stream:
@@ -374,7 +374,7 @@ def test_view_serves_sees_changes_and_faults_and_ends_well(tmp_path: Path) -> No
 @pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="Ctrl-C is sent otherwise there")
 def test_view_ends_well_where_a_script_started_it_in_the_background() -> None:
-    """There interruptions are inherited as ignored."""
+    """Background processes inherit SIGINT as ignored."""
     command = "trap '' INT; exec \"$0\" -m kilter view tower.kilter.json --no-browser"
     with subprocess.Popen(
         ["sh", "-c", command, sys.executable],

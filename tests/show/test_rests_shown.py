@@ -1,4 +1,4 @@
-"""Places of rest on the page and in the figure of a region: one voice with the answer."""
+"""Rest directions on the page and in the figure of a region agree with the answer."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def test_the_page_marks_each_place_of_rest_with_the_words_of_the_answer() -> Non
 
 
 def test_what_it_lies_on_is_what_bears_it() -> None:
-    """In the axis of the corner all three walls, along an edge only the two that it presses on."""
+    """Along the axis of the corner three walls carry the cube, along an edge only two."""
     axis, *edges = kilter.region(corner(), rests=True).rests
     assert axis.on == ("floor", "left", "back")
     assert sorted(edge.on for edge in edges) == [("back",), ("floor",), ("left",)]

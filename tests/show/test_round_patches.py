@@ -1,4 +1,4 @@
-"""Round patches are drawn where the round faces touch, all round or as far as they do."""
+"""Round patches are drawn along the contact of round faces, closed or as an arc."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from kilter.show.round_patches import _rings, round_patches
 
 
 def arc(angles: np.ndarray, lean: float, height: float) -> tuple[np.ndarray, np.ndarray]:
-    """Points at radius 3 - height, with normals that lean on z."""
+    """Points at radius 3 - height, with normals inclined to z."""
     around = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
     up = np.array([0, 0, 1.0])
     return (3 - height) * around + height * up, np.cos(lean) * around + np.sin(lean) * up

@@ -1,4 +1,4 @@
-"""Shapes to draw: each once, with the edges that an eye would draw, where the parts are."""
+"""Shapes to draw: stored once, with feature edges, at the poses of the parts."""
 
 from __future__ import annotations
 
