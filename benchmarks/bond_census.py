@@ -1,15 +1,15 @@
-"""Random bonded blocks against a program written apart: which share of their strength bonds need.
+"""Census of random bonded blocks: compares the least share of bond strength with linprog.
 
     python benchmarks/bond_census.py                       300 assemblies
-    python benchmarks/bond_census.py 500 --seed 1000       as many, from a seed on
-    python benchmarks/bond_census.py 500 --limit 60        seconds of the processor for each
+    python benchmarks/bond_census.py 500 --seed 1000       500 assemblies, from seed 1000 on
+    python benchmarks/bond_census.py 500 --limit 60        CPU time limit for each [s]
 
-The assemblies are those of `tests/scenes/random_bonded.py`. Nothing of kilter but masses is used on
-the other side: where blocks touch follows from their sizes, a stress acts at the middle of a
-rectangle, friction lies in pyramids inside and around Coulomb's cone, and linprog says the least
-share. Asked are: contacts; verdict and share; verdicts on both sides of the share; that proofs are
-verified; that no bond is used beyond its strength; that no margin fails. The command ends with 1
-where they disagree.
+The assemblies are those of `tests/scenes/random_bonded.py`. The independent program uses only the
+masses from kilter. Contacts follow from the sizes of the blocks, a stress acts at the middle of
+its rectangle, and friction is in pyramids inside and around Coulomb's cone. linprog computes the
+least share. The census compares contacts, verdict and share, and verdicts on both sides of the
+share. It tests that all proofs are verified, that no bond exceeds its strength, and that no margin
+fails. The exit code is 1 if there is a contradiction.
 """
 
 from __future__ import annotations
@@ -38,18 +38,18 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "scenes"))
 from random_bonded import Bonded, random_bonded
 
 SIDES = 32
-"""Sides of a pyramid: the two differ by half a hundredth."""
+"""Sides of the friction pyramids; the inner and the outer pyramid differ by 0.5 %."""
 BESIDE = 1e-3
-"""Verdicts are asked at the share found less and more by this [-]."""
+"""Verdicts are tested at the least share times 1 - BESIDE and 1 + BESIDE [-]."""
 NEAR = 1e-6
-"""Up to which two shares are one, over 1 and them [-]."""
+"""Largest difference of equal shares, relative to the larger of 1 and the share [-]."""
 
-# the program written apart ------------------------------------------------------------------
+# independent program ------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class Point:
-    """A point where two blocks press or pull: whether any shear is borne there, and friction."""
+    """A point of force between two blocks; `tied`: whether it bears any shear."""
 
     parts: tuple[int, int]
     place: Array
@@ -59,11 +59,11 @@ class Point:
 
 
 Pull = tuple[tuple[int, int], Array, Array]
-"""Two blocks, a place, and the force on the second."""
+"""Two blocks, a point, and the force on the second block."""
 
 
 def apart(scene: Bonded) -> tuple[list[Point], list[Pull]]:
-    """Points of force, and the pulls of full strength."""
+    """Points of force between the blocks, and the pulls of the bonds at full strength."""
     assembly, turn = scene.assembly, scene.turn
     mus = {frozenset(pair.parts): pair.mu for pair in assembly.friction_pairs}
     points: list[Point] = []
@@ -88,12 +88,15 @@ def apart(scene: Bonded) -> tuple[list[Point], list[Pull]]:
 
 
 def any_shear(bond: Bond) -> bool:
-    """Whether it bears shear of any size: as the page on bonds says."""
+    """Whether a bond bears shear of any size, as defined on the page about bonds."""
     return bond.shear is None and bond.kind not in ("mortar", "magnet", "suction")
 
 
 def least_share(scene: Bonded, stretch: float) -> float:
-    """The least share, infinite where none is enough; pyramids of `stretch` times the radius."""
+    """Least share of the bond strength with equilibrium; infinite if no share is enough.
+
+    `stretch`: factor on the radius of the friction pyramids.
+    """
     assembly, geometry = scene.assembly, scene.assembly.geometry
     count = len(assembly.parts)
     length = float(np.ptp(geometry.center, axis=0).max()) + 1.0
@@ -123,7 +126,7 @@ def least_share(scene: Bonded, stretch: float) -> float:
     for one in assembly.loads:
         load[assembly.index_of(one.part), :3] += one.force
     weight = float(np.abs(load[1:, :3]).sum())
-    for method in ("highs", "highs-ipm"):  # the second where the numbers of the first end it
+    for method in ("highs", "highs-ipm"):  # the second if the first fails numerically
         answer = linprog(
             np.append(np.zeros(len(columns)), 1.0),
             A_eq=np.column_stack([*columns, clamp / weight]),
@@ -136,7 +139,7 @@ def least_share(scene: Bonded, stretch: float) -> float:
     raise ArithmeticError(answer.message)
 
 
-# what kilter says ---------------------------------------------------------------------------
+# comparison with kilter ---------------------------------------------------------------------
 
 
 def with_share(assembly: Assembly, share: float) -> Assembly:
@@ -145,7 +148,7 @@ def with_share(assembly: Assembly, share: float) -> Assembly:
 
 
 def other_contacts(scene: Bonded, contacts: ContactSet) -> list[str]:
-    """What of the contacts is not as the sizes of the blocks say."""
+    """Differences between the detected contacts and those from the sizes of the blocks."""
     found = contacts.patch_kind != "bond"
     pairs = {frozenset(pair) for pair in contacts.patch_parts[found].tolist()}
     wrong = [] if pairs == {frozenset(one.parts) for one in scene.touches} else ["other pairs"]
@@ -154,7 +157,7 @@ def other_contacts(scene: Bonded, contacts: ContactSet) -> list[str]:
 
 
 def judged(scene: Bonded) -> tuple[str, list[str]]:
-    """An answer in a word, and what disagrees."""
+    """Kind of the answer, and contradictions."""
     assembly = scene.assembly
     contacts = kilter.contacts(assembly)
     wrong = other_contacts(scene, contacts)
@@ -184,7 +187,7 @@ def judged(scene: Bonded) -> tuple[str, list[str]]:
 
 
 def otherwise(assembly: Assembly, contacts: ContactSet, asked: dict[float, bool]) -> list[str]:
-    """What check says otherwise at shares at which it holds, or does not."""
+    """Contradictions of `check` at shares with a known answer; `asked` maps share to answer."""
     wrong = []
     for share, holds in asked.items():
         one = with_share(assembly, share)
@@ -201,12 +204,12 @@ def otherwise(assembly: Assembly, contacts: ContactSet, asked: dict[float, bool]
 
 
 def verified(assembly: Assembly, answer: Any) -> bool:
-    """Whether the proof of an answer is verified as it is read back."""
+    """Whether the proof of an answer is verified after a round trip through JSON."""
     return kilter.verify(assembly, json.loads(json.dumps(answer.proof()))).holds
 
 
 def asked(seed: int) -> tuple[str, list[str]]:
-    """Of what kind a scene is and what is said of it, and what disagrees."""
+    """Kind of a random scene with its answer, and contradictions."""
     one = random_bonded(seed)
     answer, wrong = judged(one)
     rough = "smooth" if one.assembly.friction == 0 else "friction"
@@ -215,11 +218,11 @@ def asked(seed: int) -> tuple[str, list[str]]:
 
 
 def main() -> int:
-    """Ask them all; 1 where something disagrees."""
+    """Run the census; return 1 if there is a contradiction."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("assemblies", nargs="?", type=int, default=300)
-    parser.add_argument("--seed", type=int, default=0, help="the first")
-    parser.add_argument("--limit", type=float, default=60.0, help="seconds for each")
+    parser.add_argument("--seed", type=int, default=0, help="first seed")
+    parser.add_argument("--limit", type=float, default=60.0, help="CPU seconds for each assembly")
     chosen = parser.parse_args()
     answers: collections.Counter[str] = collections.Counter()
     begun, disagree = time.process_time(), 0
@@ -245,7 +248,7 @@ def main() -> int:
 
 
 def stop(*_: object) -> None:
-    """Leave a case that takes too long."""
+    """Signal handler that ends a case at its time limit."""
     raise TimeoutError
 
 

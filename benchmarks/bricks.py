@@ -1,9 +1,10 @@
-"""Models of toy bricks: reading, contacts and verdict, in CPU seconds.
+"""CPU time of reading and checking models of toy bricks.
 
     python benchmarks/bricks.py [FILE or NUMBER ...]
 
-Files as `kilter.load` reads them (BrickGPT structures among them), numbers: seeded random models
-of so many bricks; 10 to 5,000 where nothing is given. The first row warms up and is not shown.
+A FILE is any file that `kilter.load` reads, including BrickGPT structures. A NUMBER is the number
+of bricks of a random model; the default is 10 to 5,000. The first model runs twice, and its first
+run is not shown.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ def text_of(count: int) -> str:
 
 
 def files(asked: list[str], folder: Path) -> Iterator[Path]:
-    """The file of each model that is asked for."""
+    """Yield the file of each requested model."""
     for one in asked:
         if one.isdigit():
             path = folder / f"random-{one}.txt"
@@ -40,7 +41,7 @@ def files(asked: list[str], folder: Path) -> Iterator[Path]:
 
 
 def main() -> None:
-    """Print a row a model."""
+    """Print a row for each model."""
     asked = sys.argv[1:] or list(SIZES)
     print(f"{'model':24}{'bricks':>8}{'bonds':>8}{'read':>9}{'check':>9}  verdict")
     with tempfile.TemporaryDirectory() as folder:

@@ -1,11 +1,11 @@
-"""Friction: equilibrium in Coulomb's cones, seating, motions and proofs, by size.
+"""Times of friction: equilibrium in Coulomb's cones, seating and proofs, by size.
 
     python benchmarks/friction.py                 walls of 300 and 1,000 bricks, proofs
     python benchmarks/friction.py 300 1000 10000
 
-Walls stand tilted out of their plane by half of what overturns them, so that friction is
-needed. `frictionless` is the question that comes first; `equilibrium` the one in cones;
-`points` the contact points. The machine may be shared: compare ratios within one run.
+Walls are tilted out of their plane by half of the overturning angle, so that they need friction.
+`frictionless` is the time without friction, `equilibrium` that in Coulomb's cones; `points` is the
+number of contact points. On a busy machine, compare only ratios within a run.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ from typing import Any
 import numpy as np
 
 SEATED = ((6, 6), (15, 14))
-"""Courses and bricks a course of the walls that are seated: about 500 and 2,300 points."""
+"""Courses and bricks per course of the seated walls: about 500 and 2,300 contact points."""
 
 
 def timed(work: Callable[[], Any]) -> tuple[float, Any]:
-    """Seconds, and what came out."""
+    """Run a function and return its time [s] and its result."""
     started = time.perf_counter()
     result = work()
     return time.perf_counter() - started, result
 
 
 def program_of(assembly: Any) -> Any:
-    """The program of an assembly with the contacts found in it."""
+    """The program of an assembly with its detected contacts."""
     from kilter.contact import detect
     from kilter.mechanics.program import build_program
 
@@ -37,7 +37,7 @@ def program_of(assembly: Any) -> Any:
 
 
 def leaning(assembly: Any, share: float) -> Any:
-    """The wall tilted by a share of the angle at which it overturns as one."""
+    """The wall tilted by a share of the angle at which it overturns as a whole."""
     from kilter.scenes.transform import tilted
 
     high = assembly.geometry.vertices.max(axis=0)
@@ -48,7 +48,7 @@ def leaning(assembly: Any, share: float) -> Any:
 
 
 def walls(sizes: list[int]) -> None:
-    """The verdict on leaning walls, and the accelerations of those that fall."""
+    """Print times of the verdicts on leaning walls."""
     from kilter.analysis.decision.judge import judge
     from kilter.scenes.walls import wall_of
 
@@ -66,7 +66,7 @@ def walls(sizes: list[int]) -> None:
 
 
 def seatings() -> None:
-    """Seating of walls of about 500 and 2,300 contact points."""
+    """Print times of seating walls with about 500 and 2,300 contact points."""
     from kilter.friction.seating import find_seating
     from kilter.scenes.walls import wall
 
@@ -78,7 +78,7 @@ def seatings() -> None:
 
 
 def proofs() -> None:
-    """Search and proof for assemblies that friction holds or does not."""
+    """Print times of searches and proofs for assemblies with friction."""
     from kilter import check
     from kilter.scenes import arches, friction, stacks
     from kilter.scenes.transform import tilted

@@ -1,14 +1,14 @@
-"""Random assemblies with friction: levels, times, and whether anything contradicts itself.
+"""Census of random assemblies with friction: levels, times and contradictions.
 
-    python benchmarks/friction_census.py                200 assemblies at the usual effort
-    python benchmarks/friction_census.py 884 1          as many, at an effort
-    python benchmarks/friction_census.py 2000 0.5 7     the same, from seed 7 on
-    python benchmarks/friction_census.py 884 -o FILE    each answer to a file at once, a line of
-                                                        JSON; what is there is not asked again
+    python benchmarks/friction_census.py                200 assemblies at the default effort
+    python benchmarks/friction_census.py 884 1          884 assemblies at effort 1
+    python benchmarks/friction_census.py 2000 0.5 7     2,000 at effort 0.5, from seed 7 on
+    python benchmarks/friction_census.py 884 -o FILE    append each answer to a file as a line of
+                                                        JSON; answers in the file are kept
 
-Each is judged; then the other side is asked too: of what is proved, a motion is looked for with
-other lubricated patches; of what is refuted, a proof is tried. Prints a table of levels and one of
-answers, with times [CPU s], and what contradicts itself, which must be nothing:
+After each verdict the opposite is tried, too. For a proof, a motion is searched with other
+lubricated patches. For a motion, a proof is tried. The command prints a table of levels and a
+table of answers with times [CPU s], and the contradictions; the exit code is 1 if there are any:
 
     proved, and a motion obeys the law          a witness that breaks the law
     a witness, and a proof                      refuted, and a level above equilibrium
@@ -36,7 +36,7 @@ from random_friction import random_assembly
 
 
 def contradictions(verdict: object, effort: float) -> list[str]:
-    """What speaks against a verdict that rests on friction."""
+    """Contradictions of a verdict that depends on friction."""
     wrong = []
     if verdict.verdict == "stable" and find_coulomb_motion(verdict.program, work=effort, seed=1):
         wrong.append("proved, and a motion obeys the law")
@@ -51,7 +51,7 @@ def contradictions(verdict: object, effort: float) -> list[str]:
 
 
 def asked(seed: int, effort: float) -> dict[str, Any]:
-    """Family, level, answer, CPU seconds and contradictions of one random assembly."""
+    """Family, level, answer, CPU seconds and contradictions of a random assembly."""
     family, assembly = random_assembly(seed)
     started = time.process_time()
     verdict = check(assembly, effort=effort)
@@ -68,14 +68,14 @@ def asked(seed: int, effort: float) -> dict[str, Any]:
 
 
 def known(file: Path | None) -> dict[int, dict[str, Any]]:
-    """What a file of answers holds, by seed."""
+    """The answers in a file, by seed."""
     if file is None or not file.exists():
         return {}
     return {one["seed"]: one for one in map(json.loads, file.read_text().splitlines())}
 
 
 def table(found: list[dict[str, Any]], by: str) -> None:
-    """Counts and times of each level, or answer."""
+    """Print counts and times by level or by answer."""
     times = collections.defaultdict(list)
     for one in found:
         times[one[by]].append(one["seconds"])
@@ -87,7 +87,7 @@ def table(found: list[dict[str, Any]], by: str) -> None:
 
 
 def odd(one: dict[str, Any]) -> bool:
-    """Whether tries and answer are worth a look: those of what moves pass, or not all others."""
+    """Whether tries and answer do not match: tries pass for a motion, or fail for a proof."""
     answer = one["answer"]
     refuted = answer.startswith("potentially-stable  refuted")
     return ("some tries" in answer and (refuted or answer.startswith("stable"))) or (
@@ -96,7 +96,7 @@ def odd(one: dict[str, Any]) -> bool:
 
 
 def main() -> int:
-    """Ask them all; 1 where something contradicts itself."""
+    """Run the census; return 1 if there is a contradiction."""
     reader = argparse.ArgumentParser()
     reader.add_argument("count", type=int, nargs="?", default=200)
     reader.add_argument("effort", type=float, nargs="?", default=1.0)

@@ -1,16 +1,16 @@
-"""A greedy planner that asks `kilter.check` for each state, beside `kilter.plan`: the same plans?
+"""Comparison of `kilter.plan` with a greedy planner that calls `kilter.check` for each state.
 
     python benchmarks/greedy_planner.py           scenes of kilter
-    python benchmarks/greedy_planner.py PATH:base[:mu[:BOLT,NUT]...] ...
-                                                  assemblies, what is held, friction, screws
+    python benchmarks/greedy_planner.py PATH:BASE[:MU[:BOLT,NUT]...] ...
+                                                  assemblies with base, friction and screws
 
-What one would write without `kilter.states`: from the whole, take away the first part that has a
-way out, leaves every other part connected to the base, and leaves what `check` finds in
-equilibrium; the highest layer first, near the part before; where each part of a layer needs it,
-the first of them with which holding one part that moves is enough. No step back. It tests ways as
-`plan` does, so that only the states differ. A line a case: CPU seconds of both, contacts that are
-found once left out of both; steps, most parts held and held steps of both; whether the orders are
-the same, part by part.
+The greedy planner starts from the complete assembly and removes parts without backtracking. The
+next part must have a path, keep all other parts connected to the base, and leave a state that
+`check` finds in equilibrium. Parts of the highest layer come first, then parts near the previous
+one. If every part of a layer needs a hold, the first part is taken for which holding few moving
+parts is enough. Paths are tested as in `plan`, so that only the states differ. Each line contains
+CPU seconds without contact detection, steps, most held parts and held steps of both planners, and
+whether the orders are equal.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from kilter.scenes.arches import arch
 
 Pairs = Sequence[tuple[str, str]]
 LAYER = 0.01
-"""Parts whose heights are nearer than this lie in one layer, over the width of the whole."""
+"""Resolution of the heights that define layers [width of the assembly]."""
 CASES: dict[str, Callable[[], kilter.Assembly]] = {
     "tower": lambda: scene("tower"),
     "wall": lambda: scene("wall"),
@@ -46,7 +46,7 @@ CASES: dict[str, Callable[[], kilter.Assembly]] = {
 
 
 class Greedy:
-    """The planner: parts of one assembly taken away one by one."""
+    """Greedy planner that removes the parts of an assembly one after the other."""
 
     def __init__(
         self, assembly: kilter.Assembly, contacts: kilter.ContactSet, named: Pairs
@@ -63,7 +63,7 @@ class Greedy:
             self.touching[b].add(a)
 
     def order(self, hold: int) -> list[tuple[int, list[str]]] | None:
-        """Parts as they leave, each with what is held then; None where it gets stuck."""
+        """Parts in the order of removal, each with the held parts; None if no part can leave."""
         present = np.ones(len(self.assembly), dtype=bool)
         found: list[tuple[int, list[str]]] = []
         while not (present == self.assembly.geometry.grounded).all():
@@ -77,7 +77,7 @@ class Greedy:
     def next(
         self, present: np.ndarray, last: int | None, hold: int
     ) -> tuple[int, list[str]] | None:
-        """The next part, layer by layer, and what is held."""
+        """The next part to remove and the parts to hold; None if no part can leave."""
         center = self.assembly.geometry.center
         parts = [k for k in np.flatnonzero(present) if not self.assembly[int(k)].grounded]
         away = {k: 0.0 if last is None else np.linalg.norm(center[k] - center[last]) for k in parts}
@@ -103,7 +103,7 @@ class Greedy:
 
     @staticmethod
     def some(moving: list[str], most: int) -> Iterator[list[str]]:
-        """One, two, ... of the parts that move."""
+        """Yield the subsets of the moving parts with up to `most` parts, the smallest first."""
         for size in range(1, most + 1):
             yield from map(list, itertools.combinations(moving, size))
 
@@ -111,7 +111,7 @@ class Greedy:
         return self.removal.way_out(1 << part, bits_of(present)) is not None
 
     def connected(self, rest: np.ndarray) -> bool:
-        """Whether every part hangs together with a grounded one."""
+        """Whether every remaining part is connected to a held part."""
         there = set(np.flatnonzero(rest).tolist())
         seen = new = {k for k in there if self.assembly[k].grounded}
         while new:
@@ -120,7 +120,7 @@ class Greedy:
         return seen == there
 
     def moving(self, rest: np.ndarray, held: list[str]) -> list[str]:
-        """Parts that `check` says move; none where there is an equilibrium."""
+        """Names of the parts that move according to `check`; empty in equilibrium."""
         self.checks += 1
         names = np.array(self.assembly.names)
         state = self.assembly.without(names[~rest].tolist())
@@ -136,7 +136,7 @@ def timed(work: Callable[[], Any]) -> tuple[Any, float]:
 
 
 def compared(name: str, assembly: kilter.Assembly, screws: Pairs) -> str:
-    """A line of the table."""
+    """A line of the table for an assembly."""
     contacts = kilter.contacts(assembly)
     plan, first = timed(lambda: kilter.plan(assembly, contacts=contacts, screws=screws))
     greedy = Greedy(assembly, contacts, screws)
@@ -161,7 +161,7 @@ def row(cells: list[str]) -> str:
 
 
 def read(word: str) -> tuple[str, kilter.Assembly, Pairs]:
-    """An assembly as the command line has it, and its screws."""
+    """Name, assembly and screws of a command-line argument."""
     path, base, *more = word.split(":")
     made = kilter.load(path, ground=[base], friction=float(more[0]) if more else None)
     pairs = (pair.split(",") for pair in more[1:])

@@ -1,14 +1,15 @@
-"""Load factors and pushes by bisection of the verdict: are they what `margin` says?
+"""Census of load factors and pushes: compares `margin` with bisection of the verdict.
 
     python benchmarks/limit_census.py arch 40 -o limits.jsonl     seeds 0 to 39
     python benchmarks/limit_census.py bonded 40                   of `tests/scenes/random_bonded.py`
 
-Of each assembly of `region_census`, or "bonded", that holds as given: the load factor of a body
-force in a random direction, and the largest push on a random part in another, are bisected by
-`judge` to `NEAR`, from doubled shares, without what `margin` found. Then `kilter.check` is asked
-at both ends, with the loads in the assembly; and pushes of the least size that is resisted in
-every direction are asked in random ones. Of what is bonded also the least friction, and the least
-share of the strength of its bonds, are bisected, whether it holds or not.
+The assemblies are those of `region_census`, or "bonded". For each assembly that holds as given,
+the load factor of a body force in a random direction and the largest push on a random part are
+bisected with `judge` to `NEAR`, independently of `margin`. Then `kilter.check` computes the
+verdict at both ends of the interval, with the loads in the assembly. The least push that is
+resisted in every direction is tested in random directions. For bonded assemblies, the least
+friction and the least share of the bond strength are bisected, too, whether the assembly holds or
+not.
 """
 
 from __future__ import annotations
@@ -25,15 +26,15 @@ from region_census import run
 sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "scenes"))
 
 NEAR = 1e-6
-"""How near bisection comes to a limit, over 1 and it [-]."""
+"""Accuracy of bisection, relative to the larger of 1 and the limit [-]."""
 LARGEST = 1e3
-"""Shares from which on a limit counts as unlimited [-]."""
+"""A limit above this share counts as unlimited [-]."""
 AROUND = 10
-"""Directions in which the least push is asked."""
+"""Number of random directions in which the least push is tested."""
 
 
 def answered(family: str, seed: int, directions: int) -> Any:
-    """The row of a case, by parts."""
+    """Yield the parts of a case's row."""
     import numpy as np
 
     import kilter
@@ -93,7 +94,7 @@ def answered(family: str, seed: int, directions: int) -> Any:
 
 
 def made(family: str, seed: int) -> Any:
-    """The assembly of a seed."""
+    """Build the assembly of a family and a seed."""
     from random_bonded import random_bonded
     from random_turned import random_turned
 
@@ -101,7 +102,7 @@ def made(family: str, seed: int) -> Any:
 
 
 def least_wrong(assembly: Any, contacts: Any) -> list[str]:
-    """What bisection says otherwise of the least friction and strength of what has bonds."""
+    """Contradictions between `margin` and bisection for the least friction and bond strength."""
     import kilter
     from kilter.analysis.decision.judge import judge
 
@@ -128,7 +129,7 @@ def least_wrong(assembly: Any, contacts: Any) -> list[str]:
 
 
 def checked(assembly: Any, contacts: Any, wrenches: Any) -> str:
-    """What `check` says of an assembly with forces on its parts."""
+    """Verdict of `check` for an assembly with additional forces, (N, 6), on its parts."""
     import dataclasses
 
     import kilter
@@ -142,7 +143,7 @@ def checked(assembly: Any, contacts: Any, wrenches: Any) -> str:
 
 
 def bisected(held: Callable[[float], bool | None]) -> tuple[float, float, int]:
-    """A share that is held and one that is not, nearer than `NEAR`; how many were undecided."""
+    """Bisect the largest share that is held: lower bound, upper bound, undecided shares."""
     low, high, undecided = 0.0, NEAR, 0
     while True:
         answer = held(high)
@@ -156,7 +157,7 @@ def bisected(held: Callable[[float], bool | None]) -> tuple[float, float, int]:
     while high - low > NEAR / 2 * max(1.0, low):
         middle = 0.5 * (low + high)
         answer = held(middle)
-        if answer is None:  # of what cannot be decided, only the ends are narrowed
+        if answer is None:  # bisection cannot continue from an undecided share
             undecided += 1
             break
         low, high = (middle, high) if answer else (low, middle)
@@ -164,7 +165,7 @@ def bisected(held: Callable[[float], bool | None]) -> tuple[float, float, int]:
 
 
 def main() -> int:
-    """Ask them all."""
+    """Run the census; return 1 if there is a fault or a contradiction."""
     parser = argparse.ArgumentParser()
     parser.add_argument("family")
     parser.add_argument("count", type=int)
@@ -183,7 +184,7 @@ def main() -> int:
     open_ends = sum(bool(row[what][3]) for row in held for what in ("load factor", "push"))
     print(
         f"{given.family}: {len(rows)} assemblies, {len(held)} hold as given, {len(faults)} faults,"
-        f" {len(wrong)} with contradictions, {open_ends} limits with a share left undecided"
+        f" {len(wrong)} with contradictions, {open_ends} limits with an undecided share"
     )
     for row in faults + wrong:
         print(f"  seed {row['seed']}: {row.get('fault', row.get('wrong'))}")

@@ -1,13 +1,13 @@
-"""Many small assemblies: verdicts a second of `check_many`, each compared with that of `check`.
+"""Throughput of `check_many` on small assemblies, with a comparison with `check`.
 
-    python benchmarks/many.py                        10,000 of 5 to 20 boxes, without friction
-    python benchmarks/many.py 1000 --compare 1000    so many, and so many compared (default 200)
-    python benchmarks/many.py 1000 --piles           boxes on a grid: edges and corners meet
-    python benchmarks/many.py 1000 --piles --turned  each turned at random with its gravity
+    python benchmarks/many.py                        10,000 assemblies of 5 to 20 boxes
+    python benchmarks/many.py 1000 --compare 1000    1,000, all compared (default 200)
+    python benchmarks/many.py 1000 --piles           boxes on a grid; edges and corners meet
+    python benchmarks/many.py 1000 --piles --turned  each rotated at random with its gravity
 
-They are given as arrays and as assemblies. Every proof is rechecked, by the program of its own
-assembly and apart from the solver; a verdict that differs, or a proof that does not hold, is
-printed, and the command ends with 1. Seconds are of the processor, on one core.
+The assemblies have no friction and are given as arrays and as a list. Every proof is verified
+with the program of its assembly, independently of the solver. Different verdicts and invalid
+proofs are printed, and the exit code is then 1. Seconds are CPU time on a single core.
 """
 
 from __future__ import annotations
@@ -23,15 +23,15 @@ import numpy as np
 
 FEWEST, MOST = 5, 20
 KEPT = 2000
-"""Proofs that are kept at a time and rechecked: all are, in turn."""
+"""Number of proofs that are kept and verified at a time."""
 SIDE = 4
-"""Cells of the floor: piles are high enough that many of those put down anywhere fall."""
+"""Cells of the floor of a pile; with fewer cells piles are higher and more of them fall."""
 SHIFT = 0.3
-"""How far a box hangs over the one below, at most, of the width of that [-]."""
+"""Largest shift of a box over the box below [width of the box below]."""
 
 
 def boxes(seed: int) -> Any:
-    """Boxes of any sizes, each on the floor or somewhere on one of those before."""
+    """Random boxes, each on the floor or on an earlier box."""
     from kilter.assembly import Assembly, Part
     from kilter.rigid import Pose
     from kilter.shape.primitives import Box
@@ -54,7 +54,7 @@ def boxes(seed: int) -> Any:
 
 
 def pile(seed: int) -> Any:
-    """A pile of boxes on a grid, every second one put down on level ground only."""
+    """A random pile of boxes on a grid; every second pile uses only level ground."""
     from kilter.scenes.packings import box_pile
 
     count = int(np.random.default_rng(seed).integers(FEWEST, MOST + 1))
@@ -62,7 +62,7 @@ def pile(seed: int) -> Any:
 
 
 def turned(assembly: Any, seed: int) -> Any:
-    """The assembly turned at random, gravity too."""
+    """The assembly rotated at random, with its gravity."""
     from kilter.assembly import Assembly
     from kilter.rigid import Pose
 
@@ -75,7 +75,7 @@ def turned(assembly: Any, seed: int) -> Any:
 
 
 def as_arrays(piles: list[Any]) -> Any:
-    """The same as arrays of meshes."""
+    """The assemblies as `AssemblyArrays` of meshes."""
     from kilter import AssemblyArrays
     from kilter.arrays import starts
     from kilter.shape.primitives import surface
@@ -95,13 +95,13 @@ def as_arrays(piles: list[Any]) -> Any:
 
 
 def timed(work: Callable[[], Any]) -> tuple[Any, float]:
-    """The result, and seconds of the processor."""
+    """Run a function and return its result and its CPU seconds."""
     started = time.process_time()
     return work(), time.process_time() - started
 
 
 def broken(found: Any) -> list[int]:
-    """Verdicts whose proof, judged anew, does not hold."""
+    """Indices of the verdicts whose proofs are invalid."""
     wrong = []
     for k, word in enumerate(found.verdict.tolist()):
         kept = found.certificate(k)
@@ -113,7 +113,7 @@ def broken(found: Any) -> list[int]:
 
 
 def measured(name: str, given: Any, words: list[str]) -> int:
-    """Print rate, proofs that do not hold, verdicts that differ; how many of the last two."""
+    """Print throughput, invalid proofs and different verdicts; return the number of errors."""
     import kilter
 
     found, seconds = timed(lambda: kilter.check_many(given))
@@ -130,7 +130,7 @@ def measured(name: str, given: Any, words: list[str]) -> int:
 
 
 def main() -> int:
-    """Measure, compare, recheck."""
+    """Run the benchmark; return 1 if a verdict differs or a proof is invalid."""
     import kilter
 
     parser = argparse.ArgumentParser()

@@ -1,14 +1,14 @@
-"""Walls and arches beside their limits: which side each solver proves by itself, if any.
+"""Census of walls and arches near their limits: which side each solver proves on its own.
 
     python benchmarks/near_critical_census.py                        200 assemblies, 10 tilts each
     python benchmarks/near_critical_census.py 1000 --seed 2
-    python benchmarks/near_critical_census.py --solvers kilter       the others left out
+    python benchmarks/near_critical_census.py --solvers kilter       only this solver
 
-Gravity is turned to shares 1 - d and 1 + d of the tangent at which an assembly's forces end, as
-`find_limit` proves it from both sides; d from 1e-2 to 1e-6. A row counts what the proofs of one
-solver say: right, WRONG (there must be none: the command ends with 1), and none, where `judge`
-asks the next; `both`, where the mechanism of the limit is a proof as well: a certificate allows
-1e-9 of the forces. The rows `judge` are those of all in turn. `ms` is of the processor, the mean.
+`find_limit` proves the tangent of the tilt at the limit from both sides. Gravity is tilted by
+1 - d and 1 + d of it, d from 1e-2 to 1e-6. A row counts the proofs of a solver: right, WRONG (the
+exit code is then 1) and none, after which `judge` tries the next solver. `both` counts cases in
+which the mechanism of the limit is a proof, too, because certificates tolerate 1e-9 of the forces.
+The rows `judge` use all solvers in turn. `ms` is the mean CPU time.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from collections.abc import Iterator
 from typing import Any
 
 for _pool in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
-    os.environ[_pool] = "1"  # before numpy: seconds of the processor count those of all threads
+    os.environ[_pool] = "1"  # before numpy, because CPU time counts all threads
 
 import numpy as np  # noqa: E402
 
@@ -42,7 +42,7 @@ def near_critical(rng: np.random.Generator) -> Any:
 
 
 def programs(assembly: Any, angle: float) -> Iterator[tuple[float, bool, Any, bool]]:
-    """How far beside the limit, whether it holds, the program, whether it also falls by proof."""
+    """Yield relative distance from the limit, side, program, and whether a mechanism exists."""
     from kilter.analysis.margins.load_limit import Limit, find_limit, gravity_wrench
     from kilter.contact import detect
     from kilter.mechanics.certificate import check_motion
@@ -56,7 +56,7 @@ def programs(assembly: Any, angle: float) -> Iterator[tuple[float, bool, Any, bo
     for beside in BESIDE:
         for held in (True, False):
             if not held and beside * limit.value <= limit.gap * max(1.0, limit.value):
-                continue  # which side that is, nothing has proved
+                continue  # within the gap between the proved bounds, the side is unknown
             share = limit.value * (1 - beside if held else 1 + beside)
             turned = program.turned(program.down + share * aside)
             falls = not held and check_motion(turned, limit.mechanism.motion).holds
@@ -64,7 +64,7 @@ def programs(assembly: Any, angle: float) -> Iterator[tuple[float, bool, Any, bo
 
 
 def main() -> int:
-    """Run the census."""
+    """Run the census; return 1 if a proof is wrong."""
     from kilter.analysis.decision.judge import SOLVERS, judge
 
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -97,7 +97,7 @@ def main() -> int:
         print(f"{who:9} {beside:>8.0e} {side:>6}", *counts, f"{each:>7.1f}")
     asked = sum(one.total() for (who, *_), one in found.items() if who == "judge")
     wrong = sum(one["WRONG"] for one in found.values())
-    print(f"{asked} programs, {wrong} proofs of a wrong side, {skipped} assemblies without a limit")
+    print(f"{asked} programs, {wrong} wrong proofs, {skipped} assemblies without a limit")
     return 1 if wrong else 0
 
 

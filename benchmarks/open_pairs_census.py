@@ -1,12 +1,12 @@
-"""Random assemblies with open pairs: does every verdict hold for every contact set between?
+"""Census of open pairs: each verdict must be valid for every possible contact set.
 
     python benchmarks/open_pairs_census.py           300 assemblies
-    python benchmarks/open_pairs_census.py 1000 7    1,000, from seed 7 on
+    python benchmarks/open_pairs_census.py 1000 7    1,000 assemblies, from seed 7 on
 
-Parts are pushed into overlap or out of contact by 1.5 to 50 tolerances
-(`tests/scenes/random_pushed.py`). Then every open pair is taken away, or taken for the contact that
-was meant, or joined, in every subset, with and without friction, and the deciding set is held
-against all sets of open pairs. Prints what contradicts itself, which must be nothing.
+Parts are pushed into overlap or out of contact by 1.5 to 50 gap tolerances
+(`tests/scenes/random_pushed.py`). Each open pair is then absent, the intended contact, or a fixed
+joint, in all combinations, with and without friction. The deciding set is compared with all sets
+of open pairs. The exit code is 1 if there is a contradiction.
 """
 
 from __future__ import annotations
@@ -36,27 +36,27 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "scenes"))
 from random_pushed import pushed_assembly
 
 MOST = 5
-"""Open pairs of which every way is tried; of more, those with one or two pairs changed."""
+"""All combinations are tested for up to this many open pairs, else those with two changed pairs."""
 ABSENT, ORDINARY, JOINED = range(3)
 
 
 @dataclass(frozen=True)
 class Scene:
-    """An assembly as drawn, and the contacts that were meant."""
+    """An assembly as drawn, and the intended contacts."""
 
     drawn: Assembly
     meant: ContactSet
 
 
 def touching(assembly: Assembly) -> tuple[Index, Array, Array]:
-    """Contacts of an assembly: parts, normals, gap tolerances."""
+    """Contacts of an assembly: pairs of parts, normals and gap tolerances [length unit]."""
     found = contacts(assembly)
     gap = GAP * assembly.geometry.size[found.patch_parts].min(axis=1)
     return found.patch_parts, found.patch_normal, gap
 
 
 def ways(count: int) -> Iterator[tuple[int, ...]]:
-    """What each open pair is."""
+    """Yield the combinations of states of `count` open pairs."""
     if count <= MOST:
         yield from itertools.product(range(3), repeat=count)
         return
@@ -70,13 +70,13 @@ def ways(count: int) -> Iterator[tuple[int, ...]]:
 
 
 def joined(assembly: Assembly, pairs: Sequence[OpenPair]) -> Assembly:
-    """The assembly with fixed joints between the parts of some pairs."""
+    """The assembly with fixed joints between the parts of the given pairs."""
     names = assembly.names
     return assembly.with_joints([Joint((names[p.parts[0]], names[p.parts[1]])) for p in pairs])
 
 
 def program_of(scene: Scene, verdict: Verdict, way: tuple[int, ...]) -> Program:
-    """The program of one way that the open pairs may be."""
+    """The program of a combination `way` of states of the open pairs."""
     pairs = verdict.contacts.open_pairs
     ordinary = tuple(p for p, what in zip(pairs, way, strict=True) if what == ORDINARY)
     tied = [p for p, what in zip(pairs, way, strict=True) if what == JOINED]
@@ -85,7 +85,7 @@ def program_of(scene: Scene, verdict: Verdict, way: tuple[int, ...]) -> Program:
 
 
 def contradictions(scene: Scene, verdict: Verdict, effort: float) -> list[str]:
-    """Where a contact set between the extremes disagrees with a verdict."""
+    """Contact sets that contradict a verdict."""
     wrong = []
     word = verdict.verdict
     for way in dict.fromkeys(ways(len(verdict.contacts.open_pairs))):
@@ -108,7 +108,7 @@ def contradictions(scene: Scene, verdict: Verdict, effort: float) -> list[str]:
 
 
 def not_smallest(scene: Scene, verdict: Verdict) -> list[str]:
-    """Whether the deciding set does not hold, or a smaller one does."""
+    """Contradictions of the deciding set: it does not hold, or a smaller set holds."""
     if verdict.question is None:
         return [f"undecided without a set that decides: {verdict.sentence}"]
     pairs, chosen = verdict.contacts.open_pairs, verdict.question.deciding
@@ -127,12 +127,12 @@ def not_smallest(scene: Scene, verdict: Verdict) -> list[str]:
     if size != len(chosen.pairs) or set(chosen.pairs) not in [set(some) for some in sets]:
         wrong.append(f"the set has {len(chosen.pairs)} pairs, the smallest {size}")
     if chosen.smallest != (len(pairs) <= 12):
-        wrong.append("smallest or not is said wrong")
+        wrong.append("the flag `smallest` is wrong")
     return wrong
 
 
 def asked(seed: int, effort: float = 1.0) -> tuple[str, list[str]]:
-    """Answer, and contradictions, of one scene with its friction and without."""
+    """Answers and contradictions of a random scene, with its friction and without friction."""
     scene = pushed_assembly(seed, touching)
     answers, wrong = [], []
     for mu in dict.fromkeys((scene.drawn.friction, 0.0)):
@@ -146,7 +146,7 @@ def asked(seed: int, effort: float = 1.0) -> tuple[str, list[str]]:
 
 
 def main() -> int:
-    """Ask them all; 1 where something contradicts itself."""
+    """Run the census; return 1 if there is a contradiction."""
     words = sys.argv[1:]
     count = int(words[0]) if words else 300
     first = int(words[1]) if len(words) > 1 else 0

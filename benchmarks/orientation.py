@@ -1,13 +1,12 @@
-"""Problem 2 on corner wedges, arches, towers and walls: programs and seconds of each method.
+"""Stable orientations of wedges, arches, towers and walls: programs and CPU time by method.
 
     python benchmarks/orientation.py                 20, 50 and 100 parts
     python benchmarks/orientation.py 20 --kinds arches walls
     python benchmarks/orientation.py 50 --kinds wedges --no-walk      (the walk takes minutes)
 
-`walk` is the paper's walk on all facets, `joint` one LP a facet on all facets, `cone` every
-stable direction, `map` the polytope Q with V vertices and F facets, broken off at a number
-of programs ("-": V and F are then not known). Contacts are found beforehand. Seconds are of
-the processor, so that a machine that is shared does not count twice.
+`walk` is the paper's walk on all facets, `joint` solves an LP per facet, `cone` computes all
+stable directions, `map` the polytope Q with V vertices and F facets. The map stops at a limit of
+programs; "-" marks unknown V and F. Contacts are detected beforehand.
 """
 
 from __future__ import annotations
@@ -35,7 +34,7 @@ def build(kind: str, count: int) -> Any:
 
 
 def timed(work: Callable[[], Any]) -> tuple[Any, float]:
-    """The result, and seconds of the processor; None where it was given up."""
+    """Result and CPU seconds of a function; the result is None if it stopped at the limit."""
     started = time.process_time()
     try:
         result = work()
@@ -45,7 +44,7 @@ def timed(work: Callable[[], Any]) -> tuple[Any, float]:
 
 
 def measured(kind: str, count: int, limit: int, *, walking: bool) -> dict[str, Any]:
-    """Programs and seconds of each method."""
+    """Number of programs and CPU seconds of each method, as a row."""
     from kilter.analysis.regions.stable_cone import stable_cone
     from kilter.analysis.turning.facet_program import joint
     from kilter.analysis.turning.stability_map import stability_map
@@ -80,7 +79,7 @@ def measured(kind: str, count: int, limit: int, *, walking: bool) -> dict[str, A
 
 
 def row_text(row: dict[str, Any]) -> str:
-    """One row of the table."""
+    """A row of the table."""
 
     def number(key: str, width: int, form: str = "") -> str:
         value = row[key]
@@ -111,7 +110,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("parts", nargs="*", type=int, default=[20, 50, 100])
     parser.add_argument("--kinds", nargs="*", choices=KINDS, default=list(KINDS))
-    parser.add_argument("--limit", type=int, default=2000, help="of programs of the map")
+    parser.add_argument(
+        "--limit", type=int, default=2000, help="largest number of programs of the map"
+    )
     parser.add_argument("--no-walk", action="store_true")
     parser.add_argument("--json", action="store_true", help="one JSON object a row")
     chosen = parser.parse_args()

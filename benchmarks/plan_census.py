@@ -1,19 +1,19 @@
-"""Orders of irregular assemblies: are they what `check` and all permutations say, and how fast?
+"""Census of plans of irregular assemblies: compares them with `check` and all permutations.
 
-    python benchmarks/plan_census.py arch 40 -o plans.jsonl     seeds 0 to 39; goes on where it was
+    python benchmarks/plan_census.py arch 40 -o plans.jsonl     seeds 0 to 39; continues a file
     python benchmarks/plan_census.py --table plans.jsonl
 
 Families: arch, pile, wedge (`tests/scenes/random_turned.py`), and wall: few courses of bricks of
-random widths, with gaps, on a random base. What falls as it stands is counted as refused, and has
-to fall by `check`. The others are planned with up to 0, 1 and 2 parts held, in a process of its
-own; a fault where one takes a minute of the processor. Then
+random widths, with gaps, on a random base. An assembly that falls counts as refused, and `check`
+must agree. The others are planned with up to 0, 1 and 2 held parts, each in a separate process;
+more than a minute of CPU time is a fault. Then
 
-- every proof is read by `verify_bundle`, from its JSON text;
-- every state of an order found is asked of `check`, built apart, its contacts found anew;
-- what is found with K held has to be found with more held, with the same fewest;
-- of up to `BRUTE` free parts all orders are gone through, each state asked of `check` with any of
-  its parts held: none has fewer held than the one found, none is there that is said to be
-  impossible, even with the ways left out unless parts lock, or that was not found along these ways.
+- `verify_bundle` verifies every proof, read from its JSON text;
+- `check` judges every state of an order, built separately with newly detected contacts;
+- an order with K held parts must also exist with more held parts, with the same minimum;
+- for up to `BRUTE` free parts, all permutations are tested, with `check` for every state and every
+  set of held parts. No permutation may need fewer held parts than the order, and none may exist
+  if the plan is impossible (independently of paths, unless parts lock) or was not found.
 """
 
 from __future__ import annotations
@@ -46,17 +46,17 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "scenes"))
 from random_turned import random_turned
 
 MOST = 2
-"""Parts held at once, up to which it is asked."""
+"""Largest number of simultaneously held parts."""
 BRUTE = 6
-"""Free parts up to which all orders are gone through."""
+"""All permutations are tested for up to this many free parts."""
 
 Tally = collections.Counter[str]
 Cost = Callable[[int, int], int]
-"""Parts to hold once a part has left a set; `MOST` + 1: more, or it cannot leave."""
+"""Number of held parts after a part has left a set; `MOST` + 1 for more, or if it cannot leave."""
 
 
 def random_wall(seed: int) -> kilter.Assembly:
-    """Two to four courses, each of up to three bricks and its own start; gravity leans a little."""
+    """A wall of two to four courses of up to three bricks, with slightly leaning gravity."""
     random = np.random.default_rng(seed)
     courses = []
     for _ in range(int(random.integers(2, 5))):
@@ -72,7 +72,7 @@ def random_wall(seed: int) -> kilter.Assembly:
 
 
 def answered(family: str, seed: int, directions: int) -> Any:
-    """The row of a case, by parts."""
+    """Yield the parts of a case's row."""
 
     def stop(*_: object) -> None:
         raise TimeoutError(f"more than {LIMIT:g} s of the processor")
@@ -101,12 +101,12 @@ def answered(family: str, seed: int, directions: int) -> Any:
 
 
 def kind_of(order: kilter.Order) -> str:
-    """The verdict; of an order found with how many held."""
+    """Verdict of an order, with the number of held parts if it was found."""
     return f"found, {order.holds_max} held" if order.found else order.verdict
 
 
 def refused(assembly: kilter.Assembly, why: str) -> dict[str, Any]:
-    """The row of what is not planned: `check` has to say the same; another reason is a fault."""
+    """Row of an assembly that `plan` refuses: `check` must agree; another reason is a fault."""
     told = {"does not hold": ("falls", False), "holds is undecided": ("undecided", None)}
     kind, expected = next((told[words] for words in told if words in why), ("", None))
     stable = stands(assembly)
@@ -115,19 +115,19 @@ def refused(assembly: kilter.Assembly, why: str) -> dict[str, Any]:
 
 
 def stands(assembly: kilter.Assembly, contacts: kilter.ContactSet | None = None) -> bool | None:
-    """Whether forces hold it, by `check`; None: undecided."""
+    """Whether equilibrium forces exist according to `check`; None if undecided."""
     verdict = kilter.check(assembly, contacts=contacts, require="equilibrium", effort=0)
     return None if verdict.verdict == "undecided" else verdict.stable
 
 
 def built(assembly: kilter.Assembly, absent: Any, held: Any) -> kilter.Assembly:
-    """A state as an assembly of its own, of the names of parts."""
+    """A state as a separate assembly, given the names of absent and held parts."""
     rest = assembly.without(list(absent)) if len(absent) else assembly
     return rest.with_grounded(list(held)) if len(held) else rest
 
 
 def proofs_wrong(assembly: kilter.Assembly, orders: Iterable[kilter.Order], tally: Tally) -> Any:
-    """What a reader of the proofs refuses."""
+    """Yield the proofs that are not verified."""
     for hold, order in enumerate(orders):
         tally[f"{order.verdict} with {hold}"] += 1
         if order.verdict != "none-found":
@@ -139,7 +139,7 @@ def proofs_wrong(assembly: kilter.Assembly, orders: Iterable[kilter.Order], tall
 
 
 def holds_wrong(orders: Sequence[kilter.Order]) -> Any:
-    """What the answers with more and more held have against one another."""
+    """Yield contradictions between the answers for increasing numbers of held parts."""
     for hold, (less, more) in enumerate(pairwise(orders)):
         if less.found and kind_of(more) != kind_of(less):
             yield f"{kind_of(less)}, but {kind_of(more)} with up to {hold + 1}"
@@ -150,7 +150,7 @@ def holds_wrong(orders: Sequence[kilter.Order]) -> Any:
 
 
 def states_wrong(assembly: kilter.Assembly, order: kilter.Order, tally: Tally) -> Any:
-    """What `check` says against the states of an order, and whether each part is put in once."""
+    """Yield states of an order that `check` rejects, and parts that are not inserted once."""
     names, there = np.array(assembly.names), assembly.geometry.grounded.copy()
     for step in order.steps:
         present, new = step.state.present, np.isin(names, step.parts)
@@ -167,7 +167,7 @@ def states_wrong(assembly: kilter.Assembly, order: kilter.Order, tally: Tally) -
 
 
 def brute_wrong(assembly: kilter.Assembly, orders: Sequence[kilter.Order], tally: Tally) -> Any:
-    """What all permutations of the parts say against the answers."""
+    """Yield contradictions between the answers and all permutations of the parts."""
     tally["by all orders"] += 1
     asked = Permuted(assembly)
     low, high = (asked.fewest(lambda *of, k=k: asked.cost(*of)[k]) for k in (0, 1))
@@ -183,7 +183,7 @@ def brute_wrong(assembly: kilter.Assembly, orders: Sequence[kilter.Order], tally
 
 
 class Permuted:
-    """All orders of an assembly, their states asked of `check`, their ways of the sweeps."""
+    """All permutations of an assembly's parts, with states judged by `check` and swept paths."""
 
     def __init__(self, assembly: kilter.Assembly) -> None:
         self.assembly, self.contacts = assembly, kilter.contacts(assembly)
@@ -192,7 +192,7 @@ class Permuted:
         self.needs, self.cost = cache(self._needs), cache(self._cost)
 
     def fewest(self, cost: Cost) -> int:
-        """The fewest parts held at once over all orders; `MOST` + 1: more, or there is none."""
+        """Fewest simultaneously held parts over all permutations; `MOST` + 1 for more or none."""
         best = MOST + 1
         for order in permutations(np.flatnonzero(~self.grounded).tolist()):
             present, most = (1 << len(self.assembly)) - 1, 0
@@ -206,12 +206,12 @@ class Permuted:
         return best
 
     def _cost(self, part: int, present: int) -> tuple[int, int]:
-        """`_needs` once a part has left by a way of one leg or two."""
+        """`_needs` after a part has left along a path of one or two segments."""
         out = any(self.removal.way_out(1 << part, present, legs=legs) for legs in (1, 2))
         return self.needs(present & ~(1 << part)) if out else (MOST + 1, MOST + 1)
 
     def _needs(self, present: int) -> tuple[int, int]:
-        """The fewest parts with which a set may hold, and does, in so far as `check` decides."""
+        """Fewest held parts with which a set may hold, and with which `check` proves it to hold."""
         count, names = len(self.assembly), np.array(self.assembly.names)
         there = mask_of(present, count)
         pairs = self.contacts.patch_parts
@@ -231,7 +231,7 @@ class Permuted:
 
 
 def table(rows: list[dict[str, Any]]) -> None:
-    """Counts and worst times of each family."""
+    """Print the counts and longest times of each family."""
     for family in sorted({row["family"] for row in rows}):
         own = [row for row in rows if row["family"] == family]
         faults = [row for row in own if "fault" in row]

@@ -1,13 +1,13 @@
-"""Which way up, and by how much, with friction: are the answers true, and how long do they take?
+"""Census of regions, orientations and margins with friction: correctness and times.
 
     python benchmarks/region_census.py arch 300 -o census.jsonl     seeds 0 to 299
-    python benchmarks/region_census.py pile 500 -o census.jsonl     goes on where it was
+    python benchmarks/region_census.py pile 500 -o census.jsonl     continues a file
     python benchmarks/region_census.py --table census.jsonl
 
-Families: arch, pile, wedge, round (`tests/scenes/random_turned.py`). Each assembly is asked for
-region, orientation and margin in a process of its own; a fault where one takes a minute. Then
-`judge` is asked in random directions, and on either side of the boundary found, of the tilt
-margin and of the least friction; the three margins are compared.
+Families: arch, pile, wedge, round (`tests/scenes/random_turned.py`). Region, orientation and
+margin of each assembly are computed in a separate process; more than a minute for any of them is
+a fault. Then `judge` tests random directions, and both sides of the boundary, of the tilt margin
+and of the least friction. The three margins are compared with each other.
 """
 
 from __future__ import annotations
@@ -29,21 +29,22 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "scenes"))
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 LIMIT = 60.0
-"""Of each answer, of the processor [s]."""
+"""Time limit of each answer [CPU s]."""
 WAIT = 20 * LIMIT
-"""Until a process that says nothing is ended, on a machine that is shared [s]."""
+"""A process without any message for this time is ended; generous for a busy machine [s]."""
 RANDOM, EDGE = 200, 20
+"""Random directions, and directions at the boundary, that are tested per assembly."""
 NEAR = 1e-6
-"""How far on either side of a boundary it is asked [rad], and of a least friction [-]."""
+"""Distance of tests from a boundary of directions [rad], and from a least friction [relative]."""
 BALANCED = 1e-12
-"""What forces of a least friction may leave, so that no more is needed [-]."""
+"""Largest residual of the forces at the least friction [-]."""
 
 Answered = Callable[[str, int, int], Any]
-"""Parts of the row of a case, one after another: of a family, a seed, so many directions."""
+"""Function that yields the parts of a row: of a family, a seed and a number of directions."""
 
 
 def work(family: str, seed: int, pipe: Any, directions: int, answered: Answered) -> None:
-    """Answer one case, and send what is found on the way."""
+    """Compute the row of a case and send each new part to a pipe."""
     row: dict[str, Any] = {"family": family, "seed": seed}
     try:
         for part in answered(family, seed, directions):
@@ -57,7 +58,7 @@ def work(family: str, seed: int, pipe: Any, directions: int, answered: Answered)
 
 
 def turned(family: str, seed: int, directions: int) -> Any:
-    """Parts of the row of a case, one after another."""
+    """Yield the parts of a case's row: sizes, answers with times, contradictions."""
     import numpy as np
     from random_turned import random_turned
 
@@ -104,7 +105,7 @@ def turned(family: str, seed: int, directions: int) -> Any:
 
 
 def rechecked(program: Any, region: Any, margin: Any, turned: Any, count: int) -> dict[str, Any]:
-    """What `judge` says against the answers: counts, and every contradiction."""
+    """Test the answers with `judge`: counts of tests, and all contradictions."""
     import numpy as np
 
     from kilter.analysis.decision.judge import judge
@@ -139,7 +140,7 @@ def rechecked(program: Any, region: Any, margin: Any, turned: Any, count: int) -
 
 
 def directions_of(program: Any, region: Any, random: Any, count: int) -> Any:
-    """Half anywhere, half near the region; in the plane where planar."""
+    """Unit directions to test, half random and half near the region; in the plane if planar."""
     import numpy as np
 
     anywhere = random.normal(size=(count, 3))
@@ -155,7 +156,7 @@ def directions_of(program: Any, region: Any, random: Any, count: int) -> Any:
 
 
 def side_of(region: Any, down: Any, slack: float) -> tuple[bool, bool]:
-    """Whether a direction is within the inner cone, and beyond the outer one."""
+    """Whether a direction is within the inner cone, and whether it is outside the outer cone."""
     import numpy as np
 
     if region.exact or not len(region.facets):
@@ -172,7 +173,7 @@ def side_of(region: Any, down: Any, slack: float) -> tuple[bool, bool]:
 
 
 def edges(region: Any, program: Any, random: Any, count: int) -> Any:
-    """Pairs of directions just inside the inner cone and just beyond the outer one."""
+    """Yield pairs of directions just inside the inner cone and just outside the outer cone."""
     import numpy as np
 
     center = region.center
@@ -211,7 +212,7 @@ def edges(region: Any, program: Any, random: Any, count: int) -> Any:
 
 
 def margins_wrong(program: Any, margin: Any, turned: Any, region: Any) -> list[str]:
-    """What the margins, the verdicts on either side of them and the region have against another."""
+    """Contradictions between the margins, the verdicts on both sides of them, and the region."""
     import numpy as np
 
     from kilter.analysis.decision.judge import judge
@@ -235,7 +236,7 @@ def margins_wrong(program: Any, margin: Any, turned: Any, region: Any) -> list[s
                 before = margin.nearest.lower - NEAR
                 asked = [(-before, at(before), False)]
                 if region.center is not None and region.dimension == (2 if program.planar else 3):
-                    # straight on it may leave again by a side that it ran along
+                    # straight on, the path may leave the region by a side that it follows
                     asked.append((tilt, margin.tilt_down + NEAR * region.center, True))
             for angle, there, held in asked:
                 judged = judge(program.turned(there)).stable
@@ -265,10 +266,10 @@ def margins_wrong(program: Any, margin: Any, turned: Any, region: Any) -> list[s
 
 
 def friction_wrong(program: Any, found: Any) -> list[str]:
-    """What there is against a least friction: at its two sides, and of how far they are apart.
+    """Contradictions of a least friction: on its two sides, and in the distance of the bounds.
 
-    The sides may be farther apart than `NEAR` only where no motion tells them nearer: four times
-    as near to the limit none is found.
+    The bounds may be farther apart than `NEAR` only if no motion narrows them: at a quarter of
+    the distance no motion exists.
     """
     import numpy as np
 
@@ -299,7 +300,7 @@ def friction_wrong(program: Any, found: Any) -> list[str]:
 def run(
     family: str, seed: int, directions: int, answered: Answered | None = None
 ) -> dict[str, Any]:
-    """One case in a process of its own."""
+    """Compute the row of a case in a separate process."""
     context = multiprocessing.get_context("fork")
     ours, theirs = context.Pipe(duplex=False)
     given = (family, seed, theirs, directions, answered or turned)
@@ -324,7 +325,7 @@ def run(
 
 
 def table(rows: list[dict[str, Any]]) -> None:
-    """Counts and worst times of each family."""
+    """Print the counts and longest times of each family."""
     for family in sorted({row["family"] for row in rows}):
         own = [row for row in rows if row["family"] == family]
         faults = [row for row in own if "fault" in row]
@@ -340,8 +341,8 @@ def table(rows: list[dict[str, Any]]) -> None:
         wrong = [row for row in own if row.get("wrong")]
         print(
             f"{family}: {len(own)} assemblies, {len(faults)} faults, {len(wrong)} with"
-            f" contradictions, {wide} with a gap or proof that is said to be missing;"
-            f" kinds {dict(kinds)}; asked {dict(tally)}; worst CPU seconds {worst}"
+            f" contradictions, {wide} that report a wide gap or a missing proof;"
+            f" kinds {dict(kinds)}; tests {dict(tally)}; longest CPU seconds {worst}"
         )
         for row in faults:
             print(f"  seed {row['seed']}: {row['fault']}")
@@ -350,7 +351,7 @@ def table(rows: list[dict[str, Any]]) -> None:
 
 
 def main(answered: Answered = turned, told: Callable[[list[dict[str, Any]]], None] = table) -> int:
-    """Ask them all, and tell the counts."""
+    """Run the census and print its table; return 1 if there is a fault or a contradiction."""
     parser = argparse.ArgumentParser()
     parser.add_argument("family", nargs="?")
     parser.add_argument("count", nargs="?", type=int, default=10)

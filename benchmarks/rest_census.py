@@ -1,23 +1,24 @@
-"""Random bodies on tables: is the well that `region --rests` tells of the well that there is?
+"""Census of energy wells: compares `region --rests` with an independent height computation.
 
     python benchmarks/rest_census.py            100 bodies
-    python benchmarks/rest_census.py 500 100    500, from seed 100 on
+    python benchmarks/rest_census.py 500 100    500 bodies, from seed 100 on
 
-Two in three are convex polyhedra of random corners and a random centre of mass, put down on each
-of their faces; the others are turned on a lathe: domes, roly-polies, bottles, cups, cones, shells.
-The height of the centre of mass over the lowest point is asked of their corners, or of their
-profile, each arc of it cut into 4,000 points: that shares nothing with kilter. Of each well it is
-asked whether
+Two thirds of the bodies are convex polyhedra with random corners and a random centre of mass,
+placed on each of their faces. The others are solids of revolution: domes, roly-polies, bottles,
+cups, cones, shells. The height of the centre of mass over the lowest point is computed from the
+corners, or from the profile with 4,000 points per arc, without any code of kilter. For each well
+the census tests:
 
-    rises       that height grows along 200 random ways out, up to the tilt that is told
-    costs       none of the 200 gets lower than the rest for less than the energy that is told
-    pass        over a net of 20,000 directions, and along those between neighbouring faces,
-                another rest is reached for that energy, and not for 1e-3 of its size less
-    falls       at the tilt that energy is reached, and beyond it falls (rounds)
-    stiffness   the height of a tilt of 0.1 is that of a ball with it, to 1e-3
+    rises       the height grows along 200 random directions of tilt, up to the reported tilt
+    costs       along none of them a lower height is reached for less than the reported energy
+    pass        on a grid of 20,000 directions, and along the arcs between neighbouring faces,
+                another rest is reached for that energy, but not for 1e-3 of the size less
+    falls       at the reported tilt that energy is reached, and the body falls beyond (rounds)
+    stiffness   the height at a tilt of 0.1 rad agrees with the reported stiffness to 1e-3
 
-and of each rest that is told without a well, whether some small tilt does not rise. Prints counts,
-the slowest, and what disagrees, which must be nothing. A case of more than 20 s counts as late.
+For each rest without a reported well, some small tilt must not raise the height. The command
+prints counts, the slowest case and the contradictions; the exit code is 1 if there are any. A case
+of more than 20 s counts as late.
 """
 
 from __future__ import annotations
@@ -49,14 +50,14 @@ G = 9.81
 DOWN = np.array([0.0, 0.0, -1.0])
 WAYS, NET, ALONG, PROFILE = 200, 20_000, 60, 4_000
 LATE = 20.0
-"""CPU seconds a case."""
+"""A case counts as late above this time [CPU s]."""
 
 
 @dataclass(frozen=True)
 class Case:
-    """A body as it stands: what kilter reads, and the points of its hull from its centre of mass.
+    """A standing body: its part, and the points of its hull relative to the centre of mass.
 
-    `points` are (n, 3); of a body of revolution (n, 2): distance from the axis, height.
+    `points`: shape (n, 3); of a body of revolution (n, 2), distance from the axis and height.
     """
 
     kind: str
@@ -64,7 +65,7 @@ class Case:
     points: Array
 
     def heights(self, directions: Array) -> Array:
-        """Of the centre of mass over the lowest point, for unit downs, shape (k,)."""
+        """Heights of the centre of mass over the lowest point for directions of gravity, (k,)."""
         if self.points.shape[1] == 3:
             return np.asarray((directions @ self.points.T).max(axis=1))
         aside = np.hypot(directions[:, 0], directions[:, 1])
@@ -73,7 +74,7 @@ class Case:
 
 
 def polyhedra(random: np.random.Generator) -> list[Case]:
-    """One polyhedron on each face of its hull, the foot of its centre of mass within or not."""
+    """A random polyhedron, once on each face of its hull."""
     cloud = random.normal(size=(int(random.integers(5, 14)), 3)) * random.uniform(0.4, 1.6, 3)
     cloud /= np.where(random.random() < 0.5, np.linalg.norm(cloud, axis=1), 1.0)[:, None]
     hull = ConvexHull(cloud)
@@ -94,7 +95,7 @@ def polyhedra(random: np.random.Generator) -> list[Case]:
 
 
 def rounds(random: np.random.Generator) -> list[Case]:
-    """One body of revolution of a random kind and size."""
+    """A body of revolution of a random kind and size."""
     a, b, c = random.uniform(0.2, 1.5, 3)
     kinds = {
         "dome": [(0, 0), (a, a, 0, a), (0, a)],
@@ -131,17 +132,17 @@ def _profile(steps: list[tuple[float, ...]]) -> Array:
     return np.vstack(points)
 
 
-# judging ------------------------------------------------------------------------------------
+# comparison ---------------------------------------------------------------------------------
 
 
 def way_out(angles: Array, way: float) -> Array:
-    """Unit downs tilted by angles towards a level direction, shape (n, 3)."""
+    """Unit directions of gravity tilted by angles (n,) towards an azimuth `way` [rad]; (n, 3)."""
     level = np.array([np.cos(way), np.sin(way), 0.0])
     return np.cos(angles)[:, None] * DOWN + np.sin(angles)[:, None] * level
 
 
 def disagreements(case: Case, well: Well | None, random: np.random.Generator) -> list[str]:
-    """What a well says that the heights do not."""
+    """Names of the tests in which a well contradicts the heights."""
     size = float(np.linalg.norm(case.points, axis=1).max())
     blur = 1e-6 * size if case.points.shape[1] == 2 else 1e-9 * size
     rest = float(case.heights(DOWN[None])[0])
@@ -180,7 +181,7 @@ def _mass(part: Part) -> float:
 
 
 def _passes(case: Case, tilt: float, top: float, rest: float, size: float) -> list[str]:
-    """Whether another rest is reached for the energy that is told, and not for less."""
+    """Contradictions of the reported barrier: another rest is reached for less, or not for it."""
     if case.points.shape[1] == 2:
         after = case.heights(way_out(np.array([tilt, tilt + 1e-3 * np.pi]), 0.0))
         level = abs(after[0] - top) < 1e-6 * size
@@ -208,7 +209,7 @@ def _passes(case: Case, tilt: float, top: float, rest: float, size: float) -> li
 
 
 def _over_edges(case: Case) -> list[float]:
-    """The ways straight over the edges of its base."""
+    """Azimuths perpendicular to the edges of the base [rad]."""
     if case.points.shape[1] == 2:
         return []
     base = case.points[case.points @ DOWN > (case.points @ DOWN).max() - 1e-9]
@@ -217,7 +218,7 @@ def _over_edges(case: Case) -> list[float]:
 
 
 def _other_rests(case: Case) -> Array:
-    """Normals of other faces over which the centre of mass lies, shape (k, 3)."""
+    """Normals of the other faces that contain the foot of the centre of mass, shape (k, 3)."""
     hull = ConvexHull(case.points)
     found = []
     for normal, offset, face in zip(
@@ -231,7 +232,10 @@ def _other_rests(case: Case) -> Array:
 
 
 def _arcs(case: Case) -> tuple[NDArray[np.int64], Array]:
-    """Directions between neighbouring faces, where it is cheapest to pass, and which are next."""
+    """Directions on the arcs between neighbouring faces, and pairs of successive directions.
+
+    The cheapest passes between rests lie on these arcs.
+    """
     hull = ConvexHull(case.points)
     first = np.repeat(np.arange(len(hull.simplices)), 3)
     second = hull.neighbors.reshape(-1)
@@ -246,7 +250,7 @@ def _arcs(case: Case) -> tuple[NDArray[np.int64], Array]:
 
 
 def _nearly_flat(case: Case) -> bool:
-    """Whether a face beside its base is less than a milliradian from it: both touch."""
+    """Whether a face next to the base differs by less than a milliradian; then both touch."""
     if case.points.shape[1] == 2:
         return False
     away = np.linalg.norm(ConvexHull(case.points).equations[:, :3] - DOWN, axis=1)
@@ -254,7 +258,7 @@ def _nearly_flat(case: Case) -> bool:
 
 
 def main() -> None:
-    """Counts, the slowest and what disagrees."""
+    """Run the census and print counts, the slowest case and the contradictions."""
     given = [int(one) for one in sys.argv[1:]]
     count, first = (given + [100, 0][len(given) :])[:2]
     counts: collections.Counter[str] = collections.Counter()

@@ -1,14 +1,14 @@
-"""Random round bodies on tables and on each other: do verdicts agree with closed forms?
+"""Census of random round bodies on tables and on each other: verdicts against closed forms.
 
     python benchmarks/round_census.py            300 scenes
-    python benchmarks/round_census.py 1000 300   1,000, from seed 300 on
+    python benchmarks/round_census.py 1000 300   1,000 scenes, from seed 300 on
 
-Half of the scenes are one body on the table of `with_floor`, at a random tilt or at rest, with a
-random centre of mass: it stays where that lies over the foot, known in closed form. The others are
-two bodies, touching, or off by .3 or 3 gap tolerances in or out: which contacts there are and what
-they hold follow from their points and normals, by non-negative least squares. Bodies are kilter's
-own, read from STEP files made by OCCT, or the same cut into fine meshes. Prints the count of every
-kind, the slowest, and what disagrees, which must be nothing.
+Half of the scenes are a body on the table of `with_floor`, tilted or at rest, with a random centre
+of mass. The body is stable if the centre is over the foot, which is known in closed form. The
+other scenes are two bodies, touching or displaced by 0.3 or 3 gap tolerances in or out. Their
+contact points and normals are known, and non-negative least squares gives the answer. Bodies are
+kilter shapes, STEP files made by OCCT, or fine meshes. The command prints the counts of all
+kinds, the slowest case and the contradictions; the exit code is 1 if there are any.
 """
 
 from __future__ import annotations
@@ -38,13 +38,13 @@ FINE = 0.06
 
 @dataclass(frozen=True)
 class Body:
-    """A body of revolution about z: how OCCT makes it, and what kilter has of it."""
+    """A body of revolution about z, as a solid of OCCT and as a shape of kilter."""
 
     kind: str
     size: tuple[float, ...]
 
     def made(self) -> object:
-        """OCCT's solid."""
+        """Solid of OCCT."""
         from OCP.BRepPrimAPI import (
             BRepPrimAPI_MakeCone,
             BRepPrimAPI_MakeCylinder,
@@ -71,12 +71,12 @@ class Body:
             return _cut(body, BRepPrimAPI_MakeCylinder(axes(-b), c, 2 * b).Shape())
         if self.kind == "socket":
             return _cut(body, _ball(c, b / 2))
-        if self.kind == "taper":  # a hole that opens upwards from nothing, 1 above the bottom
+        if self.kind == "taper":  # a conical hole that opens upwards, 1 above the bottom
             return _cut(body, BRepPrimAPI_MakeCone(axes(-b / 2), 0.0, c, b).Shape())
         return body
 
     def shape(self, way: str) -> Shape:
-        """As kilter's own, from a STEP file, or as a fine mesh."""
+        """Shape of kilter for `way`: "own", "step" (from a STEP file) or "mesh" (a fine mesh)."""
         if way == "own" and self.kind == "ball":
             return Sphere(self.size[0])
         if way == "own" and self.kind == "cylinder":
@@ -84,10 +84,10 @@ class Body:
         return _mesh(self.made()) if way == "mesh" else _step(self.made())
 
     def foot(self, down: Array) -> tuple[Array, Array]:
-        """Where the body rests on a plane across `down`: corners of its foot, and its rim.
+        """Foot of the body on a plane perpendicular to `down`: its corners, and a point of its rim.
 
-        The corners alone bear where the foot is a point or a line; else the foot is a disc
-        about the one corner, which the rim is a point of.
+        A foot that is a point or a line is given by the corners. Otherwise the foot is a disc about
+        a single corner, with the point on its rim.
         """
         along = float(down @ Z)
         aside = down - along * Z
@@ -104,7 +104,7 @@ class Body:
         return np.array(points), points[0]
 
     def _rings(self) -> list[tuple[float, float, float]]:
-        """Circles (radius, height) thickened by a ball, whose hull is the body's."""
+        """Circles (radius, height, thickness) whose thickened hull is the hull of the body."""
         a, b, c = (*self.size, 0.0, 0.0)[:3]
         return {
             "ball": [(0.0, 0.0, a)],
@@ -180,7 +180,7 @@ def _random_body(rng: np.random.Generator) -> Body:
 
 
 def _at_rest(body: Body, rng: np.random.Generator) -> Array:
-    """A direction of the body in which it rests on a plane, or any."""
+    """A direction of gravity in which the body rests on a plane, or a random direction."""
     ways = [Z, -Z, rng.normal(size=3)]
     if body.kind in ("cylinder", "capsule", "tube", "torus"):
         ways.append(np.array([*rng.normal(size=2), 0.0]))
@@ -188,7 +188,7 @@ def _at_rest(body: Body, rng: np.random.Generator) -> Array:
         a, b, h = body.size
         ways.append(np.array([h, 0.0, a - b]))
     if body.kind == "cone":
-        ways.remove(ways[0])  # on its tip: any tilt says it
+        ways.remove(ways[0])  # on its tip, every tilt is unstable
     down = ways[rng.integers(len(ways))]
     return np.asarray(down / np.linalg.norm(down))
 
@@ -197,13 +197,13 @@ def on_table(rng: np.random.Generator, way: str) -> tuple[str, Assembly, str]:
     """Kind, assembly and the expected verdict of a body on a table."""
     body = _random_body(rng)
     if body.kind == "torus" and way == "mesh":
-        way = "step"  # tori are not recognised in meshes: facets beside the lowest are open
+        way = "step"  # tori are not recognised in meshes; their contacts would be open
     down = _at_rest(body, rng)
     corners, rim = body.foot(down)
     share = float(rng.choice([0.0, 0.6, 0.95, 1.05, 2.0]))
     middle = corners.mean(axis=0)
     reach = rim - middle
-    if len(corners) == 1 and np.allclose(rim, corners[0]):  # a point: 0 or beside it
+    if len(corners) == 1 and np.allclose(rim, corners[0]):  # the foot is a point
         reach = np.cross(down, rng.normal(size=3))
         share = float(rng.choice([0.0, 2.0]))
     center = middle + share * reach - rng.uniform(0.1, 2) * down
@@ -220,7 +220,7 @@ def on_table(rng: np.random.Generator, way: str) -> tuple[str, Assembly, str]:
 
 @dataclass(frozen=True)
 class Touching:
-    """Two bodies: shapes, where the second is, contact points, normals on it, opening direction."""
+    """Two bodies: shapes, place of the second, contact points, normals, opening direction."""
 
     shapes: tuple[Shape, Shape]
     place: Array
@@ -230,7 +230,7 @@ class Touching:
     opening: Array
     rate: float
     fit: bool = False
-    """The gap is in the sizes; else the second body is moved along the opening direction."""
+    """Whether the gap is in the sizes; else the second body is moved along `opening`."""
 
 
 def _ball_on_ball(rng: np.random.Generator, way: str, gap: float) -> Touching:
@@ -350,14 +350,14 @@ FAMILIES: dict[str, Callable[[np.random.Generator, str, float], Touching]] = {
 TAU = 1e-4
 """Gap tolerance of the scenes of two bodies [mm]."""
 OFF = (0.0, 0.0, 0.3, -0.3, 3.0, -3.0)
-"""How far bodies are off, in gap tolerances."""
+"""Displacements of the second body [gap tolerance]."""
 UNSURE = 3e-3
-"""Least squares that leave less than this of a weight, but not nothing, are beside a limit."""
+"""A residual between rounding and this value is too close to a limit to decide [weight]."""
 
 
 @dataclass(frozen=True)
 class Scene:
-    """An assembly, how far off its second body is [gap tolerances], its verdict if it touched."""
+    """An assembly, the displacement `off` [gap tolerance], and the verdict without it."""
 
     family: str
     assembly: Assembly
@@ -366,7 +366,7 @@ class Scene:
 
 
 def on_each_other(rng: np.random.Generator, way: str) -> Scene:
-    """Two bodies, one of them held."""
+    """A random scene of a held and a free body."""
     family = str(rng.choice(list(FAMILIES)))
     off = 0.0 if way == "mesh" else float(rng.choice(OFF))
     made = FAMILIES[family](rng, way, off * TAU)
@@ -394,18 +394,18 @@ def on_each_other(rng: np.random.Generator, way: str) -> Scene:
 
 
 def _held(made: Touching, center: Array, down: Array) -> str:
-    """Whether forces at the contact points hold a body of weight 1: stable, unstable, or unsure."""
+    """Whether forces at the contact points hold a body of weight 1: stable, unstable, unsure."""
     arms = (made.points - center) / max(1.0, float(np.ptp(made.points, axis=0).max()))
     rows = np.hstack([made.normals, np.cross(arms, made.normals)])
     left = nnls(rows.T, np.array([*-down, 0, 0, 0]), maxiter=20000)[1]
     return "stable" if left < 1e-9 else "unsure" if left < UNSURE else "unstable"
 
 
-# what kilter says ---------------------------------------------------------------------------
+# comparison with kilter ---------------------------------------------------------------------
 
 
 def judged(scene: Scene) -> list[str]:
-    """What disagrees."""
+    """Contradictions between kilter and the expected answer of a scene."""
     wrong = []
     tolerance = Tolerance(gap=TAU)
     verdict = check(scene.assembly, tolerance=tolerance)
@@ -434,7 +434,7 @@ def _differs(found: str, expected: str) -> list[str]:
 
 
 def asked(seed: int) -> tuple[str, str, list[str]]:
-    """Family, expectation, and what disagrees, of one random scene."""
+    """Family, expected answer and contradictions of a random scene."""
     rng = np.random.default_rng(seed)
     way = str(rng.choice(["own", "step", "step", "mesh"]))
     if seed % 2:
@@ -446,7 +446,7 @@ def asked(seed: int) -> tuple[str, str, list[str]]:
 
 
 def main() -> int:
-    """Ask them all; 1 where something disagrees."""
+    """Run the census; return 1 if there is a contradiction."""
     words = [int(word) for word in sys.argv[1:]]
     count = words[0] if words else 300
     first = words[1] if len(words) > 1 else 0

@@ -1,12 +1,11 @@
-"""The same answer, bit for bit: alone, on a busy machine, with other hash seeds and threads.
+"""Reproducibility: answers must be equal, bit for bit, under different conditions.
 
-    python benchmarks/same_answer.py                 the scenes and 30 random assemblies
-    python benchmarks/same_answer.py ../shared/data  and the assemblies of a folder of folders
+    python benchmarks/same_answer.py            the scenes and 30 random assemblies
+    python benchmarks/same_answer.py FOLDER     also the assemblies in the subfolders of a folder
 
-Each assembly is checked in a process of its own under four conditions, and every number of the
-answer but `seconds` is compared: alone with one thread; beside four processes that keep the
-machine busy; with another PYTHONHASHSEED; with two threads. Prints what differs, which must be
-nothing.
+Each assembly is checked in a separate process under four conditions: alone with a single thread,
+next to four busy processes, with another PYTHONHASHSEED, and with two threads. All numbers of the
+answers except `seconds` are compared. The exit code is 1 if an answer differs.
 """
 
 from __future__ import annotations
@@ -22,9 +21,9 @@ from pathlib import Path
 sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "scenes"))
 
 RANDOM = 30
-"""Random assemblies."""
+"""Number of random assemblies."""
 LIMIT = 300
-"""Seconds that an assembly may take."""
+"""Time limit for an assembly [s]."""
 CONDITIONS = {
     "alone": {"PYTHONHASHSEED": "0", "threads": "1", "busy": "0"},
     "busy": {"PYTHONHASHSEED": "0", "threads": "1", "busy": "4"},
@@ -35,7 +34,7 @@ THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "RAYON_
 
 
 def subjects(folders: list[Path], into: Path) -> list[tuple[str, list[str]]]:
-    """Names, and what to type after ``kilter check``."""
+    """Names of the assemblies, and the arguments of ``kilter check`` for each."""
     from random_friction import random_assembly
 
     from kilter import dump
@@ -59,7 +58,7 @@ def subjects(folders: list[Path], into: Path) -> list[tuple[str, list[str]]]:
 
 
 def answered(words: list[str], condition: dict[str, str]) -> str:
-    """A digest of the answer without its times, or the exit code of what is refused."""
+    """Verdict and digest of the answer without times; else the exit code, or "late"."""
     known = dict.fromkeys(THREADS, condition["threads"])
     environment = os.environ | known | {"PYTHONHASHSEED": condition["PYTHONHASHSEED"]}
     spin = [sys.executable, "-c", "while True: pass"]
@@ -83,7 +82,7 @@ def answered(words: list[str], condition: dict[str, str]) -> str:
 
 
 def main() -> int:
-    """Compare them all; 1 where something differs."""
+    """Compare all assemblies; return 1 if an answer differs."""
     different = late = 0
     with tempfile.TemporaryDirectory() as folder:
         asked = subjects([Path(word) for word in sys.argv[1:]], Path(folder))
@@ -93,7 +92,7 @@ def main() -> int:
             different += not same
             late += "late" in answers.values()
             print(f"{name:<40} {answers['alone'] if same else answers}", flush=True)
-    print(f"{len(asked)} assemblies, {different} that differ, {late} that took too long to tell")
+    print(f"{len(asked)} assemblies, {different} that differ, {late} over the time limit")
     return int(bool(different))
 
 

@@ -1,9 +1,10 @@
-"""What second order adds to a verdict: CPU seconds of both, least of some runs, and the ratio.
+"""Cost of the second order: its CPU time, that of the verdict, and their ratio.
 
     python benchmarks/second_order_cost.py
 
-Walls of bricks on level faces, scenes of which nothing is neutral, and balls in bowls, each a
-cluster of its own. A verdict is contacts and forces of equilibrium from the geometry on.
+The cases are walls of bricks on level faces, scenes without neutral motions, and balls in bowls,
+each a separate cluster. The time of the verdict includes contact detection and equilibrium forces.
+Each time is the least of several runs.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ RUNS = 7
 
 
 def bowls(count: int) -> Assembly:
-    """Balls of radius .7 in bowls of radius 1.3."""
+    """Balls of radius 0.7 in bowls of radius 1.3."""
     parts, contacts = [Part("base", Box([1, 1, 1]), Pose([0, 0, -2]), grounded=True)], []
     feature = (Feature("face", curvature=-1 / 1.3), Feature("face", curvature=1 / 0.7))
     for k in range(count):
@@ -36,7 +37,7 @@ def bowls(count: int) -> Assembly:
 
 
 def cases() -> Iterator[tuple[str, Assembly]]:
-    """Names and assemblies."""
+    """Yield names and assemblies."""
     for count in (20, 100, 1000):
         yield f"wall of {count}", wall_of(count)
     for name in ("wall-with-lintel", "laden-slab", "corner-wedges", "pit-wedges", "closed-frame"):
@@ -46,7 +47,7 @@ def cases() -> Iterator[tuple[str, Assembly]]:
 
 
 def least(run: Callable[[], object]) -> float:
-    """CPU seconds of the quickest run."""
+    """CPU seconds of the fastest run."""
     seconds = []
     for _ in range(RUNS):
         started = time.process_time()
@@ -57,7 +58,7 @@ def least(run: Callable[[], object]) -> float:
 
 @on_one_thread
 def main() -> None:
-    """One row a case."""
+    """Print a row for each case."""
     print(f"{'':22} {'parts':>6} {'verdict':>9} {'second':>9} {'ratio':>6}  state")
     for name, assembly in cases():
         contacts = kilter.contacts(assembly)

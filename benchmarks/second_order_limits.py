@@ -1,12 +1,12 @@
-"""Limits of second order found by bisection: how near to each both sides are proved.
+"""Second-order limits by bisection: distance from the limit up to which each side is proved.
 
-    python benchmarks/second_order_limits.py            all cases of second order that have one
-    python benchmarks/second_order_limits.py 19 39      some of them, by number
+    python benchmarks/second_order_limits.py            all cases with a limit
+    python benchmarks/second_order_limits.py 19 39      selected cases, by number
 
-Two bisections a case, from 0.1 below the known limit to 0.1 above: the last parameter that is
-proved to be what it is below, and the first that is proved to be balanced. Between them the answer
-is open. A row says both less the limit; the command ends with 1 if one is on the wrong side, or
-farther than 1e-6.
+Each case has two bisections between 0.1 below and 0.1 above the known limit: the last parameter
+at which the state below is proved, and the first at which the state above is proved. Between them
+the answer is open. A row contains both parameters minus the limit. The exit code is 1 if a
+parameter is on the wrong side, or farther than 1e-6 from the limit.
 """
 
 from __future__ import annotations
@@ -24,10 +24,11 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "scenes"))
 from balance_cases import CASES, Case
 
 AROUND, WITHIN, RESOLVED = 0.1, 1e-6, 1e-7
+"""Half width of the bisected interval, largest allowed distance, accuracy [parameter]."""
 
 
 def last(holds: Callable[[float], bool], inner: float, outer: float) -> float:
-    """The farthest from `inner` towards `outer` at which it holds, to `RESOLVED`."""
+    """Bisect the last parameter from `inner` towards `outer` at which a property holds."""
     if not holds(inner):
         raise ValueError(f"it does not hold at {inner}")
     while abs(outer - inner) > RESOLVED:
@@ -37,7 +38,7 @@ def last(holds: Callable[[float], bool], inner: float, outer: float) -> float:
 
 
 def found_limits(case: Case) -> tuple[float, float]:
-    """The last parameter proved to be as below the limit, the first proved balanced; less it."""
+    """Last parameter with the state below proved, first with the state above; minus the limit."""
     limit = case.limit
     assert limit is not None
 
@@ -54,7 +55,7 @@ def found_limits(case: Case) -> tuple[float, float]:
 
 
 def right(below: float, above: float) -> bool:
-    """Whether both are on their side of the limit, and near."""
+    """Whether both parameters are on their side of the limit and close to it."""
     return -WITHIN <= below <= RESOLVED and -RESOLVED <= above <= WITHIN and below < above
 
 

@@ -1,15 +1,15 @@
-"""A wall from its file to its certificate: CPU seconds and peak memory of each stage.
+"""CPU time and peak memory of each stage, from a wall's file to its certificate.
 
     python benchmarks/stages.py                            1,000 and 10,000 bricks
     python benchmarks/stages.py 100000 --formats kilter    one format
-    python benchmarks/stages.py 1000000 --until contacts   as far as a stage
-    python benchmarks/stages.py 10000 --friction 0.6       with friction, and leaning
+    python benchmarks/stages.py 1000000 --until contacts   up to a stage
+    python benchmarks/stages.py 10000 --friction 0.6       leaning wall with friction
 
-The same wall in running bond, as a kilter file of boxes, and as meshes in COMPAS JSON, OBJ and
-binary STL (one soup of triangles, which is taken apart into its bodies). With friction it leans
-out of its plane by half of what it bears, as a kilter file: the others hold neither. Each row is
-a process of its own; `peak` is the most memory that it held until the end of the stage [GiB].
-Imports are no part of a stage. For before and after run it with PYTHONPATH set to either tree.
+The wall is a running bond, written as a kilter file of boxes and as meshes in COMPAS JSON, OBJ
+and binary STL (a single triangle mesh that is split into its bodies). With friction, the wall
+leans out of its plane by half of its limit; only kilter files contain friction and gravity. Each
+row is a separate process; `peak` is its largest memory up to the end of the stage [GiB]. Imports
+do not count. To compare two versions, set PYTHONPATH to each of them.
 """
 
 from __future__ import annotations
@@ -49,14 +49,14 @@ STAGES = ("read", "geometry", "contacts", "program", "solve", "certificate")
 FACES = np.array(
     [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
 )
-"""Faces of a box, corner k with bits x = 1, y = 2, z = 4."""
+"""Faces of a box; corner k has the bits x = 1, y = 2, z = 4."""
 LEAN = 0.5
-"""Tangent of the tilt, with friction: a share of that at which it overturns or slides [-]."""
+"""Tangent of the tilt with friction, over that at which the wall overturns or slides [-]."""
 CORNERS = np.array([[x - 0.5, y - 0.5, z - 0.5] for z in (0, 1) for y in (0, 1) for x in (0, 1)])
 
 
 def leaning_wall(bricks: int, friction: float) -> Any:
-    """A wall of about so many bricks that leans, and stands by its friction."""
+    """A leaning wall of about `bricks` bricks that friction holds."""
     from kilter.scenes.walls import BRICK, tilted_wall
 
     courses = max(1, round(bricks**0.5))
@@ -67,7 +67,7 @@ def leaning_wall(bricks: int, friction: float) -> Any:
 
 
 def write(form: str, bricks: int, friction: float, path: Path) -> None:
-    """The file of a wall of about so many bricks."""
+    """Write the file of a wall of about `bricks` bricks in a format."""
     import kilter
     from kilter.scenes.walls import wall_of
 
@@ -87,7 +87,7 @@ def write(form: str, bricks: int, friction: float, path: Path) -> None:
 
 
 def as_stl(corners: np.ndarray) -> bytes:
-    """One binary STL of all bricks, corners of shape (n, 8, 3)."""
+    """Binary STL of all bricks; `corners`, shape (n, 8, 3)."""
     triangles = np.concatenate([FACES[:, [0, 1, 2]], FACES[:, [0, 2, 3]]])
     kind = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("extra", "<u2")])
     rows = np.zeros(len(corners) * len(triangles), kind)
@@ -96,7 +96,7 @@ def as_stl(corners: np.ndarray) -> bytes:
 
 
 def as_obj(names: tuple[str, ...], corners: np.ndarray) -> list[str]:
-    """Lines of an OBJ file."""
+    """Lines of an OBJ file of the bricks."""
     lines = []
     for k, (name, own) in enumerate(zip(names, corners.tolist(), strict=True)):
         lines.append(f"o {name}\n")
@@ -106,7 +106,7 @@ def as_obj(names: tuple[str, ...], corners: np.ndarray) -> list[str]:
 
 
 def as_compas(wall: Any, corners: np.ndarray) -> dict[str, Any]:
-    """A COMPAS assembly."""
+    """COMPAS assembly of the bricks, as JSON data."""
     faces = {str(k): face for k, face in enumerate(FACES.tolist())}
     nodes = {}
     for k, (part, own) in enumerate(zip(wall.parts, corners.tolist(), strict=True)):
@@ -119,7 +119,7 @@ def as_compas(wall: Any, corners: np.ndarray) -> dict[str, Any]:
 
 
 def measured(path: Path, until: str) -> dict[str, Any]:
-    """Seconds and peak memory of each stage, and the verdict."""
+    """CPU seconds and peak memory of each stage, and the verdict, as a row."""
     for module in IMPORTED:
         importlib.import_module(module)
     import kilter
@@ -168,7 +168,7 @@ def measured(path: Path, until: str) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Run the benchmark, one process a row."""
+    """Run the benchmark with a separate process for each row."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("bricks", nargs="*", type=int, default=[1000, 10_000])
     parser.add_argument("--formats", nargs="*", choices=list(FORMATS))
@@ -181,7 +181,7 @@ def main() -> None:
         print(json.dumps(measured(Path(chosen.row[0]), chosen.row[1])))
         return
     if chosen.friction and chosen.formats not in (None, ["kilter"]):
-        parser.error("only kilter's own format holds friction and gravity: --formats kilter")
+        parser.error("only kilter files contain friction and gravity: use --formats kilter")
     formats = chosen.formats or (["kilter"] if chosen.friction else list(FORMATS))
     if not chosen.json:
         print(
@@ -202,7 +202,7 @@ def main() -> None:
 
 
 def row_text(row: dict[str, Any]) -> str:
-    """One row of the table: seconds and, in brackets, the peak memory."""
+    """A row of the table: CPU seconds and, in brackets, peak memory [GiB]."""
     found = {one["stage"]: f"{one['cpu']:.2f} ({one['peak']:.2f})" for one in row["stages"]}
     head = f"{row['bricks']:8d} {row['format']:7s} {row['megabytes']:7.1f}"
     return " ".join([head, *(f"{found.get(one, '-'):>16s}" for one in STAGES), str(row["verdict"])])

@@ -1,13 +1,13 @@
-"""Walls of 1,000 to 100,000 bricks, stable and unstable: seconds and memory of each stage.
+"""Time and memory of each stage for stable and unstable walls of 1,000 to 100,000 bricks.
 
     python benchmarks/walls.py                    1,000 and 10,000 bricks
     python benchmarks/walls.py 1000 10000 100000
 
-`motion` finds the accelerations of an unstable wall; `residual` is how far they are from the
-conditions of Gauss's principle, in units of g. Each row is a process of its own, so that its
-peak memory is its own. `factor` is one sparse factorisation of the normal matrix J^T J (nested
-dissection by the centres of the parts, SuperLU): the price of one step of an interior point,
-as a yardstick of the machine. The machine may be shared: compare ratios within one run.
+`motion` computes the accelerations of an unstable wall; `residual` is their error in the
+conditions of Gauss's principle [g]. Each row is a separate process, so that peak memory is
+measured separately. `factor` is a sparse factorisation of the normal matrix J^T J (nested
+dissection by the centres of the parts, SuperLU), the cost of an interior-point step, as a
+reference for the machine. On a busy machine, compare only ratios within a run.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ STAGES = ("build", "geometry", "contacts", "program", "solve", "certificate", "m
 
 
 def build(kind: str, bricks: int) -> Any:
-    """A running-bond wall: whole, on too short a base, or with one brick in the air."""
+    """A running-bond wall: complete, on a short base, or with an unsupported brick."""
     from kilter.scenes import walls
 
     if kind == "stable":
@@ -52,8 +52,8 @@ def build(kind: str, bricks: int) -> Any:
 
 
 def measured(kind: str, bricks: int, *, factor: bool) -> dict[str, Any]:
-    """Seconds of each stage, and what came out."""
-    for module in IMPORTED:  # imports are no part of a stage
+    """Seconds of each stage, and the results, as a row."""
+    for module in IMPORTED:  # imports do not count for a stage
         importlib.import_module(module)
 
     from kilter.analysis.decision.judge import judge
@@ -98,7 +98,7 @@ def measured(kind: str, bricks: int, *, factor: bool) -> dict[str, Any]:
 
 
 def factorise(program: Any) -> None:
-    """One factorisation of J^T J, nested dissection by the centres of the parts."""
+    """Factorise J^T J once, with nested dissection by the centres of the parts."""
     from scipy.sparse import eye_array
     from scipy.sparse.linalg import splu
 
@@ -117,7 +117,7 @@ def factorise(program: Any) -> None:
 
 
 def dissected(program: Any, free: np.ndarray) -> Iterator[np.ndarray]:
-    """Positions of the free parts, halves first and what separates them last."""
+    """Nested dissection of the free parts: yields both halves, then their separator."""
     from scipy.sparse import csr_array
 
     number = np.full(len(program.names) + 1, -1)
@@ -146,7 +146,7 @@ def dissected(program: Any, free: np.ndarray) -> Iterator[np.ndarray]:
 
 
 def main() -> None:
-    """Run the benchmark, one process a row."""
+    """Run the benchmark with a separate process for each row."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("bricks", nargs="*", type=int, default=[1000, 10_000])
     parser.add_argument("--kinds", nargs="*", choices=KINDS, default=list(KINDS))
@@ -169,7 +169,7 @@ def main() -> None:
 
 
 def row_text(row: dict[str, Any]) -> str:
-    """One row of the table."""
+    """A row of the table."""
     figures = [f"{row['seconds'].get(stage, float('nan')):11.4f}" for stage in STAGES]
     head = f"{row['kind']:9s} {row['bricks']:7d} {row['verdict']:>9s}"
     residual = "-" if row["residual"] is None else f"{row['residual']:.1e}"

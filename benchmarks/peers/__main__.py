@@ -1,16 +1,15 @@
-"""kilter beside its peers, in one run: who is right, how soon, with how much memory.
+"""Comparison of kilter with other programs: correctness, time and memory.
 
     pip install -e ".[peers]"
-    python benchmarks/peers                            all, into results/here.csv
-    python benchmarks/peers --only walls -t kilter     some cases or families, some tools
+    python benchmarks/peers                            everything, into results/here.csv
+    python benchmarks/peers --only walls -t kilter     selected cases or families, selected tools
     python benchmarks/peers --page                     docs/benchmarks.md, from the results
 
-Each answer has the same limit of processor time and is asked for in three runs; their
-median counts. Each wall is a process of its own, on one thread, with a limit of memory;
-tools take turns, wall by wall. The small cases near limits share a process a tool; one that
-ends it has its row, and the rest goes on in another. A tool that is not installed is left out,
-and said so. Rows that a file has are kept, and only what is missing is run, so that a long row
-needs one run; `--again` measures anew.
+All answers have the same limit of CPU time; the median of three runs counts. Each wall runs in a
+separate process on a single thread with a memory limit; the tools alternate wall by wall. The
+small cases near limits share a process per tool. A case that ends the process gets its row, and
+the remaining cases continue in a new process. Missing tools are left out with a message. Rows in
+the file are kept and only missing rows are measured; `--again` measures all rows.
 """
 
 from __future__ import annotations
@@ -32,16 +31,16 @@ from closed_forms import CASES, Case
 from tools import RUNS, TOOLS, Row, Tool, answered, spent, truth
 
 LIMITS = {"seconds": 100.0, "gib": 8.0}
-"""Of the processor, an answer, and of memory, a process."""
+"""Limits of an answer [CPU s] and of the memory of a process [GiB]."""
 QUIET = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 WAIT = 30.0
-"""Seconds of the clock that a second of the processor may take on a busy machine."""
+"""Wall-clock time allowed per CPU second, for a busy machine [-]."""
 READY = 20.0
-"""Seconds of the processor for imports and what a tool needs to be made ready."""
+"""Time allowed for imports and preparation of a tool [CPU s]."""
 
 
 def measured(cases: list[Case], tool: Tool, seconds: float, gib: float) -> list[Row]:
-    """Rows of one process with limits, one at least; the last may say why it ended early."""
+    """Rows of a process with limits; if it ends early, the last row contains the reason."""
     names = [case.name for case in cases]
     words = [sys.executable, str(Path(__file__).parent), "--seconds", str(seconds)]
     words += ["--row", tool.name, *names]
@@ -70,7 +69,7 @@ def measured(cases: list[Case], tool: Tool, seconds: float, gib: float) -> list[
     word, used = "crashed", spent() - before
     if "MemoryError" in said or "bad_alloc" in said:
         word = "memory"
-    elif -code in (signal.SIGPROF, signal.SIGKILL):  # over its limit, or our patience
+    elif -code in (signal.SIGPROF, signal.SIGKILL):  # over the CPU limit, or killed after WAIT
         word, last = "time", ""
         used = seconds if -code == signal.SIGPROF else used
     blank = Row(case.family, case.name, tool.name, 0, 0, truth(case), word, used, 1, 0.0, last[:80])
@@ -78,7 +77,7 @@ def measured(cases: list[Case], tool: Tool, seconds: float, gib: float) -> list[
 
 
 def too_large(case: Case, tool: Tool, rows: dict[tuple[str, str], Row]) -> bool:
-    """Did the tool already give up on a smaller wall?"""
+    """Whether the tool exceeded its limits on a smaller wall."""
     walls = [other.name for other in CASES.values() if other.family == "walls"]
     if case.family != "walls":
         return False
@@ -88,14 +87,14 @@ def too_large(case: Case, tool: Tool, rows: dict[tuple[str, str], Row]) -> bool:
 
 
 def main() -> None:
-    """Run what is asked for, one process an answer."""
+    """Run the requested measurements and write the page."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("-o", type=Path, default=results.FOLDER / "here.csv")
     parser.add_argument("--only", nargs="*", default=[], help="families or cases")
     parser.add_argument("-t", "--tools", nargs="*", choices=list(TOOLS), default=list(TOOLS))
     parser.add_argument("--seconds", type=float, default=LIMITS["seconds"])
     parser.add_argument("--gib", type=float, default=LIMITS["gib"])
-    parser.add_argument("--again", action="store_true", help="measure what is there anew")
+    parser.add_argument("--again", action="store_true", help="measure existing rows again")
     parser.add_argument("--page", action="store_true", help="write the page, run nothing")
     parser.add_argument("--row", nargs="+", metavar="TOOL CASE", help=argparse.SUPPRESS)
     chosen = parser.parse_args()
@@ -111,7 +110,7 @@ def main() -> None:
 
 
 def run(chosen: argparse.Namespace) -> None:
-    """Measure, and keep the file after each process."""
+    """Measure missing rows, and write the file after each process."""
     there = results.read(chosen.o)[1] if chosen.o.exists() else []
     rows = {(row.case, row.tool): row for row in there}
     tools = [TOOLS[name] for name in chosen.tools]
@@ -135,7 +134,7 @@ def run(chosen: argparse.Namespace) -> None:
 
 
 def groups(only: set[str]) -> Iterator[list[Case]]:
-    """Cases that may share a process: each wall alone, all others by family."""
+    """Yield groups of cases that share a process: each wall alone, all others by family."""
     chosen = [case for case in CASES.values() if not only or {case.name, case.family} & only]
     for family in dict.fromkeys(case.family for case in chosen):
         members = [case for case in chosen if case.family == family]
@@ -143,7 +142,7 @@ def groups(only: set[str]) -> Iterator[list[Case]]:
 
 
 def keep(path: Path, rows: dict[tuple[str, str], Row], seconds: float) -> None:
-    """All rows into the file, in the order of cases and tools, with the limit they had."""
+    """Write all rows to the file in the order of cases and tools, with the time limit."""
     order = {key: k for k, key in enumerate((case, tool) for case in CASES for tool in TOOLS)}
     known = [row for key, row in rows.items() if key in order]
     about = results.about() | {"limit": f"{seconds:g} s an answer"}
@@ -151,7 +150,7 @@ def keep(path: Path, rows: dict[tuple[str, str], Row], seconds: float) -> None:
 
 
 def told(row: Row) -> str:
-    """A row as a line."""
+    """A row as a line of text."""
     return (
         f"{row.case:28s} {row.tool:22s} {row.truth:6s} {row.answer:8s}"
         f" {row.seconds:10.4f} s {row.peak:8.1f} MiB  {row.note}"

@@ -1,14 +1,14 @@
-"""compas_cra: rigid-block equilibrium and coupled rigid-block analysis, by IPOPT.
+"""Adapters for compas_cra: rigid-block equilibrium (RBE) and coupled rigid-block analysis (CRA).
 
-It is handed the patches that kilter found, so that both see the same contacts, turned upright,
-since its gravity points along -z. Its tolerances are absolute, so length and density matter:
-CRA is asked twice, as its examples are made (`EXAMPLES`), and with the pair that was fastest
-on leaning walls among lengths of 0.3 to 1.7 and densities of 0.05 and 1 (`TUNED`), ten to thirty
-times so. Its other options are its own.
+Both use IPOPT. compas_cra receives the patches that kilter detected, so that both have the same
+contacts, rotated upright, because its gravity is along -z. Its tolerances are absolute, so that
+length and density matter. CRA runs twice: in the units of its examples (`EXAMPLES`), and in the
+fastest units for leaning walls among lengths of 0.3 to 1.7 and densities of 0.05 and 1 (`TUNED`),
+which are ten to thirty times faster. Other options have their default values.
 
-RBE always answers, with pulls where pushes cannot balance, at 10^6 times the price: it is
-read as "falls" where the pulls come to more than `PULL` of a mean weight. CRA is read by its
-status: converged, proved locally infeasible, or neither.
+RBE always answers, with tension at 10^6 times the cost if compression cannot balance. It counts as
+"falls" if the tension exceeds `PULL` of a mean weight. The answer of CRA is its status: converged,
+locally infeasible, or neither.
 """
 
 from __future__ import annotations
@@ -22,10 +22,11 @@ import numpy as np
 from question import Question
 
 EXAMPLES = (3**0.5, 1.0)
-"""Mean diagonal of the free parts, that of a unit cube, and mean density."""
+"""Mean diagonal of the free parts (that of a unit cube) and mean density, as in its examples."""
 TUNED = (0.6, 0.05)
+"""Mean diagonal and mean density at which it is fastest."""
 PULL = 1e-3
-"""Sum of the pulls over the mean weight of a part, from which on they are no rounding [-]."""
+"""Smaller sums of tension count as rounding [mean weight of a part]."""
 
 
 def assembled(question: Question, units: tuple[float, float]) -> tuple[Any, float]:
@@ -63,7 +64,7 @@ def assembled(question: Question, units: tuple[float, float]) -> tuple[Any, floa
 
 
 def rbe(question: Question) -> Callable[[], tuple[str, str]]:
-    """`rbe_solve`: equilibrium with pulls that cost."""
+    """`rbe_solve`: equilibrium with penalised tension."""
     from compas_cra.equilibrium import rbe_solve
 
     made, weight = assembled(question, EXAMPLES)
@@ -84,12 +85,12 @@ def rbe(question: Question) -> Callable[[], tuple[str, str]]:
 
 
 def cra(question: Question) -> Callable[[], tuple[str, str]]:
-    """`cra_solve`, as its examples are made."""
+    """`cra_solve` in the units of its examples."""
     return _cra(question, EXAMPLES)
 
 
 def cra_tuned(question: Question) -> Callable[[], tuple[str, str]]:
-    """`cra_solve`, in the units that suit it best."""
+    """`cra_solve` in its fastest units."""
     return _cra(question, TUNED)
 
 
@@ -108,7 +109,7 @@ def _cra(question: Question, units: tuple[float, float]) -> Callable[[], tuple[s
 
 
 def attempted(solve: Callable[..., Any], made: Any, mu: float) -> str:
-    """What it says where it fails; what it prints is kept quiet."""
+    """Run a solver without its output; return the error message, empty on success."""
     with contextlib.redirect_stdout(io.StringIO()):
         try:
             solve(made, mu=mu)

@@ -1,4 +1,4 @@
-"""kilter: the whole verdict, and the question of equilibrium alone."""
+"""Adapter for kilter: the complete verdict, and equilibrium alone."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from collections.abc import Callable
 from question import Question
 
 WORDS = {"stable": "holds", "settles": "holds", "unstable": "falls"}
-"""What else `check` says leaves the question open."""
+"""Answers by verdict; every other verdict counts as open."""
 
 
 def verdict(question: Question) -> Callable[[], tuple[str, str]]:
-    """`kilter.check` with the contacts found before: with tries and neutral motions."""
+    """`kilter.check` with known contacts, including tries and neutral motions."""
     import kilter
 
     assembly, contacts = question.assembly, question.contacts
@@ -24,7 +24,7 @@ def verdict(question: Question) -> Callable[[], tuple[str, str]]:
 
 
 def equilibrium(question: Question) -> Callable[[], tuple[str, str]]:
-    """Are there contact forces that balance: with a certificate either way."""
+    """Existence of equilibrium forces, with a certificate for either answer."""
     from kilter.analysis.decision.judge import judge
 
     program = question.program

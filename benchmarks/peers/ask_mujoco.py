@@ -1,10 +1,9 @@
-"""MuJoCo: let it settle, and see whether it moved.
+"""Adapter for MuJoCo: simulate, and test whether a part moved.
 
-Tuned against slip as its documentation advises (*Modeling*, on solver parameters): elliptic
-cones, a large `impratio`, Newton with a small tolerance, the Noslip solver; contacts as stiff
-as two steps allow. Parts are about one long and one heavy, so that its seconds and
-millimetres fit. A part that moves by more than `MOVED` of its size within `SECONDS` falls; it
-is watched on the way, so that what falls is told early.
+The settings reduce slip as its documentation recommends (*Modeling*, solver parameters): elliptic
+cones, a large `impratio`, Newton with a small tolerance, the Noslip solver, and contacts as stiff
+as two steps allow. The scene is scaled so that parts have sizes and masses of about 1. A part that
+moves by more than `MOVED` of its size within `SECONDS` falls; the simulation then stops early.
 """
 
 from __future__ import annotations
@@ -16,19 +15,19 @@ import numpy as np
 from question import Question
 
 STEP = 0.002
-"""[s]"""
+"""Time step [s]."""
 SECONDS = 10.0
-"""Simulated [s]."""
+"""Simulated time [s]."""
 MOVED = 0.05
-"""Of the size of a part [-]."""
+"""Displacement at which a part counts as moved [size of the part]."""
 LOOKS = 100
-"""Steps between two looks."""
+"""Steps between two tests for displacements."""
 OPTION = f"""<option timestep="{STEP}" cone="elliptic" impratio="100" solver="Newton"
  iterations="100" tolerance="1e-10" noslip_iterations="20" gravity="{{gravity}}"/>"""
 
 
 def model_of(question: Question) -> str:
-    """The scene as MJCF: convex parts, a free joint each."""
+    """The assembly as MJCF: convex parts, with a free joint for each free part."""
     geometry, assembly = question.assembly.geometry, question.assembly
     length, weight = question.length, question.weight
     mu, condim = (assembly.friction, 3) if assembly.friction > 0 else (1.0, 1)
@@ -66,7 +65,7 @@ def numbers(values: np.ndarray) -> str:
 
 
 def settle(question: Question) -> Callable[[], tuple[str, str]]:
-    """Step by step until something moved, or the time is over."""
+    """Simulate until a part has moved, or the time is over."""
     import mujoco
 
     model = mujoco.MjModel.from_xml_string(model_of(question))

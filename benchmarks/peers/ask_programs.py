@@ -1,9 +1,9 @@
-"""The same question as a plain linear program, and one factorisation as the floor.
+"""Adapters for plain linear programs, and a single factorisation as lower bound.
 
     find f >= 0 with J^T f + w = 0
 
-in SI units as they come, each cone of friction an inner pyramid of `SIDES` rays. Default
-settings of both solvers; what the status says is the answer.
+The programs are in SI units without scaling; each friction cone is an inner pyramid of `SIDES`
+rays. Both solvers have default settings, and their status is the answer.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ SIDES = 8
 
 
 def balance(question: Question) -> tuple[Any, Any]:
-    """J^T, sparse by columns, and -w, of the rays of the pyramids."""
+    """J^T for the rays of the pyramids, sparse by columns, and -w."""
     from kilter.mechanics.coulomb_cones import pyramid
 
     program = question.program
@@ -44,7 +44,7 @@ def linprog(question: Question) -> Callable[[], tuple[str, str]]:
 
 
 def highs(question: Question) -> Callable[[], tuple[str, str]]:
-    """HiGHS by its own interface."""
+    """HiGHS through highspy."""
     import highspy
 
     matrix, right = balance(question)
@@ -73,7 +73,7 @@ def highs(question: Question) -> Callable[[], tuple[str, str]]:
 
 
 def factorisation(question: Question) -> Callable[[], tuple[str, str]]:
-    """One sparse factorisation of J^T J: no answer, but none of these can do without."""
+    """A sparse factorisation of J^T J: no answer, but a step that every solver needs."""
     sys.path.append(str(Path(__file__).resolve().parents[1]))
     from walls import factorise
 

@@ -1,8 +1,8 @@
-"""What is asked: assemblies whose answer follows from a closed form, and what it is.
+"""Cases of the comparison: assemblies with known answers from closed forms.
 
-`walls` grow; the others stand at a limit, a little inside and a little outside: two percent of
-a load or a length, a hundredth of a degree, masses and sizes that differ by many powers of
-ten. Only parts, gravity and friction are given, so that every tool can be asked.
+`walls` have increasing sizes. The other cases are slightly inside or outside a limit: by two
+percent of a load or a length, or by a hundredth of a degree; masses and sizes differ by many
+powers of ten. The cases contain only parts, gravity and friction, which every tool accepts.
 """
 
 from __future__ import annotations
@@ -23,30 +23,31 @@ from kilter.scenes.walls import tilted_wall
 __all__ = ["CASES", "SIZES", "Case"]
 
 SIZES = (10, 30, 100, 300, 1000, 10_000)
-"""Bricks of the walls, about."""
+"""Approximate numbers of bricks of the walls."""
 SHARES = (0.98, 1.02)
-"""Of a limit: stable below 1, unstable above."""
+"""Shares of a limit; stable below 1, unstable above."""
 NEAR = 0.01
-"""How far from the limit the angles are [deg]."""
+"""Distance of angles from their limit [deg]."""
 POWERS = (2, 4, 6, 8)
-"""A mass is 10^-k of the other."""
+"""Exponents k of the ratio 10^-k of two masses."""
 SMALL = (2, 4, 6)
-"""A side is 10^-k of the other."""
+"""Exponents k of the ratio 10^-k of two sides."""
 
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """An assembly and what it does.
+    """An assembly with its known answer.
 
     Attributes
     ----------
     family : str
     name : str
     holds : bool
-        By the closed form.
+        Whether the parts hold, by the closed form.
     build : callable
+        Function that builds the assembly.
     limit : str
-        The closed form, in words.
+        Closed form in words.
     """
 
     family: str
@@ -57,10 +58,10 @@ class Case:
 
 
 def leaning_wall(courses: int, per_course: int, share: float, friction: float = 0.6) -> Assembly:
-    """A wall of 200 x 100 x 60 mm bricks, tilted by a share of what it bears.
+    """A wall of 200 x 100 x 60 mm bricks, tilted by a share of its limit.
 
-    It overturns as one about its lower edge, tan = 0.1 / (0.06 courses), or slides on the
-    base, tan = friction, whichever is less.
+    The wall overturns as a whole about its lower edge at tan = 0.1 / (0.06 courses), or slides on
+    the base at tan = friction, whichever is less.
     """
     limit = min(0.1 / (0.06 * courses), friction)
     angle = degrees(atan(share * limit))
@@ -68,9 +69,9 @@ def leaning_wall(courses: int, per_course: int, share: float, friction: float = 
 
 
 def sliding(angle: float, azimuth: float) -> Assembly:
-    """A cube on a held one, friction 1/2; gravity leans toward an azimuth from its edges [deg].
+    """A cube on a held cube with friction 1/2; gravity leans toward an azimuth [deg].
 
-    It slides where tan(angle) exceeds the friction, whatever the azimuth.
+    The cube slides if tan(angle) exceeds the friction, for every azimuth.
     """
     lean, around = np.radians(angle), np.radians(azimuth)
     aside = np.sin(lean) * np.array([np.cos(around), np.sin(around)])
@@ -78,9 +79,9 @@ def sliding(angle: float, azimuth: float) -> Assembly:
 
 
 def loaded(mass: tuple[float, float], side: float, share: float) -> Assembly:
-    """A cube on a unit cube on a held one, `share` of its side past the edge.
+    """A cube on a unit cube on a held cube, with `share` of its side beyond the edge.
 
-    It tips where its middle is past the edge, share > 1/2, whatever it weighs and measures.
+    The upper cube tips if its middle is beyond the edge, share > 1/2, for every mass and size.
     """
     lower, upper = mass
     start = 0.5 - side + share * side
@@ -167,4 +168,4 @@ def _contrasts() -> Iterator[Case]:
 
 
 CASES = {case.name: case for family in (_walls, _limits, _angles, _contrasts) for case in family()}
-"""By name."""
+"""All cases by name."""

@@ -1,4 +1,4 @@
-"""The page of results, `docs/benchmarks.md` with its plots, from the files of rows alone."""
+"""Writes the page of results, `docs/benchmarks.md`, and its plots from the files of rows."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ TEMPLATE = Path(__file__).with_name("page.md")
 RIGHT, WRONG, NONE = "right", "**wrong**", "no answer"
 NEVER = {"time": "over the time", "memory": "over the memory"}
 FASTER = 300
-"""Bricks at which kilter and CRA are compared."""
+"""Number of bricks at which kilter and CRA are compared."""
 
 
 def made(folder: Path = results.FOLDER) -> dict[str, str]:
-    """The page and its plots: text by path under docs."""
+    """Texts of the page and its plots, by path relative to docs."""
     files: dict[str, str] = {}
     sections = []
     for path in sorted(folder.glob("*.csv")):
@@ -50,13 +50,13 @@ def made(folder: Path = results.FOLDER) -> dict[str, str]:
 
 
 def write() -> None:
-    """Into the docs."""
+    """Write the page and its plots into the docs."""
     for name, text in made().items():
         (DOCS / name).write_text(text, encoding="utf-8")
 
 
 def section(name: str, about: dict[str, str], rows: Sequence[Row], plot: str) -> str:
-    """What one machine found."""
+    """Section of the page with the results of a machine."""
     said = ", ".join(f"{key} {value}" for key, value in about.items())
     walls = [row for row in rows if row.family == "walls"]
     near = [row for row in rows if row.family != "walls"]
@@ -78,7 +78,7 @@ def section(name: str, about: dict[str, str], rows: Sequence[Row], plot: str) ->
 
 
 def sizes(rows: Sequence[Row]) -> str:
-    """Seconds and memory of each tool, one row a size."""
+    """Table of seconds and memory of each tool, with a row for each size."""
     tools = [name for name in TOOLS if any(row.tool == name for row in rows)]
     found = {(row.case, row.tool): row for row in rows}
     table = ["| bricks | " + " | ".join(tools) + " |", "|--:" * (len(tools) + 1) + "|"]
@@ -90,7 +90,7 @@ def sizes(rows: Sequence[Row]) -> str:
 
 
 def figure(row: Row | None) -> str:
-    """Seconds and memory of a row, or why there are none."""
+    """Seconds and memory of a row, or the reason why they are missing."""
     if row is None:
         return ""
     if not row.answer or row.answer == row.truth:
@@ -101,14 +101,14 @@ def figure(row: Row | None) -> str:
 
 
 def shown(seconds: float) -> str:
-    """To two digits."""
+    """Seconds with two digits."""
     if seconds >= 100:
         return f"{seconds:,.0f}"
     return f"{seconds:.2g}" if seconds >= 0.001 else f"{seconds:.4f}"
 
 
 def compared(rows: Sequence[Row]) -> list[str]:
-    """How much sooner kilter answers than CRA, at the largest wall of both."""
+    """Sentences with the ratio of the times of CRA and kilter at the largest common wall."""
     said = []
     found = {(row.case, row.tool): row for row in rows}
     for tool in ("compas_cra CRA", "compas_cra CRA, tuned"):
@@ -130,7 +130,7 @@ def compared(rows: Sequence[Row]) -> list[str]:
 
 
 def lines(rows: Sequence[Row]) -> list[Line]:
-    """Seconds by bricks of each tool, of the walls it came to an end with."""
+    """Lines of the plot: seconds over bricks for each tool, for the walls that it finished."""
     made = []
     for name in TOOLS:
         points = [
@@ -144,12 +144,12 @@ def lines(rows: Sequence[Row]) -> list[Line]:
 
 
 def answering(rows: Sequence[Row]) -> list[str]:
-    """Tools that give answers."""
+    """Names of the tools that give answers."""
     return [name for name in TOOLS if any(row.tool == name and row.answer for row in rows)]
 
 
 def judged(row: Row | None) -> str:
-    """Right, wrong or no answer."""
+    """Word for the answer of a row: right, wrong or no answer."""
     if row is None:
         return ""
     if row.answer not in ("holds", "falls"):
@@ -158,7 +158,7 @@ def judged(row: Row | None) -> str:
 
 
 def counts(rows: Sequence[Row]) -> str:
-    """How often each tool was right, by family."""
+    """Table of the numbers of right answers of each tool, by family."""
     tools = answering(rows)
     families = list(dict.fromkeys(row.family for row in rows))
     table = [
@@ -178,7 +178,7 @@ def counts(rows: Sequence[Row]) -> str:
 
 
 def cases(rows: Sequence[Row]) -> str:
-    """Who is wrong where."""
+    """Table of the answers of each tool for each case."""
     tools = answering(rows)
     found = {(row.case, row.tool): row for row in rows}
     table = [

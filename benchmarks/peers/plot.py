@@ -1,4 +1,4 @@
-"""A plot with two logarithmic axes as plain SVG: the same text from the same numbers."""
+"""Plot with two logarithmic axes as plain SVG; equal numbers give equal text."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ STYLE = """
   .line { fill: none; stroke-width: 2.2 }
 """
 APART = 16
-"""Least distance of two names at the ends of lines."""
+"""Least distance of two names at the ends of lines [px]."""
 
 
 class Line(NamedTuple):
-    """A name, and points above zero."""
+    """A line of the plot: its name, and points with positive coordinates."""
 
     name: str
     points: list[tuple[float, float]]
 
 
 def plotted(lines: Sequence[Line], across: str, up: str, title: str) -> str:
-    """The plot; each line is named at its end."""
+    """SVG of the plot, with the name of each line at its end."""
     xs = [x for line in lines for x, _ in line.points] or [1.0, 10.0]
     ys = [y for line in lines for _, y in line.points] or [1.0, 10.0]
     columns, rows = decades(xs), decades(ys)
@@ -77,6 +77,6 @@ def plotted(lines: Sequence[Line], across: str, up: str, title: str) -> str:
 
 
 def decades(values: Sequence[float]) -> list[int]:
-    """Powers of ten around all values, two at least."""
+    """Exponents of the powers of ten that enclose all values, at least two."""
     low, high = floor(log10(min(values))), ceil(log10(max(values)))
     return list(range(low, max(high, low + 1) + 1))

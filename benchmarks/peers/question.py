@@ -1,4 +1,4 @@
-"""Question: one assembly with its contacts and its program, as every tool is handed it."""
+"""Question: an assembly with its contacts and its program, the input of every tool."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ __all__ = ["Question"]
 
 @dataclass(frozen=True)
 class Question:
-    """Does it stay? With what kilter found: where the parts touch.
+    """An assembly to judge, with the contacts that kilter detects.
 
     Attributes
     ----------
     assembly : Assembly
-        Without joints and loads, with one coefficient of friction.
+        Assembly without joints and loads, with a single friction coefficient.
     """
 
     assembly: Assembly
 
     @cached_property
     def contacts(self) -> ContactSet:
-        """Patches and points."""
+        """Detected contact patches and points."""
         return kilter.contacts(self.assembly)
 
     @cached_property
@@ -41,17 +41,17 @@ class Question:
 
     @cached_property
     def upright(self) -> Array:
-        """Turns the frame so that gravity points along -z, shape (3, 3)."""
+        """Rotation matrix that turns gravity to -z, shape (3, 3)."""
         return quaternion_to_matrix(rotation_between(self.assembly.down, [0, 0, -1]))
 
     @cached_property
     def length(self) -> float:
-        """Mean size of the free parts [m]: what a user would make one."""
+        """Mean side of the free parts, the unit of length of the scaled scene [m]."""
         geometry = self.assembly.geometry
         return float(np.mean(geometry.size[~geometry.grounded])) / 3**0.5
 
     @cached_property
     def weight(self) -> float:
-        """Mean mass of the free parts [kg]."""
+        """Mean mass of the free parts, the unit of mass of the scaled scene [kg]."""
         geometry = self.assembly.geometry
         return float(np.mean(geometry.mass[~geometry.grounded]))

@@ -1,4 +1,4 @@
-"""Results: the rows of a run as a small CSV, with what it was run with above them."""
+"""Results: rows of a run as a CSV file, with the environment of the run as a header."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ FIELDS = tuple(Row.__dataclass_fields__)
 
 
 def about() -> dict[str, str]:
-    """What the figures depend on: no names of hosts, no paths."""
+    """Environment on which the figures depend, without names of hosts and without paths."""
     found = {"processor": processor(), "cores": str(os.cpu_count()), "system": platform.system()}
     found["python"] = platform.python_version()
     for name in PACKAGES:
@@ -31,7 +31,7 @@ def about() -> dict[str, str]:
 
 
 def processor() -> str:
-    """Its name, or its kind."""
+    """Name of the processor, or its architecture."""
     info = Path("/proc/cpuinfo")
     lines = info.read_text().splitlines() if info.exists() else []
     names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
@@ -39,7 +39,7 @@ def processor() -> str:
 
 
 def write(path: Path, described: dict[str, str], rows: Iterable[Row]) -> None:
-    """All rows; `seconds` and `peak` to three digits."""
+    """Write header and rows; `seconds` and `peak` have three digits."""
     with path.open("w", encoding="utf-8", newline="") as file:
         for name, value in described.items():
             file.write(f"# {name}: {value}\n")
@@ -51,7 +51,7 @@ def write(path: Path, described: dict[str, str], rows: Iterable[Row]) -> None:
 
 
 def read(path: Path) -> tuple[dict[str, str], list[Row]]:
-    """What it was run with, and the rows."""
+    """Read the header and the rows."""
     lines = path.read_text(encoding="utf-8").splitlines()
     head = [line[2:].split(": ", 1) for line in lines if line.startswith("# ")]
     rows = []

@@ -1,7 +1,7 @@
-"""The tools that are asked, and one answer of one of them, measured.
+"""The compared tools, and the measurement of an answer.
 
-A tool is made ready from a question, untimed: its own assembly, matrix or model. What is
-timed starts from known contacts (MuJoCo: from the compiled model) and ends with the answer.
+A tool prepares its assembly, matrix or model from a question, which is not timed. The measured
+time starts with known contacts (MuJoCo: with the compiled model) and ends with the answer.
 """
 
 from __future__ import annotations
@@ -23,26 +23,26 @@ from question import Question
 __all__ = ["RUNS", "TOOLS", "Row", "Tool", "answered", "spent", "truth"]
 
 RUNS = 3
-"""So many runs, of which the median counts."""
+"""Number of runs; their median counts."""
 LONG = 0.4
-"""A run repeats the answer until so much time has passed, many ticks of the clock [s]."""
+"""A run repeats the answer for at least this time, so that the clock is fine enough [CPU s]."""
 REPEATED = 200
-"""At most so often."""
+"""Maximum repetitions of the answer in a run."""
 
 
 @dataclass(frozen=True, slots=True)
 class Tool:
-    """Who is asked.
+    """A compared tool.
 
     Attributes
     ----------
     name : str
     package : str
-        What must be installed.
+        Required package.
     asked : str
-        Module and function that make it ready.
+        Module and function that prepare it.
     words : str
-        What it does.
+        Description.
     """
 
     name: str
@@ -52,16 +52,16 @@ class Tool:
 
     @property
     def installed(self) -> bool:
-        """Can it be asked here?"""
+        """Whether the package is installed."""
         return importlib.util.find_spec(self.package) is not None
 
     @property
     def version(self) -> str:
-        """Of its package."""
+        """Version of the package."""
         return version(self.package)
 
     def ready(self, question: Question) -> Callable[[], tuple[str, str]]:
-        """What answers: "holds", "falls", "open", and a note."""
+        """Prepare a function that returns the answer ("holds", "falls" or "open") and a note."""
         module, function = self.asked.split(".")
         made: Callable[[], tuple[str, str]] = getattr(importlib.import_module(module), function)(
             question
@@ -98,26 +98,27 @@ TOOLS = {
         ),
     )
 }  # fmt: skip
-"""By name."""
+"""All tools by name."""
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """What one tool said of one case.
+    """Answer of a tool for a case, with its measurements.
 
     Attributes
     ----------
     family, case, tool : str
     bricks, points : int
-        Free parts, and points of contact; 0 where the run did not get that far.
+        Number of free parts and of contact points; 0 if the run ended before.
     truth, answer : str
-        "holds", "falls"; of `answer` also "open", "refused", "time", "memory", "crashed", and
-        nothing where a tool gives none.
+        "holds" or "falls"; `answer` can also be "open", "refused", "time", "memory", "crashed", or
+        empty for a tool without answers.
     seconds : float
-        Of the processor, median of the runs; of one over its time, the limit.
+        Median of the runs [CPU s], or the time limit.
     runs : int
+        Number of runs.
     peak : float
-        Of memory, over what the process held before [MiB].
+        Peak memory above that of the process before [MiB].
     note : str
     """
 
@@ -134,17 +135,17 @@ class Row:
     note: str
 
     def to_dict(self) -> dict[str, Any]:
-        """As data."""
+        """The row as a dictionary."""
         return asdict(self)
 
 
 def truth(case: Case) -> str:
-    """In the words of answers."""
+    """The known answer of a case, "holds" or "falls"."""
     return "holds" if case.holds else "falls"
 
 
 def answered(case: Case, tool: Tool, limit: float = 0.0) -> Row:
-    """One row, in this process, which an answer that takes longer than `limit` [s] ends."""
+    """Measure a row in this process; an answer over `limit` [CPU s] ends the process."""
     question = Question(case.build())
     bricks, points = int(question.program.free.sum()), len(question.contacts.points)
     warm = Question(CASES["slides toward 0, 0.98"].build())
@@ -168,14 +169,14 @@ def answered(case: Case, tool: Tool, limit: float = 0.0) -> Row:
 
 
 def timed(run: Callable[[], tuple[str, str]], limit: float) -> tuple[tuple[str, str], float]:
-    """An answer, and its mean seconds of the processor; one over its limit ends the process."""
+    """An answer and its mean CPU seconds; an answer over its limit ends the process."""
     started, count = spent(), 0
     while True:
         signal.setitimer(signal.ITIMER_PROF, limit)
         before = spent()
         answer = run()
         signal.setitimer(signal.ITIMER_PROF, 0.0)
-        if 0 < limit < spent() - before:  # with processes of its own, that no timer sees
+        if 0 < limit < spent() - before:  # includes child processes, which the timer misses
             signal.raise_signal(signal.SIGPROF)
         count, passed = count + 1, spent() - started
         if passed >= LONG or count == REPEATED:
@@ -183,13 +184,13 @@ def timed(run: Callable[[], tuple[str, str]], limit: float) -> tuple[tuple[str, 
 
 
 def spent() -> float:
-    """Processor time of this process and of those that it started and that ended [s]."""
+    """CPU time of this process and of its finished child processes [s]."""
     used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     return sum(one.ru_utime + one.ru_stime for one in used)
 
 
 def restarted_peak() -> float:
-    """Memory held now [MiB]; where the system allows it, the peak is counted from here."""
+    """Current memory [MiB]; if the system allows it, the peak is reset."""
     try:
         Path("/proc/self/clear_refs").write_text("5")
         return held("VmRSS")
@@ -198,7 +199,7 @@ def restarted_peak() -> float:
 
 
 def held(what: str) -> float:
-    """Memory of this process [MiB]."""
+    """Memory of this process [MiB]: a field of its status file, or the peak."""
     status = Path("/proc/self/status")
     if not status.exists():
         return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10
