@@ -104,10 +104,10 @@ def test_the_libraries_are_those_of_the_sources() -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"brick_id": 77}, r"line 3: brick '2' is of brick_id 77, which is unknown; .* 1, 2, 3"),
-        ({"z": -1}, "line 3: brick '2' is in layer -1; layers begin at 0"),
+        ({"brick_id": 77}, r"line 3: brick '2' has the unknown brick_id 77; .* 1, 2, 3"),
+        ({"z": -1}, "line 3: brick '2' is in layer -1; layers are counted from 0"),
         ({"x": 1.5}, "line 3: brick '2' has x 1.5; give a whole number"),
-        ({"ori": 2}, "line 3: brick '2' has ori 2; 0 is along x"),
+        ({"ori": 2}, "line 3: brick '2' has ori 2; give 0 for along x"),
         ({"x": 6, "z": 0}, r"line 3: cell \(6, 5\) is taken by the brick of line 2; move one"),
     ],
 )
@@ -127,11 +127,11 @@ def test_a_brick_of_stable_lego_that_is_none(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("line", "message"),
     [
-        ("3x5 (0,0,0)", "line 3: a brick of 3x5 is unknown; there are 1x1, 1x2, 1x4"),
-        ("2x4 (0,0,-2)", "line 3: the brick is in layer -2; layers begin at 0"),
-        ("2x4 (0,0)", r"line 3: '2x4 \(0,0\)' is no brick; a brick is written like 2x4 \(10,3,0\)"),
+        ("3x5 (0,0,0)", "line 3: a brick of 3x5 is unknown; known sizes are 1x1, 1x2, 1x4"),
+        ("2x4 (0,0,-2)", "line 3: the brick is in layer -2; layers are counted from 0"),
+        ("2x4 (0,0)", r"line 3: '2x4 \(0,0\)' is not a brick; write a brick like 2x4 \(10,3,0\)"),
         ("1x1 (4,6,0)", r"line 3: cell \(4, 6\) is taken by the brick of line 1"),
-        ("1x1 (99999999,6,0)", "line 3: .* is no brick"),
+        ("1x1 (99999999,6,0)", "line 3: .* is not a brick"),
     ],
 )
 def test_wrong_lines_of_text(line: str, message: str, tmp_path: Path) -> None:
@@ -140,7 +140,7 @@ def test_wrong_lines_of_text(line: str, message: str, tmp_path: Path) -> None:
 
 
 def test_text_without_a_brick_and_of_other_bytes(tmp_path: Path) -> None:
-    assert "no brick in the file" in refused(tmp_path / "bad.txt", "\n \n")
+    assert "the file has no bricks" in refused(tmp_path / "bad.txt", "\n \n")
     (tmp_path / "bad.txt").write_bytes(b"2x4 (0,0,0)\n\xff\n")
     with pytest.raises(kilter.InputError, match="line 2: not UTF-8"):
         kilter.load(tmp_path / "bad.txt")
@@ -149,16 +149,16 @@ def test_text_without_a_brick_and_of_other_bytes(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("line", "message"),
     [
-        ("1 4 0 0 0 1 0 0 0 1 0 0 0 1 3040.dat", "no plain brick, plate .*: line 5: '3040.dat'"),
+        ("1 4 0 0 0 1 0 0 0 1 0 0 0 1 3040.dat", "not a plain brick, plate .*: line 5: '3040.dat'"),
         ("1 4 0 0 0 1 0 0 0 1 0 0 0 3001.dat", "line 5: .* does not place a part; write 1, a col"),
         ("1 4 0 nan 0 1 0 0 0 1 0 0 0 1 3001.dat", "line 5: .* does not place a part"),
-        ("1 4 0 0 0 .8 0 .6 0 1 0 -.6 0 .8 3001.dat", "line 5: the part is turned askew or upside"),
-        ("1 4 0 0 0 1 0 0 0 -1 0 0 0 -1 3001.dat", "line 5: the part is turned askew or upside"),
+        ("1 4 0 0 0 .8 0 .6 0 1 0 -.6 0 .8 3001.dat", "line 5: the part is tilted or upside"),
+        ("1 4 0 0 0 1 0 0 0 -1 0 0 0 -1 3001.dat", "line 5: the part is tilted or upside"),
         ("1 4 0 -23 0 1 0 0 0 1 0 0 0 1 3001.dat", "line 5: the part is off the grid of .* line 2"),
         ("1 4 60 -32 40 1 0 0 0 1 0 0 0 1 3001.dat", r"line 5: cell .* is taken by .* line 2"),
         ("1 -4 0 0 0 1 0 0 0 1 0 0 0 1 3001.dat", "line 5: .* does not place a part"),
         ("1 0x100000000 0 0 0 1 0 0 0 1 0 0 0 1 3001.dat", "line 5: .* does not place a part"),
-        ("2x4 (0,0,0)", r"line 5: '2x4 \(0,0,0\)' is no line of LDraw"),
+        ("2x4 (0,0,0)", r"line 5: '2x4 \(0,0,0\)' is not a line of LDraw"),
         ("0 FILE a\n0 FILE a", "line 6: two models are named 'a'"),
     ],
 )
@@ -180,10 +180,10 @@ def test_models_in_models_inherit_colours_and_turns(tmp_path: Path) -> None:
     assert [part.brick.color for part in found.parts] == [4, 14, 1, 14, None]
     assert [part.brick.cells for part in found.parts[:4]] == [(4, 1), (4, 1), (1, 4), (1, 4)]
     assert found.parts[1].shape.size == pytest.approx([32, 8, 3.2])
-    assert any("lines and faces that are drawn" in note for note in found.notes)
+    assert any("drawn edges and faces" in note for note in found.notes)
     assert any("no library states are estimated: 1x4 plate" in note for note in found.notes)
     circle = text + "1 4 0 0 0 1 0 0 0 1 0 0 0 1 house.ldr\n"
-    assert "line 8: the model 'house.ldr' is within itself" in refused(tmp_path / "c.mpd", circle)
+    assert "line 8: the model 'house.ldr' contains itself" in refused(tmp_path / "c.mpd", circle)
 
 
 def test_a_baseplate_of_the_file_is_what_is_held(tmp_path: Path) -> None:

@@ -72,7 +72,7 @@ def test_a_folder_without_meshes(write) -> None:
 
 def test_a_damaged_file_is_named(write) -> None:
     path = write("w/a.obj", "v 0 0 0\nf 1 2 3\n")
-    assert f"{path}: line 2: face names vertex 3, there are 1" in refused(path.parent)
+    assert f"{path}: line 2: the face names vertex 3, the file has 1" in refused(path.parent)
 
 
 def test_a_folder_without_rights(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

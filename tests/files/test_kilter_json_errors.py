@@ -55,7 +55,7 @@ PART = [
     ({"box": {}}, "box is an object; give a list"),
     ({"box": None}, "has no shape; give exactly one of mesh, box, cylinder, sphere, polygon"),
     ({"sphere": {"radius": 1}}, "has box and sphere; give exactly one of"),
-    ({"depth": 1}, "depth without polygon; a prism has both"),
+    ({"depth": 1}, "depth without polygon; a prism needs both"),
     ({"box": None, "polygon": [[0, 0], [1, 0], [0, 1]]}, "polygon without depth"),
     ({"box": None, "polygon": [[0, 0], [1, 0]], "depth": 1}, "polygon has 2 entries; give 3 or more"),
     ({"box": None, "polygon": [[0, 0, 0]], "depth": 1}, "polygon[0] has 3 entries; give 2"),
@@ -91,9 +91,9 @@ def test_a_fault_of_a_part_names_it(change: dict[str, Any], message: str) -> Non
 
 
 TOP = [
-    ({"kilter": 2}, "version of the file, kilter, is 2; this kilter reads version 1"),
-    ({"kilter": True}, "version of the file, kilter, is True"),
-    ({"kilter": "1"}, "version of the file, kilter, is '1'"),
+    ({"kilter": 2}, "the file version (key 'kilter') is 2; this program reads version 1"),
+    ({"kilter": True}, "the file version (key 'kilter') is True"),
+    ({"kilter": "1"}, "the file version (key 'kilter') is '1'"),
     ({"unit": "mm"}, "unknown key 'unit'; did you mean 'units'?"),
     ({"units": "ft"}, "units is \"ft\"; use 'm', 'cm', 'mm' or 'in'"),
     ({"gravity": [0, 0, 0]}, "gravity is [0.0, 0.0, 0.0]; give a vector that is not zero"),
@@ -174,20 +174,20 @@ def test_a_mesh_file_of_a_part_that_is_damaged(write) -> None:
 
 
 TEXT = [
-    (b'{"kilter": 1,\n "parts": [}', "not JSON: Expecting value at line 2, column 12; mend"),
+    (b'{"kilter": 1,\n "parts": [}', "not JSON: Expecting value at line 2, column 12; correct"),
     (b"", "the file is empty; give a file with contents"),
     (b" \n", "the file is empty"),
     (b'{"kilter": 1, "parts": "\xff"}', "not UTF-8 at byte 24; save it as UTF-8"),
     ('{"kilter": 1}'.encode("utf-16"), "not UTF-8 at byte 0"),
-    (b'{"kilter": 1, "kilter": 1}', "key 'kilter' stands twice in one object; keep one"),
+    (b'{"kilter": 1, "kilter": 1}', "duplicate key 'kilter' in an object; keep one of them"),
     (b'{"kilter": 1, "parts": [{"name": "C1", "box": [1,1,NaN]}]}', "part 'C1': box[2] is NaN; give"),
     (b'{"kilter": 1, "parts": [{"name": "C1", "box": [1,1,1e999]}]}', "box[2] is Infinity; give"),
     (b'{"kilter": 1, "parts": [{"name": "C1", "mass": -Infinity}]}', "mass is -Infinity"),
-    (b'{"kilter": ' + b"[" * 200_000, "nested too deep; flatten them"),
+    (b'{"kilter": ' + b"[" * 200_000, "nested too deeply; flatten them"),
     (b'{"kilter": ' + b"1" * 5000 + b"}", "not a number: "),
     (b'{"kilter": 1, "parts": [{"name": "\\ud800", "box": [1,1,1]}]}', "name is "),
     (b'{"kilter": 1} x', "not JSON: Extra data at line 1, column 15"),
-    (b'{"nodes": []}', "key 'kilter' is missing: not a kilter file; begin with"),
+    (b'{"nodes": []}', "the key 'kilter' is missing: this is not a kilter file; begin with"),
 ]  # fmt: skip
 
 

@@ -160,8 +160,8 @@ STEP = "ISO-10303-21;\n{}\nEND-ISO-10303-21;"
     [
         ("a.step", STEP.format("/* " * 300_000), "damaged STEP|needs OCCT|not installed"),
         ("b.step", STEP.format("'" + "/* " * 300_000), "damaged STEP|not installed"),
-        ("c.step", STEP.format(f"#1=A(#{'9' * 5000});"), r"the first is #9{20};"),
-        ("a.kilter.json", "[" * 200_000 + "]" * 200_000, "nested too deep"),
+        ("c.step", STEP.format(f"#1=A(#{'9' * 5000});"), r"such as #9{20};"),
+        ("a.kilter.json", "[" * 200_000 + "]" * 200_000, "nested too deeply"),
         ("b.kilter.json", '{"kilter": 1, "parts": ' + "[" * 900 + "]" * 900 + "}", "is a list"),
         ("a.obj", "v 0 0 0\n" + "\\\n" * 500_000, "no faces"),
         ("a.urdf", '<robot name="r">' + "<a>" * 200_000 + "</a>" * 200_000 + "</robot>", "link"),

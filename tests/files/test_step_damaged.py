@@ -94,12 +94,12 @@ def test_faces_cut_here_meet_those_cut_by_occt(name: str, monkeypatch: Any) -> N
     count = len(faces_of(shape))
     for left_out in range(count):
         turn = iter(range(10 * count))
-        own = step_faces._meshed
+        own = step_faces._occt_mesh
 
         def meshed(face: Any, own: Any = own, turn: Any = turn, k: int = left_out) -> Any:
             return None if next(turn) == k else own(face)
 
-        monkeypatch.setattr(step_faces, "_meshed", meshed)
+        monkeypatch.setattr(step_faces, "_occt_mesh", meshed)
         found, lost = step_faces.cut_faces(shape, 1e-3, 0.2)
         monkeypatch.undo()
         assert (len(found), lost) == (count, 0)
@@ -113,7 +113,7 @@ def test_faces_cut_here_meet_those_cut_by_occt(name: str, monkeypatch: Any) -> N
 @pytest.mark.parametrize("name", SHAPES)
 def test_a_solid_whose_faces_are_all_cut_here(name: str, monkeypatch: Any) -> None:
     exact = read_solid(SHAPES[name]).solid
-    monkeypatch.setattr(step_faces, "_meshed", lambda face: None)
+    monkeypatch.setattr(step_faces, "_occt_mesh", lambda face: None)
     found, note = read_solid(SHAPES[name])
     assert found is not None
     assert note == ""
@@ -126,12 +126,12 @@ def test_a_solid_whose_faces_are_all_cut_here(name: str, monkeypatch: Any) -> No
 
 def test_a_face_that_nothing_can_cut_is_a_hole(monkeypatch: Any) -> None:
     shape = box(2.0, 3.0, 4.0)
-    own = step_faces._meshed
+    own = step_faces._occt_mesh
 
     def meshed(face: Any) -> Any:
         return None if face.IsSame(faces_of(shape)[5]) else own(face)
 
-    monkeypatch.setattr(step_faces, "_meshed", meshed)
+    monkeypatch.setattr(step_faces, "_occt_mesh", meshed)
     monkeypatch.setattr(step_faces, "cut_face", lambda *_: None)
     found, note = read_solid(shape)
     assert found is not None
@@ -161,7 +161,7 @@ def test_a_shell_that_closes_is_a_solid_and_an_open_one_is_not(tmp_path: Path) -
     assembly = load(write_step(tmp_path / "a.step", skins))
     assert assembly.names == ("whole",)
     assert assembly.geometry.volume == pytest.approx([24])
-    assert assembly.notes == ("passed over, no solids: 'lid' (1 shell)",)
+    assert assembly.notes == ("ignored, not solids: 'lid' (1 shell)",)
 
 
 def open_box(path: Path, missing: int) -> Path:
@@ -180,7 +180,7 @@ def test_a_solid_with_a_hole_reads_with_a_note(tmp_path: Path) -> None:
     assembly = load(open_box(tmp_path / "a.step", 1))
     (part,) = assembly.parts
     (note,) = assembly.notes
-    assert note.startswith("'tub': its faces do not close: its volume is that of the faces there")
+    assert note.startswith("'tub': its faces do not close: its volume is that of the existing faces")
     assert isinstance(part.shape, Solid)
     assert part.shape.holes.tolist() == [[[2, 0, 0], [2, 3, 4]]]
     assert part.shape.volume == pytest.approx(24)
@@ -209,7 +209,7 @@ def test_a_stand_in_is_the_hull_of_what_is_known() -> None:
     solid, note = stand_in(box(2.0, 3.0, 4.0))
     assert solid is not None
     assert solid.stand_in
-    assert "their hull stands in for it" in note
+    assert "those of their convex hull" in note
     assert solid.volume == pytest.approx(24)
     assert solid.second_moment == pytest.approx(2 * np.diag([4.0, 9.0, 16.0]))
 
@@ -224,7 +224,7 @@ def test_a_solid_over_which_occt_breaks_down_gets_one(tmp_path: Path) -> None:
     ]  # fmt: skip
     found = step_bodies(path, (), lambda *_: None, {steps[2][1]})
     assert found.names == ("base", "stone")
-    assert found.notes[0].startswith("'stone': none of its faces can be used")
+    assert found.notes[0].startswith("'stone': its faces cannot be used")
     parts = [
         Part(*one, grounded=one[0] == "base")
         for one in zip(found.names, found.shapes, found.places, strict=True)

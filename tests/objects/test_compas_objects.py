@@ -85,5 +85,5 @@ def test_interfaces_are_the_contacts_where_that_is_asked() -> None:
 
 
 def test_a_shape_of_its_geometry_is_told_what_is_taken() -> None:
-    with pytest.raises(InputError, match=r"without blocks; give a compas_assembly Assembly or"):
+    with pytest.raises(InputError, match=r"has no blocks; give a compas_assembly Assembly or"):
         kilter.load(Box(1))

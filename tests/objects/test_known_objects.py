@@ -77,7 +77,7 @@ def test_an_assembly_is_one_already() -> None:
         ({"a": 3}, "^part 'a': an assembly cannot be made of int; give a path"),
         ([moved(0, 0, 0), 3], "^part 'part_2': an assembly cannot be made of int; give a path"),
         ((CORNERS, [[0, 1, 99]]), "^face 0 names vertex 99 of 8; use indices 0 to 7"),
-        ({"a": JOINED}, "^part 'a': it has joints, contacts, loads or friction of its own"),
+        ({"a": JOINED}, "^part 'a': it has joints, contacts, loads or friction pairs"),
     ],
     ids=["int", "None", "empty", "in a dict", "in a list", "bad face", "with joints"],
 )

@@ -114,7 +114,7 @@ def test_the_pose_is_that_of_a_keyframe_or_of_the_data() -> None:
     data = mujoco.MjData(model)
     data.qpos[2] = 0.7
     assert kilter.load((model, data))["box"].pose.position[2] == pytest.approx(0.7)
-    with pytest.raises(InputError, match="no keyframe is named 'dwn'; did you mean 'down'"):
+    with pytest.raises(InputError, match="there is no keyframe 'dwn'; did you mean 'down'"):
         kilter.load(model, keyframe="dwn")
 
 
@@ -125,13 +125,13 @@ def test_what_is_not_counted_is_said() -> None:
         '<compiler angle="radian"/><actuator><motor joint="j"/></actuator>',
     )  # fmt: skip
     found = kilter.load(mujoco.MjModel.from_xml_string(made))
-    assert found.notes == ("not counted: 1 motors, 1 springs, 1 limits of joints",)
+    assert found.notes == ("ignored: 1 motors, 1 springs, 1 joint limits",)
 
 
 @pytest.mark.parametrize(
     ("value", "words"),
     [
-        (lambda: mujoco.MjOption(), "a mujoco MjOption is no model; give an MjModel"),
+        (lambda: mujoco.MjOption(), "a mujoco MjOption is not a model; give an MjModel"),
         (
             lambda: mujoco.MjModel.from_xml_string(
                 text(
@@ -143,7 +143,7 @@ def test_what_is_not_counted_is_said() -> None:
                     )
                 )
             ),
-            "part 'b': 2 joints lead to it; give it one hinge",
+            "part 'b': it has 2 joints; give it one hinge",
         ),
     ],
 )
@@ -155,7 +155,7 @@ def test_what_is_no_model_or_has_no_likeness_is_refused(value: Any, words: str) 
 def test_a_file_that_mujoco_refuses_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "bad.xml"
     path.write_text("<mujoco><worldbody><geom size='-1'/></worldbody></mujoco>")
-    with pytest.raises(InputError, match=r"bad\.xml: MuJoCo refuses it: "):
+    with pytest.raises(InputError, match=r"bad\.xml: MuJoCo rejects it: "):
         kilter.load(path)
 
 
@@ -226,7 +226,7 @@ def test_joints_hold_as_they_do_here() -> None:
 
 
 def test_what_mjcf_has_no_word_for_is_refused() -> None:
-    with pytest.raises(InputError, match="MJCF has no loads; leave them out"):
+    with pytest.raises(InputError, match="MJCF has no loads; remove them"):
         scene("books").to_mjcf()
     box = kilter.Part("box", kilter.Box([1, 1, 1]))
     slide = kilter.Joint(("box", "ground"), "prismatic", axis=[1, 0, 0])

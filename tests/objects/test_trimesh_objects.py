@@ -120,8 +120,8 @@ def test_numbers_that_all_are_float32_are_taken_for_such() -> None:
 @pytest.mark.parametrize(
     ("value", "words"),
     [
-        (lambda: trimesh.PointCloud([[0, 0, 0]]), "a trimesh PointCloud is no solid; give a"),
-        (lambda: trimesh.Scene(), "a trimesh Scene without faces; give a"),
+        (lambda: trimesh.PointCloud([[0, 0, 0]]), "a trimesh PointCloud is not a mesh; give a"),
+        (lambda: trimesh.Scene(), "the trimesh Scene has no faces; give a"),
     ],
 )
 def test_what_is_no_solid_is_refused(value: Callable[[], Any], words: str) -> None:

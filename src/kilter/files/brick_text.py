@@ -1,8 +1,10 @@
-"""BrickGPT text: a line a brick, ``hxw (x,y,z)``: studs along x and y, lowest cell, layer from 0.
+"""Read BrickGPT text: one brick ``hxw (x,y,z)`` per line.
+
+h and w are the numbers of studs along x and y, (x, y) is the lowest cell, z the layer from 0.
 
 References
 ----------
-BrickGPT (Pun et al., arXiv 2505.05469): the text that its models write.
+BrickGPT (Pun et al., arXiv 2505.05469), output format of its models.
 """
 
 from __future__ import annotations
@@ -23,19 +25,19 @@ from kilter.files.raw import read_bytes
 __all__ = ["BRICK_TEXT", "load_brick_text"]
 
 BRICK_TEXT = (".txt",)
-"""Endings of such files."""
+"""Endings of BrickGPT files."""
 BRICK = re.compile(r"(\d{1,4})x(\d{1,4}) \((-?\d{1,6}), ?(-?\d{1,6}), ?(-?\d{1,6})\)")
-EXAMPLE = "a brick is written like 2x4 (10,3,0)"
+EXAMPLE = "write a brick like 2x4 (10,3,0)"
 
 
 def load_brick_text(path: Path, *, rules: StudRules | None = None) -> Assembly:
-    """The assembly of a text of bricks; empty lines are passed over.
+    """Read a BrickGPT file as an assembly; empty lines are ignored.
 
     Raises
     ------
     InputError
-        If a line is no brick, its brick is unknown, in a negative layer, or in the cell of
-        another; it names the line.
+        If a line is not a brick, or its brick has an unknown size, a negative layer, or a cell
+        of another brick; the error names the line.
     """
     try:
         return _read(read_bytes(path), rules, str(path))
@@ -44,17 +46,18 @@ def load_brick_text(path: Path, *, rules: StudRules | None = None) -> Assembly:
 
 
 def _read(data: bytes, rules: StudRules | None, source: str) -> Assembly:
+    """The assembly of the content of a BrickGPT file."""
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         raise InputError(f"line {line}: not UTF-8", hint=EXAMPLE) from None
-    lines = [(k, one.strip()) for k, one in enumerate(text.splitlines(), 1) if one.strip()]
+    lines = [(k, line.strip()) for k, line in enumerate(text.splitlines(), 1) if line.strip()]
     if not lines:
-        raise InputError("no brick in the file", hint=EXAMPLE)
-    found = [(k, BRICK.fullmatch(one)) for k, one in lines]
+        raise InputError("the file has no bricks", hint=EXAMPLE)
+    matches = [(k, BRICK.fullmatch(line)) for k, line in lines]
     rows = np.array(
-        [[k, *map(int, match.groups())] if match else [k, 0, 0, 0, 0, 0] for k, match in found]
+        [[k, *map(int, match.groups())] if match else [k, 0, 0, 0, 0, 0] for k, match in matches]
     )
     number, size, corner = rows[:, 0], rows[:, 1:3], rows[:, 3:]
     kinds, kind = np.unique(size, axis=0, return_inverse=True)
@@ -62,31 +65,32 @@ def _read(data: bytes, rules: StudRules | None, source: str) -> Assembly:
     wrong = np.flatnonzero(~known[kind] | (corner[:, 2] < 0))
     if len(wrong):
         k = wrong[0]
-        raise _complaint(lines[k], found[k][1])
+        raise _line_error(lines[k], matches[k][1])
     mass = np.array([brick_mass(a, b) for a, b in kinds.tolist()])[kind]
-    none = np.zeros(len(rows), dtype=np.int64)
+    zeros = np.zeros(len(rows), dtype=np.int64)
     model = BrickModel(
         corner=corner * [1, 1, BRICK_PLATES],
-        size=np.column_stack([size, none + BRICK_PLATES]),
+        size=np.column_stack([size, zeros + BRICK_PLATES]),
         mass=mass,
-        color=none + NO_COLOR,
-        held=none > 0,
+        color=zeros + NO_COLOR,
+        held=zeros > 0,
         number=number,
         line=number,
     )
     return assembly_of_bricks(model, rules=rules, source=source)
 
 
-def _complaint(line: tuple[int, str], match: re.Match[str] | None) -> InputError:
+def _line_error(line: tuple[int, str], match: re.Match[str] | None) -> InputError:
+    """The error of an invalid line, given as (number, text), and its match with `BRICK`."""
     number, text = line
     if match is None:
-        return InputError(f"line {number}: {text!r:.60} is no brick", hint=EXAMPLE)
+        return InputError(f"line {number}: {text!r:.60} is not a brick", hint=EXAMPLE)
     across, along, _, _, z = map(int, match.groups())
     if z < 0:
-        hint = "layers begin at 0, on the baseplate"
+        hint = "layers are counted from 0, on the baseplate"
         return InputError(f"line {number}: the brick is in layer {z}", hint=hint)
     sizes = sorted(STATED)
     return InputError(
         f"line {number}: a brick of {across}x{along} is unknown",
-        hint=f"there are {', '.join(f'{a}x{b}' for a, b in sizes)}, either way round",
+        hint=f"known sizes are {', '.join(f'{a}x{b}' for a, b in sizes)}, in either order",
     )

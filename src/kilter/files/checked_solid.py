@@ -10,10 +10,10 @@ from kilter.files.file_tolerances import LEEWAY, VOLUME
 from kilter.shape.closed import open_edges
 from kilter.shape.solid import Solid
 
-__all__ = ["checked"]
+__all__ = ["checked_solid"]
 
 
-def checked(solid: Solid) -> Solid:
+def checked_solid(solid: Solid) -> Solid:
     """Return the solid if it is valid.
 
     The enclosed volume may differ from the stated volume by the distance of the triangles from

@@ -1,10 +1,10 @@
-"""COMPAS assemblies as JSON: blocks at the nodes of a graph, each a mesh of polygons.
+"""Read COMPAS assemblies in JSON: a graph whose nodes are blocks, each a mesh of polygons.
 
-A block without a name, or with one that others have too, is named by its node's key. Blocks
-that are marked as supports are held, and a density that a block states is its own. The files
-have no units. Interfaces that they carry are the contacts where that is asked for
-(`kilter.files.interfaces`). A list of meshes, or one mesh, is an assembly too: parts without
-a name are named by their place in the list.
+A block without a name, or with the name of another block, is named by the key of its node. Blocks
+marked as supports are held. A block may state its density. The files have no units. With
+``contacts="file"`` the interfaces of the file are the contacts (`kilter.files.interfaces`). A list
+of meshes, or a single mesh, is an assembly too: parts without a name are named by their position
+in the list.
 
 References
 ----------
@@ -33,7 +33,7 @@ _HINT = "export the assembly with compas_assembly again"
 
 
 def is_compas(data: Any) -> bool:
-    """The JSON value is a serialised COMPAS object, or a list of them.
+    """Whether a JSON value is a serialised COMPAS object, or a list of them.
 
     Examples
     --------
@@ -45,31 +45,37 @@ def is_compas(data: Any) -> bool:
     (False, False, False)
     """
     if isinstance(data, list):
-        return bool(data) and all(isinstance(one, dict) and is_compas(one) for one in data)
+        return bool(data) and all(isinstance(entry, dict) and is_compas(entry) for entry in data)
     return isinstance(data, dict) and str(_kind(data)).startswith("compas")
 
 
 def from_compas(
     data: Any, *, units: str | None = None, source: str = "", contacts: str | None = None
 ) -> Assembly:
-    """The assembly that a COMPAS file holds.
+    """Build the assembly of a COMPAS file.
 
     Parameters
     ----------
+    data : JSON value
+        Content of the file.
+    units : {"m", "cm", "mm", "in"}, optional
+        Length unit; default metres.
+    source : str
+        Name of the file, for messages.
     contacts : {"file", "geometry"}, optional
-        "file": the interfaces of the file are the contacts, and no others are looked for.
+        "file": the interfaces of the file are the contacts, and contacts are not detected.
 
     Raises
     ------
     InputError
-        If it is no assembly of blocks, or a block is damaged; it names the block.
+        If the value is not an assembly of blocks, or a block is damaged; the error names it.
     """
     try:
         nodes, graph = _graph(data)
         defaults = _dict(graph.get("default_node_attributes") or graph.get("node_attributes"))
         keys = sorted(nodes, key=natural_key)
         blocks = {key: _block(key, nodes[key]) for key in keys}
-        names = _names(blocks, {key: _own_name(nodes[key]) for key in keys})
+        names = _names(blocks, {key: _name_beside_data(nodes[key]) for key in keys})
         corners = {key: _vertices(names[key], blocks[key]) for key in keys}
         accuracy = text_accuracy(np.concatenate([_rows(corners[key]) for key in keys]))
         parts = {
@@ -81,9 +87,9 @@ def from_compas(
             )
             for key in keys
         }
-        found = interfaces_of(graph)
-        used = contacts_of(found, parts) if contacts == "file" else []
-        notes = [_not_used(len(found))] if found and contacts is None else []
+        interfaces = interfaces_of(graph)
+        used = contacts_of(interfaces, parts) if contacts == "file" else []
+        notes = [_interfaces_note(len(interfaces))] if interfaces and contacts is None else []
         return Assembly(
             list(parts.values()),
             units=units or "m",
@@ -96,65 +102,79 @@ def from_compas(
         raise error.located(file=source or None) from None
 
 
-def _not_used(count: int) -> str:
+def _interfaces_note(count: int) -> str:
+    """A note that the interfaces of the file are not used."""
     return (
-        f"the file carries {count} interfaces; contacts are taken from the geometry all the same: "
-        "--contacts file takes those of the file (in Python contacts='file')"
+        f"the file has {count} interfaces, which are not used: contacts are detected from the "
+        "geometry; --contacts file uses the interfaces (in Python contacts='file')"
     )
 
 
 def _kind(data: dict[str, Any]) -> Any:
+    """The type of a serialised object; empty if it is not serialised."""
     return data.get("dtype", data.get("datatype", ""))
 
 
 def _inner(data: Any) -> dict[str, Any]:
-    """What is inside ``{"dtype", "data"}``, or the dict itself."""
+    """The content of a serialised object ``{"dtype", "data"}``, or the dict itself."""
     while isinstance(data, dict) and _kind(data):
         data = data.get("data", data.get("value"))
     return data if isinstance(data, dict) else {}
 
 
 def _graph(data: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Nodes by key, and the graph that they are of; a list of meshes is one without edges."""
+    """The nodes by their keys, and the graph; a list of meshes is a graph without edges."""
     meshes = data if isinstance(data, list) else [data]
     if all("vertex" in _inner(mesh) for mesh in meshes):
         return {str(k): {"block": mesh} for k, mesh in enumerate(meshes)}, {}
     if isinstance(data, list):
-        raise InputError("a list of COMPAS objects that are not all meshes", hint=_HINT)
+        raise InputError("the list has COMPAS objects that are not meshes", hint=_HINT)
     content = _inner(data)
     graph = _inner(content["graph"]) if "graph" in content else content
     nodes = graph.get("node")
     if not isinstance(nodes, dict) or not nodes:
-        raise InputError(f"a COMPAS {_kind(data)!r} without blocks", hint=_HINT)
+        raise InputError(f"the COMPAS {_kind(data)!r} has no blocks", hint=_HINT)
     return nodes, graph
 
 
 def _dict(value: Any) -> dict[str, Any]:
+    """The value if it is a dict, else an empty dict."""
     return value if isinstance(value, dict) else {}
 
 
 def _block(key: str, node: Any) -> dict[str, Any]:
+    """The data of the block of a node; raises `InputError` if it has no mesh."""
     block = _inner(node.get("block")) if isinstance(node, dict) else {}
     if not isinstance(block.get("vertex"), dict) or not isinstance(block.get("face"), dict):
         raise InputError("the node has no block with vertices and faces", part=key, hint=_HINT)
     return block
 
 
-def _own_name(node: dict[str, Any]) -> Any:
-    """The name beside the data of a block: since COMPAS 2 it is not among its attributes."""
+def _name_beside_data(node: dict[str, Any]) -> Any:
+    """The name of a block that is stored beside its data, as COMPAS 2 does; None without it."""
     return _dict(node.get("block")).get("name")
 
 
-def _names(blocks: dict[str, dict[str, Any]], own: dict[str, Any]) -> dict[str, str]:
+def _names(blocks: dict[str, dict[str, Any]], beside: dict[str, Any]) -> dict[str, str]:
+    """The name of the part of each node: the name of the block if it is unique, else the key.
+
+    Parameters
+    ----------
+    blocks : dict
+        Data of the block of each node key.
+    beside : dict
+        `_name_beside_data` of each node key, used if the block has no attribute `name`.
+    """
     given = {}
     for key, block in blocks.items():
-        name = _dict(block.get("attributes")).get("name") or own[key]
+        name = _dict(block.get("attributes")).get("name") or beside[key]
         given[key] = name.strip() if isinstance(name, str) and name.strip() else key
     count = Counter(given.values())
     return {key: name if count[name] == 1 else key for key, name in given.items()}
 
 
 def _vertices(name: str, block: dict[str, Any]) -> dict[str, list[float]]:
+    """The coordinates of each vertex key of a block."""
     start = {"x": 0.0, "y": 0.0, "z": 0.0, **_dict(block.get("default_vertex_attributes"))}
     corners = {}
     for key, vertex in block["vertex"].items():
@@ -171,17 +191,19 @@ def _vertices(name: str, block: dict[str, Any]) -> dict[str, list[float]]:
 
 
 def _rows(corners: dict[str, list[float]]) -> Any:
+    """Coordinates of all vertices, shape (n, 3)."""
     return np.array(list(corners.values()), dtype=np.float64).reshape(-1, 3)
 
 
 def _mesh(name: str, block: dict[str, Any], corners: dict[str, list[float]], accuracy: Any) -> Mesh:
+    """The mesh of a block; raises `InputError` if a face is invalid."""
     row = {key: k for k, key in enumerate(corners)}
     faces = []
     for key, face in block["face"].items():
         cycle = face if isinstance(face, list) else []
         missing = [corner for corner in cycle if str(corner) not in row]
         if missing or not cycle:
-            what = f"names vertex {missing[0]!r}, which is not there" if missing else "is no list"
+            what = f"names the unknown vertex {missing[0]!r}" if missing else "is not a list"
             raise InputError(f"face {key} {what}", part=name, hint=_HINT)
         faces.append([row[str(corner)] for corner in cycle])
     vertices = _rows(corners)
@@ -192,5 +214,6 @@ def _mesh(name: str, block: dict[str, Any], corners: dict[str, list[float]], acc
 
 
 def _is_support(node: dict[str, Any], defaults: dict[str, Any], block: dict[str, Any]) -> bool:
-    own = _dict(block.get("attributes")).get("is_support")
-    return (node.get("is_support", defaults.get("is_support")) or own) is True
+    """Whether a node, the defaults of all nodes, or its block mark the block as a support."""
+    of_block = _dict(block.get("attributes")).get("is_support")
+    return (node.get("is_support", defaults.get("is_support")) or of_block) is True

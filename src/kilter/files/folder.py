@@ -14,7 +14,7 @@ from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
 from kilter.files.bodies import split_bodies
 from kilter.files.formats import FORMATS, read_bodies
-from kilter.files.naming import distinct, filled, natural_key
+from kilter.files.naming import distinct, fill_names, natural_key
 from kilter.files.placed import FileBodies
 from kilter.shape.primitives import Mesh
 
@@ -68,7 +68,7 @@ def _parts(path: Path, files: list[Path], solids: list[FileBodies], target: str)
     parts = []
     for file, stem, bodies in zip(files, stems, solids, strict=True):
         several = len(bodies.names) > 1
-        names = [f"{stem}/{name}" for name in filled(bodies.names, stem)] if several else [stem]
+        names = [f"{stem}/{name}" for name in fill_names(bodies.names, stem)] if several else [stem]
         try:
             for name, (shape, pose) in zip(names, bodies.in_units(target), strict=True):
                 parts.append(Part(name, shape, pose))

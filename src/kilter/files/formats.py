@@ -18,7 +18,7 @@ from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
 from kilter.files.bodies import split_bodies
 from kilter.files.glb import read_glb
-from kilter.files.naming import filled
+from kilter.files.naming import fill_names
 from kilter.files.obj import read_obj
 from kilter.files.placed import FileBodies
 from kilter.files.raw import read_bytes
@@ -170,7 +170,7 @@ def assembly_of(
     if bodies.names == (None,) and isinstance(only, Mesh):
         pieces = tuple(split_bodies(only))
         bodies = replace(bodies, names=(None,) * len(pieces), shapes=pieces)
-    rows = zip(filled(bodies.names, stem), bodies.shapes, bodies.places, strict=True)
+    rows = zip(fill_names(bodies.names, stem), bodies.shapes, bodies.places, strict=True)
     parts = [Part(name, shape, pose) for name, shape, pose in rows]
     return Assembly(parts, units=agreed, source=source, notes=notes)
 

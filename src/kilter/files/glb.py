@@ -1,9 +1,9 @@
-"""GLB (binary glTF 2.0): the meshes of its scene, each where its nodes put it.
+"""Read GLB (binary glTF 2.0): the meshes of its scene, placed by its nodes.
 
-The primitives of one mesh make one solid (they differ in material only). Names are those of
-the nodes, else of the meshes, with as many of the nodes above as tell them apart. The standard
-says metres and y up; both stay as they are: give a direction of gravity along -y. Coordinates
-are float32. Compressed meshes are refused.
+The primitives of a mesh form one solid (they differ in material only). A solid is named after its
+node, else after its mesh, with as many parent nodes as needed to make names distinct. The standard
+fixes metres and y up. The reader does not turn the coordinates; gravity along -y is an option of
+`kilter.load`. Coordinates are float32. Compressed meshes are rejected.
 
 References
 ----------
@@ -22,7 +22,7 @@ from kilter.errors import InputError
 from kilter.files.accuracy import SINGLE
 from kilter.files.limits import Tally
 from kilter.files.naming import tails
-from kilter.files.placed import joined, placed
+from kilter.files.placed import join_meshes, transform_mesh
 from kilter.files.strict_json import parse_json
 from kilter.rigid import quaternion_to_matrix
 from kilter.shape.primitives import Mesh
@@ -36,14 +36,23 @@ _Row = TypeVar("_Row")
 
 
 COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+"""Number type of each component type of an accessor."""
 WIDTHS = {"SCALAR": 1, "VEC3": 3}
+"""Numbers per row of each accessor type that is read."""
 TRIANGLES, STRIP, FAN = 4, 5, 6
+"""Modes of the primitives that are read."""
 
-_DAMAGED = "export it again: it was cut short or damaged"
+_DAMAGED = "export it again: it is incomplete or damaged"
 
 
 def read_glb(data: bytes) -> tuple[list[tuple[str | None, Mesh]], list[str]]:
-    """The solids of a GLB file with their names, and notes.
+    """Read the solids of a GLB file.
+
+    Returns
+    -------
+    solids : list of (str or None, Mesh)
+        Name and mesh, at its place.
+    notes : list of str
 
     Raises
     ------
@@ -51,48 +60,49 @@ def read_glb(data: bytes) -> tuple[list[tuple[str | None, Mesh]], list[str]]:
         If the file is damaged, compressed, or refers to other files.
     """
     header, binary = _chunks(data)
-    _refuse_unread(header)
-    with np.errstate(all="ignore"):  # what is not finite is refused by name
+    _require_readable(header)
+    with np.errstate(all="ignore"):  # numbers that are not finite raise an InputError later
         return _solids(header, binary)
 
 
 def _at(rows: list[_Row], k: int, what: str) -> _Row:
-    """Entry k of a list of the header.
+    """Entry k of a list of the header; `what` is its noun for the message.
 
     Raises
     ------
     InputError
-        If it is not there.
+        If k is out of range.
     """
     if k >= len(rows):
-        raise InputError(f"damaged GLB: {what} {k} of {len(rows)} is not there", hint=_DAMAGED)
+        raise InputError(f"damaged GLB: {what} {k} of {len(rows)} is missing", hint=_DAMAGED)
     return rows[k]
 
 
 def _chunks(data: bytes) -> tuple[Gltf, bytes]:
-    """The header and the binary chunk."""
+    """The header, and the bytes of the binary chunk."""
     if data[:4] != b"glTF":
         raise InputError("not a GLB file: it does not begin with 'glTF'", hint=_DAMAGED)
     version, length = (int.from_bytes(data[k : k + 4], "little") for k in (4, 8))
     if version != 2:
-        raise InputError(f"GLB version {version}", hint="export it as glTF 2.0")
+        raise InputError(f"the GLB version is {version}", hint="export it as glTF 2.0")
     if length > len(data):
-        raise InputError(f"GLB says {length} bytes, the file has {len(data)}", hint=_DAMAGED)
+        raise InputError(f"GLB states {length} bytes, the file has {len(data)}", hint=_DAMAGED)
     chunks: dict[bytes, bytes] = {}
     at = 12
     while at + 8 <= length:
         size = int.from_bytes(data[at : at + 4], "little")
         if at + 8 + size > length:
-            raise InputError("a chunk of the GLB ends past the file", hint=_DAMAGED)
+            raise InputError("a chunk of the GLB ends after the end of the file", hint=_DAMAGED)
         chunks.setdefault(data[at + 4 : at + 8], data[at + 8 : at + 8 + size])
         at += 8 + size
     header = parse_json(chunks.get(b"JSON", b""))
     if not isinstance(header, dict):
         raise InputError("the GLB has no header", hint=_DAMAGED)
-    return _checked(header), chunks.get(b"BIN\0", b"")
+    return _validate(header), chunks.get(b"BIN\0", b"")
 
 
-def _checked(header: dict[str, Any]) -> Gltf:
+def _validate(header: dict[str, Any]) -> Gltf:
+    """Parse the header into its pydantic model; raises `InputError`."""
     from pydantic import ValidationError
 
     from kilter.files.gltf_models import Gltf
@@ -106,17 +116,21 @@ def _checked(header: dict[str, Any]) -> Gltf:
         raise InputError(what[:120], hint=_DAMAGED) from None
 
 
-def _refuse_unread(header: Gltf) -> None:
+def _require_readable(header: Gltf) -> None:
+    """Raise `InputError` if meshes are compressed or in other files."""
     used = {*header.extensionsRequired}
     used |= {name for mesh in header.meshes for p in mesh.primitives for name in p.extensions}
     packed = sorted(name for name in used if "compression" in name)
     if packed:
-        raise InputError(f"meshes are packed with {packed[0]}", hint="export without compression")
+        raise InputError(
+            f"meshes are compressed with {packed[0]}", hint="export without compression"
+        )
     if any(buffer.uri is not None for buffer in header.buffers):
         raise InputError("meshes are in other files", hint="export as one binary GLB")
 
 
 def _solids(header: Gltf, binary: bytes) -> tuple[list[tuple[str | None, Mesh]], list[str]]:
+    """Names and meshes of the scene, in the order of its nodes, and notes."""
     read: dict[int, Mesh | None] = {}
     solids: list[tuple[tuple[str, ...], Mesh]] = []
     seen: set[int] = set()
@@ -128,33 +142,34 @@ def _solids(header: Gltf, binary: bytes) -> tuple[list[tuple[str | None, Mesh]],
         k, above, path = pending.pop()
         node = _at(header.nodes, k, "node")
         if k in seen:
-            raise InputError(f"node {k} of the GLB stands under two nodes", hint=_DAMAGED)
+            raise InputError(f"node {k} of the GLB has two parent nodes", hint=_DAMAGED)
         seen.add(k)
         matrix = above @ _matrix(node)
         if not np.isfinite(matrix).all():
-            raise InputError(f"node {k} of the GLB has no finite place", hint=_DAMAGED)
-        own = (node.name or "").strip()
-        below = (*path, own) if own else path
+            raise InputError(f"the transform of node {k} is not finite", hint=_DAMAGED)
+        node_name = (node.name or "").strip()
+        below = (*path, node_name) if node_name else path
         pending.extend((child, matrix, below) for child in reversed(node.children))
         if node.mesh is None:
             continue
         source = _at(header.meshes, node.mesh, "mesh")
-        name = own or (source.name or "").strip() or None
+        name = node_name or (source.name or "").strip() or None
         if node.mesh not in read:
             tally.add(_triangles(header, source.primitives))
             read[node.mesh] = _named_mesh(header, binary, source.primitives, name)
         mesh = read[node.mesh]
         skipped += mesh is None
         tally.add(0 if mesh is None else len(mesh.triangles))
-        solids += [] if mesh is None else [((*path, name or ""), placed(mesh, matrix))]
+        solids += [] if mesh is None else [((*path, name or ""), transform_mesh(mesh, matrix))]
     named = [row for row, (whole, _) in enumerate(solids) if whole[-1]]
     names = dict(zip(named, tails([solids[row][0] for row in named]), strict=True))
-    found = [(names.get(row), mesh) for row, (_, mesh) in enumerate(solids)]
-    notes = [f"{skipped} objects without triangles are passed over"] if skipped else []
-    return found, notes
+    result = [(names.get(row), mesh) for row, (_, mesh) in enumerate(solids)]
+    notes = [f"{skipped} objects without triangles are ignored"] if skipped else []
+    return result, notes
 
 
 def _roots(header: Gltf) -> list[int]:
+    """Nodes of the scene; without a scene, the nodes without parents."""
     if header.scenes:
         return _at(header.scenes, header.scene, "scene").nodes
     below = {child for node in header.nodes for child in node.children}
@@ -162,7 +177,10 @@ def _roots(header: Gltf) -> list[int]:
 
 
 def _matrix(node: Node) -> Array:
-    """The node's own transform, shape (4, 4): a matrix, or turn after scale, then step."""
+    """The transform of a node relative to its parent, shape (4, 4).
+
+    It is a matrix, or a scaling, then a rotation, then a translation.
+    """
     if node.matrix is not None:
         return np.array(node.matrix).reshape(4, 4).T
     matrix = np.eye(4)
@@ -173,25 +191,25 @@ def _matrix(node: Node) -> Array:
 
 
 def _triangles(header: Gltf, primitives: list[Primitive]) -> int:
-    """About how many triangles primitives say that they have."""
-    given = (
-        one.attributes.get("POSITION") if one.indices is None else one.indices for one in primitives
-    )
+    """Number of triangles that the header states for primitives; strips and fans have more."""
+    given = (p.attributes.get("POSITION") if p.indices is None else p.indices for p in primitives)
     return sum(_at(header.accessors, k, "accessor").count // 3 for k in given if k is not None)
 
 
 def _named_mesh(
     header: Gltf, binary: bytes, primitives: list[Primitive], name: str | None
 ) -> Mesh | None:
+    """The triangles of all primitives as one mesh; None without triangles."""
     try:
         pieces = [_primitive(header, binary, primitive) for primitive in primitives]
         kept = [piece for piece in pieces if piece is not None]
-        return joined(kept) if kept else None
+        return join_meshes(kept) if kept else None
     except InputError as error:
         raise error.located(part=name) from None
 
 
 def _primitive(header: Gltf, binary: bytes, primitive: Primitive) -> Mesh | None:
+    """The triangles of a primitive; None if it has points or lines."""
     mode = primitive.mode
     if mode not in (TRIANGLES, STRIP, FAN) or "POSITION" not in primitive.attributes:
         return None
@@ -199,16 +217,16 @@ def _primitive(header: Gltf, binary: bytes, primitive: Primitive) -> Mesh | None
     if primitive.indices is not None:
         indices = _accessor(header, binary, primitive.indices, "SCALAR")
         if indices.dtype.kind != "u":
-            raise InputError("corners of the GLB are not whole numbers", hint=_DAMAGED)
+            raise InputError("the vertex indices of the GLB are not integers", hint=_DAMAGED)
         corners = indices.reshape(-1).astype(np.int64)
     else:
         corners = np.arange(len(vertices))
     k = np.arange(max(len(corners) - 2, 0))
     if mode == TRIANGLES:
         if len(corners) % 3:
-            raise InputError(f"{len(corners)} corners do not make triangles", hint=_DAMAGED)
+            raise InputError(f"{len(corners)} corners are not a multiple of 3", hint=_DAMAGED)
         faces = corners.reshape(-1, 3)
-    elif mode == STRIP:  # every other triangle of a strip turns the other way
+    elif mode == STRIP:  # every second triangle of a strip has the opposite orientation
         faces = np.column_stack([corners[k], corners[k + 1 + k % 2], corners[k + 2 - k % 2]])
     else:
         faces = np.column_stack([corners[0 * k], corners[k + 1], corners[k + 2]])
@@ -217,7 +235,13 @@ def _primitive(header: Gltf, binary: bytes, primitive: Primitive) -> Mesh | None
 
 
 def _accessor(header: Gltf, binary: bytes, index: int, wanted: str) -> NDArray[Any]:
-    """Rows of numbers, shape (n, width), as the accessor describes them."""
+    """The numbers of an accessor, shape (n, width).
+
+    Raises
+    ------
+    InputError
+        If the type of the accessor is not `wanted` ("SCALAR" or "VEC3"), or bytes are missing.
+    """
     accessor = _at(header.accessors, index, "accessor")
     if accessor.type != wanted:
         what = f"damaged GLB: accessor {index} is of type {accessor.type!r:.20}, not {wanted}"
@@ -241,12 +265,12 @@ def _accessor(header: Gltf, binary: bytes, index: int, wanted: str) -> NDArray[A
 
 
 def _with_sparse(header: Gltf, binary: bytes, sparse: Sparse, rows: NDArray[Any]) -> NDArray[Any]:
-    """The rows with those that stand apart in their places."""
-    where, values, n = sparse.indices, sparse.values, sparse.count
-    kind = np.dtype(COMPONENTS[where.componentType])
-    at = _view(header, binary, (where.bufferView, where.byteOffset), kind, (n, 1))[:, 0]
+    """The rows of an accessor after its sparse rows have replaced their predecessors."""
+    indices, values, n = sparse.indices, sparse.values, sparse.count
+    kind = np.dtype(COMPONENTS[indices.componentType])
+    at = _view(header, binary, (indices.bufferView, indices.byteOffset), kind, (n, 1))[:, 0]
     if n and int(at.max()) >= len(rows):
-        raise InputError(f"damaged GLB: row {at.max()} of {len(rows)} is not there", hint=_DAMAGED)
+        raise InputError(f"damaged GLB: row {at.max()} of {len(rows)} is missing", hint=_DAMAGED)
     rows = rows.copy()
     shape = n, rows.shape[1]
     rows[at] = _view(header, binary, (values.bufferView, values.byteOffset), rows.dtype, shape)
@@ -260,7 +284,18 @@ def _view(
     kind: np.dtype[Any],
     shape: tuple[int, int],
 ) -> NDArray[Any]:
-    """Rows at a place: the number of a view, and the byte in it where they begin."""
+    """Rows of numbers in the binary chunk.
+
+    Parameters
+    ----------
+    header : Gltf
+    binary : bytes
+    place : (int, int)
+        Index of the buffer view, and first byte within the view.
+    kind : dtype
+    shape : (int, int)
+        Number of rows, and numbers per row.
+    """
     view = _at(header.bufferViews, place[0], "buffer view")
     start = view.byteOffset + place[1]
     row = shape[1] * kind.itemsize
@@ -272,5 +307,6 @@ def _view(
 
 
 def _check_count(needed: int, held: int) -> None:
+    """Raise `InputError` if `needed` bytes are more than the `held` bytes."""
     if needed < 0 or needed > held:
         raise InputError(f"numbers end at byte {needed} of {held}", hint=_DAMAGED)

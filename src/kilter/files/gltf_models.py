@@ -1,6 +1,6 @@
-"""The header of a GLB file as pydantic models: of glTF 2.0, what a mesh and its place need.
+"""Pydantic models of a GLB header: the subset of glTF 2.0 that describes meshes and placements.
 
-Keys that are not named here (materials, cameras, animations) are passed over.
+Other keys (materials, cameras, animations) are ignored.
 """
 
 from __future__ import annotations
@@ -18,27 +18,27 @@ Component = Literal[5120, 5121, 5122, 5123, 5125, 5126]
 
 
 class View(BaseModel):
-    """A run of bytes."""
+    """A range of bytes of the binary chunk."""
 
     byteOffset: Count = 0
     byteStride: Annotated[int, Field(strict=True, gt=0)] | None = None
 
 
 class SparsePart(BaseModel):
-    """Where numbers that stand apart are."""
+    """Place of the numbers of sparse rows."""
 
     bufferView: Count
     byteOffset: Count = 0
 
 
 class SparseIndices(SparsePart):
-    """Which rows they are of."""
+    """Place of the row indices of sparse rows."""
 
     componentType: Literal[5121, 5123, 5125]
 
 
 class Sparse(BaseModel):
-    """Rows that differ from the others."""
+    """Rows of an accessor that are stored separately and replace its own rows."""
 
     count: Count
     indices: SparseIndices
@@ -46,7 +46,7 @@ class Sparse(BaseModel):
 
 
 class Accessor(BaseModel):
-    """Rows of numbers."""
+    """An array of numbers: its type, its length, and its place in the binary chunk."""
 
     componentType: Component
     count: Count
@@ -58,7 +58,7 @@ class Accessor(BaseModel):
 
 
 class Primitive(BaseModel):
-    """Triangles of one material."""
+    """The triangles of a mesh with the same material."""
 
     attributes: dict[str, Count]
     indices: Count | None = None
@@ -67,14 +67,14 @@ class Primitive(BaseModel):
 
 
 class GltfMesh(BaseModel):
-    """Primitives under one name."""
+    """A mesh: its name and its primitives."""
 
     name: str | None = None
     primitives: list[Primitive]
 
 
 class Node(BaseModel):
-    """A mesh, or other nodes, in a place."""
+    """A transform with a mesh, or with child nodes."""
 
     name: str | None = None
     mesh: Count | None = None
@@ -86,19 +86,19 @@ class Node(BaseModel):
 
 
 class Scene(BaseModel):
-    """The nodes at the top."""
+    """A scene: its root nodes."""
 
     nodes: list[Count] = []
 
 
 class Buffer(BaseModel):
-    """Bytes, here or in another file."""
+    """Bytes in the file, or in another file (`uri`)."""
 
     uri: str | None = None
 
 
 class Gltf(BaseModel):
-    """The header."""
+    """The JSON header of a GLB file."""
 
     accessors: list[Accessor] = []
     bufferViews: list[View] = []

@@ -1,12 +1,13 @@
-"""Interfaces that a COMPAS file carries, as given contacts between its blocks.
+"""Convert the interfaces of a COMPAS file to given contacts between its blocks.
 
-    edges[u][v]:  "interfaces": [{"points", "frame": {"xaxis", "yaxis"}}],  "interface": one,
+    edges[u][v]:  "interfaces": [{"points", "frame": {"xaxis", "yaxis"}}],
+                  "interface": a single interface,
                   "interface_points", "interface_uvw" in files of 2020
 
-The corners of an interface are the contact points, and x cross y of its frame the normal; where
-it has no frame, that of its polygon, sum of p x q / 2. Which block it points away from is not
-said, and writers differ: so it is asked of the blocks. The face of u nearest to the interface
-looks along the normal from u to v, and that of v against it.
+The corners of an interface are the contact points. Its normal is x cross y of its frame, or
+without a frame the area vector of its polygon, the sum of p x q / 2. The files do not define the
+sense of the normal, and writers differ. Therefore the faces of the blocks determine the sense: the
+normal from u to v points out of the face of u nearest to the interface, and into the face of v.
 """
 
 from __future__ import annotations
@@ -24,38 +25,40 @@ from kilter.shape.primitives import Mesh
 
 __all__ = ["contacts_of", "interfaces_of"]
 
-_HINT = "export the assembly with its interfaces again, or take --contacts geometry"
+_HINT = "export the assembly with its interfaces again, or use --contacts geometry"
 
 
 def interfaces_of(graph: dict[str, Any]) -> list[tuple[str, str, dict[str, Any]]]:
-    """(u, v, interface) of every edge of a graph that has one; an edge listed twice, once."""
-    found: list[tuple[str, str, dict[str, Any]]] = []
+    """All interfaces of a graph as (u, v, interface); an edge that is listed twice counts once."""
+    result: list[tuple[str, str, dict[str, Any]]] = []
     seen: set[frozenset[str]] = set()
     for u, row in _dict(graph.get("edge")).items():
         for v, edge in _dict(row).items():
-            listed = _listed(_dict(edge))
-            if listed and frozenset((u, v)) not in seen:
+            interfaces = _edge_interfaces(_dict(edge))
+            if interfaces and frozenset((u, v)) not in seen:
                 seen.add(frozenset((u, v)))
-                found += [(u, v, one) for one in listed]
-    return found
+                result += [(u, v, interface) for interface in interfaces]
+    return result
 
 
-def _listed(edge: dict[str, Any]) -> list[dict[str, Any]]:
+def _edge_interfaces(edge: dict[str, Any]) -> list[dict[str, Any]]:
+    """The interfaces of an edge, from any of the three forms in which files store them."""
     several = edge.get("interfaces")
-    one = edge.get("interface")
-    given = several if isinstance(several, list) and several else [one]
+    single = edge.get("interface")
+    stored = several if isinstance(several, list) and several else [single]
     if isinstance(edge.get("interface_points"), list):
         u, v = (*(edge.get("interface_uvw") or ()), None, None)[:2]
-        given = [{"points": edge["interface_points"], "frame": {"xaxis": u, "yaxis": v}}]
-    return [_inner(found) for found in given if isinstance(found, dict)]
+        stored = [{"points": edge["interface_points"], "frame": {"xaxis": u, "yaxis": v}}]
+    return [_inner(interface) for interface in stored if isinstance(interface, dict)]
 
 
 def _dict(value: Any) -> dict[str, Any]:
+    """The value if it is a dict, else an empty dict."""
     return value if isinstance(value, dict) else {}
 
 
 def _inner(value: Any) -> Any:
-    """What is inside ``{"dtype", "data"}``, or the value itself."""
+    """The content of a serialised object ``{"dtype", "data"}``, or the value itself."""
     while isinstance(value, dict) and ("dtype" in value or "datatype" in value):
         value = value.get("data", value.get("value"))
     return value
@@ -64,39 +67,51 @@ def _inner(value: Any) -> Any:
 def contacts_of(
     interfaces: list[tuple[str, str, dict[str, Any]]], parts: Mapping[str, Part]
 ) -> list[GivenContact]:
-    """The contacts that interfaces are, `parts` by the keys of their nodes.
+    """The contacts of interfaces.
+
+    Parameters
+    ----------
+    interfaces : list of (str, str, dict)
+        Keys of the two nodes, and the interface, as `interfaces_of` returns them.
+    parts : mapping of str to Part
+        The part of each node key.
 
     Raises
     ------
     InputError
-        If there is none, or one names a block that is not there or has no usable corners.
+        If there is no interface, or an interface has an unknown block or no valid corners.
     """
     if not interfaces:
         raise InputError(
-            "the file carries no interfaces", hint="leave contacts='file' out",
+            "the file has no interfaces", hint="leave contacts='file' out",
             option="leave --contacts file out",
         )  # fmt: skip
-    return [_contact(u, v, one, parts) for u, v, one in interfaces]
+    return [_contact(u, v, interface, parts) for u, v, interface in interfaces]
 
 
 def _contact(u: str, v: str, interface: Any, parts: Mapping[str, Part]) -> GivenContact:
+    """The contact of an interface, with the normal from block u to block v."""
     for key in (u, v):
         if key not in parts:
-            raise InputError(f"an interface names block {key!r}, which is not there", hint=_HINT)
+            raise InputError(f"an interface names the unknown block {key!r}", hint=_HINT)
     points, normal = _polygon(interface)
     if not len(points) or not np.linalg.norm(normal) > 0:
         raise InputError(
-            f"an interface of {parts[u].name!r} and {parts[v].name!r} has no usable corners",
+            f"an interface of {parts[u].name!r} and {parts[v].name!r} has no valid corners",
             hint=_HINT,
         )
     normal = normal / np.linalg.norm(normal)
     middle = points.mean(axis=0)
-    away = _looks(parts[u].shape, middle, normal) - _looks(parts[v].shape, middle, normal)
-    return GivenContact((parts[u].name, parts[v].name), points, -normal if away < 0 else normal)
+    facing_u = _facing_cosine(parts[u].shape, middle, normal)
+    sense = facing_u - _facing_cosine(parts[v].shape, middle, normal)
+    return GivenContact((parts[u].name, parts[v].name), points, -normal if sense < 0 else normal)
 
 
 def _polygon(interface: Any) -> tuple[Array, Array]:
-    """Corners of an interface, shape (n, 3), and a direction across it; zero where it has none."""
+    """Corners of an interface, shape (n, 3), and its normal of any length, shape (3,).
+
+    Without valid corners: no corners, and a zero normal.
+    """
     data = _dict(interface)
     frame = _dict(_inner(data.get("frame")))
     try:
@@ -115,10 +130,11 @@ def _polygon(interface: Any) -> tuple[Array, Array]:
     return points, normal
 
 
-def _looks(shape: Any, point: Array, normal: Array) -> float:
-    """Cosine between a direction and the outside of the face of a mesh nearest to a point.
+def _facing_cosine(shape: Any, point: Array, normal: Array) -> float:
+    """Cosine between a direction and the outward normal of the mesh face nearest to a point.
 
-    Of the faces that lie across the direction; 0 where there is none.
+    Only faces across the direction are considered (cosine above `ALONG` in magnitude); without
+    any, the result is 0.
     """
     assert isinstance(shape, Mesh)
     p, q, r = (shape.vertices[shape.triangles[:, k]] for k in range(3))
@@ -129,12 +145,16 @@ def _looks(shape: Any, point: Array, normal: Array) -> float:
     chosen = np.flatnonzero(np.abs(cosine) > ALONG)
     if not len(chosen):
         return 0.0
-    away = _distances(point, p[chosen], q[chosen], r[chosen])
-    return float(cosine[chosen[away.argmin()]])
+    distance = _distances(point, p[chosen], q[chosen], r[chosen])
+    return float(cosine[chosen[distance.argmin()]])
 
 
 def _distances(point: Array, p: Array, q: Array, r: Array) -> Array:
-    """Distance of a point from triangles, shape (n,): of their planes inside, of edges outside."""
+    """Distance of a point from each of n triangles (p, q, r), shape (n,).
+
+    It is the distance from the plane if the point projects into the triangle, else the distance
+    from the nearest edge.
+    """
     normal = cross(q - p, r - p)
     length = np.linalg.norm(normal, axis=1)
     unit = normal / np.where(length > 0, length, 1.0)[:, None]

@@ -1,7 +1,7 @@
-"""kilter's own file, as a dict, to an assembly and back.
+"""Convert between an assembly and the JSON values of a kilter file.
 
-What is written reads back as the same values to the last digit: a shape in its own kind,
-numbers as they are, defaults left out.
+Writing and reading back gives the same values to the last digit: every kind of shape has its own
+key, numbers are not rounded, and defaults are left out.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import numpy as np
 from kilter.assembly import Assembly, Bond, Feature, FrictionPair, GivenContact, Joint, Load, Part
 from kilter.assembly.brick import BRICK_PLATES, Brick
 from kilter.errors import InputError, nearest_name
-from kilter.files.checked_solid import checked
+from kilter.files.checked_solid import checked_solid
 from kilter.files.complaints import complaint
 from kilter.files.limits import Tally
 from kilter.files.named_files import NamedFiles
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 __all__ = ["from_dict", "schema", "to_dict"]
 
 VERSION = 1
+"""Version of the file format."""
 GRAVITY = [0.0, 0.0, -9.81]
 
 
@@ -44,29 +45,29 @@ def schema() -> dict[str, Any]:
     'kilter assembly'
     """
     text = resources.files("kilter.files").joinpath("assembly.schema.json").read_text("utf-8")
-    found: dict[str, Any] = json.loads(text)
-    return found
+    content: dict[str, Any] = json.loads(text)
+    return content
 
 
 # reading -------------------------------------------------------------------------------
 
 
 def from_dict(data: Any, *, folder: str | Path = ".", source: str = "") -> Assembly:
-    """The assembly that a kilter file describes.
+    """Build the assembly that the JSON values of a kilter file describe.
 
     Parameters
     ----------
     data : dict
-        The file as JSON values.
+        Content of the file.
     folder : path
-        What paths of meshes are relative to.
+        Folder that the paths of meshes are relative to.
     source : str
-        The file's name, for messages.
+        Name of the file, for messages.
 
     Raises
     ------
     InputError
-        If an entry is unknown, missing or wrong; it names the part and the place.
+        If an entry is unknown, missing or invalid; the error names the part and the place.
 
     Examples
     --------
@@ -77,7 +78,7 @@ def from_dict(data: Any, *, folder: str | Path = ".", source: str = "") -> Assem
     kilter.errors.InputError: part 'C1': unknown key 'densty'; did you mean 'density'?
     """
     try:
-        entries = _validated(data)
+        entries = _validate(data)
         named = NamedFiles(Path(folder), entries.units)
         tally = Tally()
         parts = [_part(entry, named, tally) for entry in entries.parts]
@@ -100,7 +101,8 @@ def from_dict(data: Any, *, folder: str | Path = ".", source: str = "") -> Assem
         raise error.located(file=source or None) from None
 
 
-def _validated(data: Any) -> AssemblyFile:
+def _validate(data: Any) -> AssemblyFile:
+    """Parse the content of a kilter file into its pydantic model; raises `InputError`."""
     from pydantic import ValidationError
 
     from kilter.files.models import AssemblyFile
@@ -110,13 +112,13 @@ def _validated(data: Any) -> AssemblyFile:
         raise InputError("the file is not a JSON object", hint=example)
     if "kilter" not in data:
         near = nearest_name("kilter", data)
-        hint = f"did you mean 'kilter' by {near!r}?" if near else example
-        raise InputError("key 'kilter' is missing: not a kilter file", hint=hint)
+        hint = f"the key {near!r} may be a misspelling of it" if near else example
+        raise InputError("the key 'kilter' is missing: this is not a kilter file", hint=hint)
     version = data["kilter"]
     if type(version) is not int or version != VERSION:
         raise InputError(
-            f"version of the file, kilter, is {version!r:.40}",
-            hint=f"this kilter reads version {VERSION}",
+            f"the file version (key 'kilter') is {version!r:.40}",
+            hint=f"this program reads version {VERSION}",
         )
     try:
         return AssemblyFile.model_validate(data)
@@ -125,6 +127,7 @@ def _validated(data: Any) -> AssemblyFile:
 
 
 def _part(entry: PartEntry, named: NamedFiles, tally: Tally) -> Part:
+    """The part of an entry; its triangles are added to the tally."""
     try:
         pose, shape = entry.pose, _shape(entry, named)
         if isinstance(shape, Mesh | Solid):
@@ -144,11 +147,13 @@ def _part(entry: PartEntry, named: NamedFiles, tally: Tally) -> Part:
 
 
 def _brick(entry: BrickEntry) -> Brick:
+    """The brick of an entry."""
     across, along = entry.cells
     return Brick((across, along), entry.plates, entry.color)
 
 
 def _shape(entry: PartEntry, named: NamedFiles) -> Shape:
+    """The shape of a part's entry; raises `InputError` unless exactly one shape is given."""
     given = [key for key in entry.shapes() if getattr(entry, key) is not None]
     if len(given) != 1:
         what = f"has {' and '.join(given)}" if given else "has no shape"
@@ -156,7 +161,7 @@ def _shape(entry: PartEntry, named: NamedFiles) -> Shape:
     if (entry.depth is None) == (entry.polygon is not None):
         raise InputError(
             "polygon without depth" if entry.polygon else "depth without polygon",
-            hint="a prism has both",
+            hint="a prism needs both",
         )
     if entry.box is not None:
         return Box(entry.box)
@@ -167,8 +172,8 @@ def _shape(entry: PartEntry, named: NamedFiles) -> Shape:
     if entry.polygon is not None and entry.depth is not None:
         return Prism(entry.polygon, entry.depth)
     if entry.step is not None:
-        one = entry.step
-        return named.step(one) if isinstance(one, str) else named.step(one.path, one.name)
+        step = entry.step
+        return named.step(step) if isinstance(step, str) else named.step(step.path, step.name)
     if entry.solid is not None:
         return _solid(entry.solid)
     if isinstance(entry.mesh, str):
@@ -178,16 +183,17 @@ def _shape(entry: PartEntry, named: NamedFiles) -> Shape:
 
 
 def _solid(entry: SolidEntry) -> Solid:
+    """The solid of an entry, after the check of its volume."""
     numbers = entry.model_dump()
     surfaces = []
     for given in numbers.pop("surfaces"):
         surfaces.append(Surface(**given))
         _keep(surfaces[-1], "axis", given["axis"])
-    return checked(Solid(**numbers, surfaces=tuple(surfaces)))
+    return checked_solid(Solid(**numbers, surfaces=tuple(surfaces)))
 
 
 def _each(name: str, entries: Sequence[Any], build: Callable[[Any], Any]) -> list[Any]:
-    """Values of a list of entries; a fault names its place in the list."""
+    """The values built from a list of entries; an error names the place in the list."""
     built = []
     for k, entry in enumerate(entries):
         try:
@@ -200,10 +206,12 @@ def _each(name: str, entries: Sequence[Any], build: Callable[[Any], Any]) -> lis
 
 
 def _pair(names: Sequence[str]) -> tuple[str, str]:
+    """A list of two names as a tuple."""
     return names[0], names[1]
 
 
 def _contact(entry: Any) -> GivenContact:
+    """The contact of an entry."""
     given = entry.feature
     pair = None if given is None else (_feature(given[0]), _feature(given[1]))
     contact = GivenContact(_pair(entry.parts), entry.points, entry.normal, entry.mu, pair)
@@ -212,6 +220,7 @@ def _contact(entry: Any) -> GivenContact:
 
 
 def _feature(entry: Any) -> Feature:
+    """The feature of an entry."""
     feature = Feature(entry.kind, entry.along, entry.curvature, entry.point, entry.axis)
     for name in ("along", "axis"):
         given = getattr(entry, name)
@@ -221,6 +230,7 @@ def _feature(entry: Any) -> Feature:
 
 
 def _joint(entry: Any) -> Joint:
+    """The joint of an entry."""
     joint = Joint(_pair(entry.parts), entry.kind, entry.point, entry.axis)
     if entry.axis is not None:
         _keep(joint, "axis", entry.axis)
@@ -228,6 +238,7 @@ def _joint(entry: Any) -> Joint:
 
 
 def _bond(entry: Any) -> Bond:
+    """The bond of an entry."""
     bond = Bond(
         _pair(entry.parts),
         entry.pull,
@@ -245,10 +256,19 @@ def _bond(entry: Any) -> Bond:
 def _keep(
     value: Feature | GivenContact | Joint | Bond | Surface, name: str, numbers: list[float]
 ) -> None:
-    """Leave a direction of length 1 (up to rounding) as it is written.
+    """Keep the digits of a direction of length 1 (up to rounding) as written in the file.
 
-    To divide it by its length once more may change the last digit, and what was written
-    must read back the same.
+    A second division by the length may change the last digit, but a file that is read and
+    written again must be the same.
+
+    Parameters
+    ----------
+    value : frozen dataclass
+        Value whose field is overwritten.
+    name : str
+        Name of the field.
+    numbers : list of float
+        Components of the direction as written.
     """
     if abs(float(np.linalg.norm(numbers)) - 1.0) <= 4 * np.finfo(float).eps:
         object.__setattr__(value, name, frozen(numbers, (3,)))
@@ -258,7 +278,7 @@ def _keep(
 
 
 def to_dict(assembly: Assembly) -> dict[str, Any]:
-    """The assembly as the JSON values of a kilter file; defaults are left out.
+    """The JSON values of a kilter file for an assembly; defaults are left out.
 
     Examples
     --------
@@ -275,21 +295,21 @@ def to_dict(assembly: Assembly) -> dict[str, Any]:
         "friction_pairs": [{"parts": list(p.parts), "mu": p.mu} for p in assembly.friction_pairs],
         "loads": [_load_dict(load) for load in assembly.loads],
         "contacts": [
-            _given(
+            _without_none(
                 parts=list(c.parts),
                 points=c.points,
                 normal=c.normal,
                 mu=c.mu,
-                feature=c.feature and [_feature_dict(one) for one in c.feature],
+                feature=c.feature and [_feature_dict(feature) for feature in c.feature],
             )
             for c in assembly.contacts
         ],
         "joints": [
-            _given(parts=list(j.parts), kind=j.kind, point=j.point, axis=j.axis)
+            _without_none(parts=list(j.parts), kind=j.kind, point=j.point, axis=j.axis)
             for j in assembly.joints
         ],
         "bonds": [
-            _given(
+            _without_none(
                 parts=list(b.parts),
                 pull=b.pull,
                 pull_per_area=b.pull_per_area,
@@ -309,8 +329,8 @@ def to_dict(assembly: Assembly) -> dict[str, Any]:
     return data
 
 
-def _given(**entries: Any) -> dict[str, Any]:
-    """Entries that are there, arrays as lists."""
+def _without_none(**entries: Any) -> dict[str, Any]:
+    """The entries that are not None, with arrays as lists."""
     return {
         key: value.tolist() if isinstance(value, np.ndarray) else value
         for key, value in entries.items()
@@ -319,14 +339,15 @@ def _given(**entries: Any) -> dict[str, Any]:
 
 
 def _part_dict(part: Part) -> dict[str, Any]:
-    pose = _given(
+    """The entry of a part."""
+    pose = _without_none(
         position=part.pose.position if part.pose.position.any() else None,
         rotation=None if part.pose.rotation.tolist() == [1, 0, 0, 0] else part.pose.rotation,
     )
     return {
         "name": part.name,
         **_shape_dict(part.shape),
-        **_given(
+        **_without_none(
             pose=pose or None,
             grounded=bool(part.grounded) or None,
             density=part.density,
@@ -338,11 +359,13 @@ def _part_dict(part: Part) -> dict[str, Any]:
 
 
 def _brick_dict(brick: Brick) -> dict[str, Any]:
+    """The entry of a brick."""
     plates = None if brick.plates == BRICK_PLATES else brick.plates
-    return _given(cells=list(brick.cells), plates=plates, color=brick.color)
+    return _without_none(cells=list(brick.cells), plates=plates, color=brick.color)
 
 
 def _shape_dict(shape: Shape) -> dict[str, Any]:
+    """The key and entry of a shape."""
     if isinstance(shape, Box):
         return {"box": shape.size.tolist()}
     if isinstance(shape, Cylinder):
@@ -354,7 +377,7 @@ def _shape_dict(shape: Shape) -> dict[str, Any]:
     if isinstance(shape, Solid):
         return {"solid": _solid_dict(shape)}
     largest = float(np.abs(shape.vertices).max(initial=0.0))
-    mesh = _given(
+    mesh = _without_none(
         vertices=shape.vertices,
         faces=shape.triangles,
         accuracy=None if shape.accuracy == largest * 2.0**-53 else shape.accuracy,
@@ -363,31 +386,34 @@ def _shape_dict(shape: Shape) -> dict[str, Any]:
 
 
 def _solid_dict(solid: Solid) -> dict[str, Any]:
-    entries = _given(**{name: getattr(solid, name) for name in Solid.__slots__})
-    for name in ("holes", "stand_in", "uncertainty"):  # of a sound solid they say nothing
+    """The entry of a solid with exact faces."""
+    entries = _without_none(**{name: getattr(solid, name) for name in Solid.__slots__})
+    for name in ("holes", "stand_in", "uncertainty"):  # defaults of a valid solid
         if not entries[name]:
             del entries[name]
     entries["surfaces"] = [
-        _given(**{name: getattr(surface, name) for name in Surface.__slots__})
+        _without_none(**{name: getattr(surface, name) for name in Surface.__slots__})
         for surface in solid.surfaces
     ]
     return entries
 
 
 def _feature_dict(feature: Feature) -> dict[str, Any]:
+    """The entry of a feature; equal curvatures of a face are written as one number."""
     k, across = feature.curvature.tolist()
-    alone = feature.kind == "edge" or k == across
-    return _given(
+    single = feature.kind == "edge" or k == across
+    return _without_none(
         kind=feature.kind,
         along=feature.along,
-        curvature=((k or None) if alone else [k, across]),
+        curvature=((k or None) if single else [k, across]),
         point=feature.point,
         axis=feature.axis,
     )
 
 
 def _load_dict(load: Load) -> dict[str, Any]:
-    return _given(
+    """The entry of a load."""
+    return _without_none(
         part=load.part,
         point=load.point,
         force=load.force if load.force.any() else None,

@@ -1,10 +1,10 @@
-"""LDraw models (.ldr, .mpd) of plain bricks, plates and baseplates.
+"""Read LDraw models (.ldr, .mpd) of plain bricks, plates and baseplates.
 
-A cell is 20 units of .4 mm, a brick 24 high, a plate 8; y points down, the origin of a part is in
-the middle of its top. Models in the file stand for all their parts, wherever they are named. A
-baseplate is held; where there is none, one is put under the lowest layer.
+A cell is 20 units of .4 mm wide, a brick is 24 units high, a plate 8. y points down; the origin of
+a part is the centre of its top face. A line may place a model of the file instead of a part.
+A baseplate is held; a model without a baseplate gets one under the lowest layer.
 
-    0 FILE name          a model begins (.mpd); the first one is built
+    0 FILE name          start of a model (.mpd); the first model is built
     1 colour x y z  a b c d e f g h i  part
 
 References
@@ -34,26 +34,26 @@ from kilter.files.raw import read_bytes
 __all__ = ["LDRAW_FILES", "load_ldraw"]
 
 LDRAW_FILES = (".ldr", ".mpd")
-"""Endings of such files."""
+"""Endings of LDraw files."""
 CELL, PLATE = 20.0, 8.0
-"""Units of a cell, and of a plate's height."""
+"""Width of a cell, and height of a plate [LDraw units]."""
 CELL_MM = 8.0
 """Width of a cell [mm]."""
 INHERITED = 16
-"""The colour of the model that names the part."""
+"""Colour code of a part that takes the colour of the model around it."""
 DEEPEST = 100
-"""Models within models."""
+"""Largest depth of models within models; deeper nesting is an error."""
 NUMBERS = 13
-"""Colour, place and matrix of a line."""
+"""Number of values before the part name in a line of type 1: colour, position, matrix."""
 DRAWN = ("2", "3", "4", "5")
-"""Lines and faces that are drawn beside the parts."""
+"""Types of lines that draw edges and faces and place no part."""
 TO_CELLS = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])
-"""From LDraw's axes, y down, to x, y, z with z up."""
+"""Rotation from the axes of LDraw (y down) to axes with z up."""
 
 
 @dataclass(frozen=True, slots=True)
 class _PartLine:
-    """A part as a line of the file places it."""
+    """A line of the file that places a part, or a model of the file, in its model."""
 
     number: int
     color: int
@@ -63,8 +63,8 @@ class _PartLine:
 
 
 @dataclass(frozen=True, slots=True)
-class _Placed:
-    """A brick in the whole model."""
+class _PlacedBrick:
+    """A brick with its place in the whole model, and its size in studs and plates."""
 
     line: int
     color: int
@@ -74,28 +74,28 @@ class _Placed:
 
 
 def load_ldraw(path: Path, *, rules: StudRules | None = None) -> Assembly:
-    """The assembly of an LDraw model, in mm.
+    """Read an LDraw model as an assembly, in mm.
 
     Raises
     ------
     InputError
-        If a line is broken, a part is no plain brick or plate, stands askew or off the grid, or in
-        the cell of another; it names the line.
+        If a line is invalid, or a part is not a plain brick or plate, is tilted or off the grid,
+        or occupies a cell of another part; the error names the line.
     """
     try:
         data = read_bytes(path)
         models, notes = _models(data)
-        placed = list(_placed(models))
-        if not placed:
-            raise InputError("no brick in the file", hint="give a model with lines of type 1")
-        model = _on_grid(placed)
+        bricks = list(_placed_bricks(models))
+        if not bricks:
+            raise InputError("the file has no bricks", hint="give a model with lines of type 1")
+        model = _grid_model(bricks)
         return assembly_of_bricks(model, rules=rules, cell=CELL_MM, source=str(path), notes=notes)
     except InputError as error:
         raise error.located(file=str(path)) from None
 
 
 def _models(data: bytes) -> tuple[dict[str, list[_PartLine]], list[str]]:
-    """The lines of each model by its name, the first one first, and notes on what is left out."""
+    """The part lines of each model by its name, in the order of the file, and notes."""
     models: dict[str, list[_PartLine]] = {}
     lines: list[_PartLine] = []
     drawn = 0
@@ -114,16 +114,20 @@ def _models(data: bytes) -> tuple[dict[str, list[_PartLine]], list[str]]:
             drawn += 1
         elif words and words[0] != "0":
             hint = "lines begin with a number from 0 to 5"
-            raise InputError(f"line {number}: {text.strip()!r:.60} is no line of LDraw", hint=hint)
-    notes = [f"{drawn} lines and faces that are drawn beside the parts are left out"]
+            raise InputError(
+                f"line {number}: {text.strip()!r:.60} is not a line of LDraw", hint=hint
+            )
+    notes = [f"{drawn} drawn edges and faces are ignored"]
     return models, notes if drawn else []
 
 
 def _key(name: str) -> str:
+    """The name of a part or model in a form that can be compared."""
     return name.strip().lower().replace("\\", "/")
 
 
 def _line(number: int, text: str) -> _PartLine:
+    """Parse a line of type 1; raises `InputError` if it is invalid."""
     words = text.split(maxsplit=NUMBERS + 1)
     try:
         values = np.array([float(word) for word in words[2 : NUMBERS + 1]])
@@ -135,37 +139,38 @@ def _line(number: int, text: str) -> _PartLine:
     except ValueError:
         raise InputError(
             f"line {number}: {text.strip()!r:.60} does not place a part",
-            hint="write 1, a colour, three numbers, nine of a matrix, and the part",
+            hint="write 1, a colour, three coordinates, nine numbers of a matrix, and the part",
         ) from None
     return _PartLine(number, color, values[:3], values[3:].reshape(3, 3), _key(words[-1]))
 
 
-def _placed(models: dict[str, list[_PartLine]]) -> Iterator[_Placed]:
-    """The bricks of the first model, through all models in it.
+def _placed_bricks(models: dict[str, list[_PartLine]]) -> Iterator[_PlacedBrick]:
+    """The bricks of the first model, including the bricks of the models in it.
 
     Raises
     ------
     InputError
-        If models go round in a circle, or parts are not known: it names them all.
+        If a model contains itself, or parts are unknown; the error names all unknown parts.
     """
     unknown: dict[str, int] = {}
 
     def within(
         name: str, place: Array, matrix: Array, color: int, way: tuple[str, ...]
-    ) -> Iterator[_Placed]:
+    ) -> Iterator[_PlacedBrick]:
+        """The bricks of a model that is placed in the whole; `way` lists the models around it."""
         for line in models[name]:
-            own = color if line.color == INHERITED else line.color
+            part_color = color if line.color == INHERITED else line.color
             at, turned = place + matrix @ line.place, matrix @ line.matrix
             size = LDRAW.get(_number(line.part))
             if line.part in models:
                 if line.part in way or len(way) > DEEPEST:
                     raise InputError(
-                        f"line {line.number}: the model {line.part!r:.60} is within itself",
-                        hint="take it out there",
+                        f"line {line.number}: the model {line.part!r:.60} contains itself",
+                        hint="remove the line",
                     )
-                yield from within(line.part, at, turned, own, (*way, line.part))
+                yield from within(line.part, at, turned, part_color, (*way, line.part))
             elif size is not None:
-                yield _Placed(line.number, own, at, turned, size)
+                yield _PlacedBrick(line.number, part_color, at, turned, size)
             else:
                 unknown.setdefault(line.part, line.number)
 
@@ -175,62 +180,70 @@ def _placed(models: dict[str, list[_PartLine]]) -> Iterator[_Placed]:
     if unknown:
         words = [f"line {number}: {part!r:.60}" for part, number in unknown.items()]
         raise InputError(
-            f"no plain brick, plate or baseplate: {some(words, 8)}",
-            hint="leave these parts out, or put bricks in their place",
+            f"not a plain brick, plate or baseplate: {some(words, 8)}",
+            hint="remove these parts, or replace them by bricks",
         )
 
 
 def _number(part: str) -> str:
-    """The number of a part: ``3001.dat`` is 3001."""
+    """The LDraw number of a part file: 3001 for ``3001.dat``."""
     return re.sub(r"\.dat$", "", part)
 
 
-def _on_grid(placed: list[_Placed]) -> BrickModel:
-    """The bricks in whole cells and plates, the lowest layer at 0."""
-    line = np.array([one.line for one in placed])
-    studs = np.array([one.size for one in placed])
+def _grid_model(bricks: list[_PlacedBrick]) -> BrickModel:
+    """The bricks in whole cells and plates, the lowest layer at 0; raises `InputError`."""
+    line = np.array([brick.line for brick in bricks])
+    studs = np.array([brick.size for brick in bricks])
     held = studs[:, 2] == 0
-    turns = TO_CELLS @ np.array([one.matrix for one in placed]) @ TO_CELLS.T
+    turns = TO_CELLS @ np.array([brick.matrix for brick in bricks]) @ TO_CELLS.T
     whole = np.round(turns)
     upright = (np.abs(turns - whole).max(axis=(1, 2)) <= OFF_GRID) & (whole[:, 2, 2] == 1)
     upright &= (np.abs(whole).sum(axis=1) == 1).all(axis=1)
     upright &= (np.abs(whole).sum(axis=2) == 1).all(axis=1)
     if not upright.all():
         raise InputError(
-            f"line {line[~upright][0]}: the part is turned askew or upside down",
-            hint="bricks stand upright, turned by quarters",
+            f"line {line[~upright][0]}: the part is tilted or upside down",
+            hint="bricks must be upright, turned by multiples of 90 degrees",
         )
-    # a part's longer side lies along its own x
+    # the longer side of a part lies along x of its own frame
     along_x = whole[:, 0, 0] != 0
     across = np.where(along_x[:, None], studs[:, [1, 0]], studs[:, [0, 1]])
     plates = np.where(held, 1, studs[:, 2])
     size = np.column_stack([across, plates])
-    top = np.array([one.place for one in placed]) @ TO_CELLS.T
+    top = np.array([brick.place for brick in bricks]) @ TO_CELLS.T
     low = (top - np.column_stack([across / 2, plates]) * [CELL, CELL, PLATE]) / [CELL, CELL, PLATE]
     low[held, 2] = top[held, 2] / PLATE - 1
-    corner = _whole(low, line)
+    corner = _cells(low, line)
     corner[:, 2] -= corner[~held, 2].min() if (~held).any() else corner[:, 2].max() + 1
     mass = _masses(studs)
     count = np.arange(1, len(line) + 1)
-    color = np.array([NO_COLOR if one.color == INHERITED else one.color for one in placed])
+    color = np.array([NO_COLOR if b.color == INHERITED else b.color for b in bricks])
     return BrickModel(corner, size, mass, color, held, count, line)
 
 
-def _whole(low: Array, line: Index) -> Index:
-    """Corners in whole cells from that of the first part."""
+def _cells(low: Array, line: Index) -> Index:
+    """The cell of the lowest corner of each part, shape (n, 3), from corners in cells.
+
+    Parameters
+    ----------
+    low : ndarray, shape (n, 3)
+        Lowest corners [cells, cells, plates]; they share the fraction of the first corner.
+    line : ndarray of int, shape (n,)
+        Line of each part, for the message.
+    """
     beside = low - low[0]
     whole = np.round(beside)
     off = np.abs(beside - whole).max(axis=1) > OFF_GRID
     if off.any():
         raise InputError(
-            f"line {line[off][0]}: the part is off the grid of the part of line {line[0]}",
-            hint="bricks stand stud on stud: 20 units aside, 8 up",
+            f"line {line[off][0]}: the part is off the grid of the part in line {line[0]}",
+            hint="place bricks stud on stud, in steps of 20 units sideways and 8 upwards",
         )
     result: Index = whole.astype(np.int64) + np.floor(low[0] + OFF_GRID).astype(np.int64)
     return result
 
 
 def _masses(studs: Index) -> Array:
-    """Mass of each part [kg]; of baseplates, which are held, it does not matter."""
+    """Mass of each part [kg]; the mass of a baseplate is arbitrary, since it is held."""
     kinds, kind = np.unique(studs, axis=0, return_inverse=True)
     return np.array([brick_mass(a, b, max(h, 1)) for a, b, h in kinds.tolist()])[kind]

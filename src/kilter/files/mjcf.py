@@ -1,10 +1,10 @@
-"""An assembly as an MJCF scene, so that an answer can be watched in MuJoCo.
+"""Convert an assembly to an MJCF scene, to watch an answer in MuJoCo.
 
-Parts that are held are fixed bodies, the others free ones, under their names, in metres, with
-their masses, centres and inertia. Boxes, cylinders and spheres are exact; meshes are as they are,
-but MuJoCo collides with their hulls. Friction of its own is that of the pair; fixed and spherical
-joints are equalities, a revolute one is two connections on its axis. MuJoCo's contacts are soft:
-what is barely stable may creep.
+Held parts become fixed bodies, other parts free bodies, with the same names, masses, centres and
+inertia, in metres. Boxes, cylinders and spheres are exact. Meshes are copied, but MuJoCo collides
+with their convex hulls. Friction pairs become contact pairs. Fixed and spherical joints become
+equalities, a revolute joint two connections on its axis. Contacts in MuJoCo are soft: a barely
+stable assembly may creep.
 """
 
 from __future__ import annotations
@@ -27,19 +27,19 @@ from kilter.units import metres_per_unit
 __all__ = ["to_mjcf"]
 
 LEAST = 1e-5
-"""MuJoCo's least coefficient of friction [-]."""
+"""Least friction coefficient that MuJoCo accepts [-]."""
 SMALL = 1e-9
-"""Least eigenvalue of an inertia, of the greatest: MuJoCo refuses what is flatter [-]."""
+"""Least ratio of the smallest to the largest principal inertia [-]; MuJoCo rejects smaller."""
 Element = ElementTree.Element
 
 
 def to_mjcf(assembly: Assembly) -> str:
-    """The text of an MJCF scene.
+    """The text of an MJCF scene for an assembly.
 
     Raises
     ------
     InputError
-        If it has loads, or joints that slide: MJCF has no such between free bodies.
+        If the assembly has loads or sliding joints; MJCF has neither between free bodies.
 
     Examples
     --------
@@ -50,7 +50,7 @@ def to_mjcf(assembly: Assembly) -> str:
     """
     if assembly.loads:
         raise InputError(
-            "MJCF has no loads", hint="leave them out, and set data.xfrc_applied where it runs"
+            "MJCF has no loads", hint="remove them, and set data.xfrc_applied in the simulation"
         )
     metres = metres_per_unit(assembly.units)
     root = Element("mujoco", model="kilter")
@@ -71,7 +71,7 @@ def to_mjcf(assembly: Assembly) -> str:
 def _body(
     world: Element, assets: Element, assembly: Assembly, k: int, part: Part, metres: float
 ) -> None:
-    """A part as a body with one geom."""
+    """Add part k to the world as a body with one geom, and its mesh to the assets."""
     body = ElementTree.SubElement(
         world,
         "body",
@@ -105,7 +105,7 @@ def _body(
 
 
 def _inertial(assembly: Assembly, k: int, part: Part, metres: float) -> dict[str, str]:
-    """Mass, centre and inertia about it, in the frame of the body."""
+    """Attributes of `inertial`: mass, centre and principal inertia, in the frame of the body."""
     geometry = assembly.geometry
     turn = part.pose.matrix
     center = turn.T @ (geometry.center[k] - part.pose.position) * metres
@@ -121,7 +121,7 @@ def _inertial(assembly: Assembly, k: int, part: Part, metres: float) -> dict[str
 
 
 def _pairs(root: Element, assembly: Assembly) -> None:
-    """Friction of pairs, and no contact where a joint or the file says how two parts meet."""
+    """Add the friction pairs, and exclude contact between parts that a joint connects."""
     contact = ElementTree.SubElement(root, "contact")
     for entry in assembly.friction_pairs:
         mu = f"{max(entry.mu, LEAST):.17g}"
@@ -132,14 +132,15 @@ def _pairs(root: Element, assembly: Assembly) -> None:
             geom2=entry.parts[1],
             friction=f"{mu} {mu} {LEAST} {LEAST} {LEAST}",
         )
-    joined = {frozenset(joint.parts) for joint in assembly.joints if GROUND not in joint.parts}
+    connected = {frozenset(joint.parts) for joint in assembly.joints if GROUND not in joint.parts}
     held = {part.name for part in assembly.parts if part.grounded}
-    for one, two in combinations(assembly.names, 2) if joined else ():
-        if {one, two} in joined and not {one, two} <= held:
-            ElementTree.SubElement(contact, "exclude", body1=one, body2=two)
+    for first, second in combinations(assembly.names, 2) if connected else ():
+        if {first, second} in connected and not {first, second} <= held:
+            ElementTree.SubElement(contact, "exclude", body1=first, body2=second)
 
 
 def _equality(equalities: Element, assembly: Assembly, joint: Joint, metres: float) -> None:
+    """Add a joint as a weld, or as connections at a point or at two points of its axis."""
     first, second = joint.parts if joint.parts[0] != GROUND else joint.parts[::-1]
     ends = {"body1": first, **({} if second == GROUND else {"body2": second})}
     if joint.kind == "fixed":
@@ -147,8 +148,8 @@ def _equality(equalities: Element, assembly: Assembly, joint: Joint, metres: flo
         return
     if joint.kind not in ("revolute", "spherical"):
         raise InputError(
-            f"MJCF has no {joint.kind} joint between bodies that are placed apart",
-            hint="fasten the two parts, or leave the joint out",
+            f"MJCF has no {joint.kind} joint between free bodies",
+            hint="fasten the two parts, or remove the joint",
         )
     pose = assembly[first].pose
     size = float(assembly.geometry.radius[assembly.index_of(first)])
@@ -161,8 +162,10 @@ def _equality(equalities: Element, assembly: Assembly, joint: Joint, metres: flo
 
 
 def _friction(mu: float) -> str:
+    """Sliding, torsional and rolling friction of a geom."""
     return f"{max(mu, LEAST):.17g} {LEAST} {LEAST}"
 
 
 def _words(values: ArrayLike) -> str:
+    """Numbers with all digits, separated by blanks."""
     return " ".join(f"{value:.17g}" for value in np.asarray(values).ravel().tolist())

@@ -8,7 +8,7 @@ from pathlib import Path
 from kilter.errors import InputError, nearest_name, some_names
 from kilter.files.formats import EXACT, MESHES, read_bodies
 from kilter.files.limits import named_path
-from kilter.files.placed import FileBodies, joined
+from kilter.files.placed import FileBodies, join_meshes
 from kilter.shape.primitives import Mesh
 from kilter.shape.solid import Solid, moved_solid, scaled_solid
 from kilter.units import metres_per_unit
@@ -44,7 +44,7 @@ class NamedFiles:
                     f"mesh {path!r} holds {len(bodies.shapes)} objects, read as one part"
                 )
             shapes = [shape for shape, _ in bodies.in_units(self.units)]
-            self._shapes[key] = joined([shape for shape in shapes if isinstance(shape, Mesh)])
+            self._shapes[key] = join_meshes([shape for shape in shapes if isinstance(shape, Mesh)])
         return self._shapes[key]
 
     def step(self, path: str, name: str | None = None) -> Mesh | Solid:

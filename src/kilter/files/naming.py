@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 
-__all__ = ["distinct", "filled", "natural_key", "tails"]
+__all__ = ["distinct", "fill_names", "natural_key", "tails"]
 
 
 def distinct(names: Sequence[str]) -> list[str]:
@@ -51,12 +51,12 @@ def tails(paths: Sequence[tuple[str, ...]]) -> list[str]:
     return ["/".join(end) for end in shortest]
 
 
-def filled(names: Sequence[str | None], stem: str) -> list[str]:
+def fill_names(names: Sequence[str | None], stem: str) -> list[str]:
     """The names, distinct, with missing names made from the stem of the file.
 
     Examples
     --------
-    >>> filled([None], "plate"), filled([None, "nut", None], "plate")
+    >>> fill_names([None], "plate"), fill_names([None, "nut", None], "plate")
     (['plate'], ['plate_1', 'nut', 'plate_3'])
     """
     if len(names) == 1:

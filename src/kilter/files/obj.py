@@ -1,9 +1,9 @@
-"""Wavefront OBJ: vertices and polygons under the names of objects or groups.
+"""Read Wavefront OBJ: vertices and polygons under the names of objects or groups.
 
-Read here and not by a library, since polygons of more than three corners may be concave and
-faulty lines must be named. Materials, texture coordinates and normals are passed over, so a
-material library that is absent does not matter. Names come from ``o`` lines; where there are
-none, from ``g`` lines, and a group that is taken up again goes on.
+kilter has its own reader, since polygons of more than three corners may be concave and errors must
+name the line. Materials, texture coordinates and normals are ignored, so a missing material
+library does no harm. Names come from ``o`` lines; without any, from ``g`` lines, and faces of a
+group may be in several places.
 """
 
 from __future__ import annotations
@@ -22,8 +22,12 @@ __all__ = ["read_obj"]
 
 
 @dataclass(slots=True)
-class _Reading:
-    """What was read so far; faces by object, corners counted from 0."""
+class _Content:
+    """The vertices and faces read so far; faces by (object, serial), corners counted from 0.
+
+    `not_finite` maps the vertices that are not finite to their lines. `farthest` is the largest
+    vertex that a face names, with its line and object.
+    """
 
     vertices: list[list[float]] = field(default_factory=list)
     faces: dict[tuple[str, int], list[list[int]]] = field(default_factory=dict)
@@ -32,13 +36,13 @@ class _Reading:
 
 
 def read_obj(data: bytes) -> list[tuple[str | None, Mesh]]:
-    """The objects of an OBJ file that have faces, with their names.
+    """Read the objects of an OBJ file that have faces, with their names.
 
     Raises
     ------
     InputError
-        If a line cannot be read, a vertex is not finite, or a face names a vertex that is
-        not there; it names the object and the line.
+        If a line cannot be read, a vertex is not finite, or a face names a vertex that does
+        not exist; the error names the object and the line.
 
     Examples
     --------
@@ -46,23 +50,24 @@ def read_obj(data: bytes) -> list[tuple[str | None, Mesh]]:
     >>> read_obj(text + b"f 2/1/1 3/1/1 4/1/1\\nf 1//1 4//1 3//1")
     [('tip', Mesh(4 vertices, 4 triangles))]
     """
-    text = _decoded(data)
-    reading = _Reading()
+    text = _decode(data)
+    content = _Content()
     by_object = any(line.startswith("o ") for _, line in _lines(text))
     name, serial = "", 0
     for number, line in _lines(text):
         key, _, rest = line.partition(" ")
         if key == "v":
-            _add_vertex(reading, rest.split(), number, name)
+            _add_vertex(content, rest.split(), number, name)
         elif key == "f":
-            _add_face(reading, (name, serial), rest.split(), number)
+            _add_face(content, (name, serial), rest.split(), number)
         elif key == ("o" if by_object else "g"):
             name = rest.strip()
             serial += by_object
-    return _meshes(reading)
+    return _meshes(content)
 
 
-def _decoded(data: bytes) -> str:
+def _decode(data: bytes) -> str:
+    """The text of a file in UTF-8, else in Latin-1."""
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -70,11 +75,11 @@ def _decoded(data: bytes) -> str:
 
 
 def _lines(text: str) -> Iterator[tuple[int, str]]:
-    """Numbered lines without comments; a backslash at the end joins the next."""
+    """Numbered lines without comments; a line that ends in a backslash continues."""
     joined, start = "", 0
     for number, raw in enumerate(text.split("\n"), start=1):
         line = raw.strip().replace("\t", " ")
-        if not line.startswith(("o ", "g ")):  # a name may have the sign of a comment
+        if not line.startswith(("o ", "g ")):  # a name may contain #
             line = line.split("#", 1)[0].rstrip()
         start = start or number
         if line.endswith("\\"):
@@ -87,7 +92,8 @@ def _lines(text: str) -> Iterator[tuple[int, str]]:
         yield start, joined
 
 
-def _add_vertex(reading: _Reading, tokens: list[str], number: int, name: str) -> None:
+def _add_vertex(content: _Content, tokens: list[str], number: int, name: str) -> None:
+    """Add the vertex of line `number`; raises `InputError` if it is invalid."""
     try:
         vertex = [float(token) for token in tokens[:3]]
     except ValueError:
@@ -99,12 +105,13 @@ def _add_vertex(reading: _Reading, tokens: list[str], number: int, name: str) ->
             hint="give three numbers",
         )
     if not all(map(math.isfinite, vertex)):
-        reading.not_finite[len(reading.vertices)] = number
-    reading.vertices.append(vertex)
+        content.not_finite[len(content.vertices)] = number
+    content.vertices.append(vertex)
 
 
-def _add_face(reading: _Reading, key: tuple[str, int], tokens: list[str], number: int) -> None:
-    count = len(reading.vertices)
+def _add_face(content: _Content, key: tuple[str, int], tokens: list[str], number: int) -> None:
+    """Add the face of line `number` to an object; raises `InputError` if it is invalid."""
+    count = len(content.vertices)
     try:
         corners = [int(token.split("/", 1)[0]) for token in tokens]
     except ValueError:
@@ -119,47 +126,50 @@ def _add_face(reading: _Reading, key: tuple[str, int], tokens: list[str], number
         if corner == 0 or corner < -count:
             raise _no_vertex(number, corner, count, key[0])
         corners[k] = corner - 1 if corner > 0 else count + corner
-    if max(corners) > reading.farthest[0]:  # vertices may follow the faces that use them
-        reading.farthest = (max(corners), number, key[0])
-    reading.faces.setdefault(key, []).append(corners)
+    if max(corners) > content.farthest[0]:  # vertices may follow the faces that use them
+        content.farthest = (max(corners), number, key[0])
+    content.faces.setdefault(key, []).append(corners)
 
 
 def _no_vertex(number: int, corner: int, count: int, name: str) -> InputError:
+    """The error for a face that names a vertex that does not exist."""
     return InputError(
-        f"line {number}: face names vertex {corner}, there are {count}",
+        f"line {number}: the face names vertex {corner}, the file has {count}",
         part=name or None,
-        hint=f"vertices count from 1 to {count}, or back from -1",
+        hint=f"vertices are numbered from 1 to {count}, or backwards from -1",
     )
 
 
-def _meshes(reading: _Reading) -> list[tuple[str | None, Mesh]]:
-    corner, number, name = reading.farthest
-    if corner >= len(reading.vertices):
-        raise _no_vertex(number, corner + 1, len(reading.vertices), name)
-    vertices = np.array(reading.vertices, dtype=np.float64).reshape(-1, 3)
+def _meshes(content: _Content) -> list[tuple[str | None, Mesh]]:
+    """Names and meshes of all objects; raises `InputError` if a vertex is missing or invalid."""
+    corner, number, name = content.farthest
+    if corner >= len(content.vertices):
+        raise _no_vertex(number, corner + 1, len(content.vertices), name)
+    vertices = np.array(content.vertices, dtype=np.float64).reshape(-1, 3)
     accuracy = text_accuracy(vertices)
     result: list[tuple[str | None, Mesh]] = []
-    for (name, _), faces in reading.faces.items():
+    for (name, _), faces in content.faces.items():
         used, compact = np.unique(np.concatenate([np.array(f) for f in faces]), return_inverse=True)
-        _check_finite(reading, used.tolist(), name)
+        _check_finite(content, used.tolist(), name)
         ends = np.cumsum([len(face) for face in faces])[:-1]
         if len(compact) == 3 * len(faces):
-            own: object = compact.reshape(-1, 3)
+            polygons: object = compact.reshape(-1, 3)
         else:
-            own = [piece.tolist() for piece in np.split(compact, ends)]
-        mesh = Mesh(vertices[used], own, accuracy=accuracy(vertices[used]))
+            polygons = [piece.tolist() for piece in np.split(compact, ends)]
+        mesh = Mesh(vertices[used], polygons, accuracy=accuracy(vertices[used]))
         result.append((name or None, mesh))
-    _check_finite(reading, list(reading.not_finite), "")
+    _check_finite(content, list(content.not_finite), "")
     return result
 
 
-def _check_finite(reading: _Reading, used: list[int], name: str) -> None:
-    if not reading.not_finite:
+def _check_finite(content: _Content, used: list[int], name: str) -> None:
+    """Raise `InputError` if a vertex that is used is not finite."""
+    if not content.not_finite:
         return
     for k in used:
-        if k in reading.not_finite:
+        if k in content.not_finite:
             raise InputError(
-                f"line {reading.not_finite[k]}: vertex {k + 1} is {reading.vertices[k]}",
+                f"line {content.not_finite[k]}: vertex {k + 1} is {content.vertices[k]}",
                 part=name or None,
                 hint="give finite coordinates",
             )

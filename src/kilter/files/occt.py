@@ -1,4 +1,4 @@
-"""OCCT: what it says when it fails, what is inside of a shape, and quiet while it works."""
+"""Helpers for OCCT: containers, exception types, silenced output, subshapes of a shape."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["asciis", "failures", "inside", "labels", "quiet", "shape_map"]
 
 
 def shape_map() -> Any:
-    """An empty map that numbers shapes."""
+    """An empty OCCT map that numbers shapes; equal shapes have the same number."""
     try:
         from OCP.collections import IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher as ShapeMap
     except ModuleNotFoundError:
@@ -22,7 +22,7 @@ def shape_map() -> Any:
 
 
 def labels() -> Any:
-    """An empty sequence of labels."""
+    """An empty OCCT sequence of labels."""
     try:
         from OCP.collections import Sequence_TDF_Label as Labels
     except ModuleNotFoundError:
@@ -31,7 +31,7 @@ def labels() -> Any:
 
 
 def asciis() -> Any:
-    """An empty sequence of words."""
+    """An empty OCCT sequence of ASCII strings."""
     try:
         from OCP.collections import Sequence_TCollection_AsciiString as Texts
     except ModuleNotFoundError:
@@ -40,11 +40,10 @@ def asciis() -> Any:
 
 
 def failures(*more: type[Exception]) -> tuple[type[Exception], ...]:
-    """What OCCT and its bindings raise over a shape that is not sound; and what is added to it.
+    """The exception types that OCCT and its bindings raise for an invalid shape, and `more`.
 
-    The bindings make each kind of failure a class of its own, without a common base. They refuse
-    the null handles and empty boxes that such shapes come with by errors of type, value and run
-    time.
+    The bindings define a class for each kind of failure, without a common base. For the null
+    handles and empty boxes of invalid shapes they raise TypeError, ValueError or RuntimeError.
     """
     import OCP.Standard
 
@@ -55,7 +54,7 @@ def failures(*more: type[Exception]) -> tuple[type[Exception], ...]:
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """No word of OCCT on the output while this lasts."""
+    """Silence the output of OCCT within the context."""
     from OCP.Message import Message
 
     messenger = Message.DefaultMessenger_s()
@@ -70,7 +69,7 @@ def quiet() -> Iterator[None]:
 
 
 def inside(shape: Any, kind: Any, avoid: Any = None) -> Iterator[Any]:
-    """Shapes of a kind within a shape, not below those of the kind `avoid`."""
+    """The subshapes of a kind in a shape, except those within a subshape of the kind `avoid`."""
     from OCP.TopExp import TopExp_Explorer
 
     explorer = TopExp_Explorer(shape, kind) if avoid is None else TopExp_Explorer(

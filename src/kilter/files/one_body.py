@@ -15,15 +15,15 @@ from kilter.errors import InputError
 from kilter.rigid import Pose, matrix_to_quaternion
 from kilter.shape.primitives import Mesh, Shape, surface
 
-__all__ = ["combined", "one_body"]
+__all__ = ["compose", "one_body"]
 
 
-def combined(outer: Pose, inner: Pose) -> Pose:
+def compose(outer: Pose, inner: Pose) -> Pose:
     """The composition of two poses: first the inner pose, then the outer pose.
 
     Examples
     --------
-    >>> combined(Pose([0, 0, 1]), Pose([1, 0, 0]))
+    >>> compose(Pose([0, 0, 1]), Pose([1, 0, 0]))
     Pose(position=(1, 0, 1), rotation=(1, 0, 0, 0))
     """
     turn = outer.matrix @ inner.matrix

@@ -13,7 +13,7 @@ from kilter.shape.primitives import Mesh
 from kilter.shape.solid import Solid, Surface, scaled_solid
 from kilter.units import metres_per_unit
 
-__all__ = ["FileBodies", "joined", "placed", "scaled"]
+__all__ = ["FileBodies", "join_meshes", "scale_mesh", "transform_mesh"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,7 +63,7 @@ class FileBodies:
         """Shapes and poses with lengths in `units`; unchanged if the file states no unit."""
         factor = metres_per_unit(self.units or units) / metres_per_unit(units)
         converted = {
-            id(shape): scaled(shape, factor)
+            id(shape): scale_mesh(shape, factor)
             if isinstance(shape, Mesh)
             else scaled_solid(shape, factor)
             for shape in self.shapes
@@ -79,7 +79,7 @@ def _surfaces(shape: Mesh | Solid) -> tuple[Surface, ...]:
     return shape.surfaces if isinstance(shape, Solid) else ()
 
 
-def placed(mesh: Mesh, matrix: Array) -> Mesh:
+def transform_mesh(mesh: Mesh, matrix: Array) -> Mesh:
     """The mesh transformed by a 4 x 4 matrix that acts on column vectors.
 
     A reflection also reverses the triangles, so that their normals still point outwards.
@@ -87,7 +87,7 @@ def placed(mesh: Mesh, matrix: Array) -> Mesh:
     Examples
     --------
     >>> tip = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
-    >>> placed(tip, np.diag([-1.0, 1, 1, 1])).triangles
+    >>> transform_mesh(tip, np.diag([-1.0, 1, 1, 1])).triangles
     array([[2, 1, 0]])
     """
     if np.array_equal(matrix, np.eye(4)):
@@ -101,14 +101,14 @@ def placed(mesh: Mesh, matrix: Array) -> Mesh:
     return Mesh(mesh.vertices @ linear.T + step, triangles, accuracy=accuracy)
 
 
-def scaled(mesh: Mesh, factor: float) -> Mesh:
+def scale_mesh(mesh: Mesh, factor: float) -> Mesh:
     """The mesh with every length multiplied by a factor."""
     if factor == 1.0:
         return mesh
     return Mesh(mesh.vertices * factor, mesh.triangles, accuracy=mesh.accuracy * factor)
 
 
-def joined(meshes: Sequence[Mesh]) -> Mesh:
+def join_meshes(meshes: Sequence[Mesh]) -> Mesh:
     """Several meshes as one mesh, with the largest of their coordinate errors."""
     if len(meshes) == 1:
         return meshes[0]

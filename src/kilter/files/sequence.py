@@ -1,11 +1,11 @@
-"""An order of assembly from a file: a name a line, a table, or JSON.
+"""Read an assembly sequence from text, CSV or JSON.
 
-    text    one name a line; empty lines and what begins with # do not count
-    CSV     a head with a column `part`; several parts in one cell, joined by ;, move as one
-    JSON    a list of names, or of lists of names that move as one; or the answer of
+    text    one part name per line; empty lines and lines that begin with # are ignored
+    CSV     a table with a column `part`; a cell with several parts, separated by ;, is one step
+    JSON    a list of part names, or of lists of names that are one step; or the answer of
             ``kilter plan --json``
 
-What ``kilter plan -o`` and ``--json`` write is read back.
+The files that ``kilter plan -o`` and ``--json`` write can be read.
 """
 
 from __future__ import annotations
@@ -23,47 +23,53 @@ __all__ = ["read_sequence"]
 
 
 def read_sequence(path: Path) -> list[list[str]]:
-    """The names of each step, in order.
+    """Read the part names of each step, in order.
 
     Raises
     ------
     InputError
-        If the file cannot be read or is none of these; it names the file.
+        If the file cannot be read or has no valid sequence; the error names the file.
     """
     data = read_bytes(path)
     try:
         if path.suffix.lower() == ".json":
-            return _of_json(parse_json(data))
+            return _json_steps(parse_json(data))
         try:
             text = data.decode("utf-8-sig")
         except UnicodeDecodeError as error:
             raise InputError(f"not UTF-8 at byte {error.start}", hint="save it as UTF-8") from None
-        return _of_table(text) if path.suffix.lower() == ".csv" else _of_lines(text)
+        return _csv_steps(text) if path.suffix.lower() == ".csv" else _text_steps(text)
     except InputError as error:
         raise error.located(file=str(path)) from None
 
 
-def _of_lines(text: str) -> list[list[str]]:
+def _text_steps(text: str) -> list[list[str]]:
+    """Steps of a text: one part per line."""
     lines = [line.strip() for line in text.splitlines()]
     return [[line] for line in lines if line and not line.startswith("#")]
 
 
-def _of_table(text: str) -> list[list[str]]:
+def _csv_steps(text: str) -> list[list[str]]:
+    """Steps of a CSV table: one row per step."""
     rows = csv.DictReader(io.StringIO(text))
     if "part" not in (rows.fieldnames or ()):
         raise InputError("the table has no column 'part'", hint="name it in the first line")
     return [[name.strip() for name in (row["part"] or "").split(";")] for row in rows]
 
 
-def _of_json(data: Any) -> list[list[str]]:
+def _json_steps(data: Any) -> list[list[str]]:
+    """Steps of a JSON value: a list, or the answer of `kilter plan`."""
     steps = data
     if isinstance(data, dict):
-        found = data.get("steps")
-        steps = [one.get("parts") if isinstance(one, dict) else None for one in found or ()]
+        entries = data.get("steps")
+        steps = [e.get("parts") if isinstance(e, dict) else None for e in entries or ()]
     if not isinstance(steps, list) or not steps:
-        raise InputError("no sequence is in it", hint="give a list of names, or 'plan --json'")
-    order = [[one] if isinstance(one, str) else one for one in steps]
-    for one in order:
-        if not isinstance(one, list) or not all(isinstance(name, str) for name in one):
-            raise InputError(f"a step is {one!r:.40}", hint="give names, or lists of names")
+        raise InputError(
+            "the file has no sequence",
+            hint="give a list of names, or the output of 'kilter plan --json'",
+        )
+    order = [[step] if isinstance(step, str) else step for step in steps]
+    for step in order:
+        if not isinstance(step, list) or not all(isinstance(name, str) for name in step):
+            raise InputError(f"a step is {step!r:.40}", hint="give names, or lists of names")
     return order

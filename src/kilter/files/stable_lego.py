@@ -1,11 +1,11 @@
-"""StableLego JSON: ``{"1": {"x", "y", "z", "brick_id", "ori"}}``, a brick a key.
+"""Read StableLego JSON: ``{"1": {"x", "y", "z", "brick_id", "ori"}}``, one brick per key.
 
-x, y are the lowest cell, z the layer from 0; with ori 0 the library's first number of studs lies
-along x, with 1 along y.
+(x, y) is the lowest cell, z the layer from 0. With ori 0 the first number of studs of the library
+is along x, with 1 along y.
 
 References
 ----------
-StableLego: Stability Analysis of Block Stacking Assembly, arXiv 2402.10711; its data.
+StableLego: Stability Analysis of Block Stacking Assembly, arXiv 2402.10711, and its data set.
 """
 
 from __future__ import annotations
@@ -27,10 +27,11 @@ from kilter.errors import InputError
 __all__ = ["from_stable_lego", "is_stable_lego"]
 
 KEYS = ("x", "y", "z", "brick_id", "ori")
+"""Keys of a brick."""
 
 
 def is_stable_lego(data: Any) -> bool:
-    """The JSON value is a model of StableLego, though a brick of it may be damaged.
+    """Whether a JSON value is a StableLego model; some of its bricks may be damaged.
 
     Examples
     --------
@@ -47,13 +48,23 @@ def is_stable_lego(data: Any) -> bool:
 def from_stable_lego(
     data: dict[str, Any], text: bytes, *, rules: StudRules | None = None, source: str = ""
 ) -> Assembly:
-    """The assembly that a StableLego file holds; `text` is what it was parsed from.
+    """Build the assembly of a StableLego file.
+
+    Parameters
+    ----------
+    data : dict
+        Content of the file.
+    text : bytes
+        The file itself, to find the lines of bricks for messages.
+    rules : StudRules, optional
+    source : str
+        Name of the file, for messages.
 
     Raises
     ------
     InputError
-        If a brick is unknown, damaged, in a negative layer, or in the cell of another; it names
-        the line.
+        If a brick is unknown, damaged, in a negative layer, or in a cell of another brick; the
+        error names the line.
     """
     try:
         rows = np.array([list(map(brick.get, KEYS)) for brick in data.values()])
@@ -61,8 +72,8 @@ def from_stable_lego(
     except (AttributeError, TypeError, ValueError):
         whole = False
     try:
-        if not whole or not _known(rows).all():
-            raise _complaint(data, text)
+        if not whole or not _in_library(rows).all():
+            raise _first_error(data, text)
         library = np.array([STABLE_LEGO[k] for k in rows[:, 3].tolist()])
         size = library[:, :2].astype(np.int64)
         turned = rows[:, 4] == 1
@@ -83,12 +94,13 @@ def from_stable_lego(
         raise error.located(file=source or None) from None
 
 
-def _known(rows: Any) -> Any:
+def _in_library(rows: Any) -> Any:
+    """Whether each row has a known brick_id and ori, shape (n,)."""
     return np.isin(rows[:, 3], list(STABLE_LEGO)) & np.isin(rows[:, 4], (0, 1))
 
 
 def _numbers(data: dict[str, Any]) -> Index:
-    """The keys, where they are whole numbers; else the places, from 1."""
+    """The number of each brick: its key if all keys are distinct integers, else its position."""
     if all(re.fullmatch(r"\d{1,9}", key) for key in data):
         numbers = np.array([int(key) for key in data])
         if len(np.unique(numbers)) == len(numbers):
@@ -97,10 +109,10 @@ def _numbers(data: dict[str, Any]) -> Index:
 
 
 def _lines(data: dict[str, Any], text: bytes) -> Index:
-    """The line of each key; all 0 where that cannot be told."""
-    found = re.compile(rb'\n|"((?:[^"\\]|\\.)*)"\s*:\s*\{').finditer(text)
+    """The line of the key of each brick; all 0 if the lines cannot be found."""
+    matches = re.compile(rb'\n|"((?:[^"\\]|\\.)*)"\s*:\s*\{').finditer(text)
     line, lines = 1, []
-    for match in found:
+    for match in matches:
         if match.group(1) is None:
             line += 1
         else:
@@ -111,25 +123,26 @@ def _lines(data: dict[str, Any], text: bytes) -> Index:
     return np.array(lines, dtype=np.int64)
 
 
-def _complaint(data: dict[str, Any], text: bytes) -> InputError:
-    """What is wrong with the first brick that cannot be read."""
+def _first_error(data: dict[str, Any], text: bytes) -> InputError:
+    """The error of the first invalid brick."""
     lines = _lines({k: v for k, v in data.items() if isinstance(v, dict)}, text).tolist()
     where = dict(zip([k for k, v in data.items() if isinstance(v, dict)], lines, strict=True))
     for key, brick in data.items():
-        what = _wrong(brick)
-        if what:
+        fault = _fault(brick)
+        if fault:
             line = where.get(key) or _line_of(key, text)
-            return InputError(f"line {line}: brick {key!r:.40} {what[0]}", hint=what[1])
-    return InputError("its bricks cannot be read", hint="write the model anew")
+            return InputError(f"line {line}: brick {key!r:.40} {fault[0]}", hint=fault[1])
+    return InputError("the bricks cannot be read", hint="export the model again")
 
 
 def _line_of(key: str, text: bytes) -> int:
+    """The line in which a key first occurs."""
     place = text.find(json.dumps(key).encode())
     return text.count(b"\n", 0, max(place, 0)) + 1
 
 
-def _wrong(brick: Any) -> tuple[str, str] | None:
-    """What is wrong with a brick, and what to do."""
+def _fault(brick: Any) -> tuple[str, str] | None:
+    """Two phrases for the first fault of a brick: the fault and the remedy; None if valid."""
     if not isinstance(brick, dict):
         return f"is {brick!r:.40}", f"give an object with {', '.join(KEYS)}"
     for name in KEYS:
@@ -137,10 +150,10 @@ def _wrong(brick: Any) -> tuple[str, str] | None:
         if type(value) is not int or abs(value) > 10**6:
             return f"has {name} {value!r:.40}", "give a whole number"
     if brick["z"] < 0:
-        return f"is in layer {brick['z']}", "layers begin at 0, on the baseplate"
+        return f"is in layer {brick['z']}", "layers are counted from 0, on the baseplate"
     if brick["brick_id"] not in STABLE_LEGO:
         known = ", ".join(map(str, STABLE_LEGO))
-        return f"is of brick_id {brick['brick_id']}, which is unknown", f"the library has {known}"
+        return f"has the unknown brick_id {brick['brick_id']}", f"the library has {known}"
     if brick["ori"] not in (0, 1):
-        return f"has ori {brick['ori']}", "0 is along x, 1 along y"
+        return f"has ori {brick['ori']}", "give 0 for along x, 1 for along y"
     return None

@@ -1,9 +1,9 @@
-"""STEP files (.step, .stp): assemblies of solids with exact faces.
+"""Read STEP files (.step, .stp): assemblies of solids with exact faces.
 
-Needs OCCT (the extra ``kilter[step]``), which is loaded when a STEP file is read, in a process of
-its own: a file on which it breaks down is refused, and a solid on which it does stands aside
-(`kilter.files.step_process`). The unit of the file is kept, and the accuracy that it states. A
-solid that is used in several places is read once and shared.
+The reader needs OCCT (the extra ``kilter[step]``), which runs in a separate process. A file that
+crashes OCCT is rejected, and a solid that crashes it is replaced by a stand-in
+(`kilter.files.step_process`). The unit and the accuracy that the file states are kept. A solid
+that is used in several places is read once and shared.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from kilter.files.step_process import read_apart
 __all__ = ["read_step"]
 
 _TEXTS = re.compile(rb"'[^']*(?:'|\Z)|/\*(?:.*?\*/|.*)", re.DOTALL)
-"""Texts and comments; one that does not end reaches to the end, so that none is sought twice."""
+"""Texts and comments; without a closing mark they extend to the end of the file."""
 
 
 def read_step(
@@ -30,27 +30,27 @@ def read_step(
     without: Sequence[str] = (),
     progress: Callable[[str], None] | None = None,
 ) -> FileBodies:
-    """The solids of a STEP file.
+    """Read the solids of a STEP file.
 
     Parameters
     ----------
+    path : Path
     without : sequence of str
-        Names of solids, or globs, that are left out before they are cut into triangles.
+        Names of solids, or globs, that are left out before they are triangulated.
     progress : callable, optional
         Called with a word at each stage.
 
     Raises
     ------
     InputError
-        If OCCT is not installed, or the file is missing, no STEP file, damaged, or holds no
-        solid.
+        If OCCT is not installed, or the file is missing, not STEP, damaged, or has no solid.
     """
     try:
         _check_text(read_bytes(path))
         if importlib.util.find_spec("OCP") is None:
             raise InputError(
                 "STEP files need OCCT, which is not installed",
-                hint="pip install 'kilter[step]', or export it as 3MF, or one STL a part",
+                hint="pip install 'kilter[step]', or export it as 3MF, or as one STL per part",
             )
         return read_apart(path, tuple(without), progress or (lambda stage: None))
     except InputError as error:
@@ -58,9 +58,14 @@ def read_step(
 
 
 def _check_text(data: bytes) -> None:
-    """Refuse what does not begin and end as a STEP file does, or names what it does not define.
+    """Verify that a file begins and ends as a STEP file, and defines every entity that it names.
 
-    OCCT breaks down, and Python with it, over references to entities that are not there.
+    References to undefined entities crash OCCT, and Python with it.
+
+    Raises
+    ------
+    InputError
+        If a check fails.
     """
     start = data[:4096].lstrip(b"\xef\xbb\xbf \t\r\n\0")
     if not start.startswith((b"ISO-10303-21", b"/*")):
@@ -70,7 +75,7 @@ def _check_text(data: bytes) -> None:
         )
     if b"END-ISO-10303-21" not in data[-4096:]:
         raise InputError(
-            "damaged STEP: cut short, it does not end with END-ISO-10303-21",
+            "damaged STEP: incomplete, it does not end with END-ISO-10303-21",
             hint="copy or export it again",
         )
     plain = _TEXTS.sub(b"", data)
@@ -79,6 +84,6 @@ def _check_text(data: bytes) -> None:
     if missing:
         first = min(missing, key=lambda digits: (len(digits.lstrip(b"0")), digits)).decode()[:20]
         raise InputError(
-            f"damaged STEP: {len(missing)} entities are named but not there, the first is #{first}",
+            f"damaged STEP: {len(missing)} entities are named but not defined, such as #{first}",
             hint="copy or export it again",
         )

@@ -1,4 +1,4 @@
-"""The solids of a STEP file as bodies: read one by one, those that are shared once."""
+"""Read the solids of a STEP document as bodies; a shared solid is read once."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def step_bodies(
     tell: Callable[[str, int], None],
     broken: Collection[int] = (),
 ) -> FileBodies:
-    """What a STEP file holds.
+    """Read the bodies of a STEP file.
 
     Parameters
     ----------
@@ -31,14 +31,14 @@ def step_bodies(
     without : sequence of str
         Names, or globs, of solids that are left out.
     tell : callable
-        Called with a word and a number before each step: of the solid at work, or -1.
+        Called before each step with its description and the key of the current solid, or -1.
     broken : collection of int
-        Numbers of solids over which OCCT breaks down: a stand-in takes their place.
+        Keys of solids that crash OCCT; a stand-in replaces them.
 
     Raises
     ------
     InputError
-        If the file is damaged, or holds no solid with a volume.
+        If the file is damaged, or has no solid with a volume.
     """
     try:
         with quiet():
@@ -46,7 +46,7 @@ def step_bodies(
             return bodies_of(read_document(path), without, tell, broken)
     except failures():
         raise InputError(
-            "damaged STEP: no shape can be made of it", hint="export it again as STEP"
+            "damaged STEP: it gives no shape", hint="export it again as STEP"
         ) from None
 
 
@@ -56,36 +56,40 @@ def bodies_of(
     tell: Callable[[str, int], None],
     broken: Collection[int] = (),
 ) -> FileBodies:
-    """The bodies of what a STEP file, or OCCT in memory, holds; the rest as of `step_bodies`."""
-    kept = [one for one in document.solids if not _matches(one.name, without)]
+    """Read the bodies of a STEP document, which may come from a file or from OCCT in memory.
+
+    The other parameters are those of `step_bodies`.
+    """
+    kept = [row for row in document.solids if not _matches(row.name, without)]
     read = _read(kept, tell, broken)
-    found, passed, empty = [], list(document.passed), []
-    for one in kept:
-        solid = read[one.key].solid
-        if solid is not None and not (one.skin and (len(solid.holes) or solid.stand_in)):
-            found.append((one, solid))
-        elif one.skin:
-            passed.append(f"{one.name!r} (1 shell)")
+    bodies, passed, empty = [], list(document.passed), []
+    for row in kept:
+        solid = read[row.key].solid
+        if solid is not None and not (row.skin and (len(solid.holes) or solid.stand_in)):
+            bodies.append((row, solid))
+        elif row.skin:
+            passed.append(f"{row.name!r} (1 shell)")
         else:
-            empty.append(one.name)
-    if not found and len(kept) == len(document.solids):
-        raise _nothing(passed, empty)
+            empty.append(row.name)
+    if not bodies and len(kept) == len(document.solids):
+        raise _no_solid(passed, empty)
     accuracy = stated_accuracy(document.files, document.units)
-    solids = {one.key: dataclasses.replace(solid, uncertainty=accuracy) for one, solid in found}
-    notes = [f"passed over, no solids: {some(passed, 8)}"] if passed else []
-    notes += [f"left out, they have no volume: {some_names(empty, 8)}"] if empty else []
-    notes += _notes([one for one, _ in found], read)
+    solids = {row.key: dataclasses.replace(solid, uncertainty=accuracy) for row, solid in bodies}
+    notes = [f"ignored, not solids: {some(passed, 8)}"] if passed else []
+    notes += [f"left out, without volume: {some_names(empty, 8)}"] if empty else []
+    notes += _notes([row for row, _ in bodies], read)
     return FileBodies(
-        names=tuple(one.name for one, _ in found),
-        shapes=tuple(solids[one.key] for one, _ in found),
-        poses=tuple(one.pose for one, _ in found),
+        names=tuple(row.name for row, _ in bodies),
+        shapes=tuple(solids[row.key] for row, _ in bodies),
+        poses=tuple(row.pose for row, _ in bodies),
         units=document.units,
         notes=tuple(notes),
-        left_out=tuple(one.name for one in document.solids if _matches(one.name, without)),
+        left_out=tuple(row.name for row in document.solids if _matches(row.name, without)),
     )
 
 
-def _nothing(passed: list[str], empty: list[str]) -> InputError:
+def _no_solid(passed: list[str], empty: list[str]) -> InputError:
+    """The error for a document without a solid; it lists the other contents."""
     what = "no solid"
     if passed:
         what += f", only {some(passed)}"
@@ -95,28 +99,29 @@ def _nothing(passed: list[str], empty: list[str]) -> InputError:
 
 
 def _matches(name: str, patterns: Sequence[str]) -> bool:
+    """Whether a name equals a pattern or matches it as a glob."""
     return any(name == pattern or fnmatch.fnmatchcase(name, pattern) for pattern in patterns)
 
 
 def _read(
     solids: list[Occurrence], tell: Callable[[str, int], None], broken: Collection[int]
 ) -> dict[int, ReadSolid]:
-    """Each different solid, by its key."""
+    """Read each distinct solid; by key."""
     first: dict[int, Occurrence] = {}
-    for one in solids:
-        first.setdefault(one.key, one)
+    for row in solids:
+        first.setdefault(row.key, row)
     read = {}
-    for number, one in enumerate(first.values(), start=1):
-        tell(f"cutting faces of solid {number} of {len(first)}", one.key)
-        read[one.key] = (stand_in if one.key in broken else read_solid)(one.shape)
+    for number, row in enumerate(first.values(), start=1):
+        tell(f"cutting faces of solid {number} of {len(first)}", row.key)
+        read[row.key] = (stand_in if row.key in broken else read_solid)(row.shape)
     return read
 
 
 def _notes(solids: list[Occurrence], read: dict[int, ReadSolid]) -> list[str]:
-    """What is not as the file has it, the parts that share a solid together."""
+    """Notes on solids that differ from the file; parts that share a solid have one note."""
     alike: dict[int, list[str]] = {}
-    for one in solids:
-        alike.setdefault(one.key, []).append(one.name)
+    for row in solids:
+        alike.setdefault(row.key, []).append(row.name)
     return [
         f"{some_names(names)}: {read[key].note}" for key, names in alike.items() if read[key].note
     ]

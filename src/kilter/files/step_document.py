@@ -1,9 +1,9 @@
-"""The tree of a STEP file: which solids it holds, under which names, and where.
+"""Read the product tree of a STEP file: its solids with their names and poses.
 
-A product that is used in several places is one shape with several placements. Where a name occurs
-several times among its neighbours each gets a number, and a part is named by as many of the
-products above it as tell it from all others: ``rod``, ``l-bracket-assembly_2/l-bracket``. Whatever
-is no solid is passed over and named in a note.
+A product that is used in several places is one shape with several placements. Neighbours with the
+same name are numbered. The name of a part has as many products above it as needed to make it
+unique: ``rod``, ``l-bracket-assembly_2/l-bracket``. Shapes that are not solids are ignored and
+listed in a note.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from kilter.rigid import Pose
 from kilter.units import METRES
 
 __all__ = [
-    "FoundSolid",
     "Occurrence",
     "StepDocument",
+    "TreeSolid",
     "numbered",
     "occurrences",
     "read_document",
@@ -42,24 +42,24 @@ _UNITS = {
     "centimeter": "cm",
     "millimeter": "mm",
 }
-"""Units of STEP that kilter keeps; lengths in others are turned into metres."""
+"""STEP units that kilter keeps; lengths in other units are converted to metres."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Occurrence:
-    """A solid somewhere in the tree.
+    """An occurrence of a solid in the tree.
 
     Attributes
     ----------
     name : str
     shape : TopoDS_Solid
-        In its own frame.
+        Shape in its own frame.
     key : int
-        The same for occurrences of one solid.
+        Number of the solid, equal for all its occurrences.
     pose : Pose
-        From the solid's frame to that of the file.
+        Transform from the frame of the solid to that of the file.
     skin : bool
-        The file has it as a shell: a solid only if it closes.
+        Whether the file has a shell instead of a solid; it counts only if it closes.
     """
 
     name: str
@@ -71,17 +71,17 @@ class Occurrence:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StepDocument:
-    """What a STEP file holds.
+    """The contents of a STEP file.
 
     Attributes
     ----------
     solids : tuple of Occurrence
     units : str
-        Of their lengths.
+        Length unit of the solids.
     passed : tuple of str
-        What is no solid, in words.
+        Description of each shape that is not a solid.
     files : tuple of Path
-        The file, and those that it names.
+        The file, and the files that it names.
     """
 
     solids: tuple[Occurrence, ...]
@@ -91,45 +91,45 @@ class StepDocument:
 
 
 def numbered(names: Sequence[str]) -> list[str]:
-    """Names among neighbours: those that occur several times get a number each.
+    """The names of neighbours, with a number appended to each name that is not unique.
 
     Examples
     --------
     >>> numbered(["nut", "rod", "nut"])
     ['nut_1', 'rod', 'nut_2']
-    >>> numbered(["nut", "nut_1", "nut"])  # a name that is there already is not taken
+    >>> numbered(["nut", "nut_1", "nut"])  # a number that is in use is skipped
     ['nut_2', 'nut_1', 'nut_3']
     """
     taken, count, last = set(names), Counter(names), Counter[str]()
     result = []
     for name in names:
-        own = name
-        while count[name] > 1 and own in taken:
+        label = name
+        while count[name] > 1 and label in taken:
             last[name] += 1
-            own = f"{name}_{last[name]}"
-        taken.add(own)
-        result.append(own)
+            label = f"{name}_{last[name]}"
+        taken.add(label)
+        result.append(label)
     return result
 
 
 def read_document(path: Path) -> StepDocument:
-    """The solids of a STEP file.
+    """Read the product tree of a STEP file.
 
     Raises
     ------
     InputError
-        If it is damaged, or names files that are missing.
+        If the file is damaged, or names files that are missing.
     """
     with quiet():
-        reader, units = _opened(path)
-        document = _transferred(reader, units)
+        reader, units = _open_reader(path)
+        document = _transfer(reader, units)
         files = [path, *(path.parent / name for name in _external(reader))]
         solids, passed = _solids(document, reader.ChangeReader().WS().TransferReader(), path.stem)
     return StepDocument(tuple(solids), units, tuple(passed), tuple(files))
 
 
-def _opened(path: Path) -> tuple[Any, str]:
-    """A reader with the file in it, and the unit that its lengths are to be read in."""
+def _open_reader(path: Path) -> tuple[Any, str]:
+    """An OCCT reader that has read the file, and the length unit to convert shapes to."""
     from OCP.IFSelect import IFSelect_ReturnStatus
     from OCP.STEPCAFControl import STEPCAFControl_Reader
 
@@ -138,14 +138,15 @@ def _opened(path: Path) -> tuple[Any, str]:
     for mode in ("Color", "Layer", "Props", "GDT", "Mat", "View", "Meta", "SHUO"):
         getattr(reader, f"Set{mode}Mode")(False)
     if reader.ReadFile(str(path.absolute())) != IFSelect_ReturnStatus.IFSelect_RetDone:
-        raise InputError("damaged STEP: its text breaks the rules of the format", hint=_DAMAGED)
+        raise InputError("damaged STEP: its text violates the format", hint=_DAMAGED)
     lengths, angles, solid_angles = asciis(), asciis(), asciis()
     reader.ChangeReader().FileUnits(lengths, angles, solid_angles)
     named = [text.ToCString().lower() for text in lengths]
     return reader, _UNITS.get(named[0], "m") if named else "mm"
 
 
-def _transferred(reader: Any, units: str) -> Any:
+def _transfer(reader: Any, units: str) -> Any:
+    """The OCCT document with the product tree of a reader."""
     from OCP.TCollection import TCollection_ExtendedString
     from OCP.TDocStd import TDocStd_Document
     from OCP.XCAFDoc import XCAFDoc_DocumentTool
@@ -153,53 +154,60 @@ def _transferred(reader: Any, units: str) -> Any:
     document = TDocStd_Document(TCollection_ExtendedString("MDTV-XCAF"))
     XCAFDoc_DocumentTool.SetLengthUnit_s(document, METRES[units])
     if not reader.Transfer(document):
-        raise InputError("no shape can be made of it", hint=_DAMAGED)
+        raise InputError("it gives no shape", hint=_DAMAGED)
     return document
 
 
 def _external(reader: Any) -> list[str]:
-    """The files that a file names; refused where one is missing or cannot be read."""
+    """Paths of the files that the file names; raises `InputError` if one cannot be read."""
     from OCP.IFSelect import IFSelect_ReturnStatus
 
-    found: list[str] = []
+    names: list[str] = []
     try:
         externals = reader.ExternFiles()
-    except TypeError:  # the bindings of OCCT 7 cannot say
-        return found
+    except TypeError:  # the bindings of OCCT 7 cannot list them
+        return names
     for external in externals:
         name = external.GetName()
-        found.append(name.ToCString() if name else "")
+        names.append(name.ToCString() if name else "")
         if external.GetLoadStatus() != IFSelect_ReturnStatus.IFSelect_RetDone:
             raise InputError(
-                f"names another file, {found[-1]!r}, that cannot be read",
+                f"it names the file {names[-1]!r}, which cannot be read",
                 hint="put it beside this one, or export all in one file",
             )
-    return found
+    return names
 
 
 # the tree ------------------------------------------------------------------------------
 
 
 def _solids(document: Any, transfer: Any, stem: str) -> tuple[list[Occurrence], list[str]]:
-    """Occurrences of solids in the order of the file, and what else there is, in words."""
+    """Occurrences of solids in the order of the file, and descriptions of other shapes."""
     from OCP.TopLoc import TopLoc_Location
     from OCP.XCAFDoc import XCAFDoc_DocumentTool
 
     roots = labels()
     XCAFDoc_DocumentTool.ShapeTool_s(document.Main()).GetFreeShapes(roots)
-    walk = _Walk(transfer)
-    found = walk.below(list(roots), (), TopLoc_Location(), stem)
-    return occurrences(found, walk.shapes), walk.passed
+    walk = _TreeWalk(transfer)
+    leaves = walk.below(list(roots), (), TopLoc_Location(), stem)
+    return occurrences(leaves, walk.shapes), walk.passed
 
 
-def occurrences(found: Sequence[FoundSolid], shapes: Any) -> list[Occurrence]:
-    """Solids under distinct names, where they are; `shapes`: the map that tells them apart."""
-    names = distinct(tails([one.path for one in found]))
-    return [_placed(name, one, shapes) for name, one in zip(names, found, strict=True)]
+def occurrences(leaves: Sequence[TreeSolid], shapes: Any) -> list[Occurrence]:
+    """The occurrences of solids, with distinct names.
+
+    Parameters
+    ----------
+    leaves : sequence of TreeSolid
+    shapes : OCCT map
+        Map that numbers shapes; it gives each distinct solid its key.
+    """
+    names = distinct(tails([leaf.path for leaf in leaves]))
+    return [_occurrence(name, leaf, shapes) for name, leaf in zip(names, leaves, strict=True)]
 
 
-class FoundSolid(NamedTuple):
-    """A solid below the names of the products above it, before it is placed."""
+class TreeSolid(NamedTuple):
+    """A solid of the product tree: names from the root to it, shape, OCCT location, `skin`."""
 
     path: tuple[str, ...]
     shape: Any
@@ -207,8 +215,19 @@ class FoundSolid(NamedTuple):
     skin: bool
 
 
-class _Walk:
-    """Goes down the tree of products; keeps what each shape holds."""
+class _TreeWalk:
+    """A traversal of the product tree that collects solids and descriptions of other shapes.
+
+    Attributes
+    ----------
+    transfer : OCCT transfer reader
+    shapes : OCCT map
+        Numbers of the shapes met.
+    skins : dict
+        The solid made of each shell, by number.
+    passed : list of str
+        Descriptions of shapes that are not solids.
+    """
 
     def __init__(self, transfer: Any) -> None:
         self.transfer = transfer
@@ -218,30 +237,41 @@ class _Walk:
 
     def below(
         self, neighbours: list[Any], above: tuple[str, ...], place: Any, stem: str
-    ) -> list[FoundSolid]:
-        """The solids below labels that are neighbours."""
+    ) -> list[TreeSolid]:
+        """The solids below neighbouring labels.
+
+        Parameters
+        ----------
+        neighbours : list of TDF_Label
+        above : tuple of str
+            Names of the products above.
+        place : TopLoc_Location
+            Placement of the parent product.
+        stem : str
+            Name of a product without a name.
+        """
         from OCP.TDF import TDF_Label
         from OCP.XCAFDoc import XCAFDoc_ShapeTool
 
         products = []
         for label in neighbours:
             product = TDF_Label()
-            own = XCAFDoc_ShapeTool.GetReferredShape_s(label, product)
-            products.append(product if own else label)
+            is_reference = XCAFDoc_ShapeTool.GetReferredShape_s(label, product)
+            products.append(product if is_reference else label)
         names = numbered([_label_name(product) or stem for product in products])
-        found: list[FoundSolid] = []
+        solids: list[TreeSolid] = []
         for name, label, product in zip(names, neighbours, products, strict=True):
             location = place.Multiplied(XCAFDoc_ShapeTool.GetLocation_s(label))
             whole = (*above, name)
             if XCAFDoc_ShapeTool.IsAssembly_s(product):
                 inner = () if not above and len(neighbours) == 1 else whole
-                found += self.below(_components(product), inner, location, stem)
+                solids += self.below(_components(product), inner, location, stem)
             else:
-                found += self._leaf(product, whole, location)
-        return found
+                solids += self._leaf(product, whole, location)
+        return solids
 
-    def _leaf(self, product: Any, path: tuple[str, ...], place: Any) -> list[FoundSolid]:
-        """Solids of a product without components."""
+    def _leaf(self, product: Any, path: tuple[str, ...], place: Any) -> list[TreeSolid]:
+        """The solids of a product without components; shells count as solids if they may close."""
         from OCP.TopAbs import TopAbs_ShapeEnum
         from OCP.TopLoc import TopLoc_Location
         from OCP.XCAFDoc import XCAFDoc_ShapeTool
@@ -254,27 +284,30 @@ class _Walk:
         closed = [shell for shell in shells if self._is_closed(shell)]
         if rest and not shells:
             self.passed.append(f"{'/'.join(path)!r} ({rest})")
-        found = [(solid.Located(TopLoc_Location()), solid.Location()) for solid in solids]
-        found += [(self._filled([shell], True), shell.Location()) for shell in closed]
+        pairs = [(solid.Located(TopLoc_Location()), solid.Location()) for solid in solids]
+        pairs += [(self._solid_of([shell], True), shell.Location()) for shell in closed]
         skin = bool(shells) and not closed
         if skin:
-            found.append((self._filled(shells, False), TopLoc_Location()))
-        names = numbered([path[-1]] * len(found))
+            pairs.append((self._solid_of(shells, False), TopLoc_Location()))
+        names = numbered([path[-1]] * len(pairs))
         return [
-            FoundSolid((*path[:-1], name), solid, place.Multiplied(where), skin)
-            for name, (solid, where) in zip(names, found, strict=True)
+            TreeSolid((*path[:-1], name), solid, place.Multiplied(location), skin)
+            for name, (solid, location) in zip(names, pairs, strict=True)
         ]
 
     def _is_closed(self, shell: Any) -> bool:
-        """Whether the file says that a shell is closed: the skin of a solid that lost a face."""
+        """Whether the file states that a shell is closed; it may still have lost a face."""
         from OCP.TopLoc import TopLoc_Location
 
         bare = shell.Located(TopLoc_Location())
         entity = self.transfer.EntityFromShapeResult(bare, -1)
         return entity is not None and entity.DynamicType().Name() == "StepShape_ClosedShell"
 
-    def _filled(self, shells: list[Any], bare: bool) -> Any:
-        """The faces of shells as one solid, which may not close; the same for the same shells."""
+    def _solid_of(self, shells: list[Any], bare: bool) -> Any:
+        """The faces of shells as one solid, which may be open; cached by the first shell.
+
+        `bare`: whether to remove the locations of the shells first.
+        """
         from OCP.BRep import BRep_Builder
         from OCP.TopAbs import TopAbs_ShapeEnum
         from OCP.TopLoc import TopLoc_Location
@@ -294,29 +327,31 @@ class _Walk:
         return self.skins[key]
 
 
-def _placed(name: str, found: FoundSolid, shapes: Any) -> Occurrence:
-    """A solid where it is; one that is scaled or mirrored there is a solid of its own."""
+def _occurrence(name: str, leaf: TreeSolid, shapes: Any) -> Occurrence:
+    """The occurrence of a solid of the tree; a scaled or mirrored solid is a new shape."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
 
-    move, shape = found.location.Transformation(), found.shape
+    move, shape = leaf.location.Transformation(), leaf.shape
     pose = Pose()
     if move.IsNegative() or abs(abs(move.ScaleFactor()) - 1) > RIGID:
         shape = BRepBuilderAPI_Transform(shape, move, True).Shape()
     else:
         turn, step = move.GetRotation(), move.TranslationPart()
         pose = Pose([step.X(), step.Y(), step.Z()], [turn.W(), turn.X(), turn.Y(), turn.Z()])
-    return Occurrence(name, shape, shapes.Add(shape), pose, found.skin)
+    return Occurrence(name, shape, shapes.Add(shape), pose, leaf.skin)
 
 
 def _components(product: Any) -> list[Any]:
+    """Labels of the components of a product."""
     from OCP.XCAFDoc import XCAFDoc_ShapeTool
 
-    found = labels()
-    XCAFDoc_ShapeTool.GetComponents_s(product, found)
-    return list(found)
+    components = labels()
+    XCAFDoc_ShapeTool.GetComponents_s(product, components)
+    return list(components)
 
 
 def _label_name(label: Any) -> str:
+    """The name of a label; empty if it has none."""
     from OCP.TDataStd import TDataStd_Name
 
     attribute = TDataStd_Name()
@@ -326,7 +361,7 @@ def _label_name(label: Any) -> str:
 
 
 def split(shape: Any) -> tuple[list[Any], str]:
-    """The solids of a shape, and what is beside them in words ("2 shells, 1 wire")."""
+    """The solids of a shape, and a description of its other shapes ("2 shells, 1 wire")."""
     from OCP.TopAbs import TopAbs_ShapeEnum as Kind
     from OCP.TopoDS import TopoDS
 

@@ -1,8 +1,7 @@
-"""Faces of a solid of a STEP file, cut into triangles.
+"""Triangulate the faces of a solid from a STEP file.
 
-OCCT cuts them, with corners along shared edges in common. A face that its mesher leaves out is
-cut here: the polygons of its edges, as its neighbours have them, mapped to the parameters of the
-face and filled by a Delaunay triangulation, with points inside where the face is bent.
+OCCT triangulates them, with common corners along shared edges. A face that its mesher leaves out is
+triangulated by `kilter.files.unmeshed`, with the edge corners of its neighbours.
 """
 
 from __future__ import annotations
@@ -23,16 +22,16 @@ __all__ = ["StepFace", "cut_faces", "size_of"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StepFace:
-    """A face cut into triangles that turn left seen from outside.
+    """A face as triangles that are counterclockwise seen from outside.
 
     Attributes
     ----------
     shape : TopoDS_Face
     nodes : ndarray, shape (n, 3)
     parameters : ndarray, shape (n, 2)
-        Of the nodes, where the kind of surface must be found out; else none.
+        Parameters of the nodes if the kind of surface is unknown; else shape (0, 2).
     triangles : ndarray of int, shape (m, 3)
-    edges : list of (TopoDS_Edge, ndarray)
+    edges : list of (TopoDS_Edge, ndarray of int)
         Each edge with the nodes along it.
     """
 
@@ -44,7 +43,7 @@ class StepFace:
 
 
 def size_of(shape: Any) -> float:
-    """The diagonal of the box around a shape [length unit]; 0 of an empty one."""
+    """The diagonal of the bounding box of a shape [length unit]; 0 for an empty shape."""
     from OCP.Bnd import Bnd_Box
     from OCP.BRepBndLib import BRepBndLib
 
@@ -54,15 +53,21 @@ def size_of(shape: Any) -> float:
 
 
 def cut_faces(shape: Any, deflection: float, turn: float) -> tuple[list[StepFace], int]:
-    """The faces of a solid, cut into triangles, and how many could not be.
+    """Triangulate the faces of a solid.
 
     Parameters
     ----------
     shape : TopoDS_Shape
     deflection : float
-        Greatest distance of a triangle from its face, in sizes of the solid.
+        Largest distance of a triangle from its face [sizes of the solid].
     turn : float
-        Angle that OCCT is asked for [rad].
+        Angular deflection for OCCT [rad].
+
+    Returns
+    -------
+    faces : list of StepFace
+    lost : int
+        Number of faces that could not be triangulated.
     """
     from OCP.BRepMesh import BRepMesh_IncrementalMesh
     from OCP.BRepTools import BRepTools
@@ -71,21 +76,22 @@ def cut_faces(shape: Any, deflection: float, turn: float) -> tuple[list[StepFace
 
     size = size_of(shape)
     if not size > 0:
-        raise InputError("the solid has no faces", hint="heal it where it was made")
+        raise InputError("the solid has no faces", hint="repair it in the program that made it")
     BRepTools.Clean_s(shape)
     BRepMesh_IncrementalMesh(shape, deflection * size, False, turn, False)
     shapes = [TopoDS.Face(face) for face in inside(shape, TopAbs_ShapeEnum.TopAbs_FACE)]
-    found: list[StepFace | None] = [_meshed(face) for face in shapes]
-    left = [k for k, face in enumerate(found) if face is None]
+    faces: list[StepFace | None] = [_occt_mesh(face) for face in shapes]
+    left = [k for k, face in enumerate(faces) if face is None]
     if left:
         known = _polygons(shapes)
         for k in left:
-            found[k] = _cut_here(shapes[k], known, turn)
-    kept = [face for face in found if face is not None]
-    return kept, len(found) - len(kept)
+            faces[k] = _own_mesh(shapes[k], known, turn)
+    kept = [face for face in faces if face is not None]
+    return kept, len(faces) - len(kept)
 
 
-def _cut_here(face: Any, known: list[tuple[Any, Array]], turn: float) -> StepFace | None:
+def _own_mesh(face: Any, known: list[tuple[Any, Array]], turn: float) -> StepFace | None:
+    """A face triangulated without OCCT's mesher; None if that fails. Parameters of `cut_face`."""
     from OCP.TopAbs import TopAbs_Orientation
 
     try:
@@ -102,14 +108,14 @@ def _cut_here(face: Any, known: list[tuple[Any, Array]], turn: float) -> StepFac
 
 
 def _polygons(faces: list[Any]) -> list[tuple[Any, Array]]:
-    """Edges of the faces that have triangles, each with the parameters of its corners."""
+    """The edges of all triangulated faces, each with the edge parameters of its corners."""
     from OCP.BRep import BRep_Tool
     from OCP.TopAbs import TopAbs_ShapeEnum
     from OCP.TopLoc import TopLoc_Location
     from OCP.TopoDS import TopoDS
 
     place = TopLoc_Location()
-    found = []
+    polygons = []
     for face in faces:
         mesh = BRep_Tool.Triangulation_s(face, place)
         if mesh is None:
@@ -118,12 +124,12 @@ def _polygons(faces: list[Any]) -> list[tuple[Any, Array]]:
             polygon = BRep_Tool.PolygonOnTriangulation_s(edge, mesh, place)
             if polygon is not None and polygon.HasParameters():
                 rows = range(1, polygon.NbNodes() + 1)
-                found.append((edge, np.array([polygon.Parameter(k) for k in rows])))
-    return found
+                polygons.append((edge, np.array([polygon.Parameter(k) for k in rows])))
+    return polygons
 
 
-def _meshed(face: Any) -> StepFace | None:
-    """A face with the triangles that OCCT has cut it into; None where it has not."""
+def _occt_mesh(face: Any) -> StepFace | None:
+    """A face with the triangles that OCCT has stored in it; None if it has none."""
     from OCP.BRep import BRep_Tool
     from OCP.TopAbs import TopAbs_Orientation, TopAbs_ShapeEnum
     from OCP.TopLoc import TopLoc_Location

@@ -1,12 +1,13 @@
-"""OCCT in a process of its own, started as early as a STEP file is known of, and kept.
+"""Run OCCT in a separate process, which starts early and is kept.
 
-Over a damaged file OCCT may end the process that it is in, or now and then come to no end: past a
-time of computing that no sound file takes the process ends itself. Then the file is read once more,
-where a solid was at work with a stand-in for that solid, and else refused the second time. Python
-and OCCT start in it, and the file is read ahead, while kilter loads what it needs itself: so this
-module imports nothing that takes time.
+A damaged file may crash OCCT, or let it run without end. The process ends itself after more CPU
+time than any valid file needs. The file is then read again. If OCCT was working on a solid, a
+stand-in replaces that solid; otherwise a second failure rejects the file. Python and OCCT start in
+the process, and the file is read ahead, while kilter loads its own modules. Therefore this module
+imports nothing slow.
 
-Requests and answers are pickled, each with its length before it. Only our own process writes them.
+Requests and answers are pickled, each with its length before it. Only kilter's own process writes
+them.
 """
 
 from __future__ import annotations
@@ -29,41 +30,41 @@ if TYPE_CHECKING:
 __all__ = ["begin_early", "read_apart", "serve"]
 
 Request = tuple[str, tuple[int, int], tuple[str, ...], set[int], float]
-"""Path, when it was written and its size, names that are left out, solids that break OCCT down,
-time of computing that one solid may take [s]."""
+"""Path; its time of change and size; names to leave out; keys of the solids that crash OCCT; CPU
+time allowed for a solid [s]."""
 MEMORY = 16 << 30
-"""Address space of the process, whatever a damaged file asks for [bytes]."""
+"""Largest address space of the process [bytes]; a damaged file may demand more."""
 BREAKDOWNS = 50
-"""Solids of one file over which OCCT may break down before the file is given up."""
+"""Number of solids of a file that may crash OCCT before the file is rejected."""
 
 
 STALLS = 12.0
-"""Time of computing that one solid, or what is read before them, may take at least [s]..."""
+"""CPU time allowed for a solid, or for reading the file, independently of its size [s]."""
 STALLS_PER_MEGABYTE = 12.0
-"""... and for each megabyte of the file; sound files take a fifth of this at most [s]."""
+"""CPU time allowed in addition for each megabyte [s/MB]; valid files need at most a fifth."""
 
 
 class _Process:
-    """A process that reads STEP files, one after the other."""
+    """A process that reads STEP files one after the other; `ahead` is a request sent early."""
 
     def __init__(self) -> None:
         self.process = started(__name__)
         self.ahead: Request | None = None
 
     def ask_ahead(self, request: Request) -> None:
-        """Have what is likely to be asked next under way."""
+        """Send the likely next request early."""
         assert self.process.stdin is not None
-        with contextlib.suppress(OSError):  # broken down: that is seen when it is asked
+        with contextlib.suppress(OSError):  # a crash is detected by the next `ask`
             send(self.process.stdin, request)
         self.ahead = request
 
     def ask(self, request: Request, tell: Callable[[str, int], None]) -> Any:
-        """The answer to a request.
+        """Send a request and return the answer; `tell` is called for each step.
 
         Raises
         ------
         EOFError
-            If the process broke down.
+            If the process has ended.
         """
         incoming, outgoing = self.process.stdout, self.process.stdin
         assert incoming is not None
@@ -85,7 +86,7 @@ _kept: list[_Process] = []
 
 
 def begin_early(ahead: Path | None = None) -> None:
-    """Start the process, so that OCCT is there when a file is read, and read `ahead` at once."""
+    """Start the process before OCCT is needed, and begin to read the file `ahead`."""
     if not _kept and can_start():
         _kept.append(_Process())
         atexit.register(_end)
@@ -94,18 +95,28 @@ def begin_early(ahead: Path | None = None) -> None:
 
 
 def _request(path: Path, without: tuple[str, ...], broken: set[int]) -> Request:
+    """The request to read a file."""
     state = path.stat()
     most = STALLS + STALLS_PER_MEGABYTE * state.st_size / 2**20
     return str(path.absolute()), (state.st_mtime_ns, state.st_size), without, broken, most
 
 
 def _end() -> None:
+    """End the process, if it runs."""
     while _kept:
         ended(_kept.pop().process)
 
 
 def read_apart(path: Path, without: tuple[str, ...], progress: Callable[[str], None]) -> FileBodies:
-    """What a STEP file holds, read in the other process.
+    """Read the bodies of a STEP file in the separate process.
+
+    Parameters
+    ----------
+    path : Path
+    without : tuple of str
+        Names, or globs, of solids that are left out.
+    progress : callable
+        Called with a description of each step.
 
     Raises
     ------
@@ -127,7 +138,7 @@ def read_apart(path: Path, without: tuple[str, ...], progress: Callable[[str], N
     while True:
         request = _request(path, without, broken)
         if _kept and _kept[0].ahead not in (None, request):
-            _end()  # another file is being read
+            _end()  # the process is reading another file ahead
         begin_early()
         try:
             kind, value = _kept[0].ask(request, tell)
@@ -135,14 +146,14 @@ def read_apart(path: Path, without: tuple[str, ...], progress: Callable[[str], N
             _end()
             if (at_work < 0 and again) or at_work in broken or len(broken) >= BREAKDOWNS:
                 raise InputError(
-                    "damaged STEP: OCCT breaks down over it, or comes to no end",
+                    "damaged STEP: OCCT crashes on it, or does not finish",
                     hint="export it again as STEP",
                 ) from None
             if at_work >= 0:
                 broken.add(at_work)
             at_work, again = -1, at_work < 0
             continue
-        except BaseException:  # interrupted half-way: what it would answer next is not asked
+        except BaseException:  # after an interrupt the next answer would be that of this request
             _end()
             raise
         if kind == "refused":
@@ -157,17 +168,17 @@ def read_apart(path: Path, without: tuple[str, ...], progress: Callable[[str], N
 
 
 def serve() -> None:
-    """Read files as they are asked for, until nobody asks any more."""
+    """Answer requests until the input closes: the main loop of the separate process."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     incoming = os.fdopen(os.dup(0), "rb")
     outgoing = os.fdopen(os.dup(1), "wb")
     nothing = os.open(os.devnull, os.O_RDWR)
-    for stream in (0, 1):  # what OCCT prints goes nowhere
+    for stream in (0, 1):  # discard the output of OCCT
         os.dup2(nothing, stream)
     end_with_parent()
     _bound_memory()
     with _uncollected():
-        import OCP.STEPCAFControl  # noqa: F401  loaded while nobody waits
+        import OCP.STEPCAFControl  # noqa: F401  loaded before the first request
 
         from kilter.files.step_bodies import step_bodies
 
@@ -194,14 +205,14 @@ def serve() -> None:
 
 
 def _end_after(seconds: float) -> None:
-    """Have the system end this process after so long a time of computing; 0: no more."""
-    with contextlib.suppress(AttributeError):  # where there is no such limit
+    """Let the system end this process after this CPU time [s]; 0 cancels the limit."""
+    with contextlib.suppress(AttributeError):  # not every system has the timer
         signal.setitimer(signal.ITIMER_PROF, seconds)
 
 
 def _bound_memory() -> None:
-    """Have the system refuse this process more memory than any file may ask for."""
-    with contextlib.suppress(ImportError, OSError, ValueError):  # where there is no such limit
+    """Limit the address space of this process to `MEMORY`."""
+    with contextlib.suppress(ImportError, OSError, ValueError):  # not every system has the limit
         import resource
 
         limit, most = resource.getrlimit(resource.RLIMIT_AS)
@@ -211,7 +222,7 @@ def _bound_memory() -> None:
 
 @contextlib.contextmanager
 def _uncollected() -> Iterator[None]:
-    """No search for garbage among the many classes that are made while this lasts."""
+    """Disable garbage collection within the context: loading OCCT creates many classes."""
     gc.disable()
     try:
         yield

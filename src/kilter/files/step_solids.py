@@ -1,17 +1,18 @@
-"""A solid of a STEP file as a `Solid`: triangles on its faces, exact surfaces, exact moments.
+"""Read a solid of a STEP file as a `Solid`: triangles, exact surfaces, exact moments.
 
-Faces are cut into triangles one by one along shared edges, and the corners on an edge are made
-one by the edge, not by their coordinates, so that the surface is closed. Volume, centre and
-second moment are integrals over the faces as the file has them, to a relative error of 1e-10.
+Each face is triangulated separately along shared edges. Corners are merged by the edge that they
+are on, not by their coordinates, so that the surface is closed. Volume, centre and second moment
+are integrals over the exact faces, with a relative error of 1e-10.
 
-One way after the other, until the triangles close and enclose the volume of the faces:
+The following attempts are made until the triangles close and enclose the volume of the faces:
 
-1. the solid as it is
-2. coarser, where the mesher of OCCT trips over short edges
-3. healed by OCCT, and that coarser
+1. the solid as in the file
+2. with coarser triangles, since OCCT fails on short edges with fine triangles
+3. repaired by OCCT, with fine and then with coarse triangles
 
-Else the faces that there are, with holes; or, where there are none, their hull or the box around
-the solid as a stand-in. What is uncertain then is said in a note, and open to `kilter.contact`.
+If all fail, the result is a solid with holes. Without usable faces, their convex hull or the
+bounding box of the solid is a stand-in. A note reports the uncertainty, and `kilter.contact` counts
+the contacts concerned as undecided.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from kilter.arrays import Array, Index, connected
 from kilter.assembly.mesh_surface import closed_in_thought
 from kilter.assembly.polyhedra import closed_moments, polyhedron_moments
 from kilter.errors import InputError
-from kilter.files.checked_solid import checked
+from kilter.files.checked_solid import checked_solid
 from kilter.files.file_tolerances import (
     COARSE,
     COARSE_TURN,
@@ -47,59 +48,59 @@ __all__ = ["ReadSolid", "read_solid", "stand_in"]
 
 
 GRID: Array = np.array([(i, j, 4 - i - j) for i in range(5) for j in range(5 - i)]) / 4
-"""Where on a triangle its distance from its face is measured."""
+"""Barycentric coordinates at which the distance of a triangle from its face is measured."""
 
 
 class ReadSolid(NamedTuple):
-    """A solid, None where it has no volume; and in words what is not as the file has it."""
+    """A solid, or None without a volume, and a note on its differences from the file."""
 
     solid: Solid | None
     note: str = ""
 
 
 def read_solid(shape: Any) -> ReadSolid:
-    """The solid that a TopoDS_Solid is, in its own frame; however damaged, as far as it goes."""
+    """Read a TopoDS_Solid, in its own frame; a damaged solid is read as far as possible."""
     best: Solid | None = None
     for how, attempt, fineness in _attempts(shape):
         try:
             faces, lost = cut_faces(attempt, *fineness)
-            found, inwards = _solid(attempt, faces, lost)
-            if not len(found.holes):
-                return ReadSolid(checked(found), how or (_INWARDS if inwards else ""))
+            solid, inwards = _solid(attempt, faces, lost)
+            if not len(solid.holes):
+                return ReadSolid(checked_solid(solid), how or (_INWARDS if inwards else ""))
         except failures(InputError):
             continue
-        if best is None or len(found.holes) < len(best.holes):
-            best = found
+        if best is None or len(solid.holes) < len(best.holes):
+            best = solid
     if best is not None:
         return ReadSolid(best, _HOLES)
     return stand_in(shape)
 
 
 _INWARDS = (
-    "its faces point inwards and are turned; OCCT may have taken the other side of a round face: "
-    "see that its volume is right"
+    "its faces pointed inwards and were reversed; OCCT may have taken the wrong side of a round "
+    "face: verify its volume"
 )
 _HOLES = (
-    "its faces do not close: its volume is that of the faces there are, closed in thought, and "
-    "what it touches at its holes is not known"
+    "its faces do not close: its volume is that of the existing faces with the holes filled, and "
+    "its contacts at the holes are unknown"
 )
 
 
 def _attempts(shape: Any) -> Iterator[tuple[str, Any, tuple[float, float]]]:
-    """What is tried, in words, with the shape and how finely it is cut."""
+    """The attempts to read a solid: note, shape, and (deflection, turn) of its triangles."""
     yield "", shape, (DEFLECTION, TURN)
     yield "", shape, (COARSE, COARSE_TURN)
     try:
-        mended = _mended(shape)
+        repaired = _repaired_shape(shape)
     except failures():
         return
-    if mended is not None:
-        yield "mended by OCCT, its faces did not close", mended, (DEFLECTION, TURN)
-        yield "mended by OCCT, its faces did not close", mended, (COARSE, COARSE_TURN)
+    if repaired is not None:
+        yield "repaired by OCCT, its faces did not close", repaired, (DEFLECTION, TURN)
+        yield "repaired by OCCT, its faces did not close", repaired, (COARSE, COARSE_TURN)
 
 
-def _mended(shape: Any) -> Any:
-    """The shape after OCCT has sewn and oriented its faces; None where no solid comes of it."""
+def _repaired_shape(shape: Any) -> Any:
+    """The shape after OCCT has sewn and oriented its faces; None if it is no single shell."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_Sewing
     from OCP.ShapeFix import ShapeFix_Shape, ShapeFix_Solid
     from OCP.TopAbs import TopAbs_ShapeEnum
@@ -117,10 +118,25 @@ def _mended(shape: Any) -> Any:
 
 
 def _solid(shape: Any, faces: list[StepFace], lost: int) -> tuple[Solid, bool]:
-    """The solid of faces that are cut, with holes where they do not close; and if they look in."""
-    vertices, triangles, owner = _welded(faces)
+    """The solid of triangulated faces.
+
+    Parameters
+    ----------
+    shape : TopoDS_Solid
+    faces : list of StepFace
+    lost : int
+        Number of faces that could not be triangulated.
+
+    Returns
+    -------
+    solid : Solid
+        With holes if the faces do not close.
+    inwards : bool
+        Whether the faces pointed inwards; they are reversed.
+    """
+    vertices, triangles, owner = _weld_faces(faces)
     if not len(triangles):
-        raise InputError("the solid has no faces", hint="heal it where it was made")
+        raise InputError("the solid has no faces", hint="repair it in the program that made it")
     whole = closed_in_thought(vertices, triangles, open_edges(vertices, triangles))
     moments = closed_moments(whole)
     inwards = moments[0] < 0
@@ -129,7 +145,7 @@ def _solid(shape: Any, faces: list[StepFace], lost: int) -> tuple[Solid, bool]:
         moments = -moments[0], moments[1], -moments[2]
     surfaces, lies_on, sagitta, off = _surfaces(faces, vertices, triangles, owner)
     if whole.holes:
-        moments = _believable(vertices, moments)
+        moments = _plausible_moments(vertices, moments)
     elif not lost:
         moments = _exact_moments(shape, moments[1])
     solid = Solid(
@@ -146,10 +162,11 @@ def _solid(shape: Any, faces: list[StepFace], lost: int) -> tuple[Solid, bool]:
 
 
 _Moments = tuple[float, Array, Array]
+"""Volume, centroid and second moment about the centroid."""
 
 
-def _believable(vertices: Array, moments: _Moments) -> _Moments:
-    """Moments of faces closed in thought, where a body can have them; else those of the hull."""
+def _plausible_moments(vertices: Array, moments: _Moments) -> _Moments:
+    """The moments of a surface with filled holes if a body can have them; else of its hull."""
     hull = _hull(vertices)
     volume, _, second = moments
     spread = np.linalg.eigvalsh(second)
@@ -160,19 +177,21 @@ def _believable(vertices: Array, moments: _Moments) -> _Moments:
 
 
 def _hull(points: Array) -> Solid:
-    """The convex hull of points, as a stand-in.
+    """The convex hull of points as a stand-in solid.
 
     Raises
     ------
     InputError
-        If they lie in a plane.
+        If the points lie in a plane.
     """
     from scipy.spatial import ConvexHull, QhullError
 
     try:
         hull = ConvexHull(points)
     except (QhullError, ValueError):
-        raise InputError("the solid has no volume", hint="heal it where it was made") from None
+        raise InputError(
+            "the solid has no volume", hint="repair it in the program that made it"
+        ) from None
     used, compact = np.unique(hull.simplices, return_inverse=True)
     triangles = compact.reshape(-1, 3).astype(np.int64)
     vertices = points[used]
@@ -182,12 +201,14 @@ def _hull(points: Array) -> Solid:
     volume, center, second, _ = polyhedron_moments(
         vertices, triangles, np.array([0, len(triangles)])
     )
-    none = np.full(len(triangles), -1)
-    return Solid(vertices, triangles, (), none, volume[0], center[0], second[0], stand_in=True)
+    no_surface = np.full(len(triangles), -1)
+    return Solid(
+        vertices, triangles, (), no_surface, volume[0], center[0], second[0], stand_in=True
+    )
 
 
 def stand_in(shape: Any) -> ReadSolid:
-    """The hull of what is known of a solid, or the box around it."""
+    """The stand-in for a solid that cannot be read: its convex hull, or its bounding box."""
     try:
         return ReadSolid(_hull(_corners(shape)), _STANDS_IN)
     except failures(InputError):
@@ -195,13 +216,13 @@ def stand_in(shape: Any) -> ReadSolid:
 
 
 _STANDS_IN = (
-    "none of its faces can be used: their hull stands in for it, which its mass and centre are "
-    "of, and what it touches is not known"
+    "its faces cannot be used: mass and centre are those of their convex hull, and its contacts "
+    "are unknown"
 )
 
 
 def _corners(shape: Any) -> Array:
-    """Corners of a shape and of the triangles on its faces; where there are too few, of its box."""
+    """Corners of a shape and of its triangles; the corners of its bounding box if too few."""
     from OCP.Bnd import Bnd_Box
     from OCP.BRep import BRep_Tool
     from OCP.BRepBndLib import BRepBndLib
@@ -209,9 +230,9 @@ def _corners(shape: Any) -> Array:
     from OCP.TopoDS import TopoDS
 
     vertices = map(TopoDS.Vertex, inside(shape, TopAbs_ShapeEnum.TopAbs_VERTEX))
-    found = [np.array([BRep_Tool.Pnt_s(vertex).Coord() for vertex in vertices]).reshape(-1, 3)]
-    found += [face.nodes for face in cut_faces(shape, DEFLECTION, TURN)[0]]
-    points = np.vstack(found)
+    sets = [np.array([BRep_Tool.Pnt_s(vertex).Coord() for vertex in vertices]).reshape(-1, 3)]
+    sets += [face.nodes for face in cut_faces(shape, DEFLECTION, TURN)[0]]
+    points = np.vstack(sets)
     if len(points) > 3:
         return points
     box = Bnd_Box()
@@ -221,28 +242,31 @@ def _corners(shape: Any) -> Array:
 
 
 def _exact_moments(shape: Any, about: Array) -> tuple[float, Array, Array]:
-    """Volume, centroid and second moment about it, by adaptive integrals over the faces."""
+    """Volume, centroid and second moment about it, by adaptive integration over the faces.
+
+    `about`: a point near the centroid; it reduces cancellation.
+    """
     from OCP.BRepGProp import BRepGProp
     from OCP.gp import gp_Pnt
     from OCP.GProp import GProp_GProps
 
-    found = GProp_GProps(gp_Pnt(*about.tolist()))
-    BRepGProp.VolumeProperties_s(shape, found, INTEGRAL)
-    sign = 1.0 if found.Mass() >= 0 else -1.0
-    center, moments = found.CentreOfMass(), found.MatrixOfInertia()
+    properties = GProp_GProps(gp_Pnt(*about.tolist()))
+    BRepGProp.VolumeProperties_s(shape, properties, INTEGRAL)
+    sign = 1.0 if properties.Mass() >= 0 else -1.0
+    center, moments = properties.CentreOfMass(), properties.MatrixOfInertia()
     inertia = np.array([[moments.Value(i, j) for j in (1, 2, 3)] for i in (1, 2, 3)])
     second = sign * (np.trace(inertia) / 2 * np.eye(3) - inertia)
-    return sign * found.Mass(), np.array([center.X(), center.Y(), center.Z()]), second
+    return sign * properties.Mass(), np.array([center.X(), center.Y(), center.Z()]), second
 
 
-def _welded(faces: list[StepFace]) -> tuple[Array, Index, Index]:
-    """Vertices, triangles and the face of each, corners on shared edges made one.
+def _weld_faces(faces: list[StepFace]) -> tuple[Array, Index, Index]:
+    """Merge the corners of faces on shared edges: vertices, triangles, face of each triangle.
 
-    Every corner of a face is a node of a graph, and so are the corners along each edge of the
-    solid and its vertices; what is connected is one vertex.
+    The nodes of a graph are all corners of faces, the corners along each edge of the solid, and
+    its vertices. Connected nodes become one vertex.
     """
     starts = np.cumsum([0, *(len(face.nodes) for face in faces)])
-    pairs, count = _shared(faces, starts)
+    pairs, count = _corner_graph(faces, starts)
     label = connected(count, *pairs.T)
     nodes = np.concatenate([face.nodes for face in faces])
     rows = np.concatenate([f.triangles + n for f, n in zip(faces, starts[:-1], strict=True)])
@@ -254,8 +278,11 @@ def _welded(faces: list[StepFace]) -> tuple[Array, Index, Index]:
     return nodes[first][used], compact.reshape(-1, 3).astype(np.int64), owner[proper]
 
 
-def _shared(faces: list[StepFace], starts: Index) -> tuple[Index, int]:
-    """Pairs of nodes of the graph that are one corner, and how many nodes there are."""
+def _corner_graph(faces: list[StepFace], starts: Index) -> tuple[Index, int]:
+    """The edges of the graph of `_weld_faces`, shape (m, 2), and its number of nodes.
+
+    `starts`: the first node of each face, then the number of nodes of all faces.
+    """
     from OCP.BRep import BRep_Tool
     from OCP.TopExp import TopExp
 
@@ -288,46 +315,77 @@ def _shared(faces: list[StepFace], starts: Index) -> tuple[Index, int]:
 def _surfaces(
     faces: list[StepFace], vertices: Array, triangles: Index, owner: Index
 ) -> tuple[list[Surface], Index, float, float]:
-    """Surfaces, that of each triangle, the sagitta, and how far corners are off surfaces."""
-    found: list[Surface] = []
+    """The exact surfaces of a solid.
+
+    Returns
+    -------
+    surfaces : list of Surface
+    lies_on : ndarray of int, shape (m,)
+        Surface of each triangle, or -1.
+    sagitta : float
+        Largest distance of a triangle from its face [length unit].
+    off : float
+        Largest distance of a corner from its surface [length unit].
+    """
+    surfaces: list[Surface] = []
     of_face = np.full(len(faces), -1)
     sagitta, off = 0.0, 0.0
     for k, face in enumerate(faces):
-        own = triangles[owner == k]
-        if not len(own):
+        rows = triangles[owner == k]
+        if not len(rows):
             continue
-        surface, gap = _one_surface(face, vertices[own])
+        surface, gap = _surface_and_sagitta(face, vertices[rows])
         sagitta = max(sagitta, gap)
         if surface is not None:
-            of_face[k] = len(found)
-            found.append(facing(surface, vertices, own))
-            off = max(off, float(np.abs(height(surface, vertices[own].reshape(-1, 3))).max()))
+            of_face[k] = len(surfaces)
+            surfaces.append(facing(surface, vertices, rows))
+            off = max(off, float(np.abs(height(surface, vertices[rows].reshape(-1, 3))).max()))
     size = float(np.ptp(vertices, axis=0).max())
-    return *_merged(found, of_face[owner], triangles, size), sagitta, off
+    return *_merge_surfaces(surfaces, of_face[owner], triangles, size), sagitta, off
 
 
-def _one_surface(face: StepFace, corners: Array) -> tuple[Surface | None, float]:
-    """The surface of a face, and the greatest distance of its triangles from it."""
-    amid = np.empty((0, 3))
+def _surface_and_sagitta(face: StepFace, corners: Array) -> tuple[Surface | None, float]:
+    """The exact surface of a face, if known, and the largest distance of its triangles from it.
+
+    `corners`: the corners of its triangles, shape (m, 3, 3).
+    """
+    middles = np.empty((0, 3))
     if len(face.parameters):
-        amid = points_of_face(face.shape, face.parameters[face.triangles].mean(axis=1))
-    surface = face_surface(face.shape, face.nodes, amid)
+        middles = points_of_face(face.shape, face.parameters[face.triangles].mean(axis=1))
+    surface = face_surface(face.shape, face.nodes, middles)
     if surface is not None:
         grid = np.einsum("gk,tkx->tgx", GRID, corners).reshape(-1, 3)
         return surface, float(np.abs(height(surface, grid)).max())
-    if not len(amid):
+    if not len(middles):
         return None, 0.0
-    return None, float(np.linalg.norm(face.nodes[face.triangles].mean(axis=1) - amid, axis=1).max())
+    offset = face.nodes[face.triangles].mean(axis=1) - middles
+    return None, float(np.linalg.norm(offset, axis=1).max())
 
 
-def _merged(
+def _merge_surfaces(
     surfaces: list[Surface], lies_on: Index, triangles: Index, size: float
 ) -> tuple[list[Surface], Index]:
-    """Surfaces of faces that meet made one where they are the same (halves of a cylinder)."""
+    """Merge equal surfaces of faces that meet, such as the two halves of a cylinder.
+
+    Parameters
+    ----------
+    surfaces : list of Surface
+    lies_on : ndarray of int, shape (m,)
+        Surface of each triangle, or -1.
+    triangles : ndarray of int, shape (m, 3)
+    size : float
+        Size of the solid [length unit].
+
+    Returns
+    -------
+    surfaces : list of Surface
+    lies_on : ndarray of int, shape (m,)
+    """
     pairs = _neighbours(lies_on, triangles)
     parent = list(range(len(surfaces)))
 
     def root(k: int) -> int:
+        """The representative of surface k."""
         while parent[k] != k:
             k = parent[k]
         return k
@@ -342,7 +400,7 @@ def _merged(
 
 
 def _neighbours(lies_on: Index, triangles: Index) -> Index:
-    """Pairs of surfaces with an edge in common, shape (n, 2)."""
+    """Pairs of distinct surfaces that share an edge, shape (n, 2)."""
     ends = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     on = np.repeat(lies_on, 3)
     order = np.lexsort((ends[:, 1], ends[:, 0]))
@@ -353,6 +411,7 @@ def _neighbours(lies_on: Index, triangles: Index) -> Index:
 
 
 def _same(a: Surface, b: Surface, within: float) -> bool:
+    """Whether two surfaces are equal, with lengths equal to `within` [length unit]."""
     if a.kind != b.kind or a.hollow != b.hollow:
         return False
     numbers = max(abs(a.radius - b.radius), abs(a.tube - b.tube))

@@ -1,8 +1,8 @@
-"""The exact surface of a face of a STEP file, also where the file hides it.
+"""Find the exact surface of a face of a STEP file.
 
-Planes, cylinders, cones, spheres and tori are taken as they are. Many files store them as
-B-splines, or as surfaces of revolution and extrusion: OCCT proposes a surface for such a face,
-and it is taken only if points all over the face lie on it.
+Planes, cylinders, cones, spheres and tori are converted. Many files store them as B-splines, or as
+surfaces of revolution and extrusion. OCCT then proposes a surface, which is accepted only if points
+all over the face lie on it.
 """
 
 from __future__ import annotations
@@ -20,7 +20,9 @@ __all__ = ["face_surface", "is_plain", "points_of_face"]
 
 
 def face_surface(face: Any, nodes: Array, probes: Array) -> Surface | None:
-    """The surface that a face lies on; not yet turned as its material is.
+    """The exact surface of a face; None if it is of no known kind.
+
+    The side of the material is not set yet.
 
     Parameters
     ----------
@@ -28,7 +30,7 @@ def face_surface(face: Any, nodes: Array, probes: Array) -> Surface | None:
     nodes : ndarray, shape (n, 3)
         Corners of its triangles.
     probes : ndarray, shape (m, 3)
-        More points of the face's own surface, between the corners.
+        Points of the face between the corners.
     """
     from OCP.BRepAdaptor import BRepAdaptor_Surface
 
@@ -38,33 +40,34 @@ def face_surface(face: Any, nodes: Array, probes: Array) -> Surface | None:
         return _NATIVE[kind](getattr(adaptor, kind)(), nodes)
     points = np.vstack([nodes, probes])
     within = RECOGNISED * float(np.ptp(points, axis=0).max())
-    for found in (_proposed(face, nodes, within), _revolved(adaptor, kind)):
-        if found is not None and float(np.abs(height(found, points)).max()) <= within:
-            return found
+    for surface in (_proposed_surface(face, nodes, within), _revolved_torus(adaptor, kind)):
+        if surface is not None and float(np.abs(height(surface, points)).max()) <= within:
+            return surface
     return None
 
 
 def is_plain(face: Any) -> bool:
-    """Whether the file itself says which of the kinds of `Surface` the face lies on."""
+    """Whether the file states the kind of a face's surface, and `Surface` has that kind."""
     from OCP.BRepAdaptor import BRepAdaptor_Surface
 
     return _kind(BRepAdaptor_Surface(face)) in _NATIVE
 
 
 def _kind(adaptor: Any) -> str:
+    """OCCT's name for the kind of a surface, such as "Plane"."""
     return str(adaptor.GetType().name).removeprefix("GeomAbs_")
 
 
 def points_of_face(face: Any, parameters: Array) -> Array:
-    """Points of the face's own surface, shape (n, 3), at parameters, shape (n, 2)."""
+    """Points of the surface of a face, shape (n, 3), at parameters, shape (n, 2)."""
     from OCP.BRepAdaptor import BRepAdaptor_Surface
 
     adaptor = BRepAdaptor_Surface(face)
     return np.array([_xyz(adaptor.Value(u, v)) for u, v in parameters.tolist()]).reshape(-1, 3)
 
 
-def _proposed(face: Any, nodes: Array, within: float) -> Surface | None:
-    """The surface that OCCT takes the face for."""
+def _proposed_surface(face: Any, nodes: Array, within: float) -> Surface | None:
+    """The surface that OCCT recognises in a face to the tolerance `within`; None without one."""
     from OCP.gp import gp_Cone, gp_Cylinder, gp_Pln, gp_Sphere
     from OCP.ShapeAnalysis import ShapeAnalysis_CanonicalRecognition
 
@@ -78,13 +81,13 @@ def _proposed(face: Any, nodes: Array, within: float) -> Surface | None:
         try:
             if getattr(recognition, f"Is{kind}")(within, shape):
                 return _NATIVE[kind](shape, nodes)
-        except failures():  # it trips over some splines, and has nothing to propose then
+        except failures():  # the recognition fails on some splines
             continue
     return None
 
 
-def _revolved(adaptor: Any, kind: str) -> Surface | None:
-    """A circle turned about an axis in its plane: a torus."""
+def _revolved_torus(adaptor: Any, kind: str) -> Surface | None:
+    """The torus of a circle that revolves about an axis in its plane; else None."""
     from OCP.GeomAbs import GeomAbs_CurveType
 
     if kind != "SurfaceOfRevolution":
@@ -107,20 +110,24 @@ def _revolved(adaptor: Any, kind: str) -> Surface | None:
 
 
 def _plane(plane: Any, _: Array) -> Surface:
+    """Convert a gp_Pln."""
     return Surface("plane", _xyz(plane.Location()), _axis(plane))
 
 
 def _cylinder(cylinder: Any, _: Array) -> Surface:
+    """Convert a gp_Cylinder."""
     return Surface("cylinder", _xyz(cylinder.Location()), _axis(cylinder), radius=cylinder.Radius())
 
 
 def _sphere(sphere: Any, _: Array) -> Surface:
+    """Convert a gp_Sphere."""
     return Surface("sphere", _xyz(sphere.Location()), radius=sphere.Radius())
 
 
 def _torus(torus: Any, _: Array) -> Surface | None:
+    """Convert a gp_Torus; None if its tube intersects itself."""
     if torus.MajorRadius() <= torus.MinorRadius():
-        return None  # its tube meets itself: which of its two sheets a point is on is not said
+        return None  # a point may be on either of two sheets
     return Surface(
         "torus",
         _xyz(torus.Location()),
@@ -131,13 +138,16 @@ def _torus(torus: Any, _: Array) -> Surface | None:
 
 
 def _cone(cone: Any, nodes: Array) -> Surface | None:
-    """The axis goes from the apex into the half that the nodes are on."""
+    """Convert a gp_Cone, its axis directed from the apex towards the nodes.
+
+    None if nodes are on both sides of the apex.
+    """
     apex, axis = _xyz(cone.Apex()), _axis(cone)
     along = (nodes - apex) @ axis
     if along.sum() < 0:
         axis, along = -axis, -along
     if along.min() < -RECOGNISED * float(np.abs(along).max()):
-        return None  # on both sides of the apex
+        return None
     return Surface("cone", apex, axis, half_angle=abs(cone.SemiAngle()))
 
 
@@ -148,12 +158,15 @@ _NATIVE = {
     "Sphere": _sphere,
     "Torus": _torus,
 }
+"""Converter of each kind of OCCT surface that `Surface` has."""
 
 
 def _axis(shape: Any) -> Array:
+    """Direction of the axis of an OCCT surface, shape (3,)."""
     axis = shape.Axis()
     return _xyz(axis.Direction())
 
 
 def _xyz(point: Any) -> Array:
+    """Coordinates of an OCCT point or direction, shape (3,)."""
     return np.array([point.X(), point.Y(), point.Z()])

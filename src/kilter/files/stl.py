@@ -1,7 +1,7 @@
-"""STL, binary and ASCII: triangles without shared vertices.
+"""Read STL, binary and ASCII: triangles without shared vertices.
 
-A file is binary where its length is what the count in its header asks for, else ASCII where
-it begins with ``solid`` and has facets. An ASCII file may hold several solids with names.
+A file is binary if its length agrees with the count in its header. Otherwise it is ASCII if it
+begins with ``solid`` and has facets. An ASCII file may hold several solids with names.
 """
 
 from __future__ import annotations
@@ -18,25 +18,32 @@ from kilter.shape.primitives import Mesh
 __all__ = ["read_stl"]
 
 HEADER = 84
+"""Length of the header of a binary file, with the number of triangles [bytes]."""
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("extra", "<u2")])
 
-_TRUNCATED = "export it again: it was cut short or damaged"
+_TRUNCATED = "export it again: it is incomplete or damaged"
 
 
 def read_stl(data: bytes) -> tuple[list[tuple[str | None, Mesh]], list[str]]:
-    """The solids of an STL file with their names (None where there is one only), and notes.
+    """Read the solids of an STL file.
+
+    Returns
+    -------
+    solids : list of (str or None, Mesh)
+        Name and mesh; a single solid has the name None.
+    notes : list of str
 
     Raises
     ------
     InputError
-        If the file is cut short, or neither binary nor ASCII STL.
+        If the file is incomplete, or neither binary nor ASCII STL.
 
     Examples
     --------
     >>> read_stl(bytes(80) + (2**32 - 1).to_bytes(4, "little") + bytes(50))
     Traceback (most recent call last):
     ...
-    kilter.errors.InputError: header counts 4294967295 triangles, the file holds 1; ...
+    kilter.errors.InputError: the header states 4294967295 triangles, the file has 1; ...
     """
     count = int.from_bytes(data[80:HEADER], "little") if len(data) >= HEADER else -1
     exact = len(data) == HEADER + TRIANGLE.itemsize * count
@@ -46,18 +53,29 @@ def read_stl(data: bytes) -> tuple[list[tuple[str | None, Mesh]], list[str]]:
         raise InputError("not an STL file: too short", hint=_TRUNCATED)
     held = (len(data) - HEADER) // TRIANGLE.itemsize
     if held < count:
-        raise InputError(f"header counts {count} triangles, the file holds {held}", hint=_TRUNCATED)
-    notes = [] if exact else ["bytes after the last triangle are passed over"]
+        raise InputError(
+            f"the header states {count} triangles, the file has {held}", hint=_TRUNCATED
+        )
+    notes = [] if exact else ["bytes after the last triangle are ignored"]
     rows = np.frombuffer(data, dtype=TRIANGLE, count=count, offset=HEADER)
     return [(None, _indexed(rows["corners"].reshape(-1, 3), None))], notes
 
 
 def _indexed(corners: NDArray[np.floating], accuracy: float | None) -> Mesh:
-    """A mesh of triangles given by their corners, each place once; keeps float32 as it is."""
+    """The mesh of triangles that are given by their corners; equal corners are merged.
+
+    The corners keep their dtype while they are compared, so that float32 values stay equal.
+
+    Parameters
+    ----------
+    corners : ndarray, shape (3 n, 3)
+    accuracy : float or None
+        Largest error of a coordinate [length unit].
+    """
     if not np.isfinite(corners).all():
-        bad = int(np.flatnonzero(~np.isfinite(corners).all(axis=1))[0])
+        row = int(np.flatnonzero(~np.isfinite(corners).all(axis=1))[0])
         raise InputError(
-            f"triangle {bad // 3} has the corner {corners[bad].tolist()}",
+            f"triangle {row // 3} has the corner {corners[row].tolist()}",
             hint="give finite coordinates",
         )
     places, inverse = np.unique(corners + corners.dtype.type(0), axis=0, return_inverse=True)
@@ -65,8 +83,9 @@ def _indexed(corners: NDArray[np.floating], accuracy: float | None) -> Mesh:
 
 
 def _ascii_solids(text: str) -> list[tuple[str | None, Mesh]]:
+    """The solids of an ASCII file, with their names."""
     solids: list[tuple[str, list[str]]] = []
-    loop: int | None = None  # numbers of the solid when the facet began
+    loop: int | None = None  # count of numbers of the solid at the start of the facet
     inside = False
     for number, line in enumerate(text.split("\n"), start=1):
         word, _, rest = line.strip().partition(" ")
@@ -84,21 +103,24 @@ def _ascii_solids(text: str) -> list[tuple[str | None, Mesh]]:
                 raise InputError(
                     f"line {number}: a facet has {(length - loop) // 3} corners",
                     part=solids[-1][0] or None,
-                    hint="STL facets have three",
+                    hint="STL facets have three corners",
                 )
             loop = length if word == "outer" else None
     if inside:
-        raise InputError("the last solid does not end", part=solids[-1][0] or None, hint=_TRUNCATED)
+        raise InputError(
+            "the last solid has no 'endsolid'", part=solids[-1][0] or None, hint=_TRUNCATED
+        )
     for name, numbers in solids:
         if len(numbers) % 9:
             raise InputError(
-                f"{len(numbers) // 3} corners make no whole facets", part=name or None,
-                hint="STL facets have three",
+                f"{len(numbers) // 3} corners are not a multiple of 3", part=name or None,
+                hint="STL facets have three corners",
             )  # fmt: skip
     return _named_meshes([solid for solid in solids if solid[1]])
 
 
 def _vertex(rest: str, number: int, name: str) -> list[str]:
+    """The three numbers of a vertex line, as text; raises `InputError` if it is invalid."""
     tokens = rest.split()
     try:
         [float(token) for token in tokens]
@@ -114,6 +136,7 @@ def _vertex(rest: str, number: int, name: str) -> list[str]:
 
 
 def _named_meshes(solids: list[tuple[str, list[str]]]) -> list[tuple[str | None, Mesh]]:
+    """Names and meshes of solids that are given by their name and all numbers as text."""
     values = [np.array(numbers, dtype=np.float64).reshape(-1, 3) for _, numbers in solids]
     if not values:
         return []

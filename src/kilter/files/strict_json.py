@@ -1,4 +1,4 @@
-"""JSON read strictly: UTF-8, no key twice in an object, faults with line and column."""
+"""Parse JSON strictly: UTF-8, no duplicate keys, errors with line and column."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ __all__ = ["parse_json"]
 
 
 def parse_json(data: bytes) -> Any:
-    """The value of a JSON text.
+    """Parse the value of a JSON text.
 
-    NaN and Infinity are let through as numbers, so that who knows their place can name it.
+    NaN and Infinity are accepted as numbers, so that the caller can name their place in an error.
 
     Raises
     ------
     InputError
-        If it is not UTF-8, not JSON, too deep, or an object has a key twice.
+        If the text is not UTF-8 or not JSON, is nested too deeply, or has a duplicate key.
 
     Examples
     --------
@@ -29,7 +29,7 @@ def parse_json(data: bytes) -> Any:
     >>> parse_json(b'{"name": "C1", "mass": 1, "mass": 2}')
     Traceback (most recent call last):
     ...
-    kilter.errors.InputError: part 'C1': key 'mass' stands twice in one object; keep one
+    kilter.errors.InputError: part 'C1': duplicate key 'mass' in an object; keep one of them
     """
     try:
         text = data.decode("utf-8-sig")
@@ -38,27 +38,28 @@ def parse_json(data: bytes) -> Any:
     if not text.strip():
         raise InputError("the file is empty", hint="give a file with contents")
     try:
-        return json.loads(text, object_pairs_hook=_once)
+        return json.loads(text, object_pairs_hook=_without_duplicates)
     except json.JSONDecodeError as error:
         raise InputError(
             f"not JSON: {error.msg} at line {error.lineno}, column {error.colno}",
-            hint="mend the text there",
+            hint="correct the text there",
         ) from None
     except RecursionError:
-        raise InputError("lists or objects are nested too deep", hint="flatten them") from None
-    except ValueError as error:  # a whole number of thousands of digits
+        raise InputError("lists or objects are nested too deeply", hint="flatten them") from None
+    except ValueError as error:  # an integer of thousands of digits
         raise InputError(f"not a number: {error}"[:120], hint="give fewer digits") from None
 
 
-def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+def _without_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """The dict of the keys and values of an object; raises `InputError` for a duplicate key."""
     result = dict(pairs)
     if len(result) < len(pairs):
         keys = [key for key, _ in pairs]
         twice = next(key for key in keys if keys.count(key) > 1)
         name = result.get("name")
         raise InputError(
-            f"key {twice!r} stands twice in one object",
+            f"duplicate key {twice!r} in an object",
             part=name if isinstance(name, str) else None,
-            hint="keep one",
+            hint="keep one of them",
         )
     return result

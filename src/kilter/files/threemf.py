@@ -1,7 +1,7 @@
-"""3MF: a zip of XML models; the objects of its build, each where its items put it.
+"""Read 3MF: a zip of XML models, whose build items place objects.
 
-The unit is the file's own (millimetre where it states none). An object made of components
-gives one solid a component. Objects may be in other models of the same zip.
+The unit is that of the file (default millimetre). An object made of components gives one solid
+per component. Objects may be in other models of the same zip.
 
 References
 ----------
@@ -24,7 +24,7 @@ from kilter.arrays import Array, Index
 from kilter.errors import InputError
 from kilter.files.accuracy import text_accuracy
 from kilter.files.limits import Tally, require_few_entries, require_unfolded
-from kilter.files.placed import placed, scaled
+from kilter.files.placed import scale_mesh, transform_mesh
 from kilter.shape.primitives import Mesh
 
 __all__ = ["read_3mf"]
@@ -38,15 +38,17 @@ UNITS = {
     "foot": ("in", 12.0),
     "meter": ("m", 1.0),
 }
-"""Unit of a 3MF file: the unit it is read in, and how many of those it is."""
+"""kilter's unit for each unit of 3MF, and the length of the 3MF unit in it."""
 
 _PATH = "{http://schemas.microsoft.com/3dmanufacturing/production/2015/06}path"
 _RELATIONS = "_rels/.rels"
-_DAMAGED = "export it again: it was cut short or damaged"
+_DAMAGED = "export it again: it is incomplete or damaged"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Object:
+    """An object of a model: a mesh, and components as (model path, object id, 4 x 4 matrix)."""
+
     name: str
     vertices: Array
     faces: Index
@@ -54,21 +56,28 @@ class _Object:
 
 
 def read_3mf(data: bytes) -> tuple[list[tuple[str | None, Mesh]], str]:
-    """The solids of a 3MF file with their names, and the unit they are in.
+    """Read the solids of a 3MF file.
+
+    Returns
+    -------
+    solids : list of (str or None, Mesh)
+        Name and mesh, at its place.
+    units : str
+        Length unit of the meshes.
 
     Raises
     ------
     InputError
-        If the zip or its XML is damaged, or an item names an object that is not there.
+        If the zip or its XML is damaged, or an item names an object that does not exist.
     """
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive, np.errstate(all="ignore"):
-            require_unfolded(sum(one.file_size for one in archive.infolist()), len(data))
+            require_unfolded(sum(entry.file_size for entry in archive.infolist()), len(data))
             return _read(archive)
     except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, OSError) as error:
         raise InputError(f"damaged 3MF: {error}"[:120], hint=_DAMAGED) from None
     except ElementTree.ParseError as error:
-        raise InputError(f"damaged 3MF: its XML is wrong, {error}", hint=_DAMAGED) from None
+        raise InputError(f"damaged 3MF: invalid XML, {error}", hint=_DAMAGED) from None
     except LookupError as error:
         raise InputError(f"damaged 3MF: {error} is missing", hint=_DAMAGED) from None
     except (ValueError, OverflowError) as error:
@@ -76,39 +85,41 @@ def read_3mf(data: bytes) -> tuple[list[tuple[str | None, Mesh]], str]:
 
 
 def _read(archive: zipfile.ZipFile) -> tuple[list[tuple[str | None, Mesh]], str]:
+    """The solids of the build, and their unit."""
     root_path = _root_path(archive)
     root = _xml(archive, root_path)
     unit = root.get("unit", "millimeter")
     if unit not in UNITS:
-        raise InputError(f"unit {unit!r} is not one of 3MF", hint=f"use {', '.join(UNITS)}")
+        raise InputError(f"unit {unit!r} is not a unit of 3MF", hint=f"use {', '.join(UNITS)}")
     units, factor = UNITS[unit]
     models, tally = {root_path: _objects(root, root_path)}, Tally()
-    found: list[tuple[str | None, Mesh]] = []
+    solids: list[tuple[str | None, Mesh]] = []
     placements: list[tuple[_Object, Array, str]] = []
     for item in _children(root, "build", "item"):
         start = (item.get(_PATH, root_path).strip("/"), item.attrib["objectid"])
         placements += _leaves(archive, models, start, _transform(item), tally)
     values = [o.vertices.reshape(-1) for model in models.values() for o in model.values()]
     accuracy = text_accuracy(np.concatenate([*values, np.empty(0)]))
-    for thing, matrix, above in placements:
-        name = thing.name or above or None
+    for item_object, matrix, above in placements:
+        name = item_object.name or above or None
+        vertices = item_object.vertices
         try:
-            mesh = Mesh(thing.vertices, thing.faces, accuracy=accuracy(thing.vertices))
+            mesh = Mesh(vertices, item_object.faces, accuracy=accuracy(vertices))
         except InputError as error:
             raise error.located(part=name) from None
-        found.append((name, scaled(placed(mesh, matrix), factor)))
-    return found, units
+        solids.append((name, scale_mesh(transform_mesh(mesh, matrix), factor)))
+    return solids, units
 
 
 def _xml(archive: zipfile.ZipFile, path: str) -> ElementTree.Element:
-    """A text of the zip."""
+    """The root element of an XML file of the zip."""
     text = archive.read(path)
     require_few_entries(text)
     return ElementTree.fromstring(text)
 
 
 def _root_path(archive: zipfile.ZipFile) -> str:
-    """The model that the zip's relations name, else the usual one."""
+    """Path of the main model in the zip: the model that its relations name, else the first."""
     if _RELATIONS in archive.namelist():
         for relation in _xml(archive, _RELATIONS):
             if relation.get("Type", "").endswith("/3dmodel"):
@@ -116,7 +127,7 @@ def _root_path(archive: zipfile.ZipFile) -> str:
     usual = (name for name in archive.namelist() if name.lower().endswith(".model"))
     path = next(usual, None)
     if path is None:
-        raise InputError("not a 3MF file: it has no model", hint=_DAMAGED)
+        raise InputError("not a 3MF file: the zip has no model", hint=_DAMAGED)
     return path
 
 
@@ -127,7 +138,25 @@ def _leaves(
     matrix: Array,
     tally: Tally,
 ) -> Iterator[tuple[_Object, Array, str]]:
-    """Objects with a mesh under an item, where they are, and the name of the one above."""
+    """The objects with a mesh in the tree of components below an object.
+
+    Parameters
+    ----------
+    archive : ZipFile
+    models : dict
+        Objects of each model by path and id; models of other paths are added when needed.
+    start : (str, str)
+        Model path and id of the object at the root of the tree.
+    matrix : ndarray, shape (4, 4)
+        Placement of that object.
+    tally : Tally
+        Count of triangles; it bounds the number of objects too.
+
+    Yields
+    ------
+    (_Object, ndarray, str)
+        Object, its placement, and the nearest name above it.
+    """
     pending = [(start, matrix, "", frozenset[tuple[str, str]]())]
     while pending:
         (path, key), matrix, above, chain = pending.pop()
@@ -136,27 +165,28 @@ def _leaves(
         if key not in models[path]:
             raise InputError(f"object {key!r} is not in {path}", hint=_DAMAGED)
         if (path, key) in chain:
-            raise InputError(f"object {key!r} is made of itself", hint=_DAMAGED)
-        thing = models[path][key]
-        tally.add(10 + len(thing.faces))  # a place alone counts too
-        if len(thing.faces):
-            yield thing, matrix, above
+            raise InputError(f"object {key!r} contains itself", hint=_DAMAGED)
+        node = models[path][key]
+        tally.add(10 + len(node.faces))  # empty objects cost time too
+        if len(node.faces):
+            yield node, matrix, above
         below = [
-            ((where, child), matrix @ own, thing.name or above, chain | {(path, key)})
-            for where, child, own in thing.components
+            ((model, child), matrix @ step, node.name or above, chain | {(path, key)})
+            for model, child, step in node.components
         ]
         pending.extend(reversed(below))
 
 
 def _children(element: ElementTree.Element, *tags: str) -> list[ElementTree.Element]:
-    """Elements at the end of a path of tags, whatever their namespace."""
-    found = [element]
+    """Elements at the end of a path of tags, in any namespace."""
+    elements = [element]
     for tag in tags:
-        found = [c for e in found for c in e if str(c.tag).rpartition("}")[2] == tag]
-    return found
+        elements = [c for e in elements for c in e if str(c.tag).rpartition("}")[2] == tag]
+    return elements
 
 
 def _objects(root: ElementTree.Element, path: str) -> dict[str, _Object]:
+    """The objects of a model by their ids; `path` is the path of the model."""
     objects = {}
     for element in _children(root, "resources", "object"):
         name = element.get("name", "").strip()
@@ -164,7 +194,7 @@ def _objects(root: ElementTree.Element, path: str) -> dict[str, _Object]:
             vertices, faces = _mesh(element)
         except (KeyError, ValueError) as error:
             raise InputError(
-                f"damaged 3MF: its mesh has {error}"[:120],
+                f"damaged 3MF: the mesh has {error}"[:120],
                 part=name or element.get("id"),
                 hint=_DAMAGED,
             ) from None
@@ -177,6 +207,7 @@ def _objects(root: ElementTree.Element, path: str) -> dict[str, _Object]:
 
 
 def _mesh(element: ElementTree.Element) -> tuple[Array, Index]:
+    """Vertices, shape (n, 3), and triangles, shape (m, 3), of an object element."""
     corners = [
         (float(v.attrib["x"]), float(v.attrib["y"]), float(v.attrib["z"]))
         for v in _children(element, "mesh", "vertices", "vertex")
@@ -192,7 +223,7 @@ def _mesh(element: ElementTree.Element) -> tuple[Array, Index]:
 
 
 def _transform(element: ElementTree.Element) -> Array:
-    """The 4 x 4 matrix (columns) of a 3MF transform, written as 12 numbers by rows."""
+    """The 4 x 4 matrix, for column vectors, of a 3MF transform of 12 numbers; default identity."""
     matrix = np.eye(4)
     text = element.get("transform")
     if text is not None:

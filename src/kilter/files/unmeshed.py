@@ -1,8 +1,8 @@
-"""A face that OCCT's mesher leaves out, cut into triangles in the plane of its parameters.
+"""Triangulate a face that the mesher of OCCT leaves out, in its parameter plane.
 
-Corners along an edge are at the parameters that its other face has there, so that the triangles
-of both meet; along a seam, or where neither face has any, as often as the edge turns. The outline
-in the plane of parameters, stretched to lengths, is filled by a Delaunay triangulation.
+The corners along an edge are those of the neighbouring face, so that the triangles of both meet.
+Along a seam, or if neither face has corners, they follow the turn of the edge. The outline in the
+parameter plane, scaled to lengths, is filled by a Delaunay triangulation.
 """
 
 from __future__ import annotations
@@ -19,16 +19,24 @@ from kilter.files.occt import inside
 __all__ = ["CutFace", "cut_face"]
 
 STEPS = 10
-"""Steps of the grid of points inside of a free-form face, along either parameter."""
+"""Number of grid steps inside a free-form face, along each parameter; more give finer triangles."""
 LOOKS = 33
-"""Points of an edge at which its direction is looked at."""
+"""Number of points of an edge at which its direction is evaluated."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CutFace:
-    """Nodes (n, 3), their parameters (n, 2), triangles that turn left in the parameters (m, 3).
+    """A triangulated face.
 
-    `edges`: each edge of the face with the nodes along it.
+    Attributes
+    ----------
+    nodes : ndarray, shape (n, 3)
+    parameters : ndarray, shape (n, 2)
+        Parameters of the nodes on the surface.
+    triangles : ndarray of int, shape (m, 3)
+        Triangles, counterclockwise in the parameter plane.
+    edges : list of (TopoDS_Edge, ndarray of int)
+        Each edge of the face with the nodes along it.
     """
 
     nodes: Array
@@ -38,15 +46,15 @@ class CutFace:
 
 
 def cut_face(face: Any, known: list[tuple[Any, Array]], turn: float) -> CutFace | None:
-    """A face cut into triangles; None where its outline crosses itself or does not close.
+    """Triangulate a face; None if its outline crosses itself or does not close.
 
     Parameters
     ----------
     face : TopoDS_Face
     known : list of (TopoDS_Edge, ndarray)
-        Edges of the faces beside it, each with the parameters of the corners along it.
+        Edges of the neighbouring faces, each with the edge parameters of the corners along it.
     turn : float
-        Angle between the directions of neighbouring corners [rad].
+        Largest angle between the edge directions at neighbouring corners [rad].
     """
     from OCP.BRepAdaptor import BRepAdaptor_Surface
     from OCP.TopAbs import TopAbs_ShapeEnum
@@ -57,60 +65,62 @@ def cut_face(face: Any, known: list[tuple[Any, Array]], turn: float) -> CutFace 
     points: list[Array] = []
     count = 0
     for wire in inside(face, TopAbs_ShapeEnum.TopAbs_WIRE):
-        around = _around(TopoDS.Wire(wire), face, known, turn)
-        if not around:
+        outline = _wire_edges(TopoDS.Wire(wire), face, known, turn)
+        if not outline:
             return None
         first, loop = count, []
-        for number, (edge, uv, turned) in enumerate(around):
-            mine = np.arange(count, count + len(uv) - 1)
+        for number, (edge, uv, turned) in enumerate(outline):
+            rows = np.arange(count, count + len(uv) - 1)
             count += len(uv) - 1
-            following = first if number == len(around) - 1 else count
-            along = np.append(mine, following)
+            following = first if number == len(outline) - 1 else count
+            along = np.append(rows, following)
             points.append(uv[:-1])
-            loop.append(mine)
+            loop.append(rows)
             edges.append((edge, along[::-1] if turned else along))
         loops.append(np.concatenate(loop))
     if not loops or count < 3:
         return None
     surface = BRepAdaptor_Surface(face)
     parameters = np.vstack(points)
-    filled = _filled(parameters, loops, _stretch(surface, parameters), _grid(surface, turn))
-    if filled is None:
+    mesh = _fill_outline(parameters, loops, _stretch(surface, parameters), _grid(surface, turn))
+    if mesh is None:
         return None
-    parameters, triangles = filled
+    parameters, triangles = mesh
     nodes = np.array([surface.Value(u, v).Coord() for u, v in parameters.tolist()])
     return CutFace(nodes.reshape(-1, 3), parameters, triangles, edges)
 
 
-def _around(
+def _wire_edges(
     wire: Any, face: Any, known: list[tuple[Any, Array]], turn: float
 ) -> list[tuple[Any, Array, bool]]:
-    """(edge, points along it in the parameters of the face, against its own sense), in order.
+    """The edges of a wire in order, each as (edge, points, reversed).
 
-    Nothing where not all edges of the wire follow one another.
+    The points are the corners along the edge in the parameter plane of the face; `reversed` tells
+    that the wire runs against the sense of the edge. The list is empty if the edges of the wire
+    are not connected.
     """
     from OCP.BRepAdaptor import BRepAdaptor_Curve2d
     from OCP.BRepTools import BRepTools_WireExplorer
     from OCP.TopAbs import TopAbs_Orientation, TopAbs_ShapeEnum
 
-    found = []
+    edges = []
     explorer = BRepTools_WireExplorer(wire, face)
     while explorer.More():
         edge = explorer.Current()
         curve = BRepAdaptor_Curve2d(edge, face)
         values = next((v for other, v in known if other.IsSame(edge)), None)
         if values is None:
-            values = _own_corners(edge, curve, turn)
+            values = _corner_parameters(edge, curve, turn)
         uv = np.array([curve.Value(t).Coord() for t in values.tolist()]).reshape(-1, 2)
         turned = edge.Orientation() == TopAbs_Orientation.TopAbs_REVERSED
-        found.append((edge, uv[::-1] if turned else uv, turned))
+        edges.append((edge, uv[::-1] if turned else uv, turned))
         explorer.Next()
-    whole = len(list(inside(wire, TopAbs_ShapeEnum.TopAbs_EDGE)))
-    return found if len(found) == whole else []
+    count = len(list(inside(wire, TopAbs_ShapeEnum.TopAbs_EDGE)))
+    return edges if len(edges) == count else []
 
 
-def _own_corners(edge: Any, curve: Any, turn: float) -> Array:
-    """Parameters along an edge at which its direction has turned by no more than `turn`."""
+def _corner_parameters(edge: Any, curve: Any, turn: float) -> Array:
+    """Equidistant parameters along an edge, between which it turns by about `turn` or less."""
     from OCP.BRep import BRep_Tool
     from OCP.BRepAdaptor import BRepAdaptor_Curve
 
@@ -118,8 +128,8 @@ def _own_corners(edge: Any, curve: Any, turn: float) -> Array:
     if BRep_Tool.Degenerated_s(edge):
         return np.linspace(first, last, max(2, int(np.ceil(2 * np.pi / turn)) + 1))
     space = BRepAdaptor_Curve(edge)
-    looks = np.linspace(first, last, LOOKS).tolist()
-    places = np.array([space.Value(t).Coord() for t in looks])
+    samples = np.linspace(first, last, LOOKS).tolist()
+    places = np.array([space.Value(t).Coord() for t in samples])
     step = np.diff(places, axis=0)
     length = np.linalg.norm(step, axis=1)
     step = step[length > 0] / length[length > 0, None]
@@ -128,7 +138,7 @@ def _own_corners(edge: Any, curve: Any, turn: float) -> Array:
 
 
 def _stretch(surface: Any, parameters: Array) -> Array:
-    """Length of a step of each parameter in the middle of the face, shape (2,)."""
+    """Length per unit of each parameter at the middle of the face, shape (2,)."""
     from OCP.gp import gp_Pnt, gp_Vec
 
     u, v = (parameters.min(axis=0) + parameters.max(axis=0)) / 2
@@ -139,7 +149,7 @@ def _stretch(surface: Any, parameters: Array) -> Array:
 
 
 def _grid(surface: Any, turn: float) -> Array:
-    """Steps of the points inside, shape (2,); infinite along a parameter that does not bend."""
+    """Parameter steps of the inner points, shape (2,); infinite along a straight parameter."""
     kind = str(surface.GetType().name).removeprefix("GeomAbs_")
     if kind == "Plane":
         return np.array([np.inf, np.inf])
@@ -154,10 +164,29 @@ def _grid(surface: Any, turn: float) -> Array:
     return np.array(spans) / STEPS
 
 
-def _filled(
+def _fill_outline(
     parameters: Array, loops: list[Index], stretch: Array, step: Array
 ) -> tuple[Array, Index] | None:
-    """Points and triangles, turning left, that fill the outline; more points where it bends."""
+    """Fill an outline in the parameter plane with triangles; None if it is invalid.
+
+    Parameters
+    ----------
+    parameters : ndarray, shape (n, 2)
+        Corners of the outline.
+    loops : list of ndarray of int
+        Corners of each closed loop, in order.
+    stretch : ndarray, shape (2,)
+        Lengths per unit of the parameters.
+    step : ndarray, shape (2,)
+        Parameter steps of the inner points; infinite for none.
+
+    Returns
+    -------
+    parameters : ndarray, shape (m, 2)
+        Corners, followed by inner points.
+    triangles : ndarray of int, shape (k, 3)
+        Triangles, counterclockwise.
+    """
     import shapely
 
     flat = parameters * stretch
@@ -175,14 +204,14 @@ def _filled(
             return points / stretch, triangles
     pieces = shapely.get_parts(shapely.constrained_delaunay_triangles(outline))
     corners = shapely.get_coordinates(pieces).reshape(-1, 4, 2)[:, :3]
-    where = {tuple(p): k for k, p in enumerate(flat.tolist())}
-    found = [[where.get(tuple(p), -1) for p in piece] for piece in corners.tolist()]
-    cut = np.array(found, dtype=np.int64).reshape(-1, 3)
-    return None if (cut < 0).any() or not len(cut) else (parameters, _left(flat, cut))
+    row_of = {tuple(p): k for k, p in enumerate(flat.tolist())}
+    named = [[row_of.get(tuple(p), -1) for p in piece] for piece in corners.tolist()]
+    cut = np.array(named, dtype=np.int64).reshape(-1, 3)
+    return None if (cut < 0).any() or not len(cut) else (parameters, _counterclockwise(flat, cut))
 
 
 def _points_inside(outline: Any, step: Array) -> Array:
-    """Points of a grid that are inside of an outline, half a step from its edge or more."""
+    """Grid points inside an outline, at least half a step from its boundary, shape (n, 2)."""
     import shapely
 
     if not np.isfinite(step).all():
@@ -196,18 +225,18 @@ def _points_inside(outline: Any, step: Array) -> Array:
         return grid
     spots = shapely.points(grid)
     away = shapely.distance(outline.boundary, spots) > step.min() / 2
-    found: Array = grid[shapely.contains(outline, spots) & away]
-    return found
+    inner: Array = grid[shapely.contains(outline, spots) & away]
+    return inner
 
 
 def _delaunay(points: Array, outline: Any, loops: list[Index]) -> Index | None:
-    """Triangles of the points within the outline; None where they miss a side of it."""
+    """Delaunay triangles within an outline; None if they do not cover it or miss a side."""
     import shapely
     from scipy.spatial import Delaunay
 
     cut = np.asarray(Delaunay(points).simplices, dtype=np.int64)
     middle = shapely.points(points[cut].mean(axis=1))
-    cut = _left(points, cut[shapely.contains(outline, middle)])
+    cut = _counterclockwise(points, cut[shapely.contains(outline, middle)])
     p, q, r = (points[cut[:, k]] for k in range(3))
     area = ((q - p)[:, 0] * (r - p)[:, 1] - (q - p)[:, 1] * (r - p)[:, 0]).sum() / 2
     sides = {frozenset(side) for t in cut.tolist() for side in zip(t, t[1:] + t[:1], strict=True)}
@@ -218,8 +247,8 @@ def _delaunay(points: Array, outline: Any, loops: list[Index]) -> Index | None:
     return cut if whole and all(side in sides for side in rims) else None
 
 
-def _left(points: Array, triangles: Index) -> Index:
-    """Triangles of the plane, those that turn right turned."""
+def _counterclockwise(points: Array, triangles: Index) -> Index:
+    """Triangles in the plane, the clockwise triangles reversed."""
     p, q, r = (points[triangles[:, k]] for k in range(3))
     right = (q - p)[:, 0] * (r - p)[:, 1] < (q - p)[:, 1] * (r - p)[:, 0]
     turned = triangles.copy()

@@ -1,13 +1,13 @@
-"""URDF robots: links as parts, at the zero of every joint.
+"""Read URDF robots: links as parts, in the zero position of every joint.
 
-A link is one part, of its collision shapes (of what is seen where it has none); its mass and
-centre are those of its `inertial`. Fixed joints join links firmly; revolute, continuous and
-prismatic ones are free to move, since motors are not in the file. Links without shapes are frames.
-The root is held, unless its base is floating. Lengths are metres, z is up.
+A link is one part with the collision shapes of the link, or else its visual shapes. Mass and
+centre are those of its `inertial` element. Fixed joints fasten links. Revolute, continuous and
+prismatic joints are free to move, since the file has no motors. Links without shapes are frames.
+The root is held, unless the base is floating. Lengths are metres, z is up.
 
 References
 ----------
-ROS, urdf/XML: link, joint; roll, pitch and yaw are about fixed axes, in this order.
+ROS, urdf/XML: link, joint. Roll, pitch and yaw are rotations about fixed axes, in this order.
 """
 
 from __future__ import annotations
@@ -23,67 +23,78 @@ from kilter.errors import InputError, some_names
 from kilter.files.choices import Choices
 from kilter.files.formats import MESHES, read_bodies
 from kilter.files.limits import Tally, named_path
-from kilter.files.one_body import combined, one_body
-from kilter.files.placed import joined, placed
+from kilter.files.one_body import compose, one_body
+from kilter.files.placed import join_meshes, transform_mesh
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box, Cylinder, Mesh, Shape, Sphere
 
 __all__ = ["BASES", "read_urdf"]
 
 BASES = ("fixed", "floating")
+"""Values of the option `base`."""
 MOVING = {"revolute": "revolute", "continuous": "revolute", "prismatic": "prismatic"}
+"""Kind of `Joint` for each type of URDF joint that moves."""
 Element = ElementTree.Element
 
 
 def read_urdf(root: Element, path: Path, choices: Choices) -> Assembly:
-    """The assembly of a robot.
+    """Build the assembly of a robot.
+
+    Parameters
+    ----------
+    root : Element
+        Root element of the file.
+    path : Path
+        Path of the file, which mesh paths are relative to.
+    choices : Choices
+        The options `units` and `base`.
 
     Raises
     ------
     InputError
-        If a link or a joint is not as the format has it; it names it.
+        If a link or a joint is invalid; the error names it.
     """
     if choices.units not in (None, "m"):
         raise InputError(
-            f"URDF is in m, {choices.units} were asked for", hint="leave the units out"
+            f"URDF is in m, but the units given are {choices.units}", hint="leave the units out"
         )
     robot = _Robot(root, path)
     return robot.assembly(held=choices.base != "floating", source=str(path))
 
 
 class _Robot:
-    """Links and joints by name, and where each link is."""
+    """The links and joints of a robot, and the pose of each link in the world."""
 
     def __init__(self, root: Element, path: Path) -> None:
         self.folder = path.parent
         self.links = {_text(link, "name"): link for link in root.findall("link")}
         if not self.links:
-            raise InputError("a robot without links", hint="give it one link or more")
+            raise InputError("the robot has no links", hint="give it at least one link")
         self.joints = root.findall("joint")
         self.leads = {self._end(joint, "child"): joint for joint in self.joints}
-        """The joint that leads to a link."""
+        """The joint whose child is a link."""
         self.frames: dict[str, Pose] = {}
         for name in self.links:
             self._place(name)
         self.tally = Tally()
 
     def _end(self, joint: Element, end: str) -> str:
-        """The link at an end of a joint."""
-        found = joint.find(end)
-        name = "" if found is None else found.get("link", "")
+        """The link at an end ("parent" or "child") of a joint."""
+        element = joint.find(end)
+        name = "" if element is None else element.get("link", "")
         if name not in self.links:
             raise InputError(
-                f"the joint {joint.get('name')!r} names {name!r} as its {end}, which is no link",
-                hint=f"there are: {some_names(list(self.links))}",
+                f"the {end} {name!r} of the joint {joint.get('name')!r} is not a link",
+                hint=f"the links are {some_names(list(self.links))}",
             )
         return name
 
     def _place(self, name: str) -> None:
-        """The pose of a link in the world, at the zero of every joint, and of those above it."""
+        """Compute the world poses of a link and of its ancestors, in the zero position."""
         chain: dict[str, Element | None] = {}
         while name not in self.frames:
             if name in chain:
-                raise InputError("its joints run in a circle", part=name, hint="a robot is a tree")
+                raise InputError("its joints form a loop", part=name, hint="a robot is a tree")
             joint = chain[name] = self.leads.get(name)
             if joint is None:
                 break
@@ -93,13 +104,13 @@ class _Robot:
                 self.frames[below] = Pose()
             else:
                 parent = self.frames[self._end(joint, "parent")]
-                self.frames[below] = combined(parent, _origin(joint))
+                self.frames[below] = compose(parent, _origin(joint))
 
     def assembly(self, *, held: bool, source: str) -> Assembly:
-        """All of it."""
+        """The whole robot as an assembly; `held`: whether the root is held."""
         roots = [name for name in self.links if name not in self.leads]
         shapes = {name: self._shapes(link) for name, link in self.links.items()}
-        solid = {name for name, found in shapes.items() if found}
+        solid = {name for name, link_shapes in shapes.items() if link_shapes}
         parts = [
             self._part(name, shapes[name], held=held and name in roots)
             for name in self.links
@@ -107,14 +118,15 @@ class _Robot:
         ]
         if not parts:
             raise InputError("no link has a shape", hint="give its links <collision> or <visual>")
-        joints = [found for name in self.links for found in self._joint(name, solid, held)]
+        joints = [joint for name in self.links for joint in self._joint(name, solid, held)]
         moving = sum(joint.kind != "fixed" for joint in joints)
-        notes = [f"{moving} joints are free to move: motors and limits are not counted"]
+        notes = [f"{moving} joints are free to move: motors and limits are ignored"]
         return Assembly(
             parts, units="m", joints=joints, source=source, notes=notes if moving else []
         )
 
     def _part(self, name: str, shapes: list[tuple[Shape, Pose]], *, held: bool) -> Part:
+        """The part of a link."""
         inertial = self.links[name].find("inertial")
         mass = center = None
         try:
@@ -123,13 +135,17 @@ class _Robot:
                 mass = _numbers(inertial.find("mass"), "value", 1, "0")[0] or None
             if mass is not None and inertial is not None:
                 center = (_origin(inertial).position - inner.position) @ inner.matrix
-            pose = combined(self.frames[name], inner)
+            pose = compose(self.frames[name], inner)
             return Part(name, shape, pose, grounded=held, mass=mass, center_of_mass=center)
         except InputError as error:
             raise error.located(part=name) from None
 
     def _joint(self, name: str, solid: set[str], held: bool) -> list[Joint]:
-        """The joint that leads to a link that is a part; across frames that are fixed."""
+        """The joint between a link and the nearest ancestor that is a part, or the ground.
+
+        Links without shapes in between are passed. The list is empty for a link without shapes,
+        for a root, and for a link that floats.
+        """
         joint = self.leads.get(name)
         if joint is None or name not in solid:
             return []
@@ -138,8 +154,8 @@ class _Robot:
         while above not in solid and above in self.leads:
             chain.append(self.leads[above])
             above = self._end(chain[-1], "parent")
-        moving = [one for one in chain if one.get("type") != "fixed"]
-        if any(one.get("type") == "floating" for one in moving):
+        moving = [element for element in chain if element.get("type") != "fixed"]
+        if any(element.get("type") == "floating" for element in moving):
             return []
         if above not in solid:
             if not held:
@@ -149,17 +165,18 @@ class _Robot:
             return [Joint((name, above))]
         kind = MOVING.get(moving[0].get("type", ""))
         if len(moving) > 1 or kind is None:
-            words = " and ".join(str(one.get("type")) for one in moving)
+            words = " and ".join(str(element.get("type")) for element in moving)
             raise InputError(
-                f"a joint of kind {words} leads to it",
+                f"its joint has the type {words}",
                 part=name,
-                hint="one of fixed, floating, revolute, continuous, prismatic is read",
+                hint="use one of fixed, floating, revolute, continuous, prismatic",
             )
         frame = self.frames[self._end(moving[0], "child")]
         axis = frame.matrix @ _numbers(moving[0].find("axis"), "xyz", 3, "1 0 0")
         return [Joint((name, above), kind, point=frame.position, axis=axis)]  # type: ignore[arg-type]
 
     def _shapes(self, link: Element) -> list[tuple[Shape, Pose]]:
+        """The collision shapes of a link, or its visual shapes, with poses in its frame."""
         rows = link.findall("collision") or link.findall("visual")
         try:
             return [(self._shape(row), _origin(row)) for row in rows]
@@ -167,12 +184,13 @@ class _Robot:
             raise error.located(part=link.get("name")) from None
 
     def _shape(self, row: Element) -> Shape:
+        """The shape of a `collision` or `visual` element."""
         geometry = row.find("geometry")
         inner = geometry[0] if geometry is not None and len(geometry) else None
         kind = "" if inner is None else inner.tag
         if inner is None or kind not in ("box", "sphere", "cylinder", "mesh"):
             raise InputError(
-                f"a shape is {kind!r}" if kind else "a geometry has no shape",
+                f"a shape has the type {kind!r}" if kind else "a geometry has no shape",
                 hint="give a box, cylinder, sphere or mesh",
             )
         if kind == "box":
@@ -185,19 +203,20 @@ class _Robot:
         return Cylinder(radius, _numbers(inner, "length", 1)[0])
 
     def _mesh(self, row: Element) -> Mesh:
-        path = self._found(_text(row, "filename"))
+        """Read the mesh file of a `mesh` element."""
+        path = self._mesh_path(_text(row, "filename"))
         if path.suffix.lower() not in MESHES:
             raise InputError(
-                f"a mesh is a {path.suffix or 'file without ending'}",
+                f"a mesh file has the type {path.suffix or '(no ending)'}",
                 hint=f"write it as {', '.join(MESHES)}",
             )
         bodies = [mesh for mesh, _ in read_bodies(path).in_units("m")]
-        mesh = joined([one for one in bodies if isinstance(one, Mesh)])
+        mesh = join_meshes([body for body in bodies if isinstance(body, Mesh)])
         self.tally.add(len(mesh.triangles))
-        return placed(mesh, np.diag([*_numbers(row, "scale", 3, "1 1 1"), 1.0]))
+        return transform_mesh(mesh, np.diag([*_numbers(row, "scale", 3, "1 1 1"), 1.0]))
 
-    def _found(self, name: str) -> Path:
-        """The file of a mesh; of a package: in the nearest folder above that has it."""
+    def _mesh_path(self, name: str) -> Path:
+        """The path of a mesh; a ``package://`` path is looked up in the folders above the file."""
         plain = name.removeprefix("file://").removeprefix("package://")
         if not name.startswith("package://"):
             return named_path(self.folder, plain, self.folder.resolve().parent)
@@ -209,6 +228,7 @@ class _Robot:
 
 
 def _text(element: Element, key: str) -> str:
+    """A required attribute of an element."""
     value = element.get(key, "")
     if not value:
         raise InputError(f"a {element.tag} has no {key}", hint=f'give {key}="..."')
@@ -216,6 +236,7 @@ def _text(element: Element, key: str) -> str:
 
 
 def _numbers(element: Element | None, key: str, count: int, default: str = "") -> list[float]:
+    """An attribute of `count` numbers; raises `InputError` if it is invalid."""
     words = (default if element is None else element.get(key, default)).split()
     try:
         values = [float(word) for word in words]
@@ -230,12 +251,12 @@ def _numbers(element: Element | None, key: str, count: int, default: str = "") -
 
 
 def _origin(element: Element) -> Pose:
-    """The pose that an element states: first roll, then pitch, then yaw, then the step."""
-    found = element.find("origin")
-    r, p, y = _numbers(found, "rpy", 3, "0 0 0")
+    """The pose in the `origin` of an element: first roll, then pitch, yaw, translation."""
+    origin = element.find("origin")
+    r, p, y = _numbers(origin, "rpy", 3, "0 0 0")
     cos, sin = np.cos([r, p, y]), np.sin([r, p, y])
     about_x = np.array([[1, 0, 0], [0, cos[0], -sin[0]], [0, sin[0], cos[0]]])
     about_y = np.array([[cos[1], 0, sin[1]], [0, 1, 0], [-sin[1], 0, cos[1]]])
     about_z = np.array([[cos[2], -sin[2], 0], [sin[2], cos[2], 0], [0, 0, 1]])
     turn = Pose.of(about_z @ about_y @ about_x)
-    return Pose(_numbers(found, "xyz", 3, "0 0 0"), turn.rotation)
+    return Pose(_numbers(origin, "xyz", 3, "0 0 0"), turn.rotation)

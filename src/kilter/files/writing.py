@@ -1,4 +1,4 @@
-"""Writing of kilter files: whole or not at all."""
+"""Write kilter files and other files atomically: completely, or not at all."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ __all__ = ["dump", "to_text", "write_bytes", "write_text"]
 
 
 UNDER_WAY: set[str] = set()
-"""Files beside those that they will replace: who ends the process at once removes them."""
+"""Paths of temporary files that are being written; an exit without cleanup has to remove them."""
 
 
 def dump(assembly: Assembly, path: str | Path) -> None:
-    """The assembly written as a kilter file, one part a line.
+    """Write an assembly to a kilter file, one part per line.
 
-    The text goes to a file beside `path`, which then takes its place: who reads sees the
-    old file or the new one, and a failure leaves the old one.
+    A temporary file beside `path` is written first and then replaces it. A reader sees either the
+    old file or the new file, and a failure leaves the old file.
 
     Raises
     ------
     InputError
-        If the file cannot be written, or a name is no valid text.
+        If the file cannot be written, or a name cannot be encoded.
     """
     require_assembly(assembly, "dump")
     try:
@@ -40,12 +40,12 @@ def dump(assembly: Assembly, path: str | Path) -> None:
 
 
 def to_text(assembly: Assembly) -> str:
-    """The text of a kilter file, one part a line.
+    """The text of the kilter file of an assembly, one part per line.
 
     Raises
     ------
     InputError
-        If a name is no valid text.
+        If a name cannot be encoded, or a number is not finite.
     """
     try:
         return _text(to_dict(assembly))
@@ -57,7 +57,7 @@ def to_text(assembly: Assembly) -> str:
 
 
 def write_text(path: str | Path, text: str) -> None:
-    """A text file written in full or not at all.
+    """Write a text file in UTF-8, completely or not at all.
 
     Raises
     ------
@@ -76,31 +76,32 @@ def write_text(path: str | Path, text: str) -> None:
 
 
 def write_bytes(path: str | Path, data: bytes) -> None:
-    """A file written in full or not at all.
+    """Write a binary file, completely or not at all.
 
     Raises
     ------
     InputError
         If the file cannot be written.
     """
-    target = Path(os.path.realpath(path))  # a link stays a link to the new file
+    target = Path(os.path.realpath(path))  # a symbolic link stays, its target is replaced
     try:
         _replace(target, data)
     except OSError as error:
         raise InputError(
             f"cannot be written: {error.strerror or error}",
             file=str(path),
-            hint="check the folder and its rights",
+            hint="check the folder and its permissions",
         ) from None
 
 
 def _replace(target: Path, data: bytes) -> None:
+    """Write a temporary file and move it to `target`; raises `OSError`."""
     if target.is_dir():
         raise IsADirectoryError(None, "it is a folder")
     beside = str(target.with_name(f".{target.name[:40]}.{secrets.token_hex(8)}"))
-    UNDER_WAY.add(beside)  # before it is there: who is interrupted knows of it
+    UNDER_WAY.add(beside)  # before the file exists, so that an interrupt removes it
     try:
-        with open(beside, "xb", opener=_for_its_owner) as stream:
+        with open(beside, "xb", opener=_open_private) as stream:
             stream.write(data)
             stream.flush()
             os.fsync(stream.fileno())
@@ -114,12 +115,13 @@ def _replace(target: Path, data: bytes) -> None:
         UNDER_WAY.discard(beside)
 
 
-def _for_its_owner(path: str, flags: int) -> int:
+def _open_private(path: str, flags: int) -> int:
+    """Open a file that only its owner may read and write."""
     return os.open(path, flags, 0o600)
 
 
 def _mode(target: Path) -> int:
-    """Rights of the file that is replaced, else those a new file gets."""
+    """Permissions of the file that is replaced, or the default permissions of a new file."""
     if target.exists():
         return target.stat().st_mode & 0o777
     mask = os.umask(0)
@@ -128,6 +130,7 @@ def _mode(target: Path) -> int:
 
 
 def _text(data: dict[str, Any]) -> str:
+    """JSON text with one line for each key, and for each object of a list."""
     lines = []
     for key, value in data.items():
         text = _json(value)
@@ -138,4 +141,5 @@ def _text(data: dict[str, Any]) -> str:
 
 
 def _json(value: Any) -> str:
+    """JSON of a value on one line; raises `ValueError` for a number that is not finite."""
     return json.dumps(value, ensure_ascii=False, allow_nan=False)

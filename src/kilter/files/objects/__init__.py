@@ -1,1 +1,1 @@
-"""Objects of other libraries as assemblies, and assemblies as theirs: one file a library."""
+"""Convert objects of other libraries to assemblies and back: one module per library."""

@@ -1,6 +1,6 @@
-"""Objects of COMPAS: assemblies of blocks, blocks and meshes, read as their files are.
+"""Read COMPAS objects: assemblies of blocks, blocks and meshes.
 
-The library writes the object as it writes files, and that text is read.
+COMPAS serialises the object as in its files, and the reader of these files reads that text.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ __all__ = ["read"]
 
 
 def read(value: Any, choices: Choices) -> Assembly:
-    """The assembly of a compas_assembly Assembly, Block, or compas Mesh.
+    """Convert a compas_assembly Assembly or Block, or a compas Mesh, to an assembly.
 
     Raises
     ------
     InputError
-        If it is neither.
+        If the object is none of these.
     """
     import compas
 

@@ -114,7 +114,7 @@ def _reader(value: Any) -> Reader | None:
 
 
 def _is_surface(value: Any) -> bool:
-    """A pair of arrays: corners, and faces that name them by position."""
+    """Whether a value is a pair (vertices, faces) whose vertices are an (n, 3) array."""
     if not isinstance(value, tuple | list) or len(value) != 2:
         return False
     try:
@@ -125,47 +125,51 @@ def _is_surface(value: Any) -> bool:
 
 
 def _mesh(vertices: Any, faces: Any, choices: Choices) -> Assembly:
-    found = Mesh(np.asarray(vertices), faces if isinstance(faces, np.ndarray) else list(faces))
-    return assembly_of(FileBodies((None,), (found,)), units=choices.units)
+    """The assembly of a mesh without a name."""
+    mesh = Mesh(np.asarray(vertices), faces if isinstance(faces, np.ndarray) else list(faces))
+    return assembly_of(FileBodies((None,), (mesh,)), units=choices.units)
 
 
 def _several(values: Mapping[Any, Any], choices: Choices) -> Assembly:
-    """Objects side by side; one that is a single part has the name that it is given by."""
+    """The assembly of several objects; an object with a single part gives it its key as name."""
     numbered = all(isinstance(key, int) for key in values)
     parts: list[Part] = []
     names: list[str] = []
     notes: list[str] = []
-    kept: str | None = None
+    units: str | None = None
     for key, value in values.items():
         name = f"part_{key + 1}" if numbered else str(key)
         try:
-            found = _bare(assembly_of_object(value, choices))
+            assembly = _require_parts_only(assembly_of_object(value, choices))
         except InputError as error:
             raise error.located(part=name) from None
-        if kept not in (None, found.units):
+        if units not in (None, assembly.units):
             raise InputError(
-                f"is in {found.units}, those before it in {kept}",
+                f"it is in {assembly.units}, the objects before it in {units}",
                 part=name,
-                hint="bring them to one unit",
+                hint="convert them to the same unit",
             )
-        kept = found.units
-        own = [part.name for part in found.parts]
+        units = assembly.units
+        inner = [part.name for part in assembly.parts]
         if numbered:
-            names += [name if one in _NAMELESS else one for one in own]
+            names += [name if label in _NAMELESS else label for label in inner]
         else:
-            names += [name] if len(own) == 1 else [f"{name}/{one}" for one in own]
-        parts += found.parts
-        notes += found.notes
+            names += [name] if len(inner) == 1 else [f"{name}/{label}" for label in inner]
+        parts += assembly.parts
+        notes += assembly.notes
     named = zip(distinct(names), parts, strict=True)
     return Assembly(
-        [replace(part, name=name) for name, part in named], units=kept or "m", notes=notes
+        [replace(part, name=name) for name, part in named], units=units or "m", notes=notes
     )
 
 
-def _bare(found: Assembly) -> Assembly:
-    """Refuse what is more than its parts: joints and contacts name parts of their own."""
-    if found.joints or found.contacts or found.loads or found.friction_pairs:
+def _require_parts_only(assembly: Assembly) -> Assembly:
+    """Return the assembly; raise `InputError` if it has joints, contacts or other entries.
+
+    These entries name parts, whose names may change when several objects are combined.
+    """
+    if assembly.joints or assembly.contacts or assembly.loads or assembly.friction_pairs:
         raise InputError(
-            "it has joints, contacts, loads or friction of its own", hint="load it by itself"
+            "it has joints, contacts, loads or friction pairs", hint="load it separately"
         )
-    return found
+    return assembly

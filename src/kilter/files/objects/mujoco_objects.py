@@ -1,10 +1,11 @@
-"""Models of MuJoCo: bodies as parts, in the pose of a keyframe; the world is held.
+"""Read MuJoCo models: bodies as parts, in the pose of a keyframe; the world is held.
 
-A body is one part, of the geoms that collide (of all where none does); what is fixed to the world
-is held, its geoms one part each; a plane is a table. Masses and centres are those of the model.
-Hinges, slides and balls are joints, free to move: motors, springs and limits are not counted. Two
-geoms rub with the greater of their coefficients, as in MuJoCo; one of `condim` 1 does not rub.
-Meshes are as they are, where MuJoCo collides with their hulls. Lengths are metres.
+A body is one part with its colliding geoms, or with all geoms if none collides. Each geom of the
+world is a held part, and a body fixed to the world is held. A plane is a table. Masses and centres
+are those of the model. Hinges, slides and balls are joints, free to move: motors, springs and
+limits are ignored. The friction coefficient of a pair is the larger of the two, as in MuJoCo, and 0
+if both have `condim` 1. Meshes keep their shape, although MuJoCo collides with their convex hulls.
+Lengths are metres.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from kilter.errors import InputError, nearest_name, some_names
 from kilter.files.choices import Choices
 from kilter.files.file_tolerances import PARALLEL
 from kilter.files.naming import distinct
-from kilter.files.one_body import combined, one_body
+from kilter.files.one_body import compose, one_body
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box, Cylinder, Mesh, Shape, Sphere, surface
 
@@ -31,21 +32,23 @@ __all__ = ["read", "read_mjcf"]
 PLANE, FIELD, SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX, MESH = range(8)
 FREE, BALL, SLIDE, HINGE = range(4)
 CONNECT, WELD = 0, 1
-"""Numbers of MuJoCo's kinds of geoms, joints and equalities."""
+"""MuJoCo's numbers for the kinds of geoms, joints and equalities."""
 KINDS = {BALL: "spherical", SLIDE: "prismatic", HINGE: "revolute"}
+"""Kind of `Joint` for each kind of MuJoCo joint."""
 SPACIOUS = 4.0
-"""Half width of a plane without end, and its depth, over the size of what is there [-]."""
+"""Margin of the table for an infinite plane around the parts [sizes of all parts]."""
 REACH = 2.0
-"""Bodies farther apart than this, in radii, have no coefficient of their own [-]."""
+"""Distance of two parts up to which their friction is read [sums of their radii]; a larger value
+gives more friction pairs."""
 
 
 def read(value: Any, choices: Choices) -> Assembly:
-    """The assembly of an MjModel, an MjSpec, or a pair (MjModel, MjData).
+    """Convert an MjModel, an MjSpec, or a pair (MjModel, MjData) to an assembly.
 
     Raises
     ------
     InputError
-        If it is nothing of that, or has what kilter has no part or joint for.
+        If the object is none of these, or has geoms or joints that kilter does not support.
     """
     import mujoco
 
@@ -54,19 +57,19 @@ def read(value: Any, choices: Choices) -> Assembly:
         model = model.compile()
     if not isinstance(model, mujoco.MjModel) or not isinstance(data, mujoco.MjData | None):
         raise InputError(
-            f"a mujoco {type(model).__name__} is no model",
+            f"a mujoco {type(model).__name__} is not a model",
             hint="give an MjModel, an MjSpec, or (model, data)",
         )
     return _Model(mujoco, model, data, choices).assembly("")
 
 
 def read_mjcf(path: Any, choices: Choices) -> Assembly:
-    """The assembly of an MJCF file.
+    """Read an MJCF file.
 
     Raises
     ------
     InputError
-        If MuJoCo is not installed, or refuses the file; or as `read`.
+        As `read`; also if MuJoCo is not installed or rejects the file.
     """
     try:
         import mujoco
@@ -78,16 +81,19 @@ def read_mjcf(path: Any, choices: Choices) -> Assembly:
         model = mujoco.MjModel.from_xml_path(str(path))
     except ValueError as error:
         what = " ".join(str(error).split())[:200]
-        raise InputError(f"MuJoCo refuses it: {what}", hint="mend the file") from None
+        raise InputError(f"MuJoCo rejects it: {what}", hint="correct the file") from None
     return _Model(mujoco, model, None, choices).assembly(str(path))
 
 
 class _Model:
-    """A model in a pose, taken apart."""
+    """The conversion of a model in a pose; `parts` and the geoms of each part in `rows`."""
 
     def __init__(self, mujoco: Any, model: Any, data: Any, choices: Choices) -> None:
         if choices.units not in (None, "m"):
-            raise InputError(f"MuJoCo is in m, {choices.units} were asked for", hint="leave it out")
+            raise InputError(
+                f"MuJoCo is in m, but the units given are {choices.units}",
+                hint="leave the units out",
+            )
         self.model, self.notes = model, list[str]()
         self.data = mujoco.MjData(model) if data is None else data
         if data is None or choices.keyframe is not None:
@@ -100,32 +106,33 @@ class _Model:
         """The geoms of each part."""
 
     def _pose(self, mujoco: Any, keyframe: str | None) -> None:
-        """Set the pose of a keyframe: the one that is named, else the first there is."""
+        """Set the pose of the named keyframe, or of the first keyframe if there is any."""
         keys = [self.model.key(k).name for k in range(self.model.nkey)]
         if keyframe is None and not keys:
             return
         if keyframe is not None and keyframe not in keys:
             near = nearest_name(keyframe, keys)
-            hint = f"did you mean {near!r}?" if near else f"there are: {some_names(keys) or 'none'}"
-            raise InputError(f"no keyframe is named {keyframe!r}", hint=hint)
+            known = f"the keyframes are {some_names(keys)}" if keys else "the model has none"
+            hint = f"did you mean {near!r}?" if near else known
+            raise InputError(f"there is no keyframe {keyframe!r}", hint=hint)
         number = 0 if keyframe is None else keys.index(keyframe)
         mujoco.mj_resetDataKeyframe(self.model, self.data, number)
         if keyframe is None:
-            self.notes.append(f"in the pose of the first keyframe, {keys[0]!r}")
+            self.notes.append(f"the pose is that of the first keyframe, {keys[0]!r}")
 
     def _geoms(self) -> dict[int, list[int]]:
-        """The geoms of each body that count."""
+        """The geoms of each body that form its part: those that collide, or all without any."""
         model = self.model
         collides = (model.geom_contype | model.geom_conaffinity) != 0
-        found = {}
+        geoms = {}
         for body in range(model.nbody):
-            own = np.flatnonzero(model.geom_bodyid == body)
-            solid = own[collides[own]]
-            found[body] = (solid if len(solid) or body == 0 else own).tolist()
-        return found
+            rows = np.flatnonzero(model.geom_bodyid == body)
+            solid = rows[collides[rows]]
+            geoms[body] = (solid if len(solid) or body == 0 else rows).tolist()
+        return geoms
 
     def assembly(self, source: str) -> Assembly:
-        """All of it."""
+        """The whole model as an assembly."""
         model = self.model
         planes = [k for k in self.geoms[0] if model.geom_type[k] == PLANE]
         for geom in self.geoms[0]:
@@ -141,7 +148,7 @@ class _Model:
         parts = [replace(part, name=name) for part, name in zip(self.parts, names, strict=True)]
         joints = self._joints({part.name for part in parts})
         friction, pairs = self._friction(parts)
-        left = self._left_out()
+        left = self._ignored()
         return Assembly(
             parts,
             units="m",
@@ -150,15 +157,17 @@ class _Model:
             friction_pairs=pairs,
             joints=joints,
             source=source,
-            notes=[*self.notes, *([f"not counted: {left}"] if left else [])],
+            notes=[*self.notes, *([f"ignored: {left}"] if left else [])],
         )
 
     def _geom_name(self, geom: int) -> str:
+        """The name of a geom of the world."""
         return self.model.geom(geom).name or "world"
 
     def _add(
         self, name: str, geoms: list[int], pose: Pose, *, held: bool, body: int | None = None
     ) -> None:
+        """Add the part of some geoms; `body` gives it the mass and centre of that body."""
         model = self.model
         try:
             shape, inner = one_body([self._shape(geom) for geom in geoms])
@@ -171,7 +180,7 @@ class _Model:
         part = Part(
             name,
             shape,
-            combined(pose, inner),
+            compose(pose, inner),
             grounded=held,
             mass=mass or None,
             center_of_mass=center,
@@ -203,12 +212,10 @@ class _Model:
             start, faces = int(model.mesh_faceadr[mesh]), int(model.mesh_facenum[mesh])
             corners = np.array(model.mesh_vert[first : first + count], dtype=np.float32)
             return Mesh(corners, np.array(model.mesh_face[start : start + faces])), pose
-        raise InputError(
-            "it has a height field or a distance field", hint="give it as a mesh instead"
-        )
+        raise InputError("it has a height field or a distance field", hint="replace it by a mesh")
 
     def _add_planes(self, planes: list[int]) -> None:
-        """Each plane as a table below it, under all that there is."""
+        """Add each plane as a table below the plane that extends under all parts."""
         points = [part.pose.apply(surface(part.shape)[0]) for part in self.parts]
         corners = np.vstack(points) if points else np.zeros((1, 3))
         size = float(np.ptp(corners, axis=0).max()) or 1.0
@@ -221,7 +228,7 @@ class _Model:
             part = Part(
                 self.model.geom(geom).name or "floor",
                 box,
-                combined(pose, Pose([0, 0, -size / 2])),
+                compose(pose, Pose([0, 0, -size / 2])),
                 grounded=True,
                 density=1000.0,
                 table=True,
@@ -232,59 +239,66 @@ class _Model:
     # joints --------------------------------------------------------------------------
 
     def _joints(self, parts: set[str]) -> list[Joint]:
+        """The joints of all bodies, and the equalities; `parts`: the names of the parts."""
         model = self.model
-        found = []
+        joints = []
         for body in range(1, model.nbody):
             if int(model.body_weldid[body]) == 0:
                 continue
             first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
-            own = list(range(first, first + count))
-            if own and model.jnt_type[own[0]] == FREE:
+            rows = list(range(first, first + count))
+            if rows and model.jnt_type[rows[0]] == FREE:
                 continue
-            ends = (self.names[body], self._above(body, parts))
+            ends = (self.names[body], self._parent(body, parts))
             if self.names[body] not in parts:
-                if own:
+                if rows:
                     raise InputError(
-                        "it moves, and has no geom", part=self.names[body], hint="give it one"
+                        "it has a joint but no geom", part=self.names[body], hint="give it a geom"
                     )
                 continue
-            found.append(self._joint(ends, own))
-        return found + self._equalities(parts)
+            joints.append(self._joint(ends, rows))
+        return joints + self._equalities(parts)
 
-    def _above(self, body: int, parts: set[str]) -> str:
-        """The part that a body hangs on; bodies without geoms that are fixed are passed over."""
+    def _parent(self, body: int, parts: set[str]) -> str:
+        """The nearest ancestor of a body that is a part, or the ground.
+
+        Fixed bodies without geoms in between are passed.
+        """
         parent = int(self.model.body_parentid[body])
         while parent and self.names[parent] not in parts and not self.model.body_jntnum[parent]:
             parent = int(self.model.body_parentid[parent])
         return self.names[parent] if self.names[parent] in parts and parent else "ground"
 
-    def _joint(self, ends: tuple[str, str], own: list[int]) -> Joint:
-        kinds = [int(self.model.jnt_type[k]) for k in own]
-        if not own:
+    def _joint(self, ends: tuple[str, str], rows: list[int]) -> Joint:
+        """The joint of a body with its parent: fixed, of one MuJoCo joint, or cylindrical."""
+        kinds = [int(self.model.jnt_type[k]) for k in rows]
+        if not rows:
             return Joint(ends)
-        point, axes = self.data.xanchor[own[0]], [self.data.xaxis[k] for k in own]
-        if len(own) == 1:
+        point, axes = self.data.xanchor[rows[0]], [self.data.xaxis[k] for k in rows]
+        if len(rows) == 1:
             return Joint(ends, KINDS[kinds[0]], point=point, axis=axes[0])  # type: ignore[arg-type]
-        along = len(own) == 2 and np.allclose(np.cross(*axes), 0.0, atol=PARALLEL)
+        along = len(rows) == 2 and np.allclose(np.cross(*axes), 0.0, atol=PARALLEL)
         if sorted(kinds) == [SLIDE, HINGE] and along:
-            turn = own[kinds.index(HINGE)]
+            turn = rows[kinds.index(HINGE)]
             return Joint(ends, "cylindrical", point=self.data.xanchor[turn], axis=axes[0])
         raise InputError(
-            f"{len(own)} joints lead to it",
+            f"it has {len(rows)} joints",
             part=ends[0],
             hint="give it one hinge, slide, ball or free joint, or a slide along its hinge",
         )
 
     def _equalities(self, parts: set[str]) -> list[Joint]:
-        """Welds and connections between bodies."""
+        """The welds and connections between bodies, as joints."""
         model = self.model
-        found = []
+        joints = []
         for k in np.flatnonzero(model.eq_active0):
             kind = int(model.eq_type[k])
             ids = [int(model.eq_obj1id[k]), int(model.eq_obj2id[k])]
             ends = [self.names[i] if self.names[i] in parts and i else "ground" for i in ids]
             if kind not in (CONNECT, WELD) or int(model.eq_objtype[k]) != 1 or ends[0] == ends[1]:
-                self.notes.append("an equality that is no weld or connection of bodies is left out")
+                self.notes.append(
+                    "an equality other than a weld or connection of bodies is ignored"
+                )
                 continue
             first, second = ends if ends[0] != "ground" else ends[::-1]
             point = None
@@ -292,50 +306,51 @@ class _Model:
                 pose = Pose(self.data.xpos[ids[0]], self.data.xquat[ids[0]])
                 point = pose.apply(model.eq_data[k][:3][None])[0]
             joint = "fixed" if kind == WELD else "spherical"
-            found.append(Joint((first, second), joint, point=point))  # type: ignore[arg-type]
-        return found
+            joints.append(Joint((first, second), joint, point=point))  # type: ignore[arg-type]
+        return joints
 
     # friction ------------------------------------------------------------------------
 
     def _friction(self, parts: list[Part]) -> tuple[float, list[FrictionPair]]:
-        """The coefficient that most pairs have that come near, and the pairs that differ."""
+        """The most frequent coefficient of nearby pairs, and the pairs with another one."""
         model = self.model
-        own = np.array([max(self._mu(geom) for geom in geoms) for geoms in self.rows])
+        part_mu = np.array([max(self._mu(geom) for geom in geoms) for geoms in self.rows])
         condim = [max(int(model.geom_condim[geom]) for geom in geoms) for geoms in self.rows]
         slick = np.array(condim) == 1
-        one, two = _near(parts)
-        mu = np.maximum(own[one], own[two])
-        mu[slick[one] & slick[two]] = 0.0
+        first, second = _near_pairs(parts)
+        mu = np.maximum(part_mu[first], part_mu[second])
+        mu[slick[first] & slick[second]] = 0.0
         free = np.array([not part.grounded for part in parts])
-        counts = free[one] | free[two]
-        one, two, mu = one[counts], two[counts], mu[counts]
+        counts = free[first] | free[second]
+        first, second, mu = first[counts], second[counts], mu[counts]
         usual = Counter(mu.tolist()).most_common(1)
         friction = usual[0][0] if usual else 0.0
         return friction, [
             FrictionPair((parts[a].name, parts[b].name), value)
-            for a, b, value in zip(one.tolist(), two.tolist(), mu.tolist(), strict=True)
+            for a, b, value in zip(first.tolist(), second.tolist(), mu.tolist(), strict=True)
             if value != friction
         ]
 
     def _mu(self, geom: int) -> float:
+        """Sliding friction coefficient of a geom [-]."""
         return float(self.model.geom_friction[geom][0])
 
-    def _left_out(self) -> str:
-        """What a model has that holds or moves parts and kilter does not count, in words."""
+    def _ignored(self) -> str:
+        """A list of the model's features that affect motion and that kilter ignores."""
         model = self.model
         counts = {
             "motors": model.nu,
             "springs": int(np.count_nonzero(model.jnt_stiffness)),
-            "limits of joints": int(np.count_nonzero(model.jnt_limited)),
+            "joint limits": int(np.count_nonzero(model.jnt_limited)),
             "tendons": model.ntendon,
-            "friction of joints": int(np.count_nonzero(model.dof_frictionloss)),
+            "joint frictions": int(np.count_nonzero(model.dof_frictionloss)),
             "excluded pairs": model.nexclude,
         }
         return ", ".join(f"{count} {word}" for word, count in counts.items() if count)
 
 
-def _near(parts: list[Part]) -> tuple[Index, Index]:
-    """Pairs of parts that come near each other, by the balls around them."""
+def _near_pairs(parts: list[Part]) -> tuple[Index, Index]:
+    """Pairs of parts whose bounding spheres, enlarged by the factor `REACH`, overlap."""
     points = [part.pose.apply(surface(part.shape)[0]) for part in parts]
     middle = np.array([(p.min(axis=0) + p.max(axis=0)) / 2 for p in points])
     radius = np.array(
@@ -343,5 +358,5 @@ def _near(parts: list[Part]) -> tuple[Index, Index]:
     )
     apart = np.linalg.norm(middle[:, None] - middle, axis=2)
     close = apart <= REACH * (radius[:, None] + radius)
-    one, two = np.nonzero(np.triu(close, 1))
-    return one, two
+    first, second = np.nonzero(np.triu(close, 1))
+    return first, second

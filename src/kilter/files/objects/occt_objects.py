@@ -1,8 +1,8 @@
-"""Solids of OCCT in memory: shapes, compounds and assemblies of build123d and CadQuery.
+"""Read OCCT shapes in memory: shapes, compounds and assemblies of build123d and CadQuery.
 
-Their faces are exact, as those of a STEP file, and are read by the same functions. Parts are named
-by the labels (build123d) or names (CadQuery) of the tree, by the shortest end of the path that
-tells them apart. Both libraries count in millimetres.
+The functions for STEP files read them, with exact faces. Part names come from the labels
+(build123d) or names (CadQuery) of the tree: the shortest end of the path that is unique. Both
+libraries use millimetres.
 """
 
 from __future__ import annotations
@@ -17,64 +17,65 @@ from kilter.files.choices import Choices
 from kilter.files.formats import assembly_of
 from kilter.files.occt import failures, quiet, shape_map
 from kilter.files.step_bodies import bodies_of
-from kilter.files.step_document import FoundSolid, StepDocument, numbered, occurrences, split
+from kilter.files.step_document import StepDocument, TreeSolid, numbered, occurrences, split
 
 __all__ = ["read"]
 
 _NAMELESS = "part"
 _UUID = re.compile(r"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}")
-"""What CadQuery names an assembly that nobody named."""
+"""The name that CadQuery gives to an assembly without a name."""
 _HINT = "give a solid, a compound of solids, or an assembly of them"
 
 
 def read(value: Any, choices: Choices) -> Assembly:
-    """The assembly of a shape, a compound, a Workplane, a BuildPart or an assembly.
+    """Convert a shape, a compound, a Workplane, a BuildPart or an assembly to an assembly.
 
     Raises
     ------
     InputError
-        If it holds no solid.
+        If the object has no solid.
     """
     from OCP.TopLoc import TopLoc_Location
 
-    walk = _Tree()
+    walk = _ObjectWalk()
     try:
         with quiet():
-            walk.below([_built(value)], (), TopLoc_Location())
-            solids = occurrences(walk.found, shape_map())
+            walk.below([_unwrap_builder(value)], (), TopLoc_Location())
+            solids = occurrences(walk.solids, shape_map())
             document = StepDocument(tuple(solids), "mm", tuple(walk.passed), ())
             bodies = bodies_of(document, (), lambda stage, solid: None)
     except failures():
-        raise InputError("no solid can be made of it", hint=_HINT) from None
+        raise InputError("it has no valid solid", hint=_HINT) from None
     return assembly_of(replace(bodies, by_standard=True), units=choices.units)
 
 
-class _Tree:
-    """Goes down the tree of an assembly; keeps the solids that it meets, and what else."""
+class _ObjectWalk:
+    """A traversal of an assembly that collects solids and descriptions of other shapes."""
 
     def __init__(self) -> None:
-        self.found: list[FoundSolid] = []
+        self.solids: list[TreeSolid] = []
         self.passed: list[str] = []
         self.copies = shape_map()
         self.copied: dict[int, Any] = {}
 
     def below(self, values: list[Any], above: tuple[str, ...], place: Any) -> None:
-        """The solids below neighbours, each where `place` puts it."""
+        """Collect the solids below neighbouring objects, relative to the location `place`."""
         names = numbered([_name(value) or _NAMELESS for value in values])
         for name, value in zip(names, values, strict=True):
             path = (*above, name)
             children = list(getattr(value, "children", ()))
-            where = place.Multiplied(_location(value))
+            location = place.Multiplied(_location(value))
             if children:
                 inner = () if not above and len(values) == 1 else path
-                own = _shapes(value) if hasattr(value, "loc") else []
-                self._leaf(own, path, where)
-                self.below(children, inner, where)
+                shapes = _shapes(value) if hasattr(value, "loc") else []
+                self._leaf(shapes, path, location)
+                self.below(children, inner, location)
             else:
-                at = where if hasattr(value, "loc") else place
+                at = location if hasattr(value, "loc") else place
                 self._leaf(_shapes(value), path, at)
 
     def _leaf(self, shapes: list[Any], path: tuple[str, ...], place: Any) -> None:
+        """Collect the solids of the shapes of an object."""
         from OCP.TopLoc import TopLoc_Location
 
         solids, rest = [], []
@@ -87,10 +88,10 @@ class _Tree:
         for name, solid in zip(numbered([path[-1]] * len(solids)), solids, strict=True):
             bare = self._copy(solid.Located(TopLoc_Location()))
             at = place.Multiplied(solid.Location())
-            self.found.append(FoundSolid((*path[:-1], name), bare, at, False))
+            self.solids.append(TreeSolid((*path[:-1], name), bare, at, False))
 
     def _copy(self, shape: Any) -> Any:
-        """A copy of a solid, the same for the same: its triangles are not those of the owner."""
+        """A copy of a solid, cached; triangulating it does not change the caller's solid."""
         from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
 
         key = self.copies.Add(shape)
@@ -99,19 +100,20 @@ class _Tree:
         return self.copied[key]
 
 
-def _built(value: Any) -> Any:
-    """What a builder of build123d has made."""
+def _unwrap_builder(value: Any) -> Any:
+    """The part that a builder of build123d has made, or the value itself."""
     part = getattr(value, "part", None)
     return value if part is None or hasattr(value, "wrapped") else part
 
 
 def _name(value: Any) -> str:
+    """The name or label of an object; empty if the user has given none."""
     name = str(getattr(value, "name", None) or getattr(value, "label", None) or "").strip()
     return "" if _UUID.fullmatch(name) else name
 
 
 def _location(value: Any) -> Any:
-    """Where an assembly is: its `loc` (CadQuery), or the location of its shape (build123d)."""
+    """The location of an assembly: its `loc` (CadQuery), or that of its shape (build123d)."""
     from OCP.TopLoc import TopLoc_Location
 
     if hasattr(value, "loc"):
@@ -121,11 +123,11 @@ def _location(value: Any) -> Any:
 
 
 def _shapes(value: Any) -> list[Any]:
-    """Shapes of OCCT that an object holds: itself, its stack, its own of an assembly."""
+    """The OCCT shapes of an object: its shape, its stack, or the shapes of an assembly node."""
     if getattr(value, "obj", None) is not None and not hasattr(value, "wrapped"):
         return _shapes(value.obj)
     if hasattr(value, "vals"):
-        return [shape for one in value.vals() for shape in _shapes(one)]
+        return [shape for item in value.vals() for shape in _shapes(item)]
     wrapped = getattr(value, "wrapped", value)
     if wrapped is None or not hasattr(wrapped, "ShapeType"):
         return []

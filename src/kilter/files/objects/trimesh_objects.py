@@ -1,8 +1,8 @@
-"""Objects of trimesh: meshes, scenes, primitives; and an assembly as a scene.
+"""Convert trimesh meshes, scenes and primitives to assemblies, and an assembly to a scene.
 
-The nodes of a scene are the parts, under their names. A box, cylinder or sphere of
-`trimesh.primitives` keeps its exact faces. trimesh keeps float64 whatever it has read: where
-every coordinate is a float32 number, that is taken for the accuracy of the mesh.
+The nodes of a scene are the parts, with their names. A box, cylinder or sphere of
+`trimesh.primitives` keeps its exact faces. trimesh stores float64 always: if every coordinate is
+a float32 number, the mesh has the accuracy of float32.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from kilter.assembly import Assembly, Part
 from kilter.errors import InputError
 from kilter.files.choices import Choices
 from kilter.files.formats import agreed_units, assembly_of
-from kilter.files.naming import distinct, filled
-from kilter.files.placed import FileBodies, placed
+from kilter.files.naming import distinct, fill_names
+from kilter.files.placed import FileBodies, transform_mesh
 from kilter.rigid import Pose
 from kilter.shape.primitives import Box, Cylinder, Mesh, Shape, Sphere, surface
 
@@ -29,16 +29,16 @@ _UNITS = {
     **dict.fromkeys(("mm", "millimeter", "millimeters", "millimetre"), "mm"),
     **dict.fromkeys(("in", "inch", "inches"), "in"),
 }
-_TAKEN = "give a trimesh.Trimesh or a trimesh.Scene of meshes"
+_ACCEPTED = "give a trimesh.Trimesh or a trimesh.Scene of meshes"
 
 
 def read(value: Any, choices: Choices) -> Assembly:
-    """The assembly of a Trimesh or a Scene.
+    """Convert a Trimesh or a Scene to an assembly.
 
     Raises
     ------
     InputError
-        If it is neither, holds no mesh, or is in other units than those asked for.
+        If the object is neither, has no mesh, or states other units than `choices.units`.
     """
     if hasattr(value, "geometry") and hasattr(value, "graph"):
         rows = [
@@ -49,54 +49,57 @@ def read(value: Any, choices: Choices) -> Assembly:
     elif hasattr(value, "vertices") and hasattr(value, "faces"):
         rows = [(_name(value), value, np.eye(4))]
     else:
-        raise InputError(f"a trimesh {type(value).__name__} is no solid", hint=_TAKEN)
+        raise InputError(f"a trimesh {type(value).__name__} is not a mesh", hint=_ACCEPTED)
     solid = [row for row in rows if len(getattr(row[1], "faces", ()))]
     if not solid:
-        raise InputError(f"a trimesh {type(value).__name__} without faces", hint=_TAKEN)
+        raise InputError(f"the trimesh {type(value).__name__} has no faces", hint=_ACCEPTED)
     stated = _UNITS.get(str(value.units or "").lower())
-    notes = [f"passed over, no faces: {len(rows) - len(solid)}"] if len(solid) < len(rows) else []
+    ignored = len(rows) - len(solid)
+    notes = [f"{ignored} objects without faces are ignored"] if ignored else []
     shapes = [_shape(mesh, place) for _, mesh, place in solid]
     if len(shapes) == 1 and isinstance(shapes[0][0], Mesh):
         bodies = FileBodies((solid[0][0] or None,), (shapes[0][0],), units=stated)
         return assembly_of(bodies, units=choices.units)
-    names = filled(distinct([name for name, _, _ in solid]), "part")
+    names = fill_names(distinct([name for name, _, _ in solid]), "part")
     parts = [Part(name, shape, pose) for name, (shape, pose) in zip(names, shapes, strict=True)]
     return Assembly(parts, units=agreed_units(stated, choices.units), notes=notes)
 
 
 def _name(mesh: Any) -> str:
+    """The name in the metadata of a mesh."""
     return str(mesh.metadata.get("name") or "")
 
 
 def _shape(mesh: Any, place: Array) -> tuple[Shape, Pose]:
-    """The shape of a geometry, and where it is."""
+    """The shape of a mesh at a place (4 x 4 matrix), and its pose."""
     exact = _primitive(mesh)
     if exact is not None:
         try:
             return exact, Pose.of(place @ np.asarray(mesh.primitive.transform))
-        except InputError:  # scaled or mirrored in the scene: its triangles are
+        except InputError:  # a scaled or mirrored primitive is read as a mesh
             pass
     corners = np.asarray(mesh.vertices, dtype=np.float64)
     with np.errstate(over="ignore"):
         single = corners.astype(np.float32)
-    found = Mesh(single if np.array_equal(single, corners) else corners, np.asarray(mesh.faces))
-    return placed(found, place), Pose()
+    shape = Mesh(single if np.array_equal(single, corners) else corners, np.asarray(mesh.faces))
+    return transform_mesh(shape, place), Pose()
 
 
 def _primitive(mesh: Any) -> Shape | None:
+    """The exact shape of a box, cylinder or sphere of `trimesh.primitives`; else None."""
     kinds = [kind.__name__ for kind in type(mesh).__mro__ if "primitives" in kind.__module__]
-    own: Any = getattr(mesh, "primitive", None)
+    primitive: Any = getattr(mesh, "primitive", None)
     if "Box" in kinds:
-        return Box(own.extents)
+        return Box(primitive.extents)
     if "Cylinder" in kinds:
-        return Cylinder(float(own.radius), float(own.height))
+        return Cylinder(float(primitive.radius), float(primitive.height))
     if "Sphere" in kinds:
-        return Sphere(float(own.radius))
+        return Sphere(float(primitive.radius))
     return None
 
 
 def scene_of(assembly: Assembly) -> Any:
-    """A `trimesh.Scene` with a node a part, under its name, in the units of the assembly.
+    """A `trimesh.Scene` with a node for each part, in the units of the assembly.
 
     Raises
     ------
