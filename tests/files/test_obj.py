@@ -88,7 +88,7 @@ FAULTS = [
         "line 2: vertex 1 is [nan, 0.0, 0.0]; give",
     ),
     (TIP + "v 0 inf 0\n", "line 10: vertex 5 is [0.0, inf, 0.0]; give finite"),
-    (TIP + "f 1 2 9\n", "line 10: the face names vertex 9, the file has 4; vertices are numbered from 1 to 4"),
+    (TIP + "f 1 2 9\n", "line 10: the face names vertex 9, the file has 4; vertices are numbered"),
     (TIP + "f 1 2 0\n", "line 10: the face names vertex 0, the file has 4"),
     (TIP + "f 1 2 -5\n", "line 10: the face names vertex -5, the file has 4"),
     (TIP + "f 1 2\n", "line 10: face is '1 2'; name three or more"),
